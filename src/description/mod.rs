@@ -1,0 +1,11 @@
+//! Robot and world files: text in, one typed model out, every problem with its file and line.
+
+pub mod diagnostics;
+pub mod mesh;
+pub mod model;
+pub mod package;
+pub mod sensor;
+pub mod values;
+pub mod xml;
+
+pub use diagnostics::{Diagnostics, Problem, Severity, Source};

@@ -1,0 +1,114 @@
+//! Numbers, vectors and poses out of XML text, with one clear error where they are not.
+
+use super::diagnostics::{Diagnostics, Source};
+use super::xml::Element;
+use belvedere_sensors::Pose;
+use glam::DVec3;
+use std::str::FromStr;
+
+/// Parses `text` into N finite numbers separated by white space. `what` names the value in the error, for
+/// example `<pose>` or `attribute 'xyz' of <origin>`.
+pub fn numbers<const N: usize>(
+    text: &str,
+    what: &str,
+    source: &Source,
+    diagnostics: &mut Diagnostics,
+) -> Option<[f64; N]> {
+    let remedy = || {
+        if N == 1 {
+            "write one finite number".into()
+        } else {
+            format!("write {N} finite numbers separated by spaces")
+        }
+    };
+    let mut values = [0.0; N];
+    let mut words = text.split_whitespace();
+    for value in &mut values {
+        let Some(word) = words.next() else {
+            diagnostics.error(source, format!("{what} is '{}': too few numbers", text.trim()), remedy());
+            return None;
+        };
+        match f64::from_str(word) {
+            Ok(number) if number.is_finite() => *value = number,
+            _ => {
+                diagnostics.error(
+                    source,
+                    format!("{what} is '{}': '{word}' is not a finite number", text.trim()),
+                    remedy(),
+                );
+                return None;
+            }
+        }
+    }
+    if words.next().is_some() {
+        diagnostics.error(source, format!("{what} is '{}': too many numbers", text.trim()), remedy());
+        return None;
+    }
+    Some(values)
+}
+
+/// One finite number.
+pub fn number(text: &str, what: &str, source: &Source, diagnostics: &mut Diagnostics) -> Option<f64> {
+    numbers::<1>(text, what, source, diagnostics).map(|[value]| value)
+}
+
+/// The number inside the child element `name`, or none if there is no such child. A child that is not a number
+/// is an error and counts as absent.
+pub fn child_number(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -> Option<f64> {
+    let child = parent.child(name)?;
+    number(&child.text(), &format!("<{name}>"), &child.source, diagnostics)
+}
+
+/// The text inside the child element `name`, if it is there and not empty.
+pub fn child_text(parent: &Element, name: &str) -> Option<String> {
+    parent.child(name).map(Element::text).filter(|text| !text.is_empty())
+}
+
+/// The boolean inside the child element `name`: `true`, `1`, `false`, `0` in any case.
+pub fn child_bool(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -> Option<bool> {
+    let child = parent.child(name)?;
+    let text = child.text();
+    match text.to_ascii_lowercase().as_str() {
+        "true" | "1" => Some(true),
+        "false" | "0" => Some(false),
+        _ => {
+            diagnostics.error(&child.source, format!("<{name}> is '{text}'"), "write true or false");
+            None
+        }
+    }
+}
+
+/// SDF `<pose>x y z roll pitch yaw</pose>` inside `parent`; identity if there is none.
+pub fn child_pose(parent: &Element, diagnostics: &mut Diagnostics) -> Pose {
+    let Some(child) = parent.child("pose") else { return Pose::IDENTITY };
+    let text = child.text();
+    if text.is_empty() {
+        return Pose::IDENTITY;
+    }
+    numbers::<6>(&text, "<pose>", &child.source, diagnostics)
+        .map_or(Pose::IDENTITY, |[x, y, z, roll, pitch, yaw]| {
+            Pose::from_xyz_rpy(DVec3::new(x, y, z), DVec3::new(roll, pitch, yaw))
+        })
+}
+
+/// URDF `<origin xyz="…" rpy="…"/>` inside `parent`; identity if there is none.
+pub fn child_origin(parent: &Element, diagnostics: &mut Diagnostics) -> Pose {
+    let Some(origin) = parent.child("origin") else { return Pose::IDENTITY };
+    let mut vector = |name: &str| {
+        origin.attribute(name).map_or(Some(DVec3::ZERO), |text| {
+            let what = format!("attribute '{name}' of <origin>");
+            numbers::<3>(text, &what, &origin.source, diagnostics).map(DVec3::from_array)
+        })
+    };
+    let (xyz, rpy) = (vector("xyz"), vector("rpy"));
+    xyz.zip(rpy).map_or(Pose::IDENTITY, |(xyz, rpy)| Pose::from_xyz_rpy(xyz, rpy))
+}
+
+/// The name in `candidates` that is nearest to `name` by edit distance, for "did you mean".
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, candidate)| candidate)
+}

@@ -1,0 +1,4 @@
+//! Belvedere: a robot sensor simulator.
+#![forbid(unsafe_code)]
+
+pub mod description;

@@ -1,0 +1,3 @@
+//! The `belvedere` command.
+
+fn main() {}

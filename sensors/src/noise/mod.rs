@@ -1,1 +1,21 @@
 //! Counter-based random numbers and the noise models built on them.
+//!
+//! | layer | gives |
+//! |---|---|
+//! | [`philox`] | the block function: 128 bits of counter and 64 bits of key to 128 random bits |
+//! | [`stream`] | which counter and key belong to a sample: a function of (seed, sensor, frame, channel, index) |
+//! | [`gaussian`] | standard normals from these words, the same bits on every machine |
+//! | [`gazebo`] | the noise that SDF's `<noise type="gaussian">` describes |
+//!
+//! There is no generator state. A sample is computed from where and when it is, so neither the order of the
+//! pixels, nor the number of threads, nor the width of the vectors can change a frame.
+
+pub mod gaussian;
+pub mod gazebo;
+pub mod philox;
+pub mod stream;
+
+pub use gaussian::{fill_standard_normal, fill_standard_normal_with, normals16, normals64};
+pub use gazebo::{GaussianNoise, GaussianNoiseError};
+pub use philox::philox4x32;
+pub use stream::Stream;

@@ -1,0 +1,87 @@
+//! Which random words belong to which sample.
+//!
+//! A sample is named by (seed, sensor, frame, channel, index). These are laid out in Philox's inputs as they
+//! are, nothing is hashed, so two different names never share an input:
+//!
+//! | input | bits 0–15 | bits 16–31 |
+//! |---|---|---|
+//! | counter 0 | index / 4, in the order below | |
+//! | counter 1 | frame 0–31 | |
+//! | counter 2 | channel | seed 32–47 |
+//! | counter 3 | frame 32–47 | seed 48–63 |
+//! | key 0 | seed 0–31 | |
+//! | key 1 | sensor | |
+//!
+//! Every block of 16 samples takes four counters of four words. Sample 16·b + 4·w + c is word w of counter
+//! 4·b + c: the words of one kind lie side by side, as vectors want them.
+
+use super::philox::{philox4x32, philox4x32_lanes};
+
+/// Rounds of Philox behind every sample.
+const ROUNDS: usize = 10;
+
+/// The random numbers of one channel of one frame of one sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Stream {
+    /// The seed of the simulation.
+    pub seed: u64,
+    /// Which sensor of the simulation.
+    pub sensor: u32,
+    /// Which frame of the sensor; the low 48 bits count, which are 8900 years at 1 kHz.
+    pub frame: u64,
+    /// Which use of random numbers within the frame: additive noise, dropout, …; [`Stream::BIAS`] and above are
+    /// this crate's own.
+    pub channel: u16,
+}
+
+impl Stream {
+    /// The first of the channels reserved for constants that are drawn once per sensor.
+    pub const BIAS: u16 = 0xFFF0;
+    /// The channel of the signs of the biases.
+    pub(super) const BIAS_SIGN: u16 = Self::BIAS + 1;
+
+    /// The random word of sample `index`, uniform on all of `u32`.
+    #[must_use]
+    #[inline]
+    pub fn word(&self, index: u32) -> u32 {
+        let (block, word, lane) = (index / 16, index / 4 % 4, index % 4);
+        philox4x32::<ROUNDS>(self.counter(4 * block + lane), self.key())[word as usize]
+    }
+
+    /// Sample `index` as a uniform number in (0, 1): the centre of one of 2²³ equal cells, so that neither end
+    /// occurs and the mean is exactly ½.
+    #[must_use]
+    #[inline]
+    pub fn uniform(&self, index: u32) -> f32 {
+        ((self.word(index) >> 9) as f32 + 0.5) * (1.0 / (1_u32 << 23) as f32)
+    }
+
+    /// The words of `LANES` consecutive counters from `first_counter` on, wrapping round: `[w][c]` is word w of
+    /// counter `first_counter` + c. `LANES` is a multiple of 4 and `first_counter` four times a block number.
+    #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+    #[inline(always)]
+    pub(super) fn words<const LANES: usize>(&self, first_counter: u32) -> [[u32; LANES]; 4] {
+        let [_, c1, c2, c3] = self.counter(0);
+        let mut c0 = [first_counter; LANES];
+        for (lane, counter) in c0.iter_mut().enumerate() {
+            *counter = counter.wrapping_add(lane as u32);
+        }
+        philox4x32_lanes::<ROUNDS, LANES>([c0, [c1; LANES], [c2; LANES], [c3; LANES]], self.key())
+    }
+
+    #[inline]
+    const fn counter(&self, counter: u32) -> [u32; 4] {
+        let seed_high = (self.seed >> 32) as u32;
+        [
+            counter,
+            self.frame as u32,
+            (seed_high << 16) | self.channel as u32,
+            (seed_high & 0xFFFF_0000) | ((self.frame >> 32) as u32 & 0xFFFF),
+        ]
+    }
+
+    #[inline]
+    const fn key(&self) -> [u32; 2] {
+        [self.seed as u32, self.sensor]
+    }
+}

@@ -32,7 +32,14 @@ pub fn philox4x32_lanes<const ROUNDS: usize, const LANES: usize>(
 ) -> [[u32; LANES]; 4] {
     // Each 32-bit word lives in a 64-bit lane and only its low half counts: the low half is what a widening
     // multiplication reads, so products need neither packing nor masking between rounds.
-    let [mut c0, mut c1, mut c2, mut c3] = counter.map(|words| words.map(u64::from));
+    // Plain loops, not `map`, which is a function that may stay outside the caller's target features.
+    let [mut c0, mut c1, mut c2, mut c3] = [[0; LANES]; 4];
+    for lane in 0..LANES {
+        c0[lane] = u64::from(counter[0][lane]);
+        c1[lane] = u64::from(counter[1][lane]);
+        c2[lane] = u64::from(counter[2][lane]);
+        c3[lane] = u64::from(counter[3][lane]);
+    }
     let [mut key0, mut key1] = key;
     for _ in 0..ROUNDS {
         for lane in 0..LANES {
@@ -46,7 +53,14 @@ pub fn philox4x32_lanes<const ROUNDS: usize, const LANES: usize>(
         key0 = key0.wrapping_add(KEY_STEPS[0]);
         key1 = key1.wrapping_add(KEY_STEPS[1]);
     }
-    [c0, c1, c2, c3].map(|words| words.map(|word| word as u32))
+    let mut words = [[0; LANES]; 4];
+    for lane in 0..LANES {
+        words[0][lane] = c0[lane] as u32;
+        words[1][lane] = c1[lane] as u32;
+        words[2][lane] = c2[lane] as u32;
+        words[3][lane] = c3[lane] as u32;
+    }
+    words
 }
 
 #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]

@@ -1,12 +1,46 @@
-//! Robot sensors by exact ray casting.
+//! Robot sensors by exact ray casting: cameras, depth cameras and lidars.
+//!
+//! `no_std`, no allocation while sensing, no unsafe code, and the same bits from the same input on every machine,
+//! thread count and SIMD level. The layers, bottom up; each uses only those above it in this list:
+//!
+//! 1. [`simd`]: the level token and the packet width; [`pose`]: rigid poses in f64.
+//! 2. [`noise`]: counter-based random numbers and Gazebo's Gaussian noise.
+//! 3. [`scene`]: what is looked at, as plain borrowed data.
+//! 4. [`trace`]: where rays meet it.
+//! 5. [`lens`]: which way the ray of a pixel goes.
+//! 6. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once (`Result`); after that
+//!    `sense` fills the caller's slices, and neither fails nor allocates.
+//!
+//! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames
+//! (clouds, [`lens`]) have z forward, x right, y down. Pixel centres are integers.
+//!
+//! What a sensor sees is decided by [`scene::visibility`]: cameras see visuals, lidars hit collision shapes.
+//!
+//! Features: `std` (default) finds the SIMD level at run time; `alloc` gives the owned
+//! [`SceneBuilder`](scene::SceneBuilder) and [`WorkspaceBuf`](trace::WorkspaceBuf); `rayon` spreads a frame over
+//! threads.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
+// Kernels must be inlined into the `vectorize` closure that compiles them for an instruction set, and their plain
+// indexed loops over lanes are what the compiler vectorises.
+#![allow(clippy::inline_always, clippy::needless_range_loop)]
 
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+pub mod camera;
+pub mod depth;
+mod execution;
+pub mod lens;
+pub mod lidar;
 pub mod noise;
+mod pixel;
 pub mod pose;
+pub mod scene;
+mod shade;
+pub mod simd;
+pub mod trace;
 
+pub use execution::Execution;
 pub use pose::Pose;

@@ -1,0 +1,235 @@
+//! Colour cameras: textured, lit, with shadows and Gazebo's pixel noise.
+
+use crate::execution::{SplitRows, for_each_row};
+use crate::lens::{Pinhole, TILE_HEIGHT, TILE_WIDTH};
+use crate::noise::{GaussianNoise, Stream, normals64};
+use crate::pixel;
+pub use crate::pixel::PixelFormat;
+use crate::scene::{Scene, visibility};
+use crate::shade::{PixelSteps, shade};
+use crate::simd::{LANES, Lanes};
+use crate::trace::frame::Frame;
+use crate::trace::packet::Faces;
+use crate::trace::traverse::nearest;
+use crate::trace::{Capture, Workspace};
+use fearless_simd::{Simd, dispatch};
+
+/// Largest width and height of a picture in pixels.
+pub const MAX_IMAGE_SIZE: u32 = 16384;
+
+/// What a camera is like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraConfig {
+    /// Pixels across, 1 … [`MAX_IMAGE_SIZE`].
+    pub width: u32,
+    /// Pixels down, 1 … [`MAX_IMAGE_SIZE`].
+    pub height: u32,
+    /// Full horizontal angle of view in radians, in (0, π).
+    pub horizontal_fov_rad: f64,
+    /// Layout of a pixel.
+    pub format: PixelFormat,
+    /// What is nearer along the optical axis is not seen, in metres, more than 0.
+    pub near_m: f64,
+    /// What is farther along the optical axis is not seen, in metres, more than `near_m`.
+    pub far_m: f64,
+    /// Noise of a colour value in [0, 1]; one sample a pixel, the same for R, G and B.
+    pub noise: GaussianNoise,
+    /// Seed of the simulation.
+    pub seed: u64,
+    /// Number of the sensor in the simulation.
+    pub sensor: u32,
+}
+
+/// Why a camera cannot be made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// Width or height is 0 or more than [`MAX_IMAGE_SIZE`].
+    ImageSize,
+    /// The angle of view is not in (0, π).
+    FieldOfView,
+    /// Not 0 < near < far.
+    Clip,
+    /// The valid range of a depth camera is not 0 ≤ min < max.
+    Cutoff,
+}
+
+impl core::fmt::Display for CameraError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::ImageSize => "width and height must be 1 to 16384 pixels",
+            Self::FieldOfView => "the angle of view must be more than 0 and less than π",
+            Self::Clip => "the clip distances must be 0 < near < far",
+            Self::Cutoff => "the valid depths must be 0 <= min < max",
+        })
+    }
+}
+
+impl core::error::Error for CameraError {}
+
+/// A checked colour camera. It looks along +x of its frame, its picture's right is −y and down is −z.
+///
+/// ```
+/// use belvedere_sensors::{camera::*, noise::GaussianNoise, scene::*, trace::*, Pose};
+/// let mut builder = SceneBuilder::new();
+/// let red = builder.add_material(&MaterialConfig { emissive: [1.0, 0.0, 0.0], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
+/// builder.add_instance(&InstanceConfig {
+///     shape: Shape::Sphere { radius: 0.5 },
+///     world_from_instance: Pose::from_translation(glam::DVec3::X * 2.0),
+///     material: red,
+///     visibility: visibility::VISUAL,
+///     laser_retro: 0.0,
+/// })?;
+/// let camera = Camera::new(CameraConfig {
+///     width: 64, height: 48, horizontal_fov_rad: 1.0, format: PixelFormat::Rgb8, near_m: 0.02, far_m: 300.0,
+///     noise: GaussianNoise::NONE, seed: 1, sensor: 0,
+/// })?;
+/// let mut pixels = vec![0; camera.frame_len()];
+/// let mut workspace = WorkspaceBuf::for_scene(&builder.scene());
+/// let capture = Capture { world_from_sensor: Pose::IDENTITY, frame: 0 };
+/// camera.sense(&builder.scene(), &capture, &mut workspace.lend(), &mut pixels);
+/// let middle = 24 * camera.row_stride() + 32 * 3;
+/// assert_eq!(pixels[middle..middle + 3], [255, 0, 0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Camera {
+    config: CameraConfig,
+    lens: Pinhole,
+    bias: f32,
+}
+
+impl Camera {
+    /// Checks the configuration.
+    ///
+    /// # Errors
+    /// A [`CameraError`] that names the value out of range.
+    pub fn new(config: CameraConfig) -> Result<Self, CameraError> {
+        let size = 1..=MAX_IMAGE_SIZE;
+        if !size.contains(&config.width) || !size.contains(&config.height) {
+            return Err(CameraError::ImageSize);
+        }
+        if !(config.horizontal_fov_rad > 0.0 && config.horizontal_fov_rad < core::f64::consts::PI) {
+            return Err(CameraError::FieldOfView);
+        }
+        if !(config.near_m > 0.0 && config.near_m < config.far_m) {
+            return Err(CameraError::Clip);
+        }
+        Ok(Self {
+            config,
+            lens: Pinhole::from_fov(config.width, config.height, config.horizontal_fov_rad),
+            bias: config.noise.bias(config.seed, config.sensor, 0),
+        })
+    }
+
+    /// What it was made from.
+    pub fn config(&self) -> &CameraConfig {
+        &self.config
+    }
+
+    /// The projection that the picture really has.
+    pub fn lens(&self) -> &Pinhole {
+        &self.lens
+    }
+
+    /// Bytes from one row to the next: rows are not padded.
+    pub fn row_stride(&self) -> usize {
+        self.config.width as usize * self.config.format.bytes()
+    }
+
+    /// Bytes of a picture.
+    pub fn frame_len(&self) -> usize {
+        self.row_stride() * self.config.height as usize
+    }
+
+    /// Takes a picture into `pixels`, top row first.
+    ///
+    /// # Panics
+    /// When `pixels` is not [`Camera::frame_len`] long, or the workspace does not fit the scene.
+    pub fn sense(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture,
+        workspace: &mut Workspace<'_>,
+        pixels: &mut [u8],
+    ) {
+        assert_eq!(pixels.len(), self.frame_len(), "the buffer must hold exactly one picture");
+        let execution = workspace.execution;
+        let origin = capture.world_from_sensor.translation();
+        let frame = Frame::new(scene, origin, visibility::VISUAL, workspace);
+        let rows = Rows { pixels, bytes: self.row_stride() * TILE_HEIGHT };
+        for_each_row(execution, 0..self.lens.tiles()[1], rows, &|row, rows: Rows<'_>| {
+            dispatch!(execution.level, simd => self.sense_row(simd, &frame, capture, row, rows.pixels));
+        });
+    }
+
+    fn sense_row<S: Simd>(
+        &self,
+        simd: S,
+        frame: &Frame<'_>,
+        capture: &Capture,
+        row: usize,
+        pixels: &mut [u8],
+    ) {
+        let steps = self.lens.pixel_steps(&capture.world_from_sensor);
+        let mut colours = [[0.0; 3]; LANES];
+        let tiles = self.lens.tiles()[0];
+        for column in 0..tiles {
+            self.trace_tile(simd, frame, capture, [column, row], &steps, &mut colours);
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    self.add_noise(capture.frame, (row * tiles + column) as u32, &mut colours);
+                    let format = self.config.format;
+                    pixel::write_tile(&colours, format, column * TILE_WIDTH, pixels, self.row_stride());
+                },
+            );
+        }
+    }
+
+    fn trace_tile<S: Simd>(
+        &self,
+        simd: S,
+        frame: &Frame<'_>,
+        capture: &Capture,
+        tile: [usize; 2],
+        steps: &PixelSteps,
+        colours: &mut Lanes<[f32; 3]>,
+    ) {
+        let clip = [self.config.near_m, self.config.far_m];
+        let mut packet = simd.vectorize(
+            #[inline(always)]
+            || self.lens.fill_packet(&capture.world_from_sensor, tile, clip),
+        );
+        nearest(simd, frame, &mut packet, Faces::Front);
+        shade(simd, frame, &packet, steps, colours);
+    }
+
+    /// The noise of a tile. Samples are counted tile by tile, 64 to each, along the rows of tiles.
+    #[inline(always)]
+    pub(crate) fn add_noise(&self, frame: u64, tile: u32, colours: &mut Lanes<[f32; 3]>) {
+        if self.config.noise.is_none() {
+            return;
+        }
+        let stream =
+            Stream { seed: self.config.seed, sensor: self.config.sensor, frame, channel: COLOUR_CHANNEL };
+        pixel::add_noise(colours, &self.config.noise, self.bias, &normals64(&stream, 4 * tile));
+    }
+}
+
+/// Noise channel of colours.
+const COLOUR_CHANNEL: u16 = 0;
+
+/// Rows of pixels, cut between rows of tiles.
+struct Rows<'a> {
+    pixels: &'a mut [u8],
+    /// Bytes of a row of tiles.
+    bytes: usize,
+}
+
+impl SplitRows for Rows<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let (upper, lower) = self.pixels.split_at_mut(rows * self.bytes);
+        (Self { pixels: upper, bytes: self.bytes }, Self { pixels: lower, bytes: self.bytes })
+    }
+}

@@ -1,0 +1,273 @@
+//! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
+
+use crate::camera::{Camera, CameraConfig, CameraError};
+use crate::execution::{SplitRows, for_each_row};
+use crate::lens::{TILE_HEIGHT, TILE_WIDTH};
+use crate::noise::{GaussianNoise, Stream, normals64};
+use crate::pixel::{self, to_byte};
+use crate::scene::{Scene, visibility};
+use crate::shade::shade;
+use crate::simd::{LANES, Lanes};
+use crate::trace::frame::Frame;
+use crate::trace::packet::{Faces, MISS, Packet};
+use crate::trace::traverse::nearest;
+use crate::trace::{Capture, Workspace};
+use fearless_simd::{Simd, dispatch};
+
+/// Bytes of a point of the cloud: x 0, y 4, z 8, rgb 16, all f32, as `gazebo_ros_openni_kinect` lays it out.
+pub const POINT_STEP: usize = 32;
+
+/// What a depth camera is like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthCameraConfig {
+    /// Geometry, clip distances, and the colour picture.
+    pub camera: CameraConfig,
+    /// Depth at or below is too near, in metres.
+    pub min_depth_m: f64,
+    /// Depth at or above is too far, in metres; may be infinite.
+    pub max_depth_m: f64,
+    /// What stands for too near and too far.
+    pub out_of_range: OutOfRange,
+    /// Noise of a depth in metres.
+    pub noise: GaussianNoise,
+}
+
+/// What a 32FC1 depth outside the valid range becomes. In 16UC1 it is 0 in any case, and in the cloud NaN.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OutOfRange {
+    /// REP-117: too near is −∞, too far or nothing there +∞.
+    Infinite,
+    /// As Gazebo's Kinect plugin: NaN.
+    Nan,
+}
+
+/// Where the parts of a depth frame go; what is none is not worked out. Rows run from the top, not padded.
+#[derive(Debug, Default)]
+pub struct DepthFrame<'a> {
+    /// Depth in metres (32FC1), one per pixel.
+    pub depth_32fc1: Option<&'a mut [f32]>,
+    /// Depth in millimetres (16UC1), one per pixel; 0 where invalid.
+    pub depth_16uc1: Option<&'a mut [u16]>,
+    /// Colours in the format of the camera, [`Camera::frame_len`] bytes.
+    pub colour: Option<&'a mut [u8]>,
+    /// Points in the optical frame, [`POINT_STEP`] bytes per pixel.
+    pub points: Option<&'a mut [u8]>,
+}
+
+/// A checked depth camera; it looks along +x of its frame like a [`Camera`].
+#[derive(Debug, Clone, Copy)]
+pub struct DepthCamera {
+    config: DepthCameraConfig,
+    camera: Camera,
+    bias: f32,
+}
+
+/// Noise channel of depths.
+const DEPTH_CHANNEL: u16 = 1;
+
+impl DepthCamera {
+    /// Checks the configuration.
+    ///
+    /// # Errors
+    /// A [`CameraError`] that names the value out of range.
+    pub fn new(config: DepthCameraConfig) -> Result<Self, CameraError> {
+        if !(config.min_depth_m >= 0.0 && config.min_depth_m < config.max_depth_m) {
+            return Err(CameraError::Cutoff);
+        }
+        let camera = Camera::new(config.camera)?;
+        Ok(Self { config, camera, bias: config.noise.bias(config.camera.seed, config.camera.sensor, 1) })
+    }
+
+    /// What it was made from.
+    pub fn config(&self) -> &DepthCameraConfig {
+        &self.config
+    }
+
+    /// The colour camera in the same place, pixel for pixel.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Pixels of a frame.
+    pub fn pixels(&self) -> usize {
+        self.config.camera.width as usize * self.config.camera.height as usize
+    }
+
+    /// Takes a frame.
+    ///
+    /// # Panics
+    /// When a buffer is not exactly as long as a frame needs, or the workspace does not fit the scene.
+    pub fn sense(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture,
+        workspace: &mut Workspace<'_>,
+        output: DepthFrame<'_>,
+    ) {
+        let pixels = self.pixels();
+        let check = |length: Option<usize>, expected: usize| {
+            assert!(length.is_none_or(|length| length == expected), "a buffer must hold exactly one frame");
+        };
+        check(output.depth_32fc1.as_ref().map(|depth| depth.len()), pixels);
+        check(output.depth_16uc1.as_ref().map(|depth| depth.len()), pixels);
+        check(output.colour.as_ref().map(|colour| colour.len()), self.camera.frame_len());
+        check(output.points.as_ref().map(|points| points.len()), pixels * POINT_STEP);
+
+        let execution = workspace.execution;
+        let origin = capture.world_from_sensor.translation();
+        let frame = Frame::new(scene, origin, visibility::VISUAL, workspace);
+        let rows = Rows {
+            output,
+            width: self.config.camera.width as usize,
+            colour_stride: self.camera.row_stride(),
+        };
+        for_each_row(execution, 0..self.camera.lens().tiles()[1], rows, &|row, rows: Rows<'_>| {
+            dispatch!(execution.level, simd => self.sense_row(simd, &frame, capture, row, rows.output));
+        });
+    }
+
+    fn sense_row<S: Simd>(
+        &self,
+        simd: S,
+        frame: &Frame<'_>,
+        capture: &Capture,
+        row: usize,
+        mut output: DepthFrame<'_>,
+    ) {
+        let lens = self.camera.lens();
+        let steps = lens.pixel_steps(&capture.world_from_sensor);
+        let clip = [self.config.camera.near_m, self.config.camera.far_m];
+        let wants_colour = output.colour.is_some() || output.points.is_some();
+        let mut colours = [[0.0; 3]; LANES];
+        let tiles = lens.tiles()[0];
+        for column in 0..tiles {
+            let mut packet = simd.vectorize(
+                #[inline(always)]
+                || lens.fill_packet(&capture.world_from_sensor, [column, row], clip),
+            );
+            nearest(simd, frame, &mut packet, Faces::Front);
+            if wants_colour {
+                shade(simd, frame, &packet, &steps, &mut colours);
+            }
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    let tile = (row * tiles + column) as u32;
+                    if wants_colour {
+                        self.camera.add_noise(capture.frame, tile, &mut colours);
+                    }
+                    let depths = self.depths(&packet, capture.frame, tile);
+                    self.write_tile(&depths, &colours, [column, row], &mut output);
+                },
+            );
+        }
+    }
+
+    /// Measured depths in metres: REP-117 values where there is none.
+    #[inline(always)]
+    fn depths(&self, packet: &Packet, frame: u64, tile: u32) -> Lanes<f32> {
+        let config = &self.config;
+        let mut normals = [0.0; LANES];
+        if !config.noise.is_none() {
+            let CameraConfig { seed, sensor, .. } = config.camera;
+            normals = normals64(&Stream { seed, sensor, frame, channel: DEPTH_CHANNEL }, 4 * tile);
+        }
+        let (min, max) = (config.min_depth_m as f32, config.max_depth_m as f32);
+        core::array::from_fn(|lane| {
+            let truth = packet.t[lane] as f32;
+            if packet.placed[lane] == MISS || truth >= max {
+                f32::INFINITY
+            } else if truth <= min {
+                f32::NEG_INFINITY
+            } else {
+                config.noise.apply(truth, self.bias, normals[lane])
+            }
+        })
+    }
+
+    #[inline(always)]
+    fn write_tile(
+        &self,
+        depths: &Lanes<f32>,
+        colours: &Lanes<[f32; 3]>,
+        [column, row]: [usize; 2],
+        output: &mut DepthFrame<'_>,
+    ) {
+        let width = self.config.camera.width as usize;
+        let first = column * TILE_WIDTH;
+        let tile_rows = || depths.as_chunks::<TILE_WIDTH>().0.iter();
+        if let Some(depth) = &mut output.depth_32fc1 {
+            let nan = self.config.out_of_range == OutOfRange::Nan;
+            for (line, depths) in depth.chunks_mut(width).zip(tile_rows()) {
+                for (pixel, &depth) in line[first..].iter_mut().zip(depths) {
+                    *pixel = if nan && !depth.is_finite() { f32::NAN } else { depth };
+                }
+            }
+        }
+        if let Some(depth) = &mut output.depth_16uc1 {
+            for (line, depths) in depth.chunks_mut(width).zip(tile_rows()) {
+                for (pixel, &depth) in line[first..].iter_mut().zip(depths) {
+                    let millimetres = depth * 1000.0 + 0.5;
+                    *pixel = if (1.0..65536.0).contains(&millimetres) { millimetres as u16 } else { 0 };
+                }
+            }
+        }
+        if let Some(colour) = &mut output.colour {
+            pixel::write_tile(colours, self.config.camera.format, first, colour, self.camera.row_stride());
+        }
+        if let Some(points) = &mut output.points {
+            let lines = points.chunks_mut(width * POINT_STEP);
+            for (y, (line, depths)) in lines.zip(tile_rows()).enumerate() {
+                for (x, point) in
+                    line[first * POINT_STEP..].chunks_exact_mut(POINT_STEP).take(TILE_WIDTH).enumerate()
+                {
+                    let pixel = [(first + x) as f64, (row * TILE_HEIGHT + y) as f64];
+                    let ray = self.camera.lens().unproject(pixel);
+                    write_point(point, [ray.x as f32, ray.y as f32], depths[x], colours[y * TILE_WIDTH + x]);
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn write_point(point: &mut [u8], [right, down]: [f32; 2], depth: f32, colour: [f32; 3]) {
+    let xyz = if depth.is_finite() { [right * depth, down * depth, depth] } else { [f32::NAN; 3] };
+    let [red, green, blue] = colour.map(|channel| u32::from(to_byte(channel)));
+    let rgb = red << 16 | green << 8 | blue;
+    let [x, y, z] = xyz.map(f32::to_bits);
+    let words = [x, y, z, 0, rgb, 0, 0, 0];
+    for (bytes, word) in point.as_chunks_mut::<4>().0.iter_mut().zip(words) {
+        *bytes = word.to_le_bytes();
+    }
+}
+
+/// The parts of a frame, cut between rows of tiles.
+struct Rows<'a> {
+    output: DepthFrame<'a>,
+    width: usize,
+    colour_stride: usize,
+}
+
+impl SplitRows for Rows<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        fn cut<T>(slice: Option<&mut [T]>, at: usize) -> (Option<&mut [T]>, Option<&mut [T]>) {
+            slice.map(|slice| slice.split_at_mut(at)).unzip()
+        }
+        let pixels = rows * TILE_HEIGHT * self.width;
+        let (depth_32fc1, lower_32fc1) = cut(self.output.depth_32fc1, pixels);
+        let (depth_16uc1, lower_16uc1) = cut(self.output.depth_16uc1, pixels);
+        let (colour, lower_colour) = cut(self.output.colour, rows * TILE_HEIGHT * self.colour_stride);
+        let (points, lower_points) = cut(self.output.points, pixels * POINT_STEP);
+        let with = |output| Self { output, width: self.width, colour_stride: self.colour_stride };
+        (
+            with(DepthFrame { depth_32fc1, depth_16uc1, colour, points }),
+            with(DepthFrame {
+                depth_32fc1: lower_32fc1,
+                depth_16uc1: lower_16uc1,
+                colour: lower_colour,
+                points: lower_points,
+            }),
+        )
+    }
+}

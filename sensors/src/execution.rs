@@ -1,0 +1,67 @@
+//! How the work of a frame is spread over a machine. It never changes the result.
+
+use crate::simd::{Level, best_level};
+
+/// SIMD level and threads to use.
+#[derive(Debug, Clone, Copy)]
+pub struct Execution {
+    /// Instruction set.
+    pub level: Level,
+    /// All threads of the current rayon pool instead of the calling one alone.
+    #[cfg(feature = "rayon")]
+    pub parallel: bool,
+}
+
+impl Default for Execution {
+    /// The calling thread with the best instruction set there is.
+    fn default() -> Self {
+        Self {
+            level: best_level(),
+            #[cfg(feature = "rayon")]
+            parallel: false,
+        }
+    }
+}
+
+impl Execution {
+    /// All threads of the current rayon pool.
+    #[cfg(feature = "rayon")]
+    pub fn parallel() -> Self {
+        Self { parallel: true, ..Self::default() }
+    }
+}
+
+/// Output that can be cut between two rows of tiles.
+pub(crate) trait SplitRows: Sized + Send {
+    /// The first `rows` rows of tiles, and the rest.
+    fn split_rows(self, rows: usize) -> (Self, Self);
+}
+
+#[cfg_attr(not(feature = "rayon"), allow(clippy::only_used_in_recursion, reason = "threads come with rayon"))]
+/// Calls `work` for each row of tiles with its part of `output`. Halves the rows until one is left, so that
+/// threads can take over the other half; nothing is allocated.
+pub(crate) fn for_each_row<O: SplitRows>(
+    execution: Execution,
+    rows: core::ops::Range<usize>,
+    output: O,
+    work: &(impl Fn(usize, O) + Sync),
+) {
+    match rows.len() {
+        0 => {}
+        1 => work(rows.start, output),
+        count => {
+            let middle = rows.start + count / 2;
+            let (upper, lower) = output.split_rows(count / 2);
+            #[cfg(feature = "rayon")]
+            if execution.parallel {
+                rayon::join(
+                    || for_each_row(execution, rows.start..middle, upper, work),
+                    || for_each_row(execution, middle..rows.end, lower, work),
+                );
+                return;
+            }
+            for_each_row(execution, rows.start..middle, upper, work);
+            for_each_row(execution, middle..rows.end, lower, work);
+        }
+    }
+}

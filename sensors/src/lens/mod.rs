@@ -1,0 +1,6 @@
+//! Projection: which way the ray of each pixel goes.
+
+mod pinhole;
+
+pub use pinhole::Pinhole;
+pub(crate) use pinhole::{TILE_HEIGHT, TILE_WIDTH};

@@ -1,0 +1,131 @@
+//! The pinhole camera.
+//!
+//! | frame | x | y | z |
+//! |---|---|---|---|
+//! | sensor (SDF, URDF) | forward | left | up |
+//! | optical (REP-103) | right | down | forward |
+//!
+//! Pixel centres are integers: pixel (0, 0) looks along ((0 − cx)/fx, (0 − cy)/fy, 1) in the optical frame.
+
+use crate::pose::Pose;
+use crate::shade::PixelSteps;
+use crate::simd::LANES;
+use crate::trace::packet::Packet;
+use glam::DVec3;
+
+/// A packet covers a tile of that many pixels across.
+pub(crate) const TILE_WIDTH: usize = 16;
+/// A packet covers a tile of that many pixels down.
+pub(crate) const TILE_HEIGHT: usize = LANES / TILE_WIDTH;
+
+/// Intrinsic parameters in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pinhole {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Focal length along a row.
+    pub fx: f64,
+    /// Focal length down a column.
+    pub fy: f64,
+    /// Column of the principal point.
+    pub cx: f64,
+    /// Row of the principal point.
+    pub cy: f64,
+}
+
+impl Pinhole {
+    /// A centred camera with square pixels: f = w / (2·tan(hfov / 2)), principal point ((w−1)/2, (h−1)/2).
+    ///
+    /// ```
+    /// // The articles' ceiling camera.
+    /// let lens = belvedere_sensors::lens::Pinhole::from_fov(640, 480, 1.3962634);
+    /// assert!((lens.fx - 381.36115).abs() < 1e-4);
+    /// assert_eq!((lens.cx, lens.cy), (319.5, 239.5));
+    /// ```
+    pub fn from_fov(width: u32, height: u32, horizontal_fov_rad: f64) -> Self {
+        let focal = f64::from(width) / (2.0 * libm::tan(horizontal_fov_rad * 0.5));
+        Self {
+            width,
+            height,
+            fx: focal,
+            fy: focal,
+            cx: (f64::from(width) - 1.0) * 0.5,
+            cy: (f64::from(height) - 1.0) * 0.5,
+        }
+    }
+
+    /// Pixel (column, row) of a point in the optical frame (x right, y down, z forward), wherever it may lie;
+    /// none for a point that is not in front of the camera.
+    pub fn project(&self, point_in_optical: DVec3) -> Option<[f64; 2]> {
+        (point_in_optical.z > 0.0).then(|| {
+            [
+                self.fx * point_in_optical.x / point_in_optical.z + self.cx,
+                self.fy * point_in_optical.y / point_in_optical.z + self.cy,
+            ]
+        })
+    }
+
+    /// Direction of a pixel's ray in the optical frame, with z = 1: the inverse of [`Pinhole::project`].
+    pub fn unproject(&self, [column, row]: [f64; 2]) -> DVec3 {
+        DVec3::new((column - self.cx) / self.fx, (row - self.cy) / self.fy, 1.0)
+    }
+
+    /// Tiles across and down.
+    pub(crate) fn tiles(&self) -> [usize; 2] {
+        [(self.width as usize).div_ceil(TILE_WIDTH), (self.height as usize).div_ceil(TILE_HEIGHT)]
+    }
+
+    /// How a ray's direction changes from pixel to pixel, in the axes of the world.
+    pub(crate) fn pixel_steps(&self, world_from_sensor: &Pose) -> PixelSteps {
+        let axes = world_from_sensor.rotation_matrix();
+        PixelSteps { right: axes.y_axis * (-1.0 / self.fx), down: axes.z_axis * (-1.0 / self.fy) }
+    }
+
+    /// Sets up the rays of a tile, with t the depth along the optical axis from `near` to `far`. Lanes run along
+    /// the rows; those outside the picture take no part.
+    #[inline(always)]
+    pub(crate) fn fill_packet(
+        &self,
+        world_from_sensor: &Pose,
+        [tile_column, tile_row]: [usize; 2],
+        [near, far]: [f64; 2],
+    ) -> Packet {
+        let mut packet = Packet::at_frame_origin(near);
+        let axes = world_from_sensor.rotation_matrix();
+        let mut rights = [0.0; TILE_WIDTH];
+        for (x, right) in rights.iter_mut().enumerate() {
+            *right = ((tile_column * TILE_WIDTH + x) as f64 - self.cx) / self.fx;
+        }
+        for y in 0..TILE_HEIGHT {
+            let row = tile_row * TILE_HEIGHT + y;
+            let down = (row as f64 - self.cy) / self.fy;
+            let middle = axes.x_axis - axes.z_axis * down;
+            for x in 0..TILE_WIDTH {
+                let lane = y * TILE_WIDTH + x;
+                for axis in 0..3 {
+                    packet.direction[axis][lane] = middle[axis] - axes.y_axis[axis] * rights[x];
+                }
+                let inside = tile_column * TILE_WIDTH + x < self.width as usize && row < self.height as usize;
+                packet.t[lane] = if inside { far } else { f64::NEG_INFINITY };
+            }
+        }
+        packet
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unproject_undoes_project() {
+        let lens = Pinhole::from_fov(640, 480, 1.2);
+        for point in [DVec3::new(0.3, -0.2, 1.5), DVec3::new(-4.0, 2.0, 7.0)] {
+            let pixel = lens.project(point).unwrap();
+            assert!((lens.unproject(pixel) * point.z - point).length() < 1e-12);
+        }
+        assert_eq!(lens.project(DVec3::NEG_Z), None);
+    }
+}

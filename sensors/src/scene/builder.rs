@@ -1,0 +1,208 @@
+//! An owned scene that grows.
+
+use super::bvh::{self, Aabb, Node};
+use super::texture::{TextureId, fill_mip_levels, mip_levels, mip_texels};
+use super::{
+    Environment, Instance, InstanceConfig, InstanceId, KIND_MESH, Light, LightConfig, Material,
+    MaterialConfig, MaterialId, Mesh, MeshId, NO_TEXTURE, Scene, SceneError, Texture,
+};
+use crate::pose::Pose;
+use alloc::vec;
+use alloc::vec::Vec;
+use bytemuck::Zeroable;
+
+/// Triangles in a leaf of a mesh's tree.
+const LEAF_TRIANGLES: usize = 4;
+
+/// Owns a scene's data; [`SceneBuilder::scene`] lends it.
+///
+/// ```
+/// use belvedere_sensors::{Pose, scene::*};
+/// let mut builder = SceneBuilder::new();
+/// let grey = builder.add_material(&MaterialConfig::default())?;
+/// builder.add_instance(&InstanceConfig {
+///     shape: Shape::Sphere { radius: 0.5 },
+///     world_from_instance: Pose::IDENTITY,
+///     material: grey,
+///     visibility: visibility::VISUAL | visibility::COLLISION,
+///     laser_retro: 0.0,
+/// })?;
+/// assert_eq!(builder.scene().instances().len(), 1);
+/// # Ok::<(), SceneError>(())
+/// ```
+#[derive(Debug, Default, Clone)]
+pub struct SceneBuilder {
+    instances: Vec<Instance>,
+    meshes: Vec<Mesh>,
+    vertices: Vec<[f32; 3]>,
+    uvs: Vec<[f32; 2]>,
+    triangles: Vec<[u32; 3]>,
+    nodes: Vec<Node>,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    texels: Vec<[u8; 4]>,
+    lights: Vec<Light>,
+    environment: Environment,
+}
+
+impl SceneBuilder {
+    /// An empty scene in Gazebo's default light.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes in a picture of `width` × `height` RGBA texels, top row first, and makes its mip levels.
+    ///
+    /// # Errors
+    /// [`SceneError::BadTexture`], [`SceneError::TooMany`].
+    pub fn add_texture(
+        &mut self,
+        width: u32,
+        height: u32,
+        rgba8: &[[u8; 4]],
+    ) -> Result<TextureId, SceneError> {
+        if width == 0 || height == 0 || rgba8.len() as u64 != u64::from(width) * u64::from(height) {
+            return Err(SceneError::BadTexture);
+        }
+        let first_texel =
+            index(self.texels.len() + mip_texels(width, height))? - mip_texels(width, height) as u32;
+        self.texels.extend_from_slice(rgba8);
+        self.texels.resize(first_texel as usize + mip_texels(width, height), [0; 4]);
+        fill_mip_levels(width, height, &mut self.texels[first_texel as usize..]);
+        self.textures.push(Texture { first_texel, width, height, levels: mip_levels(width, height) });
+        Ok(TextureId(index(self.textures.len() - 1)?))
+    }
+
+    /// Takes in a material.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchTexture`].
+    pub fn add_material(&mut self, config: &MaterialConfig) -> Result<MaterialId, SceneError> {
+        let material = Material::new(config);
+        if material.texture != NO_TEXTURE && material.texture as usize >= self.textures.len() {
+            return Err(SceneError::NoSuchTexture);
+        }
+        self.materials.push(material);
+        Ok(MaterialId(index(self.materials.len() - 1)?))
+    }
+
+    /// Takes in triangles, counter-clockwise seen from outside, and builds their tree. `uvs` holds one texture
+    /// coordinate per vertex, or none at all.
+    ///
+    /// # Errors
+    /// [`SceneError::BadVertex`], [`SceneError::BadTriangle`], [`SceneError::EmptyMesh`],
+    /// [`SceneError::UvCount`], [`SceneError::TooMany`].
+    pub fn add_mesh(
+        &mut self,
+        positions: &[[f32; 3]],
+        uvs: &[[f32; 2]],
+        triangles: &[[u32; 3]],
+    ) -> Result<MeshId, SceneError> {
+        if triangles.is_empty() {
+            return Err(SceneError::EmptyMesh);
+        }
+        if !uvs.is_empty() && uvs.len() != positions.len() {
+            return Err(SceneError::UvCount);
+        }
+        if let Some(bad) = positions.iter().position(|vertex| !vertex.iter().all(|x| x.is_finite())) {
+            return Err(SceneError::BadVertex(bad));
+        }
+        let in_range =
+            |triangle: &[u32; 3]| triangle.iter().all(|&vertex| (vertex as usize) < positions.len());
+        if let Some(bad) = triangles.iter().position(|triangle| !in_range(triangle)) {
+            return Err(SceneError::BadTriangle(bad));
+        }
+        let mesh = Mesh {
+            first_vertex: index(self.vertices.len())?,
+            vertices: index(positions.len())?,
+            first_triangle: index(self.triangles.len())?,
+            triangles: index(triangles.len())?,
+            first_node: index(self.nodes.len())?,
+            nodes: 0,
+        };
+        index(self.vertices.len() + positions.len())?;
+        index(self.nodes.len() + 2 * triangles.len())?;
+
+        let bounds: Vec<Aabb> = triangles
+            .iter()
+            .map(|triangle| {
+                let corners = triangle.map(|vertex| positions[vertex as usize].map(f64::from));
+                let fold = |pick: fn(f64, f64) -> f64| {
+                    core::array::from_fn(|axis| corners.iter().map(|c| c[axis]).reduce(pick).unwrap_or(0.0))
+                };
+                Aabb::from_f64(fold(f64::min), fold(f64::max))
+            })
+            .collect();
+        let mut order = vec![0; triangles.len()];
+        let mut nodes = vec![Node::zeroed(); bvh::max_nodes(triangles.len())];
+        let used = bvh::build(&bounds, &mut order, &mut nodes, LEAF_TRIANGLES);
+
+        self.nodes.extend_from_slice(&nodes[..used]);
+        self.triangles.extend(order.iter().map(|&triangle| triangles[triangle as usize]));
+        self.vertices.extend_from_slice(positions);
+        self.uvs.extend_from_slice(uvs);
+        self.uvs.resize(self.vertices.len(), [0.0; 2]);
+        self.meshes.push(Mesh { nodes: used as u32, ..mesh });
+        Ok(MeshId(index(self.meshes.len() - 1)?))
+    }
+
+    /// Takes in an instance.
+    ///
+    /// # Errors
+    /// Those of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchMaterial`].
+    pub fn add_instance(&mut self, config: &InstanceConfig) -> Result<InstanceId, SceneError> {
+        let instance = Instance::new(config)?;
+        if instance.kind == KIND_MESH && instance.mesh as usize >= self.meshes.len() {
+            return Err(SceneError::NoSuchMesh);
+        }
+        if instance.material as usize >= self.materials.len() {
+            return Err(SceneError::NoSuchMaterial);
+        }
+        self.instances.push(instance);
+        Ok(InstanceId(index(self.instances.len() - 1)?))
+    }
+
+    /// Moves an instance.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchInstance`], [`SceneError::BadPose`].
+    pub fn set_pose(&mut self, instance: InstanceId, world_from_instance: Pose) -> Result<(), SceneError> {
+        if !world_from_instance.is_finite() {
+            return Err(SceneError::BadPose);
+        }
+        let slot = self.instances.get_mut(instance.0 as usize).ok_or(SceneError::NoSuchInstance)?;
+        slot.world_from_instance = world_from_instance;
+        Ok(())
+    }
+
+    /// Takes in a lamp.
+    pub fn add_light(&mut self, config: &LightConfig) {
+        self.lights.push(Light::new(config));
+    }
+
+    /// Sets ambient light and background.
+    pub fn set_environment(&mut self, environment: Environment) {
+        self.environment = environment;
+    }
+
+    /// Lends the scene to sensors.
+    pub fn scene(&self) -> Scene<'_> {
+        Scene {
+            instances: &self.instances,
+            meshes: &self.meshes,
+            vertices: &self.vertices,
+            uvs: &self.uvs,
+            triangles: &self.triangles,
+            nodes: &self.nodes,
+            materials: &self.materials,
+            textures: &self.textures,
+            texels: &self.texels,
+            lights: &self.lights,
+            environment: self.environment,
+        }
+    }
+}
+
+fn index(count: usize) -> Result<u32, SceneError> {
+    u32::try_from(count).map_err(|_| SceneError::TooMany)
+}

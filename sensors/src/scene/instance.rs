@@ -1,0 +1,146 @@
+//! Shapes and where they stand.
+
+use super::SceneError;
+use crate::pose::Pose;
+use bytemuck::{Pod, Zeroable};
+
+/// A shape, centred on its own frame. Lengths in metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// Full edge lengths along x, y, z.
+    Box {
+        /// x, y, z.
+        size: [f64; 3],
+    },
+    /// The rectangle |x| ≤ `size[0]`/2, |y| ≤ `size[1]`/2 of the plane z = 0; its outside is +z.
+    Rectangle {
+        /// Full edge lengths along x and y.
+        size: [f64; 2],
+    },
+    /// A ball.
+    Sphere {
+        /// Radius.
+        radius: f64,
+    },
+    /// A closed cylinder along z.
+    Cylinder {
+        /// Radius.
+        radius: f64,
+        /// Full length.
+        length: f64,
+    },
+    /// A cylinder along z with half balls at both ends.
+    Capsule {
+        /// Radius.
+        radius: f64,
+        /// Length without the caps.
+        length: f64,
+    },
+    /// Triangles of the scene.
+    Mesh(MeshId),
+}
+
+/// Index of a mesh in its scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct MeshId(pub u32);
+
+/// Index of a material in its scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct MaterialId(pub u32);
+
+/// Index of an instance in its scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct InstanceId(pub u32);
+
+/// Bits that say which sensors see an instance; see [`InstanceConfig::visibility`].
+pub mod visibility {
+    /// Seen by cameras and depth cameras.
+    pub const VISUAL: u32 = 1;
+    /// Hit by lidars and range finders.
+    pub const COLLISION: u32 = 2;
+}
+
+/// What an instance is made from.
+#[derive(Debug, Clone, Copy)]
+pub struct InstanceConfig {
+    /// The shape.
+    pub shape: Shape,
+    /// Where it stands.
+    pub world_from_instance: Pose,
+    /// How it looks.
+    pub material: MaterialId,
+    /// Which sensors see it: a sensor sees an instance if their bits have one in common.
+    pub visibility: u32,
+    /// The intensity that a lidar reports for it.
+    pub laser_retro: f32,
+}
+
+pub(crate) const KIND_BOX: u32 = 0;
+pub(crate) const KIND_RECTANGLE: u32 = 1;
+pub(crate) const KIND_SPHERE: u32 = 2;
+pub(crate) const KIND_CYLINDER: u32 = 3;
+pub(crate) const KIND_CAPSULE: u32 = 4;
+pub(crate) const KIND_MESH: u32 = 5;
+
+/// An instance as it lies in a scene's memory.
+#[allow(clippy::struct_field_names, reason = "a transform is named by both its frames")]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct Instance {
+    pub(crate) world_from_instance: Pose,
+    /// Box and rectangle: half edges. Sphere: radius. Cylinder, capsule: radius, half length.
+    pub(crate) size: [f64; 3],
+    pub(crate) kind: u32,
+    pub(crate) mesh: u32,
+    pub(crate) material: u32,
+    pub(crate) visibility: u32,
+    pub(crate) laser_retro: f32,
+    pub(crate) reserved: u32,
+}
+
+impl Instance {
+    /// Checks and packs a configuration. Indices are checked by the scene that takes it in.
+    ///
+    /// # Errors
+    /// [`SceneError::BadSize`] for a length that is not positive and finite, [`SceneError::BadPose`] for a pose
+    /// that is not finite.
+    pub fn new(config: &InstanceConfig) -> Result<Self, SceneError> {
+        let (kind, size, mesh) = match config.shape {
+            Shape::Box { size } => (KIND_BOX, size.map(|edge| edge * 0.5), 0),
+            Shape::Rectangle { size } => (KIND_RECTANGLE, [size[0] * 0.5, size[1] * 0.5, 1.0], 0),
+            Shape::Sphere { radius } => (KIND_SPHERE, [radius, 1.0, 1.0], 0),
+            Shape::Cylinder { radius, length } => (KIND_CYLINDER, [radius, length * 0.5, 1.0], 0),
+            Shape::Capsule { radius, length } => (KIND_CAPSULE, [radius, length * 0.5, 1.0], 0),
+            Shape::Mesh(mesh) => (KIND_MESH, [1.0; 3], mesh.0),
+        };
+        if !size.iter().all(|length| length.is_finite() && *length > 0.0) {
+            return Err(SceneError::BadSize);
+        }
+        if !config.world_from_instance.is_finite() {
+            return Err(SceneError::BadPose);
+        }
+        Ok(Self {
+            world_from_instance: config.world_from_instance,
+            size,
+            kind,
+            mesh,
+            material: config.material.0,
+            visibility: config.visibility,
+            laser_retro: config.laser_retro,
+            reserved: 0,
+        })
+    }
+
+    /// Half extents of the box that holds the shape in its own frame; none for a mesh, whose tree knows.
+    pub(crate) fn half_extents(&self) -> Option<[f64; 3]> {
+        let [a, b, c] = self.size;
+        Some(match self.kind {
+            KIND_BOX => [a, b, c],
+            KIND_RECTANGLE => [a, b, 0.0],
+            KIND_SPHERE => [a, a, a],
+            KIND_CYLINDER => [a, a, b],
+            KIND_CAPSULE => [a, a, a + b],
+            _ => return None,
+        })
+    }
+}

@@ -1,0 +1,128 @@
+//! What the sensors look at: shapes with poses, materials, textures and lights, in borrowed slices.
+//!
+//! A [`Scene`] borrows plain (`Pod`) data that somebody else owns: a [`SceneBuilder`] with the feature `alloc`,
+//! a static table, a mapped file. World poses are f64; each frame is traced relative to its sensor.
+//!
+//! The surface parameters (u, v) of textures, u to the right and v up when the face is looked at from outside:
+//!
+//! | face | right | up |
+//! |---|---|---|
+//! | box +x / −x | +y / −y | +z |
+//! | box +y / −y | −x / +x | +z |
+//! | box +z / −z | +x | +y / −y |
+//! | rectangle (seen from +z) | +x | +y |
+//! | sphere, side of cylinder and capsule | once around, counter-clockwise from −x seen from +z | −z end to +z end |
+//! | ends of a cylinder | +x | +y / −y |
+
+pub(crate) mod bvh;
+mod instance;
+mod material;
+mod texture;
+
+#[cfg(feature = "alloc")]
+mod builder;
+
+pub use bvh::{Aabb, Node, max_nodes};
+pub use instance::{Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility};
+pub(crate) use instance::{KIND_BOX, KIND_CAPSULE, KIND_CYLINDER, KIND_MESH, KIND_RECTANGLE, KIND_SPHERE};
+pub use material::{Environment, Light, LightConfig, LightKind, Material, MaterialConfig};
+pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
+pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
+
+#[cfg(feature = "alloc")]
+pub use builder::SceneBuilder;
+
+use bytemuck::{Pod, Zeroable};
+
+/// A mesh as it lies in a scene's memory: ranges of the scene's vertices, triangles and nodes.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct Mesh {
+    pub(crate) first_vertex: u32,
+    pub(crate) vertices: u32,
+    pub(crate) first_triangle: u32,
+    pub(crate) triangles: u32,
+    pub(crate) first_node: u32,
+    pub(crate) nodes: u32,
+}
+
+/// Everything there is to see, borrowed. Cheap to copy.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    pub(crate) instances: &'a [Instance],
+    pub(crate) meshes: &'a [Mesh],
+    pub(crate) vertices: &'a [[f32; 3]],
+    /// As many as vertices; (0, 0) for meshes without.
+    pub(crate) uvs: &'a [[f32; 2]],
+    /// Vertex indices relative to the mesh's first, in the order of the tree's leaves.
+    pub(crate) triangles: &'a [[u32; 3]],
+    pub(crate) nodes: &'a [Node],
+    pub(crate) materials: &'a [Material],
+    pub(crate) textures: &'a [Texture],
+    pub(crate) texels: &'a [[u8; 4]],
+    pub(crate) lights: &'a [Light],
+    pub(crate) environment: Environment,
+}
+
+impl<'a> Scene<'a> {
+    /// The instances, in the order in which they were added.
+    pub fn instances(&self) -> &'a [Instance] {
+        self.instances
+    }
+
+    /// The lamps.
+    pub fn lights(&self) -> &'a [Light] {
+        self.lights
+    }
+}
+
+/// Why something cannot be taken into a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// A length is not positive and finite.
+    BadSize,
+    /// A pose is not finite.
+    BadPose,
+    /// Vertex of that index is not finite.
+    BadVertex(usize),
+    /// Triangle of that index refers to a vertex that is not there.
+    BadTriangle(usize),
+    /// A mesh without triangles.
+    EmptyMesh,
+    /// Texture coordinates are neither none nor one per vertex.
+    UvCount,
+    /// A texture of no size, or whose texels are not width × height.
+    BadTexture,
+    /// An instance refers to a mesh that the scene does not have.
+    NoSuchMesh,
+    /// An instance refers to a material that the scene does not have.
+    NoSuchMaterial,
+    /// A material refers to a texture that the scene does not have.
+    NoSuchTexture,
+    /// No instance of that index.
+    NoSuchInstance,
+    /// More elements of one kind than 32-bit indices can count.
+    TooMany,
+}
+
+impl core::fmt::Display for SceneError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::BadSize => f.write_str("a length is not positive and finite"),
+            Self::BadPose => f.write_str("a pose is not finite"),
+            Self::BadVertex(index) => write!(f, "vertex {index} is not finite"),
+            Self::BadTriangle(index) => write!(f, "triangle {index} refers to a vertex that is not there"),
+            Self::EmptyMesh => f.write_str("a mesh without triangles"),
+            Self::UvCount => f.write_str("texture coordinates must be none or one per vertex"),
+            Self::BadTexture => f.write_str("a texture must have width × height texels, both at least 1"),
+            Self::NoSuchMesh => f.write_str("no such mesh in the scene"),
+            Self::NoSuchMaterial => f.write_str("no such material in the scene"),
+            Self::NoSuchTexture => f.write_str("no such texture in the scene"),
+            Self::NoSuchInstance => f.write_str("no such instance in the scene"),
+            Self::TooMany => f.write_str("more elements than 32-bit indices can count"),
+        }
+    }
+}
+
+impl core::error::Error for SceneError {}

@@ -1,0 +1,97 @@
+//! Textures with mip levels (Williams 1983, "Pyramidal parametrics").
+
+use bytemuck::{Pod, Zeroable};
+
+/// Index of a texture in its scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct TextureId(pub u32);
+
+/// Where a texture's levels lie in the scene's texels. Level 0 is the full picture, each next one half of it,
+/// rounded down, at least 1; the last is 1 × 1. Rows run from the top (v = 1) down.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct Texture {
+    pub(crate) first_texel: u32,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) levels: u32,
+}
+
+/// Number of mip levels of a picture.
+pub const fn mip_levels(width: u32, height: u32) -> u32 {
+    let longer = if width > height { width } else { height };
+    32 - longer.leading_zeros()
+}
+
+/// Texels of all levels together.
+pub const fn mip_texels(width: u32, height: u32) -> usize {
+    let (mut width, mut height, mut sum) = (width as usize, height as usize, 0);
+    loop {
+        sum += width * height;
+        if width <= 1 && height <= 1 {
+            return sum;
+        }
+        width = if width > 1 { width / 2 } else { 1 };
+        height = if height > 1 { height / 2 } else { 1 };
+    }
+}
+
+/// Fills all levels after the first from the one before. `texels` holds [`mip_texels`], the first level filled
+/// in. Every texel is the mean of the area that it covers, so no row of an odd-sized picture is lost.
+pub fn fill_mip_levels(width: u32, height: u32, texels: &mut [[u8; 4]]) {
+    let (mut width, mut height) = (width as usize, height as usize);
+    let mut rest = texels;
+    while width > 1 || height > 1 {
+        let (fine, coarse) = rest.split_at_mut(width * height);
+        let (half_width, half_height) = ((width / 2).max(1), (height / 2).max(1));
+        for row in 0..half_height {
+            for column in 0..half_width {
+                coarse[row * half_width + column] =
+                    mean_of(fine, width, span(column, half_width, width), span(row, half_height, height));
+            }
+        }
+        (width, height, rest) = (half_width, half_height, coarse);
+    }
+}
+
+/// The interval of fine texels that coarse texel `index` covers: first and end, in units of 1/`coarse` texel.
+fn span(index: usize, coarse: usize, fine: usize) -> (usize, usize, usize) {
+    (index * fine, (index + 1) * fine, coarse)
+}
+
+fn mean_of(
+    fine: &[[u8; 4]],
+    width: usize,
+    (left, right, x_unit): (usize, usize, usize),
+    (top, bottom, y_unit): (usize, usize, usize),
+) -> [u8; 4] {
+    let mut sum = [0_u64; 4];
+    for row in top / y_unit..bottom.div_ceil(y_unit) {
+        let y_weight = bottom.min((row + 1) * y_unit) - top.max(row * y_unit);
+        for column in left / x_unit..right.div_ceil(x_unit) {
+            let weight = (y_weight * (right.min((column + 1) * x_unit) - left.max(column * x_unit))) as u64;
+            for (channel, value) in sum.iter_mut().zip(fine[row * width + column]) {
+                *channel += weight * u64::from(value);
+            }
+        }
+    }
+    let area = ((right - left) * (bottom - top)) as u64;
+    sum.map(|channel| ((channel + area / 2) / area) as u8)
+}
+
+#[cfg(all(test, feature = "alloc"))]
+mod tests {
+    use super::*;
+    use alloc::vec;
+
+    #[test]
+    fn every_level_keeps_the_mean() {
+        // 5 × 3, one white texel: an average over the covered area keeps its share at every level.
+        let mut texels = vec![[0_u8; 4]; mip_texels(5, 3)];
+        texels[14] = [255; 4];
+        fill_mip_levels(5, 3, &mut texels);
+        assert_eq!(mip_levels(5, 3), 3);
+        assert_eq!(texels.len(), 15 + 2 + 1);
+        assert_eq!(texels[17][0], 17, "255 / 15, the mean of the picture");
+    }
+}

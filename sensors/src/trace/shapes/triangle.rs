@@ -1,0 +1,71 @@
+//! Triangles by signed volumes. An edge's volume d·(a × b) has exactly the opposite sign when two triangles see
+//! the edge from its two sides, so they decide alike and no ray slips between them.
+
+use super::LocalRays;
+use crate::simd::LANES;
+use crate::trace::packet::{Faces, Packet};
+use glam::DVec3;
+
+/// Tests one triangle of the scene, given its corners in the mesh's frame.
+#[inline(always)]
+pub(crate) fn intersect(
+    rays: &LocalRays,
+    corners: [DVec3; 3],
+    packet: &mut Packet,
+    faces: Faces,
+    placed: u32,
+    triangle: u32,
+) {
+    if packet.shared_origin {
+        let origin = DVec3::new(rays.origin[0][0], rays.origin[1][0], rays.origin[2][0]);
+        let edges = Edges::seen_from(origin, corners);
+        for lane in 0..LANES {
+            test(&edges, rays, lane, packet, faces, placed, triangle);
+        }
+    } else {
+        for lane in 0..LANES {
+            let origin = DVec3::new(rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]);
+            test(&Edges::seen_from(origin, corners), rays, lane, packet, faces, placed, triangle);
+        }
+    }
+}
+
+/// Normals of the planes through the origin and each edge, and of the triangle itself.
+struct Edges {
+    ab: DVec3,
+    bc: DVec3,
+    ca: DVec3,
+    normal: DVec3,
+    distance: f64,
+}
+
+impl Edges {
+    #[inline(always)]
+    fn seen_from(origin: DVec3, corners: [DVec3; 3]) -> Self {
+        let [a, b, c] = corners.map(|corner| corner - origin);
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        Self { ab: a.cross(b), bc: b.cross(c), ca: c.cross(a), normal, distance: a.dot(normal) }
+    }
+}
+
+#[inline(always)]
+fn test(
+    edges: &Edges,
+    rays: &LocalRays,
+    lane: usize,
+    packet: &mut Packet,
+    faces: Faces,
+    placed: u32,
+    triangle: u32,
+) {
+    let [dx, dy, dz] = [rays.direction[0][lane], rays.direction[1][lane], rays.direction[2][lane]];
+    let along = |v: DVec3| dx * v.x + dy * v.y + dz * v.z;
+    let (ab, bc, ca) = (along(edges.ab), along(edges.bc), along(edges.ca));
+    let front = ab <= 0.0 && bc <= 0.0 && ca <= 0.0;
+    let back = faces == Faces::Both && ab >= 0.0 && bc >= 0.0 && ca >= 0.0;
+    let t = edges.distance / along(edges.normal);
+    let hit = (front || back) && t >= packet.t_min && t < packet.t[lane];
+    packet.t[lane] = if hit { t } else { packet.t[lane] };
+    packet.placed[lane] = if hit { placed } else { packet.placed[lane] };
+    packet.triangle[lane] = if hit { triangle } else { packet.triangle[lane] };
+}

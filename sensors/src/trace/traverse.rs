@@ -1,0 +1,188 @@
+//! Walks the trees with a packet of rays.
+
+use super::frame::Frame;
+use super::packet::{Faces, MISS, Packet, PacketBounds};
+use super::shapes::{LocalRays, capsule, cuboid, cylinder, rectangle, sphere, triangle};
+use crate::scene::{
+    KIND_BOX, KIND_CAPSULE, KIND_CYLINDER, KIND_MESH, KIND_RECTANGLE, KIND_SPHERE, Mesh, Node, bvh,
+};
+use crate::simd::LANES;
+use fearless_simd::Simd;
+use glam::DVec3;
+
+/// Finds the nearest hit of every lane.
+pub(crate) fn nearest<S: Simd>(simd: S, frame: &Frame<'_>, packet: &mut Packet, faces: Faces) {
+    walk_instances::<S, false>(simd, frame, packet, faces);
+}
+
+/// Finds for every lane whether anything is hit at all; `placed` is [`MISS`] where not. Which of several hits
+/// is named is not specified.
+pub(crate) fn occluded<S: Simd>(simd: S, frame: &Frame<'_>, packet: &mut Packet, faces: Faces) {
+    walk_instances::<S, true>(simd, frame, packet, faces);
+}
+
+fn walk_instances<S: Simd, const ANY: bool>(simd: S, frame: &Frame<'_>, packet: &mut Packet, faces: Faces) {
+    if frame.placed.is_empty() {
+        return;
+    }
+    let bounds = simd.vectorize(
+        #[inline(always)]
+        || PacketBounds::new(&packet.origin, &packet.direction, &packet.t, packet.t_min),
+    );
+    walk(frame.nodes, &bounds, packet.farthest(), |leaf| {
+        for &placed in &frame.order[leaf.first as usize..(leaf.first + leaf.count) as usize] {
+            simd.vectorize(
+                #[inline(always)]
+                || intersect_instance(simd, frame, placed, packet, faces),
+            );
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                if ANY {
+                    retire_hits(packet);
+                }
+                packet.farthest()
+            },
+        )
+    });
+}
+
+/// Lanes that have hit something need no more.
+#[inline(always)]
+fn retire_hits(packet: &mut Packet) {
+    for lane in 0..LANES {
+        packet.t[lane] = if packet.placed[lane] == MISS { packet.t[lane] } else { f64::NEG_INFINITY };
+    }
+}
+
+/// Visits the leaves that the packet may meet, nearer ones first. `visit` returns the farthest t that still
+/// matters.
+#[inline(always)]
+fn walk(nodes: &[Node], bounds: &PacketBounds, mut farthest: f64, mut visit: impl FnMut(&Node) -> f64) {
+    let mut stack = [(0_u32, f64::NEG_INFINITY); bvh::MAX_DEPTH + 1];
+    let mut depth = 1;
+    while depth > 0 {
+        depth -= 1;
+        let (index, enter) = stack[depth];
+        if enter > farthest {
+            continue;
+        }
+        let node = &nodes[index as usize];
+        if node.count > 0 {
+            if bounds.enter(&node.bounds, farthest).is_some() {
+                farthest = visit(node);
+            }
+            continue;
+        }
+        let children = [node.first, node.first + 1];
+        let [left, right] = children.map(|child| bounds.enter(&nodes[child as usize].bounds, farthest));
+        match (left, right) {
+            (Some(left), Some(right)) => {
+                // The nearer child goes on top. Where both begin alike, their centres along the axis that tells
+                // them apart decide.
+                let left_first = if left == right { leads(nodes, children, bounds) } else { left < right };
+                let [first, second] = if left_first {
+                    [(children[0], left), (children[1], right)]
+                } else {
+                    [(children[1], right), (children[0], left)]
+                };
+                stack[depth] = second;
+                stack[depth + 1] = first;
+                depth += 2;
+            }
+            (Some(enter), None) => {
+                stack[depth] = (children[0], enter);
+                depth += 1;
+            }
+            (None, Some(enter)) => {
+                stack[depth] = (children[1], enter);
+                depth += 1;
+            }
+            (None, None) => {}
+        }
+    }
+}
+
+fn leads(nodes: &[Node], children: [u32; 2], bounds: &PacketBounds) -> bool {
+    let [left, right] = children.map(|child| nodes[child as usize].bounds);
+    let apart = |axis: usize| (left.min[axis] + left.max[axis]) - (right.min[axis] + right.max[axis]);
+    let axis = (0..3).max_by(|&a, &b| apart(a).abs().total_cmp(&apart(b).abs())).unwrap_or(0);
+    (apart(axis) < 0.0) == bounds.ascending(axis)
+}
+
+#[inline(always)]
+fn intersect_instance<S: Simd>(simd: S, frame: &Frame<'_>, placed: u32, packet: &mut Packet, faces: Faces) {
+    let instance = frame.instance(placed);
+    let rays = local_rays(frame, placed, packet);
+    let [a, b, _] = instance.size;
+    match instance.kind {
+        KIND_BOX => cuboid::intersect(&rays, instance.size, packet, faces, placed),
+        KIND_RECTANGLE => rectangle::intersect(&rays, instance.size, packet, faces, placed),
+        KIND_SPHERE => sphere::intersect(&rays, a, packet, faces, placed),
+        KIND_CYLINDER => cylinder::intersect(&rays, a, b, packet, faces, placed),
+        KIND_CAPSULE => capsule::intersect(&rays, a, b, packet, faces, placed),
+        KIND_MESH => {
+            walk_mesh(simd, frame, &frame.scene.meshes[instance.mesh as usize], &rays, packet, faces, placed);
+        }
+        _ => {}
+    }
+}
+
+#[inline(always)]
+fn local_rays(frame: &Frame<'_>, placed: u32, packet: &Packet) -> LocalRays {
+    let placed = &frame.placed[placed as usize];
+    let mut rays = LocalRays { origin: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3] };
+    for axis in 0..3 {
+        let [x, y, z] = placed.axes[axis];
+        let [tx, ty, tz] = placed.translation;
+        for lane in 0..LANES {
+            rays.origin[axis][lane] = x * (packet.origin[0][lane] - tx)
+                + y * (packet.origin[1][lane] - ty)
+                + z * (packet.origin[2][lane] - tz);
+            rays.direction[axis][lane] =
+                x * packet.direction[0][lane] + y * packet.direction[1][lane] + z * packet.direction[2][lane];
+        }
+    }
+    rays
+}
+
+fn walk_mesh<S: Simd>(
+    simd: S,
+    frame: &Frame<'_>,
+    mesh: &Mesh,
+    rays: &LocalRays,
+    packet: &mut Packet,
+    faces: Faces,
+    placed: u32,
+) {
+    let scene = &frame.scene;
+    let nodes = &scene.nodes[mesh.first_node as usize..][..mesh.nodes as usize];
+    let bounds = simd.vectorize(
+        #[inline(always)]
+        || PacketBounds::new(&rays.origin, &rays.direction, &packet.t, packet.t_min),
+    );
+    walk(nodes, &bounds, packet.farthest(), |leaf| {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for index in leaf.first..leaf.first + leaf.count {
+                    let triangle = mesh.first_triangle + index;
+                    let corners = triangle_corners(frame, mesh, triangle);
+                    triangle::intersect(rays, corners, packet, faces, placed, triangle);
+                }
+                packet.farthest()
+            },
+        )
+    });
+}
+
+/// Corners of a triangle of the scene in the frame of its mesh.
+#[inline(always)]
+pub(crate) fn triangle_corners(frame: &Frame<'_>, mesh: &Mesh, triangle: u32) -> [DVec3; 3] {
+    let scene = &frame.scene;
+    scene.triangles[triangle as usize].map(|vertex| {
+        let [x, y, z] = scene.vertices[(mesh.first_vertex + vertex) as usize];
+        DVec3::new(f64::from(x), f64::from(y), f64::from(z))
+    })
+}

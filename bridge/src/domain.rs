@@ -85,7 +85,7 @@ pub(crate) fn canonical_topic(topic: &str) -> Result<&str, Error> {
     if !bare.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_/-.~".contains(&byte)) {
         return invalid("only a-z A-Z 0-9 _ - . ~ and / are allowed");
     }
-    if bare.ends_with('/') || bare.contains("//") {
+    if bare.starts_with('/') || bare.ends_with('/') || bare.contains("//") {
         return invalid("a part between slashes is empty");
     }
     Ok(bare)

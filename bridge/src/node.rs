@@ -202,12 +202,12 @@ fn remove_traces(config: &Config, domain: &Domain) -> std::io::Result<()> {
     if others || listed.is_err() {
         return Ok(());
     }
-    let counter = format!("{}node", domain.prefix());
+    let prefix = domain.prefix();
     for entry in fs::read_dir("/dev/shm")? {
         let entry = entry?;
         let name = entry.file_name();
         let Some(name) = name.to_str() else { continue };
-        if name.starts_with(&counter) && name.ends_with(".global_mgmt") {
+        if name.starts_with(&prefix) && name.ends_with(".global_mgmt") {
             fs::remove_file(entry.path())?;
         }
     }

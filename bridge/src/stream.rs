@@ -141,7 +141,7 @@ impl StreamSpec {
             Some((KIND, self.kind.to_string())),
             Some((ENCODING, self.encoding.to_string())),
             self.rate_hz.map(|rate| (RATE, rate.to_string())),
-            Some((FRAME_ID, self.frame_id.clone())),
+            (!self.frame_id.is_empty()).then(|| (FRAME_ID, self.frame_id.clone())),
         ];
         let mut attributes = AttributeSpecifier::new();
         for (key, value) in pairs.into_iter().flatten() {

@@ -96,7 +96,7 @@ impl Subscriber {
     /// Publishers now: 0 before the first, and after the last has ended or was found dead.
     #[must_use]
     pub fn publishers(&self) -> usize {
-        self.connection.as_ref().map_or(0, |connection| connection.publishers())
+        self.connection.as_ref().map_or(0, Connection::publishers)
     }
 
     /// Frames that were sent and never taken, over this subscriber's life.
@@ -165,16 +165,28 @@ impl Subscriber {
             self.watch_publisher();
             return Ok(None);
         };
-        // One at a time is held besides, so that this works with a single frame to borrow, too.
-        loop {
-            let sent_ns = newest.user_header().publish_mono_ns;
-            match self.receive() {
+        while self.has_frames()? {
+            let next = match self.receive() {
+                Err(Error::TooManyHeld { .. }) => {
+                    // The last place is the one that `newest` takes.
+                    drop(newest);
+                    match self.receive()? {
+                        Some(sample) => {
+                            newest = sample;
+                            continue;
+                        }
+                        None => return Ok(None),
+                    }
+                }
+                received => received?,
+            };
+            match next {
                 // Several publishers are received in turn, not in order.
-                Ok(Some(sample)) if sample.user_header().publish_mono_ns >= sent_ns => newest = sample,
-                Ok(Some(_)) => {}
-                Ok(None) => break,
-                Err(Error::TooManyHeld { .. }) => break,
-                Err(error) => return Err(error),
+                Some(next) if next.user_header().publish_mono_ns >= newest.user_header().publish_mono_ns => {
+                    newest = next;
+                }
+                Some(_) => {}
+                None => break,
             }
         }
         self.accept(newest).map(Some)

@@ -1,0 +1,133 @@
+//! Names: the domain that keeps simulations apart, and topics.
+
+use std::{fmt, str::FromStr};
+
+use iceoryx2::prelude::{Config, FileName, SemanticString, ServiceName};
+
+use crate::Error;
+
+/// What every service name begins with.
+const SERVICE_ROOT: &str = "belvedere/";
+
+/// One simulation's name for everything it shares; several run side by side under different ones.
+///
+/// A domain is an iceoryx2 prefix `blvd.<name>.`: its processes see each other and nobody else. The dot, which a
+/// name cannot hold, keeps one domain's prefix from being the beginning of another's.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Domain(String);
+
+impl Domain {
+    /// The domain when none is named.
+    pub const DEFAULT: &str = "default";
+    /// Longest name: prefix, identifiers and suffix must fit into the 108 bytes of a socket's path.
+    pub const MAX_LEN: usize = 24;
+
+    /// # Errors
+    /// [`Error::InvalidDomain`] unless it is 1 to 24 of `a-z A-Z 0-9 _ -`.
+    pub fn new(name: &str) -> Result<Self, Error> {
+        let usable = (1..=Self::MAX_LEN).contains(&name.len())
+            && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
+        if usable { Ok(Self(name.to_owned())) } else { Err(Error::InvalidDomain(name.to_owned())) }
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// What the names of this domain's files in `/dev/shm` and `/tmp/iceoryx2` begin with.
+    #[must_use]
+    pub fn prefix(&self) -> String {
+        format!("blvd.{}.", self.0)
+    }
+
+    /// The configuration that peers must share; built here and not read from a file, so that no
+    /// `config/iceoryx2.toml` in the working directory parts two of them.
+    pub(crate) fn config(&self) -> Result<Config, Error> {
+        let mut config = Config::default();
+        config.global.prefix = FileName::new(self.prefix().as_bytes())
+            .map_err(|error| Error::transport("setting the domain's prefix", error))?;
+        Ok(config)
+    }
+}
+
+impl Default for Domain {
+    fn default() -> Self {
+        Self(Self::DEFAULT.to_owned())
+    }
+}
+
+impl fmt::Display for Domain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0)
+    }
+}
+
+impl FromStr for Domain {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        Self::new(name)
+    }
+}
+
+/// The topic without its leading slash, checked.
+pub(crate) fn canonical_topic(topic: &str) -> Result<&str, Error> {
+    let bare = topic.strip_prefix('/').unwrap_or(topic);
+    let invalid = |reason| Err(Error::InvalidTopic { topic: topic.to_owned(), reason });
+    if bare.is_empty() {
+        return invalid("it is empty");
+    }
+    if bare.len() > 200 {
+        return invalid("it is longer than 200 characters");
+    }
+    if !bare.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_/-.~".contains(&byte)) {
+        return invalid("only a-z A-Z 0-9 _ - . ~ and / are allowed");
+    }
+    if bare.starts_with('/') || bare.ends_with('/') || bare.contains("//") {
+        return invalid("a part between slashes is empty");
+    }
+    Ok(bare)
+}
+
+/// The service of a canonical topic.
+pub(crate) fn service_name(topic: &str) -> Result<ServiceName, Error> {
+    ServiceName::new(&format!("{SERVICE_ROOT}{topic}"))
+        .map_err(|error| Error::transport(format!("naming {topic}"), error))
+}
+
+/// The topic of a service, if it is one of ours.
+pub(crate) fn topic_of_service(service: &str) -> Option<&str> {
+    service.strip_prefix(SERVICE_ROOT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn domain_names() {
+        for good in ["a", "default", "robot_2-B", &"x".repeat(24)] {
+            assert_eq!(Domain::new(good).unwrap().as_str(), good);
+        }
+        for bad in ["", "a b", "a/b", "a.b", "ä", &"x".repeat(25)] {
+            assert!(Domain::new(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn no_prefix_begins_another() {
+        let (short, long) = (Domain::new("a").unwrap(), Domain::new("a_b").unwrap());
+        assert!(!long.prefix().starts_with(&short.prefix()));
+    }
+
+    #[test]
+    fn topics_lose_their_leading_slash_only() {
+        assert_eq!(canonical_topic("/camera/rgb/image_raw").unwrap(), "camera/rgb/image_raw");
+        assert_eq!(canonical_topic("scan").unwrap(), "scan");
+        for bad in ["", "/", "a//b", "a/", "a b", "//a"] {
+            assert!(canonical_topic(bad).is_err(), "{bad}");
+        }
+    }
+}

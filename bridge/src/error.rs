@@ -1,0 +1,178 @@
+//! What can go wrong, said so that the reader knows what to do.
+
+use crate::Domain;
+
+/// The version of iceoryx2 that this build speaks; 0.10 peers must agree in all three numbers.
+pub const ICEORYX2_VERSION: &str = "0.10.0";
+
+/// A failure of the bridge.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A domain name that cannot be one.
+    #[error("domain \"{0}\" is not usable: 1 to 24 of the characters a-z A-Z 0-9 _ and -")]
+    InvalidDomain(String),
+    /// A topic that cannot be one.
+    #[error("topic \"{topic}\" is not usable: {reason}")]
+    InvalidTopic {
+        /// As given.
+        topic: String,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// A name too long for the wire.
+    #[error(transparent)]
+    Text(#[from] crate::TextError),
+    /// Somebody publishes this stream already.
+    #[error(
+        "domain \"{domain}\" is in use: another process publishes {topic}; stop it, or choose another name with --domain"
+    )]
+    DomainInUse {
+        /// The stream.
+        topic: String,
+        /// The domain.
+        domain: Domain,
+    },
+    /// All places for subscribers, or for processes, are taken.
+    #[error(
+        "{topic} has all the subscribers it was made for ({max}); close one, or publish it with room for more"
+    )]
+    TooManySubscribers {
+        /// The stream.
+        topic: String,
+        /// How many it allows.
+        max: usize,
+    },
+    /// The stream exists but is not one of ours, or of another version.
+    #[error(
+        "{topic} in domain \"{domain}\" is not compatible with this build (iceoryx2 {ICEORYX2_VERSION}, frame schema {schema}): {detail}; every process must use the same version of Belvedere",
+        schema = crate::FrameHeader::SCHEMA
+    )]
+    Incompatible {
+        /// The stream.
+        topic: String,
+        /// The domain.
+        domain: Domain,
+        /// What was found.
+        detail: String,
+    },
+    /// The files of shared memory belong to somebody else.
+    #[error(
+        "no permission for the shared memory files: check who owns /tmp/iceoryx2 and the files \"{prefix}*\" in /dev/shm; all processes of a domain must run as the same user ({detail})"
+    )]
+    Permission {
+        /// How this domain's files begin.
+        prefix: String,
+        /// What was refused.
+        detail: String,
+    },
+    /// The pool would not fit into shared memory.
+    #[error(
+        "/dev/shm is too small: {topic} needs {needed_mib} MiB more with what is already published, {free_mib} MiB are free; enlarge it (docker run --shm-size, mount -o remount,size=...) or allow fewer subscribers"
+    )]
+    SharedMemoryTooSmall {
+        /// The stream.
+        topic: String,
+        /// Mebibytes that must be free.
+        needed_mib: u64,
+        /// Mebibytes that are.
+        free_mib: u64,
+    },
+    /// A frame larger than the stream was made for.
+    #[error("a frame of {len} bytes does not fit into {topic}, made for at most {max}")]
+    FrameTooLarge {
+        /// The stream.
+        topic: String,
+        /// Asked for.
+        len: usize,
+        /// Possible.
+        max: usize,
+    },
+    /// More frames are loaned and unsent than the stream was made for.
+    #[error("no free frame in {topic}: send or drop a loaned frame first (at most {max} at a time)")]
+    NoFreeFrame {
+        /// The stream.
+        topic: String,
+        /// How many may be out at once.
+        max: usize,
+    },
+    /// More frames are held by this subscriber than it may hold.
+    #[error("{topic}: this subscriber holds {max} frames already, release one first")]
+    TooManyHeld {
+        /// The stream.
+        topic: String,
+        /// How many may be held at once.
+        max: usize,
+    },
+    /// A frame whose header is wrong.
+    #[error("{topic}: {error}")]
+    Frame {
+        /// The stream.
+        topic: String,
+        /// What is wrong.
+        error: FrameError,
+    },
+    /// A failure below that has no remedy of its own.
+    #[error("{what}: iceoryx2 {ICEORYX2_VERSION} reports {detail}")]
+    Transport {
+        /// What was tried.
+        what: String,
+        /// What came back.
+        detail: String,
+    },
+}
+
+impl Error {
+    pub(crate) fn transport(what: impl Into<String>, detail: impl std::fmt::Debug) -> Self {
+        Self::Transport { what: what.into(), detail: format!("{detail:?}") }
+    }
+}
+
+/// Why a frame must not be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FrameError {
+    /// It does not begin with the magic number.
+    #[error("not a Belvedere frame (magic {0:#010x})")]
+    Magic(u32),
+    /// It is of another layout.
+    #[error("frame schema {0}, this build reads {schema}; use the same version of Belvedere on both sides", schema = crate::FrameHeader::SCHEMA)]
+    Schema(u16),
+    /// Its header has another size.
+    #[error("frame header of {0} bytes, expected 256")]
+    HeaderLen(u16),
+    /// It claims more payload than there is.
+    #[error("frame claims {claimed} bytes of payload, {available} are there")]
+    PayloadLen {
+        /// Bytes claimed.
+        claimed: u64,
+        /// Bytes there.
+        available: u64,
+    },
+    /// Its elements or rows overlap.
+    #[error("strides do not fit: width {width}, {elem_stride} bytes per element, {row_stride} per row")]
+    Stride {
+        /// Elements per row.
+        width: u32,
+        /// Bytes per element.
+        elem_stride: u32,
+        /// Bytes per row.
+        row_stride: u32,
+    },
+    /// Its rows reach beyond the payload.
+    #[error("geometry needs {needed} bytes, the payload has {payload_len}")]
+    Extent {
+        /// Bytes that the geometry spans.
+        needed: u128,
+        /// Bytes that there are.
+        payload_len: u64,
+    },
+    /// It was asked for something that it is not.
+    #[error("not what was asked for: the frame is of kind {kind} with encoding {encoding}")]
+    WrongKind {
+        /// Its kind's number.
+        kind: u16,
+        /// Its encoding's number.
+        encoding: u16,
+    },
+}

@@ -1,0 +1,297 @@
+//! [`FrameHeader`]: the 256 bytes before every payload.
+
+use std::mem::{align_of, offset_of, size_of};
+
+use bytemuck::{Pod, Zeroable};
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::{Encoding, FrameError, Kind, Text};
+
+/// The 256 bytes that describe a payload: what it is, when and from where it was taken, how it lies in memory.
+///
+/// Aligned to 64 bytes, so that the payload behind it starts on a cache line and a SIMD register boundary.
+#[derive(Clone, Copy, Debug, Pod, Zeroable, ZeroCopySend)]
+#[repr(C)]
+#[repr(align(64))]
+#[type_name("belvedere.FrameHeader.v1")]
+pub struct FrameHeader {
+    /// [`FrameHeader::MAGIC`].
+    pub magic: u32,
+    /// 256.
+    pub header_len: u16,
+    /// [`FrameHeader::SCHEMA`].
+    pub schema: u16,
+    /// A [`Kind`] by its number.
+    pub kind: u16,
+    /// An [`Encoding`] by its number.
+    pub encoding: u16,
+    /// [`FrameHeader::HAS_INTENSITIES`]; other bits are 0.
+    pub flags: u32,
+    /// Counts the frames of one publisher's life from 0. Set by `send`.
+    pub seq: u64,
+    /// Random per publisher life: a new one means that `seq` began again. Set by `loan`.
+    pub session: u64,
+    /// Moment of capture in simulation time, nanoseconds since the simulation started.
+    pub stamp_ns: u64,
+    /// `CLOCK_MONOTONIC` at the moment of sending, nanoseconds. Set by `send`.
+    pub publish_mono_ns: u64,
+    /// Elements per row: pixels, rays, points; 1 for structs.
+    pub width: u32,
+    /// Rows: image rows, lidar layers; the number of structs.
+    pub height: u32,
+    /// Bytes from one row to the next.
+    pub row_stride: u32,
+    /// Bytes from one element to the next.
+    pub elem_stride: u32,
+    /// Bytes of payload that hold. Set by `loan`.
+    pub payload_len: u64,
+    /// The frame that the data are given in.
+    pub frame_id: Text<64>,
+    /// `world_from_sensor`: the sensor's origin in the world at `stamp_ns`, metres.
+    pub position: [f64; 3],
+    /// `world_from_sensor`: its orientation, x y z w.
+    pub orientation: [f32; 4],
+    /// What only this kind has: [`Intrinsics`] or [`ScanGeometry`].
+    pub block: [u64; 10],
+}
+
+/// How an image's pixels map to directions; the block of images, depth images and organised clouds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Intrinsics {
+    /// Focal length along a row, pixels.
+    pub fx: f64,
+    /// Focal length along a column, pixels.
+    pub fy: f64,
+    /// Principal point; pixel centres are integers, so that of a centred image is (width − 1) / 2.
+    pub cx: f64,
+    /// Principal point, rows.
+    pub cy: f64,
+    /// k1 k2 p1 p2 k3 0 0 0.
+    pub distortion: [f32; 8],
+    /// Nearest depth that is measured, metres.
+    pub near: f32,
+    /// Farthest depth that is measured, metres.
+    pub far: f32,
+    /// P\[3\] = −fx · baseline of a stereo partner, else 0.
+    pub tx: f32,
+    /// [`Intrinsics::NO_DISTORTION`] or [`Intrinsics::PLUMB_BOB`].
+    pub distortion_model: u32,
+}
+
+impl Intrinsics {
+    /// A pinhole.
+    pub const NO_DISTORTION: u32 = 0;
+    /// Brown–Conrady with k1 k2 p1 p2 k3.
+    pub const PLUMB_BOB: u32 = 1;
+}
+
+/// Angles and limits of a lidar; the block of scans. Angles in radians: horizontal ones counter-clockwise about
+/// +z from +x, vertical ones up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ScanGeometry {
+    /// Angle of the first ray of a layer.
+    pub angle_min: f64,
+    /// From one ray to the next.
+    pub angle_increment: f64,
+    /// Seconds from one ray to the next.
+    pub time_increment: f64,
+    /// Seconds from one scan to the next.
+    pub scan_time: f64,
+    /// Shortest range that is measured, metres.
+    pub range_min: f32,
+    /// Longest range that is measured, metres.
+    pub range_max: f32,
+    /// Elevation of the first layer.
+    pub vertical_angle_min: f64,
+    /// From one layer to the next.
+    pub vertical_angle_increment: f64,
+    /// 0.
+    pub reserved: [u64; 3],
+}
+
+impl ScanGeometry {
+    /// Angle of the last of `width` rays.
+    #[must_use]
+    pub fn angle_max(&self, width: u32) -> f64 {
+        self.angle_min + f64::from(width.saturating_sub(1)) * self.angle_increment
+    }
+}
+
+// The wire format: every offset is pinned here, in the C and C++ headers and in WIRE.md.
+const _: () = {
+    assert!(cfg!(target_endian = "little"), "the wire format is little-endian");
+    assert!(size_of::<FrameHeader>() == 256);
+    assert!(align_of::<FrameHeader>() == 64);
+    assert!(offset_of!(FrameHeader, magic) == 0);
+    assert!(offset_of!(FrameHeader, header_len) == 4);
+    assert!(offset_of!(FrameHeader, schema) == 6);
+    assert!(offset_of!(FrameHeader, kind) == 8);
+    assert!(offset_of!(FrameHeader, encoding) == 10);
+    assert!(offset_of!(FrameHeader, flags) == 12);
+    assert!(offset_of!(FrameHeader, seq) == 16);
+    assert!(offset_of!(FrameHeader, session) == 24);
+    assert!(offset_of!(FrameHeader, stamp_ns) == 32);
+    assert!(offset_of!(FrameHeader, publish_mono_ns) == 40);
+    assert!(offset_of!(FrameHeader, width) == 48);
+    assert!(offset_of!(FrameHeader, height) == 52);
+    assert!(offset_of!(FrameHeader, row_stride) == 56);
+    assert!(offset_of!(FrameHeader, elem_stride) == 60);
+    assert!(offset_of!(FrameHeader, payload_len) == 64);
+    assert!(offset_of!(FrameHeader, frame_id) == 72);
+    assert!(offset_of!(FrameHeader, position) == 136);
+    assert!(offset_of!(FrameHeader, orientation) == 160);
+    assert!(offset_of!(FrameHeader, block) == 176);
+
+    assert!(size_of::<Intrinsics>() == 80);
+    assert!(offset_of!(Intrinsics, fx) == 0);
+    assert!(offset_of!(Intrinsics, fy) == 8);
+    assert!(offset_of!(Intrinsics, cx) == 16);
+    assert!(offset_of!(Intrinsics, cy) == 24);
+    assert!(offset_of!(Intrinsics, distortion) == 32);
+    assert!(offset_of!(Intrinsics, near) == 64);
+    assert!(offset_of!(Intrinsics, far) == 68);
+    assert!(offset_of!(Intrinsics, tx) == 72);
+    assert!(offset_of!(Intrinsics, distortion_model) == 76);
+
+    assert!(size_of::<ScanGeometry>() == 80);
+    assert!(offset_of!(ScanGeometry, angle_min) == 0);
+    assert!(offset_of!(ScanGeometry, angle_increment) == 8);
+    assert!(offset_of!(ScanGeometry, time_increment) == 16);
+    assert!(offset_of!(ScanGeometry, scan_time) == 24);
+    assert!(offset_of!(ScanGeometry, range_min) == 32);
+    assert!(offset_of!(ScanGeometry, range_max) == 36);
+    assert!(offset_of!(ScanGeometry, vertical_angle_min) == 40);
+    assert!(offset_of!(ScanGeometry, vertical_angle_increment) == 48);
+    assert!(offset_of!(ScanGeometry, reserved) == 56);
+};
+
+impl Default for FrameHeader {
+    fn default() -> Self {
+        Self {
+            magic: Self::MAGIC,
+            header_len: size_of::<Self>() as u16,
+            schema: Self::SCHEMA,
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            ..Self::zeroed()
+        }
+    }
+}
+
+impl FrameHeader {
+    /// "BLVD" in memory order.
+    pub const MAGIC: u32 = u32::from_le_bytes(*b"BLVD");
+    /// The version of this layout and of the payloads.
+    pub const SCHEMA: u16 = 1;
+    /// Flag: a plane of intensities follows the ranges.
+    pub const HAS_INTENSITIES: u32 = 1;
+
+    /// A header of this kind and encoding, otherwise empty.
+    #[must_use]
+    pub fn new(kind: Kind, encoding: Encoding) -> Self {
+        Self { kind: kind.to_wire(), encoding: encoding.to_wire(), ..Self::default() }
+    }
+
+    /// What the payload is; `None` for a kind that this version does not know.
+    #[must_use]
+    pub fn kind(&self) -> Option<Kind> {
+        Kind::from_wire(self.kind)
+    }
+
+    /// How an element is coded; `None` for an encoding that this version does not know.
+    #[must_use]
+    pub fn encoding(&self) -> Option<Encoding> {
+        Encoding::from_wire(self.encoding)
+    }
+
+    /// Describes `height` rows of `width` elements that lie without gaps, and gives the bytes that one plane of
+    /// them takes.
+    pub fn set_packed(&mut self, width: u32, height: u32) -> usize {
+        let elem_size = self
+            .encoding()
+            .and_then(Encoding::elem_size)
+            .or_else(|| self.kind().and_then(Kind::struct_size))
+            .unwrap_or(1) as u32;
+        self.width = width;
+        self.height = height;
+        self.elem_stride = elem_size;
+        self.row_stride = width * elem_size;
+        self.row_stride as usize * height as usize
+    }
+
+    /// The pixel-to-direction block of images, depth images and clouds; `None` for another kind.
+    #[must_use]
+    pub fn intrinsics(&self) -> Option<&Intrinsics> {
+        matches!(self.kind(), Some(Kind::Image | Kind::DepthImage | Kind::PointCloud))
+            .then(|| bytemuck::cast_ref(&self.block))
+    }
+
+    /// Sets the block of an image, depth image or cloud.
+    pub fn set_intrinsics(&mut self, intrinsics: &Intrinsics) {
+        self.block = bytemuck::cast(*intrinsics);
+    }
+
+    /// The block of a scan; `None` for another kind.
+    #[must_use]
+    pub fn scan_geometry(&self) -> Option<&ScanGeometry> {
+        (self.kind() == Some(Kind::LaserScan)).then(|| bytemuck::cast_ref(&self.block))
+    }
+
+    /// Sets the block of a scan.
+    pub fn set_scan_geometry(&mut self, geometry: &ScanGeometry) {
+        self.block = bytemuck::cast(*geometry);
+    }
+
+    /// Whether a plane of intensities follows the ranges.
+    #[must_use]
+    pub fn has_intensities(&self) -> bool {
+        self.flags & Self::HAS_INTENSITIES != 0
+    }
+
+    /// Checks everything that a reader of `available` payload bytes relies on, so that no header, however
+    /// wrong, leads outside the payload.
+    ///
+    /// # Errors
+    /// The first thing that does not hold.
+    pub fn check(&self, available: usize) -> Result<(), FrameError> {
+        if self.magic != Self::MAGIC {
+            return Err(FrameError::Magic(self.magic));
+        }
+        if self.schema != Self::SCHEMA {
+            return Err(FrameError::Schema(self.schema));
+        }
+        if usize::from(self.header_len) != size_of::<Self>() {
+            return Err(FrameError::HeaderLen(self.header_len));
+        }
+        if self.payload_len > available as u64 {
+            return Err(FrameError::PayloadLen { claimed: self.payload_len, available: available as u64 });
+        }
+        let elem_size = match self.encoding() {
+            Some(Encoding::Struct) => self.kind().and_then(Kind::struct_size).unwrap_or(1),
+            Some(encoding) => encoding.elem_size().unwrap_or(1),
+            // A later version's encoding: its element size is unknown, its extent is checked all the same.
+            None => 1,
+        } as u64;
+        if self.width == 0 || self.height == 0 {
+            return Ok(());
+        }
+        let (width, height) = (u64::from(self.width), u64::from(self.height));
+        let (elem_stride, row_stride) = (u64::from(self.elem_stride), u64::from(self.row_stride));
+        // u32 values: no product or sum below can overflow 64 bits but the last, which is at most 2⁶⁵.
+        let row_end = (width - 1) * elem_stride + elem_size;
+        if elem_stride < elem_size || (height > 1 && row_stride < row_end) {
+            return Err(FrameError::Stride {
+                width: self.width,
+                elem_stride: self.elem_stride,
+                row_stride: self.row_stride,
+            });
+        }
+        let planes_before = if self.has_intensities() { height * row_stride } else { 0 };
+        let end = u128::from(planes_before) + u128::from((height - 1) * row_stride) + u128::from(row_end);
+        if end > u128::from(self.payload_len) {
+            return Err(FrameError::Extent { needed: end, payload_len: self.payload_len });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,149 @@
+//! What a stream carries, and how its bytes are coded.
+
+use crate::payload::{CameraInfo, Clock, JointState, Odometry, Transform, VelocityCommand};
+
+macro_rules! wire_enum {
+    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $number:literal $text:literal,)+ }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[repr(u16)]
+        pub enum $name { $($(#[$variant_doc])* $variant = $number,)+ }
+
+        impl $name {
+            /// Every value, in the order of its number.
+            pub const ALL: &[Self] = &[$(Self::$variant),+];
+
+            /// The number on the wire.
+            #[must_use]
+            pub const fn to_wire(self) -> u16 { self as u16 }
+
+            /// The meaning of a number on the wire; `None` for one that this version does not know.
+            #[must_use]
+            pub const fn from_wire(number: u16) -> Option<Self> {
+                match number { $($number => Some(Self::$variant),)+ _ => None }
+            }
+
+            /// The name shown to people and written into stream attributes.
+            #[must_use]
+            pub const fn as_str(self) -> &'static str {
+                match self { $(Self::$variant => $text,)+ }
+            }
+        }
+
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result { f.pad(self.as_str()) }
+        }
+
+        impl std::str::FromStr for $name {
+            type Err = ();
+            fn from_str(text: &str) -> Result<Self, ()> {
+                Self::ALL.iter().copied().find(|value| value.as_str() == text).ok_or(())
+            }
+        }
+    };
+}
+
+wire_enum! {
+    /// What the payload of a stream means (`FrameHeader::kind`). Numbers are never reused; 12 and 13 are kept
+    /// for inertial measurements and contact events.
+    Kind {
+        /// A colour or grey picture; the header carries its intrinsics.
+        Image = 1 "image",
+        /// Depth along the optical axis; the header carries its intrinsics.
+        DepthImage = 2 "depth_image",
+        /// One [`CameraInfo`].
+        CameraInfo = 3 "camera_info",
+        /// Ranges of a planar or multi-layer lidar; the header carries its angles.
+        LaserScan = 4 "laser_scan",
+        /// Points in the sensor's frame; organised (an image of points) when the height is more than 1.
+        PointCloud = 5 "point_cloud",
+        /// One [`Odometry`].
+        Odometry = 6 "odometry",
+        /// An array of [`Transform`] that hold at the stamp.
+        Transforms = 7 "transforms",
+        /// An array of [`Transform`] that hold always.
+        StaticTransforms = 8 "static_transforms",
+        /// An array of [`JointState`].
+        JointStates = 9 "joint_states",
+        /// One [`Clock`]: the simulation's time.
+        Clock = 10 "clock",
+        /// One [`VelocityCommand`], towards the robot.
+        VelocityCommand = 11 "velocity_command",
+    }
+}
+
+impl Kind {
+    /// Size in bytes of one element of a kind whose payload is a fixed struct or an array of them; `None` for
+    /// pictures, scans and clouds.
+    #[must_use]
+    pub const fn struct_size(self) -> Option<usize> {
+        Some(match self {
+            Self::Image | Self::DepthImage | Self::LaserScan | Self::PointCloud => return None,
+            Self::CameraInfo => size_of::<CameraInfo>(),
+            Self::Odometry => size_of::<Odometry>(),
+            Self::Transforms | Self::StaticTransforms => size_of::<Transform>(),
+            Self::JointStates => size_of::<JointState>(),
+            Self::Clock => size_of::<Clock>(),
+            Self::VelocityCommand => size_of::<VelocityCommand>(),
+        })
+    }
+}
+
+wire_enum! {
+    /// How one element of the payload is coded (`FrameHeader::encoding`).
+    Encoding {
+        /// Red, green, blue; 8 bit each.
+        Rgb8 = 1 "rgb8",
+        /// Blue, green, red; 8 bit each.
+        Bgr8 = 2 "bgr8",
+        /// Grey, 8 bit.
+        Mono8 = 3 "mono8",
+        /// Depth in metres, f32: NaN invalid, −inf too near, +inf nothing there (REP-118).
+        F32C1 = 4 "32fc1",
+        /// Depth in millimetres, u16: 0 invalid (REP-118).
+        U16C1 = 5 "16uc1",
+        /// A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are
+        /// 0x00RRGGBB (PCL's `rgb`); the rest is padding. NaN coordinates: no point.
+        XyzRgbF32 = 6 "xyzrgb_f32",
+        /// Ranges in metres, f32 (REP-117): `height` layers of `width` rays. With
+        /// [`HAS_INTENSITIES`](crate::FrameHeader::HAS_INTENSITIES) a second plane of the same shape follows
+        /// at `height · row_stride`.
+        RangesF32 = 7 "ranges_f32",
+        /// `height` fixed structs, `elem_stride` bytes apart; see [`payload`](crate::payload).
+        Struct = 8 "struct",
+    }
+}
+
+impl Encoding {
+    /// Bytes of one element; `None` for [`Encoding::Struct`], where the kind decides.
+    #[must_use]
+    pub const fn elem_size(self) -> Option<usize> {
+        Some(match self {
+            Self::Rgb8 | Self::Bgr8 => 3,
+            Self::Mono8 => 1,
+            Self::F32C1 | Self::RangesF32 => 4,
+            Self::U16C1 => 2,
+            Self::XyzRgbF32 => 32,
+            Self::Struct => return None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_names_come_back() {
+        for &kind in Kind::ALL {
+            assert_eq!(Kind::from_wire(kind.to_wire()), Some(kind));
+            assert_eq!(kind.as_str().parse(), Ok(kind));
+        }
+        for &encoding in Encoding::ALL {
+            assert_eq!(Encoding::from_wire(encoding.to_wire()), Some(encoding));
+            assert_eq!(encoding.as_str().parse(), Ok(encoding));
+        }
+        assert_eq!(Kind::from_wire(0), None);
+        assert_eq!(Encoding::from_wire(9999), None);
+    }
+}

@@ -1,0 +1,295 @@
+//! [`Publisher`]: the writing end of a stream.
+
+use std::{
+    fmt,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering},
+    },
+};
+
+use iceoryx2::{
+    port::{
+        BackpressureAction, LoanError,
+        notifier::Notifier,
+        publisher::{Publisher as Port, PublisherCreateError},
+        update_connections::UpdateConnections,
+    },
+    sample_mut::SampleMut,
+    service::port_factory::PortFactory as _,
+};
+
+use crate::{
+    Error, FrameHeader, Node, StreamSpec, clock,
+    domain::canonical_topic,
+    loan,
+    node::{Ipc, PoolBooking},
+    payload::Message,
+    stream::{self, Events, Frames},
+};
+
+/// The writing end of a stream.
+///
+/// [`loan`](Self::loan) gives a frame whose payload *is* the shared memory that subscribers will read;
+/// [`send`](LoanedFrame::send) passes them its address. Neither copies, allocates or, unless the stream is
+/// lossless, waits.
+pub struct Publisher {
+    // Ports before their services before the node: fields are dropped in this order.
+    port: Port<Ipc, [u8], FrameHeader>,
+    notifier: Notifier<Ipc>,
+    frames: Frames,
+    _events: Events,
+    _pool: PoolBooking,
+    node: Node,
+    topic: String,
+    template: FrameHeader,
+    max_payload_len: usize,
+    max_loaned: usize,
+    next_seq: AtomicU64,
+    /// Subscribers when connections were last made, so that a new one is noticed.
+    known_subscribers: AtomicUsize,
+    /// A lossless stream's subscriber has let a frame go by: it may be dead.
+    lost_patience: Arc<AtomicBool>,
+}
+
+impl Publisher {
+    pub(crate) fn open(node: &Node, spec: &StreamSpec) -> Result<Self, Error> {
+        let topic = canonical_topic(&spec.topic)?.to_owned();
+        let session = random_session();
+        let template = FrameHeader { session, ..spec.header()? };
+        let pool = node.book_pool(&topic, spec.pool_bytes())?;
+        let (frames, events) = stream::open_or_create(node, spec)?;
+        let lost_patience = Arc::new(AtomicBool::new(false));
+        let mut tried_again = false;
+        let port = loop {
+            let lost_patience = Arc::clone(&lost_patience);
+            let mut builder = frames
+                .publisher_builder()
+                .initial_max_slice_len(spec.max_payload_len.max(1))
+                .max_loaned_samples(spec.loaned)
+                .backpressure_strategy(spec.backpressure());
+            if spec.lossless {
+                builder = builder.set_backpressure_handler(move |info| {
+                    if info.elapsed_time < StreamSpec::LOSSLESS_PATIENCE {
+                        std::thread::yield_now();
+                        BackpressureAction::Retry
+                    } else {
+                        lost_patience.store(true, Ordering::Relaxed);
+                        BackpressureAction::DiscardData
+                    }
+                });
+            }
+            match builder.create() {
+                Ok(port) => break port,
+                Err(PublisherCreateError::ExceedsMaxSupportedPublishers) if !tried_again => {
+                    // The place may be that of a publisher that was killed.
+                    tried_again = true;
+                    node.clean_up_dead();
+                }
+                Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
+                    return Err(Error::DomainInUse { topic, domain: node.domain().clone() });
+                }
+                Err(error) => return Err(Error::transport(format!("opening {topic} for writing"), error)),
+            }
+        };
+        let notifier = events
+            .notifier_builder()
+            .create()
+            .map_err(|error| Error::transport(format!("opening the events of {topic}"), error))?;
+        let publisher = Self {
+            port,
+            notifier,
+            frames,
+            _events: events,
+            _pool: pool,
+            node: node.clone(),
+            topic,
+            template,
+            max_payload_len: spec.max_payload_len,
+            max_loaned: spec.loaned,
+            next_seq: AtomicU64::new(0),
+            known_subscribers: AtomicUsize::new(0),
+            lost_patience,
+        };
+        publisher.check_alignment()?;
+        Ok(publisher)
+    }
+
+    /// All chunks lie a multiple of their alignment apart, so that one speaks for all.
+    fn check_alignment(&self) -> Result<(), Error> {
+        let frame = self.loan(self.max_payload_len)?;
+        let address = frame.payload().as_ptr().addr();
+        if address.is_multiple_of(align_of::<FrameHeader>()) {
+            Ok(())
+        } else {
+            Err(Error::transport(format!("making {}", self.topic), format!("a payload at {address:#x}")))
+        }
+    }
+
+    /// The topic without a leading slash.
+    #[must_use]
+    pub fn topic(&self) -> &str {
+        &self.topic
+    }
+
+    /// Largest payload in bytes.
+    #[must_use]
+    pub fn max_payload_len(&self) -> usize {
+        self.max_payload_len
+    }
+
+    /// Subscribers now; costs one read of shared memory, so that a sensor nobody looks at need not be computed.
+    #[must_use]
+    pub fn subscribers(&self) -> usize {
+        self.frames.dynamic_config().number_of_subscribers()
+    }
+
+    /// Gives subscribers that have come since the last frame the newest one (the stream's history) without
+    /// sending anything. For streams that are written seldom or once; costs one read of shared memory when
+    /// nobody has come.
+    ///
+    /// # Errors
+    /// [`Error::Transport`] when a subscriber cannot be connected; the others are.
+    pub fn update(&self) -> Result<(), Error> {
+        let subscribers = self.subscribers();
+        if self.known_subscribers.swap(subscribers, Ordering::Relaxed) == subscribers {
+            return Ok(());
+        }
+        self.port
+            .update_connections()
+            .map_err(|error| Error::transport(format!("connecting subscribers of {}", self.topic), error))?;
+        self.notify();
+        Ok(())
+    }
+
+    /// Loans a frame of `len` payload bytes: shared memory to write the data into. Its header is that of the
+    /// stream, its payload holds zeros or an old frame: write all of it.
+    ///
+    /// Dropping it unsent returns it.
+    ///
+    /// # Errors
+    /// [`Error::FrameTooLarge`], [`Error::NoFreeFrame`].
+    pub fn loan(&self, len: usize) -> Result<LoanedFrame<'_>, Error> {
+        let mut sample = loan::loan_bytes(&self.port, len).map_err(|error| match error {
+            LoanError::ExceedsMaxLoanSize => {
+                Error::FrameTooLarge { topic: self.topic.clone(), len, max: self.max_payload_len }
+            }
+            LoanError::ExceedsMaxLoans => {
+                Error::NoFreeFrame { topic: self.topic.clone(), max: self.max_loaned }
+            }
+            error => Error::transport(format!("loaning a frame of {}", self.topic), error),
+        })?;
+        *sample.user_header_mut() = FrameHeader { payload_len: len as u64, ..self.template };
+        Ok(LoanedFrame { sample, publisher: self })
+    }
+
+    /// Sends structs, one per row: for the streams of small fixed messages.
+    ///
+    /// # Errors
+    /// As [`loan`](Self::loan) and [`send`](LoanedFrame::send).
+    pub fn send_structs<T: Message>(&self, stamp_ns: u64, structs: &[T]) -> Result<usize, Error> {
+        let bytes: &[u8] = bytemuck::cast_slice(structs);
+        let mut frame = self.loan(bytes.len())?;
+        frame.payload_mut().copy_from_slice(bytes);
+        let header = frame.header_mut();
+        header.stamp_ns = stamp_ns;
+        header.width = 1;
+        header.height = structs.len() as u32;
+        header.elem_stride = size_of::<T>() as u32;
+        header.row_stride = header.elem_stride;
+        frame.send()
+    }
+
+    fn notify(&self) {
+        // Its failures are a listener with a full queue, which is awake, and one that is gone.
+        let _ = self.notifier.notify();
+    }
+}
+
+impl fmt::Debug for Publisher {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Publisher")
+            .field("topic", &self.topic)
+            .field("domain", self.node.domain())
+            .field("max_payload_len", &self.max_payload_len)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A frame in shared memory that nobody else sees yet.
+pub struct LoanedFrame<'a> {
+    sample: SampleMut<Ipc, [u8], FrameHeader>,
+    publisher: &'a Publisher,
+}
+
+impl LoanedFrame<'_> {
+    /// The header as it stands.
+    #[must_use]
+    pub fn header(&self) -> &FrameHeader {
+        self.sample.user_header()
+    }
+
+    /// The header to fill in: stamp, size and strides, pose, the kind's block. `seq`, `session`,
+    /// `publish_mono_ns` and `payload_len` are the publisher's to set.
+    pub fn header_mut(&mut self) -> &mut FrameHeader {
+        self.sample.user_header_mut()
+    }
+
+    /// The payload as it stands.
+    #[must_use]
+    pub fn payload(&self) -> &[u8] {
+        self.sample.payload()
+    }
+
+    /// The payload to write: shared memory, aligned to 64 bytes.
+    pub fn payload_mut(&mut self) -> &mut [u8] {
+        self.sample.payload_mut()
+    }
+
+    /// Hands the frame to every subscriber and wakes them; gives their number.
+    ///
+    /// # Errors
+    /// [`Error::Transport`] when a subscriber could not be reached; the others were.
+    pub fn send(mut self) -> Result<usize, Error> {
+        let Self { publisher, .. } = self;
+        let header = self.sample.user_header_mut();
+        header.session = publisher.template.session;
+        header.seq = publisher.next_seq.fetch_add(1, Ordering::Relaxed);
+        header.publish_mono_ns = clock::mono_ns();
+        let (header, len) = (self.sample.user_header(), self.sample.payload().len());
+        debug_assert_eq!(
+            header.check(len),
+            Ok(()),
+            "{}: a header that every subscriber refuses",
+            publisher.topic
+        );
+        let sent = self.sample.send();
+        let subscribers = publisher.subscribers();
+        publisher.known_subscribers.store(subscribers, Ordering::Relaxed);
+        if subscribers > 0 {
+            publisher.notify();
+        }
+        if publisher.lost_patience.swap(false, Ordering::Relaxed) {
+            publisher.node.clean_up_dead();
+        }
+        sent.map_err(|error| Error::transport(format!("sending a frame of {}", publisher.topic), error))
+    }
+}
+
+impl fmt::Debug for LoanedFrame<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("LoanedFrame")
+            .field("topic", &self.publisher.topic)
+            .field("header", self.header())
+            .finish_non_exhaustive()
+    }
+}
+
+/// A number that no publisher before has had; never 0.
+fn random_session() -> u64 {
+    use std::hash::{BuildHasher, Hasher, RandomState};
+    // Seeded by the system's random numbers for each process, by a counter within it.
+    let mut hasher = RandomState::new().build_hasher();
+    hasher.write_u64(clock::mono_ns());
+    hasher.finish().max(1)
+}

@@ -1,0 +1,315 @@
+//! [`Subscriber`]: the reading end of a stream, through all that happens to its publisher.
+
+use std::{
+    fmt,
+    time::{Duration, Instant},
+};
+
+use iceoryx2::{
+    port::{
+        ReceiveError,
+        listener::Listener,
+        subscriber::{Subscriber as Port, SubscriberCreateError},
+    },
+    service::port_factory::PortFactory as _,
+};
+
+use crate::{
+    Error, Frame, FrameHeader, Node, StreamSpec,
+    domain::canonical_topic,
+    frame::Sample,
+    node::Ipc,
+    stream::{self, Events, Frames, Opened},
+};
+
+/// How often a stream that is not there is looked for.
+const SEARCH_INTERVAL: Duration = Duration::from_millis(20);
+/// How long a wait sleeps at most before it looks whether the publisher is still there.
+const WATCH_INTERVAL: Duration = Duration::from_millis(100);
+/// After this silence the publisher may have been killed: see who is dead.
+const SUSPICIOUS_SILENCE: Duration = Duration::from_secs(1);
+
+/// The reading end of a stream.
+///
+/// It can be made before the stream exists, and it outlives the publisher: when that ends, or is killed, and
+/// starts again, [`wait`](Self::wait) and [`take`](Self::take) go on with the new one. A [`Frame`] that is held
+/// stays valid through all of it.
+///
+/// A reader that is slower than the publisher loses the oldest of its own waiting frames and slows nobody;
+/// [`Frame::missed`] tells how many.
+pub struct Subscriber {
+    connection: Option<Connection>,
+    node: Node,
+    topic: String,
+    /// What the stream is made with when this end makes it.
+    owned: Option<StreamSpec>,
+    next_search: Instant,
+    last_frame: Option<FrameId>,
+    missed_total: u64,
+    last_sign_of_life: Instant,
+    last_clean_up: Instant,
+}
+
+/// Ports before their services: fields are dropped in this order.
+struct Connection {
+    port: Port<Ipc, [u8], FrameHeader>,
+    listener: Listener<Ipc>,
+    frames: Frames,
+    _events: Events,
+}
+
+#[derive(Clone, Copy)]
+struct FrameId {
+    session: u64,
+    seq: u64,
+}
+
+impl Subscriber {
+    pub(crate) fn watching(node: &Node, topic: &str) -> Self {
+        let now = Instant::now();
+        Self {
+            connection: None,
+            node: node.clone(),
+            topic: topic.to_owned(),
+            owned: None,
+            next_search: now,
+            last_frame: None,
+            missed_total: 0,
+            last_sign_of_life: now,
+            last_clean_up: now,
+        }
+    }
+
+    pub(crate) fn owning(node: &Node, spec: &StreamSpec) -> Result<Self, Error> {
+        let topic = canonical_topic(&spec.topic)?;
+        let mut subscriber = Self { owned: Some(spec.clone()), ..Self::watching(node, topic) };
+        subscriber.connect()?;
+        Ok(subscriber)
+    }
+
+    /// The topic without a leading slash.
+    #[must_use]
+    pub fn topic(&self) -> &str {
+        &self.topic
+    }
+
+    /// Publishers now: 0 before the first, and after the last has ended or was found dead.
+    #[must_use]
+    pub fn publishers(&self) -> usize {
+        self.connection.as_ref().map_or(0, Connection::publishers)
+    }
+
+    /// Frames that were sent and never taken, over this subscriber's life.
+    #[must_use]
+    pub fn missed_total(&self) -> u64 {
+        self.missed_total
+    }
+
+    /// Time since the last frame, or since the subscriber was made: compare with a multiple of the period to see
+    /// that a stream has stopped. This is the real sign of life; a killed publisher cannot say goodbye.
+    #[must_use]
+    pub fn silence(&self) -> Duration {
+        self.last_sign_of_life.elapsed()
+    }
+
+    /// Sleeps until there is a frame to take; `false` when `timeout` has passed, or a signal came, without one.
+    ///
+    /// # Errors
+    /// [`Error::TooManySubscribers`], [`Error::Incompatible`], [`Error::Permission`] when the stream is there and
+    /// cannot be opened.
+    pub fn wait(&mut self, timeout: Duration) -> Result<bool, Error> {
+        let deadline = Instant::now() + timeout.min(Duration::from_secs(365 * 86_400));
+        loop {
+            self.search()?;
+            if self.has_frames()? {
+                return Ok(true);
+            }
+            self.watch_publisher();
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(false);
+            }
+            match &self.connection {
+                Some(connection) => {
+                    if connection.listener.timed_wait(|_| {}, left.min(WATCH_INTERVAL)).is_err() {
+                        // Interrupted by a signal: the caller may want to end.
+                        return self.has_frames();
+                    }
+                }
+                None => std::thread::sleep(left.min(SEARCH_INTERVAL)),
+            }
+        }
+    }
+
+    /// The oldest frame that waits, if any; never sleeps.
+    ///
+    /// # Errors
+    /// As [`wait`](Self::wait); [`Error::TooManyHeld`] while too many frames are held; [`Error::Frame`] for one
+    /// that must not be read, which is dropped.
+    pub fn take(&mut self) -> Result<Option<Frame>, Error> {
+        self.search()?;
+        let Some(sample) = self.receive()? else {
+            self.watch_publisher();
+            return Ok(None);
+        };
+        self.accept(sample).map(Some)
+    }
+
+    /// The newest frame that waits, if any, dropping those before it (they count as missed); never sleeps.
+    ///
+    /// # Errors
+    /// As [`take`](Self::take).
+    pub fn take_newest(&mut self) -> Result<Option<Frame>, Error> {
+        self.search()?;
+        let Some(mut newest) = self.receive()? else {
+            self.watch_publisher();
+            return Ok(None);
+        };
+        while self.has_frames()? {
+            let next = match self.receive() {
+                Err(Error::TooManyHeld { .. }) => {
+                    // The last place is the one that `newest` takes.
+                    drop(newest);
+                    match self.receive()? {
+                        Some(sample) => {
+                            newest = sample;
+                            continue;
+                        }
+                        None => return Ok(None),
+                    }
+                }
+                received => received?,
+            };
+            match next {
+                // Several publishers are received in turn, not in order.
+                Some(next) if next.user_header().publish_mono_ns >= newest.user_header().publish_mono_ns => {
+                    newest = next;
+                }
+                Some(_) => {}
+                None => break,
+            }
+        }
+        self.accept(newest).map(Some)
+    }
+
+    fn has_frames(&self) -> Result<bool, Error> {
+        let Some(connection) = &self.connection else { return Ok(false) };
+        connection.port.has_samples().map_err(|error| self.broken(error))
+    }
+
+    fn receive(&self) -> Result<Option<Sample>, Error> {
+        let Some(connection) = &self.connection else { return Ok(None) };
+        connection.port.receive().map_err(|error| match error {
+            ReceiveError::ExceedsMaxBorrows => Error::TooManyHeld {
+                topic: self.topic.clone(),
+                max: connection.frames.static_config().subscriber_max_borrowed_samples(),
+            },
+            ReceiveError::ConnectionFailure(error) => self.broken(error),
+        })
+    }
+
+    fn broken(&self, error: impl fmt::Debug) -> Error {
+        Error::transport(format!("receiving {}", self.topic), error)
+    }
+
+    /// Checks a frame and compares it with the one before.
+    fn accept(&mut self, sample: Sample) -> Result<Frame, Error> {
+        self.last_sign_of_life = Instant::now();
+        let header = sample.user_header();
+        let now = FrameId { session: header.session, seq: header.seq };
+        let (missed, restarted) = match self.last_frame.replace(now) {
+            Some(last) if last.session == now.session => {
+                (now.seq.saturating_sub(last.seq).saturating_sub(1), false)
+            }
+            Some(_) => (0, true),
+            None => (0, false),
+        };
+        self.missed_total = self.missed_total.saturating_add(missed);
+        Frame::new(sample, missed, restarted, self.node.clone())
+            .map_err(|error| Error::Frame { topic: self.topic.clone(), error })
+    }
+
+    /// Looks for the stream when it is not open.
+    fn search(&mut self) -> Result<(), Error> {
+        if self.connection.is_none() {
+            let now = Instant::now();
+            if now >= self.next_search {
+                self.next_search = now + SEARCH_INTERVAL;
+                self.connect()?;
+            }
+        }
+        Ok(())
+    }
+
+    fn connect(&mut self) -> Result<(), Error> {
+        let (frames, events) = match &self.owned {
+            Some(spec) => stream::open_or_create(&self.node, spec)?,
+            None => match stream::open(&self.node, &self.topic)? {
+                Opened::Yes(frames, events) if frames.dynamic_config().number_of_publishers() > 0 => {
+                    (frames, events)
+                }
+                // Without a publisher it is a remnant that other subscribers are about to let go.
+                Opened::Yes(..) | Opened::NotThere => return Ok(()),
+            },
+        };
+        // The listener first: who is seen as a subscriber is then sure to be woken.
+        let listener = events
+            .listener_builder()
+            .create()
+            .map_err(|error| Error::transport(format!("opening the events of {}", self.topic), error))?;
+        let settings = frames.static_config();
+        let history = settings.history_size().min(settings.subscriber_max_buffer_size());
+        let create = || frames.subscriber_builder().history_request(history).create();
+        let port = match create() {
+            Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => {
+                // The places may be those of subscribers that were killed.
+                self.node.clean_up_dead();
+                create()
+            }
+            created => created,
+        };
+        let port = port.map_err(|error| match error {
+            SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
+                Error::TooManySubscribers { topic: self.topic.clone(), max: settings.max_subscribers() }
+            }
+            error => Error::transport(format!("subscribing to {}", self.topic), error),
+        })?;
+        self.connection = Some(Connection { port, listener, frames, _events: events });
+        Ok(())
+    }
+
+    /// Lets go of a stream whose publisher has gone, so that the next one finds nothing of the old.
+    fn watch_publisher(&mut self) {
+        let Some(connection) = &self.connection else { return };
+        if self.owned.is_some() {
+            return;
+        }
+        if self.last_sign_of_life.elapsed() > SUSPICIOUS_SILENCE
+            && self.last_clean_up.elapsed() > SUSPICIOUS_SILENCE
+        {
+            self.last_clean_up = Instant::now();
+            self.node.clean_up_dead();
+        }
+        // In this order: a publisher's last frame is there before it is gone.
+        if connection.publishers() == 0 && !connection.port.has_samples().unwrap_or(false) {
+            self.connection = None;
+        }
+    }
+}
+
+impl Connection {
+    fn publishers(&self) -> usize {
+        self.frames.dynamic_config().number_of_publishers()
+    }
+}
+
+impl fmt::Debug for Subscriber {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Subscriber")
+            .field("topic", &self.topic)
+            .field("domain", self.node.domain())
+            .field("connected", &self.connection.is_some())
+            .field("missed_total", &self.missed_total)
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,103 @@
+//! Names of fixed size, as they lie in shared memory.
+
+use std::fmt;
+
+use bytemuck::{Pod, Zeroable};
+use iceoryx2::prelude::ZeroCopySend;
+
+/// UTF-8 text in `N` bytes, padded with NUL; C sees a `char[N]`. The last byte is always NUL.
+#[derive(Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Text<const N: usize>([u8; N]);
+
+// The derive macro wants `repr(C)`, bytemuck's wants `repr(transparent)` for a generic type.
+// SAFETY: it has the layout of `[u8; N]`, which may be sent: no pointer, no padding, no `Drop`, `'static`.
+#[allow(unsafe_code)]
+unsafe impl<const N: usize> ZeroCopySend for Text<N> {}
+
+/// The text does not fit: it is longer than `N - 1` bytes or holds a NUL.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a name of {len} bytes does not fit: at most {max} bytes, none of them NUL")]
+pub struct TextError {
+    /// Length of the refused text in bytes.
+    pub len: usize,
+    /// What would have fitted.
+    pub max: usize,
+}
+
+impl<const N: usize> Text<N> {
+    /// No text.
+    pub const EMPTY: Self = Self([0; N]);
+
+    /// # Errors
+    /// When the text is longer than `N - 1` bytes or holds a NUL.
+    pub fn new(text: &str) -> Result<Self, TextError> {
+        if text.len() >= N || text.as_bytes().contains(&0) {
+            return Err(TextError { len: text.len(), max: N - 1 });
+        }
+        let mut bytes = [0; N];
+        bytes[..text.len()].copy_from_slice(text.as_bytes());
+        Ok(Self(bytes))
+    }
+
+    /// The text up to the first NUL; what is not UTF-8 (a foreign writer's) ends it.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        let len = self.0.iter().position(|&byte| byte == 0).unwrap_or(N);
+        match std::str::from_utf8(&self.0[..len]) {
+            Ok(text) => text,
+            Err(error) => std::str::from_utf8(&self.0[..error.valid_up_to()]).unwrap_or_default(),
+        }
+    }
+
+    /// Whether there is no text.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0[0] == 0
+    }
+}
+
+impl<const N: usize> Default for Text<N> {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+impl<const N: usize> fmt::Debug for Text<N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self.as_str(), f)
+    }
+}
+
+impl<const N: usize> fmt::Display for Text<N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.as_str())
+    }
+}
+
+impl<const N: usize> TryFrom<&str> for Text<N> {
+    type Error = TextError;
+
+    fn try_from(text: &str) -> Result<Self, TextError> {
+        Self::new(text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_fits_comes_back() {
+        assert_eq!(Text::<8>::new("bücher").unwrap().as_str(), "bücher");
+        assert_eq!(Text::<8>::new("").unwrap(), Text::EMPTY);
+        assert_eq!(Text::<8>::new("12345678"), Err(TextError { len: 8, max: 7 }));
+        assert!(Text::<8>::new("a\0b").is_err());
+    }
+
+    #[test]
+    fn foreign_bytes_are_cut_where_they_stop_being_text() {
+        assert_eq!(Text::<4>([b'a', 0xff, b'b', 0]).as_str(), "a");
+        assert_eq!(Text::<4>([b'a'; 4]).as_str(), "aaaa");
+    }
+}

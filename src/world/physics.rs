@@ -4,6 +4,7 @@
 //!   (Gazebo lumps them likewise), and the other joints constrain or drive the bodies.
 //! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false).
 //! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
+//! - The wheels of a Kobuki are part of its base's body and only shown turning: see [`crate::robot::kobuki`].
 //! - Time is counted in whole nanoseconds, so it never drifts. Between the last two steps every pose can be
 //!   asked for at any stamp.
 //! - The same calls give the same bits: rapier's `enhanced-determinism`, one thread, single precision inside.
@@ -18,10 +19,11 @@ pub use joint::JointState;
 
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::model::{Geometry, Inertial, LinkIndex, Model, World};
+use crate::robot::kobuki::Wheels;
 use belvedere_sensors::Pose;
 use convert::{from_rapier, to_rapier, vector};
 use glam::DVec3;
-use joint::MovingJoint;
+use joint::{Motion, MovingJoint};
 use lump::{BodyMass, Lumps};
 use rapier3d::dynamics::{
     CoefficientCombineRule, FrictionModel, MassProperties, RigidBodyBuilder, RigidBodyHandle,
@@ -60,6 +62,8 @@ pub struct Physics {
 /// A rigid body that can move.
 struct Body {
     handle: RigidBodyHandle,
+    /// The body and the joint of its model that carry it, if it is a wheel: its handle is the carrier's.
+    carrier: Option<(usize, ModelIndex, JointIndex)>,
     /// Its pose in its model at rest.
     model_from_body: Pose,
     /// World poses after the last step but one, and after the last.
@@ -175,11 +179,35 @@ impl Physics {
         if model.is_static {
             joints.resize_with(model.joints.len(), || None);
         } else {
-            let lumps = Lumps::of(model, &mut self.notes);
-            for root in (0..model.links.len()).filter(|link| lumps.root[*link] == *link) {
-                self.add_body(model, index, &lumps, root, world_from_model, &mut links, is_robot);
+            let rolled: Vec<JointIndex> =
+                if is_robot { Wheels::of(model).map(|wheels| wheels.joints()).ok() } else { None }
+                    .map_or_else(Vec::new, Vec::from);
+            let lumps = Lumps::of(model, &rolled, &mut self.notes);
+            let wheel_of = |root: LinkIndex| {
+                rolled.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
+            };
+            let roots: Vec<LinkIndex> =
+                (0..model.links.len()).filter(|link| lumps.root[*link] == *link).collect();
+            for root in roots.iter().copied().filter(|root| wheel_of(*root).is_none()) {
+                let carried = rolled.iter().map(|joint| &model.joints[*joint]);
+                let carried = carried.filter(|joint| lumps.root[joint.parent] == root);
+                let members: Vec<LinkIndex> = lumps
+                    .links(root)
+                    .chain(carried.flat_map(|joint| lumps.links(lumps.root[joint.child])))
+                    .collect();
+                if let Some(handle) = self.insert_body(model, &members, world_from_model, is_robot) {
+                    self.place_links(model, index, &lumps, root, handle, None, &mut links);
+                }
             }
-            joints.extend(model.joints.iter().map(|joint| {
+            for root in roots {
+                let Some(joint) = wheel_of(root) else { continue };
+                if let Some(carrier) = links[model.joints[joint].parent].body {
+                    let handle = self.bodies[carrier].handle;
+                    let carrier = Some((carrier, index, joint));
+                    self.place_links(model, index, &lumps, root, handle, carrier, &mut links);
+                }
+            }
+            joints.extend(model.joints.iter().enumerate().map(|(number, joint)| {
                 let sides =
                     [joint.parent, joint.child].map(|link| (links[link].body, links[link].body_from_link));
                 let [(Some(parent), parent_from_link), (Some(child), child_from_link)] = sides else {
@@ -195,10 +223,21 @@ impl Physics {
                 ];
                 let (constraint, axis) = MovingJoint::constraint(joint, &body_from_joint)?;
                 let bodies = [parent, child];
-                let [first, second] = bodies.map(|body| self.bodies[body].handle);
-                let handle = self.rapier.insert_impulse_joint(first, second, constraint);
                 let state = JointState::default();
-                Some(MovingJoint { handle, bodies, body_from_joint, axis, previous: state, current: state })
+                if rolled.contains(&number) {
+                    let motion = Motion::Rolled { rate: 0.0, effort: 0.0 };
+                    return Some(MovingJoint {
+                        motion,
+                        bodies,
+                        body_from_joint,
+                        axis,
+                        previous: state,
+                        current: state,
+                    });
+                }
+                let [first, second] = bodies.map(|body| self.bodies[body].handle);
+                let motion = Motion::Forces(self.rapier.insert_impulse_joint(first, second, constraint));
+                Some(MovingJoint { motion, bodies, body_from_joint, axis, previous: state, current: state })
             }));
         }
         for (link, placed) in links.iter_mut().enumerate() {
@@ -207,61 +246,74 @@ impl Physics {
         self.models.push(PlacedModel { links, joints, first_body, end_body: self.bodies.len() });
     }
 
-    /// Makes the body that stands for the links lumped to `root`, and places these links in it.
-    #[expect(clippy::too_many_arguments, reason = "one step of `add`, split off for its length")]
-    fn add_body(
+    /// Makes the body of some links, the first of which gives it its frame; none if it cannot move.
+    fn insert_body(
         &mut self,
         model: &Model,
-        index: ModelIndex,
-        lumps: &Lumps,
-        root: LinkIndex,
+        members: &[LinkIndex],
         world_from_model: &Pose,
-        links: &mut [PlacedLink],
         is_robot: bool,
-    ) {
-        let members = || lumps.links(root).map(|link| &model.links[link]);
-        let collisions = || members().flat_map(|link| &link.collisions);
+    ) -> Option<RigidBodyHandle> {
+        let links = || members.iter().map(|link| &model.links[*link]);
+        let collisions = || links().flat_map(|link| &link.collisions);
+        let root = links().next()?;
         if let Some(plane) = collisions().find(|shape| matches!(shape.geometry, Geometry::Plane { .. })) {
             self.notes.push(Problem {
                 severity: Severity::Note,
                 source: plane.source.clone(),
                 what: format!(
                     "link '{}' of model '{}' never moves: it has an infinite plane",
-                    model.links[root].name, model.name
+                    root.name, model.name
                 ),
                 remedy: "write <static>true</static>, or use a box".into(),
             });
-            return;
+            return None;
         }
-        let model_from_body = model.links[root].model_from_link;
-        let body_from_model = model_from_body.inverse();
-        let masses: Vec<(Pose, Inertial, bool)> = members()
+        let body_from_model = root.model_from_link.inverse();
+        let masses: Vec<(Pose, Inertial, bool)> = links()
             .filter_map(|link| Some((body_from_model * link.model_from_link, link.inertial?, link.gravity)))
             .collect();
-        let Some(mass) = BodyMass::of(masses.iter().copied()).or_else(|| {
-            // Without shapes it is a mere frame in space: there is nothing to move.
-            collisions().next().map(|_| BodyMass::sdf_default(model.links[root].gravity))
-        }) else {
-            return;
-        };
-        let world_from_body = *world_from_model * model_from_body;
+        // Without mass and shapes it is a mere frame in space: there is nothing to move.
+        let mass = BodyMass::of(masses.iter().copied())
+            .or_else(|| collisions().next().map(|_| BodyMass::sdf_default(root.gravity)))?;
         let properties =
             MassProperties::with_inertia_matrix(vector(mass.centre), mass.mass_kg as f32, narrow(&mass));
         let body = RigidBodyBuilder::dynamic()
-            .pose(to_rapier(&world_from_body))
+            .pose(to_rapier(&(*world_from_model * root.model_from_link)))
             .additional_mass_properties(properties)
             .gravity_scale(mass.gravity_share as f32)
             // A sleeping robot would ignore its motors; things in the world may rest.
             .can_sleep(!is_robot);
-        let handle = self.rapier.insert_body(body);
-        let current = from_rapier(self.rapier.bodies[handle].position());
+        Some(self.rapier.insert_body(body))
+    }
+
+    /// Places the links lumped to `root` in a new body of ours.
+    #[expect(clippy::too_many_arguments, reason = "one step of `add`, split off because it is done twice")]
+    fn place_links(
+        &mut self,
+        model: &Model,
+        index: ModelIndex,
+        lumps: &Lumps,
+        root: LinkIndex,
+        handle: RigidBodyHandle,
+        carrier: Option<(usize, ModelIndex, JointIndex)>,
+        links: &mut [PlacedLink],
+    ) {
+        let model_from_body = model.links[root].model_from_link;
+        let body = self.bodies.len();
         for link in lumps.links(root) {
-            let body_from_link = body_from_model * model.links[link].model_from_link;
-            links[link].body = Some(self.bodies.len());
-            links[link].body_from_link = body_from_link;
-            self.moving.push(MovingLink { model: index, link, body: self.bodies.len(), body_from_link });
+            let body_from_link = model_from_body.inverse() * model.links[link].model_from_link;
+            (links[link].body, links[link].body_from_link) = (Some(body), body_from_link);
+            self.moving.push(MovingLink { model: index, link, body, body_from_link });
         }
-        self.bodies.push(Body { handle, model_from_body, previous: current, current });
+        let current = match carrier {
+            None => from_rapier(self.rapier.bodies[handle].position()),
+            Some((carrier, ..)) => {
+                let carrier = &self.bodies[carrier];
+                carrier.current * carrier.model_from_body.inverse() * model_from_body
+            }
+        };
+        self.bodies.push(Body { handle, carrier, model_from_body, previous: current, current });
     }
 
     fn add_colliders(&mut self, model: &Model, index: ModelIndex, link: LinkIndex, placed: &mut PlacedLink) {
@@ -282,7 +334,17 @@ impl Physics {
                     continue;
                 }
             };
-            let pose = placed.body_from_link * collision.link_from_collision * collision_from_shape;
+            // A wheel's shapes are fixed to the body that carries it.
+            let rapier_from_body = placed.body.map_or(Pose::IDENTITY, |body| {
+                let body = &self.bodies[body];
+                body.carrier.map_or(Pose::IDENTITY, |(carrier, ..)| {
+                    self.bodies[carrier].model_from_body.inverse() * body.model_from_body
+                })
+            });
+            let pose = rapier_from_body
+                * placed.body_from_link
+                * collision.link_from_collision
+                * collision_from_shape;
             let collider = ColliderBuilder::new(shape)
                 .position(to_rapier(&pose))
                 // Mass and inertia come from <inertial> alone.
@@ -331,7 +393,9 @@ impl Physics {
         self.time_ns += self.step_ns;
         for body in &mut self.bodies {
             body.previous = body.current;
-            body.current = from_rapier(self.rapier.bodies[body.handle].position());
+            if body.carrier.is_none() {
+                body.current = from_rapier(self.rapier.bodies[body.handle].position());
+            }
         }
         let frozen = self.rapier.quarantine().bodies().len();
         if frozen > 0 {
@@ -340,17 +404,23 @@ impl Physics {
                 self.time_ns
             );
         }
-        let substep_s = self.step_s() / SUBSTEPS as f64;
+        let step_s = self.step_s();
         for joint in self.models.iter_mut().flat_map(|model| model.joints.iter_mut().flatten()) {
             let world_from_body = joint.bodies.map(|body| self.bodies[body].current);
             let handles = joint.bodies.map(|body| self.bodies[body].handle);
-            joint.update(
-                world_from_body,
-                handles,
-                &self.rapier.bodies,
-                &self.rapier.impulse_joints,
-                substep_s,
-            );
+            joint.update(world_from_body, handles, &self.rapier.bodies, &self.rapier.impulse_joints, step_s);
+        }
+        self.carry();
+    }
+
+    /// Takes the wheels along with the bodies that carry them.
+    fn carry(&mut self) {
+        for index in 0..self.bodies.len() {
+            if let Some((carrier, model, joint)) = self.bodies[index].carrier
+                && let Some(joint) = &self.models[model].joints[joint]
+            {
+                self.bodies[index].current = joint.carried(self.bodies[carrier].current);
+            }
         }
     }
 
@@ -415,6 +485,73 @@ impl Physics {
         }
     }
 
+    /// Turns a wheel that its body carries, at a rate in rad/s from the next step on, and notes the effort of
+    /// its motor in N·m. Does nothing for any other joint.
+    pub(crate) fn roll_joint(&mut self, model: ModelIndex, joint: JointIndex, rate: f64, effort: f64) {
+        if let Some(MovingJoint { motion: motion @ Motion::Rolled { .. }, .. }) =
+            &mut self.models[model].joints[joint]
+        {
+            *motion = Motion::Rolled { rate, effort };
+        }
+    }
+
+    /// Mass in kg, centre of mass in the world, and moment of inertia in kg·m² about an axis through it, of the
+    /// body that a link belongs to; none for a link that never moves.
+    pub(crate) fn body_mass(
+        &self,
+        model: ModelIndex,
+        link: LinkIndex,
+        axis_in_world: DVec3,
+    ) -> Option<(f64, DVec3, f64)> {
+        let body = &self.bodies[self.models[model].links[link].body?];
+        let rigid = &self.rapier.bodies[body.handle];
+        let inertia = rigid.mass_properties().local_mprops.reconstruct_inertia_matrix().as_dmat3();
+        let axis = from_rapier(rigid.position()).inverse().transform_vector(axis_in_world);
+        Some((f64::from(rigid.mass()), rigid.center_of_mass().as_dvec3(), axis.dot(inertia * axis)))
+    }
+
+    /// Lets a force in N through its centre of mass, and a torque in N·m, both in the world frame, act on the
+    /// body that a link belongs to, from the next step on and in place of any earlier one.
+    ///
+    /// A force, not an impulse before the step: rapier spreads forces over its substeps just as it does gravity,
+    /// so that one can hold the other without a residue.
+    pub(crate) fn push(&mut self, model: ModelIndex, link: LinkIndex, force: DVec3, torque: DVec3) {
+        if let Some(body) = self.models[model].links[link].body {
+            let rigid = &mut self.rapier.bodies[self.bodies[body].handle];
+            rigid.reset_forces(true);
+            rigid.reset_torques(true);
+            rigid.add_force(vector(force), true);
+            rigid.add_torque(vector(torque), true);
+        }
+    }
+
+    /// The normal of the ground that a link stood on in the last step, as the mean of its contacts whose
+    /// normals point along `up_in_world` within 60°; none if it stood on nothing.
+    pub(crate) fn ground_normal(
+        &self,
+        model: ModelIndex,
+        link: LinkIndex,
+        up_in_world: DVec3,
+    ) -> Option<DVec3> {
+        let mut sum = DVec3::ZERO;
+        for collider in &self.models[model].links[link].colliders {
+            for pair in self.rapier.narrow_phase.contact_pairs_with(*collider) {
+                let Some(contacts) = pair.rigid().filter(|_| pair.has_any_active_contact()) else { continue };
+                // A manifold's normal points from the first collider to the second.
+                let sign = if pair.collider1 == *collider { -1.0 } else { 1.0 };
+                let normals =
+                    contacts.manifolds.iter().map(|manifold| manifold.data.normal.as_dvec3() * sign);
+                sum += normals.filter(|normal| normal.dot(up_in_world) > 0.5).sum::<DVec3>();
+            }
+        }
+        sum.try_normalize()
+    }
+
+    /// Gravity in m/s², in the world frame.
+    pub fn gravity(&self) -> DVec3 {
+        self.rapier.gravity.as_dvec3()
+    }
+
     /// Sets the coefficient of friction of all shapes of a link.
     pub fn set_link_friction(&mut self, model: ModelIndex, link: LinkIndex, friction: f64) {
         for handle in &self.models[model].links[link].colliders {
@@ -427,16 +564,20 @@ impl Physics {
     /// Puts a model somewhere else, at rest, with its joints at zero. Links that never move stay.
     pub fn place_model(&mut self, model: ModelIndex, world_from_model: &Pose) {
         let placed = &mut self.models[model];
-        for body in &mut self.bodies[placed.first_body..placed.end_body] {
+        let bodies = placed.first_body..placed.end_body;
+        for joint in placed.joints.iter_mut().flatten() {
+            (joint.previous, joint.current) = (JointState::default(), JointState::default());
+        }
+        for body in self.bodies[bodies.clone()].iter_mut().filter(|body| body.carrier.is_none()) {
             let rigid = &mut self.rapier.bodies[body.handle];
             rigid.set_position(to_rapier(&(*world_from_model * body.model_from_body)), true);
             rigid.set_linvel(vector(DVec3::ZERO), true);
             rigid.set_angvel(vector(DVec3::ZERO), true);
             body.current = from_rapier(rigid.position());
-            body.previous = body.current;
         }
-        for joint in placed.joints.iter_mut().flatten() {
-            (joint.previous, joint.current) = (JointState::default(), JointState::default());
+        self.carry();
+        for body in &mut self.bodies[bodies] {
+            body.previous = body.current;
         }
     }
 

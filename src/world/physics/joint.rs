@@ -1,5 +1,6 @@
 //! Joints that move: their rapier form, and their position, velocity and effort.
 
+use super::SUBSTEPS;
 use super::convert::{to_rapier, vector};
 use crate::description::model::{Joint, JointKind};
 use belvedere_sensors::Pose;
@@ -21,10 +22,24 @@ pub struct JointState {
     pub effort: f64,
 }
 
-/// A joint in rapier.
+/// What moves a joint.
+#[derive(Debug)]
+pub(super) enum Motion {
+    /// rapier: forces on the two bodies.
+    Forces(ImpulseJointHandle),
+    /// A wheel's drive: it turns by a given rate, and its body is carried along by the first one.
+    Rolled {
+        /// rad/s.
+        rate: f64,
+        /// N·m.
+        effort: f64,
+    },
+}
+
+/// A joint that moves.
 #[derive(Debug)]
 pub(super) struct MovingJoint {
-    pub(super) handle: ImpulseJointHandle,
+    pub(super) motion: Motion,
     /// Indices of the bodies that it joins.
     pub(super) bodies: [usize; 2],
     /// The joint's frame in each of them; it moves along or about its x.
@@ -35,9 +50,8 @@ pub(super) struct MovingJoint {
     pub(super) current: JointState,
 }
 
-/// What a motor is stiff enough to be called rigid with, in N·m·s/rad: at 0.01 rad/s of error it gives 1 N·m
-/// more than a Kobuki's wheel can take.
-const MOTOR_DAMPING: f32 = 100.0;
+/// How hard a motor holds its velocity, in N·m·s/rad or N·s/m: a load of 10 N·m slows it by about 0.02 rad/s.
+const MOTOR_DAMPING: f32 = 1000.0;
 
 impl MovingJoint {
     /// The rotation that takes x onto a unit axis, by the half-way vector: square roots only.
@@ -77,7 +91,9 @@ impl MovingJoint {
 
     /// Sets what the motor aims at: a velocity in rad/s or m/s, with at most `max_effort` N·m or N.
     pub(super) fn drive(&self, joints: &mut ImpulseJointSet, velocity: f64, max_effort: f64) {
-        if let Some(joint) = joints.get_mut(self.handle, true) {
+        if let Motion::Forces(handle) = self.motion
+            && let Some(joint) = joints.get_mut(handle, true)
+        {
             joint
                 .data
                 .set_motor_model(self.axis, MotorModel::ForceBased)
@@ -99,6 +115,13 @@ impl MovingJoint {
         }
     }
 
+    /// Pose of the second body of a rolled joint, from that of the first.
+    pub(super) fn carried(&self, world_from_first: Pose) -> Pose {
+        let (sin, cos) = libm::sincos(0.5 * self.current.position);
+        let turn = Pose::new(DVec3::ZERO, DQuat::from_xyzw(sin, 0.0, 0.0, cos));
+        world_from_first * self.body_from_joint[0] * turn * self.body_from_joint[1].inverse()
+    }
+
     /// Takes over the state after a step.
     pub(super) fn update(
         &mut self,
@@ -109,6 +132,14 @@ impl MovingJoint {
         step_s: f64,
     ) {
         self.previous = self.current;
+        let handle = match self.motion {
+            Motion::Forces(handle) => handle,
+            Motion::Rolled { rate, effort } => {
+                let position = self.previous.position + rate * step_s;
+                self.current = JointState { position, velocity: rate, effort };
+                return;
+            }
+        };
         let position = self.position(world_from_body);
         self.current.position = match self.axis {
             JointAxis::AngX => self.previous.position + wrap(position - self.previous.position),
@@ -126,10 +157,10 @@ impl MovingJoint {
         };
         self.current.velocity = difference.as_dvec3().dot(axis_in_world);
         let impulse = joints
-            .get(self.handle)
+            .get(handle)
             .and_then(|joint| joint.data.motor(self.axis))
             .map_or(0.0, |motor| motor.impulse);
-        self.current.effort = f64::from(impulse) / step_s;
+        self.current.effort = f64::from(impulse) * SUBSTEPS as f64 / step_s;
     }
 }
 

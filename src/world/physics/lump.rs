@@ -1,5 +1,6 @@
 //! Which links are one rigid body: those held together by fixed joints, as Gazebo lumps them.
 
+use super::JointIndex;
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::model::{Inertial, JointKind, LinkIndex, Model};
 use belvedere_sensors::Pose;
@@ -13,13 +14,16 @@ pub(super) struct Lumps {
 
 impl Lumps {
     /// Joins links over fixed joints, and over joints whose child has no mass and thus could not be moved by
-    /// any force; of the latter a note is made.
-    pub(super) fn of(model: &Model, notes: &mut Vec<Problem>) -> Self {
+    /// any force; of the latter a note is made. `rolled` joints are left alone: their wheels are carried along.
+    pub(super) fn of(model: &Model, rolled: &[JointIndex], notes: &mut Vec<Problem>) -> Self {
         let mut lumps = Self { root: (0..model.links.len()).collect() };
         for joint in model.joints.iter().filter(|joint| joint.kind == JointKind::Fixed) {
             lumps.weld(joint.parent, joint.child);
         }
-        for joint in model.joints.iter().filter(|joint| joint.kind != JointKind::Fixed) {
+        for (index, joint) in model.joints.iter().enumerate() {
+            if joint.kind == JointKind::Fixed || rolled.contains(&index) {
+                continue;
+            }
             let root = lumps.root[joint.child];
             if root != lumps.root[joint.parent] && lumps.mass_kg(model, root) <= 0.0 {
                 notes.push(Problem {

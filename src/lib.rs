@@ -2,3 +2,5 @@
 #![forbid(unsafe_code)]
 
 pub mod description;
+pub mod robot;
+pub mod world;

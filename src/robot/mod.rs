@@ -1,0 +1,101 @@
+//! A robot's base and what it tells of itself: drive, odometry, transforms, joint states.
+//!
+//! A [`Robot`] goes along with a model in [`Physics`]: call [`Robot::control`] before each step and
+//! [`Robot::observe`] after it, then [`Robot::state_at`] for any stamp between the last two steps.
+
+pub mod drive;
+pub mod kobuki;
+pub mod odometry;
+pub mod state;
+pub mod transforms;
+
+pub use drive::{Command, Drive};
+pub use kobuki::Kobuki;
+pub use state::RobotState;
+
+use crate::description::diagnostics::Problem;
+use crate::description::model::{LinkIndex, Model};
+use crate::world::physics::{ModelIndex, Physics};
+use belvedere_sensors::Pose;
+use transforms::{Transform, Transforms};
+
+/// A robot in the world, with or without a base that drives.
+#[derive(Debug)]
+pub struct Robot {
+    model: ModelIndex,
+    base_link: LinkIndex,
+    transforms: Transforms,
+    base: Option<Kobuki>,
+}
+
+impl Robot {
+    /// Takes the model of that index as a robot. Of a model without the wheels of a Kobuki it makes a passive
+    /// one, which senses but does not drive; the problem says why.
+    pub fn new(model: &Model, index: ModelIndex, physics: &mut Physics) -> (Self, Option<Problem>) {
+        let (base, problem) = match Kobuki::new(model, index, physics) {
+            Ok(base) => (Some(base), None),
+            Err(problem) => (None, Some(problem)),
+        };
+        let transforms = Transforms::of(model);
+        (Self { model: index, base_link: transforms::base_link(model), transforms, base }, problem)
+    }
+
+    /// Gives a velocity command; a passive robot ignores it. It holds for [`kobuki::COMMAND_TIMEOUT_NS`].
+    pub fn command(&mut self, command: Command, stamp_ns: u64) {
+        if let Some(base) = &mut self.base {
+            base.command(command, stamp_ns);
+        }
+    }
+
+    /// Sets the motors for the step to come.
+    pub fn control(&mut self, physics: &mut Physics) {
+        if let Some(base) = &mut self.base {
+            base.control(physics);
+        }
+    }
+
+    /// Reads encoders and gyro after a step.
+    pub fn observe(&mut self, physics: &Physics) {
+        if let Some(base) = &mut self.base {
+            base.observe(physics);
+        }
+    }
+
+    /// True pose of the robot's `base_footprint` (or root link) now.
+    pub fn world_from_base(&self, physics: &Physics) -> Pose {
+        physics.world_from_link(self.model, self.base_link)
+    }
+
+    /// Index of the robot's model.
+    pub fn model(&self) -> ModelIndex {
+        self.model
+    }
+
+    /// The base that drives, if there is one.
+    pub fn base(&self) -> Option<&Kobuki> {
+        self.base.as_ref()
+    }
+
+    /// The base that drives, if there is one.
+    pub fn base_mut(&mut self) -> Option<&mut Kobuki> {
+        self.base.as_mut()
+    }
+
+    /// Transforms that never change.
+    pub fn static_transforms(&self) -> &[Transform] {
+        self.transforms.fixed()
+    }
+
+    /// Everything to publish at a time between the last two steps. For a schedule's sake the state is written
+    /// into `state`, whose memory is used again.
+    pub fn state_into(&self, physics: &Physics, stamp_ns: u64, state: &mut RobotState) {
+        state.fill(stamp_ns, self.model, &self.transforms, self.base.as_ref(), physics);
+    }
+
+    /// Everything to publish at a time between the last two steps.
+    pub fn state_at(&self, physics: &Physics, stamp_ns: u64) -> RobotState {
+        let mut state = RobotState::default();
+        self.state_into(physics, stamp_ns, &mut state);
+        state
+    }
+}

@@ -1,0 +1,50 @@
+//! A snapshot of what a robot publishes.
+
+use super::kobuki::Kobuki;
+use super::odometry::Odometry;
+use super::transforms::{Transform, Transforms};
+use crate::world::physics::{JointState, ModelIndex, Physics};
+use std::sync::Arc;
+
+/// What a robot tells of itself at one time.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RobotState {
+    /// Simulated time in ns.
+    pub stamp_ns: u64,
+    /// The newest odometry at or before that time (it has its own stamp); none for a robot without a base.
+    pub odometry: Option<Odometry>,
+    /// Names of the joints that move, in the order of the file.
+    pub joint_names: Vec<Arc<str>>,
+    /// Their states, in the same order.
+    pub joints: Vec<JointState>,
+    /// The transforms that move: `odom` to the base first if there is odometry, then one per joint.
+    pub transforms: Vec<Transform>,
+}
+
+impl RobotState {
+    /// Writes the state at a time, using the vectors' memory again.
+    pub(super) fn fill(
+        &mut self,
+        stamp_ns: u64,
+        model: ModelIndex,
+        transforms: &Transforms,
+        base: Option<&Kobuki>,
+        physics: &Physics,
+    ) {
+        self.stamp_ns = stamp_ns;
+        self.odometry = base.map(|base| *base.odometry_at(stamp_ns));
+        self.joint_names.clear();
+        self.joints.clear();
+        self.transforms.clear();
+        if let Some(odometry) = &self.odometry {
+            self.transforms.push(transforms.odom(odometry.odom_from_base));
+        }
+        for joint in transforms.moving() {
+            // A joint that holds still for want of mass stays at zero.
+            let state = physics.joint_state_at(model, joint.joint, stamp_ns).unwrap_or_default();
+            self.joint_names.push(joint.name.clone());
+            self.joints.push(state);
+            self.transforms.push(joint.at(state.position));
+        }
+    }
+}

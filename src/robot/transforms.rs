@@ -1,0 +1,114 @@
+//! The tree of frames that a robot publishes (`/tf`, `/tf_static`).
+
+use crate::description::model::{JointKind, LinkIndex, Model};
+use crate::world::physics::JointIndex;
+use belvedere_sensors::Pose;
+use glam::{DQuat, DVec3};
+use std::sync::Arc;
+
+/// Frame in which odometry gives the pose of the base.
+pub const ODOM_FRAME: &str = "odom";
+
+/// A frame in its parent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Transform {
+    /// Outer frame.
+    pub parent: Arc<str>,
+    /// Inner frame.
+    pub child: Arc<str>,
+    /// Pose of the inner frame in the outer one.
+    pub parent_from_child: Pose,
+}
+
+/// The transform of a joint that moves.
+#[derive(Debug, Clone)]
+pub struct JointTransform {
+    /// Index in [`Model::joints`].
+    pub joint: JointIndex,
+    /// The joint's name.
+    pub name: Arc<str>,
+    rest: Transform,
+    axis: DVec3,
+    slides: bool,
+}
+
+impl JointTransform {
+    /// The transform with the joint at a position in radians or metres.
+    pub fn at(&self, position: f64) -> Transform {
+        let motion = if self.slides {
+            Pose::from_translation(self.axis * position)
+        } else {
+            let (sin, cos) = libm::sincos(position * 0.5);
+            let axis = self.axis * sin;
+            Pose::new(DVec3::ZERO, DQuat::from_xyzw(axis.x, axis.y, axis.z, cos))
+        };
+        let parent_from_child = self.rest.parent_from_child * motion;
+        Transform { parent: self.rest.parent.clone(), child: self.rest.child.clone(), parent_from_child }
+    }
+}
+
+/// The frames of a model.
+#[derive(Debug, Clone)]
+pub struct Transforms {
+    fixed: Vec<Transform>,
+    moving: Vec<JointTransform>,
+    odom: Arc<str>,
+    base: Arc<str>,
+}
+
+impl Transforms {
+    /// Sorts the joints of a model into fixed transforms and moving ones. A floating joint gives neither: no
+    /// joint state describes it.
+    pub fn of(model: &Model) -> Self {
+        let names: Vec<Arc<str>> = model.links.iter().map(|link| link.name.as_str().into()).collect();
+        let (mut fixed, mut moving) = (Vec::new(), Vec::new());
+        for (index, joint) in model.joints.iter().enumerate() {
+            let rest = Transform {
+                parent: names[joint.parent].clone(),
+                child: names[joint.child].clone(),
+                parent_from_child: joint.parent_from_child,
+            };
+            let slides = match joint.kind {
+                JointKind::Fixed => {
+                    fixed.push(rest);
+                    continue;
+                }
+                JointKind::Floating => continue,
+                JointKind::Prismatic { .. } => true,
+                JointKind::Continuous | JointKind::Revolute { .. } => false,
+            };
+            moving.push(JointTransform {
+                joint: index,
+                name: joint.name.as_str().into(),
+                rest,
+                axis: joint.axis,
+                slides,
+            });
+        }
+        let base = names.get(base_link(model)).cloned().unwrap_or_else(|| "base_footprint".into());
+        Self { fixed, moving, odom: ODOM_FRAME.into(), base }
+    }
+
+    /// Those that never change.
+    pub fn fixed(&self) -> &[Transform] {
+        &self.fixed
+    }
+
+    /// Those of joints that move, in the order of the file.
+    pub fn moving(&self) -> &[JointTransform] {
+        &self.moving
+    }
+
+    /// The transform from `odom` to the base.
+    pub fn odom(&self, odom_from_base: Pose) -> Transform {
+        Transform { parent: self.odom.clone(), child: self.base.clone(), parent_from_child: odom_from_base }
+    }
+}
+
+/// The link that odometry speaks of: `base_footprint`, or the root of a model that has none.
+pub fn base_link(model: &Model) -> LinkIndex {
+    model
+        .link_named("base_footprint")
+        .or_else(|| (0..model.links.len()).find(|link| model.joint_above(*link).is_none()))
+        .unwrap_or(0)
+}

@@ -1,0 +1,3 @@
+//! The running state of a world.
+
+pub mod physics;

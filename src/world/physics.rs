@@ -1,0 +1,610 @@
+//! Rigid-body dynamics of a world and its robots, by rapier3d.
+//!
+//! - A static model is a set of fixed shapes. In any other model the links joined by fixed joints are one body
+//!   (Gazebo lumps them likewise), and the other joints constrain or drive the bodies.
+//! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false).
+//! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
+//! - The wheels of a Kobuki are part of its base's body and only shown turning: see [`crate::robot::kobuki`].
+//! - Time is counted in whole nanoseconds, so it never drifts. Between the last two steps every pose can be
+//!   asked for at any stamp.
+//! - The same calls give the same bits: rapier's `enhanced-determinism`, one thread, single precision inside.
+//!   A body 1 km from the origin thus moves in steps of 0.06 mm.
+
+mod convert;
+mod joint;
+mod lump;
+mod shape;
+
+pub use joint::JointState;
+
+use crate::description::diagnostics::{Problem, Severity};
+use crate::description::model::{Geometry, Inertial, LinkIndex, Model, World};
+use crate::robot::kobuki::Wheels;
+use belvedere_sensors::Pose;
+use convert::{from_rapier, to_rapier, vector};
+use glam::DVec3;
+use joint::{Motion, MovingJoint};
+use lump::{BodyMass, Lumps};
+use rapier3d::dynamics::{
+    CoefficientCombineRule, FrictionModel, MassProperties, RigidBodyBuilder, RigidBodyHandle,
+};
+use rapier3d::geometry::{ColliderBuilder, ColliderHandle, SolverFlags};
+use rapier3d::math::Matrix;
+use rapier3d::pipeline::{ActiveHooks, PairFilterContext, PhysicsHooks, PhysicsWorld};
+
+/// Index of a model: those of the world file first, in its order, then the robots.
+pub type ModelIndex = usize;
+
+/// Index of a joint in [`Model::joints`].
+pub type JointIndex = usize;
+
+/// Shortest physics step, in ns.
+const MIN_STEP_NS: u64 = 1_000;
+/// Longest physics step, in ns.
+const MAX_STEP_NS: u64 = 100_000_000;
+/// rapier divides each step into so many; a motor's impulse is that of the last of them.
+const SUBSTEPS: usize = 4;
+/// ODE's and SDF's coefficient of friction where a file gives none.
+const DEFAULT_FRICTION: f64 = 1.0;
+
+/// The moving state of a world.
+pub struct Physics {
+    rapier: PhysicsWorld,
+    step_ns: u64,
+    time_ns: u64,
+    bodies: Vec<Body>,
+    models: Vec<PlacedModel>,
+    moving: Vec<MovingLink>,
+    first_robot: ModelIndex,
+    notes: Vec<Problem>,
+}
+
+/// A rigid body that can move.
+struct Body {
+    handle: RigidBodyHandle,
+    /// The body and the joint of its model that carry it, if it is a wheel: its handle is the carrier's.
+    carrier: Option<(usize, ModelIndex, JointIndex)>,
+    /// Its pose in its model at rest.
+    model_from_body: Pose,
+    /// World poses after the last step but one, and after the last.
+    previous: Pose,
+    current: Pose,
+}
+
+/// Where a model's links and joints are found.
+struct PlacedModel {
+    links: Vec<PlacedLink>,
+    /// None for a joint that does not move.
+    joints: Vec<Option<MovingJoint>>,
+    /// Its bodies are `bodies[first_body..end_body]`.
+    first_body: usize,
+    end_body: usize,
+}
+
+/// A link in its body, or in the world if it never moves.
+struct PlacedLink {
+    body: Option<usize>,
+    body_from_link: Pose,
+    colliders: Vec<ColliderHandle>,
+}
+
+/// A link that moves, with what its pose is made of.
+struct MovingLink {
+    model: ModelIndex,
+    link: LinkIndex,
+    body: usize,
+    body_from_link: Pose,
+}
+
+/// Keeps the links of one model from touching each other: colliders carry the model's index.
+struct NoSelfCollision;
+
+impl PhysicsHooks for NoSelfCollision {
+    fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
+        let model = |collider| context.colliders.get(collider).map(|collider| collider.user_data);
+        (model(context.collider1) != model(context.collider2)).then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
+    }
+}
+
+impl Physics {
+    /// Builds the bodies of a world and of robots, each robot's model frame at the pose given with it. Time is 0.
+    ///
+    /// # Errors
+    /// If the world's step is not a time from 1 µs to 0.1 s, or a pose or gravity is not finite.
+    pub fn new(world: &World, robots: &[(Model, Pose)]) -> Result<Self, Problem> {
+        let step_ns = (world.max_step_size_s * 1e9).round();
+        if !(MIN_STEP_NS as f64..=MAX_STEP_NS as f64).contains(&step_ns) {
+            return Err(Problem {
+                severity: Severity::Error,
+                source: world.source.clone(),
+                what: format!("<max_step_size> is {} s", world.max_step_size_s),
+                remedy: "write a step from 0.000001 s to 0.1 s; Gazebo's own is 0.001".into(),
+            });
+        }
+        if !world.gravity.is_finite() {
+            return Err(Problem {
+                severity: Severity::Error,
+                source: world.source.clone(),
+                what: format!("<gravity> is {}", world.gravity),
+                remedy: "write three finite numbers".into(),
+            });
+        }
+        let step_ns = step_ns as u64;
+        let mut rapier = PhysicsWorld { gravity: vector(world.gravity), ..PhysicsWorld::default() };
+        let parameters = &mut rapier.integration_parameters;
+        parameters.dt = (step_ns as f64 * 1e-9) as f32;
+        parameters.num_solver_iterations = SUBSTEPS;
+        parameters.friction_model = FrictionModel::Coulomb;
+        let mut physics = Self {
+            rapier,
+            step_ns,
+            time_ns: 0,
+            bodies: Vec::new(),
+            models: Vec::new(),
+            moving: Vec::new(),
+            first_robot: world.models.len(),
+            notes: Vec::new(),
+        };
+        let placed = world.models.iter().map(|model| (model, &model.world_from_model, false));
+        for (model, world_from_model, is_robot) in
+            placed.chain(robots.iter().map(|(model, pose)| (model, pose, true)))
+        {
+            if !(world_from_model.is_finite()
+                && model.links.iter().all(|link| link.model_from_link.is_finite()))
+            {
+                return Err(Problem {
+                    severity: Severity::Error,
+                    source: model.source.clone(),
+                    what: format!("the pose of model '{}' or of one of its links is not finite", model.name),
+                    remedy: "write finite numbers".into(),
+                });
+            }
+            physics.add(model, world_from_model, is_robot);
+        }
+        Ok(physics)
+    }
+
+    fn add(&mut self, model: &Model, world_from_model: &Pose, is_robot: bool) {
+        let index = self.models.len();
+        let rest = model.rest_poses();
+        let (first_body, mut joints) = (self.bodies.len(), Vec::new());
+        let mut links: Vec<PlacedLink> = rest
+            .iter()
+            .map(|model_from_link| PlacedLink {
+                body: None,
+                body_from_link: *world_from_model * *model_from_link,
+                colliders: Vec::new(),
+            })
+            .collect();
+        if model.is_static {
+            joints.resize_with(model.joints.len(), || None);
+        } else {
+            let rolled: Vec<JointIndex> =
+                if is_robot { Wheels::of(model).map(|wheels| wheels.joints()).ok() } else { None }
+                    .map_or_else(Vec::new, Vec::from);
+            let lumps = Lumps::of(model, &rolled, &mut self.notes);
+            let wheel_of = |root: LinkIndex| {
+                rolled.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
+            };
+            let roots: Vec<LinkIndex> =
+                (0..model.links.len()).filter(|link| lumps.root[*link] == *link).collect();
+            for root in roots.iter().copied().filter(|root| wheel_of(*root).is_none()) {
+                let carried = rolled.iter().map(|joint| &model.joints[*joint]);
+                let carried = carried.filter(|joint| lumps.root[joint.parent] == root);
+                let members: Vec<LinkIndex> = lumps
+                    .links(root)
+                    .chain(carried.flat_map(|joint| lumps.links(lumps.root[joint.child])))
+                    .collect();
+                if let Some(handle) = self.insert_body(model, &members, world_from_model, is_robot) {
+                    self.place_links(model, index, &lumps, root, handle, None, &mut links);
+                }
+            }
+            for root in roots {
+                let Some(joint) = wheel_of(root) else { continue };
+                if let Some(carrier) = links[model.joints[joint].parent].body {
+                    let handle = self.bodies[carrier].handle;
+                    let carrier = Some((carrier, index, joint));
+                    self.place_links(model, index, &lumps, root, handle, carrier, &mut links);
+                }
+            }
+            joints.extend(model.joints.iter().enumerate().map(|(number, joint)| {
+                let sides =
+                    [joint.parent, joint.child].map(|link| (links[link].body, links[link].body_from_link));
+                let [(Some(parent), parent_from_link), (Some(child), child_from_link)] = sides else {
+                    return None;
+                };
+                if parent == child {
+                    return None;
+                }
+                let child_from_joint = Pose::new(DVec3::ZERO, MovingJoint::x_onto(joint.axis));
+                let body_from_joint = [
+                    parent_from_link * joint.parent_from_child * child_from_joint,
+                    child_from_link * child_from_joint,
+                ];
+                let (constraint, axis) = MovingJoint::constraint(joint, &body_from_joint)?;
+                let bodies = [parent, child];
+                let state = JointState::default();
+                if rolled.contains(&number) {
+                    let motion = Motion::Rolled { rate: 0.0, effort: 0.0 };
+                    return Some(MovingJoint {
+                        motion,
+                        bodies,
+                        body_from_joint,
+                        axis,
+                        previous: state,
+                        current: state,
+                    });
+                }
+                let [first, second] = bodies.map(|body| self.bodies[body].handle);
+                let motion = Motion::Forces(self.rapier.insert_impulse_joint(first, second, constraint));
+                Some(MovingJoint { motion, bodies, body_from_joint, axis, previous: state, current: state })
+            }));
+        }
+        for (link, placed) in links.iter_mut().enumerate() {
+            self.add_colliders(model, index, link, placed);
+        }
+        self.models.push(PlacedModel { links, joints, first_body, end_body: self.bodies.len() });
+    }
+
+    /// Makes the body of some links, the first of which gives it its frame; none if it cannot move.
+    fn insert_body(
+        &mut self,
+        model: &Model,
+        members: &[LinkIndex],
+        world_from_model: &Pose,
+        is_robot: bool,
+    ) -> Option<RigidBodyHandle> {
+        let links = || members.iter().map(|link| &model.links[*link]);
+        let collisions = || links().flat_map(|link| &link.collisions);
+        let root = links().next()?;
+        if let Some(plane) = collisions().find(|shape| matches!(shape.geometry, Geometry::Plane { .. })) {
+            self.notes.push(Problem {
+                severity: Severity::Note,
+                source: plane.source.clone(),
+                what: format!(
+                    "link '{}' of model '{}' never moves: it has an infinite plane",
+                    root.name, model.name
+                ),
+                remedy: "write <static>true</static>, or use a box".into(),
+            });
+            return None;
+        }
+        let body_from_model = root.model_from_link.inverse();
+        let masses: Vec<(Pose, Inertial, bool)> = links()
+            .filter_map(|link| Some((body_from_model * link.model_from_link, link.inertial?, link.gravity)))
+            .collect();
+        // Without mass and shapes it is a mere frame in space: there is nothing to move.
+        let mass = BodyMass::of(masses.iter().copied())
+            .or_else(|| collisions().next().map(|_| BodyMass::sdf_default(root.gravity)))?;
+        let properties =
+            MassProperties::with_inertia_matrix(vector(mass.centre), mass.mass_kg as f32, narrow(&mass));
+        let body = RigidBodyBuilder::dynamic()
+            .pose(to_rapier(&(*world_from_model * root.model_from_link)))
+            .additional_mass_properties(properties)
+            .gravity_scale(mass.gravity_share as f32)
+            // A sleeping robot would ignore its motors; things in the world may rest.
+            .can_sleep(!is_robot);
+        Some(self.rapier.insert_body(body))
+    }
+
+    /// Places the links lumped to `root` in a new body of ours.
+    #[expect(clippy::too_many_arguments, reason = "one step of `add`, split off because it is done twice")]
+    fn place_links(
+        &mut self,
+        model: &Model,
+        index: ModelIndex,
+        lumps: &Lumps,
+        root: LinkIndex,
+        handle: RigidBodyHandle,
+        carrier: Option<(usize, ModelIndex, JointIndex)>,
+        links: &mut [PlacedLink],
+    ) {
+        let model_from_body = model.links[root].model_from_link;
+        let body = self.bodies.len();
+        for link in lumps.links(root) {
+            let body_from_link = model_from_body.inverse() * model.links[link].model_from_link;
+            (links[link].body, links[link].body_from_link) = (Some(body), body_from_link);
+            self.moving.push(MovingLink { model: index, link, body, body_from_link });
+        }
+        let current = match carrier {
+            None => from_rapier(self.rapier.bodies[handle].position()),
+            Some((carrier, ..)) => {
+                let carrier = &self.bodies[carrier];
+                carrier.current * carrier.model_from_body.inverse() * model_from_body
+            }
+        };
+        self.bodies.push(Body { handle, carrier, model_from_body, previous: current, current });
+    }
+
+    fn add_colliders(&mut self, model: &Model, index: ModelIndex, link: LinkIndex, placed: &mut PlacedLink) {
+        for collision in &model.links[link].collisions {
+            let (shape, collision_from_shape) = match shape::shape(&collision.geometry, placed.body.is_some())
+            {
+                Ok(shape) => shape,
+                Err(why) => {
+                    self.notes.push(Problem {
+                        severity: Severity::Warning,
+                        source: collision.source.clone(),
+                        what: format!(
+                            "the collision '{}' of link '{}' touches nothing: {why}",
+                            collision.name, model.links[link].name
+                        ),
+                        remedy: "correct its <geometry>".into(),
+                    });
+                    continue;
+                }
+            };
+            // A wheel's shapes are fixed to the body that carries it.
+            let rapier_from_body = placed.body.map_or(Pose::IDENTITY, |body| {
+                let body = &self.bodies[body];
+                body.carrier.map_or(Pose::IDENTITY, |(carrier, ..)| {
+                    self.bodies[carrier].model_from_body.inverse() * body.model_from_body
+                })
+            });
+            let pose = rapier_from_body
+                * placed.body_from_link
+                * collision.link_from_collision
+                * collision_from_shape;
+            let collider = ColliderBuilder::new(shape)
+                .position(to_rapier(&pose))
+                // Mass and inertia come from <inertial> alone.
+                .density(0.0)
+                .friction(collision.friction.unwrap_or(DEFAULT_FRICTION) as f32)
+                .friction_combine_rule(CoefficientCombineRule::Min)
+                .user_data(index as u128)
+                .active_hooks(if placed.body.is_some() {
+                    ActiveHooks::FILTER_CONTACT_PAIRS
+                } else {
+                    ActiveHooks::empty()
+                });
+            let parent = placed.body.map(|body| self.bodies[body].handle);
+            placed.colliders.push(self.rapier.insert_collider(collider, parent));
+        }
+    }
+
+    /// What was decided for the user, and what is ignored.
+    pub fn notes(&self) -> &[Problem] {
+        &self.notes
+    }
+
+    /// Index of the robot that was given as number `robot`.
+    pub fn robot(&self, robot: usize) -> ModelIndex {
+        self.first_robot + robot
+    }
+
+    /// Length of a step in ns.
+    pub fn step_ns(&self) -> u64 {
+        self.step_ns
+    }
+
+    /// Length of a step in seconds.
+    pub fn step_s(&self) -> f64 {
+        self.step_ns as f64 * 1e-9
+    }
+
+    /// Simulated time in ns: that of the poses.
+    pub fn time_ns(&self) -> u64 {
+        self.time_ns
+    }
+
+    /// Advances by one step.
+    pub fn step(&mut self) {
+        self.rapier.step_with_events(&NoSelfCollision, &());
+        self.time_ns += self.step_ns;
+        for body in &mut self.bodies {
+            body.previous = body.current;
+            if body.carrier.is_none() {
+                body.current = from_rapier(self.rapier.bodies[body.handle].position());
+            }
+        }
+        let frozen = self.rapier.quarantine().bodies().len();
+        if frozen > 0 {
+            tracing::warn!(
+                "{frozen} bodies flew apart at {} ns and are frozen; check masses and joints",
+                self.time_ns
+            );
+        }
+        let step_s = self.step_s();
+        for joint in self.models.iter_mut().flat_map(|model| model.joints.iter_mut().flatten()) {
+            let world_from_body = joint.bodies.map(|body| self.bodies[body].current);
+            let handles = joint.bodies.map(|body| self.bodies[body].handle);
+            joint.update(world_from_body, handles, &self.rapier.bodies, &self.rapier.impulse_joints, step_s);
+        }
+        self.carry();
+    }
+
+    /// Takes the wheels along with the bodies that carry them.
+    fn carry(&mut self) {
+        for index in 0..self.bodies.len() {
+            if let Some((carrier, model, joint)) = self.bodies[index].carrier
+                && let Some(joint) = &self.models[model].joints[joint]
+            {
+                self.bodies[index].current = joint.carried(self.bodies[carrier].current);
+            }
+        }
+    }
+
+    /// Pose of a link now.
+    ///
+    /// # Panics
+    /// If there is no such model or link; so do the other methods that take an index.
+    pub fn world_from_link(&self, model: ModelIndex, link: LinkIndex) -> Pose {
+        let placed = &self.models[model].links[link];
+        placed.body.map_or(placed.body_from_link, |body| self.bodies[body].current * placed.body_from_link)
+    }
+
+    /// Pose of a link at a time between the last two steps; a stamp outside takes the nearer of the two.
+    pub fn world_from_link_at(&self, model: ModelIndex, link: LinkIndex, stamp_ns: u64) -> Pose {
+        let placed = &self.models[model].links[link];
+        placed.body.map_or(placed.body_from_link, |body| self.body_at(body, stamp_ns) * placed.body_from_link)
+    }
+
+    /// Every link that can move, with its pose now.
+    pub fn moving_links(&self) -> impl Iterator<Item = (ModelIndex, LinkIndex, Pose)> + '_ {
+        self.moving_links_at(self.time_ns)
+    }
+
+    /// Every link that can move, with its pose at a time between the last two steps.
+    pub fn moving_links_at(&self, stamp_ns: u64) -> impl Iterator<Item = (ModelIndex, LinkIndex, Pose)> + '_ {
+        self.moving.iter().map(move |moving| {
+            (moving.model, moving.link, self.body_at(moving.body, stamp_ns) * moving.body_from_link)
+        })
+    }
+
+    /// Velocity of a link's origin in m/s and its rate of turn in rad/s, both in the world frame; zero for a
+    /// link that never moves.
+    pub fn link_velocity(&self, model: ModelIndex, link: LinkIndex) -> (DVec3, DVec3) {
+        let Some(body) = self.models[model].links[link].body else { return (DVec3::ZERO, DVec3::ZERO) };
+        let origin = vector(self.world_from_link(model, link).translation());
+        let body = &self.rapier.bodies[self.bodies[body].handle];
+        (body.velocity_at_point(origin).as_dvec3(), body.angvel().as_dvec3())
+    }
+
+    /// State of a joint now; none for a joint that does not move.
+    pub fn joint_state(&self, model: ModelIndex, joint: JointIndex) -> Option<JointState> {
+        self.models[model].joints[joint].as_ref().map(|joint| joint.current)
+    }
+
+    /// State of a joint at a time between the last two steps; none for a joint that does not move.
+    pub fn joint_state_at(&self, model: ModelIndex, joint: JointIndex, stamp_ns: u64) -> Option<JointState> {
+        let (joint, fraction) = (self.models[model].joints[joint].as_ref()?, self.fraction(stamp_ns));
+        let between = |from: f64, to: f64| from + (to - from) * fraction;
+        let (from, to) = (&joint.previous, &joint.current);
+        Some(JointState {
+            position: between(from.position, to.position),
+            velocity: between(from.velocity, to.velocity),
+            effort: between(from.effort, to.effort),
+        })
+    }
+
+    /// Lets a joint's motor hold a velocity in rad/s or m/s from the next step on, with at most `max_effort` in
+    /// N·m or N. Does nothing for a joint that does not move.
+    pub fn drive_joint(&mut self, model: ModelIndex, joint: JointIndex, velocity: f64, max_effort: f64) {
+        if let Some(joint) = &self.models[model].joints[joint] {
+            joint.drive(&mut self.rapier.impulse_joints, velocity, max_effort);
+        }
+    }
+
+    /// Turns a wheel that its body carries, at a rate in rad/s from the next step on, and notes the effort of
+    /// its motor in N·m. Does nothing for any other joint.
+    pub(crate) fn roll_joint(&mut self, model: ModelIndex, joint: JointIndex, rate: f64, effort: f64) {
+        if let Some(MovingJoint { motion: motion @ Motion::Rolled { .. }, .. }) =
+            &mut self.models[model].joints[joint]
+        {
+            *motion = Motion::Rolled { rate, effort };
+        }
+    }
+
+    /// Mass in kg, centre of mass in the world, and moment of inertia in kg·m² about an axis through it, of the
+    /// body that a link belongs to; none for a link that never moves.
+    pub(crate) fn body_mass(
+        &self,
+        model: ModelIndex,
+        link: LinkIndex,
+        axis_in_world: DVec3,
+    ) -> Option<(f64, DVec3, f64)> {
+        let body = &self.bodies[self.models[model].links[link].body?];
+        let rigid = &self.rapier.bodies[body.handle];
+        let inertia = rigid.mass_properties().local_mprops.reconstruct_inertia_matrix().as_dmat3();
+        let axis = from_rapier(rigid.position()).inverse().transform_vector(axis_in_world);
+        Some((f64::from(rigid.mass()), rigid.center_of_mass().as_dvec3(), axis.dot(inertia * axis)))
+    }
+
+    /// Lets a force in N through its centre of mass, and a torque in N·m, both in the world frame, act on the
+    /// body that a link belongs to, from the next step on and in place of any earlier one.
+    ///
+    /// A force, not an impulse before the step: rapier spreads forces over its substeps just as it does gravity,
+    /// so that one can hold the other without a residue.
+    pub(crate) fn push(&mut self, model: ModelIndex, link: LinkIndex, force: DVec3, torque: DVec3) {
+        if let Some(body) = self.models[model].links[link].body {
+            let rigid = &mut self.rapier.bodies[self.bodies[body].handle];
+            rigid.reset_forces(true);
+            rigid.reset_torques(true);
+            rigid.add_force(vector(force), true);
+            rigid.add_torque(vector(torque), true);
+        }
+    }
+
+    /// The normal of the ground that a link stood on in the last step, as the mean of its contacts whose
+    /// normals point along `up_in_world` within 60°; none if it stood on nothing.
+    pub(crate) fn ground_normal(
+        &self,
+        model: ModelIndex,
+        link: LinkIndex,
+        up_in_world: DVec3,
+    ) -> Option<DVec3> {
+        let mut sum = DVec3::ZERO;
+        for collider in &self.models[model].links[link].colliders {
+            for pair in self.rapier.narrow_phase.contact_pairs_with(*collider) {
+                let Some(contacts) = pair.rigid().filter(|_| pair.has_any_active_contact()) else { continue };
+                // A manifold's normal points from the first collider to the second.
+                let sign = if pair.collider1 == *collider { -1.0 } else { 1.0 };
+                let normals =
+                    contacts.manifolds.iter().map(|manifold| manifold.data.normal.as_dvec3() * sign);
+                sum += normals.filter(|normal| normal.dot(up_in_world) > 0.5).sum::<DVec3>();
+            }
+        }
+        sum.try_normalize()
+    }
+
+    /// Gravity in m/s², in the world frame.
+    pub fn gravity(&self) -> DVec3 {
+        self.rapier.gravity.as_dvec3()
+    }
+
+    /// Sets the coefficient of friction of all shapes of a link.
+    pub fn set_link_friction(&mut self, model: ModelIndex, link: LinkIndex, friction: f64) {
+        for handle in &self.models[model].links[link].colliders {
+            if let Some(collider) = self.rapier.colliders.get_mut(*handle) {
+                collider.set_friction(friction as f32);
+            }
+        }
+    }
+
+    /// Puts a model somewhere else, at rest, with its joints at zero. Links that never move stay.
+    pub fn place_model(&mut self, model: ModelIndex, world_from_model: &Pose) {
+        let placed = &mut self.models[model];
+        let bodies = placed.first_body..placed.end_body;
+        for joint in placed.joints.iter_mut().flatten() {
+            (joint.previous, joint.current) = (JointState::default(), JointState::default());
+        }
+        for body in self.bodies[bodies.clone()].iter_mut().filter(|body| body.carrier.is_none()) {
+            let rigid = &mut self.rapier.bodies[body.handle];
+            rigid.set_position(to_rapier(&(*world_from_model * body.model_from_body)), true);
+            rigid.set_linvel(vector(DVec3::ZERO), true);
+            rigid.set_angvel(vector(DVec3::ZERO), true);
+            body.current = from_rapier(rigid.position());
+        }
+        self.carry();
+        for body in &mut self.bodies[bodies] {
+            body.previous = body.current;
+        }
+    }
+
+    /// Where `stamp_ns` lies between the last two steps, in [0, 1].
+    fn fraction(&self, stamp_ns: u64) -> f64 {
+        let before_ns = self.time_ns.saturating_sub(stamp_ns).min(self.step_ns);
+        1.0 - before_ns as f64 / self.step_ns as f64
+    }
+
+    fn body_at(&self, body: usize, stamp_ns: u64) -> Pose {
+        let body = &self.bodies[body];
+        if stamp_ns >= self.time_ns {
+            return body.current;
+        }
+        body.previous.interpolate(&body.current, self.fraction(stamp_ns))
+    }
+}
+
+/// The inertia in single precision, with at least that of a ball of 1 cm of the same mass: a body without
+/// inertia would count as one that cannot turn at all.
+fn narrow(mass: &BodyMass) -> Matrix {
+    const BALL_INERTIA_PER_KG: f64 = 0.4 * 0.01 * 0.01;
+    let least = mass.mass_kg * BALL_INERTIA_PER_KG;
+    let mut inertia = mass.inertia;
+    for axis in 0..3 {
+        let moment = &mut inertia.col_mut(axis)[axis];
+        *moment = moment.max(least);
+    }
+    inertia.as_mat3()
+}

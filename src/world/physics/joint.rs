@@ -1,0 +1,171 @@
+//! Joints that move: their rapier form, and their position, velocity and effort.
+
+use super::SUBSTEPS;
+use super::convert::{to_rapier, vector};
+use crate::description::model::{Joint, JointKind};
+use belvedere_sensors::Pose;
+use glam::{DQuat, DVec3};
+use rapier3d::dynamics::{
+    GenericJoint, GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet, JointAxesMask, JointAxis,
+    MotorModel, RigidBodySet,
+};
+use std::f64::consts::{PI, TAU};
+
+/// State of a joint at one time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointState {
+    /// rad (not wrapped, so that a wheel's turns are counted) or m.
+    pub position: f64,
+    /// rad/s or m/s.
+    pub velocity: f64,
+    /// What its motor gave over the last step, in N·m or N.
+    pub effort: f64,
+}
+
+/// What moves a joint.
+#[derive(Debug)]
+pub(super) enum Motion {
+    /// rapier: forces on the two bodies.
+    Forces(ImpulseJointHandle),
+    /// A wheel's drive: it turns by a given rate, and its body is carried along by the first one.
+    Rolled {
+        /// rad/s.
+        rate: f64,
+        /// N·m.
+        effort: f64,
+    },
+}
+
+/// A joint that moves.
+#[derive(Debug)]
+pub(super) struct MovingJoint {
+    pub(super) motion: Motion,
+    /// Indices of the bodies that it joins.
+    pub(super) bodies: [usize; 2],
+    /// The joint's frame in each of them; it moves along or about its x.
+    pub(super) body_from_joint: [Pose; 2],
+    pub(super) axis: JointAxis,
+    /// State after the last step but one, and after the last.
+    pub(super) previous: JointState,
+    pub(super) current: JointState,
+}
+
+/// How hard a motor holds its velocity, in N·m·s/rad or N·s/m: a load of 10 N·m slows it by about 0.02 rad/s.
+const MOTOR_DAMPING: f32 = 1000.0;
+
+impl MovingJoint {
+    /// The rotation that takes x onto a unit axis, by the half-way vector: square roots only.
+    pub(super) fn x_onto(axis: DVec3) -> DQuat {
+        if axis.x < -1.0 + 1e-12 {
+            // Half a turn about z.
+            return DQuat::from_xyzw(0.0, 0.0, 1.0, 0.0);
+        }
+        let cross = DVec3::X.cross(axis);
+        DQuat::from_xyzw(cross.x, cross.y, cross.z, 1.0 + axis.x).normalize()
+    }
+
+    /// rapier's joint for `joint`, or none for a kind that constrains nothing.
+    pub(super) fn constraint(
+        joint: &Joint,
+        body_from_joint: &[Pose; 2],
+    ) -> Option<(GenericJoint, JointAxis)> {
+        let (axis, limits) = match joint.kind {
+            JointKind::Fixed | JointKind::Floating => return None,
+            JointKind::Continuous => (JointAxis::AngX, None),
+            JointKind::Revolute { lower, upper } => {
+                // rapier knows an angle only within one turn: a wider range is no limit to it.
+                (JointAxis::AngX, (upper - lower < TAU).then_some([lower, upper]))
+            }
+            JointKind::Prismatic { lower, upper } => (JointAxis::LinX, Some([lower, upper])),
+        };
+        let free = JointAxesMask::from(axis);
+        let mut builder = GenericJointBuilder::new(JointAxesMask::all() - free)
+            .local_frame1(to_rapier(&body_from_joint[0]))
+            .local_frame2(to_rapier(&body_from_joint[1]))
+            .contacts_enabled(false);
+        if let Some([lower, upper]) = limits.filter(|[lower, upper]| lower.is_finite() && upper.is_finite()) {
+            builder = builder.limits(axis, [lower as f32, upper as f32]);
+        }
+        Some((builder.build(), axis))
+    }
+
+    /// Sets what the motor aims at: a velocity in rad/s or m/s, with at most `max_effort` N·m or N.
+    pub(super) fn drive(&self, joints: &mut ImpulseJointSet, velocity: f64, max_effort: f64) {
+        if let Motion::Forces(handle) = self.motion
+            && let Some(joint) = joints.get_mut(handle, true)
+        {
+            joint
+                .data
+                .set_motor_model(self.axis, MotorModel::ForceBased)
+                .set_motor_velocity(self.axis, velocity as f32, MOTOR_DAMPING)
+                .set_motor_max_force(self.axis, max_effort as f32);
+        }
+    }
+
+    /// Position along or about x of the second joint frame in the first, the angle within (−π, π].
+    pub(super) fn position(&self, world_from_body: [Pose; 2]) -> f64 {
+        let world_from_joint = [0, 1].map(|side| world_from_body[side] * self.body_from_joint[side]);
+        let first_from_second = world_from_joint[0].inverse() * world_from_joint[1];
+        match self.axis {
+            JointAxis::AngX => {
+                let turn = first_from_second.rotation();
+                wrap(2.0 * libm::atan2(turn.x, turn.w))
+            }
+            _ => first_from_second.translation().x,
+        }
+    }
+
+    /// Pose of the second body of a rolled joint, from that of the first.
+    pub(super) fn carried(&self, world_from_first: Pose) -> Pose {
+        let (sin, cos) = libm::sincos(0.5 * self.current.position);
+        let turn = Pose::new(DVec3::ZERO, DQuat::from_xyzw(sin, 0.0, 0.0, cos));
+        world_from_first * self.body_from_joint[0] * turn * self.body_from_joint[1].inverse()
+    }
+
+    /// Takes over the state after a step.
+    pub(super) fn update(
+        &mut self,
+        world_from_body: [Pose; 2],
+        handles: [rapier3d::dynamics::RigidBodyHandle; 2],
+        bodies: &RigidBodySet,
+        joints: &ImpulseJointSet,
+        step_s: f64,
+    ) {
+        self.previous = self.current;
+        let handle = match self.motion {
+            Motion::Forces(handle) => handle,
+            Motion::Rolled { rate, effort } => {
+                let position = self.previous.position + rate * step_s;
+                self.current = JointState { position, velocity: rate, effort };
+                return;
+            }
+        };
+        let position = self.position(world_from_body);
+        self.current.position = match self.axis {
+            JointAxis::AngX => self.previous.position + wrap(position - self.previous.position),
+            _ => position,
+        };
+        let world_from_joint = world_from_body[0] * self.body_from_joint[0];
+        let axis_in_world = world_from_joint.transform_vector(DVec3::X);
+        let [first, second] = handles.map(|handle| &bodies[handle]);
+        let difference = match self.axis {
+            JointAxis::AngX => second.angvel() - first.angvel(),
+            _ => {
+                let anchor = vector((world_from_body[1] * self.body_from_joint[1]).translation());
+                second.velocity_at_point(anchor) - first.velocity_at_point(anchor)
+            }
+        };
+        self.current.velocity = difference.as_dvec3().dot(axis_in_world);
+        let impulse = joints
+            .get(handle)
+            .and_then(|joint| joint.data.motor(self.axis))
+            .map_or(0.0, |motor| motor.impulse);
+        self.current.effort = f64::from(impulse) * SUBSTEPS as f64 / step_s;
+    }
+}
+
+/// An angle brought into (−π, π].
+fn wrap(angle: f64) -> f64 {
+    let wrapped = angle - TAU * libm::floor(angle / TAU);
+    if wrapped > PI { wrapped - TAU } else { wrapped }
+}

@@ -75,7 +75,7 @@ impl Kobuki {
     pub fn new(model: &Model, index: ModelIndex, physics: &mut Physics) -> Result<Self, Problem> {
         let wheels = Wheels::of(model)?;
         let casters = (0..model.links.len()).filter(|link| model.links[*link].name.contains("caster"));
-        for link in casters.chain(wheels.wheels.iter().map(|wheel| wheel.link)) {
+        for link in casters.chain(wheels.sides.iter().map(|wheel| wheel.link)) {
             physics.set_link_friction(index, link, 0.0);
         }
         let mut odometer = Odometer::new(wheels.radius_m);
@@ -137,7 +137,7 @@ impl Kobuki {
         // The ground's own axes: gravity has no part along a level floor, however the base leans on its casters.
         let mut normals = DVec3::ZERO;
         let mut touching = 0.0;
-        for wheel in &wheels.wheels {
+        for wheel in &wheels.sides {
             if let Some(normal) = physics.ground_normal(self.model, wheel.link, base_up) {
                 normals += normal;
                 touching += 1.0;
@@ -170,7 +170,7 @@ impl Kobuki {
         let torque_n_m = torque.clamp(-most_n_m, most_n_m);
         physics.push(self.model, self.base, ahead * forward_n + left * sideways_n, up * torque_n_m);
 
-        for (wheel, side) in wheels.wheels.iter().zip([-0.5, 0.5]) {
+        for (wheel, side) in wheels.sides.iter().zip([-0.5, 0.5]) {
             let arm_m = side * wheels.separation_m;
             let force_n = 0.5 * forward_n + torque_n_m / (2.0 * arm_m);
             let commanded_m_s = command.linear_m_s + arm_m * command.angular_rad_s;
@@ -191,7 +191,7 @@ impl Kobuki {
         let mut stamp_ns = (before_ns / ODOMETRY_PERIOD_NS + 1) * ODOMETRY_PERIOD_NS;
         while stamp_ns <= physics.time_ns() {
             let heading_rad = before_rad + rate * (stamp_ns - before_ns) as f64 * 1e-9;
-            let counts = self.wheels.wheels.map(|wheel| {
+            let counts = self.wheels.sides.map(|wheel| {
                 let state = physics.joint_state_at(self.model, wheel.joint, stamp_ns).unwrap_or_default();
                 encoder_count(wheel.sign * state.position)
             });
@@ -214,7 +214,7 @@ impl Kobuki {
 #[derive(Debug, Clone, Copy)]
 pub struct Wheels {
     /// Left and right.
-    wheels: [Wheel; 2],
+    sides: [Wheel; 2],
     separation_m: f64,
     radius_m: f64,
     friction: f64,
@@ -277,7 +277,7 @@ impl Wheels {
             _ => None,
         });
         Ok(Self {
-            wheels,
+            sides: wheels,
             separation_m,
             radius_m: radius_m.unwrap_or(DEFAULT_WHEEL_RADIUS_M),
             friction: shapes.iter().find_map(|shape| shape.friction).unwrap_or(1.0).max(0.0),
@@ -287,6 +287,6 @@ impl Wheels {
 
     /// The joints of the left and the right wheel.
     pub fn joints(&self) -> [JointIndex; 2] {
-        self.wheels.map(|wheel| wheel.joint)
+        self.sides.map(|wheel| wheel.joint)
     }
 }

@@ -64,8 +64,8 @@ struct Body {
     handle: RigidBodyHandle,
     /// The body and the joint of its model that carry it, if it is a wheel: its handle is the carrier's.
     carrier: Option<(usize, ModelIndex, JointIndex)>,
-    /// Its pose in its model at rest.
-    model_from_body: Pose,
+    /// Its pose in its model with every joint at zero.
+    model_at_rest: Pose,
     /// World poses after the last step but one, and after the last.
     previous: Pose,
     current: Pose,
@@ -135,6 +135,8 @@ impl Physics {
         parameters.dt = (step_ns as f64 * 1e-9) as f32;
         parameters.num_solver_iterations = SUBSTEPS;
         parameters.friction_model = FrictionModel::Coulomb;
+        // One pass per substep, rapier's default, lets a motor with a load off its axis run slow.
+        parameters.num_internal_pgs_iterations = 4;
         let mut physics = Self {
             rapier,
             step_ns,
@@ -310,10 +312,16 @@ impl Physics {
             None => from_rapier(self.rapier.bodies[handle].position()),
             Some((carrier, ..)) => {
                 let carrier = &self.bodies[carrier];
-                carrier.current * carrier.model_from_body.inverse() * model_from_body
+                carrier.current * carrier.model_at_rest.inverse() * model_from_body
             }
         };
-        self.bodies.push(Body { handle, carrier, model_from_body, previous: current, current });
+        self.bodies.push(Body {
+            handle,
+            carrier,
+            model_at_rest: model_from_body,
+            previous: current,
+            current,
+        });
     }
 
     fn add_colliders(&mut self, model: &Model, index: ModelIndex, link: LinkIndex, placed: &mut PlacedLink) {
@@ -338,7 +346,7 @@ impl Physics {
             let rapier_from_body = placed.body.map_or(Pose::IDENTITY, |body| {
                 let body = &self.bodies[body];
                 body.carrier.map_or(Pose::IDENTITY, |(carrier, ..)| {
-                    self.bodies[carrier].model_from_body.inverse() * body.model_from_body
+                    self.bodies[carrier].model_at_rest.inverse() * body.model_at_rest
                 })
             });
             let pose = rapier_from_body
@@ -570,7 +578,7 @@ impl Physics {
         }
         for body in self.bodies[bodies.clone()].iter_mut().filter(|body| body.carrier.is_none()) {
             let rigid = &mut self.rapier.bodies[body.handle];
-            rigid.set_position(to_rapier(&(*world_from_model * body.model_from_body)), true);
+            rigid.set_position(to_rapier(&(*world_from_model * body.model_at_rest)), true);
             rigid.set_linvel(vector(DVec3::ZERO), true);
             rigid.set_angvel(vector(DVec3::ZERO), true);
             body.current = from_rapier(rigid.position());

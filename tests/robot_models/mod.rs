@@ -39,9 +39,9 @@ pub(crate) fn collision(link_from_collision: Pose, geometry: Geometry) -> Collis
     }
 }
 
-pub(crate) fn inertial(mass_kg: f64, diagonal: [f64; 3]) -> Option<Inertial> {
+pub(crate) fn inertial(mass_kg: f64, diagonal: [f64; 3]) -> Inertial {
     let [x, y, z] = diagonal;
-    Some(Inertial { link_from_inertial: Pose::IDENTITY, mass_kg, inertia: [x, y, z, 0.0, 0.0, 0.0] })
+    Inertial { link_from_inertial: Pose::IDENTITY, mass_kg, inertia: [x, y, z, 0.0, 0.0, 0.0] }
 }
 
 pub(crate) fn empty_model(name: &str) -> Model {
@@ -80,19 +80,19 @@ pub(crate) fn hang(
     child
 }
 
-/// A Kobuki with the numbers of its description, and a camera mast as the TurtleBot carries it.
+/// A Kobuki with the numbers of its description, and a camera mast as the `TurtleBot` carries it.
 pub(crate) fn kobuki() -> Model {
     let mut robot = empty_model("turtlebot");
     robot.links.push(link("base_footprint", Pose::IDENTITY));
     let base = hang(&mut robot, 0, "base_link", "base_joint", JointKind::Fixed, xyz(0.0, 0.0, 0.0102));
-    robot.links[base].inertial = inertial(2.4, [0.019_995, 0.019_995, 0.036_75]);
+    robot.links[base].inertial = Some(inertial(2.4, [0.019_995, 0.019_995, 0.036_75]));
     robot.links[base].collisions =
         vec![collision(xyz(0.0, 0.0, 0.05949), Geometry::Cylinder { radius: 0.178, length: 0.10938 })];
     for (side, y) in [("left", 0.115), ("right", -0.115)] {
         let mount = Pose::from_xyz_rpy(DVec3::new(0.0, y, 0.0250), DVec3::new(-FRAC_PI_2, 0.0, 0.0));
         let (name, joint) = (format!("wheel_{side}_link"), format!("wheel_{side}_joint"));
         let wheel = hang(&mut robot, base, &name, &joint, JointKind::Continuous, mount);
-        robot.links[wheel].inertial = inertial(0.01, [0.001; 3]);
+        robot.links[wheel].inertial = Some(inertial(0.01, [0.001; 3]));
         robot.links[wheel].collisions =
             vec![collision(Pose::IDENTITY, Geometry::Cylinder { radius: 0.035, length: 0.0206 })];
     }
@@ -100,13 +100,13 @@ pub(crate) fn kobuki() -> Model {
         let mount = Pose::from_xyz_rpy(DVec3::new(x, 0.0, z), DVec3::new(-FRAC_PI_2, 0.0, 0.0));
         let name = format!("caster_{end}_link");
         let caster = hang(&mut robot, base, &name, &format!("caster_{end}_joint"), JointKind::Fixed, mount);
-        robot.links[caster].inertial = inertial(0.01, [0.001; 3]);
+        robot.links[caster].inertial = Some(inertial(0.01, [0.001; 3]));
         robot.links[caster].collisions =
             vec![collision(Pose::IDENTITY, Geometry::Cylinder { radius: 0.017, length: 0.0176 })];
     }
     let camera_mount = Pose::from_xyz_rpy(DVec3::new(0.15, 0.0, 0.35), DVec3::new(0.0, -FRAC_PI_2, 0.0));
     let camera = hang(&mut robot, base, "base_camera_link", "camera_joint", JointKind::Fixed, camera_mount);
-    robot.links[camera].inertial = inertial(1e-6, [1e-6; 3]);
+    robot.links[camera].inertial = Some(inertial(1e-6, [1e-6; 3]));
     robot
 }
 

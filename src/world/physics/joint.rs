@@ -50,7 +50,9 @@ pub(super) struct MovingJoint {
     pub(super) current: JointState,
 }
 
-/// How hard a motor holds its velocity, in N·m·s/rad or N·s/m: a load of 10 N·m slows it by about 0.02 rad/s.
+/// How hard a motor holds its velocity, in N·m·s/rad or N·s/m. The solver itself is softer: it does not converge
+/// in its few passes where a load pulls off the axis, and such a motor runs some percent slow (6 % measured for
+/// 2 kg on an arm of 0.5 m at 1 rad/s and a step of 1 ms; more passes gain little).
 const MOTOR_DAMPING: f32 = 1000.0;
 
 impl MovingJoint {
@@ -148,12 +150,11 @@ impl MovingJoint {
         let world_from_joint = world_from_body[0] * self.body_from_joint[0];
         let axis_in_world = world_from_joint.transform_vector(DVec3::X);
         let [first, second] = handles.map(|handle| &bodies[handle]);
-        let difference = match self.axis {
-            JointAxis::AngX => second.angvel() - first.angvel(),
-            _ => {
-                let anchor = vector((world_from_body[1] * self.body_from_joint[1]).translation());
-                second.velocity_at_point(anchor) - first.velocity_at_point(anchor)
-            }
+        let difference = if self.axis == JointAxis::AngX {
+            second.angvel() - first.angvel()
+        } else {
+            let anchor = vector((world_from_body[1] * self.body_from_joint[1]).translation());
+            second.velocity_at_point(anchor) - first.velocity_at_point(anchor)
         };
         self.current.velocity = difference.as_dvec3().dot(axis_in_world);
         let impulse = joints

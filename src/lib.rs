@@ -2,5 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod description;
+pub mod rig;
 pub mod robot;
+pub mod simulation;
 pub mod world;

@@ -30,7 +30,10 @@ pub enum Node {
 }
 
 impl Element {
-    /// Reads and parses a file. The error names the file, the line and what the parser found.
+    /// Reads and parses a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not XML; the problem names the line and what the parser found.
     pub fn parse_file(path: &Path) -> Result<Self, Problem> {
         let fail = |line, what: String, remedy: &str| Problem {
             severity: Severity::Error,
@@ -47,6 +50,9 @@ impl Element {
     }
 
     /// Parses a text that came from `path`.
+    ///
+    /// # Errors
+    /// A text that is not XML; the problem names the line and what the parser found.
     pub fn parse(text: &str, path: &Path) -> Result<Self, Problem> {
         let file: Arc<Path> = path.into();
         let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };

@@ -1,3 +1,4 @@
 //! The running state of a world.
 
 pub mod physics;
+pub mod scene;

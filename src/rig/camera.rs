@@ -1,0 +1,79 @@
+//! A colour camera and its two streams.
+
+use super::mount::Mount;
+use super::outlet::Outlet;
+use super::pictures::{Told, camera_config, encoding};
+use super::{RigContext, RigError, Setting};
+use crate::description::model::{CameraPlugin, CameraSensor, Sensor};
+use belvedere_bridge::payload::CameraInfo;
+use belvedere_bridge::{Intrinsics, Kind, StreamSpec};
+use belvedere_sensors::camera::Camera;
+use belvedere_sensors::trace::Capture;
+use std::time::Instant;
+
+/// A running camera.
+pub(super) struct CameraChannel {
+    camera: Camera,
+    mount: Mount,
+    image: Outlet,
+    info: Outlet,
+    info_message: CameraInfo,
+    intrinsics: Intrinsics,
+}
+
+impl CameraChannel {
+    pub(super) fn open(
+        sensor: &Sensor,
+        camera: &CameraSensor,
+        plugin: &CameraPlugin,
+        setting: &Setting<'_>,
+    ) -> Result<Self, RigError> {
+        let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
+        let config = camera_config(camera, setting.seed, setting.sensor).map_err(|error| refused(&error))?;
+        let made = Camera::new(config).map_err(|error| refused(&error))?;
+        let told = Told::of(made.lens(), plugin, setting.gazebo_compat);
+        let frame = setting.frame_id(sensor, &plugin.frame_name);
+        let rate = setting.rate.hz();
+        let image =
+            StreamSpec::new(&plugin.image_topic, Kind::Image, encoding(camera.format), made.frame_len())
+                .frame_id(&frame)
+                .rate_hz(rate);
+        let info = StreamSpec::structs(&plugin.camera_info_topic, Kind::CameraInfo, 1)
+            .frame_id(&frame)
+            .rate_hz(rate);
+        Ok(Self {
+            image: setting.open(&image)?,
+            info: setting.open(&info)?,
+            info_message: told.camera_info(camera.width, camera.height).map_err(|error| refused(&error))?,
+            intrinsics: told.intrinsics(camera.near_m, camera.far_m),
+            mount: Mount::new(sensor, setting, &frame),
+            camera: made,
+        })
+    }
+
+    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
+        let started = Instant::now();
+        let world_from_sensor = self.mount.pose(context);
+        let mut frame = self.image.loan(self.camera.frame_len());
+        if let Some(frame) = &mut frame {
+            let header = frame.header_mut();
+            header.set_packed(self.info_message.width, self.info_message.height);
+            header.stamp_ns = context.stamp_ns;
+            header.set_intrinsics(&self.intrinsics);
+            Mount::write(&world_from_sensor, header);
+            self.camera.sense(
+                &context.scene.scene(),
+                &Capture { world_from_sensor, frame: frame_number },
+                &mut context.workspace.lend(),
+                frame.payload_mut(),
+            );
+        }
+        let outcome = self.image.send(frame);
+        self.image.record(outcome, started.elapsed());
+        self.info.send_structs(context.stamp_ns, &[self.info_message]);
+    }
+
+    pub(super) fn outlets(&self) -> [&Outlet; 2] {
+        [&self.image, &self.info]
+    }
+}

@@ -1,0 +1,138 @@
+//! A Kinect: depth, colour and cloud from one look, and the infos.
+
+use super::mount::Mount;
+use super::outlet::Outlet;
+use super::pictures::{Told, camera_config, encoding};
+use super::{RigContext, RigError, Setting};
+use crate::description::model::{CameraSensor, DepthCameraPlugin, Sensor};
+use belvedere_bridge::payload::CameraInfo;
+use belvedere_bridge::{Encoding, Intrinsics, Kind, LoanedFrame, StreamSpec};
+use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP};
+use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::trace::Capture;
+use std::time::Instant;
+
+/// A running depth camera.
+pub(super) struct DepthChannel {
+    camera: DepthCamera,
+    mount: Mount,
+    in_millimetres: bool,
+    colour: Outlet,
+    colour_info: Outlet,
+    depth: Outlet,
+    depth_info: Outlet,
+    points: Outlet,
+    info_message: CameraInfo,
+    colour_intrinsics: Intrinsics,
+    depth_intrinsics: Intrinsics,
+}
+
+impl DepthChannel {
+    pub(super) fn open(
+        sensor: &Sensor,
+        camera: &CameraSensor,
+        plugin: &DepthCameraPlugin,
+        setting: &Setting<'_>,
+    ) -> Result<Self, RigError> {
+        let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
+        let config = DepthCameraConfig {
+            camera: camera_config(camera, setting.seed, setting.sensor).map_err(|error| refused(&error))?,
+            min_depth_m: plugin.cutoff_m,
+            max_depth_m: plugin.cutoff_max_m,
+            out_of_range: if setting.gazebo_compat { OutOfRange::Nan } else { OutOfRange::Infinite },
+            // SDF's <noise> is the colour picture's; Gazebo classic knows none for depth.
+            noise: GaussianNoise::NONE,
+        };
+        let made = DepthCamera::new(config).map_err(|error| refused(&error))?;
+        let told = Told::of(made.camera().lens(), &plugin.camera, setting.gazebo_compat);
+        let frame = setting.frame_id(sensor, &plugin.camera.frame_name);
+        let rate = setting.rate.hz();
+        let open = |spec: StreamSpec| setting.open(&spec.frame_id(&frame).rate_hz(rate));
+        let pixels = made.pixels();
+        let (depth_encoding, depth_bytes) =
+            if plugin.depth_16uc1 { (Encoding::U16C1, 2) } else { (Encoding::F32C1, 4) };
+        let names = &plugin.camera;
+        let colour_len = made.camera().frame_len();
+        let (near, far) = (plugin.cutoff_m, plugin.cutoff_max_m);
+        Ok(Self {
+            colour: open(StreamSpec::new(
+                &names.image_topic,
+                Kind::Image,
+                encoding(camera.format),
+                colour_len,
+            ))?,
+            colour_info: open(StreamSpec::structs(&names.camera_info_topic, Kind::CameraInfo, 1))?,
+            depth: open(StreamSpec::new(
+                &plugin.depth_image_topic,
+                Kind::DepthImage,
+                depth_encoding,
+                pixels * depth_bytes,
+            ))?,
+            depth_info: open(StreamSpec::structs(&plugin.depth_camera_info_topic, Kind::CameraInfo, 1))?,
+            points: open(StreamSpec::new(
+                &plugin.point_cloud_topic,
+                Kind::PointCloud,
+                Encoding::XyzRgbF32,
+                pixels * POINT_STEP,
+            ))?,
+            in_millimetres: plugin.depth_16uc1,
+            info_message: told.camera_info(camera.width, camera.height).map_err(|error| refused(&error))?,
+            colour_intrinsics: told.intrinsics(camera.near_m, camera.far_m),
+            depth_intrinsics: told.intrinsics(near, far),
+            mount: Mount::new(sensor, setting, &frame),
+            camera: made,
+        })
+    }
+
+    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
+        let started = Instant::now();
+        let world_from_sensor = self.mount.pose(context);
+        let pixels = self.camera.pixels();
+        let mut colour = self.colour.loan(self.camera.camera().frame_len());
+        let mut depth = self.depth.loan(pixels * if self.in_millimetres { 2 } else { 4 });
+        let mut points = self.points.loan(pixels * POINT_STEP);
+        let parts = [
+            (&mut colour, &self.colour_intrinsics),
+            (&mut depth, &self.depth_intrinsics),
+            (&mut points, &self.depth_intrinsics),
+        ];
+        for (frame, intrinsics) in parts {
+            let Some(frame) = frame else { continue };
+            let header = frame.header_mut();
+            header.set_packed(self.info_message.width, self.info_message.height);
+            header.stamp_ns = context.stamp_ns;
+            header.set_intrinsics(intrinsics);
+            Mount::write(&world_from_sensor, header);
+        }
+        let (mut depth_32fc1, mut depth_16uc1) = (None, None);
+        if self.in_millimetres {
+            depth_16uc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
+        } else {
+            depth_32fc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
+        }
+        self.camera.sense(
+            &context.scene.scene(),
+            &Capture { world_from_sensor, frame: frame_number },
+            &mut context.workspace.lend(),
+            DepthFrame {
+                depth_32fc1,
+                depth_16uc1,
+                colour: colour.as_mut().map(LoanedFrame::payload_mut),
+                points: points.as_mut().map(LoanedFrame::payload_mut),
+            },
+        );
+        let outcomes = [self.colour.send(colour), self.depth.send(depth), self.points.send(points)];
+        let busy = started.elapsed();
+        for (outlet, outcome) in
+            [&mut self.colour, &mut self.depth, &mut self.points].into_iter().zip(outcomes)
+        {
+            outlet.record(outcome, busy);
+        }
+        self.colour_info.send_structs(context.stamp_ns, &[self.info_message]);
+        self.depth_info.send_structs(context.stamp_ns, &[self.info_message]);
+    }
+
+    pub(super) fn outlets(&self) -> [&Outlet; 5] {
+        [&self.colour, &self.colour_info, &self.depth, &self.depth_info, &self.points]
+    }
+}

@@ -1,0 +1,103 @@
+//! A lidar and its stream.
+
+use super::mount::Mount;
+use super::outlet::Outlet;
+use super::pictures::noise;
+use super::{RigContext, RigError, Setting};
+use crate::description::model::{LaserPlugin, RaySensor, ScanAxis, Sensor};
+use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
+use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
+use belvedere_sensors::trace::Capture;
+use std::time::Instant;
+
+/// A running lidar.
+pub(super) struct LidarChannel {
+    lidar: Lidar,
+    mount: Mount,
+    scan: Outlet,
+    geometry: ScanGeometry,
+    size: [u32; 2],
+}
+
+impl LidarChannel {
+    pub(super) fn open(
+        sensor: &Sensor,
+        ray: &RaySensor,
+        plugin: &LaserPlugin,
+        setting: &Setting<'_>,
+    ) -> Result<Self, RigError> {
+        let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
+        let beams = |axis: &ScanAxis| Beams {
+            samples: axis.samples,
+            min_angle_rad: axis.min_angle_rad,
+            max_angle_rad: axis.max_angle_rad,
+        };
+        let (horizontal, vertical) = (beams(&ray.horizontal), beams(&ray.vertical));
+        let lidar = Lidar::new(LidarConfig {
+            horizontal,
+            vertical,
+            range_min_m: ray.range_min_m,
+            range_max_m: ray.range_max_m,
+            too_near: if setting.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
+            noise: noise(&ray.noise).map_err(|error| refused(&error))?,
+            seed: setting.seed,
+            sensor: setting.sensor,
+        })
+        .map_err(|error| refused(&error))?;
+        let frame = setting.frame_id(sensor, &plugin.frame_name);
+        let rate = setting.rate.hz();
+        // Ranges, and a plane of intensities after them.
+        let bytes = lidar.beams() * size_of::<f32>() * 2;
+        let spec = StreamSpec::new(&plugin.topic, Kind::LaserScan, Encoding::RangesF32, bytes)
+            .frame_id(&frame)
+            .rate_hz(rate);
+        Ok(Self {
+            scan: setting.open(&spec)?,
+            geometry: ScanGeometry {
+                angle_min: horizontal.min_angle_rad,
+                angle_increment: horizontal.increment(),
+                // All beams are taken at the stamp. Gazebo's plugin gives 0 for the time of a scan as well.
+                time_increment: 0.0,
+                scan_time: if setting.gazebo_compat { 0.0 } else { 1.0 / rate },
+                range_min: ray.range_min_m as f32,
+                range_max: ray.range_max_m as f32,
+                vertical_angle_min: vertical.min_angle_rad,
+                vertical_angle_increment: vertical.increment(),
+                reserved: [0; 3],
+            },
+            size: [horizontal.samples, vertical.samples],
+            mount: Mount::new(sensor, setting, &frame),
+            lidar,
+        })
+    }
+
+    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
+        let started = Instant::now();
+        let world_from_sensor = self.mount.pose(context);
+        let beams = self.lidar.beams();
+        let mut frame = self.scan.loan(beams * size_of::<f32>() * 2);
+        if let Some(frame) = &mut frame {
+            let header = frame.header_mut();
+            header.set_packed(self.size[0], self.size[1]);
+            header.flags |= FrameHeader::HAS_INTENSITIES;
+            header.stamp_ns = context.stamp_ns;
+            header.set_scan_geometry(&self.geometry);
+            Mount::write(&world_from_sensor, header);
+            let planes: &mut [f32] = bytemuck::cast_slice_mut(frame.payload_mut());
+            let (ranges, intensities) = planes.split_at_mut(beams);
+            self.lidar.sense(
+                &context.scene.scene(),
+                &Capture { world_from_sensor, frame: frame_number },
+                &mut context.workspace.lend(),
+                ranges,
+                intensities,
+            );
+        }
+        let outcome = self.scan.send(frame);
+        self.scan.record(outcome, started.elapsed());
+    }
+
+    pub(super) fn outlets(&self) -> [&Outlet; 1] {
+        [&self.scan]
+    }
+}

@@ -1,0 +1,258 @@
+//! The sensors of the robots on their schedule: each sensor with its streams is a *channel*, and each channel has
+//! its own exact rate.
+//!
+//! A frame is rendered straight into the shared memory that subscribers read: the bridge lends it, the sensor
+//! fills it, the bridge sends it.
+
+mod camera;
+mod depth;
+mod lidar;
+mod mount;
+mod outlet;
+pub mod pictures;
+pub mod rate;
+mod state;
+
+pub use outlet::{Outlet, Tally};
+pub use rate::Rate;
+
+use crate::description::model::{Model, Plugin, Sensor, SensorKind};
+use crate::description::{Problem, Severity};
+use crate::robot::Robot;
+use crate::world::physics::{ModelIndex, Physics};
+use crate::world::scene::WorldScene;
+use belvedere_bridge::{Error as BridgeError, Node, StreamSpec};
+use belvedere_sensors::Execution;
+use belvedere_sensors::trace::WorkspaceBuf;
+use camera::CameraChannel;
+use depth::DepthChannel;
+use lidar::LidarChannel;
+use state::{ClockChannel, StateChannel};
+
+/// Rate of the clock in Hz: a consumer's timers get within 10 ms of simulated time.
+const CLOCK_HZ: f64 = 100.0;
+/// Rate of odometry, transforms and joint states: a Kobuki's own.
+const STATE_HZ: f64 = 50.0;
+
+/// Why the sensors cannot be started.
+#[derive(Debug, thiserror::Error)]
+pub enum RigError {
+    /// The bridge cannot open a stream.
+    #[error(transparent)]
+    Bridge(#[from] BridgeError),
+    /// A sensor or a name in the robot's description cannot be used.
+    #[error(transparent)]
+    Description(#[from] Problem),
+    /// A name is too long for the wire format.
+    #[error("name '{name}': {reason}; rename it in the robot's description")]
+    Name {
+        /// The link, joint or frame.
+        name: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+impl RigError {
+    fn sensor(sensor: &Sensor, error: &dyn std::error::Error) -> Self {
+        Self::Description(Problem {
+            severity: Severity::Error,
+            source: sensor.source.clone(),
+            what: format!("sensor '{}': {error}", sensor.name),
+            remedy: "correct the value in the sensor's description".into(),
+        })
+    }
+
+    fn name(name: &str, reason: &dyn std::error::Error) -> Self {
+        Self::Name { name: name.into(), reason: reason.to_string() }
+    }
+}
+
+/// How the rig is to run.
+#[derive(Debug, Clone, Copy)]
+pub struct RigOptions {
+    /// Seed of all noise.
+    pub seed: u64,
+    /// Gazebo's measured habits instead of what is right.
+    pub gazebo_compat: bool,
+    /// Hash every byte that is published.
+    pub hashed: bool,
+    /// SIMD level and threads of the sensors.
+    pub execution: Execution,
+}
+
+/// What a channel needs to open.
+pub(crate) struct Setting<'a> {
+    node: &'a Node,
+    physics: &'a Physics,
+    model: &'a Model,
+    model_index: ModelIndex,
+    robot: usize,
+    rate: Rate,
+    seed: u64,
+    sensor: u32,
+    gazebo_compat: bool,
+    hashed: bool,
+}
+
+impl Setting<'_> {
+    fn open(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
+        Ok(Outlet::open(self.node, spec, self.hashed)?)
+    }
+
+    /// The frame that a sensor's messages name: the plugin's, or its link.
+    fn frame_id(&self, sensor: &Sensor, frame_name: &str) -> String {
+        let link = &self.model.links[sensor.link].name;
+        if frame_name.is_empty() { link.clone() } else { frame_name.to_owned() }
+    }
+}
+
+/// What a channel needs to publish a frame.
+pub(crate) struct RigContext<'a> {
+    stamp_ns: u64,
+    physics: &'a Physics,
+    robots: &'a [Robot],
+    scene: &'a WorldScene,
+    workspace: &'a mut WorkspaceBuf,
+}
+
+enum Channel {
+    Clock(Box<ClockChannel>),
+    State(Box<StateChannel>),
+    Camera(Box<CameraChannel>),
+    Depth(Box<DepthChannel>),
+    Lidar(Box<LidarChannel>),
+}
+
+struct Scheduled {
+    rate: Rate,
+    /// Number of the next frame.
+    next: u64,
+    channel: Channel,
+}
+
+/// All channels of a simulation.
+pub struct Rig {
+    channels: Vec<Scheduled>,
+    workspace: WorkspaceBuf,
+}
+
+impl Rig {
+    /// Opens every stream of the robots. `models` and `robots` belong together, in the order in which physics
+    /// has them.
+    ///
+    /// # Errors
+    /// When the bridge cannot open a stream, or a sensor's description cannot be used.
+    pub fn open(
+        node: &Node,
+        models: &[Model],
+        robots: &[Robot],
+        physics: &Physics,
+        scene: &WorldScene,
+        options: &RigOptions,
+    ) -> Result<Self, RigError> {
+        let mut workspace = WorkspaceBuf::for_scene(&scene.scene());
+        workspace.execution = options.execution;
+        let mut rig = Self { channels: Vec::new(), workspace };
+        let mut sensor_number = 0;
+        for (robot, (model, running)) in models.iter().zip(robots).enumerate() {
+            let setting = |rate, sensor| Setting {
+                node,
+                physics,
+                model,
+                model_index: running.model(),
+                robot,
+                rate,
+                seed: options.seed,
+                sensor,
+                gazebo_compat: options.gazebo_compat,
+                hashed: options.hashed,
+            };
+            let fixed = |hz| Rate::from_hz(hz).unwrap_or(Rate::from_period_ns(physics.step_ns()));
+            if robot == 0 {
+                let clock = ClockChannel::open(&setting(fixed(CLOCK_HZ), 0))?;
+                rig.add(fixed(CLOCK_HZ), Channel::Clock(clock.into()));
+            }
+            let state = StateChannel::open(running, &setting(fixed(STATE_HZ), 0))?;
+            rig.add(fixed(STATE_HZ), Channel::State(state.into()));
+            for sensor in &model.sensors {
+                let rate = sensor_rate(sensor, physics);
+                if let Some(channel) = open_sensor(sensor, &setting(rate, sensor_number))? {
+                    rig.add(rate, channel);
+                }
+                sensor_number += 1;
+            }
+        }
+        Ok(rig)
+    }
+
+    fn add(&mut self, rate: Rate, channel: Channel) {
+        self.channels.push(Scheduled { rate, next: 0, channel });
+    }
+
+    /// Stamp in ns of the frame that is due next.
+    pub fn next_stamp_ns(&self) -> u64 {
+        self.channels.iter().map(|channel| channel.rate.stamp_ns(channel.next)).min().unwrap_or(u64::MAX)
+    }
+
+    /// Publishes every frame that is due at `stamp_ns`, for which physics must have arrived there.
+    pub fn publish(&mut self, stamp_ns: u64, physics: &Physics, robots: &[Robot], scene: &mut WorldScene) {
+        for scheduled in &mut self.channels {
+            if scheduled.rate.stamp_ns(scheduled.next) != stamp_ns {
+                continue;
+            }
+            if !matches!(scheduled.channel, Channel::Clock(_) | Channel::State(_)) {
+                scene.move_to(physics, stamp_ns);
+            }
+            let workspace = &mut self.workspace;
+            let mut context = RigContext { stamp_ns, physics, robots, scene, workspace };
+            let frame = scheduled.next;
+            match &mut scheduled.channel {
+                Channel::Clock(clock) => clock.publish(&mut context),
+                Channel::State(state) => state.publish(&mut context),
+                Channel::Camera(camera) => camera.publish(&mut context, frame),
+                Channel::Depth(depth) => depth.publish(&mut context, frame),
+                Channel::Lidar(lidar) => lidar.publish(&mut context, frame),
+            }
+            scheduled.next += 1;
+        }
+    }
+
+    /// Every stream, in the order in which they were opened.
+    pub fn outlets(&self) -> Vec<&Outlet> {
+        let mut outlets = Vec::new();
+        for scheduled in &self.channels {
+            match &scheduled.channel {
+                Channel::Clock(clock) => outlets.extend(clock.outlets()),
+                Channel::State(state) => outlets.extend(state.outlets()),
+                Channel::Camera(camera) => outlets.extend(camera.outlets()),
+                Channel::Depth(depth) => outlets.extend(depth.outlets()),
+                Channel::Lidar(lidar) => outlets.extend(lidar.outlets()),
+            }
+        }
+        outlets
+    }
+}
+
+fn open_sensor(sensor: &Sensor, setting: &Setting<'_>) -> Result<Option<Channel>, RigError> {
+    Ok(match (&sensor.kind, &sensor.plugin) {
+        (SensorKind::Camera(camera), Some(Plugin::Camera(plugin))) => {
+            Some(Channel::Camera(CameraChannel::open(sensor, camera, plugin, setting)?.into()))
+        }
+        (SensorKind::Depth(camera), Some(Plugin::DepthCamera(plugin))) => {
+            Some(Channel::Depth(DepthChannel::open(sensor, camera, plugin, setting)?.into()))
+        }
+        (SensorKind::Ray(ray), Some(Plugin::Laser(plugin))) => {
+            Some(Channel::Lidar(LidarChannel::open(sensor, ray, plugin, setting)?.into()))
+        }
+        _ => {
+            tracing::warn!(sensor = sensor.name, source = %sensor.source, "has no plugin that publishes it");
+            None
+        }
+    })
+}
+
+/// The lower of the sensor's rate and its plugin's; every physics step if neither gives one.
+fn sensor_rate(sensor: &Sensor, physics: &Physics) -> Rate {
+    sensor.effective_rate_hz().and_then(Rate::from_hz).unwrap_or(Rate::from_period_ns(physics.step_ns()))
+}

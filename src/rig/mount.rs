@@ -1,0 +1,81 @@
+//! Where on its robot a sensor sits.
+
+use super::{RigContext, Setting};
+use crate::description::model::{LinkIndex, Model, Sensor, SensorKind};
+use crate::world::physics::ModelIndex;
+use belvedere_bridge::FrameHeader;
+use belvedere_sensors::Pose;
+use glam::{DMat3, DQuat, DVec3};
+
+/// A place on a link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Mount {
+    model: ModelIndex,
+    link: LinkIndex,
+    link_from_sensor: Pose,
+}
+
+impl Mount {
+    /// The sensor's own place. If its messages name the optical frame of another link that looks the same way,
+    /// the sensor sits there instead, so that what it publishes is true of the frame that it names; Gazebo's
+    /// Kinect is off by (31, 12.5, 16) mm there, and stays so with `gazebo_compat`.
+    pub(super) fn new(sensor: &Sensor, setting: &Setting<'_>, frame: &str) -> Self {
+        let own =
+            Self { model: setting.model_index, link: sensor.link, link_from_sensor: sensor.link_from_sensor };
+        if setting.gazebo_compat || matches!(sensor.kind, SensorKind::Ray(_)) {
+            return own;
+        }
+        let moved = optical_mount(sensor, setting.model, frame)
+            .map(|link_from_sensor| Self { link_from_sensor, ..own });
+        if let Some(moved) = &moved {
+            let offset = moved.link_from_sensor.translation() - own.link_from_sensor.translation();
+            if offset.length() > 1e-9 {
+                tracing::info!(sensor = sensor.name, frame, %offset, "the sensor is put into the frame that it names");
+            }
+        }
+        moved.unwrap_or(own)
+    }
+
+    /// Pose of the sensor (x forward, z up) at the stamp of the context.
+    pub(super) fn pose(&self, context: &RigContext<'_>) -> Pose {
+        context.physics.world_from_link_at(self.model, self.link, context.stamp_ns) * self.link_from_sensor
+    }
+
+    /// Writes the pose into a frame's header.
+    pub(super) fn write(world_from_sensor: &Pose, header: &mut FrameHeader) {
+        header.position = world_from_sensor.translation().to_array();
+        header.orientation = world_from_sensor.rotation().to_array().map(|part| part as f32);
+    }
+}
+
+/// The sensor's pose in its link if it sits in the optical frame `frame` and looks as it does now.
+fn optical_mount(sensor: &Sensor, model: &Model, frame: &str) -> Option<Pose> {
+    let named = model.link_named(frame)?;
+    if named == sensor.link || !rigidly_joined(model, named, sensor.link) {
+        return None;
+    }
+    // Columns: the sensor's forward, left and up in the optical frame's right, down and forward.
+    let axes = DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y);
+    let optical_from_sensor = Pose::new(DVec3::ZERO, DQuat::from_mat3(&axes));
+    let link_from_frame =
+        model.links[sensor.link].model_from_link.inverse() * model.links[named].model_from_link;
+    let moved = link_from_frame * optical_from_sensor;
+    let looks_alike = moved.rotation().dot(sensor.link_from_sensor.rotation()).abs() > 1.0 - 1e-6;
+    looks_alike.then(|| Pose::new(moved.translation(), sensor.link_from_sensor.rotation()))
+}
+
+fn rigidly_joined(model: &Model, one: LinkIndex, other: LinkIndex) -> bool {
+    let rigid_root = |mut link: LinkIndex| {
+        // A tree has fewer steps to its root than links.
+        for _ in 0..model.links.len() {
+            match model.joint_above(link) {
+                Some(joint) if joint.kind == crate::description::model::JointKind::Fixed => {
+                    link = joint.parent;
+                }
+                _ => break,
+            }
+        }
+        link
+    };
+    rigid_root(one) == rigid_root(other)
+}

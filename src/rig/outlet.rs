@@ -1,0 +1,137 @@
+//! One published stream: its publisher, what it has cost, and a hash of what went through it.
+
+use belvedere_bridge::payload::Message;
+use belvedere_bridge::{Error, LoanedFrame, Node, Publisher, StreamSpec};
+use std::time::Duration;
+use xxhash_rust::xxh3::Xxh3;
+
+/// A stream of the rig.
+pub struct Outlet {
+    publisher: Publisher,
+    rate_hz: Option<f64>,
+    hash: Option<Xxh3>,
+    tally: Tally,
+}
+
+/// What a stream has done so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Frames sent.
+    pub frames: u64,
+    /// Frames that could not be sent.
+    pub dropped: u64,
+    /// Time spent making them.
+    pub busy: Duration,
+}
+
+impl Outlet {
+    /// Opens the stream; with `hashed`, every byte sent is hashed.
+    ///
+    /// # Errors
+    /// When the bridge cannot open it.
+    pub fn open(node: &Node, spec: &StreamSpec, hashed: bool) -> Result<Self, Error> {
+        Ok(Self {
+            publisher: node.publisher(spec)?,
+            rate_hz: spec.rate_hz,
+            hash: hashed.then(Xxh3::new),
+            tally: Tally::default(),
+        })
+    }
+
+    /// Topic with its leading slash.
+    pub fn topic(&self) -> String {
+        format!("/{}", self.publisher.topic())
+    }
+
+    /// The rate that was asked for.
+    pub fn rate_hz(&self) -> Option<f64> {
+        self.rate_hz
+    }
+
+    /// Subscribers now.
+    pub fn subscribers(&self) -> usize {
+        self.publisher.subscribers()
+    }
+
+    /// What it has done so far.
+    pub fn tally(&self) -> Tally {
+        self.tally
+    }
+
+    /// Hash of everything sent so far, if it is hashed.
+    pub fn hash(&self) -> Option<u128> {
+        self.hash.as_ref().map(Xxh3::digest128)
+    }
+
+    /// Shared memory for the next frame, or none when there is no free piece.
+    pub fn loan(&self, len: usize) -> Option<LoanedFrame<'_>> {
+        self.publisher.loan(len).map_err(|error| self.report(&error)).ok()
+    }
+
+    /// Sends a frame loaned from here. [`Outlet::record`] the outcome.
+    pub fn send(&self, frame: Option<LoanedFrame<'_>>) -> Outcome {
+        let Some(frame) = frame else { return Outcome::Dropped };
+        let hash = self.hash.is_some().then(|| frame_hash(frame.header().stamp_ns, frame.payload()));
+        match frame.send() {
+            Ok(_) => Outcome::Sent(hash),
+            Err(error) => {
+                self.report(&error);
+                Outcome::Dropped
+            }
+        }
+    }
+
+    /// Counts a frame that took `busy` to make.
+    pub fn record(&mut self, outcome: Outcome, busy: Duration) {
+        match outcome {
+            Outcome::Sent(hash) => {
+                self.tally.frames += 1;
+                self.tally.busy += busy;
+                if let (Some(all), Some(hash)) = (&mut self.hash, hash) {
+                    all.update(&hash.to_le_bytes());
+                }
+            }
+            Outcome::Dropped => self.tally.dropped += 1,
+        }
+    }
+
+    /// Sends structs that belong to `stamp_ns`, and counts them.
+    pub fn send_structs<T: Message>(&mut self, stamp_ns: u64, structs: &[T]) {
+        let outcome = match self.publisher.send_structs(stamp_ns, structs) {
+            Ok(_) => Outcome::Sent(
+                self.hash.is_some().then(|| frame_hash(stamp_ns, bytemuck::cast_slice(structs))),
+            ),
+            Err(error) => {
+                self.report(&error);
+                Outcome::Dropped
+            }
+        };
+        self.record(outcome, Duration::ZERO);
+    }
+
+    /// Gives the last frame to subscribers that have come since.
+    pub fn update(&self) {
+        if let Err(error) = self.publisher.update() {
+            self.report(&error);
+        }
+    }
+
+    fn report(&self, error: &Error) {
+        tracing::warn!(topic = self.publisher.topic(), %error, "frame dropped");
+    }
+}
+
+/// What became of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// It went out; with its hash if the stream is hashed.
+    Sent(Option<u128>),
+    /// There was no memory for it, or no way out.
+    Dropped,
+}
+
+fn frame_hash(stamp_ns: u64, payload: &[u8]) -> u128 {
+    let mut hash = Xxh3::with_seed(stamp_ns);
+    hash.update(payload);
+    hash.digest128()
+}

@@ -1,0 +1,119 @@
+//! A world, its robot and its sensors, advanced from frame to frame.
+
+use crate::description::model::{Model, World};
+use crate::description::{Problem, Severity};
+use crate::rig::{Rig, RigError, RigOptions};
+use crate::robot::{Command, Drive, Robot};
+use crate::world::physics::Physics;
+use crate::world::scene::WorldScene;
+use belvedere_bridge::payload::VelocityCommand;
+use belvedere_bridge::{Node, StreamSpec, Subscriber};
+
+/// How long a command from outside keeps the built-in drive off, in ns: as long as it holds for the base.
+const COMMAND_HOLDS_NS: u64 = crate::robot::kobuki::COMMAND_TIMEOUT_NS;
+
+/// A running simulation of one robot.
+pub struct Simulation {
+    physics: Physics,
+    robots: Vec<Robot>,
+    scene: WorldScene,
+    rig: Rig,
+    drive: Drive,
+    commands: Subscriber,
+    commanded_ns: Option<u64>,
+}
+
+impl Simulation {
+    /// Puts the robot into the world at the start of the drive and opens all streams. What is worth knowing, but
+    /// no error, is pushed to `notes`.
+    ///
+    /// # Errors
+    /// A world that cannot run, a texture that cannot be read, a sensor that cannot be made, a stream that cannot
+    /// be opened.
+    pub fn new(
+        world: &World,
+        robot: &Model,
+        drive: Drive,
+        node: &Node,
+        options: &RigOptions,
+        notes: &mut Vec<Problem>,
+    ) -> Result<Self, RigError> {
+        let mut physics =
+            Physics::new(world, &[(robot.clone(), drive.start_pose() * robot.world_from_model)])?;
+        notes.extend_from_slice(physics.notes());
+        let models = [robot.clone()];
+        let index = physics.robot(0);
+        let (running, problem) = Robot::new(robot, index, &mut physics);
+        notes.extend(problem.filter(|problem| problem.severity < Severity::Error));
+        let robots = vec![running];
+        let scene = WorldScene::new(world, &models, &physics)?;
+        let commands = node.command_subscriber(&StreamSpec::velocity_command("/cmd_vel"))?;
+        let rig = Rig::open(node, &models, &robots, &physics, &scene, options)?;
+        Ok(Self { physics, robots, scene, rig, drive, commands, commanded_ns: None })
+    }
+
+    /// Stamp in ns of the frame that is due next.
+    pub fn next_stamp_ns(&self) -> u64 {
+        self.rig.next_stamp_ns()
+    }
+
+    /// Brings physics to the next frame's stamp and publishes all that is due then.
+    pub fn advance(&mut self) {
+        let stamp_ns = self.next_stamp_ns();
+        self.take_commands();
+        while self.physics.time_ns() < stamp_ns {
+            self.step();
+        }
+        self.rig.publish(stamp_ns, &self.physics, &self.robots, &mut self.scene);
+    }
+
+    /// One physics step.
+    fn step(&mut self) {
+        let now_ns = self.physics.time_ns();
+        let from_outside = self.commanded_ns.is_some_and(|at_ns| now_ns < at_ns + COMMAND_HOLDS_NS);
+        for robot in &mut self.robots {
+            if !from_outside && self.drive != Drive::Still {
+                robot.command(self.drive.command(&robot.world_from_base(&self.physics)), now_ns);
+            }
+            robot.control(&mut self.physics);
+        }
+        self.physics.step();
+        for robot in &mut self.robots {
+            robot.observe(&self.physics);
+        }
+    }
+
+    /// Hands the newest velocity command from outside to the robot.
+    fn take_commands(&mut self) {
+        let command: VelocityCommand = match self.commands.take_newest() {
+            Ok(None) => return,
+            Ok(Some(frame)) => match frame.message() {
+                Ok(command) => command,
+                Err(error) => {
+                    tracing::warn!(%error, "a velocity command was refused");
+                    return;
+                }
+            },
+            Err(error) => {
+                tracing::warn!(%error, "velocity commands cannot be read");
+                return;
+            }
+        };
+        let command = Command { linear_m_s: command.linear[0], angular_rad_s: command.angular[2] };
+        let now_ns = self.physics.time_ns();
+        self.commanded_ns = Some(now_ns);
+        for robot in &mut self.robots {
+            robot.command(command, now_ns);
+        }
+    }
+
+    /// The sensors and their streams.
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// Simulated time in ns that physics has reached.
+    pub fn time_ns(&self) -> u64 {
+        self.physics.time_ns()
+    }
+}

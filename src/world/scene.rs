@@ -1,0 +1,277 @@
+//! What the sensors see of the world: its shapes, looks and lamps as a `sensors` scene, kept in step with physics.
+
+use crate::description::diagnostics::{Problem, Severity, Source};
+use crate::description::model as description;
+use crate::description::model::{Geometry, LinkIndex, Mesh, Model, World};
+use crate::world::physics::{ModelIndex, Physics};
+use belvedere_sensors::Pose;
+use belvedere_sensors::scene::{
+    Environment, InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, MeshId,
+    Scene, SceneBuilder, SceneError, Shape, TextureId, visibility,
+};
+use glam::{DMat3, DQuat, DVec3};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Edge length of the rectangle that stands for an infinite collision plane, in metres.
+const INFINITE_M: f64 = 20_000.0;
+
+/// The scene of a running world.
+#[derive(Debug)]
+pub struct WorldScene {
+    builder: SceneBuilder,
+    moving: HashMap<(ModelIndex, LinkIndex), Vec<(InstanceId, Pose)>>,
+    stamp_ns: Option<u64>,
+}
+
+impl WorldScene {
+    /// Builds the scene of a world and its robots, whose links stand where `physics` has them now.
+    ///
+    /// # Errors
+    /// A texture that cannot be read, or a shape that cannot be traced; the problem names its place in the file.
+    pub fn new(world: &World, robots: &[Model], physics: &Physics) -> Result<Self, Problem> {
+        let mut assembly = Assembly::default();
+        assembly
+            .builder
+            .set_environment(Environment { ambient: world.ambient, background: world.background });
+        let first_robot = (0..robots.len()).map(|robot| physics.robot(robot));
+        for (index, model) in world.models.iter().enumerate().chain(first_robot.zip(robots)) {
+            for (link_index, link) in model.links.iter().enumerate() {
+                let world_from_link = physics.world_from_link(index, link_index);
+                assembly.add_link((index, link_index), link, &world_from_link)?;
+            }
+        }
+        for light in &world.lights {
+            assembly.builder.add_light(&lamp(light, world.shadows));
+        }
+        let mut moving = assembly.placed;
+        let movable: std::collections::HashSet<_> =
+            physics.moving_links().map(|(model, link, _)| (model, link)).collect();
+        moving.retain(|key, _| movable.contains(key));
+        Ok(Self { builder: assembly.builder, moving, stamp_ns: None })
+    }
+
+    /// Moves everything that moves to where it is at a time between the last two physics steps.
+    pub fn move_to(&mut self, physics: &Physics, stamp_ns: u64) {
+        if self.stamp_ns == Some(stamp_ns) {
+            return;
+        }
+        self.stamp_ns = Some(stamp_ns);
+        for (model, link, world_from_link) in physics.moving_links_at(stamp_ns) {
+            for (instance, link_from_shape) in self.moving.get(&(model, link)).into_iter().flatten() {
+                // Fails only for a pose that is not finite: what physics lost keeps its last place.
+                let _ = self.builder.set_pose(*instance, world_from_link * *link_from_shape);
+            }
+        }
+    }
+
+    /// The scene as it stands.
+    pub fn scene(&self) -> Scene<'_> {
+        self.builder.scene()
+    }
+}
+
+/// A scene being put together; files and meshes that are used twice are taken in once.
+#[derive(Default)]
+struct Assembly {
+    builder: SceneBuilder,
+    textures: HashMap<PathBuf, TextureId>,
+    meshes: HashMap<*const Mesh, MeshId>,
+    placed: HashMap<(ModelIndex, LinkIndex), Vec<(InstanceId, Pose)>>,
+    bare: Option<MaterialId>,
+}
+
+impl Assembly {
+    fn add_link(
+        &mut self,
+        key: (ModelIndex, LinkIndex),
+        link: &description::Link,
+        world_from_link: &Pose,
+    ) -> Result<(), Problem> {
+        for visual in &link.visuals {
+            let material = self.material(&visual.material, &visual.source)?;
+            let (shape, shape_pose) = self.shape(&visual.geometry, false, &visual.source)?;
+            let link_from_shape = visual.link_from_visual * shape_pose;
+            self.place(key, world_from_link, link_from_shape, &visual.source, |world_from_instance| {
+                InstanceConfig {
+                    shape,
+                    world_from_instance,
+                    material,
+                    visibility: visibility::VISUAL,
+                    laser_retro: 0.0,
+                }
+            })?;
+        }
+        for collision in &link.collisions {
+            let material = match self.bare {
+                Some(material) => material,
+                None => self.material(&description::Material::default(), &collision.source)?,
+            };
+            self.bare = Some(material);
+            let (shape, shape_pose) = self.shape(&collision.geometry, true, &collision.source)?;
+            let link_from_shape = collision.link_from_collision * shape_pose;
+            self.place(key, world_from_link, link_from_shape, &collision.source, |world_from_instance| {
+                InstanceConfig {
+                    shape,
+                    world_from_instance,
+                    material,
+                    visibility: visibility::COLLISION,
+                    laser_retro: collision.laser_retro,
+                }
+            })?;
+        }
+        Ok(())
+    }
+
+    fn place(
+        &mut self,
+        key: (ModelIndex, LinkIndex),
+        world_from_link: &Pose,
+        link_from_shape: Pose,
+        source: &Source,
+        config: impl FnOnce(Pose) -> InstanceConfig,
+    ) -> Result<(), Problem> {
+        let instance = self
+            .builder
+            .add_instance(&config(*world_from_link * link_from_shape))
+            .map_err(|error| refused(error, source))?;
+        self.placed.entry(key).or_default().push((instance, link_from_shape));
+        Ok(())
+    }
+
+    /// The shape and its pose in the frame of the visual or collision.
+    fn shape(
+        &mut self,
+        geometry: &Geometry,
+        collides: bool,
+        source: &Source,
+    ) -> Result<(Shape, Pose), Problem> {
+        let upright = |shape| (shape, Pose::IDENTITY);
+        Ok(match geometry {
+            Geometry::Box { size } => upright(Shape::Box { size: size.to_array() }),
+            Geometry::Sphere { radius } => upright(Shape::Sphere { radius: *radius }),
+            Geometry::Cylinder { radius, length } => {
+                upright(Shape::Cylinder { radius: *radius, length: *length })
+            }
+            Geometry::Capsule { radius, length } => {
+                upright(Shape::Capsule { radius: *radius, length: *length })
+            }
+            Geometry::Plane { normal, size } => {
+                let size = if collides { [INFINITE_M; 2] } else { *size };
+                (Shape::Rectangle { size }, Pose::new(DVec3::ZERO, facing(*normal)))
+            }
+            Geometry::Mesh(mesh) => upright(Shape::Mesh(self.mesh(mesh, source)?)),
+        })
+    }
+
+    fn mesh(&mut self, mesh: &Arc<Mesh>, source: &Source) -> Result<MeshId, Problem> {
+        if let Some(known) = self.meshes.get(&Arc::as_ptr(mesh)) {
+            return Ok(*known);
+        }
+        let added = self.builder.add_mesh(&mesh.positions, &mesh.uvs, &mesh.triangles).map_err(|error| {
+            refused(error, &Source { file: mesh.path.as_path().into(), ..source.clone() })
+        })?;
+        self.meshes.insert(Arc::as_ptr(mesh), added);
+        Ok(added)
+    }
+
+    fn material(&mut self, material: &description::Material, source: &Source) -> Result<MaterialId, Problem> {
+        let texture = material.texture.as_deref().map(|path| self.texture(path, source)).transpose()?;
+        let config = MaterialConfig {
+            diffuse: material.diffuse,
+            ambient: material.ambient,
+            emissive: material.emissive,
+            texture,
+            texture_repeat: material.texture_repeat,
+        };
+        self.builder.add_material(&config).map_err(|error| refused(error, source))
+    }
+
+    fn texture(&mut self, path: &Path, source: &Source) -> Result<TextureId, Problem> {
+        if let Some(known) = self.textures.get(path) {
+            return Ok(*known);
+        }
+        let picture = image::open(path).map_err(|error| Problem {
+            severity: Severity::Error,
+            source: source.clone(),
+            what: format!("texture {} cannot be read: {error}", path.display()),
+            remedy: "use a PNG, JPEG, TGA or BMP picture".into(),
+        })?;
+        let picture = picture.into_rgba8();
+        let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
+        let added = self
+            .builder
+            .add_texture(picture.width(), picture.height(), texels)
+            .map_err(|error| refused(error, source))?;
+        self.textures.insert(path.to_path_buf(), added);
+        Ok(added)
+    }
+}
+
+/// The rotation that turns a rectangle's outside (+z) to `normal`, the picture on it as on the face of a box that
+/// looks the same way.
+fn facing(normal: DVec3) -> DQuat {
+    let normal = normal.normalize_or(DVec3::Z);
+    let (right, up) = if normal.z.abs() > 0.999 {
+        (DVec3::X, normal.cross(DVec3::X).normalize())
+    } else {
+        let right = DVec3::Z.cross(normal).normalize();
+        (right, normal.cross(right))
+    };
+    DQuat::from_mat3(&DMat3::from_cols(up.cross(normal).normalize_or(right), up, normal))
+}
+
+fn lamp(light: &description::Light, shadows: bool) -> LightConfig {
+    let position = light.world_from_light.translation().to_array();
+    let direction = light.world_from_light.transform_vector(light.direction).to_array();
+    let kind = match light.kind {
+        description::LightKind::Point => LightKind::Point { position },
+        description::LightKind::Directional => LightKind::Directional { direction },
+        description::LightKind::Spot { inner_angle, outer_angle, .. } => LightKind::Spot {
+            position,
+            direction,
+            cos_inner: (inner_angle * 0.5).cos() as f32,
+            cos_outer: (outer_angle * 0.5).cos() as f32,
+        },
+    };
+    LightConfig {
+        kind,
+        diffuse: light.diffuse,
+        range_m: light.range_m as f32,
+        attenuation: light.attenuation.map(|factor| factor as f32),
+        cast_shadows: shadows && light.cast_shadows,
+    }
+}
+
+fn refused(error: SceneError, source: &Source) -> Problem {
+    Problem {
+        severity: Severity::Error,
+        source: source.clone(),
+        what: format!("cannot be shown: {error}"),
+        remedy: "correct the shape, or remove it".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_face_as_boxes_do() {
+        // Normal, right, up: the table of `sensors::scene`.
+        for (normal, right, up) in [
+            (DVec3::Z, DVec3::X, DVec3::Y),
+            (DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y),
+            (DVec3::X, DVec3::Y, DVec3::Z),
+            (DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z),
+            (DVec3::Y, DVec3::NEG_X, DVec3::Z),
+            (DVec3::NEG_Y, DVec3::X, DVec3::Z),
+        ] {
+            let turn = facing(normal);
+            assert!((turn * DVec3::Z - normal).length() < 1e-12);
+            assert!((turn * DVec3::X - right).length() < 1e-12, "{normal}: right is {}", turn * DVec3::X);
+            assert!((turn * DVec3::Y - up).length() < 1e-12, "{normal}: up is {}", turn * DVec3::Y);
+        }
+    }
+}

@@ -5,7 +5,7 @@ use std::fmt::Write;
 /// Colour of a surface under lamps and ambient light alike.
 pub(crate) type Color = [f64; 3];
 
-pub(crate) const HEADER: &str = "<?xml version=\"1.0\"?>\n<!-- Made by: cargo run --example make_tag_room -->\n";
+pub(crate) const HEADER: &str = "<?xml version=\"1.0\"?>\n<!-- Made by examples/make_tag_room -->\n";
 
 /// A `<material>` of one colour.
 pub(crate) fn paint([r, g, b]: Color) -> String {

@@ -27,8 +27,7 @@ impl Loader<'_> {
         let kind_name = element.attribute("type").unwrap_or_default();
         let Some(child) = self.joint_end(element, "child", &parts.links) else { return };
         if child_text(element, "parent").as_deref() == Some("world") {
-            // Welded to the world with nothing that could move between: the model is a static one.
-            if kind_name == "fixed" && element.elements_named("joint").next().is_none() {
+            if kind_name == "fixed" {
                 *fixed_to_world = true;
             } else {
                 self.missing(

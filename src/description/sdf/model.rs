@@ -5,7 +5,7 @@ use super::frames::{Frames, WrittenPose};
 use super::resources::Resolved;
 use super::{Loader, Scope, Version, canonical, name_of, resources};
 use crate::description::diagnostics::Source;
-use crate::description::model::{Joint, Light, Link, Model, Sensor};
+use crate::description::model::{Joint, JointKind, Light, Link, Model, Sensor};
 use crate::description::values::{child_bool, child_text, nearest};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
@@ -77,6 +77,13 @@ impl Loader<'_> {
         let mut fixed_to_world = false;
         for child in element.elements_named("joint") {
             self.joint(child, scope, &frames, &mut parts, &mut fixed_to_world);
+        }
+        if fixed_to_world && parts.joints.iter().any(|joint| joint.kind != JointKind::Fixed) {
+            self.missing(
+                &element.source,
+                format!("the model '{name}' is fixed to the world and moves at other joints"),
+                "models either stand still as a whole or move freely",
+            );
         }
 
         let mut pose = self.pose(element, scope.version);

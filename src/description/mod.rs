@@ -1,11 +1,15 @@
 //! Robot and world files: text in, one typed model out, every problem with its file and line.
 
 pub mod diagnostics;
+pub mod gazebo_materials;
 pub mod mesh;
 pub mod model;
+pub mod ogre_material;
 pub mod package;
+mod sdf;
 pub mod sensor;
 pub mod values;
+pub mod world;
 pub mod xml;
 
 pub use diagnostics::{Diagnostics, Problem, Severity, Source};

@@ -1,0 +1,427 @@
+//! Ogre `.material` scripts, as far as they say how a surface looks: `ambient`, `diffuse`, `emissive`, and the
+//! first texture with its `scale`, of the first technique. Shaders, blending and further layers are passed over.
+
+use super::diagnostics::{Diagnostics, Problem, Severity, Source};
+use std::path::Path;
+
+/// One `material` of a script. None means that the script does not say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OgreMaterial {
+    /// Name after `material`.
+    pub name: String,
+    /// Name after the colon: what this material does not say comes from there.
+    pub parent: Option<String>,
+    /// Colour under ambient light.
+    pub ambient: Option<[f32; 3]>,
+    /// Colour under lamps.
+    pub diffuse: Option<[f32; 3]>,
+    /// Own light.
+    pub emissive: Option<[f32; 3]>,
+    /// File name of the picture, and where it is named.
+    pub texture: Option<(String, Source)>,
+    /// How often the picture repeats: Ogre's `scale` enlarges it, so this is one over it.
+    pub texture_repeat: Option<[f32; 2]>,
+    /// Where it stands.
+    pub source: Source,
+}
+
+/// Reads every material of a script.
+///
+/// # Errors
+/// If the file cannot be read, or at the first line that cannot be understood.
+pub fn parse_file(path: &Path) -> Result<Vec<OgreMaterial>, Problem> {
+    let bytes = std::fs::read(path).map_err(|error| Problem {
+        severity: Severity::Error,
+        source: Source::new(path, 0),
+        what: format!("cannot be read: {error}"),
+        remedy: "check the file's permissions".into(),
+    })?;
+    // Comments in old scripts are often Latin-1.
+    parse(&String::from_utf8_lossy(&bytes), path)
+}
+
+/// Reads every material of a script that came from `path`.
+///
+/// # Errors
+/// At the first line that cannot be understood.
+///
+/// ```
+/// use belvedere::description::ogre_material::parse;
+/// let script = "material Tag { technique { pass { texture_unit { texture tag.png\n scale 0.5 0.25 } } } }";
+/// let tag = &parse(script, "tag.material".as_ref()).unwrap()[0];
+/// assert_eq!(tag.texture.as_ref().unwrap().0, "tag.png");
+/// assert_eq!(tag.texture_repeat, Some([2.0, 4.0]));
+/// ```
+pub fn parse(text: &str, path: &Path) -> Result<Vec<OgreMaterial>, Problem> {
+    let statements = Parser { tokens: tokens(text), next: 0, path }.statements(false)?;
+    let mut materials = Vec::new();
+    for statement in &statements {
+        if statement.words.first().is_some_and(|word| word == "material") {
+            materials.push(material(statement, path)?);
+        }
+    }
+    Ok(materials)
+}
+
+/// The material of that name with everything it inherits. A parent that is missing or a circle of parents is an
+/// error.
+pub fn inherited(
+    name: &str,
+    materials: &[OgreMaterial],
+    diagnostics: &mut Diagnostics,
+) -> Option<OgreMaterial> {
+    let find = |name: &str| materials.iter().find(|material| material.name == name);
+    let mut merged = find(name)?.clone();
+    for _ in 0..materials.len() {
+        let Some(parent_name) = merged.parent.take() else { return Some(merged) };
+        let Some(parent) = find(&parent_name) else {
+            diagnostics.error(
+                &merged.source,
+                format!(
+                    "the material '{name}' inherits from '{parent_name}', which is in none of its scripts"
+                ),
+                "name the folder of that script in a <uri> too",
+            );
+            return Some(merged);
+        };
+        merged.ambient = merged.ambient.or(parent.ambient);
+        merged.diffuse = merged.diffuse.or(parent.diffuse);
+        merged.emissive = merged.emissive.or(parent.emissive);
+        merged.texture = merged.texture.or_else(|| parent.texture.clone());
+        merged.texture_repeat = merged.texture_repeat.or(parent.texture_repeat);
+        merged.parent.clone_from(&parent.parent);
+    }
+    if merged.parent.is_some() {
+        diagnostics.error(
+            &merged.source,
+            format!("the material '{name}' inherits from itself"),
+            "break the circle of ':'",
+        );
+    }
+    Some(merged)
+}
+
+/// A line of a script with the block in braces that follows it, if any.
+struct Statement {
+    words: Vec<String>,
+    line: u32,
+    block: Vec<Statement>,
+}
+
+#[derive(PartialEq)]
+enum Token {
+    Word(String),
+    Open,
+    Close,
+    EndOfLine,
+}
+
+/// Splits a script into words, braces and ends of lines; each with its line.
+fn tokens(text: &str) -> Vec<(Token, u32)> {
+    let mut tokens = Vec::new();
+    let mut in_comment = false;
+    for (line, number) in text.lines().zip(1..) {
+        let mut rest = line;
+        while !rest.is_empty() {
+            if in_comment {
+                let Some(end) = rest.find("*/") else { break };
+                rest = &rest[end + 2..];
+                in_comment = false;
+            } else if rest.starts_with("//") {
+                break;
+            } else if let Some(after) = rest.strip_prefix("/*") {
+                rest = after;
+                in_comment = true;
+            } else if let Some(after) = rest.strip_prefix('{') {
+                tokens.push((Token::Open, number));
+                rest = after;
+            } else if let Some(after) = rest.strip_prefix('}') {
+                tokens.push((Token::Close, number));
+                rest = after;
+            } else if let Some(quoted) = rest.strip_prefix('"') {
+                let end = quoted.find('"').unwrap_or(quoted.len());
+                tokens.push((Token::Word(quoted[..end].to_owned()), number));
+                rest = quoted.get(end + 1..).unwrap_or("");
+            } else if rest.starts_with(char::is_whitespace) {
+                rest = rest.trim_start();
+            } else {
+                let end = word_end(rest);
+                tokens.push((Token::Word(rest[..end].to_owned()), number));
+                rest = &rest[end..];
+            }
+        }
+        tokens.push((Token::EndOfLine, number));
+    }
+    tokens
+}
+
+/// Where the word that `text` begins with ends. A single `/` belongs to names such as `Gazebo/Grey`; a colon
+/// stands by itself only between spaces.
+fn word_end(text: &str) -> usize {
+    let stop = |(at, c): (usize, char)| {
+        let comment = text[at..].starts_with("//") || text[at..].starts_with("/*");
+        (c.is_whitespace() || "{}\"".contains(c) || comment).then_some(at)
+    };
+    text.char_indices().find_map(stop).filter(|end| *end > 0).unwrap_or(text.len())
+}
+
+struct Parser<'a> {
+    tokens: Vec<(Token, u32)>,
+    next: usize,
+    path: &'a Path,
+}
+
+impl Parser<'_> {
+    fn statements(&mut self, in_block: bool) -> Result<Vec<Statement>, Problem> {
+        let mut statements: Vec<Statement> = Vec::new();
+        let mut words = Vec::new();
+        let mut words_line = 0;
+        loop {
+            let Some((token, line)) = self.tokens.get_mut(self.next) else {
+                if in_block {
+                    return Err(self.problem(
+                        self.last_line(),
+                        "a '{' is never closed",
+                        "add the missing '}'",
+                    ));
+                }
+                return Ok(statements);
+            };
+            let line = *line;
+            self.next += 1;
+            match token {
+                Token::Word(word) => {
+                    if words.is_empty() {
+                        words_line = line;
+                    }
+                    words.push(std::mem::take(word));
+                }
+                Token::EndOfLine => {
+                    if !words.is_empty() && !self.opens_next() {
+                        statements.push(Statement {
+                            words: std::mem::take(&mut words),
+                            line: words_line,
+                            block: Vec::new(),
+                        });
+                    }
+                }
+                Token::Open => {
+                    let words = std::mem::take(&mut words);
+                    let block = self.statements(true)?;
+                    statements.push(Statement { words, line: words_line.max(1), block });
+                }
+                Token::Close => {
+                    if !words.is_empty() {
+                        statements.push(Statement { words, line: words_line, block: Vec::new() });
+                    }
+                    if in_block {
+                        return Ok(statements);
+                    }
+                    return Err(self.problem(
+                        line,
+                        "a '}' closes nothing",
+                        "remove it, or add the missing '{'",
+                    ));
+                }
+            }
+        }
+    }
+
+    /// Whether the next thing, on whatever line, is a brace that opens the block of the words just read.
+    fn opens_next(&self) -> bool {
+        self.tokens[self.next..]
+            .iter()
+            .find(|(token, _)| *token != Token::EndOfLine)
+            .is_some_and(|(token, _)| *token == Token::Open)
+    }
+
+    fn last_line(&self) -> u32 {
+        self.tokens.last().map_or(0, |(_, line)| *line)
+    }
+
+    fn problem(&self, line: u32, what: &str, remedy: &str) -> Problem {
+        problem(self.path, line, what.into(), remedy)
+    }
+}
+
+fn problem(path: &Path, line: u32, what: String, remedy: &str) -> Problem {
+    Problem { severity: Severity::Error, source: Source::new(path, line), what, remedy: remedy.into() }
+}
+
+fn material(statement: &Statement, path: &Path) -> Result<OgreMaterial, Problem> {
+    // `material NAME`, `material NAME : PARENT`, also written `NAME: PARENT` and `NAME :PARENT`.
+    let header = statement.words[1..].join(" ");
+    let (name, parent) = match header.split_once(" :").or_else(|| header.split_once(": ")) {
+        Some((name, parent)) => (name.trim(), Some(parent.trim())),
+        None => (header.trim(), None),
+    };
+    if name.is_empty() {
+        return Err(problem(
+            path,
+            statement.line,
+            "'material' has no name".into(),
+            "write material NAME { … }",
+        ));
+    }
+    let mut material = OgreMaterial {
+        name: name.to_owned(),
+        parent: parent.filter(|parent| !parent.is_empty()).map(str::to_owned),
+        ambient: None,
+        diffuse: None,
+        emissive: None,
+        texture: None,
+        texture_repeat: None,
+        source: Source::new(path, statement.line),
+    };
+    let technique =
+        statement.block.iter().find(|child| child.words.first().is_some_and(|w| w == "technique"));
+    for pass in technique.iter().flat_map(|technique| &technique.block) {
+        if pass.words.first().is_some_and(|word| word == "pass") {
+            read_pass(pass, path, &mut material)?;
+        }
+    }
+    Ok(material)
+}
+
+/// Takes from a pass what no earlier pass has said.
+fn read_pass(pass: &Statement, path: &Path, material: &mut OgreMaterial) -> Result<(), Problem> {
+    for statement in &pass.block {
+        let Some(word) = statement.words.first() else { continue };
+        match word.as_str() {
+            "ambient" => set(&mut material.ambient, color(statement, path)?),
+            "diffuse" => set(&mut material.diffuse, color(statement, path)?),
+            "emissive" => set(&mut material.emissive, color(statement, path)?),
+            "texture_unit" if material.texture.is_none() => {
+                for line in &statement.block {
+                    match line.words.first().map(String::as_str) {
+                        Some("texture") => {
+                            material.texture =
+                                line.words.get(1).map(|file| (file.clone(), Source::new(path, line.line)));
+                        }
+                        Some("scale") => material.texture_repeat = Some(repeat(line, path)?),
+                        _ => {}
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn set(slot: &mut Option<[f32; 3]>, value: Option<[f32; 3]>) {
+    *slot = slot.or(value);
+}
+
+/// Finite numbers after the keyword.
+fn values(statement: &Statement, path: &Path) -> Result<Vec<f32>, Problem> {
+    statement.words[1..]
+        .iter()
+        .map(|word| match word.parse::<f32>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            _ => Err(problem(
+                path,
+                statement.line,
+                format!("'{}': '{word}' is not a finite number", statement.words.join(" ")),
+                "write numbers separated by spaces",
+            )),
+        })
+        .collect()
+}
+
+/// `keyword r g b [a …]`; none for `vertexcolour`.
+fn color(statement: &Statement, path: &Path) -> Result<Option<[f32; 3]>, Problem> {
+    if statement.words.get(1).is_some_and(|word| word.starts_with("vertexcolo")) {
+        return Ok(None);
+    }
+    match values(statement, path)?[..] {
+        [r, g, b, ..] => Ok(Some([r, g, b])),
+        _ => Err(problem(
+            path,
+            statement.line,
+            format!("'{}': a colour has at least three numbers", statement.words.join(" ")),
+            "write red, green and blue between 0 and 1",
+        )),
+    }
+}
+
+/// `scale u v` as repeats.
+fn repeat(statement: &Statement, path: &Path) -> Result<[f32; 2], Problem> {
+    match values(statement, path)?[..] {
+        [u, v] if u != 0.0 && v != 0.0 => Ok([1.0 / u, 1.0 / v]),
+        _ => Err(problem(
+            path,
+            statement.line,
+            format!("'{}': not a scale", statement.words.join(" ")),
+            "write two numbers other than 0",
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCRIPT: &str = "
+        // tags
+        material Base
+        {
+          technique { pass {
+            ambient 0.5 0.5 0.5 1
+            diffuse 1 0 0
+            texture_unit paint { texture base.png
+              scale 0.5 0.5 }
+          } }
+        }
+        /* one
+           more */ material Tags/One : Base
+        {
+          technique t
+          {
+            pass
+            {
+              texture_unit
+              {
+                texture \"one 1.png\"
+              }
+            }
+          }
+        }
+        vertex_program x glsl { source a.vert }
+    ";
+
+    #[test]
+    fn inherits_what_is_not_said() {
+        let materials = parse(SCRIPT, Path::new("a.material")).unwrap();
+        assert_eq!(materials.len(), 2);
+        let mut diagnostics = Diagnostics::default();
+        let one = inherited("Tags/One", &materials, &mut diagnostics).unwrap();
+        assert_eq!(one.diffuse, Some([1.0, 0.0, 0.0]));
+        let (file, source) = one.texture.unwrap();
+        assert_eq!((file.as_str(), source.to_string().as_str()), ("one 1.png", "a.material:21"));
+        assert_eq!(one.texture_repeat, Some([2.0, 2.0]));
+        assert!(diagnostics.problems().is_empty());
+    }
+
+    #[test]
+    fn errors_name_their_line() {
+        for (script, line) in [
+            ("material A\n{\n technique {", 3),
+            ("}\n", 1),
+            ("material A\n{ technique { pass {\n diffuse 1 nan 0\n} } }", 3),
+            ("material A { technique { pass { texture_unit {\n scale 0 1 } } } }", 2),
+            ("material {\n}", 1),
+        ] {
+            let problem = parse(script, Path::new("a.material")).unwrap_err();
+            assert_eq!(problem.source.line, line, "{script}: {problem}");
+        }
+    }
+
+    #[test]
+    fn a_circle_of_parents_is_an_error() {
+        let materials = parse("material A : B {}\nmaterial B : A {}", Path::new("a.material")).unwrap();
+        let mut diagnostics = Diagnostics::default();
+        inherited("A", &materials, &mut diagnostics);
+        assert!(diagnostics.has_errors());
+    }
+}

@@ -1,0 +1,186 @@
+//! `<joint>`.
+
+use super::frames::Frames;
+use super::model::Parts;
+use super::{Loader, Scope, Version, name_of};
+use crate::description::model::{Joint, JointKind, Link, LinkIndex};
+use crate::description::values::{child_bool, child_number, child_text, nearest};
+use crate::description::xml::Element;
+use belvedere_sensors::Pose;
+use glam::DVec3;
+
+/// Limits at or beyond this mean none (SDF's default is 1e16).
+const NO_LIMIT: f64 = 1e15;
+/// A joint nearer to its child's origin than this stands in it.
+const SAME_PLACE_M: f64 = 1e-9;
+
+impl Loader<'_> {
+    pub(super) fn joint(
+        &mut self,
+        element: &Element,
+        scope: Scope<'_>,
+        frames: &Frames,
+        parts: &mut Parts,
+        fixed_to_world: &mut bool,
+    ) {
+        let name = name_of(element);
+        let kind_name = element.attribute("type").unwrap_or_default();
+        let Some(child) = self.joint_end(element, "child", &parts.links) else { return };
+        if child_text(element, "parent").as_deref() == Some("world") {
+            if kind_name == "fixed" {
+                *fixed_to_world = true;
+            } else {
+                self.missing(
+                    &element.source,
+                    format!("the joint '{name}' moves a link against the world"),
+                    "give the model a fixed base link and hang the moving one on it",
+                );
+            }
+            return;
+        }
+        let Some(parent) = self.joint_end(element, "parent", &parts.links) else { return };
+
+        let model_from_joint =
+            frames.resolve(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);
+        let model_from_parent = parts.links[parent].model_from_link;
+        let model_from_child = parts.links[child].model_from_link;
+        let axis_in_model = self.axis_in_model(element, scope.version, frames, model_from_joint);
+        let Some(kind) = self.joint_kind(element, kind_name) else { return };
+        let source = element.source.clone();
+
+        let child_from_joint = model_from_child.inverse() * model_from_joint;
+        let turns = matches!(kind, JointKind::Continuous | JointKind::Revolute { .. });
+        if turns && child_from_joint.translation().length() > SAME_PLACE_M {
+            // The model's joints turn about their child's origin. A hinge elsewhere gets a link of its own, to
+            // which the child is fixed.
+            let hinge = parts.links.len();
+            parts.links.push(Link {
+                name: format!("{name}::hinge"),
+                model_from_link: model_from_joint,
+                inertial: None,
+                visuals: Vec::new(),
+                collisions: Vec::new(),
+                gravity: true,
+                source: source.clone(),
+            });
+            parts.joints.push(Joint {
+                name: name.clone(),
+                kind,
+                parent,
+                child: hinge,
+                parent_from_child: model_from_parent.inverse() * model_from_joint,
+                axis: model_from_joint.inverse().transform_vector(axis_in_model),
+                source: source.clone(),
+            });
+            parts.joints.push(Joint {
+                name: format!("{name}::mount"),
+                kind: JointKind::Fixed,
+                parent: hinge,
+                child,
+                parent_from_child: child_from_joint.inverse(),
+                axis: DVec3::X,
+                source,
+            });
+            return;
+        }
+        parts.joints.push(Joint {
+            name,
+            kind,
+            parent,
+            child,
+            parent_from_child: model_from_parent.inverse() * model_from_child,
+            axis: model_from_child.inverse().transform_vector(axis_in_model),
+            source,
+        });
+    }
+
+    /// The link named in `<parent>` or `<child>`.
+    fn joint_end(&mut self, joint: &Element, end: &str, links: &[Link]) -> Option<LinkIndex> {
+        let Some(name) = child_text(joint, end) else {
+            self.diagnostics.error(
+                &joint.source,
+                format!("the joint '{}' has no <{end}>", name_of(joint)),
+                format!("write <{end}>NAME OF A LINK</{end}>"),
+            );
+            return None;
+        };
+        let found = links.iter().position(|link| link.name == name);
+        if found.is_none() && !(end == "parent" && name == "world") {
+            let near = nearest(&name, links.iter().map(|link| link.name.as_str()))
+                .map(|near| format!("did you mean '{near}'?"))
+                .unwrap_or_default();
+            self.diagnostics.error(
+                &joint.source,
+                format!("the joint '{}' names the {end} '{name}', which is no link", name_of(joint)),
+                near,
+            );
+        }
+        found
+    }
+
+    fn joint_kind(&mut self, element: &Element, kind: &str) -> Option<JointKind> {
+        let limit = element.child("axis").and_then(|axis| axis.child("limit"));
+        let mut bound = |name: &str, default: f64| {
+            limit.and_then(|limit| child_number(limit, name, self.diagnostics)).unwrap_or(default)
+        };
+        let (lower, upper) = (bound("lower", -NO_LIMIT), bound("upper", NO_LIMIT));
+        if lower > upper {
+            self.diagnostics.error(
+                limit.map_or(&element.source, |limit| &limit.source),
+                format!("<lower> is {lower} and <upper> is {upper}"),
+                "the lower limit must not be above the upper one",
+            );
+            return None;
+        }
+        match kind {
+            "fixed" => Some(JointKind::Fixed),
+            "continuous" => Some(JointKind::Continuous),
+            "revolute" if lower <= -NO_LIMIT && upper >= NO_LIMIT => Some(JointKind::Continuous),
+            "revolute" => Some(JointKind::Revolute { lower, upper }),
+            "prismatic" => Some(JointKind::Prismatic { lower, upper }),
+            other => {
+                self.missing(
+                    &element.source,
+                    format!("joints of type '{other}' are not simulated"),
+                    "use fixed, revolute, continuous or prismatic",
+                );
+                // With --gazebo-compat the link stays where it is.
+                self.gazebo_compat.then_some(JointKind::Fixed)
+            }
+        }
+    }
+
+    /// The unit axis of a joint in the model frame. It is written in the joint's frame, up to SDF 1.4 in the
+    /// model's; `use_parent_model_frame` (1.5, 1.6) and `expressed_in` (1.7 on) say otherwise.
+    fn axis_in_model(
+        &mut self,
+        element: &Element,
+        version: Version,
+        frames: &Frames,
+        model_from_joint: Pose,
+    ) -> DVec3 {
+        let Some(axis) = element.child("axis") else { return model_from_joint.transform_vector(DVec3::Z) };
+        let written = self.vector(axis, "xyz").unwrap_or(DVec3::Z);
+        let Some(unit) = written.try_normalize() else {
+            self.diagnostics.error(
+                &axis.source,
+                format!("the axis of the joint '{}' is 0 0 0", name_of(element)),
+                "write its direction, such as 0 0 1",
+            );
+            return DVec3::Z;
+        };
+        let in_model_frame =
+            version < (1, 5) || child_bool(axis, "use_parent_model_frame", self.diagnostics).unwrap_or(false);
+        if in_model_frame {
+            return unit;
+        }
+        let xyz = axis.child("xyz");
+        let frame = xyz.and_then(|xyz| xyz.attribute("expressed_in")).filter(|frame| !frame.is_empty());
+        match (frame, xyz) {
+            (Some(frame), Some(xyz)) if version >= (1, 7) => frames
+                .resolve(frame, &xyz.source, self.diagnostics)
+                .map_or(unit, |model_from_frame| model_from_frame.transform_vector(unit)),
+            _ => model_from_joint.transform_vector(unit),
+        }
+    }
+}

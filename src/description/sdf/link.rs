@@ -1,0 +1,178 @@
+//! `<link>`: mass, what is seen, what is touched, what senses, what shines.
+
+use super::frames::Frames;
+use super::model::Parts;
+use super::{Loader, Scope, name_of};
+use crate::description::model::{Collision, Inertial, Link, Visual};
+use crate::description::sensor::parse_sensor;
+use crate::description::values::{child_bool, child_number, child_text};
+use crate::description::xml::Element;
+use belvedere_sensors::Pose;
+use glam::DVec3;
+
+/// What a link without `<inertial>` weighs (sdf/1.6): 1 kg, and 1 kg·m² about each axis.
+const DEFAULT_INERTIAL: Inertial =
+    Inertial { link_from_inertial: Pose::IDENTITY, mass_kg: 1.0, inertia: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0] };
+
+impl Loader<'_> {
+    pub(super) fn link(
+        &mut self,
+        element: &Element,
+        scope: Scope<'_>,
+        frames: &Frames,
+        is_static: bool,
+        parts: &mut Parts,
+    ) {
+        let name = name_of(element);
+        if name.is_empty() {
+            self.diagnostics.error(&element.source, "<link> has no name", "write <link name=\"…\">");
+            return;
+        }
+        if let Some(first) = parts.links.iter().find(|link| link.name == name) {
+            let first = first.source.clone();
+            self.diagnostics.error(
+                &element.source,
+                format!("two links of this model are called '{name}' (the first at {first})"),
+                "rename one",
+            );
+            return;
+        }
+        let model_from_link =
+            frames.resolve(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);
+        let index = parts.links.len();
+        let mut link = Link {
+            name: name.clone(),
+            model_from_link,
+            inertial: self
+                .inertial(element, scope, frames, &name)
+                .or((!is_static).then_some(DEFAULT_INERTIAL)),
+            visuals: Vec::new(),
+            collisions: Vec::new(),
+            gravity: child_bool(element, "gravity", self.diagnostics).unwrap_or(true),
+            source: element.source.clone(),
+        };
+        for child in element.elements() {
+            match child.name.as_str() {
+                "visual" => self.visual(child, scope, frames, &mut link),
+                "collision" => self.collision(child, scope, frames, &mut link),
+                "sensor" => {
+                    if let Some(mut sensor) = parse_sensor(child, index, self.diagnostics) {
+                        sensor.link_from_sensor = self.pose_in_link(child, scope.version, &name, frames);
+                        parts.sensors.push(sensor);
+                    }
+                }
+                "light" => {
+                    let model_from_light =
+                        model_from_link * self.pose_in_link(child, scope.version, &name, frames);
+                    if !is_static {
+                        self.diagnostics.warning(
+                            &child.source,
+                            "this light stays where it is at the start",
+                            "lights move with a link only in a later version",
+                        );
+                    }
+                    parts.lights.extend(self.light(child, model_from_light));
+                }
+                "particle_emitter" | "projector" | "battery" => self.ignored(child, "it is not simulated"),
+                _ => {}
+            }
+        }
+        parts.links.push(link);
+    }
+
+    fn inertial(
+        &mut self,
+        link: &Element,
+        scope: Scope<'_>,
+        frames: &Frames,
+        link_name: &str,
+    ) -> Option<Inertial> {
+        let element = link.child("inertial")?;
+        let link_from_inertial = self.pose_in_link(element, scope.version, link_name, frames);
+        let mass_kg = child_number(element, "mass", self.diagnostics).unwrap_or(DEFAULT_INERTIAL.mass_kg);
+        if mass_kg <= 0.0 {
+            let source = element.child("mass").map_or(&element.source, |mass| &mass.source);
+            self.diagnostics.error(
+                source,
+                format!("<mass> of the link '{link_name}' is {mass_kg} kg"),
+                "write a mass above 0, or make the model <static>",
+            );
+            return None;
+        }
+        let mut inertia = DEFAULT_INERTIAL.inertia;
+        if let Some(tensor) = element.child("inertia") {
+            for (value, name) in inertia.iter_mut().zip(["ixx", "iyy", "izz", "ixy", "ixz", "iyz"]) {
+                if let Some(given) = child_number(tensor, name, self.diagnostics) {
+                    *value = given;
+                }
+            }
+            if inertia[..3].iter().any(|moment| *moment <= 0.0) {
+                self.diagnostics.error(
+                    &tensor.source,
+                    format!(
+                        "the moments of inertia of the link '{link_name}' are {} {} {} kg·m²",
+                        inertia[0], inertia[1], inertia[2]
+                    ),
+                    "write ixx, iyy and izz above 0",
+                );
+                return None;
+            }
+        }
+        Some(Inertial { link_from_inertial, mass_kg, inertia })
+    }
+
+    fn visual(&mut self, element: &Element, scope: Scope<'_>, frames: &Frames, link: &mut Link) {
+        let link_from_visual = self.pose_in_link(element, scope.version, &link.name, frames);
+        if child_number(element, "transparency", self.diagnostics).is_some_and(|value| value > 0.0) {
+            self.ignored(
+                element.child("transparency").unwrap_or(element),
+                "every surface is opaque; leave the visual out if it should not be seen",
+            );
+        }
+        let material = self.material(element, scope);
+        // A mesh whose triangles have several materials becomes one visual for each.
+        for geometry in self.visual_geometry(element, scope) {
+            let own = geometry.own_material();
+            link.visuals.push(Visual {
+                name: name_of(element),
+                link_from_visual,
+                material: material.clone().or(own).unwrap_or_default(),
+                geometry,
+                source: element.source.clone(),
+            });
+        }
+    }
+
+    fn collision(&mut self, element: &Element, scope: Scope<'_>, frames: &Frames, link: &mut Link) {
+        let link_from_collision = self.pose_in_link(element, scope.version, &link.name, frames);
+        let friction = element
+            .child("surface")
+            .and_then(|surface| surface.child("friction"))
+            .and_then(|friction| friction.child("ode"));
+        let mu = friction.and_then(|ode| child_number(ode, "mu", self.diagnostics));
+        if let (Some(value), Some(child)) = (mu, friction.and_then(|ode| ode.child("mu")))
+            && value < 0.0
+        {
+            self.diagnostics.error(&child.source, format!("<mu> is {value}"), "write 0 or more");
+        }
+        let laser_retro = child_number(element, "laser_retro", self.diagnostics).unwrap_or(0.0) as f32;
+        if let Some(geometry) = self.collision_geometry(element, scope) {
+            link.collisions.push(Collision {
+                name: name_of(element),
+                link_from_collision,
+                geometry,
+                friction: mu,
+                laser_retro,
+                source: element.source.clone(),
+            });
+        }
+    }
+
+    /// The vector of three numbers in the child element `name`.
+    pub(super) fn vector(&mut self, parent: &Element, name: &str) -> Option<DVec3> {
+        let child = parent.child(name)?;
+        let text = child_text(parent, name).unwrap_or_default();
+        crate::description::values::numbers(&text, &format!("<{name}>"), &child.source, self.diagnostics)
+            .map(DVec3::from_array)
+    }
+}

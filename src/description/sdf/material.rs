@@ -1,0 +1,180 @@
+//! `<material>`: an Ogre script by name, colours, and the albedo map of `<pbr>`.
+
+use super::resources::Resolved;
+use super::{Loader, Scope, resources};
+use crate::description::gazebo_materials::gazebo_material;
+use crate::description::model::Material;
+use crate::description::ogre_material::{self, OgreMaterial};
+use crate::description::values::{child_text, nearest};
+use crate::description::xml::Element;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Picture formats that are decoded.
+const PICTURES: [&str; 5] = ["png", "jpg", "jpeg", "tga", "bmp"];
+
+impl Loader<'_> {
+    /// The look of a `<visual>`; none if it says nothing, so that a mesh keeps its own.
+    ///
+    /// As in Gazebo, colours override the script's. The albedo map counts where the script brings no picture,
+    /// so that a world can carry a script for Gazebo classic and `<pbr>` for its successors.
+    pub(super) fn material(&mut self, visual: &Element, scope: Scope<'_>) -> Option<Material> {
+        let element = visual.child("material")?;
+        let script = element.child("script").and_then(|script| self.script(script, scope));
+        let diffuse = self.color(element, "diffuse");
+        let ambient = self.color(element, "ambient");
+        let emissive = self.color(element, "emissive");
+        let texture = self.albedo_map(element, scope);
+        if script.is_none() && diffuse.or(ambient).or(emissive).is_none() && texture.is_none() {
+            return None;
+        }
+        let mut material = script.unwrap_or_else(|| {
+            // One colour alone stands for both kinds of light. A picture is shown as it is.
+            let plain = if texture.is_some() { [1.0; 3] } else { Material::default().diffuse };
+            let color = diffuse.or(ambient).unwrap_or(plain);
+            Material { diffuse: color, ambient: color, ..Material::default() }
+        });
+        material.diffuse = diffuse.unwrap_or(material.diffuse);
+        material.ambient = ambient.unwrap_or(material.ambient);
+        material.emissive = emissive.unwrap_or(material.emissive);
+        material.texture = material.texture.or(texture);
+        Some(material)
+    }
+
+    fn albedo_map(&mut self, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
+        let pbr = material.child("pbr")?;
+        let workflow = pbr.child("metal").or_else(|| pbr.child("specular"))?;
+        let map = workflow.child("albedo_map")?;
+        let uri = map.text();
+        if uri.is_empty() {
+            return None;
+        }
+        // Gazebo's successors also look beside the model's file and in its materials/textures.
+        let bare = !uri.contains("://") && !scope.folder.join(&uri).exists();
+        let textures = scope.folder.join("materials/textures");
+        let folder = if bare && textures.join(&uri).exists() { &textures } else { scope.folder };
+        let path = self.existing_file(map, &uri, folder, "texture")?;
+        self.picture(map, path)
+    }
+
+    /// Passes a path on if it names a picture that can be decoded.
+    fn picture(&mut self, element: &Element, path: PathBuf) -> Option<PathBuf> {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        if PICTURES.contains(&extension.to_ascii_lowercase().as_str()) {
+            return Some(path);
+        }
+        self.missing(
+            &element.source,
+            format!("the texture {} is of a kind that is not read", path.display()),
+            format!("convert it to one of {}", PICTURES.join(", ")),
+        );
+        None
+    }
+
+    fn script(&mut self, script: &Element, scope: Scope<'_>) -> Option<Material> {
+        let name = child_text(script, "name").filter(|name| name != "__default__")?;
+        // Gazebo's own names go by themselves; a script of the user's may still define them.
+        let uris: Vec<&Element> = script.elements_named("uri").collect();
+        let mut folders = Vec::new();
+        let mut materials: Vec<OgreMaterial> = Vec::new();
+        let mut places = Vec::new();
+        for uri in &uris {
+            match self.resources.resolve(&uri.text(), scope.folder) {
+                Resolved::Found(path) => {
+                    for file in script_files(&path) {
+                        materials.extend(self.read_script(&file).iter().cloned());
+                    }
+                    folders.push(path);
+                }
+                Resolved::NotFound(looked) => places.extend(looked),
+                Resolved::UnknownScheme(_) => {}
+            }
+        }
+        if let Some(found) = ogre_material::inherited(&name, &materials, self.diagnostics) {
+            return Some(self.convert(&found, &folders, script));
+        }
+        if let Some(material) = gazebo_material(&name) {
+            return Some(material);
+        }
+        let near = nearest(&name, materials.iter().map(|material| material.name.as_str()))
+            .map(|near| format!("did you mean '{near}'? "))
+            .unwrap_or_default();
+        let looked = match (uris.is_empty(), places.is_empty()) {
+            (true, _) => "its <script> has no <uri>, and Gazebo has none of that name".into(),
+            (false, true) => format!("it is not in {}", resources::list(&folders)),
+            (false, false) => format!("looked for {}", resources::list(&places)),
+        };
+        self.missing(
+            &script.source,
+            format!("there is no material '{name}': {looked}"),
+            format!("{near}Name the folder of its .material file in <uri>"),
+        );
+        None
+    }
+
+    fn read_script(&mut self, file: &Path) -> Arc<Vec<OgreMaterial>> {
+        if let Some(known) = self.material_scripts.get(file) {
+            return known.clone();
+        }
+        let materials = match ogre_material::parse_file(file) {
+            Ok(materials) => materials,
+            Err(problem) => {
+                self.diagnostics.add(problem);
+                Vec::new()
+            }
+        };
+        let materials = Arc::new(materials);
+        self.material_scripts.insert(file.to_path_buf(), materials.clone());
+        materials
+    }
+
+    /// An Ogre material with its picture found: in the folders of the `<uri>`s, and in `textures` beside the
+    /// folder of the script.
+    fn convert(&mut self, ogre: &OgreMaterial, uris: &[PathBuf], script: &Element) -> Material {
+        let mut folders: Vec<PathBuf> = Vec::new();
+        for path in uris.iter().map(PathBuf::as_path).chain([&*ogre.source.file]) {
+            let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
+            folders.push(folder.to_path_buf());
+            folders.push(folder.join("../textures"));
+        }
+        let texture = ogre.texture.as_ref().and_then(|(name, source)| {
+            let places: Vec<PathBuf> = folders.iter().map(|folder| folder.join(name)).collect();
+            let Some(found) = places.iter().find(|place| place.is_file()) else {
+                self.missing(
+                    source,
+                    format!("there is no texture '{name}': looked for {}", resources::list(&places)),
+                    format!(
+                        "put it there, or name its folder in a <uri> of the <script> at {}",
+                        script.source
+                    ),
+                );
+                return None;
+            };
+            let tidy = found.canonicalize().unwrap_or_else(|_| found.clone());
+            self.picture(script, tidy)
+        });
+        Material {
+            // Ogre's own defaults: white to both kinds of light.
+            diffuse: ogre.diffuse.unwrap_or([1.0; 3]),
+            ambient: ogre.ambient.unwrap_or([1.0; 3]),
+            emissive: ogre.emissive.unwrap_or([0.0; 3]),
+            texture,
+            texture_repeat: ogre.texture_repeat.unwrap_or([1.0; 2]),
+        }
+    }
+}
+
+/// The script itself, or every script of a folder by name.
+fn script_files(path: &Path) -> Vec<PathBuf> {
+    if path.is_file() {
+        return vec![path.to_path_buf()];
+    }
+    let mut files: Vec<PathBuf> = std::fs::read_dir(path)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|file| file.extension().is_some_and(|extension| extension == "material"))
+        .collect();
+    files.sort();
+    files
+}

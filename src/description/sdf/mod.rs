@@ -1,0 +1,186 @@
+//! SDF world files, versions 1.4 to 1.12: the part of the format that says what stands where, what it looks
+//! like, and how it is lit.
+//!
+//! | file | reads |
+//! |---|---|
+//! | `world` | `<world>`: scene, physics, models, lights, `<state>` |
+//! | `model` | `<model>` with nested models flattened, and `<include>` |
+//! | `link`, `joint`, `light` | those elements |
+//! | `geometry`, `material` | shapes and their looks |
+//! | `frames` | `<pose>`, and `relative_to` from SDF 1.7 on |
+//! | `resources` | where `model://` and other URIs point to |
+//!
+//! Elements that change neither motion nor picture here are passed over in silence (`<gui>`, `<audio>`,
+//! solver settings, specular light); those that a user would count on give a warning.
+
+mod frames;
+mod geometry;
+mod joint;
+mod light;
+mod link;
+mod material;
+mod model;
+mod resources;
+mod world;
+
+use super::diagnostics::{Diagnostics, Source};
+use super::model::{Mesh, World};
+use super::ogre_material::OgreMaterial;
+use super::package::PackagePath;
+use super::values::numbers;
+use super::xml::Element;
+use resources::Resources;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// SDF version as (major, minor): `frame` semantics came with 1.7, joint axes in the joint's frame with 1.5.
+type Version = (u32, u32);
+
+/// What is taken for a file that names no version.
+const ASSUMED_VERSION: Version = (1, 6);
+
+/// Meshes already read, by file and scale.
+type MeshCache = HashMap<(PathBuf, [u64; 3]), Option<Vec<Arc<Mesh>>>>;
+
+/// State of one load.
+struct Loader<'a> {
+    resources: Resources<'a>,
+    gazebo_compat: bool,
+    diagnostics: &'a mut Diagnostics,
+    /// Files being read, outermost first: a file in here that is included again is a cycle.
+    open_files: Vec<PathBuf>,
+    meshes: MeshCache,
+    material_scripts: HashMap<PathBuf, Arc<Vec<OgreMaterial>>>,
+}
+
+/// What an element needs to know of the file it stands in.
+#[derive(Clone, Copy)]
+struct Scope<'a> {
+    /// Folder of the file, to which relative URIs refer.
+    folder: &'a Path,
+    version: Version,
+}
+
+/// Loads the first `<world>` of a file.
+pub(super) fn load_world_file(
+    path: &Path,
+    packages: &PackagePath,
+    gazebo_compat: bool,
+    diagnostics: &mut Diagnostics,
+) -> Option<World> {
+    let mut loader = Loader {
+        resources: Resources::new(packages, path),
+        gazebo_compat,
+        diagnostics,
+        open_files: vec![canonical(path)],
+        meshes: HashMap::new(),
+        material_scripts: HashMap::new(),
+    };
+    let (root, version) = loader.read_root(path)?;
+    let Some(world) = root.child("world") else {
+        loader.diagnostics.error(
+            &root.source,
+            "no <world> in this file",
+            "put the models into a <world name=\"…\">; a model file alone is used with <include>",
+        );
+        return None;
+    };
+    if let Some(second) = root.elements_named("world").nth(1) {
+        loader.diagnostics.warning(&second.source, "only the first <world> is loaded", "");
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Some(loader.world(world, Scope { folder, version }))
+}
+
+impl Loader<'_> {
+    /// Reads a file up to its `<sdf>` element and version.
+    fn read_root(&mut self, path: &Path) -> Option<(Element, Version)> {
+        let root = match Element::parse_file(path) {
+            Ok(root) => root,
+            Err(problem) => {
+                self.diagnostics.add(problem);
+                return None;
+            }
+        };
+        // Gazebo's files from before SDF had its name begin with <gazebo>.
+        if root.name != "sdf" && root.name != "gazebo" {
+            self.diagnostics.error(
+                &root.source,
+                format!("this is not an SDF file: its root element is <{}>", root.name),
+                "a world begins with <sdf version=\"1.6\"><world name=\"…\">",
+            );
+            return None;
+        }
+        let version = match root.attribute("version") {
+            None => {
+                self.diagnostics.note(&root.source, "<sdf> has no version", "1.6 is assumed");
+                ASSUMED_VERSION
+            }
+            Some(text) => {
+                let parsed = text.trim().split_once('.').and_then(|(major, minor)| {
+                    let minor = minor.split('.').next()?;
+                    Some((major.parse().ok()?, minor.parse().ok()?))
+                });
+                match parsed {
+                    Some(version @ (1, _)) => version,
+                    _ => {
+                        self.diagnostics.error(
+                            &root.source,
+                            format!("SDF version '{text}' is not known"),
+                            "versions 1.4 to 1.12 are read",
+                        );
+                        return None;
+                    }
+                }
+            }
+        };
+        Some((root, version))
+    }
+
+    /// What Gazebo goes on without: an error here, a warning with `--gazebo-compat`.
+    fn missing(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
+        if self.gazebo_compat {
+            self.diagnostics.warning(source, what, remedy);
+        } else {
+            self.diagnostics.error(source, what, remedy);
+        }
+    }
+
+    /// A warning for an element that is ignored although the user may count on it.
+    fn ignored(&mut self, element: &Element, why: &str) {
+        self.diagnostics.warning(&element.source, format!("<{}> is ignored: {why}", element.name), "");
+    }
+
+    /// The colour `r g b` or `r g b a` in the child element `name`; alpha is dropped.
+    fn color(&mut self, parent: &Element, name: &str) -> Option<[f32; 3]> {
+        let element = parent.child(name)?;
+        let text = element.text();
+        let what = format!("<{name}>");
+        let [r, g, b] = if text.split_whitespace().count() == 4 {
+            let [r, g, b, _] = numbers::<4>(&text, &what, &element.source, self.diagnostics)?;
+            [r, g, b]
+        } else {
+            numbers::<3>(&text, &what, &element.source, self.diagnostics)?
+        };
+        if [r, g, b].iter().any(|value| *value < 0.0) {
+            self.diagnostics.error(
+                &element.source,
+                format!("<{name}> is '{text}': a colour cannot be negative"),
+                "write red, green and blue between 0 and 1",
+            );
+            return None;
+        }
+        Some([r as f32, g as f32, b as f32])
+    }
+}
+
+/// For telling whether two paths are one file.
+fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
+}
+
+/// The `name` attribute, or an empty name.
+fn name_of(element: &Element) -> String {
+    element.attribute("name").unwrap_or_default().to_owned()
+}

@@ -1,0 +1,328 @@
+//! `<model>` and `<include>`. A model inside a model is dissolved into its outer one: its links and joints go by
+//! `inner::name`, as Gazebo calls them.
+
+use super::frames::{Frames, WrittenPose};
+use super::resources::Resolved;
+use super::{Loader, Scope, Version, canonical, name_of, resources};
+use crate::description::diagnostics::Source;
+use crate::description::model::{Joint, JointKind, Light, Link, Model, Sensor};
+use crate::description::values::{child_bool, child_text, nearest};
+use crate::description::xml::Element;
+use belvedere_sensors::Pose;
+use std::path::{Path, PathBuf};
+
+/// A model whose place in what it stands in is not resolved yet.
+pub(super) struct ParsedModel {
+    pub(super) model: Model,
+    pub(super) pose: WrittenPose,
+    /// Lights on its links; their poses are in the model frame.
+    pub(super) lights: Vec<Light>,
+}
+
+/// What an `<include>` brought.
+#[derive(Default)]
+pub(super) struct Included {
+    pub(super) models: Vec<ParsedModel>,
+    pub(super) lights: Vec<Light>,
+}
+
+/// The parts of a model while it is put together.
+#[derive(Default)]
+pub(super) struct Parts {
+    pub(super) links: Vec<Link>,
+    pub(super) joints: Vec<Joint>,
+    pub(super) sensors: Vec<Sensor>,
+    pub(super) lights: Vec<Light>,
+}
+
+impl Loader<'_> {
+    pub(super) fn model(&mut self, element: &Element, scope: Scope<'_>) -> Option<ParsedModel> {
+        let name = name_of(element);
+        if name.is_empty() {
+            self.diagnostics.error(&element.source, "<model> has no name", "write <model name=\"…\">");
+            return None;
+        }
+        let is_static = child_bool(element, "static", self.diagnostics).unwrap_or(false);
+        let mut nested = Vec::new();
+        for child in element.elements() {
+            match child.name.as_str() {
+                "model" => nested.extend(self.model(child, scope)),
+                "include" => {
+                    if let Some(included) = self.include(child, scope) {
+                        nested.extend(included.models);
+                    }
+                }
+                "plugin" => self.ignored(child, "plugins of a world's models are not run"),
+                "gripper" => self.ignored(child, "it is not simulated"),
+                _ => {}
+            }
+        }
+
+        let frames = self.model_frames(element, &nested, scope.version);
+        let mut parts = Parts::default();
+        for child in element.elements_named("link") {
+            self.link(child, scope, &frames, is_static, &mut parts);
+        }
+        for inner in nested {
+            self.dissolve(inner, &frames, &mut parts);
+        }
+        if parts.links.is_empty() {
+            self.diagnostics.error(
+                &element.source,
+                format!("the model '{name}' has no link"),
+                "give it a <link> with a <visual> or a <collision>",
+            );
+            return None;
+        }
+        let mut fixed_to_world = false;
+        for child in element.elements_named("joint") {
+            self.joint(child, scope, &frames, &mut parts, &mut fixed_to_world);
+        }
+        if fixed_to_world && parts.joints.iter().any(|joint| joint.kind != JointKind::Fixed) {
+            self.missing(
+                &element.source,
+                format!("the model '{name}' is fixed to the world and moves at other joints"),
+                "models either stand still as a whole or move freely",
+            );
+        }
+
+        let mut pose = self.pose(element, scope.version);
+        let placement = element.attribute("placement_frame").filter(|frame| !frame.is_empty());
+        self.place_by(placement, &frames, &mut pose, &element.source);
+        let source = element.source.clone();
+        Some(ParsedModel {
+            model: Model {
+                name,
+                world_from_model: Pose::IDENTITY,
+                is_static: is_static || fixed_to_world,
+                links: parts.links,
+                joints: parts.joints,
+                sensors: parts.sensors,
+                source,
+            },
+            pose,
+            lights: parts.lights,
+        })
+    }
+
+    /// `placement_frame`: the pose is that of this frame of the model, not of the model's own.
+    fn place_by(&mut self, frame: Option<&str>, frames: &Frames, pose: &mut WrittenPose, source: &Source) {
+        if let Some(frame) = frame
+            && let Some(model_from_frame) = frames.resolve(frame, source, self.diagnostics)
+        {
+            pose.pose = pose.pose * model_from_frame.inverse();
+        }
+    }
+
+    /// The frames that poses of this model can be relative to.
+    fn model_frames(&mut self, element: &Element, nested: &[ParsedModel], version: Version) -> Frames {
+        let mut frames = Frames::new("__model__");
+        for inner in nested {
+            frames.add(&inner.model.name, &inner.pose, None);
+            for link in &inner.model.links {
+                let name = format!("{}::{}", inner.model.name, link.name);
+                frames.add_known(name, &inner.model.name, link.model_from_link, &link.source);
+            }
+        }
+        for child in element.elements() {
+            let parent = match child.name.as_str() {
+                "link" => None,
+                "joint" => child_text(child, "child"),
+                "frame" => child.attribute("attached_to").filter(|name| !name.is_empty()).map(str::to_owned),
+                _ => continue,
+            };
+            let pose = self.pose(child, version);
+            frames.add(&name_of(child), &pose, parent.as_deref());
+        }
+        frames
+    }
+
+    /// Makes the links, joints and sensors of a nested model those of the outer one.
+    fn dissolve(&mut self, inner: ParsedModel, frames: &Frames, parts: &mut Parts) {
+        let ParsedModel { model, pose, lights } = inner;
+        let outer_from_inner =
+            frames.resolve(&model.name, &pose.source, self.diagnostics).unwrap_or(pose.pose);
+        let first = parts.links.len();
+        parts.links.extend(model.links.into_iter().map(|mut link| {
+            link.name = format!("{}::{}", model.name, link.name);
+            link.model_from_link = outer_from_inner * link.model_from_link;
+            link
+        }));
+        parts.joints.extend(model.joints.into_iter().map(|mut joint| {
+            joint.name = format!("{}::{}", model.name, joint.name);
+            joint.parent += first;
+            joint.child += first;
+            joint
+        }));
+        parts.sensors.extend(model.sensors.into_iter().map(|mut sensor| {
+            sensor.link += first;
+            sensor
+        }));
+        parts.lights.extend(lights.into_iter().map(|mut light| {
+            light.world_from_light = outer_from_inner * light.world_from_light;
+            light
+        }));
+    }
+
+    /// `<include>`: the models and lights of another file, with name, pose and static overridden.
+    pub(super) fn include(&mut self, element: &Element, scope: Scope<'_>) -> Option<Included> {
+        let Some(uri) = child_text(element, "uri") else {
+            self.diagnostics.error(
+                &element.source,
+                "<include> has no <uri>",
+                "write <include><uri>model://NAME</uri></include>",
+            );
+            return None;
+        };
+        let path = self.included_file(element, &uri, scope.folder)?;
+        let key = canonical(&path);
+        if self.open_files.contains(&key) {
+            let chain: Vec<String> =
+                self.open_files.iter().chain([&key]).map(|file| file.display().to_string()).collect();
+            self.diagnostics.error(
+                &element.source,
+                format!("'{uri}' includes itself: {}", chain.join(" → ")),
+                "remove one <include> of this circle",
+            );
+            return None;
+        }
+        self.open_files.push(key);
+        let included = self.read_included(element, &path, scope);
+        self.open_files.pop();
+        included
+    }
+
+    fn read_included(&mut self, element: &Element, path: &Path, outer: Scope<'_>) -> Option<Included> {
+        let (root, version) = self.read_root(path)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let scope = Scope { folder, version };
+        let name = child_text(element, "name");
+        let is_static = child_bool(element, "static", self.diagnostics);
+        let pose = element.child("pose").is_some().then(|| self.pose(element, outer.version));
+
+        let mut included = Included::default();
+        for child in root.elements() {
+            match child.name.as_str() {
+                "model" => included.models.extend(self.model(child, scope)),
+                "light" => {
+                    let pose = self.pose(child, version).pose;
+                    included.lights.extend(self.light(child, pose));
+                }
+                _ => {}
+            }
+        }
+        if let Some(plugin) = element.child("plugin") {
+            self.ignored(plugin, "plugins of a world's models are not run");
+        }
+        // The format allows one model or light a file.
+        if let Some(parsed) = included.models.first_mut() {
+            if let Some(name) = &name {
+                parsed.model.name.clone_from(name);
+            }
+            if let Some(is_static) = is_static {
+                parsed.model.is_static = is_static;
+            }
+            if let Some(pose) = pose {
+                parsed.pose = pose;
+                if let Some(frame) = child_text(element, "placement_frame") {
+                    let model_from_frame = parsed.model.link_named(&frame);
+                    match model_from_frame.map(|link| parsed.model.links[link].model_from_link) {
+                        Some(pose) => parsed.pose.pose = parsed.pose.pose * pose.inverse(),
+                        None => self.diagnostics.error(
+                            &element.source,
+                            format!("<placement_frame> '{frame}' is not a link of the model"),
+                            "name one of its links",
+                        ),
+                    }
+                }
+            }
+        } else if let Some(light) = included.lights.first_mut() {
+            if let Some(name) = name {
+                light.name = name;
+            }
+            if let Some(pose) = pose {
+                light.world_from_light = pose.pose;
+            }
+        } else if !self.diagnostics.has_errors() {
+            self.diagnostics.error(
+                &root.source,
+                "no <model> and no <light> in this file",
+                "an included file holds one of them inside <sdf>",
+            );
+        }
+        Some(included)
+    }
+
+    /// The SDF file that a URI of an `<include>` means: the file itself, or what the folder's `model.config`
+    /// names, or its `model.sdf`.
+    fn included_file(&mut self, element: &Element, uri: &str, folder: &Path) -> Option<PathBuf> {
+        let uri = uri.trim_end_matches('/');
+        let path = match self.resources.resolve(uri, folder) {
+            Resolved::Found(path) => path,
+            Resolved::NotFound(places) => {
+                let name = uri.rsplit('/').next().unwrap_or(uri);
+                let names = self.resources.model_names();
+                let near = nearest(name, names.iter().map(String::as_str))
+                    .map(|near| format!("did you mean 'model://{near}'? "))
+                    .unwrap_or_default();
+                self.missing(
+                    &element.source,
+                    format!("there is no model '{uri}': looked for {}", resources::list(&places)),
+                    format!("{near}Add the folder that contains it to GAZEBO_MODEL_PATH or --package-path"),
+                );
+                return None;
+            }
+            Resolved::UnknownScheme(scheme) => {
+                self.missing(
+                    &element.source,
+                    format!("'{uri}' cannot be fetched: '{scheme}://' is not read"),
+                    "download the model and write model://NAME",
+                );
+                return None;
+            }
+        };
+        if path.is_file() {
+            return Some(path);
+        }
+        let config = path.join("model.config");
+        if config.is_file() {
+            return self.file_of_config(&config);
+        }
+        let file = path.join("model.sdf");
+        if file.is_file() {
+            return Some(file);
+        }
+        self.missing(
+            &element.source,
+            format!("the folder {} holds neither model.config nor model.sdf", path.display()),
+            "check the <uri>",
+        );
+        None
+    }
+
+    /// The `<sdf>` of the highest version that a `model.config` names.
+    fn file_of_config(&mut self, config: &Path) -> Option<PathBuf> {
+        let root = match Element::parse_file(config) {
+            Ok(root) => root,
+            Err(problem) => {
+                self.diagnostics.add(problem);
+                return None;
+            }
+        };
+        let version = |sdf: &&Element| -> Option<Version> {
+            let (major, minor) = sdf.attribute("version")?.split_once('.')?;
+            Some((major.parse().ok()?, minor.parse().ok()?))
+        };
+        let sdf = root.elements_named("sdf").max_by_key(version);
+        let file = config.with_file_name(sdf.map_or_else(|| "model.sdf".into(), Element::text));
+        if file.is_file() {
+            return Some(file);
+        }
+        self.missing(
+            sdf.map_or(&root.source, |sdf| &sdf.source),
+            format!("there is no file {}", file.display()),
+            "correct the <sdf> element",
+        );
+        None
+    }
+}

@@ -1,0 +1,105 @@
+//! Where the URIs of a world point to.
+
+use crate::description::package::PackagePath;
+use std::path::{Path, PathBuf};
+
+/// Environment variables with folders of models: Gazebo classic's, then those of its successors.
+const MODEL_VARIABLES: [&str; 4] =
+    ["GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH"];
+
+/// Folders to search.
+pub(super) struct Resources<'a> {
+    packages: &'a PackagePath,
+    /// Folders that contain models, ours last.
+    model_folders: Vec<PathBuf>,
+    /// Folders that `file://media/…` may lie in.
+    media_folders: Vec<PathBuf>,
+}
+
+/// What a URI resolves to.
+pub(super) enum Resolved {
+    /// An existing file or folder, absolute.
+    Found(PathBuf),
+    /// Nothing; the places that were looked at.
+    NotFound(Vec<PathBuf>),
+    /// A scheme that is not read.
+    UnknownScheme(String),
+}
+
+impl<'a> Resources<'a> {
+    /// The user's package folders, then Gazebo's variables, the world file's own folder and the `models` beside
+    /// it, Gazebo's download folder, and ours.
+    pub(super) fn new(packages: &'a PackagePath, world_file: &Path) -> Self {
+        let variable = |name: &str| -> Vec<PathBuf> {
+            std::env::var_os(name)
+                .map(|value| {
+                    std::env::split_paths(&value).filter(|path| !path.as_os_str().is_empty()).collect()
+                })
+                .unwrap_or_default()
+        };
+        let ours = packages.ours();
+        let user = packages.folders().filter(|folder| *folder != ours).map(Path::to_path_buf);
+        let world_folder = world_file.parent().unwrap_or(Path::new(""));
+        let beside =
+            [world_folder.to_path_buf(), world_folder.join("models"), world_folder.join("../models")];
+        let downloads = std::env::home_dir().map(|home| home.join(".gazebo/models"));
+        let model_folders = user
+            .chain(MODEL_VARIABLES.iter().flat_map(|name| variable(name)))
+            .chain(beside)
+            .chain(downloads)
+            .chain([ours.to_path_buf()])
+            .collect();
+        Self { packages, model_folders, media_folders: variable("GAZEBO_RESOURCE_PATH") }
+    }
+
+    /// Looks a URI up; `folder` is that of the file it stands in.
+    pub(super) fn resolve(&self, uri: &str, folder: &Path) -> Resolved {
+        let candidates: Vec<PathBuf> = match uri.split_once("://") {
+            Some(("model", rest)) => self.model_folders.iter().map(|models| models.join(rest)).collect(),
+            Some(("package", rest)) => {
+                let (package, relative) = rest.split_once('/').unwrap_or((rest, ""));
+                match self.packages.find_file(package, relative) {
+                    Some(found) => vec![found.path],
+                    None => self.packages.folders().map(|packages| packages.join(rest)).collect(),
+                }
+            }
+            Some(("file", rest)) => {
+                let mut candidates = vec![folder.join(rest)];
+                candidates.extend(self.media_folders.iter().map(|media| media.join(rest)));
+                candidates
+            }
+            Some((scheme, _)) => return Resolved::UnknownScheme(scheme.to_owned()),
+            None => vec![folder.join(uri)],
+        };
+        match candidates.iter().find(|candidate| candidate.exists()) {
+            Some(found) => Resolved::Found(std::path::absolute(found).unwrap_or_else(|_| found.clone())),
+            None => Resolved::NotFound(candidates),
+        }
+    }
+
+    /// Names of the models that `model://` can reach, for "did you mean".
+    pub(super) fn model_names(&self) -> Vec<String> {
+        self.model_folders
+            .iter()
+            .filter_map(|folder| std::fs::read_dir(folder).ok())
+            .flatten()
+            .filter_map(|entry| {
+                let path = entry.ok()?.path();
+                let is_model = path.join("model.config").is_file() || path.join("model.sdf").is_file();
+                is_model.then(|| path.file_name()?.to_str().map(str::to_owned))?
+            })
+            .collect()
+    }
+}
+
+/// The places looked at, for an error's text.
+pub(super) fn list(places: &[PathBuf]) -> String {
+    let mut shown: Vec<String> = Vec::new();
+    for place in places {
+        let text = place.display().to_string();
+        if !shown.contains(&text) {
+            shown.push(text);
+        }
+    }
+    shown.join(", ")
+}

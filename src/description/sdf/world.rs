@@ -1,0 +1,207 @@
+//! `<world>`: scene, physics, what stands in it, and `<state>`.
+
+use super::frames::Frames;
+use super::model::ParsedModel;
+use super::{Loader, Scope, name_of};
+use crate::description::model::{Model, World};
+use crate::description::values::{child_bool, child_number, nearest, numbers};
+use crate::description::xml::Element;
+use belvedere_sensors::Pose;
+use glam::DVec3;
+
+/// `<scene><ambient>` where none is given (sdf/1.6).
+const DEFAULT_AMBIENT: [f32; 3] = [0.4; 3];
+/// `<scene><background>` where none is given.
+const DEFAULT_BACKGROUND: [f32; 3] = [0.7; 3];
+/// `<physics><max_step_size>` where none is given.
+const DEFAULT_STEP_S: f64 = 0.001;
+/// `<gravity>` where none is given.
+const DEFAULT_GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.8);
+/// A physics step beyond this is a mistake: contacts of a robot at walking speed are missed altogether.
+const MAX_STEP_S: f64 = 0.1;
+
+impl Loader<'_> {
+    pub(super) fn world(&mut self, element: &Element, scope: Scope<'_>) -> World {
+        let mut world = World {
+            name: name_of(element),
+            models: Vec::new(),
+            lights: Vec::new(),
+            ambient: DEFAULT_AMBIENT,
+            background: DEFAULT_BACKGROUND,
+            shadows: true,
+            gravity: DEFAULT_GRAVITY,
+            max_step_size_s: DEFAULT_STEP_S,
+            source: element.source.clone(),
+        };
+        self.scene(element, &mut world);
+        self.physics(element, &mut world);
+
+        let mut models: Vec<ParsedModel> = Vec::new();
+        for child in element.elements() {
+            match child.name.as_str() {
+                "model" => models.extend(self.model(child, scope)),
+                "include" => {
+                    if let Some(included) = self.include(child, scope) {
+                        models.extend(included.models);
+                        world.lights.extend(included.lights);
+                    }
+                }
+                "light" => {
+                    let pose = self.pose(child, scope.version).pose;
+                    world.lights.extend(self.light(child, pose));
+                }
+                "plugin" => self.ignored(child, "plugins of a world are not run"),
+                "road" | "population" | "actor" | "joint" => self.ignored(child, "it is not simulated"),
+                _ => {}
+            }
+        }
+
+        // Poses in the world: models may stand relative to one another.
+        let mut frames = Frames::new("world");
+        for parsed in &models {
+            frames.add(&parsed.model.name, &parsed.pose, None);
+            for (link, pose) in parsed.model.links.iter().zip(parsed.model.rest_poses()) {
+                let name = format!("{}::{}", parsed.model.name, link.name);
+                frames.add_known(name, &parsed.model.name, pose, &link.source);
+            }
+        }
+        for child in element.elements_named("frame") {
+            let pose = self.pose(child, scope.version);
+            frames.add(
+                &name_of(child),
+                &pose,
+                child.attribute("attached_to").filter(|name| !name.is_empty()),
+            );
+        }
+        let mut placed: Vec<(Model, Vec<_>)> = Vec::new();
+        for ParsedModel { mut model, pose, lights } in models {
+            model.world_from_model =
+                frames.resolve(&model.name, &pose.source, self.diagnostics).unwrap_or(pose.pose);
+            self.make_name_unique(&mut model, &placed);
+            placed.push((model, lights));
+        }
+        if let Some(state) = element.child("state") {
+            self.state(state, &mut placed, &mut world, scope);
+        }
+        for (model, lights) in placed {
+            world.lights.extend(lights.into_iter().map(|mut light| {
+                light.world_from_light = model.world_from_model * light.world_from_light;
+                light
+            }));
+            world.models.push(model);
+        }
+        if !world.shadows {
+            for light in &mut world.lights {
+                light.cast_shadows = false;
+            }
+        }
+        world
+    }
+
+    fn scene(&mut self, element: &Element, world: &mut World) {
+        let Some(scene) = element.child("scene") else { return };
+        if let Some(ambient) = self.color(scene, "ambient") {
+            world.ambient = ambient;
+        }
+        if let Some(background) = self.color(scene, "background") {
+            world.background = background;
+        }
+        if let Some(shadows) = child_bool(scene, "shadows", self.diagnostics) {
+            world.shadows = shadows;
+        }
+        for child in scene.elements() {
+            match child.name.as_str() {
+                "sky" => self.ignored(child, "the sky has the colour of <background>"),
+                "fog" => self.ignored(child, "there is no fog"),
+                _ => {}
+            }
+        }
+    }
+
+    fn physics(&mut self, element: &Element, world: &mut World) {
+        let is_default = |physics: &&Element| matches!(physics.attribute("default"), Some("true" | "1"));
+        let physics = element.elements_named("physics").find(is_default).or_else(|| element.child("physics"));
+        if let Some(physics) = physics
+            && let Some(step) = child_number(physics, "max_step_size", self.diagnostics)
+        {
+            if step > 0.0 && step <= MAX_STEP_S {
+                world.max_step_size_s = step;
+            } else if let Some(child) = physics.child("max_step_size") {
+                self.diagnostics.error(
+                    &child.source,
+                    format!("<max_step_size> is {step} s"),
+                    format!("write a step above 0 and up to {MAX_STEP_S} s; 0.001 is usual"),
+                );
+            }
+        }
+        // <gravity> moved from <physics> to <world> with SDF 1.6.
+        let gravity = element.child("gravity").or_else(|| physics?.child("gravity"));
+        if let Some(gravity) = gravity
+            && let Some(vector) = numbers(&gravity.text(), "<gravity>", &gravity.source, self.diagnostics)
+        {
+            world.gravity = DVec3::from_array(vector);
+        }
+    }
+
+    /// Two models of one name cannot be told apart: the later one gets a number.
+    fn make_name_unique<T>(&mut self, model: &mut Model, earlier: &[(Model, T)]) {
+        let is_taken = |name: &str| earlier.iter().any(|(other, _)| other.name == name);
+        if !is_taken(&model.name) {
+            return;
+        }
+        let Some(unique) = (0..).map(|i| format!("{}_{i}", model.name)).find(|name| !is_taken(name)) else {
+            return;
+        };
+        self.diagnostics.warning(
+            &model.source,
+            format!("two models are called '{}': this one becomes '{unique}'", model.name),
+            "give each model or <include> its own <name>",
+        );
+        model.name = unique;
+    }
+
+    /// Puts models where a saved `<state>` says they stood. Gazebo applies the models' poses; those of their
+    /// links follow from them.
+    fn state<T>(&mut self, state: &Element, models: &mut [(Model, T)], world: &mut World, scope: Scope<'_>) {
+        for child in state.elements() {
+            let name = name_of(child);
+            match child.name.as_str() {
+                "model" => {
+                    let pose = self.pose(child, scope.version).pose;
+                    if let Some((model, _)) = models.iter_mut().find(|(model, _)| model.name == name) {
+                        model.world_from_model = pose;
+                    } else {
+                        self.unknown_in_state(child, models.iter().map(|(model, _)| model.name.as_str()));
+                    }
+                    let scaled = child.child("scale").map(Element::text).filter(|text| {
+                        text.split_whitespace().any(|word| word.parse::<f64>().is_ok_and(|s| s != 1.0))
+                    });
+                    if let (Some(_), Some(scale)) = (scaled, child.child("scale")) {
+                        self.ignored(scale, "models keep the size that their files give");
+                    }
+                }
+                "light" => {
+                    let pose: Pose = self.pose(child, scope.version).pose;
+                    match world.lights.iter_mut().find(|light| light.name == name) {
+                        Some(light) => light.world_from_light = pose,
+                        None => self.unknown_in_state(child, world.lights.iter().map(|l| l.name.as_str())),
+                    }
+                }
+                "insertions" | "deletions" => {
+                    self.ignored(child, "only the poses of a saved state are applied");
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn unknown_in_state<'n>(&mut self, child: &Element, known: impl Iterator<Item = &'n str>) {
+        let name = name_of(child);
+        let near = nearest(&name, known).map(|near| format!("did you mean '{near}'?")).unwrap_or_default();
+        self.diagnostics.warning(
+            &child.source,
+            format!("<state> moves the {} '{name}', which is not in this world", child.name),
+            near,
+        );
+    }
+}

@@ -1,0 +1,98 @@
+//! Worlds: found by file or by name, loaded from SDF.
+
+use super::diagnostics::{Diagnostics, Source};
+use super::model::World;
+use super::package::PackagePath;
+use super::sdf;
+use super::values::nearest;
+use std::path::{Path, PathBuf};
+
+/// The world of the main job.
+const DEFAULT_WORLD: &str = "tag_ceiling";
+
+/// Extensions that a world file may have, in the order in which a name is tried.
+const EXTENSIONS: [&str; 2] = ["world", "sdf"];
+
+/// The world that is loaded if none is asked for: `TURTLEBOT_GAZEBO_WORLD_FILE` as in the articles, else our
+/// tag-ceiling room.
+pub fn default_world() -> String {
+    std::env::var("TURTLEBOT_GAZEBO_WORLD_FILE")
+        .ok()
+        .filter(|file| !file.is_empty())
+        .unwrap_or_else(|| DEFAULT_WORLD.into())
+}
+
+/// Loads a world from an SDF file (1.4 and later), or by name.
+///
+/// A name has neither a path separator nor an extension: `playground` is `worlds/playground.world` of a
+/// `turtlebot_gazebo` package on the package path, else of our own `models/`.
+///
+/// `gazebo_compat` goes on as Gazebo does where a model, mesh, texture or material is missing, with a warning
+/// in place of the error.
+///
+/// # Errors
+/// Whatever is wrong is added to `diagnostics`. None is returned when there is no world at all; a world that is
+/// returned while `diagnostics` has errors is good for showing, not for running.
+pub fn load_world(
+    file_or_name: &str,
+    packages: &PackagePath,
+    gazebo_compat: bool,
+    diagnostics: &mut Diagnostics,
+) -> Option<World> {
+    let path = find_world(file_or_name, packages, diagnostics)?;
+    sdf::load_world_file(&path, packages, gazebo_compat, diagnostics)
+}
+
+fn find_world(file_or_name: &str, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
+    let path = Path::new(file_or_name);
+    let is_bare = path.components().count() == 1 && !file_or_name.contains(std::path::is_separator);
+    if !is_bare || path.exists() && path.extension().is_some() {
+        return Some(path.to_path_buf());
+    }
+    // `playground.world` is also taken as the name, if there is no such file here.
+    for folder in world_folders(packages) {
+        let candidates = EXTENSIONS.map(|extension| folder.join(format!("{file_or_name}.{extension}")));
+        let exact = path.extension().is_some().then(|| folder.join(path));
+        if let Some(found) = candidates.into_iter().chain(exact).find(|candidate| candidate.is_file()) {
+            return Some(found);
+        }
+    }
+    let names = world_names(packages);
+    let listed = if names.is_empty() { "none found".into() } else { names.join(", ") };
+    let suggestion = nearest(file_or_name, names.iter().map(String::as_str))
+        .map(|name| format!("did you mean '{name}'? "))
+        .unwrap_or_default();
+    diagnostics.error(
+        &Source::new(path, 0),
+        "no such world",
+        format!("{suggestion}give the path of a world file or one of these names: {listed}"),
+    );
+    None
+}
+
+/// Where worlds are looked for by name.
+fn world_folders(packages: &PackagePath) -> Vec<PathBuf> {
+    packages
+        .find_package("turtlebot_gazebo")
+        .into_iter()
+        .map(|package| package.join("worlds"))
+        .chain([packages.ours().join("worlds")])
+        .collect()
+}
+
+/// The names that [`load_world`] knows, sorted.
+pub fn world_names(packages: &PackagePath) -> Vec<String> {
+    let mut names: Vec<String> = world_folders(packages)
+        .iter()
+        .filter_map(|folder| std::fs::read_dir(folder).ok())
+        .flatten()
+        .filter_map(|entry| {
+            let path = entry.ok()?.path();
+            let extension = path.extension()?.to_str()?;
+            EXTENSIONS.contains(&extension).then(|| path.file_stem()?.to_str().map(str::to_owned))?
+        })
+        .collect();
+    names.sort();
+    names.dedup();
+    names
+}

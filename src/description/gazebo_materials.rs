@@ -1,0 +1,129 @@
+//! The material names that Gazebo classic has built in: `Gazebo/Grey`, `Gazebo/Wood`, …
+//!
+//! Robots name them in `<gazebo reference="…"><material>Gazebo/Grey</material>`, worlds in
+//! `<material><script><name>Gazebo/Grey</name>`. Ambient, diffuse and emissive are the numbers of Gazebo
+//! classic 11's own material script. What differs here:
+//!
+//! - Specular light is not simulated.
+//! - Transparent materials are opaque.
+//! - The names that come with a picture (wood, bricks, …) give that surface's usual mean colour: the pictures
+//!   are Gazebo's own and are not shipped.
+
+use super::model::Material;
+
+/// One row: the name after `Gazebo/`, ambient, diffuse, emissive.
+type Row = (&'static str, [f32; 3], [f32; 3], [f32; 3]);
+
+const BLACK: [f32; 3] = [0.0; 3];
+
+/// A surface whose ambient and diffuse colours are one, without light of its own.
+const fn plain(name: &'static str, color: [f32; 3]) -> Row {
+    (name, color, color, BLACK)
+}
+
+/// A surface that shines by itself.
+const fn glowing(name: &'static str, color: [f32; 3]) -> Row {
+    (name, color, color, color)
+}
+
+#[rustfmt::skip]
+const MATERIALS: &[Row] = &[
+    // Plain colours.
+    ("Grey", [0.3; 3], [0.7; 3], BLACK),
+    plain("DarkGrey", [0.175; 3]),
+    plain("White", [1.0; 3]),
+    plain("FlatBlack", [0.1; 3]),
+    plain("Black", BLACK),
+    plain("Red", [1.0, 0.0, 0.0]),
+    plain("RedBright", [0.87, 0.26, 0.07]),
+    plain("Green", [0.0, 1.0, 0.0]),
+    plain("Blue", [0.0, 0.0, 1.0]),
+    ("SkyBlue", [0.13, 0.44, 0.70], [0.0, 0.0, 1.0], BLACK),
+    plain("Yellow", [1.0, 1.0, 0.0]),
+    plain("ZincYellow", [0.9725, 0.9529, 0.2078]),
+    plain("DarkYellow", [0.7, 0.7, 0.0]),
+    plain("Purple", [1.0, 0.0, 1.0]),
+    plain("Turquoise", [0.0, 1.0, 1.0]),
+    plain("Orange", [1.0, 0.5088, 0.0468]),
+    plain("Indigo", [0.33, 0.0, 0.5]),
+    plain("JointAnchor", [1.0; 3]),
+    ("Gold", [0.4, 0.248_69, 0.020_759], [0.8, 0.648_69, 0.120_759], BLACK),
+    ("Pioneer2Body", [0.481_193, 0.000_123, 0.000_123], [0.681_193, 0.000_923, 0.000_923], BLACK),
+    // Light of their own.
+    glowing("WhiteGlow", [1.0; 3]),
+    glowing("RedGlow", [1.0, 0.0, 0.0]),
+    glowing("GreenGlow", [0.0, 1.0, 0.0]),
+    glowing("BlueGlow", [0.0, 0.0, 1.0]),
+    glowing("YellowGlow", [1.0, 1.0, 0.0]),
+    glowing("PurpleGlow", [1.0, 0.0, 1.0]),
+    glowing("TurquoiseGlow", [0.0, 1.0, 1.0]),
+    glowing("TurquoiseGlowOutline", [0.0, 1.0, 1.0]),
+    glowing("LightOn", [0.0, 1.0, 0.0]),
+    glowing("LightOff", [1.0, 0.0, 0.0]),
+    // Transparent in Gazebo, opaque here; the overlays are unlit there.
+    plain("RedTransparent", [1.0, 0.0, 0.0]),
+    plain("GreenTransparent", [0.0, 1.0, 0.0]),
+    plain("BlueTransparent", [0.0, 0.0, 1.0]),
+    plain("DarkMagentaTransparent", [0.6, 0.0, 0.6]),
+    plain("GreyTransparent", [0.5; 3]),
+    plain("BlackTransparent", BLACK),
+    plain("YellowTransparent", [1.0, 1.0, 0.0]),
+    plain("OrangeTransparent", [1.0, 0.44, 0.0]),
+    plain("LightBlueLaser", [0.5, 0.5, 1.0]),
+    plain("BlueLaser", [0.0, 0.0, 1.0]),
+    plain("RedTransparentOverlay", [1.0, 0.0, 0.0]),
+    plain("GreenTransparentOverlay", [0.0, 1.0, 0.0]),
+    plain("BlueTransparentOverlay", [0.0, 0.0, 1.0]),
+    plain("OrangeTransparentOverlay", [1.0, 0.5088, 0.0468]),
+    plain("DarkOrangeTransparentOverlay", [0.6, 0.305, 0.028]),
+    // Pictures in Gazebo, a mean colour of our choice here.
+    plain("Wood", [0.62, 0.45, 0.28]),
+    plain("WoodFloor", [0.60, 0.42, 0.25]),
+    plain("WoodPallet", [0.66, 0.54, 0.38]),
+    plain("Bricks", [0.55, 0.31, 0.24]),
+    plain("CeilingTiled", [0.80, 0.80, 0.78]),
+    plain("PaintedWall", [0.83, 0.81, 0.74]),
+    plain("PioneerBody", [0.60, 0.05, 0.05]),
+    plain("BuildingFrame", [0.70, 0.68, 0.64]),
+    plain("Grass", [0.27, 0.40, 0.17]),
+    plain("Steps", [0.55, 0.53, 0.50]),
+    plain("Road", [0.30, 0.30, 0.30]),
+    plain("Residential", [0.33, 0.33, 0.33]),
+    plain("Tertiary", [0.33, 0.33, 0.33]),
+    plain("Secondary", [0.32, 0.32, 0.32]),
+    plain("Primary", [0.32, 0.32, 0.32]),
+    plain("Trunk", [0.31, 0.31, 0.31]),
+    plain("Motorway", [0.30, 0.30, 0.30]),
+    plain("Lane_1", [0.32, 0.32, 0.32]),
+    plain("Lanes_2", [0.32, 0.32, 0.32]),
+    plain("Lanes_4", [0.31, 0.31, 0.31]),
+    plain("Lanes_6", [0.30, 0.30, 0.30]),
+    plain("Pedestrian", [0.58, 0.57, 0.55]),
+    plain("Footway", [0.58, 0.57, 0.55]),
+    plain("Runway", [0.35, 0.35, 0.35]),
+];
+
+/// The look of a built-in material, named with its prefix: `Gazebo/Grey`. None for a name that Gazebo lacks.
+///
+/// ```
+/// use belvedere::description::gazebo_materials::gazebo_material;
+/// let grey = gazebo_material("Gazebo/Grey").unwrap();
+/// assert_eq!((grey.ambient, grey.diffuse), ([0.3; 3], [0.7; 3]));
+/// assert!(gazebo_material("Gazebo/Graay").is_none());
+/// ```
+pub fn gazebo_material(name: &str) -> Option<Material> {
+    let short = name.strip_prefix("Gazebo/")?;
+    // A misspelling that was Gazebo's own for years, and stands in many robots.
+    let short = if short == "Torquoise" { "Turquoise" } else { short };
+    MATERIALS.iter().find(|(row, ..)| *row == short).map(|&(_, ambient, diffuse, emissive)| Material {
+        diffuse,
+        ambient,
+        emissive,
+        ..Material::default()
+    })
+}
+
+/// Every built-in name with its prefix, for "did you mean".
+pub fn gazebo_material_names() -> impl Iterator<Item = String> {
+    MATERIALS.iter().map(|(name, ..)| format!("Gazebo/{name}"))
+}

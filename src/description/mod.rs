@@ -7,6 +7,7 @@ pub mod model;
 pub mod package;
 pub mod sensor;
 pub mod values;
+pub mod xacro;
 pub mod xml;
 
 pub use diagnostics::{Diagnostics, Problem, Severity, Source};

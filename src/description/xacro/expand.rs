@@ -1,0 +1,650 @@
+//! Walks the tree: directives, macro calls, includes.
+
+use super::fault::Fault;
+use super::macros::{Macro, Parameter};
+use super::names::{TOP_LEVEL, is_own};
+use super::scope::{Block, Property, Scope};
+use super::value::Value;
+use crate::description::diagnostics::{Diagnostics, Problem, Source};
+use crate::description::package::{Found, PackagePath};
+use crate::description::values::nearest;
+use crate::description::xml::{Element, Node};
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// Macros that call macros. Far more than files have, few enough for any stack.
+const MAX_CALLS: usize = 64;
+/// Elements of the result: far more than robots have, so that a macro that doubles itself ends.
+const MAX_ELEMENTS: usize = 500_000;
+
+/// Reads a file and expands it. `arguments` are what `$(arg name)` gives, before the defaults of `<xacro:arg>`.
+///
+/// The first error ends the expansion, as in ROS's xacro. Choices made for the user (a file of a package taken
+/// from our copy) go to `diagnostics`.
+///
+/// # Errors
+/// A [`Problem`] at the line where the offending text was written, with the macro calls that led to it.
+pub fn expand(
+    path: &Path,
+    packages: &PackagePath,
+    arguments: &[(String, String)],
+    diagnostics: &mut Diagnostics,
+) -> Result<Element, Problem> {
+    let root = Element::parse_file(path)?;
+    let mut expander = Expander {
+        packages,
+        diagnostics,
+        arguments: arguments.iter().cloned().collect(),
+        scopes: vec![Scope::default()],
+        depth: 0,
+        elements: 0,
+        calls: Vec::new(),
+        files: vec![path.to_path_buf()],
+        parsed: HashMap::new(),
+        borrowed: HashSet::new(),
+        // A plain URDF's unknown elements are nobody's macros.
+        strict: path.extension().is_some_and(|extension| extension == "xacro"),
+    };
+    expander.root(root)
+}
+
+/// The state of an expansion.
+pub(super) struct Expander<'a> {
+    pub(super) packages: &'a PackagePath,
+    diagnostics: &'a mut Diagnostics,
+    pub(super) arguments: HashMap<String, String>,
+    /// The file's scope first, then one for each macro call that is being expanded.
+    pub(super) scopes: Vec<Scope>,
+    /// How deep the present text is nested in others.
+    pub(super) depth: usize,
+    elements: usize,
+    /// Macros that are being expanded: name and place of the call.
+    calls: Vec<(String, Source)>,
+    /// Files that are being expanded, each included by the one before.
+    files: Vec<PathBuf>,
+    parsed: HashMap<PathBuf, Rc<Element>>,
+    /// Files taken from our packages that were told of.
+    borrowed: HashSet<PathBuf>,
+    strict: bool,
+}
+
+/// Where expanded nodes go.
+#[derive(Default)]
+struct Output {
+    /// From `xacro:attribute`.
+    attributes: Vec<(String, String)>,
+    children: Vec<Node>,
+}
+
+/// What an element is to xacro.
+enum Role {
+    Directive(&'static str),
+    Call(Rc<Macro>, Option<Rc<Scope>>),
+    Plain,
+}
+
+/// The directives, and which attribute tells those without prefix from other elements of that name.
+const DIRECTIVES: [(&str, Option<&str>); 10] = [
+    ("arg", Some("default")),
+    ("attribute", None),
+    ("call", None),
+    ("element", None),
+    ("if", Some("value")),
+    ("include", Some("filename")),
+    ("insert_block", Some("name")),
+    ("macro", Some("name")),
+    ("property", Some("name")),
+    ("unless", Some("value")),
+];
+
+impl Expander<'_> {
+    fn root(&mut self, root: Element) -> Result<Element, Problem> {
+        let attributes = self.attributes(&root)?;
+        let mut output = Output::default();
+        self.nodes(&root.children, &root.source, root.name == "robot", &mut output)?;
+        let mut result =
+            Element { name: root.name, attributes, children: output.children, source: root.source };
+        set_attributes(&mut result, output.attributes);
+        Ok(result)
+    }
+
+    /// `source` is where the element around them stands: text has no place of its own.
+    fn nodes(
+        &mut self,
+        nodes: &[Node],
+        source: &Source,
+        at_top: bool,
+        output: &mut Output,
+    ) -> Result<(), Problem> {
+        for node in nodes {
+            match node {
+                Node::Text(text) if !text.contains('$') => output.children.push(node.clone()),
+                Node::Text(text) => {
+                    let text = self.string(text, source).map_err(|fault| self.problem(fault, source))?;
+                    output.children.push(Node::Text(text));
+                }
+                Node::Element(element) => self.element(element, at_top, output)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn element(&mut self, element: &Element, at_top: bool, output: &mut Output) -> Result<(), Problem> {
+        self.elements += 1;
+        if self.elements > MAX_ELEMENTS {
+            let fault = Fault::new(
+                format!("more than {MAX_ELEMENTS} elements"),
+                "look for a macro that calls itself or others too often",
+            );
+            return Err(self.problem(fault, &element.source));
+        }
+        let role = self.role(element, at_top).map_err(|fault| self.problem(fault, &element.source))?;
+        match role {
+            Role::Directive(directive) => self.directive(directive, element, at_top, output),
+            Role::Call(definition, home) => self.call(element, &definition, home, at_top, output),
+            Role::Plain => {
+                let plain = self.plain(element)?;
+                output.children.push(Node::Element(plain));
+                Ok(())
+            }
+        }
+    }
+
+    /// An element of the result: its attributes and content evaluated.
+    fn plain(&mut self, element: &Element) -> Result<Element, Problem> {
+        let attributes = self.attributes(element)?;
+        let mut inside = Output::default();
+        self.nodes(&element.children, &element.source, false, &mut inside)?;
+        let mut result = Element {
+            name: element.name.clone(),
+            attributes,
+            children: inside.children,
+            source: element.source.clone(),
+        };
+        set_attributes(&mut result, inside.attributes);
+        Ok(result)
+    }
+
+    fn attributes(&mut self, element: &Element) -> Result<Vec<(String, String)>, Problem> {
+        element
+            .attributes
+            .iter()
+            .filter(|(name, _)| !name.starts_with("xacro:"))
+            .map(|(name, value)| {
+                let value = self.string(value, &element.source);
+                value.map(|value| (name.clone(), value)).map_err(|fault| self.problem(fault, &element.source))
+            })
+            .collect()
+    }
+
+    fn role(&self, element: &Element, at_top: bool) -> Result<Role, Fault> {
+        let prefixed = element.name.strip_prefix("xacro:");
+        let name = prefixed.unwrap_or(&element.name);
+        for (directive, mark) in DIRECTIVES {
+            let meant = prefixed.is_some() || mark.is_some_and(|mark| element.attribute(mark).is_some());
+            if name == directive && meant {
+                return Ok(Role::Directive(directive));
+            }
+        }
+        if prefixed.is_some() || !is_own(name, at_top) {
+            if let Some((definition, home)) = self.find_macro(name) {
+                return Ok(Role::Call(definition, home));
+            }
+        }
+        if prefixed.is_some() || (at_top && self.strict && !TOP_LEVEL.contains(&name)) {
+            return Err(self.unknown_macro(name));
+        }
+        Ok(Role::Plain)
+    }
+
+    /// The macro of that name, and the namespace it was defined in.
+    fn find_macro(&self, name: &str) -> Option<(Rc<Macro>, Option<Rc<Scope>>)> {
+        for scope in self.scopes.iter().rev() {
+            if let Some(definition) = scope.macros.get(name) {
+                return Some((definition.clone(), None));
+            }
+            let mut space = scope;
+            let mut home = None;
+            let mut rest = name;
+            while let Some((first, deeper)) = rest.split_once('.') {
+                let Some(inner) = space.namespaces.get(first) else { break };
+                (space, home, rest) = (inner, Some(inner.clone()), deeper);
+            }
+            if let (Some(home), Some(definition)) = (home, space.macros.get(rest)) {
+                return Some((definition.clone(), Some(home)));
+            }
+        }
+        None
+    }
+
+    fn unknown_macro(&self, name: &str) -> Fault {
+        let known: BTreeSet<&str> =
+            self.scopes.iter().flat_map(|scope| scope.macros.keys()).map(String::as_str).collect();
+        Fault::new(
+            format!("unknown macro '{name}'"),
+            match nearest(name, known) {
+                Some(near) => format!("did you mean '{near}'? Else include the file that defines '{name}'"),
+                None => format!("include the file that defines '{name}'"),
+            },
+        )
+    }
+
+    fn directive(
+        &mut self,
+        directive: &str,
+        element: &Element,
+        at_top: bool,
+        output: &mut Output,
+    ) -> Result<(), Problem> {
+        let source = &element.source;
+        match directive {
+            "include" => self.include(element, at_top, output),
+            "property" => self.define_property(element).map_err(|fault| self.problem(fault, source)),
+            "macro" => {
+                let definition = Macro::parse(element).map_err(|fault| self.problem(fault, source))?;
+                self.top().macros.insert(definition.name.clone(), Rc::new(definition));
+                Ok(())
+            }
+            "arg" => {
+                let name = self.required(element, "name")?;
+                if !self.arguments.contains_key(&name) {
+                    let default = self.required(element, "default")?;
+                    self.arguments.insert(name, default);
+                }
+                Ok(())
+            }
+            "insert_block" => self.insert_block(element, at_top, output),
+            "if" | "unless" => {
+                let condition =
+                    self.condition(element, "value").map_err(|fault| self.problem(fault, source))?;
+                if condition == (directive == "if") {
+                    self.nodes(&element.children, source, at_top, output)?;
+                }
+                Ok(())
+            }
+            "element" => {
+                let name = self.required(element, "xacro:name")?;
+                let renamed = Element { name, ..element.clone() };
+                self.element(&renamed, at_top, output)
+            }
+            "attribute" => {
+                let attribute = (self.required(element, "name")?, self.required(element, "value")?);
+                output.attributes.push(attribute);
+                Ok(())
+            }
+            // `call`: the macro's name is computed.
+            _ => {
+                let name = self.required(element, "macro")?;
+                let mut renamed = Element { name: format!("xacro:{name}"), ..element.clone() };
+                renamed.attributes.retain(|(name, _)| name != "macro");
+                self.element(&renamed, at_top, output)
+            }
+        }
+    }
+
+    /// An attribute that must be there, evaluated, and not empty unless it is a value.
+    fn required(&mut self, element: &Element, attribute: &str) -> Result<String, Problem> {
+        let missing = || {
+            Fault::new(
+                format!("<{}> has no attribute '{attribute}'", element.name),
+                format!("add {attribute}=\"…\""),
+            )
+        };
+        let text = element.attribute(attribute).ok_or_else(missing);
+        text.and_then(|text| self.string(text, &element.source))
+            .and_then(|value| {
+                let may_be_empty = matches!(attribute, "value" | "default");
+                if value.is_empty() && !may_be_empty { Err(missing()) } else { Ok(value) }
+            })
+            .map_err(|fault| self.problem(fault, &element.source))
+    }
+
+    fn condition(&mut self, element: &Element, attribute: &str) -> Result<bool, Fault> {
+        let text = element.attribute(attribute).unwrap_or_default();
+        let value = self.value(text, &element.source)?;
+        match &value {
+            Value::Text(word) => match Value::literal(word.trim()) {
+                Value::Text(word) => Err(Fault::new(
+                    format!("the condition '{text}' is '{word}', which is neither true nor false"),
+                    "write true, false, a number or a comparison",
+                )),
+                literal => Ok(literal.truth()),
+            },
+            value => Ok(value.truth()),
+        }
+    }
+
+    fn define_property(&mut self, element: &Element) -> Result<(), Fault> {
+        let source = &element.source;
+        let name = self.string(element.attribute("name").unwrap_or_default(), source)?;
+        let is_identifier = name.chars().next().is_some_and(|c| c.is_alphabetic() || c == '_')
+            && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+        if !is_identifier || name.starts_with("__") {
+            return Err(Fault::new(
+                format!("a property cannot be named '{name}'"),
+                "use letters, digits and underscores, a letter first",
+            ));
+        }
+        if element.attribute("remove").is_some() && self.condition(element, "remove")? {
+            for scope in &mut self.scopes {
+                scope.properties.remove(&name);
+            }
+            return Ok(());
+        }
+        let text = match (element.attribute("value"), element.attribute("default")) {
+            (Some(text), _) => text,
+            (None, Some(default)) => {
+                if self.scopes.iter().any(|scope| scope.properties.contains_key(&name)) {
+                    return Ok(());
+                }
+                default
+            }
+            (None, None) => {
+                let block = Block { nodes: element.children.clone().into(), expanded: false };
+                self.top().blocks.insert(format!("**{name}"), block);
+                return Ok(());
+            }
+        };
+        let top = self.scopes.len() - 1;
+        let target = match element.attribute("scope") {
+            Some("global") => 0,
+            Some("parent") => top.saturating_sub(1),
+            None => top,
+            Some(other) => {
+                return Err(Fault::new(format!("scope='{other}'"), "write scope=\"parent\" or \"global\""));
+            }
+        };
+        let lazy = element.attribute("scope").is_none()
+            && (element.attribute("lazy_eval").is_none() || self.condition(element, "lazy_eval")?);
+        let property = if lazy && text.contains('$') {
+            Property::Lazy { text: text.to_owned(), source: source.clone() }
+        } else {
+            Property::Known(self.value(text, source)?.into_literal())
+        };
+        self.scopes[target].properties.insert(name, property);
+        Ok(())
+    }
+
+    fn insert_block(&mut self, element: &Element, at_top: bool, output: &mut Output) -> Result<(), Problem> {
+        let name = self.required(element, "name")?;
+        let found = self
+            .scopes
+            .iter()
+            .rev()
+            .find_map(|scope| {
+                ["**", "*"].iter().find_map(|stars| scope.blocks.get(&format!("{stars}{name}")))
+            })
+            .cloned();
+        let Some(block) = found else {
+            let known: BTreeSet<_> = self.scopes.iter().flat_map(|scope| scope.blocks.keys()).collect();
+            let near = nearest(&name, known.iter().map(|known| known.trim_start_matches('*')));
+            let fault = Fault::new(
+                format!("undefined block '{name}'"),
+                match near {
+                    Some(near) => format!("did you mean '{near}'?"),
+                    None => {
+                        format!(
+                            "define it with <xacro:property name=\"{name}\">…, or as a parameter '*{name}'"
+                        )
+                    }
+                },
+            );
+            return Err(self.problem(fault, &element.source));
+        };
+        if block.expanded {
+            output.children.extend(block.nodes.iter().cloned());
+            return Ok(());
+        }
+        // A block that inserts itself has no end.
+        self.enter(&format!("block {name}"), &element.source)?;
+        let result = self.nodes(&block.nodes, &element.source, at_top, output);
+        self.calls.pop();
+        result
+    }
+
+    fn call(
+        &mut self,
+        element: &Element,
+        definition: &Rc<Macro>,
+        home: Option<Rc<Scope>>,
+        at_top: bool,
+        output: &mut Output,
+    ) -> Result<(), Problem> {
+        self.enter(&definition.name, &element.source)?;
+        let scope = self.bind(element, definition)?;
+        let below = self.scopes.len();
+        self.scopes.extend(home.map(|home| Scope::clone(&home)));
+        self.scopes.push(scope);
+        let result = self.nodes(&definition.body, &definition.source, at_top, output);
+        self.scopes.truncate(below);
+        self.calls.pop();
+        result
+    }
+
+    fn enter(&mut self, name: &str, source: &Source) -> Result<(), Problem> {
+        self.calls.push((name.to_owned(), source.clone()));
+        if self.calls.len() <= MAX_CALLS {
+            return Ok(());
+        }
+        self.calls.clear();
+        let fault = Fault::new(
+            format!("macro '{name}' is called more than {MAX_CALLS} deep"),
+            "end its recursion with <xacro:if>",
+        );
+        Err(self.problem(fault, source))
+    }
+
+    /// The scope of a call: attributes, blocks and defaults bound to the macro's parameters.
+    fn bind(&mut self, element: &Element, definition: &Macro) -> Result<Scope, Problem> {
+        let source = &element.source;
+        let mut scope = Scope::default();
+        for (name, text) in &element.attributes {
+            if !definition.takes(name) {
+                let known = definition.parameters.iter().filter_map(|parameter| match parameter {
+                    Parameter::Value { name, .. } => Some(name.as_str()),
+                    Parameter::Block(_) => None,
+                });
+                let fault = Fault::new(
+                    format!("macro '{}' ({}) has no parameter '{name}'", definition.name, definition.source),
+                    match nearest(name, known) {
+                        Some(near) => format!("did you mean '{near}'?"),
+                        None => "leave it out".into(),
+                    },
+                );
+                return Err(self.problem(fault, source));
+            }
+            let value = self.value(text, source).map_err(|fault| self.problem(fault, source))?;
+            scope.properties.insert(name.clone(), Property::Known(value.into_literal()));
+        }
+        // Blocks are expanded where the macro is called.
+        let mut blocks = Output::default();
+        self.nodes(&element.children, source, false, &mut blocks)?;
+        let mut blocks = blocks.children.into_iter().filter_map(|node| match node {
+            Node::Element(element) => Some(element),
+            Node::Text(_) => None,
+        });
+        for parameter in &definition.parameters {
+            match parameter {
+                Parameter::Block(name) => {
+                    let Some(block) = blocks.next() else {
+                        let fault = Fault::new(
+                            format!("macro '{}' needs a child element for '{name}'", definition.name),
+                            format!("write it inside <{}>", element.name),
+                        );
+                        return Err(self.problem(fault, source));
+                    };
+                    let nodes =
+                        if name.starts_with("**") { block.children } else { vec![Node::Element(block)] };
+                    scope.blocks.insert(name.clone(), Block { nodes: nodes.into(), expanded: true });
+                }
+                Parameter::Value { name, .. } if scope.properties.contains_key(name) => {}
+                Parameter::Value { name, forward, default } => {
+                    let value = self
+                        .default(name, *forward, default.as_deref(), definition)
+                        .map_err(|fault| self.problem(fault, source))?;
+                    scope.properties.insert(name.clone(), Property::Known(value));
+                }
+            }
+        }
+        if let Some(block) = blocks.next() {
+            let fault = Fault::new(
+                format!("macro '{}' takes no child element <{}>", definition.name, block.name),
+                "leave it out",
+            );
+            return Err(self.problem(fault, source));
+        }
+        Ok(scope)
+    }
+
+    fn default(
+        &mut self,
+        name: &str,
+        forward: bool,
+        default: Option<&str>,
+        definition: &Macro,
+    ) -> Result<Value, Fault> {
+        if forward {
+            if let Some(value) = self.property(name, self.scopes.len() - 1)? {
+                return Ok(value);
+            }
+        }
+        match default {
+            Some(default) => Ok(self.value(default, &definition.source)?.into_literal()),
+            None => Err(Fault::new(
+                format!("macro '{}' is called without its parameter '{name}'", definition.name),
+                format!("add {name}=\"…\""),
+            )),
+        }
+    }
+
+    fn include(&mut self, element: &Element, at_top: bool, output: &mut Output) -> Result<(), Problem> {
+        let source = &element.source;
+        let text = element.attribute("filename").ok_or_else(|| {
+            self.problem(Fault::new("an include without a file", "add filename=\"…\""), source)
+        })?;
+        let substituted = self
+            .substitute(text, self.scopes.len() - 1, source)
+            .map_err(|fault| self.problem(fault, source))?;
+        let name = substituted.value.to_string();
+        // A relative name counts from the file that it is written in.
+        let mut path = PathBuf::from(name.trim());
+        if let (true, Some(folder)) = (path.is_relative(), source.file.parent()) {
+            path = folder.join(path);
+        }
+        if !path.is_file() {
+            let optional = element.attribute("optional").is_some()
+                && self.condition(element, "optional").map_err(|fault| self.problem(fault, source))?;
+            if optional {
+                return Ok(());
+            }
+            let fault = match substituted.package_file {
+                Some((package, file)) => Fault::new(
+                    format!("no file '{file}' in package '{package}', searched in {}", self.folders()),
+                    "correct the name, or add the folder that has it with --package-path or ROS_PACKAGE_PATH",
+                ),
+                None => Fault::new(
+                    format!("no file '{}' to include", path.display()),
+                    "correct the name; it counts from the folder of the file that includes it",
+                ),
+            };
+            return Err(self.problem(fault, source));
+        }
+        self.check_cycle(&path, source)?;
+        let included = match self.parsed.get(&path) {
+            Some(parsed) => parsed.clone(),
+            None => {
+                let parsed = Rc::new(Element::parse_file(&path)?);
+                self.parsed.insert(path.clone(), parsed.clone());
+                parsed
+            }
+        };
+        let namespace = element.attribute("ns").map(|_| self.required(element, "ns")).transpose()?;
+        if namespace.is_some() {
+            self.scopes.push(Scope::default());
+        }
+        self.files.push(path);
+        let result = self.nodes(&included.children, &included.source, at_top, output);
+        self.files.pop();
+        result?;
+        if let Some(namespace) = namespace {
+            self.close_namespace(namespace);
+        }
+        Ok(())
+    }
+
+    /// A file may be included twice, but not by itself.
+    fn check_cycle(&self, path: &Path, source: &Source) -> Result<(), Problem> {
+        let canonical = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        let target = canonical(path);
+        let Some(start) = self.files.iter().position(|file| canonical(file) == target) else {
+            return Ok(());
+        };
+        let chain: Vec<_> = self.files[start..]
+            .iter()
+            .map(PathBuf::as_path)
+            .chain([path])
+            .map(|p| p.display().to_string())
+            .collect();
+        Err(Fault::new(
+            format!("include cycle: {}", chain.join(" → ")),
+            "take one of these includes out, or put what both files need into a third",
+        )
+        .into_problem(source))
+    }
+
+    /// Evaluates what is still lazy, for its scope goes away, and stores the rest under its name.
+    fn close_namespace(&mut self, name: String) {
+        let top = self.scopes.len() - 1;
+        let names: Vec<_> = self.scopes[top].properties.keys().cloned().collect();
+        for property in names {
+            if let Err(fault) = self.property(&property, top) {
+                self.scopes[top].properties.insert(property, Property::Broken(fault));
+            }
+        }
+        if let Some(scope) = self.scopes.pop() {
+            self.top().namespaces.insert(name, Rc::new(scope));
+        }
+    }
+
+    fn top(&mut self) -> &mut Scope {
+        let top = self.scopes.len() - 1;
+        &mut self.scopes[top]
+    }
+
+    /// Says once that a file came from our copy of a package.
+    pub(super) fn note_borrowed(&mut self, package: &str, file: &str, found: &Found, source: &Source) {
+        let Some(missing_in) = &found.missing_in else { return };
+        if self.borrowed.insert(found.path.clone()) {
+            self.diagnostics.note(
+                source,
+                format!(
+                    "package '{package}' in {} lacks {file}: {} is used",
+                    missing_in.display(),
+                    found.path.display()
+                ),
+                "",
+            );
+        }
+    }
+
+    /// As an error at `source`, with the macro calls that led there.
+    fn problem(&self, fault: Fault, source: &Source) -> Problem {
+        let mut problem = fault.into_problem(source);
+        if let Some((name, call)) = self.calls.last() {
+            if *call != problem.source {
+                problem.what = format!("{} (in macro '{name}', called at {call})", problem.what);
+            }
+        }
+        problem
+    }
+}
+
+fn set_attributes(element: &mut Element, attributes: Vec<(String, String)>) {
+    for (name, value) in attributes {
+        match element.attributes.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, old)) => *old = value,
+            None => element.attributes.push((name, value)),
+        }
+    }
+}

@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use bytemuck::Pod;
-
-use crate::{Encoding, FrameError, FrameHeader, Kind, Node, clock, node::Ipc, payload::Message};
+use crate::{FrameError, FrameHeader, FrameView, Node, clock, node::Ipc, payload::Message};
 
 pub(crate) type Sample = iceoryx2::sample::Sample<Ipc, [u8], FrameHeader>;
 
@@ -56,84 +54,19 @@ impl Frame {
         clock::mono_ns().saturating_sub(self.header().publish_mono_ns)
     }
 
-    /// Rows from top to bottom: the bytes of `width` elements each, without what pads a row.
-    pub fn rows(&self) -> impl Iterator<Item = &[u8]> {
-        plane_rows(self.header(), self.payload(), 0)
-    }
-
-    /// Rows of the intensities behind the ranges; none without them.
-    pub fn intensity_rows(&self) -> impl Iterator<Item = &[u8]> {
-        let header = self.header();
-        let planes = usize::from(header.has_intensities());
-        let offset = header.height as usize * header.row_stride as usize * planes;
-        plane_rows(header, self.payload(), offset).take(header.height as usize * planes)
-    }
-
-    /// The structs of a stream of [`Encoding::Struct`].
-    ///
-    /// # Errors
-    /// [`FrameError::WrongKind`] when `T` is not what the frame holds.
-    pub fn structs<T: Message>(&self) -> Result<impl ExactSizeIterator<Item = T>, FrameError> {
-        structs(self.header(), self.payload())
+    /// Header and payload, to look at by rows or structs.
+    #[must_use]
+    pub fn view(&self) -> FrameView<'_> {
+        FrameView { header: self.header(), payload: self.payload() }
     }
 
     /// The first struct, for kinds that have one.
     ///
     /// # Errors
-    /// As [`structs`](Self::structs), and when there is none.
+    /// As [`FrameView::structs`], and when there is none.
     pub fn message<T: Message>(&self) -> Result<T, FrameError> {
-        self.structs()?
-            .next()
-            .ok_or(FrameError::WrongKind { kind: self.header().kind, encoding: self.header().encoding })
+        self.view().message()
     }
-
-    /// Elements of a row as numbers: `f32` of depth and ranges, `u16` of depth in millimetres.
-    ///
-    /// # Errors
-    /// [`FrameError::WrongKind`] when the bytes cannot be seen as `T` where they lie.
-    pub fn row_as<T: Pod>(&self, row: usize) -> Result<&[T], FrameError> {
-        let header = self.header();
-        let wrong = FrameError::WrongKind { kind: header.kind, encoding: header.encoding };
-        let bytes = self.rows().nth(row).ok_or(wrong)?;
-        bytemuck::try_cast_slice(bytes).map_err(|_| wrong)
-    }
-}
-
-/// Rows of one plane of a checked header and its payload.
-pub(crate) fn plane_rows<'a>(
-    header: &FrameHeader,
-    payload: &'a [u8],
-    offset: usize,
-) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-    let height = if header.width == 0 { 0 } else { header.height as usize };
-    let elem_size = elem_size(header);
-    let row_len = (header.width as usize).saturating_sub(1) * header.elem_stride as usize + elem_size;
-    let row_stride = header.row_stride as usize;
-    (0..height).map(move |row| &payload[offset + row * row_stride..][..row_len])
-}
-
-pub(crate) fn elem_size(header: &FrameHeader) -> usize {
-    match header.encoding() {
-        Some(Encoding::Struct) => header.kind().and_then(Kind::struct_size),
-        Some(encoding) => encoding.elem_size(),
-        None => None,
-    }
-    .unwrap_or(1)
-}
-
-pub(crate) fn structs<'a, T: Message>(
-    header: &FrameHeader,
-    payload: &'a [u8],
-) -> Result<impl ExactSizeIterator<Item = T> + use<'a, T>, FrameError> {
-    let holds = header.encoding() == Some(Encoding::Struct)
-        && header.kind().and_then(Kind::struct_size) == Some(size_of::<T>());
-    if !holds {
-        return Err(FrameError::WrongKind { kind: header.kind, encoding: header.encoding });
-    }
-    let stride = header.row_stride as usize;
-    let count = if header.width == 0 { 0 } else { header.height as usize };
-    Ok((0..count)
-        .map(move |index| bytemuck::pod_read_unaligned(&payload[index * stride..][..size_of::<T>()])))
 }
 
 impl fmt::Debug for Frame {

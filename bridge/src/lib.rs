@@ -75,7 +75,7 @@
 //! # Layers
 //! [`Text`], [`payload`], [`Kind`], [`Encoding`], [`FrameHeader`]: the bytes. [`Domain`]: names. [`Node`]:
 //! membership. [`StreamSpec`], [`StreamInfo`]: streams. [`Publisher`], [`LoanedFrame`], [`Subscriber`],
-//! [`Frame`]: the two ends. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
+//! [`Frame`], [`FrameView`]: the two ends. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
 #![deny(unsafe_code)]
 
 pub mod clock;
@@ -91,6 +91,7 @@ mod publisher;
 mod stream;
 mod subscriber;
 mod text;
+mod view;
 
 pub use domain::Domain;
 pub use error::{Error, FrameError, ICEORYX2_VERSION};
@@ -102,3 +103,4 @@ pub use publisher::{LoanedFrame, Publisher};
 pub use stream::{StreamInfo, StreamSpec};
 pub use subscriber::Subscriber;
 pub use text::{Text, TextError};
+pub use view::FrameView;

@@ -6,10 +6,13 @@ use std::mem::{offset_of, size_of};
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::Text;
+use crate::{Kind, Text};
 
 /// A payload struct of the wire format.
-pub trait Message: Pod {}
+pub trait Message: Pod {
+    /// The kinds of streams that carry it.
+    const KINDS: &'static [Kind];
+}
 
 /// How a camera maps directions to pixels, as `sensor_msgs/CameraInfo` has it.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -102,12 +105,24 @@ pub struct VelocityCommand {
     pub angular: [f64; 3],
 }
 
-impl Message for CameraInfo {}
-impl Message for Odometry {}
-impl Message for Transform {}
-impl Message for JointState {}
-impl Message for Clock {}
-impl Message for VelocityCommand {}
+impl Message for CameraInfo {
+    const KINDS: &'static [Kind] = &[Kind::CameraInfo];
+}
+impl Message for Odometry {
+    const KINDS: &'static [Kind] = &[Kind::Odometry];
+}
+impl Message for Transform {
+    const KINDS: &'static [Kind] = &[Kind::Transforms, Kind::StaticTransforms];
+}
+impl Message for JointState {
+    const KINDS: &'static [Kind] = &[Kind::JointStates];
+}
+impl Message for Clock {
+    const KINDS: &'static [Kind] = &[Kind::Clock];
+}
+impl Message for VelocityCommand {
+    const KINDS: &'static [Kind] = &[Kind::VelocityCommand];
+}
 
 // The wire format: every offset is pinned here, in the C and C++ headers and in WIRE.md.
 const _: () = {

@@ -1,0 +1,96 @@
+//! [`FrameView`]: a payload seen through its header.
+
+use bytemuck::Pod;
+
+use crate::{Encoding, FrameError, FrameHeader, Kind, payload::Message};
+
+/// A header that was checked, and its payload: rows and structs where they lie.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameView<'a> {
+    pub(crate) header: &'a FrameHeader,
+    pub(crate) payload: &'a [u8],
+}
+
+impl<'a> FrameView<'a> {
+    /// Looks at `payload` through `header`.
+    ///
+    /// # Errors
+    /// What [`FrameHeader::check`] finds.
+    pub fn new(header: &'a FrameHeader, payload: &'a [u8]) -> Result<Self, FrameError> {
+        header.check(payload.len())?;
+        Ok(Self { header, payload })
+    }
+
+    /// What the payload is.
+    #[must_use]
+    pub fn header(&self) -> &'a FrameHeader {
+        self.header
+    }
+
+    /// The data.
+    #[must_use]
+    pub fn payload(&self) -> &'a [u8] {
+        self.payload
+    }
+
+    /// Rows from top to bottom: the bytes of `width` elements each, without what pads a row.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &'a [u8]> + use<'a> {
+        self.plane(0, self.height())
+    }
+
+    /// Rows of the intensities behind the ranges; none without them.
+    pub fn intensity_rows(&self) -> impl ExactSizeIterator<Item = &'a [u8]> + use<'a> {
+        let offset = self.header.height as usize * self.header.row_stride as usize;
+        self.plane(offset, if self.header.has_intensities() { self.height() } else { 0 })
+    }
+
+    /// What `T`s the elements of `rows` begin with, copied: `f32` of ranges and depth in metres, `u16` of depth in
+    /// millimetres.
+    pub fn numbers<T: Pod>(&self, rows: impl Iterator<Item = &'a [u8]>) -> impl Iterator<Item = T> {
+        let elem_stride = (self.header.elem_stride as usize).max(1);
+        rows.flat_map(move |row| row.chunks(elem_stride))
+            .filter_map(|element| element.get(..size_of::<T>()).map(bytemuck::pod_read_unaligned))
+    }
+
+    /// The structs of a stream of [`Encoding::Struct`].
+    ///
+    /// # Errors
+    /// [`FrameError::WrongKind`] when `T` is not what the frame holds.
+    pub fn structs<T: Message>(&self) -> Result<impl ExactSizeIterator<Item = T> + use<'a, T>, FrameError> {
+        let holds = self.header.encoding() == Some(Encoding::Struct)
+            && self.header.kind().is_some_and(|kind| T::KINDS.contains(&kind));
+        if !holds {
+            return Err(self.wrong_kind());
+        }
+        Ok(self.rows().map(|row| bytemuck::pod_read_unaligned(&row[..size_of::<T>()])))
+    }
+
+    /// The first struct, for kinds that have one.
+    ///
+    /// # Errors
+    /// As [`structs`](Self::structs), and when there is none.
+    pub fn message<T: Message>(&self) -> Result<T, FrameError> {
+        self.structs()?.next().ok_or(self.wrong_kind())
+    }
+
+    fn wrong_kind(&self) -> FrameError {
+        FrameError::WrongKind { kind: self.header.kind, encoding: self.header.encoding }
+    }
+
+    fn height(&self) -> usize {
+        if self.header.width == 0 { 0 } else { self.header.height as usize }
+    }
+
+    fn plane(&self, offset: usize, rows: usize) -> impl ExactSizeIterator<Item = &'a [u8]> + use<'a> {
+        let Self { header, payload } = *self;
+        let elem_size = match header.encoding() {
+            Some(Encoding::Struct) => header.kind().and_then(Kind::struct_size),
+            Some(encoding) => encoding.elem_size(),
+            None => None,
+        }
+        .unwrap_or(1);
+        let row_len = (header.width as usize).saturating_sub(1) * header.elem_stride as usize + elem_size;
+        let row_stride = header.row_stride as usize;
+        (0..rows).map(move |row| &payload[offset + row * row_stride..][..row_len])
+    }
+}

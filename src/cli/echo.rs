@@ -1,0 +1,70 @@
+//! `belvedere echo`: the messages of a topic, readable.
+
+use std::time::{Duration, Instant};
+
+use super::{
+    error::CliError,
+    follow::{DomainArgs, UntilArgs, each_frame, listen_for_stop, print_line, subscribe, with_slash},
+    message::decode,
+};
+
+/// Print the messages of a topic.
+///
+/// In the form that `rostopic echo` gives them, separated by `---`; long arrays are shortened unless --full is given.
+/// With --json, one object a line; NaN becomes null, infinities become "inf" and "-inf".
+#[derive(Clone, Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  belvedere echo /odom\n  belvedere echo /scan --count 1 --full\n  belvedere echo /camera/rgb/camera_info --count 1 --json"
+)]
+pub struct EchoArgs {
+    /// The topic, with or without a leading slash
+    pub topic: String,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub domain: DomainArgs,
+    /// Print one JSON object a line
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub until: UntilArgs,
+    /// Print arrays in full
+    #[arg(long)]
+    pub full: bool,
+    /// Wait for the topic when it does not exist yet
+    #[arg(long)]
+    pub wait: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CliError::UnknownTopic`], [`CliError::NoSimulator`]; [`CliError::NoFrame`] when the time was up and nothing had
+/// come; failures of the bridge and of standard output.
+pub fn run(args: &EchoArgs) -> Result<(), CliError> {
+    listen_for_stop()?;
+    let started = Instant::now();
+    let mut subscriber = subscribe(&args.domain.domain, &args.topic, args.wait)?;
+    let mut count = 0_u64;
+    each_frame(
+        &mut subscriber,
+        &args.until,
+        |frame| {
+            count += 1;
+            let message = decode(&frame.view(), if args.full { usize::MAX } else { SHORTENED });
+            if args.json {
+                print_line(&message.to_json().to_string())
+            } else {
+                print_line(&format!("{message}---"))
+            }
+        },
+        |_: Duration| Ok(()),
+    )?;
+    if count == 0 && args.until.duration.is_some() {
+        return Err(CliError::NoFrame { topic: with_slash(&args.topic), waited: started.elapsed() });
+    }
+    Ok(())
+}
+
+/// Elements of an array that are shown without `--full`.
+const SHORTENED: usize = 12;

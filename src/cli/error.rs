@@ -1,0 +1,79 @@
+//! What a command can end with, each in one line that says what to do.
+
+use std::{io, path::PathBuf, time::Duration};
+
+use belvedere_bridge::Domain;
+
+use crate::picture::PictureError;
+
+/// Why a command did not do what was asked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CliError {
+    /// The bridge's own words.
+    #[error(transparent)]
+    Bridge(#[from] belvedere_bridge::Error),
+    /// Nobody publishes anything.
+    #[error(
+        "nothing is published in domain \"{0}\": start a simulator (belvedere run --domain {0}), or name its domain with --domain"
+    )]
+    NoSimulator(Domain),
+    /// A simulator is there, the topic is not.
+    #[error("no topic {topic} in domain \"{domain}\"{nearest}; there are: {existing}", nearest = .nearest.as_ref().map(|name| format!(" (did you mean {name}?)")).unwrap_or_default())]
+    UnknownTopic {
+        /// As asked for, with a slash.
+        topic: String,
+        /// Where it was looked for.
+        domain: Domain,
+        /// The most similar one.
+        nearest: Option<String>,
+        /// All of them.
+        existing: String,
+    },
+    /// The stream is there and silent.
+    #[error("{topic} sent nothing for {:.1} s: is the simulator paused?", waited.as_secs_f64())]
+    NoFrame {
+        /// With a slash.
+        topic: String,
+        /// How long was waited.
+        waited: Duration,
+    },
+    /// A frame that cannot be shown as a picture.
+    #[error("{topic}: {source}")]
+    Picture {
+        /// With a slash.
+        topic: String,
+        /// Why.
+        source: PictureError,
+    },
+    /// A file that cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Output {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file name that does not say what is wanted.
+    #[error("cannot write {}: its name must end in one of {formats}", path.display())]
+    Format {
+        /// As given.
+        path: PathBuf,
+        /// Endings that are known.
+        formats: &'static str,
+    },
+    /// Standard output cannot be written; see [`CliError::is_closed_pipe`].
+    #[error("cannot write to standard output: {0}")]
+    Stdout(#[source] io::Error),
+    /// No handler for Ctrl-C could be set.
+    #[error("cannot listen for Ctrl-C: {0}")]
+    Signal(#[from] ctrlc::Error),
+}
+
+impl CliError {
+    /// Whether the reader of the output has simply gone (`belvedere echo scan | head`): no error to speak of.
+    #[must_use]
+    pub fn is_closed_pipe(&self) -> bool {
+        matches!(self, Self::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

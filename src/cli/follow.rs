@@ -1,0 +1,161 @@
+//! What the commands that look at streams share: options, the search for a topic, the end.
+
+use std::{
+    io::Write as _,
+    sync::{
+        OnceLock,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use belvedere_bridge::{Domain, Frame, Node, Subscriber};
+
+use super::error::CliError;
+
+/// Where to look.
+#[derive(Clone, Debug, clap::Args)]
+pub struct DomainArgs {
+    /// Name of the simulation to look at, as given to `belvedere run --domain`
+    #[arg(long, value_name = "NAME", env = "BELVEDERE_DOMAIN", default_value_t)]
+    pub domain: Domain,
+}
+
+/// When to end; without either, Ctrl-C does.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct UntilArgs {
+    /// End after so many seconds
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub duration: Option<Duration>,
+    /// End after so many messages
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub count: Option<u64>,
+}
+
+/// Seconds as a decimal number.
+///
+/// # Errors
+/// In words for the command line, when it is no number, negative, or too large.
+pub fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "a number of seconds is wanted, such as 2.5".to_owned())?;
+    Duration::try_from_secs_f64(seconds)
+        .map_err(|_| "a positive number of seconds is wanted, such as 2.5".to_owned())
+}
+
+/// Set by Ctrl-C and by a request to terminate, so that the domain is left in order.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Whether the user wants it to end.
+pub(super) fn stop_wanted() -> bool {
+    STOP.load(Ordering::Relaxed)
+}
+
+/// From now on Ctrl-C, SIGTERM and SIGHUP only make [`stop_wanted`] true.
+pub(super) fn listen_for_stop() -> Result<(), CliError> {
+    static DONE: OnceLock<()> = OnceLock::new();
+    if DONE.set(()).is_ok() {
+        ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed))?;
+    }
+    Ok(())
+}
+
+/// Writes one line at once; [`CliError::is_closed_pipe`] when nobody reads any more.
+pub(super) fn print_line(text: &str) -> Result<(), CliError> {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{text}").and_then(|()| out.flush()).map_err(CliError::Stdout)
+}
+
+/// A topic as ROS shows it.
+pub(super) fn with_slash(topic: &str) -> String {
+    format!("/{}", topic.trim_start_matches('/'))
+}
+
+/// Joins the domain and subscribes to a topic that exists, or, with `wait`, that may come to exist.
+pub(super) fn subscribe(domain: &Domain, topic: &str, wait: bool) -> Result<Subscriber, CliError> {
+    let node = Node::open(domain, "belvedere")?;
+    let subscriber = node.subscriber(topic)?;
+    if !wait {
+        let streams = node.streams()?;
+        if streams.is_empty() {
+            return Err(CliError::NoSimulator(domain.clone()));
+        }
+        if !streams.iter().any(|stream| stream.topic == subscriber.topic()) {
+            let names: Vec<String> = streams.iter().map(|stream| with_slash(&stream.topic)).collect();
+            let topic = with_slash(topic);
+            return Err(CliError::UnknownTopic {
+                nearest: nearest(&topic, &names),
+                existing: names.join(", "),
+                domain: domain.clone(),
+                topic,
+            });
+        }
+    }
+    Ok(subscriber)
+}
+
+/// The most similar name, if one is similar at all: a typing error, or the right end of a longer name.
+fn nearest(topic: &str, names: &[String]) -> Option<String> {
+    names
+        .iter()
+        .map(|name| {
+            let likeness = strsim::jaro_winkler(topic, name);
+            (if name.ends_with(topic) { likeness + 1.0 } else { likeness }, name)
+        })
+        .max_by(|(one, _), (other, _)| one.total_cmp(other))
+        .filter(|(likeness, _)| *likeness > 0.75)
+        .map(|(_, name)| name.clone())
+}
+
+/// Waits for frames until the user, the clock or the count ends it; calls `tick` about every second.
+pub(super) fn each_frame(
+    subscriber: &mut Subscriber,
+    until: &UntilArgs,
+    mut on_frame: impl FnMut(Frame) -> Result<(), CliError>,
+    mut on_second: impl FnMut(Duration) -> Result<(), CliError>,
+) -> Result<(), CliError> {
+    let started = Instant::now();
+    let mut next_second = started + Duration::from_secs(1);
+    let mut count = 0;
+    loop {
+        let now = Instant::now();
+        if stop_wanted() || until.duration.is_some_and(|duration| now - started >= duration) {
+            return Ok(());
+        }
+        if now >= next_second {
+            on_second(now - started)?;
+            next_second += Duration::from_secs(1);
+        }
+        let end = until.duration.map_or(next_second, |duration| next_second.min(started + duration));
+        let patience = end.saturating_duration_since(now).min(Duration::from_millis(200));
+        if subscriber.wait(patience)? {
+            while let Some(frame) = subscriber.take()? {
+                on_frame(frame)?;
+                count += 1;
+                if until.count.is_some_and(|wanted| count >= wanted) {
+                    return Ok(());
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_name_is_offered() {
+        let names = ["/camera/rgb/image_raw", "/camera/depth/image_raw", "/scan", "/odom"].map(String::from);
+        assert_eq!(nearest("/scam", &names).as_deref(), Some("/scan"));
+        assert_eq!(nearest("/depth/image_raw", &names).as_deref(), Some("/camera/depth/image_raw"));
+        assert_eq!(nearest("/xyz", &names), None);
+    }
+
+    #[test]
+    fn durations_are_positive_numbers() {
+        assert_eq!(seconds("2.5"), Ok(Duration::from_millis(2500)));
+        for bad in ["", "x", "-1", "nan", "inf", "1e300"] {
+            assert!(seconds(bad).is_err(), "{bad}");
+        }
+    }
+}

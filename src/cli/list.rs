@@ -1,0 +1,108 @@
+//! `belvedere list`: what a simulation publishes.
+
+use std::time::{Duration, Instant};
+
+use belvedere_bridge::{Node, StreamInfo};
+use serde_json::json;
+
+use super::{
+    error::CliError,
+    follow::{DomainArgs, UntilArgs, listen_for_stop, print_line, stop_wanted, with_slash},
+};
+
+/// List the topics of a running simulation.
+///
+/// One line per topic: what it carries, how it is coded, the rate it is published at, its frame, who listens.
+/// With --count or --duration the list is repeated every second.
+#[derive(Clone, Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  belvedere list\n  belvedere list --domain lab --json\n  belvedere list --duration 10"
+)]
+pub struct ListArgs {
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub domain: DomainArgs,
+    /// Print one JSON object a line and topic
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub until: UntilArgs,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CliError::NoSimulator`] when nothing is published; failures of the bridge and of standard output.
+pub fn run(args: &ListArgs) -> Result<(), CliError> {
+    listen_for_stop()?;
+    let node = Node::open(&args.domain.domain, "belvedere list")?;
+    let started = Instant::now();
+    let repeats = match (args.until.count, args.until.duration) {
+        (Some(count), _) => count,
+        (None, Some(_)) => u64::MAX,
+        (None, None) => 1,
+    };
+    for round in 0..repeats {
+        if round > 0 {
+            let next = started + Duration::from_secs(round);
+            while Instant::now() < next && !stop_wanted() {
+                std::thread::sleep(
+                    Duration::from_millis(20).min(next.saturating_duration_since(Instant::now())),
+                );
+            }
+        }
+        if stop_wanted()
+            || args.until.duration.is_some_and(|duration| round > 0 && started.elapsed() >= duration)
+        {
+            break;
+        }
+        let streams = node.streams()?;
+        if streams.is_empty() && round == 0 {
+            return Err(CliError::NoSimulator(args.domain.domain.clone()));
+        }
+        print(&streams, args.json)?;
+    }
+    Ok(())
+}
+
+fn print(streams: &[StreamInfo], json: bool) -> Result<(), CliError> {
+    if json {
+        for stream in streams {
+            let object = json!({
+                "topic": with_slash(&stream.topic),
+                "kind": stream.kind.map(|kind| kind.as_str()),
+                "encoding": stream.encoding.map(|encoding| encoding.as_str()),
+                "rate_hz": stream.rate_hz,
+                "frame_id": stream.frame_id,
+                "publishers": stream.publishers,
+                "subscribers": stream.subscribers,
+                "max_payload_bytes": stream.max_payload_len,
+            });
+            print_line(&object.to_string())?;
+        }
+        return Ok(());
+    }
+    let width = streams.iter().map(|stream| stream.topic.len() + 1).max().unwrap_or(0).max(5);
+    print_line(&format!(
+        "{:width$}  {:17} {:10} {:>8} {:>12} {:>5} {:>5}  FRAME",
+        "TOPIC", "KIND", "ENCODING", "RATE", "BYTES", "PUBS", "SUBS"
+    ))?;
+    for stream in streams {
+        let line = format!(
+            "{:width$}  {:17} {:10} {:>8} {:>12} {:>5} {:>5}  {}",
+            with_slash(&stream.topic),
+            stream.kind.map_or("?", |kind| kind.as_str()),
+            stream.encoding.map_or("?", |encoding| encoding.as_str()),
+            stream
+                .rate_hz
+                .map_or_else(|| "-".to_owned(), |rate| format!("{rate:.4} Hz").replace(".0000", "")),
+            stream.max_payload_len,
+            stream.publishers,
+            stream.subscribers,
+            if stream.frame_id.is_empty() { "-" } else { &stream.frame_id },
+        );
+        print_line(&line)?;
+    }
+    Ok(())
+}

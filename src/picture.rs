@@ -1,0 +1,261 @@
+//! Frames as pictures that a person can look at.
+//!
+//! Images stay as they are. Depth is coloured from near (yellow) to far (violet) along a perceptually even map; what
+//! has no depth is black, beyond the range dark grey. Scans and unorganised clouds are drawn as a plan seen from
+//! above: x (forward) up, y (left) left, the sensor in the middle, a ring every metre or as fits.
+
+use belvedere_bridge::{Encoding, FrameView, Kind};
+use image::{Rgb, RgbImage};
+
+/// Why a frame is no picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PictureError {
+    /// A kind without a look, such as odometry.
+    #[error("a stream of kind {} has no picture; use echo", .0.map_or("unknown", Kind::as_str))]
+    Kind(Option<Kind>),
+    /// Nothing in it.
+    #[error("the frame is empty")]
+    Empty,
+}
+
+const NO_DATA: Rgb<u8> = Rgb([0, 0, 0]);
+const BEYOND: Rgb<u8> = Rgb([48, 48, 48]);
+/// Edge length of a plan in pixels.
+const PLAN: u32 = 801;
+
+/// Draws a frame of any kind that has a look.
+///
+/// # Errors
+/// [`PictureError`] for the others.
+pub fn draw(frame: &FrameView<'_>) -> Result<RgbImage, PictureError> {
+    let header = frame.header();
+    if header.width == 0 || header.height == 0 {
+        return Err(PictureError::Empty);
+    }
+    match (header.kind(), header.encoding()) {
+        (_, Some(Encoding::Rgb8)) => Ok(pixels(frame, |pixel: [u8; 3]| Rgb(pixel))),
+        (_, Some(Encoding::Bgr8)) => Ok(pixels(frame, |[blue, green, red]: [u8; 3]| Rgb([red, green, blue]))),
+        (_, Some(Encoding::Mono8)) => Ok(pixels(frame, |grey: u8| Rgb([grey; 3]))),
+        (_, Some(Encoding::F32C1)) => {
+            let depths: Vec<f32> = frame.numbers(frame.rows()).collect();
+            Ok(depth(frame, &depths))
+        }
+        (_, Some(Encoding::U16C1)) => {
+            let metres = |mm: u16| if mm == 0 { f32::NAN } else { f32::from(mm) / 1e3 };
+            let depths: Vec<f32> = frame.numbers(frame.rows()).map(metres).collect();
+            Ok(depth(frame, &depths))
+        }
+        (_, Some(Encoding::RangesF32)) => Ok(scan(frame)),
+        (_, Some(Encoding::XyzRgbF32)) if header.height > 1 => {
+            let depths: Vec<f32> = frame.numbers(frame.rows()).map(|[_, _, z]: [f32; 3]| z).collect();
+            Ok(depth(frame, &depths))
+        }
+        (_, Some(Encoding::XyzRgbF32)) => {
+            Ok(plan(frame.numbers(frame.rows()).map(|[x, y, _]: [f32; 3]| [x, y]), 0.0))
+        }
+        (kind, _) => Err(PictureError::Kind(kind)),
+    }
+}
+
+/// An image of the frame's size, a value per pixel.
+fn pixels<T: bytemuck::Pod>(frame: &FrameView<'_>, colour: impl Fn(T) -> Rgb<u8>) -> RgbImage {
+    let mut picture = RgbImage::new(frame.header().width, frame.header().height);
+    for (pixel, value) in picture.pixels_mut().zip(frame.numbers::<T>(frame.rows())) {
+        *pixel = colour(value);
+    }
+    picture
+}
+
+/// Depths in metres as colours between the nearest and the farthest that the frame's header allows, or that occur
+/// when it says nothing.
+fn depth(frame: &FrameView<'_>, depths: &[f32]) -> RgbImage {
+    let header = frame.header();
+    let finite = || depths.iter().copied().filter(|depth| depth.is_finite());
+    let (nearest, farthest) = (finite().fold(f32::INFINITY, f32::min), finite().fold(0.0, f32::max));
+    let (near, far) = header
+        .intrinsics()
+        .map(|intrinsics| (intrinsics.near, intrinsics.far.min(farthest)))
+        .filter(|(near, far)| near.is_finite() && *near > 0.0 && far > near)
+        .unwrap_or((nearest, farthest));
+    let span = (far - near).max(f32::MIN_POSITIVE);
+    let mut picture = RgbImage::new(header.width, header.height);
+    for (pixel, &depth) in picture.pixels_mut().zip(depths) {
+        *pixel = if depth == f32::INFINITY {
+            BEYOND
+        } else if depth.is_finite() {
+            map_colour(1.0 - (depth - near) / span)
+        } else {
+            NO_DATA
+        };
+    }
+    picture
+}
+
+fn scan(frame: &FrameView<'_>) -> RgbImage {
+    let header = frame.header();
+    let geometry = header.scan_geometry().copied().unwrap_or_default();
+    let width = (header.width as usize).max(1);
+    let points = frame.numbers::<f32>(frame.rows()).enumerate().map(|(index, range_m)| {
+        let angle = geometry.angle_min + (index % width) as f64 * geometry.angle_increment;
+        let elevation =
+            geometry.vertical_angle_min + (index / width) as f64 * geometry.vertical_angle_increment;
+        let level_m = f64::from(range_m) * elevation.cos();
+        [(level_m * angle.cos()) as f32, (level_m * angle.sin()) as f32]
+    });
+    plan(points, 1.0)
+}
+
+/// Points in metres (x forward, y left) seen from above; the scale shows the farthest, at least `min_reach_m`.
+fn plan(points: impl Iterator<Item = [f32; 2]>, min_reach_m: f32) -> RgbImage {
+    const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
+    const RING: Rgb<u8> = Rgb([205, 212, 220]);
+    const SENSOR: Rgb<u8> = Rgb([200, 40, 40]);
+    let points: Vec<[f32; 2]> = points.filter(|[x, y]| x.hypot(*y).is_finite()).collect();
+    let farthest_m = points.iter().map(|[x, y]| x.hypot(*y)).fold(min_reach_m.max(1e-3), f32::max);
+    let middle = (PLAN / 2) as f32;
+    let scale = (middle - 4.0) / farthest_m;
+    let mut picture = RgbImage::from_pixel(PLAN, PLAN, PAPER);
+
+    let ring_m = ring_distance(farthest_m);
+    for (x, y, pixel) in picture.enumerate_pixels_mut() {
+        let radius = (x as f32 - middle).hypot(y as f32 - middle);
+        let ring = (radius / (ring_m * scale)).round();
+        if ring >= 1.0 && (radius - ring * ring_m * scale).abs() < 0.6 {
+            *pixel = RING;
+        }
+    }
+    let mut dot = |x: f32, y: f32, reach: i32, colour: Rgb<u8>| {
+        for dy in -reach..=reach {
+            for dx in -reach..=reach {
+                let (x, y) = (x.round() as i32 + dx, y.round() as i32 + dy);
+                if (0..PLAN as i32).contains(&x) && (0..PLAN as i32).contains(&y) {
+                    picture.put_pixel(x as u32, y as u32, colour);
+                }
+            }
+        }
+    };
+    for [forward, left] in &points {
+        let nearness = 1.0 - forward.hypot(*left) / farthest_m;
+        // The brightest quarter of the map would vanish on white.
+        dot(middle - left * scale, middle - forward * scale, 1, map_colour(nearness * 0.75));
+    }
+    dot(middle, middle, 3, SENSOR);
+    // Which way is forward.
+    for step in 4..12 {
+        dot(middle, middle - step as f32, 0, SENSOR);
+    }
+    picture
+}
+
+/// 1, 2 or 5 times a power of ten metres, so that there are at most ten rings; never less than 0.1 m.
+fn ring_distance(farthest_m: f32) -> f32 {
+    let mut decade = 0.1;
+    loop {
+        for step in [1.0, 2.0, 5.0] {
+            let ring_m: f32 = decade * step;
+            if ring_m >= 1.0_f32.min(farthest_m) && farthest_m / ring_m <= 10.0 {
+                return ring_m;
+            }
+        }
+        decade *= 10.0;
+    }
+}
+
+fn map_colour(share: f32) -> Rgb<u8> {
+    let colour = colorous::VIRIDIS.eval_continuous(f64::from(share.clamp(0.0, 1.0)));
+    Rgb([colour.r, colour.g, colour.b])
+}
+
+#[cfg(test)]
+mod tests {
+    use belvedere_bridge::{FrameHeader, Intrinsics, ScanGeometry};
+
+    use super::*;
+
+    fn view<'a>(header: &'a mut FrameHeader, width: u32, height: u32, payload: &'a [u8]) -> FrameView<'a> {
+        header.set_packed(width, height);
+        header.payload_len = payload.len() as u64;
+        FrameView::new(header, payload).unwrap()
+    }
+
+    #[test]
+    fn images_keep_their_colours() {
+        let payload = [1, 2, 3, 4, 5, 6];
+        let mut header = FrameHeader::new(Kind::Image, Encoding::Rgb8);
+        let picture = draw(&view(&mut header, 2, 1, &payload)).unwrap();
+        assert_eq!((picture[(0, 0)], picture[(1, 0)]), (Rgb([1, 2, 3]), Rgb([4, 5, 6])));
+        let mut header = FrameHeader::new(Kind::Image, Encoding::Bgr8);
+        let picture = draw(&view(&mut header, 2, 1, &payload)).unwrap();
+        assert_eq!(picture[(1, 0)], Rgb([6, 5, 4]));
+        let mut header = FrameHeader::new(Kind::Image, Encoding::Mono8);
+        let picture = draw(&view(&mut header, 3, 2, &payload)).unwrap();
+        assert_eq!(picture[(2, 1)], Rgb([6, 6, 6]));
+    }
+
+    #[test]
+    fn padded_rows_are_not_shown() {
+        let header = FrameHeader {
+            width: 2,
+            height: 2,
+            elem_stride: 1,
+            row_stride: 4,
+            payload_len: 8,
+            ..FrameHeader::new(Kind::Image, Encoding::Mono8)
+        };
+        let picture = draw(&FrameView::new(&header, &[1, 2, 99, 99, 3, 4, 99, 99]).unwrap()).unwrap();
+        assert_eq!(picture.pixels().map(|pixel| pixel[0]).collect::<Vec<_>>(), [1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn near_is_brighter_than_far_and_nothing_is_black() {
+        let depths = [1.0, 2.0, 4.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+        let mut header = FrameHeader::new(Kind::DepthImage, Encoding::F32C1);
+        header.set_intrinsics(&Intrinsics { near: 0.4, far: 5.0, ..Intrinsics::default() });
+        let picture = draw(&view(&mut header, 6, 1, bytemuck::cast_slice(&depths))).unwrap();
+        let brightness = |x| picture[(x, 0)].0.iter().map(|&value| u32::from(value)).sum::<u32>();
+        assert!(brightness(0) > brightness(1) && brightness(1) > brightness(2));
+        assert_eq!((picture[(3, 0)], picture[(4, 0)], picture[(5, 0)]), (NO_DATA, BEYOND, NO_DATA));
+
+        let millimetres: [u16; 3] = [1000, 4000, 0];
+        let mut header = FrameHeader::new(Kind::DepthImage, Encoding::U16C1);
+        let picture = draw(&view(&mut header, 3, 1, bytemuck::cast_slice(&millimetres))).unwrap();
+        assert_eq!(picture[(2, 0)], NO_DATA);
+        assert_ne!(picture[(0, 0)], picture[(1, 0)]);
+    }
+
+    #[test]
+    fn a_scan_is_a_plan_with_forward_up() {
+        // Forward at 2 m, left at 1 m, nothing behind, too near on the right.
+        let ranges = [2.0, 1.0, f32::INFINITY, f32::NEG_INFINITY];
+        let mut header = FrameHeader::new(Kind::LaserScan, Encoding::RangesF32);
+        header.set_scan_geometry(&ScanGeometry {
+            angle_increment: std::f64::consts::FRAC_PI_2,
+            ..ScanGeometry::default()
+        });
+        let picture = draw(&view(&mut header, 4, 1, bytemuck::cast_slice(&ranges))).unwrap();
+        let dark =
+            |x: u32, y: u32| picture[(x, y)].0.iter().map(|&value| u32::from(value)).sum::<u32>() < 500;
+        assert!(dark(400, 4), "2 m forward reaches the upper edge");
+        assert!(dark(202, 400), "1 m to the left is half way");
+        assert!(!dark(598, 400) && !dark(400, 796), "nothing else is there");
+    }
+
+    #[test]
+    fn rings_stay_countable() {
+        assert_eq!(ring_distance(3.5), 1.0);
+        assert_eq!(ring_distance(0.5), 0.5);
+        for farthest_m in [0.001, 0.3, 1.0, 9.0, 30.0, 100.0, 1e6] {
+            assert!(farthest_m / ring_distance(farthest_m) <= 10.0);
+        }
+    }
+
+    #[test]
+    fn what_has_no_look_says_so() {
+        let payload = [0; 8];
+        let mut header = FrameHeader::new(Kind::Clock, Encoding::Struct);
+        let error = draw(&view(&mut header, 1, 1, &payload)).unwrap_err();
+        assert!(error.to_string().contains("echo"), "{error}");
+        let header = FrameHeader::new(Kind::Image, Encoding::Rgb8);
+        assert_eq!(draw(&FrameView::new(&header, &[]).unwrap()), Err(PictureError::Empty));
+    }
+}

@@ -272,7 +272,8 @@ fn codes_are_found_from_the_robots_eye() {
             }
             let Some(corners) = seen.get(&code.says) else {
                 picture.save(std::env::temp_dir().join(format!("nf{step}.png"))).unwrap();
-                eprintln!("MISS step {step}: {} was not found", code.name); continue;
+                eprintln!("MISS step {step}: {} was not found", code.name);
+                continue;
             };
             let tolerance_px = if is_qr { 4.0 } else { 0.9 };
             if !is_qr {

@@ -4,7 +4,9 @@ use std::{io, path::PathBuf, time::Duration};
 
 use belvedere_bridge::Domain;
 
+use crate::description::Problem;
 use crate::picture::PictureError;
+use crate::rig::RigError;
 
 /// Why a command did not do what was asked.
 #[derive(Debug, thiserror::Error)]
@@ -13,6 +15,12 @@ pub enum CliError {
     /// The bridge's own words.
     #[error(transparent)]
     Bridge(#[from] belvedere_bridge::Error),
+    /// What is wrong with a robot or a world, one line each.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Description(Vec<Problem>),
+    /// The sensors cannot be started.
+    #[error(transparent)]
+    Rig(RigError),
     /// Nobody publishes anything.
     #[error(
         "nothing is published in domain \"{0}\": start a simulator (belvedere run --domain {0}), or name its domain with --domain"
@@ -68,6 +76,16 @@ pub enum CliError {
     /// No handler for Ctrl-C could be set.
     #[error("cannot listen for Ctrl-C: {0}")]
     Signal(#[from] ctrlc::Error),
+}
+
+impl From<RigError> for CliError {
+    fn from(error: RigError) -> Self {
+        match error {
+            RigError::Bridge(error) => Self::Bridge(error),
+            RigError::Description(problem) => Self::Description(vec![problem]),
+            RigError::Name { .. } => Self::Rig(error),
+        }
+    }
 }
 
 impl CliError {

@@ -1,10 +1,102 @@
-//! The subcommands of `belvedere`.
+//! The `belvedere` command and its subcommands.
 
 pub mod echo;
 pub mod error;
 pub mod follow;
 pub mod hz;
 pub mod list;
+pub mod log;
 pub mod message;
+pub mod run;
 pub mod snapshot;
 pub mod statistics;
+mod status;
+
+use clap::{CommandFactory as _, Parser, Subcommand};
+use clap_complete::Shell;
+use error::CliError;
+use std::process::ExitCode;
+
+/// A robot sensor simulator: cameras, depth cameras and lidars on the CPU, exact and repeatable, handed to other
+/// processes without a copy.
+///
+/// Without a subcommand it runs: the TurtleBot with its ceiling camera drives a loop in a room whose ceiling is
+/// covered with tags, and publishes all its streams until Ctrl-C. Look at them from a second terminal with `list`,
+/// `hz`, `echo` and `snapshot`.
+#[derive(Debug, Parser)]
+#[command(name = "belvedere", version, args_conflicts_with_subcommands = true)]
+#[command(after_help = "Environment:
+  TURTLEBOT_BASE, TURTLEBOT_STACKS, TURTLEBOT_3D_SENSOR   choose the robot BASE_STACKS_3D_SENSOR
+  TURTLEBOT_GAZEBO_WORLD_FILE                             chooses the world
+  ROS_PACKAGE_PATH                                        where packages are looked for, after --package-path
+  BELVEDERE_DOMAIN                                        the domain, if --domain is not given
+  BELVEDERE_MODELS                                        our own models, if not the installed ones
+  RAYON_NUM_THREADS                                       threads of the sensors
+  RUST_LOG                                                what is logged, for example belvedere=debug")]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    run: run::RunArgs,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Run(run::RunArgs),
+    List(list::ListArgs),
+    Hz(hz::HzArgs),
+    Echo(echo::EchoArgs),
+    Snapshot(snapshot::SnapshotArgs),
+    /// Print a script that completes this command in a shell.
+    ///
+    /// For bash: belvedere completions bash > ~/.local/share/bash-completion/completions/belvedere
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+}
+
+/// Runs the command line of this process and gives its exit code: 0, 1 when something went wrong, 2 when the
+/// arguments are wrong.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    log::start();
+    let done = match &cli.command {
+        None => run::run(&cli.run),
+        Some(Command::Run(args)) => run::run(args),
+        Some(Command::List(args)) => list::run(args),
+        Some(Command::Hz(args)) => hz::run(args),
+        Some(Command::Echo(args)) => echo::run(args),
+        Some(Command::Snapshot(args)) => snapshot::run(args),
+        Some(Command::Completions { shell }) => {
+            clap_complete::generate(*shell, &mut Cli::command(), "belvedere", &mut std::io::stdout());
+            Ok(())
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{}", failure(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Problems of a file already say `file:line: error:`; the rest gets an `error:` in front.
+fn failure(error: &CliError) -> String {
+    match error {
+        CliError::Description(_) => error.to_string(),
+        _ => format!("error: {error}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

@@ -9,11 +9,8 @@ pub mod package;
 mod sdf;
 pub mod sensor;
 pub mod values;
-<<<<<<< HEAD
 pub mod world;
-=======
 pub mod xacro;
->>>>>>> urdf
 pub mod xml;
 
 pub use diagnostics::{Diagnostics, Problem, Severity, Source};

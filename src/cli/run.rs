@@ -1,0 +1,172 @@
+//! `belvedere run`: the simulator.
+
+use super::error::CliError;
+use super::follow::{listen_for_stop, print_line, seconds, stop_wanted};
+use super::status::Status;
+use crate::description::model::{Model, World};
+use crate::description::package::PackagePath;
+use crate::description::robot::{LoadOptions, default_robot_name, load_robot};
+use crate::description::world::{default_world, load_world};
+use crate::description::{Diagnostics, Severity};
+use crate::rig::{Rig, RigOptions};
+use crate::robot::Drive;
+use crate::simulation::Simulation;
+use belvedere_bridge::{Domain, Node};
+use belvedere_sensors::Execution;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use xxhash_rust::xxh3::Xxh3;
+
+/// Longest sleep before the stop flag is looked at again.
+const NAP: Duration = Duration::from_millis(20);
+/// Lag beyond which lost time is given up instead of being caught up with in a burst.
+const GIVE_UP: Duration = Duration::from_millis(200);
+
+/// Run a robot in a world and publish what its sensors see, until Ctrl-C.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  belvedere run
+  belvedere run --robot kobuki_hexagons_kinect --world playground --drive spin
+  belvedere run --robot my_robot.urdf.xacro --package-path ~/catkin_ws/src --domain lab
+  belvedere run --rate max --duration 10 --hash")]
+pub struct RunArgs {
+    /// The robot: a .urdf or .xacro file, or the name of one in turtlebot_description/robots
+    /// [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]
+    #[arg(long, value_name = "FILE|NAME")]
+    robot: Option<String>,
+    /// The world: an SDF file, or the name of one of ours
+    /// [default: tag_ceiling, or TURTLEBOT_GAZEBO_WORLD_FILE]
+    #[arg(long, value_name = "FILE|NAME")]
+    world: Option<String>,
+    /// Name under which consumers find this simulation; several run side by side under different names
+    #[arg(long, value_name = "NAME", env = "BELVEDERE_DOMAIN", default_value_t)]
+    domain: Domain,
+    /// Seed of all noise: same seed, same bytes
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// End after so many simulated seconds
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    duration: Option<Duration>,
+    /// Keep to the clock, or go as fast as it can
+    #[arg(long, value_enum, default_value_t)]
+    rate: Pace,
+    /// What the robot does when nobody sends velocity commands
+    #[arg(long, value_enum, default_value_t)]
+    drive: Drive,
+    /// Behave as Gazebo classic where it differs from what is right: its principal point, NaN for depths out of
+    /// range, ranges that begin at the minimum, sensors on missing links left out
+    #[arg(long)]
+    gazebo_compat: bool,
+    /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
+    #[arg(long, value_name = "FOLDER")]
+    package_path: Vec<PathBuf>,
+    /// Print at the end a hash of every byte published, per stream and over all
+    #[arg(long)]
+    hash: bool,
+}
+
+/// How simulated time runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Pace {
+    /// As the clock on the wall.
+    #[default]
+    Realtime,
+    /// As fast as it can.
+    Max,
+}
+
+/// Runs the simulator.
+///
+/// # Errors
+/// What is wrong with the files, the sensors or the domain.
+pub fn run(args: &RunArgs) -> Result<(), CliError> {
+    let (world, robot) = load(args)?;
+    listen_for_stop()?;
+    let node = Node::open(&args.domain, "belvedere")?;
+    let options = RigOptions {
+        seed: args.seed,
+        gazebo_compat: args.gazebo_compat,
+        hashed: args.hash,
+        execution: Execution::parallel(),
+    };
+    let mut notes = Vec::new();
+    let mut simulation = Simulation::new(&world, &robot, args.drive, &node, &options, &mut notes)?;
+    for note in &notes {
+        tracing::info!("{note}");
+    }
+    tracing::info!(
+        "robot {} in world {}, domain {}; a second terminal: belvedere list, belvedere hz TOPIC",
+        robot.name,
+        world.name,
+        args.domain
+    );
+    let mut status = Status::new(simulation.rig());
+    run_loop(&mut simulation, args, &mut status);
+    let table = status.finish(simulation.rig(), simulation.time_ns());
+    eprint!("{table}");
+    if args.hash { print_hashes(simulation.rig()) } else { Ok(()) }
+}
+
+fn load(args: &RunArgs) -> Result<(World, Model), CliError> {
+    let mut diagnostics = Diagnostics::default();
+    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
+    let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
+    let world = args.world.clone().unwrap_or_else(default_world);
+    let world = load_world(&world, &packages, args.gazebo_compat, &mut diagnostics);
+    let options = LoadOptions { packages, gazebo_compat: args.gazebo_compat, xacro_args: Vec::new() };
+    let robot = args.robot.clone().unwrap_or_else(default_robot_name);
+    let robot = load_robot(&robot, &options, &mut diagnostics);
+    for problem in diagnostics.problems() {
+        match problem.severity {
+            Severity::Error => {}
+            Severity::Warning => tracing::warn!("{problem}"),
+            Severity::Note => tracing::debug!("{problem}"),
+        }
+    }
+    match (world, robot) {
+        (Some(world), Some(robot)) if !diagnostics.has_errors() => Ok((world, robot)),
+        _ => Err(CliError::Description(diagnostics.errors().cloned().collect())),
+    }
+}
+
+fn run_loop(simulation: &mut Simulation, args: &RunArgs, status: &mut Status) {
+    let end_ns =
+        args.duration.map_or(u64::MAX, |duration| u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX));
+    let mut started = Instant::now();
+    while !stop_wanted() && simulation.next_stamp_ns() < end_ns {
+        if args.rate == Pace::Realtime && !wait_for(&mut started, simulation.next_stamp_ns()) {
+            return;
+        }
+        simulation.advance();
+        status.refresh(simulation.rig(), simulation.time_ns());
+    }
+}
+
+/// Waits until the wall clock has come to a stamp; false when the user wants to stop.
+fn wait_for(started: &mut Instant, stamp_ns: u64) -> bool {
+    let due = *started + Duration::from_nanos(stamp_ns);
+    loop {
+        if stop_wanted() {
+            return false;
+        }
+        let now = Instant::now();
+        if now >= due {
+            if now - due > GIVE_UP {
+                *started += now - due;
+            }
+            return true;
+        }
+        std::thread::sleep(NAP.min(due - now));
+    }
+}
+
+fn print_hashes(rig: &Rig) -> Result<(), CliError> {
+    let mut all = Xxh3::new();
+    for outlet in rig.outlets() {
+        let hash = outlet.hash().unwrap_or(0);
+        all.update(outlet.topic().as_bytes());
+        all.update(&hash.to_le_bytes());
+        print_line(&format!("{hash:032x}  {}  {} frames", outlet.topic(), outlet.tally().frames))?;
+    }
+    print_line(&format!("{:032x}  total", all.digest128()))
+}

@@ -1,0 +1,220 @@
+//! Whatever is put into a scene or a sensor: an error or a frame, never a panic.
+
+mod common;
+
+use belvedere_sensors::Pose;
+use belvedere_sensors::camera::{Camera, CameraConfig};
+use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
+use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
+use belvedere_sensors::scene::{
+    InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, MeshId, SceneBuilder,
+    SceneError, Shape, TextureId, visibility,
+};
+use belvedere_sensors::trace::{Capture, WorkspaceBuf};
+use common::{CAMERA, DEPTH_CAMERA, LIDAR, add_grey};
+use glam::{DQuat, DVec3};
+use proptest::array::uniform3;
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+/// Numbers that people write, and those that nobody should.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        6 => -5.0..5.0,
+        1 => prop::num::f64::ANY,
+        1 => prop::sample::select(vec![0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e-310, 1e300, -1.0]),
+    ]
+}
+
+fn single() -> impl Strategy<Value = f32> {
+    number().prop_map(|x| x as f32)
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    prop_oneof![
+        uniform3(number()).prop_map(|size| Shape::Box { size }),
+        (number(), number()).prop_map(|(x, y)| Shape::Rectangle { size: [x, y] }),
+        number().prop_map(|radius| Shape::Sphere { radius }),
+        (number(), number()).prop_map(|(radius, length)| Shape::Cylinder { radius, length }),
+        (number(), number()).prop_map(|(radius, length)| Shape::Capsule { radius, length }),
+        (0_u32..4).prop_map(|mesh| Shape::Mesh(MeshId(mesh))),
+    ]
+}
+
+fn pose() -> impl Strategy<Value = Pose> {
+    (uniform3(number()), uniform3(number()), any::<bool>()).prop_map(|(xyz, rpy, quaternion)| {
+        let xyz = DVec3::from_array(xyz);
+        if quaternion {
+            Pose::new(xyz, DQuat::from_xyzw(rpy[0], rpy[1], rpy[2], 0.0))
+        } else {
+            Pose::from_xyz_rpy(xyz, DVec3::from_array(rpy))
+        }
+    })
+}
+
+fn light() -> impl Strategy<Value = LightConfig> {
+    let kind = (0..3, uniform3(number()), uniform3(number()), single(), single()).prop_map(
+        |(kind, position, direction, cos_inner, cos_outer)| match kind {
+            0 => LightKind::Point { position },
+            1 => LightKind::Directional { direction },
+            _ => LightKind::Spot { position, direction, cos_inner, cos_outer },
+        },
+    );
+    (kind, uniform3(single()), single(), uniform3(single()), any::<bool>()).prop_map(
+        |(kind, diffuse, range_m, attenuation, cast_shadows)| LightConfig {
+            kind,
+            diffuse,
+            range_m,
+            attenuation,
+            cast_shadows,
+        },
+    )
+}
+
+type MeshParts = (Vec<[f32; 3]>, Vec<[f32; 2]>, Vec<[u32; 3]>);
+
+fn mesh() -> impl Strategy<Value = MeshParts> {
+    let triangle = uniform3(prop_oneof![20 => 0_u32..5, 1 => any::<u32>()]);
+    (vec(uniform3(single()), 0..8), vec([single(), single()], 0..8), vec(triangle, 0..12))
+}
+
+/// Takes one small frame of every kind.
+fn sense_all(builder: &SceneBuilder, pose: Pose) {
+    let scene = builder.scene();
+    let mut workspace = WorkspaceBuf::for_scene(&scene);
+    let capture = Capture { world_from_sensor: pose, frame: u64::MAX };
+    let small = CameraConfig { width: 37, height: 9, ..CAMERA };
+    let camera = DepthCamera::new(DepthCameraConfig { camera: small, ..DEPTH_CAMERA }).unwrap();
+    let (mut metres, mut millimetres) = (vec![0.0; camera.pixels()], vec![0; camera.pixels()]);
+    let (mut colour, mut points) =
+        (vec![0; camera.camera().frame_len()], vec![0; camera.pixels() * POINT_STEP]);
+    let output = DepthFrame {
+        depth_32fc1: Some(&mut metres),
+        depth_16uc1: Some(&mut millimetres),
+        colour: Some(&mut colour),
+        points: Some(&mut points),
+    };
+    camera.sense(&scene, &capture, &mut workspace.lend(), output);
+    let lidar =
+        Lidar::new(LidarConfig { horizontal: Beams { samples: 70, ..LIDAR.horizontal }, ..LIDAR }).unwrap();
+    let mut ranges = vec![0.0; lidar.beams()];
+    lidar.sense(&scene, &capture, &mut workspace.lend(), &mut ranges, &mut []);
+    assert!(ranges.iter().all(|range| !range.is_nan()));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1500) })]
+
+    #[test]
+    fn scenes(
+        texture in (0_u32..70, 0_u32..5, 0_usize..350),
+        material in (uniform3(single()), single(), single(), prop::option::of(0_u32..2)),
+        meshes in vec(mesh(), 0..4),
+        instances in vec((shape(), pose(), 0_u32..2, single()), 0..8),
+        lights in vec(light(), 0..3),
+        moved in (0_u32..9, pose()),
+        view in pose(),
+    ) {
+        let mut builder = SceneBuilder::new();
+        let (width, height, texels) = texture;
+        let fits = width > 0 && height > 0 && texels == (width * height) as usize;
+        prop_assert_eq!(builder.add_texture(width, height, &vec![[7; 4]; texels]).is_ok(), fits);
+        let (colour, u, v, texture) = material;
+        let _ = builder.add_material(&MaterialConfig {
+            diffuse: colour,
+            texture: texture.map(TextureId),
+            texture_repeat: [u, v],
+            ..MaterialConfig::default()
+        });
+        for (positions, uvs, triangles) in &meshes {
+            let _ = builder.add_mesh(positions, uvs, triangles);
+        }
+        for (shape, world_from_instance, material, laser_retro) in instances {
+            let visibility = visibility::VISUAL | visibility::COLLISION;
+            let material = MaterialId(material);
+            let _ = builder.add_instance(&InstanceConfig {
+                shape, world_from_instance, material, visibility, laser_retro,
+            });
+        }
+        for light in &lights {
+            builder.add_light(light);
+        }
+        let (instance, pose) = moved;
+        let _ = builder.set_pose(InstanceId(instance), pose);
+        sense_all(&builder, view);
+    }
+
+    #[test]
+    fn configurations(
+        size in (any::<u32>(), 0_u32..20),
+        numbers in [number(), number(), number(), number(), number(), number(), number(), number()],
+        beams in (0_u32..40, prop_oneof![0_u32..20, any::<u32>()]),
+    ) {
+        let [fov, near, far, min, max, from, to, up] = numbers;
+        let camera = CameraConfig {
+            width: size.0, height: size.1, horizontal_fov_rad: fov, near_m: near, far_m: far, ..CAMERA
+        };
+        if Camera::new(camera).is_ok() {
+            prop_assert!(size.0 > 0 && size.1 > 0 && fov > 0.0 && near > 0.0 && near < far);
+        }
+        let depth = DepthCameraConfig { camera, min_depth_m: min, max_depth_m: max, ..DEPTH_CAMERA };
+        if DepthCamera::new(depth).is_ok() {
+            prop_assert!(min >= 0.0 && min < max);
+        }
+        let config = LidarConfig {
+            horizontal: Beams { samples: beams.0, min_angle_rad: from, max_angle_rad: to },
+            vertical: Beams { samples: beams.1, min_angle_rad: up, max_angle_rad: up },
+            range_min_m: min,
+            range_max_m: max,
+            too_near: TooNear::SeenThrough,
+            ..LIDAR
+        };
+        if let Ok(lidar) = Lidar::new(config) && lidar.beams() < 1000 {
+            let mut builder = SceneBuilder::new();
+            add_grey(&mut builder, Shape::Sphere { radius: 2.0 }, Pose::IDENTITY);
+            let scene = builder.scene();
+            let mut ranges = vec![0.0; lidar.beams()];
+            let capture = Capture { world_from_sensor: Pose::IDENTITY, frame: 0 };
+            lidar.sense(&scene, &capture, &mut WorkspaceBuf::for_scene(&scene).lend(), &mut ranges, &mut []);
+            prop_assert!(ranges.iter().all(|range| !range.is_nan()));
+        }
+    }
+}
+
+#[test]
+fn every_error_has_its_name() {
+    let mut builder = SceneBuilder::new();
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, f32::NAN, 0.0]];
+    assert_eq!(builder.add_texture(0, 4, &[]), Err(SceneError::BadTexture));
+    assert_eq!(builder.add_texture(2, 2, &[[0; 4]; 3]), Err(SceneError::BadTexture));
+    let missing = MaterialConfig { texture: Some(TextureId(0)), ..MaterialConfig::default() };
+    assert_eq!(builder.add_material(&missing), Err(SceneError::NoSuchTexture));
+    assert_eq!(builder.add_mesh(&corners, &[], &[]), Err(SceneError::EmptyMesh));
+    assert_eq!(builder.add_mesh(&corners, &[], &[[0, 1, 2]]), Err(SceneError::BadVertex(2)));
+    assert_eq!(
+        builder.add_mesh(&corners[..2], &[], &[[0, 1, 1], [0, 1, 2]]),
+        Err(SceneError::BadTriangle(1))
+    );
+    assert_eq!(builder.add_mesh(&corners[..2], &[[0.0; 2]], &[[0, 1, 1]]), Err(SceneError::UvCount));
+    let config = InstanceConfig {
+        shape: Shape::Sphere { radius: 1.0 },
+        world_from_instance: Pose::IDENTITY,
+        material: MaterialId(0),
+        visibility: visibility::VISUAL,
+        laser_retro: 0.0,
+    };
+    assert_eq!(builder.add_instance(&config), Err(SceneError::NoSuchMaterial));
+    builder.add_material(&MaterialConfig::default()).unwrap();
+    let no_mesh = InstanceConfig { shape: Shape::Mesh(MeshId(0)), ..config };
+    assert_eq!(builder.add_instance(&no_mesh), Err(SceneError::NoSuchMesh));
+    for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let bad = InstanceConfig { shape: Shape::Sphere { radius }, ..config };
+        assert_eq!(builder.add_instance(&bad), Err(SceneError::BadSize));
+    }
+    let nowhere = Pose::from_translation(DVec3::NAN);
+    let bad = InstanceConfig { world_from_instance: nowhere, ..config };
+    assert_eq!(builder.add_instance(&bad), Err(SceneError::BadPose));
+    let ball = builder.add_instance(&config).unwrap();
+    assert_eq!(builder.set_pose(ball, nowhere), Err(SceneError::BadPose));
+    assert_eq!(builder.set_pose(InstanceId(1), Pose::IDENTITY), Err(SceneError::NoSuchInstance));
+}

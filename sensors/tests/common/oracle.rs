@@ -1,0 +1,140 @@
+//! Where a single ray first meets a shape: school geometry in f64, one surface at a time, written apart from
+//! the library's kernels.
+
+use belvedere_sensors::Pose;
+use belvedere_sensors::camera::CameraConfig;
+use belvedere_sensors::scene::Shape;
+use glam::DVec3;
+
+/// A ray p(t) = origin + t·direction.
+#[derive(Clone, Copy)]
+pub(crate) struct Ray {
+    pub(crate) origin: DVec3,
+    pub(crate) direction: DVec3,
+}
+
+impl Ray {
+    fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+
+    fn local(&self, world_from_shape: &Pose) -> Self {
+        let shape_from_world = world_from_shape.rotation().inverse();
+        Self {
+            origin: shape_from_world * (self.origin - world_from_shape.translation()),
+            direction: shape_from_world * self.direction,
+        }
+    }
+}
+
+/// The ray of a camera's pixel, with t the depth.
+pub(crate) fn pixel_ray(camera: &CameraConfig, pose: &Pose, column: u32, row: u32) -> Ray {
+    let focal = f64::from(camera.width) / 2.0 / (camera.horizontal_fov_rad / 2.0).tan();
+    let right = f64::from(column) - (f64::from(camera.width) - 1.0) / 2.0;
+    let down = f64::from(row) - (f64::from(camera.height) - 1.0) / 2.0;
+    let direction = pose.rotation() * DVec3::new(1.0, -right / focal, -down / focal);
+    Ray { origin: pose.translation(), direction }
+}
+
+/// A point of a shape's surface on a ray, and the outward normal there.
+type Candidate = (f64, DVec3);
+
+/// The least t ≥ `t_min` at which the ray meets the shape's surface; from outside only, unless `both` sides
+/// count. Meshes have no formula of their own.
+pub(crate) fn first_hit(shape: &Shape, pose: &Pose, ray: &Ray, t_min: f64, both: bool) -> Option<f64> {
+    let ray = ray.local(pose);
+    let candidates = match *shape {
+        Shape::Box { size } => box_faces(&ray, DVec3::from_array(size) / 2.0),
+        Shape::Rectangle { size } => {
+            let within = |p: DVec3| p.x.abs() <= size[0] / 2.0 && p.y.abs() <= size[1] / 2.0;
+            plane(&ray, DVec3::Z, 0.0, within).into_iter().collect()
+        }
+        Shape::Sphere { radius } => ball(&ray, DVec3::ZERO, radius),
+        Shape::Cylinder { radius, length } => {
+            let disc = |p: DVec3| p.x.hypot(p.y) <= radius;
+            let ends = [DVec3::Z, DVec3::NEG_Z].map(|normal| plane(&ray, normal, length / 2.0, disc));
+            tube(&ray, radius, length).into_iter().chain(ends.into_iter().flatten()).collect()
+        }
+        Shape::Capsule { radius, length } => {
+            let end = DVec3::Z * (length / 2.0);
+            let caps = [end, -end].into_iter().flat_map(|centre| {
+                let beyond =
+                    move |(t, _): &Candidate, ray: Ray| ray.at(*t).z * centre.z.signum() >= length / 2.0;
+                ball(&ray, centre, radius).into_iter().filter(move |hit| beyond(hit, ray))
+            });
+            tube(&ray, radius, length).into_iter().chain(caps).collect()
+        }
+        Shape::Mesh(_) => unreachable!("meshes have no formula"),
+    };
+    candidates
+        .into_iter()
+        .filter(|(t, normal)| *t >= t_min && (both || normal.dot(ray.direction) < 0.0))
+        .map(|(t, _)| t)
+        .reduce(f64::min)
+}
+
+/// The same shape with all lengths multiplied.
+pub(crate) fn scaled(shape: &Shape, factor: f64) -> Shape {
+    match *shape {
+        Shape::Box { size } => Shape::Box { size: size.map(|edge| edge * factor) },
+        Shape::Rectangle { size } => Shape::Rectangle { size: size.map(|edge| edge * factor) },
+        Shape::Sphere { radius } => Shape::Sphere { radius: radius * factor },
+        Shape::Cylinder { radius, length } => {
+            Shape::Cylinder { radius: radius * factor, length: length * factor }
+        }
+        Shape::Capsule { radius, length } => {
+            Shape::Capsule { radius: radius * factor, length: length * factor }
+        }
+        Shape::Mesh(mesh) => Shape::Mesh(mesh),
+    }
+}
+
+/// The plane normal·p = offset, where `within` holds.
+fn plane(ray: &Ray, normal: DVec3, offset: f64, within: impl Fn(DVec3) -> bool) -> Option<Candidate> {
+    let t = (offset - normal.dot(ray.origin)) / normal.dot(ray.direction);
+    (t.is_finite() && within(ray.at(t))).then_some((t, normal))
+}
+
+fn box_faces(ray: &Ray, half: DVec3) -> Vec<Candidate> {
+    (0..6)
+        .filter_map(|face| {
+            let (axis, sign) = (face / 2, if face % 2 == 0 { 1.0 } else { -1.0 });
+            let mut normal = DVec3::ZERO;
+            normal[axis] = sign;
+            plane(ray, normal, half[axis], |p| (0..3).all(|a| a == axis || p[a].abs() <= half[a]))
+        })
+        .collect()
+}
+
+/// By Pythagoras: from the point of the ray that is nearest to the centre, half a chord back and forth.
+fn ball(ray: &Ray, centre: DVec3, radius: f64) -> Vec<Candidate> {
+    let speed = ray.direction.length();
+    let ahead = ray.direction / speed;
+    let nearest = ahead.dot(centre - ray.origin);
+    let miss = (ray.origin + ahead * nearest - centre).length();
+    if miss > radius {
+        return vec![];
+    }
+    let half_chord = ((radius - miss) * (radius + miss)).sqrt();
+    [nearest - half_chord, nearest + half_chord]
+        .map(|distance| (distance / speed, (ray.origin + ahead * distance - centre) / radius))
+        .into()
+}
+
+/// The side of a cylinder: a circle in the plane across, then the height there.
+fn tube(ray: &Ray, radius: f64, length: f64) -> Vec<Candidate> {
+    let (origin, direction) = (ray.origin.truncate(), ray.direction.truncate());
+    let speed = direction.length();
+    let ahead = direction / speed;
+    let nearest = -ahead.dot(origin);
+    let miss = ahead.perp_dot(origin).abs();
+    if speed == 0.0 || miss > radius {
+        return vec![];
+    }
+    let half_chord = ((radius - miss) * (radius + miss)).sqrt();
+    [nearest - half_chord, nearest + half_chord]
+        .into_iter()
+        .map(|distance| (distance / speed, ((origin + ahead * distance) / radius).extend(0.0)))
+        .filter(|(t, _)| ray.at(*t).z.abs() <= length / 2.0)
+        .collect()
+}

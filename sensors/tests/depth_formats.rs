@@ -1,0 +1,187 @@
+//! The parts of a depth frame agree with each other, and intensities with what was hit.
+
+mod common;
+
+use belvedere_sensors::Pose;
+use belvedere_sensors::camera::PixelFormat;
+use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP};
+use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::scene::{InstanceConfig, SceneBuilder, Shape, visibility};
+use belvedere_sensors::trace::{Capture, WorkspaceBuf};
+use common::{DEPTH_CAMERA, LIDAR, add, add_grey, glowing, look_at, scan};
+use glam::DVec3;
+
+struct Frame {
+    metres: Vec<f32>,
+    millimetres: Vec<u16>,
+    colour: Vec<u8>,
+    points: Vec<u8>,
+}
+
+fn whole_frame(builder: &SceneBuilder, camera: &DepthCamera, pose: Pose) -> Frame {
+    let scene = builder.scene();
+    let mut frame = Frame {
+        metres: vec![0.0; camera.pixels()],
+        millimetres: vec![0; camera.pixels()],
+        colour: vec![0; camera.camera().frame_len()],
+        points: vec![0xAA; camera.pixels() * POINT_STEP],
+    };
+    let output = DepthFrame {
+        depth_32fc1: Some(&mut frame.metres),
+        depth_16uc1: Some(&mut frame.millimetres),
+        colour: Some(&mut frame.colour),
+        points: Some(&mut frame.points),
+    };
+    let capture = Capture { world_from_sensor: pose, frame: 3 };
+    camera.sense(&scene, &capture, &mut WorkspaceBuf::for_scene(&scene).lend(), output);
+    frame
+}
+
+/// A ramp from near to far, of one colour.
+fn ramp(builder: &mut SceneBuilder) {
+    let orange = glowing(builder, [1.0, 0.5, 0.25]);
+    let floor = Shape::Rectangle { size: [300.0, 40.0] };
+    add(builder, floor, Pose::from_translation(DVec3::X * 150.0), orange);
+}
+
+#[test]
+fn millimetres_are_the_metres_rounded() {
+    let mut builder = SceneBuilder::new();
+    ramp(&mut builder);
+    let camera = DepthCamera::new(DEPTH_CAMERA).unwrap();
+    let frame = whole_frame(&builder, &camera, look_at(DVec3::Z, DVec3::new(30.0, 0.0, 0.0), 0.2));
+    let (mut valid, mut beyond) = (0, 0);
+    for (&metres, &millimetres) in frame.metres.iter().zip(&frame.millimetres) {
+        let rounded = (f64::from(metres) * 1000.0).round();
+        if rounded <= 65535.0 {
+            // f32 holds 65 m to 4 µm: of two roundings the one a hair off the middle may differ.
+            assert!((f64::from(millimetres) - f64::from(metres) * 1000.0).abs() < 0.51, "{metres}");
+            valid += 1;
+        } else {
+            assert_eq!(millimetres, 0, "{metres} m does not fit");
+            beyond += usize::from(metres.is_finite());
+        }
+    }
+    assert!(valid > 10_000 && beyond > 100, "{valid} valid, {beyond} beyond 65.535 m");
+}
+
+#[test]
+fn the_cloud_is_the_depth_unprojected() {
+    let mut builder = SceneBuilder::new();
+    ramp(&mut builder);
+    let mut config = DepthCameraConfig { min_depth_m: 1.0, max_depth_m: 20.0, ..DEPTH_CAMERA };
+    config.noise = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).unwrap();
+    config.camera.noise = GaussianNoise::new(0.0, 0.007, 0.0, 0.0, 0.0).unwrap();
+    for (format, order) in [(PixelFormat::Rgb8, [0, 1, 2]), (PixelFormat::Bgr8, [2, 1, 0])] {
+        config.camera.format = format;
+        let camera = DepthCamera::new(config).unwrap();
+        let frame = whole_frame(&builder, &camera, look_at(DVec3::Z, DVec3::X * 30.0, 0.2));
+        let mut valid = 0;
+        for (index, point) in frame.points.chunks_exact(POINT_STEP).enumerate() {
+            let word = |at: usize| u32::from_le_bytes(point[at..at + 4].try_into().unwrap());
+            let xyz = [0, 4, 8].map(|at| f32::from_bits(word(at)));
+            let depth = frame.metres[index];
+            if depth.is_finite() {
+                let pixel = [(index % 640) as f64, (index / 640) as f64];
+                let truth = camera.camera().lens().unproject(pixel) * f64::from(depth);
+                for axis in 0..3 {
+                    assert!((f64::from(xyz[axis]) - truth[axis]).abs() < 1e-6 * f64::from(depth));
+                }
+                valid += 1;
+            } else {
+                assert!(xyz.iter().all(|x| x.is_nan()), "no point where the depth is {depth}");
+            }
+            let colour = order.map(|channel| u32::from(frame.colour[3 * index + channel]));
+            assert_eq!(word(16), colour[0] << 16 | colour[1] << 8 | colour[2]);
+            assert_eq!([12, 20, 24, 28].map(word), [0; 4], "padding is zero");
+        }
+        assert!(valid > 10_000);
+    }
+}
+
+#[test]
+fn the_colour_is_that_of_the_camera_alone() {
+    let mut builder = SceneBuilder::new();
+    ramp(&mut builder);
+    let mut config = DEPTH_CAMERA;
+    config.camera.noise = GaussianNoise::new(0.0, 0.007, 0.0, 0.0, 0.0).unwrap();
+    let pose = look_at(DVec3::Z, DVec3::X * 30.0, 0.2);
+    let frame = whole_frame(&builder, &DepthCamera::new(config).unwrap(), pose);
+    let alone = common::picture_with(
+        &builder.scene(),
+        config.camera,
+        pose,
+        3,
+        belvedere_sensors::Execution::default(),
+    );
+    assert!(frame.colour == alone);
+}
+
+#[test]
+fn sizes_that_are_no_multiple_of_a_tile() {
+    let mut builder = SceneBuilder::new();
+    ramp(&mut builder);
+    let pose = look_at(DVec3::Z, DVec3::X * 5.0, 0.2);
+    for (width, height) in [(1, 1), (17, 5), (33, 3), (15, 4)] {
+        let mut config = DepthCameraConfig { out_of_range: OutOfRange::Nan, ..DEPTH_CAMERA };
+        (config.camera.width, config.camera.height) = (width, height);
+        let camera = DepthCamera::new(config).unwrap();
+        let frame = whole_frame(&builder, &camera, pose);
+        for (index, &depth) in frame.metres.iter().enumerate() {
+            let (column, row) = (index as u32 % width, index as u32 / width);
+            let ray = common::oracle::pixel_ray(&config.camera, &pose, column, row);
+            let floor = Shape::Rectangle { size: [300.0, 40.0] };
+            let floor_pose = Pose::from_translation(DVec3::X * 150.0);
+            let truth = common::oracle::first_hit(&floor, &floor_pose, &ray, 0.02, false);
+            assert_eq!(depth.is_nan(), truth.is_none(), "({column}, {row}) of {width} × {height}");
+            assert!(truth.is_none_or(|truth| (f64::from(depth) - truth).abs() < 1e-5 * truth));
+        }
+    }
+}
+
+#[test]
+fn intensities_are_those_of_the_shapes() {
+    let mut builder = SceneBuilder::new();
+    let grey = glowing(&mut builder, [0.5; 3]);
+    for (y, laser_retro, visibility) in [
+        (1.0, 120.5, visibility::COLLISION),
+        (-1.0, 2000.0, visibility::COLLISION | visibility::VISUAL),
+        (0.0, 7.0, visibility::VISUAL),
+    ] {
+        let config = InstanceConfig {
+            shape: Shape::Box { size: [0.1, 0.5, 0.5] },
+            world_from_instance: Pose::from_translation(DVec3::new(2.0, y, 0.0)),
+            material: grey,
+            visibility,
+            laser_retro,
+        };
+        builder.add_instance(&config).unwrap();
+    }
+    let (ranges, intensities) = scan(&builder.scene(), LIDAR, Pose::IDENTITY);
+    for (beam, (range, intensity)) in ranges.iter().zip(&intensities).enumerate() {
+        let expected = match (range.is_finite(), beam < 360) {
+            (false, _) => 0.0,
+            (true, true) => 2000.0,
+            (true, false) => 120.5,
+        };
+        assert_eq!(*intensity, expected, "beam {beam}");
+    }
+    assert!(ranges[355..365].iter().all(|range| range.is_infinite()), "visuals are nothing to a lidar");
+}
+
+#[test]
+fn cameras_do_not_see_collision_shapes() {
+    let mut builder = SceneBuilder::new();
+    add_grey(&mut builder, Shape::Sphere { radius: 0.5 }, Pose::from_translation(DVec3::X * 4.0));
+    let grey = glowing(&mut builder, [0.5; 3]);
+    let hidden = InstanceConfig {
+        shape: Shape::Sphere { radius: 0.5 },
+        world_from_instance: Pose::from_translation(DVec3::X * 2.0),
+        material: grey,
+        visibility: visibility::COLLISION,
+        laser_retro: 0.0,
+    };
+    builder.add_instance(&hidden).unwrap();
+    let depths = common::depth_image(&builder.scene(), DEPTH_CAMERA, Pose::IDENTITY);
+    assert!((depths[240 * 640 + 320] - 3.5).abs() < 1e-4);
+}

@@ -1,0 +1,97 @@
+//! No sensor allocates once it is set up.
+
+mod common;
+
+use belvedere_sensors::Pose;
+use belvedere_sensors::camera::Camera;
+use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
+use belvedere_sensors::lidar::Lidar;
+use belvedere_sensors::scene::SceneBuilder;
+use belvedere_sensors::trace::{Capture, WorkspaceBuf};
+use common::{CAMERA, DEPTH_CAMERA, LIDAR, scenery};
+use core::cell::Cell;
+use std::alloc::{GlobalAlloc, Layout, System};
+
+/// The system's allocator, which counts what each thread asks of it.
+struct Counting;
+
+thread_local! {
+    static CALLS: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count() {
+    // Nothing to count once the thread is being taken down.
+    let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
+}
+
+// SAFETY: every call is handed on to the system's allocator as it came, and counting neither allocates nor
+// unwinds: the counter is a plain number, initialised at compile time.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promises are those that `System` asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: `pointer` came from `System` with that layout, as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
+        count();
+        // SAFETY: as for `dealloc`; the caller promises a valid size.
+        unsafe { System.realloc(pointer, layout, new_size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocations of this thread during `work`.
+fn allocations(work: impl FnOnce()) -> usize {
+    let before = CALLS.get();
+    work();
+    CALLS.get() - before
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(allocations(|| drop(std::hint::black_box(vec![0_u8; 100]))), 1);
+}
+
+#[test]
+fn sensing_does_not_allocate() {
+    let mut builder = SceneBuilder::new();
+    let moving = scenery(&mut builder);
+    let mut workspace = WorkspaceBuf::for_scene(&builder.scene());
+    let camera = Camera::new(CAMERA).unwrap();
+    let depth_camera = DepthCamera::new(DEPTH_CAMERA).unwrap();
+    let lidar = Lidar::new(LIDAR).unwrap();
+    let mut pixels = vec![0; camera.frame_len()];
+    let mut colour = vec![0; camera.frame_len()];
+    let mut metres = vec![0.0; depth_camera.pixels()];
+    let mut millimetres = vec![0; depth_camera.pixels()];
+    let mut points = vec![0; depth_camera.pixels() * POINT_STEP];
+    let (mut ranges, mut intensities) = (vec![0.0; lidar.beams()], vec![0.0; lidar.beams()]);
+
+    for frame in 0..3 {
+        let pose = Pose::from_translation(glam::DVec3::new(-3.0 + 0.1 * frame as f64, 0.2, 0.5));
+        let capture = Capture { world_from_sensor: pose, frame };
+        let calls = allocations(|| {
+            builder.set_pose(moving, pose.inverse()).unwrap();
+            let scene = builder.scene();
+            workspace.fit(&scene);
+            camera.sense(&scene, &capture, &mut workspace.lend(), &mut pixels);
+            let output = DepthFrame {
+                depth_32fc1: Some(&mut metres),
+                depth_16uc1: Some(&mut millimetres),
+                colour: Some(&mut colour),
+                points: Some(&mut points),
+            };
+            depth_camera.sense(&scene, &capture, &mut workspace.lend(), output);
+            lidar.sense(&scene, &capture, &mut workspace.lend(), &mut ranges, &mut intensities);
+        });
+        assert_eq!(calls, 0, "frame {frame}");
+    }
+}

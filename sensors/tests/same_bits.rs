@@ -1,0 +1,137 @@
+//! The same bytes at every SIMD level, for any number of threads, and on every machine.
+
+mod common;
+
+use belvedere_sensors::camera::{CameraConfig, PixelFormat};
+use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
+use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig};
+use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::scene::SceneBuilder;
+use belvedere_sensors::simd::Level;
+use belvedere_sensors::trace::{Capture, WorkspaceBuf};
+use belvedere_sensors::{Execution, Pose};
+use common::{CAMERA, DEPTH_CAMERA, LIDAR, picture_with, scenery};
+use glam::DVec3;
+
+/// What is sensed of the scenery, by name, as bytes.
+fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
+    let mut builder = SceneBuilder::new();
+    scenery(&mut builder);
+    let scene = builder.scene();
+    let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
+    let noise = GaussianNoise::new(0.001, 0.007, 0.002, 0.001, 0.0).unwrap();
+    // Neither side is a multiple of a tile's.
+    let camera = CameraConfig { width: 333, height: 245, noise, ..CAMERA };
+    let mut workspace = WorkspaceBuf::for_scene(&scene);
+    workspace.execution = execution;
+    let capture = Capture { world_from_sensor: pose, frame: 7 };
+
+    let depth_camera =
+        DepthCamera::new(DepthCameraConfig { camera, max_depth_m: 6.0, noise, ..DEPTH_CAMERA }).unwrap();
+    let pixels = depth_camera.pixels();
+    let (mut metres, mut millimetres) = (vec![0.0_f32; pixels], vec![0_u16; pixels]);
+    let mut points = vec![0; pixels * POINT_STEP];
+    let output = DepthFrame {
+        depth_32fc1: Some(&mut metres),
+        depth_16uc1: Some(&mut millimetres),
+        points: Some(&mut points),
+        colour: None,
+    };
+    depth_camera.sense(&scene, &capture, &mut workspace.lend(), output);
+
+    let vertical = Beams { samples: 16, min_angle_rad: -0.4, max_angle_rad: 0.3 };
+    let lidar = Lidar::new(LidarConfig { vertical, noise, ..LIDAR }).unwrap();
+    let mut ranges = vec![0.0_f32; lidar.beams()];
+    lidar.sense(&scene, &capture, &mut workspace.lend(), &mut ranges, &mut []);
+
+    let bytes = |floats: &[f32]| floats.iter().flat_map(|x| x.to_bits().to_le_bytes()).collect();
+    vec![
+        ("rgb8", picture_with(&scene, camera, pose, 7, execution)),
+        (
+            "mono8",
+            picture_with(&scene, CameraConfig { format: PixelFormat::Mono8, ..camera }, pose, 7, execution),
+        ),
+        ("32fc1", bytes(&metres)),
+        ("16uc1", millimetres.iter().flat_map(|x| x.to_le_bytes()).collect()),
+        ("points", points),
+        ("ranges", bytes(&ranges)),
+    ]
+}
+
+/// The levels of this machine's architecture; none for those that the machine has not.
+fn levels() -> Vec<(&'static str, Option<Level>)> {
+    let best = Level::new();
+    #[cfg(target_arch = "x86_64")]
+    return vec![
+        ("SSE2", best.as_sse2().map(Level::Sse2)),
+        ("SSE4.2", best.as_sse4_2().map(Level::Sse4_2)),
+        ("AVX2", best.as_avx2().map(Level::Avx2)),
+        ("AVX-512", best.as_avx512().map(Level::Avx512)),
+    ];
+    #[cfg(not(target_arch = "x86_64"))]
+    return vec![("the baseline", Some(Level::baseline())), ("the best", Some(best))];
+}
+
+#[test]
+fn every_level() {
+    let expected = sense_all(Execution { level: Level::baseline(), ..Execution::default() });
+    for (name, level) in levels() {
+        let Some(level) = level else {
+            println!("this machine has no {name}: not tested");
+            continue;
+        };
+        for (expected, found) in expected.iter().zip(sense_all(Execution { level, ..Execution::default() })) {
+            assert!(*expected == found, "{} differs at {name}", found.0);
+        }
+    }
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn any_number_of_threads() {
+    let expected = sense_all(Execution::default());
+    for threads in [1, 2, 5] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        for (expected, found) in expected.iter().zip(pool.install(|| sense_all(Execution::parallel()))) {
+            assert!(*expected == found, "{} differs with {threads} threads", found.0);
+        }
+    }
+}
+
+/// Fowler, Noll and Vo's hash, 1a, 64 bits.
+fn fnv(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+#[test]
+fn every_machine() {
+    let expected: [(&str, u64); 6] = [
+        ("rgb8", 0xe8d7_2cd1_27d8_c4a6),
+        ("mono8", 0xf160_3531_9f73_0708),
+        ("32fc1", 0xf974_e96c_ee31_1d24),
+        ("16uc1", 0x540f_07fe_bc96_07b4),
+        ("points", 0xcb3d_822c_5562_ffd2),
+        ("ranges", 0x428f_eda1_6c9c_ec33),
+    ];
+    let found: Vec<_> =
+        sense_all(Execution::default()).into_iter().map(|(name, bytes)| (name, fnv(&bytes))).collect();
+    assert_eq!(
+        found, expected,
+        "a change that is meant to change frames changes these too: found {found:#x?}"
+    );
+}
+
+#[test]
+fn every_run() {
+    let pose = Pose::IDENTITY;
+    let mut builder = SceneBuilder::new();
+    scenery(&mut builder);
+    let config = CameraConfig { noise: GaussianNoise::new(0.0, 0.007, 0.0, 0.0, 0.0).unwrap(), ..CAMERA };
+    let picture = |seed, frame| {
+        picture_with(&builder.scene(), CameraConfig { seed, ..config }, pose, frame, Execution::default())
+    };
+    assert!(picture(1, 0) == picture(1, 0));
+    assert!(picture(1, 0) != picture(2, 0) && picture(1, 0) != picture(1, 1));
+}

@@ -63,6 +63,10 @@ pub fn run(args: &HzArgs) -> Result<(), CliError> {
         &mut subscriber,
         &args.until,
         |frame| {
+            // It was sent before anyone measured here.
+            if frame.is_from_history() {
+                return Ok(());
+            }
             let (now, latency_ns) = (Instant::now(), frame.age_ns());
             whole.add(now, latency_ns, frame.missed());
             second.borrow_mut().add(now, latency_ns, frame.missed());

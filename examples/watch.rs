@@ -82,8 +82,11 @@ fn watch(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
                 if frame.restarted() {
                     eprintln!("the publisher was started again");
                 }
-                second.add(now, latency_ns, frame.missed());
-                whole.add(now, latency_ns, frame.missed());
+                // The last frame before this program came is a picture, but no measurement.
+                if !frame.is_from_history() {
+                    second.add(now, latency_ns, frame.missed());
+                    whole.add(now, latency_ns, frame.missed());
+                }
                 count += 1;
                 last = Some(frame);
             }
@@ -101,9 +104,11 @@ fn watch(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     if count == 0 { Err(format!("nothing came from {}", args.topic).into()) } else { Ok(()) }
 }
 
-/// Reads every byte; the compiler turns it into SIMD loads.
+/// Reads every byte, eight at a time.
 fn sum_of_bytes(bytes: &[u8]) -> u64 {
-    bytes.iter().map(|&byte| u64::from(byte)).sum()
+    let (words, rest) = bytes.as_chunks::<8>();
+    let words = words.iter().map(|&word| u64::from_ne_bytes(word)).fold(0, u64::wrapping_add);
+    words.wrapping_add(rest.iter().map(|&byte| u64::from(byte)).sum())
 }
 
 fn report(args: &Args, statistics: &StreamStatistics) {

@@ -14,13 +14,22 @@ pub struct Frame {
     sample: Sample,
     missed: u64,
     restarted: bool,
+    from_history: bool,
     _node: Node,
 }
 
 impl Frame {
-    pub(crate) fn new(sample: Sample, missed: u64, restarted: bool, node: Node) -> Result<Self, FrameError> {
-        sample.user_header().check(sample.payload().len())?;
-        Ok(Self { sample, missed, restarted, _node: node })
+    pub(crate) fn new(
+        sample: Sample,
+        missed: u64,
+        restarted: bool,
+        connected_mono_ns: u64,
+        node: Node,
+    ) -> Result<Self, FrameError> {
+        let header = sample.user_header();
+        header.check(sample.payload().len())?;
+        let from_history = header.publish_mono_ns < connected_mono_ns;
+        Ok(Self { sample, missed, restarted, from_history, _node: node })
     }
 
     /// What the payload is.
@@ -46,6 +55,13 @@ impl Frame {
     #[must_use]
     pub fn restarted(&self) -> bool {
         self.restarted
+    }
+
+    /// Whether it was sent before this subscriber was connected, and kept for it: its age says nothing about the
+    /// way that it took.
+    #[must_use]
+    pub fn is_from_history(&self) -> bool {
+        self.from_history
     }
 
     /// Nanoseconds since it was sent.

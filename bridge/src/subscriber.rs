@@ -15,7 +15,7 @@ use iceoryx2::{
 };
 
 use crate::{
-    Error, Frame, FrameHeader, Node, StreamSpec,
+    Error, Frame, FrameHeader, Node, StreamSpec, clock,
     domain::canonical_topic,
     frame::Sample,
     node::Ipc,
@@ -56,6 +56,7 @@ struct Connection {
     listener: Listener<Ipc>,
     frames: Frames,
     _events: Events,
+    since_mono_ns: u64,
 }
 
 #[derive(Clone, Copy)]
@@ -225,7 +226,8 @@ impl Subscriber {
             None => (0, false),
         };
         self.missed_total = self.missed_total.saturating_add(missed);
-        Frame::new(sample, missed, restarted, self.node.clone())
+        let since_mono_ns = self.connection.as_ref().map_or(0, |connection| connection.since_mono_ns);
+        Frame::new(sample, missed, restarted, since_mono_ns, self.node.clone())
             .map_err(|error| Error::Frame { topic: self.topic.clone(), error })
     }
 
@@ -274,7 +276,8 @@ impl Subscriber {
             }
             error => Error::transport(format!("subscribing to {}", self.topic), error),
         })?;
-        self.connection = Some(Connection { port, listener, frames, _events: events });
+        self.connection =
+            Some(Connection { port, listener, frames, _events: events, since_mono_ns: clock::mono_ns() });
         Ok(())
     }
 

@@ -69,6 +69,7 @@ fn a_frame_arrives_as_it_was_written() {
     assert_eq!(frame.payload().as_ptr().addr() % 64, 0);
     assert_eq!(frame.view().rows().len(), 48);
     assert!(frame.age_ns() < 10_000_000_000);
+    assert!(!frame.is_from_history());
     assert!(subscriber.take().unwrap().is_none());
 }
 
@@ -128,6 +129,7 @@ fn a_late_subscriber_gets_the_last_frame() {
     publisher.update().unwrap();
     assert!(subscriber.wait(LONG).unwrap());
     let frame = subscriber.take().unwrap().unwrap();
+    assert!(frame.is_from_history());
     let received: Vec<Transform> = frame.view().structs().unwrap().collect();
     assert_eq!(received.len(), 2);
     assert_eq!(received[1].translation, [1.0, 2.0, 3.0]);

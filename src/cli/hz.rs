@@ -13,12 +13,11 @@ use super::{
 /// Prints a line every second, and at the end one over the whole time. The jitter is the standard deviation of the
 /// time between messages; the latency is the time from the moment of publishing to the moment that the message can
 /// be read here; gaps are messages that were published and did not arrive.
-///
-/// With --json, one object a line: topic, rate_hz, jitter_ms, latency_us_p50, latency_us_p99, frames, gaps. With
-/// --duration or --count besides, only the one over the whole time.
 #[derive(Clone, Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  belvedere hz /camera/rgb/image_raw\n  belvedere hz scan --duration 5 --json"
+    after_help = "With --json, one object a line: topic, rate_hz, jitter_ms, latency_us_p50, latency_us_p99, frames, gaps.\n\
+                  With --duration or --count besides, only the one over the whole time.\n\n\
+                  Examples:\n  belvedere hz /camera/rgb/image_raw\n  belvedere hz scan --duration 5 --json"
 )]
 pub struct HzArgs {
     /// The topic, with or without a leading slash
@@ -64,6 +63,10 @@ pub fn run(args: &HzArgs) -> Result<(), CliError> {
         &mut subscriber,
         &args.until,
         |frame| {
+            // It was sent before anyone measured here.
+            if frame.is_from_history() {
+                return Ok(());
+            }
             let (now, latency_ns) = (Instant::now(), frame.age_ns());
             whole.add(now, latency_ns, frame.missed());
             second.borrow_mut().add(now, latency_ns, frame.missed());

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use belvedere_bridge::{Node, StreamInfo};
+use belvedere_bridge::{Encoding, Kind, Node, StreamInfo};
 use serde_json::json;
 
 use super::{
@@ -71,8 +71,8 @@ fn print(streams: &[StreamInfo], json: bool) -> Result<(), CliError> {
         for stream in streams {
             let object = json!({
                 "topic": with_slash(&stream.topic),
-                "kind": stream.kind.map(|kind| kind.as_str()),
-                "encoding": stream.encoding.map(|encoding| encoding.as_str()),
+                "kind": stream.kind.map(Kind::as_str),
+                "encoding": stream.encoding.map(Encoding::as_str),
                 "rate_hz": stream.rate_hz,
                 "frame_id": stream.frame_id,
                 "publishers": stream.publishers,
@@ -92,8 +92,8 @@ fn print(streams: &[StreamInfo], json: bool) -> Result<(), CliError> {
         let line = format!(
             "{:width$}  {:17} {:10} {:>8} {:>12} {:>5} {:>5}  {}",
             with_slash(&stream.topic),
-            stream.kind.map_or("?", |kind| kind.as_str()),
-            stream.encoding.map_or("?", |encoding| encoding.as_str()),
+            stream.kind.map_or("?", Kind::as_str),
+            stream.encoding.map_or("?", Encoding::as_str),
             stream
                 .rate_hz
                 .map_or_else(|| "-".to_owned(), |rate| format!("{rate:.4} Hz").replace(".0000", "")),

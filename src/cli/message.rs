@@ -125,8 +125,8 @@ pub fn decode(frame: &FrameView<'_>, limit: usize) -> Tree {
         Some(Kind::Odometry) => one(frame, odometry),
         Some(Kind::Transforms | Kind::StaticTransforms) => each(frame, "transforms", limit, transform),
         Some(Kind::JointStates) => joints(frame),
-        Some(Kind::Clock) => one(frame, |clock: Clock| vec![("clock", seconds(clock.now_ns))]),
-        Some(Kind::VelocityCommand) => one(frame, |command: VelocityCommand| {
+        Some(Kind::Clock) => one(frame, |clock: &Clock| vec![("clock", seconds(clock.now_ns))]),
+        Some(Kind::VelocityCommand) => one(frame, |command: &VelocityCommand| {
             vec![("linear", xyz(command.linear)), ("angular", xyz(command.angular))]
         }),
         None => None,
@@ -226,7 +226,7 @@ fn cloud(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
     ])
 }
 
-fn camera_info(info: CameraInfo) -> Entries {
+fn camera_info(info: &CameraInfo) -> Entries {
     vec![
         ("height", Whole(info.height.into())),
         ("width", Whole(info.width.into())),
@@ -238,7 +238,7 @@ fn camera_info(info: CameraInfo) -> Entries {
     ]
 }
 
-fn odometry(odometry: Odometry) -> Entries {
+fn odometry(odometry: &Odometry) -> Entries {
     vec![
         ("child_frame_id", text(odometry.child_frame_id.as_str())),
         (
@@ -264,7 +264,7 @@ fn odometry(odometry: Odometry) -> Entries {
     ]
 }
 
-fn transform(transform: Transform) -> Tree {
+fn transform(transform: &Transform) -> Tree {
     Map(vec![
         ("frame_id", text(transform.parent.as_str())),
         ("child_frame_id", text(transform.child.as_str())),
@@ -300,20 +300,20 @@ fn unknown(frame: &FrameView<'_>, limit: usize) -> Entries {
 
 fn one<T: belvedere_bridge::payload::Message>(
     frame: &FrameView<'_>,
-    show: impl Fn(T) -> Entries,
+    show: impl Fn(&T) -> Entries,
 ) -> Option<Entries> {
-    frame.message().ok().map(show)
+    frame.message().ok().map(|message| show(&message))
 }
 
 fn each<T: belvedere_bridge::payload::Message>(
     frame: &FrameView<'_>,
     name: &'static str,
     limit: usize,
-    show: impl Fn(T) -> Tree,
+    show: impl Fn(&T) -> Tree,
 ) -> Option<Entries> {
     let structs = frame.structs().ok()?;
     let more = structs.len().saturating_sub(limit);
-    Some(vec![(name, List(structs.take(limit).map(show).collect(), more))])
+    Some(vec![(name, List(structs.take(limit).map(|message| show(&message)).collect(), more))])
 }
 
 fn pixels(header: &FrameHeader) -> usize {

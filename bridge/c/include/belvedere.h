@@ -1,0 +1,477 @@
+/* Belvedere's frames in shared memory, for C and C++. SPDX-License-Identifier: MIT OR Apache-2.0
+ *
+ * Made by cbindgen from bridge/c/src; do not edit. The layout of every byte is in bridge/WIRE.md.
+ *
+ *   bv_node *node;
+ *   bv_subscriber *subscriber;
+ *   if (bv_node_open(NULL, "me", &node) != BV_STATUS_OK) { puts(bv_last_error()); exit(1); }
+ *   bv_subscribe(node, "camera/rgb/image_raw", &subscriber);
+ *   while (bv_subscriber_wait(subscriber, 1000) >= 0) {
+ *       bv_frame *frame;
+ *       while (bv_subscriber_take(subscriber, &frame) == BV_STATUS_OK) {
+ *           const bv_frame_header *header = bv_frame_get_header(frame);
+ *           const uint8_t *pixels = bv_frame_get_payload(frame);  // where the simulator wrote them
+ *           ...
+ *           bv_frame_release(frame);
+ *       }
+ *   }
+ *
+ * Functions give a bv_status: 0 success, 1 nothing there (yet), negative an error that bv_last_error() words.
+ * A handle may move between threads, but only one may use it at a time. No function unwinds or aborts.
+ */
+
+#ifndef BELVEDERE_H
+#define BELVEDERE_H
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+// First field of every frame header: "BLVD" in memory order.
+#define BV_MAGIC 1146506306
+
+// Version of the layout in this file.
+#define BV_SCHEMA 1
+
+// Flag: a plane of intensities of the same shape follows the ranges, at row_stride * height.
+#define BV_HAS_INTENSITIES 1
+
+// How a call went. Negative values are errors; bv_last_error() has the words.
+enum bv_status
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Done.
+    BV_STATUS_OK = 0,
+    // Nothing is there: the time passed without a frame, or none waits.
+    BV_STATUS_NOTHING = 1,
+    // A pointer is null, or a text is not UTF-8.
+    BV_STATUS_INVALID_ARGUMENT = -1,
+    // The name of a domain or topic cannot be one.
+    BV_STATUS_INVALID_NAME = -2,
+    // Another process publishes this stream already.
+    BV_STATUS_DOMAIN_IN_USE = -3,
+    // The stream is of another version, or not a Belvedere stream.
+    BV_STATUS_INCOMPATIBLE = -4,
+    // The shared memory belongs to another user.
+    BV_STATUS_PERMISSION = -5,
+    // /dev/shm is too small.
+    BV_STATUS_SHARED_MEMORY_TOO_SMALL = -6,
+    // All places are taken: subscribers of the stream, or frames held at a time.
+    BV_STATUS_LIMIT = -7,
+    // A frame's header is wrong; the frame was dropped.
+    BV_STATUS_BAD_FRAME = -8,
+    // A failure of the transport below.
+    BV_STATUS_TRANSPORT = -9,
+    // A defect in Belvedere; please report it.
+    BV_STATUS_INTERNAL = -10,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum bv_status bv_status;
+#else
+typedef int32_t bv_status;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What the payload is (bv_frame_header.kind).
+enum bv_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint16_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // A colour or grey picture; block: intrinsics.
+    BV_KIND_IMAGE = 1,
+    // Depth along the optical axis; block: intrinsics.
+    BV_KIND_DEPTH_IMAGE = 2,
+    // One bv_camera_info.
+    BV_KIND_CAMERA_INFO = 3,
+    // Ranges of a lidar; block: scan.
+    BV_KIND_LASER_SCAN = 4,
+    // Points; organised as an image when height > 1; block: intrinsics.
+    BV_KIND_POINT_CLOUD = 5,
+    // One bv_odometry.
+    BV_KIND_ODOMETRY = 6,
+    // An array of bv_transform that hold at the stamp.
+    BV_KIND_TRANSFORMS = 7,
+    // An array of bv_transform that hold always.
+    BV_KIND_STATIC_TRANSFORMS = 8,
+    // An array of bv_joint_state.
+    BV_KIND_JOINT_STATES = 9,
+    // One bv_clock.
+    BV_KIND_CLOCK = 10,
+    // One bv_velocity_command.
+    BV_KIND_VELOCITY_COMMAND = 11,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum bv_kind bv_kind;
+#else
+typedef uint16_t bv_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How an element is coded (bv_frame_header.encoding).
+enum bv_encoding
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint16_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Red, green, blue; 8 bit each.
+    BV_ENCODING_RGB8 = 1,
+    // Blue, green, red; 8 bit each.
+    BV_ENCODING_BGR8 = 2,
+    // Grey, 8 bit.
+    BV_ENCODING_MONO8 = 3,
+    // float, metres: NaN invalid, -inf too near, +inf nothing there.
+    BV_ENCODING_F32C1 = 4,
+    // uint16_t, millimetres: 0 invalid.
+    BV_ENCODING_U16C1 = 5,
+    // 32 bytes: float x, y, z at 0, 4, 8; colour 0x00RRGGBB at 16.
+    BV_ENCODING_XYZ_RGB_F32 = 6,
+    // float, metres: height layers of width rays.
+    BV_ENCODING_RANGES_F32 = 7,
+    // height structs of the kind, row_stride bytes apart.
+    BV_ENCODING_STRUCT = 8,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum bv_encoding bv_encoding;
+#else
+typedef uint16_t bv_encoding;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// A frame where it lies in shared memory; unchanged until it is released. Its header was checked: rows and structs
+// lie within the payload.
+typedef struct bv_frame bv_frame;
+
+// Membership of a domain.
+typedef struct bv_node bv_node;
+
+// The reading end of a stream: there before its publisher, and after.
+typedef struct bv_subscriber bv_subscriber;
+
+// The sending end of a velocity command stream.
+typedef struct bv_velocity_publisher bv_velocity_publisher;
+
+// A stream that exists.
+typedef struct bv_stream_info {
+    // without a leading slash
+    char topic[256];
+    // the frame that the data are given in
+    char frame_id[64];
+    // intended rate; 0 when frames come as they come
+    double rate_hz;
+    // largest payload in bytes
+    uint64_t max_payload_len;
+    // publishers now
+    uint32_t publishers;
+    // subscribers now
+    uint32_t subscribers;
+    // a bv_kind; 0 unknown
+    uint16_t kind;
+    // a bv_encoding; 0 unknown
+    uint16_t encoding;
+} bv_stream_info;
+
+// How pixels map to directions.
+typedef struct bv_intrinsics {
+    double fx;
+    double fy;
+    double cx;
+    double cy;
+    // k1 k2 p1 p2 k3 0 0 0
+    float distortion[8];
+    // metres
+    float near;
+    // metres
+    float far;
+    // P[3]
+    float tx;
+    // 0 none, 1 plumb_bob
+    uint32_t distortion_model;
+} bv_intrinsics;
+
+// Angles (radians) and limits (metres) of a lidar.
+typedef struct bv_scan_geometry {
+    double angle_min;
+    double angle_increment;
+    // seconds from ray to ray
+    double time_increment;
+    // seconds from scan to scan
+    double scan_time;
+    float range_min;
+    float range_max;
+    double vertical_angle_min;
+    double vertical_angle_increment;
+    uint64_t reserved[3];
+} bv_scan_geometry;
+
+// What only this kind has.
+typedef union Block {
+    // images, depth images, clouds
+    struct bv_intrinsics intrinsics;
+    // scans
+    struct bv_scan_geometry scan;
+    uint64_t raw[10];
+} Block;
+
+// The 256 bytes before every payload.
+typedef struct bv_frame_header {
+    // BV_MAGIC
+    uint32_t magic;
+    // 256
+    uint16_t header_len;
+    // BV_SCHEMA
+    uint16_t schema;
+    // a bv_kind
+    uint16_t kind;
+    // a bv_encoding
+    uint16_t encoding;
+    // BV_HAS_INTENSITIES
+    uint32_t flags;
+    // counts the frames of one session from 0
+    uint64_t seq;
+    // random per publisher life
+    uint64_t session;
+    // simulation time of capture
+    uint64_t stamp_ns;
+    // CLOCK_MONOTONIC of sending
+    uint64_t publish_mono_ns;
+    // elements per row
+    uint32_t width;
+    // rows
+    uint32_t height;
+    // bytes from row to row
+    uint32_t row_stride;
+    // bytes from element to element
+    uint32_t elem_stride;
+    uint64_t payload_len;
+    // NUL-terminated
+    char frame_id[64];
+    // of the sensor in the world, metres
+    double position[3];
+    // of the sensor in the world, x y z w
+    float orientation[4];
+    union Block block;
+} bv_frame_header;
+
+// As geometry_msgs/Twist: x forward, y left, z up; m/s and rad/s.
+typedef struct bv_velocity_command {
+    double linear[3];
+    double angular[3];
+} bv_velocity_command;
+
+// As sensor_msgs/CameraInfo.
+typedef struct bv_camera_info {
+    uint32_t width;
+    uint32_t height;
+    char distortion_model[32];
+    double d[8];
+    // how many of d hold
+    uint32_t d_len;
+    uint32_t reserved;
+    double k[9];
+    double r[9];
+    double p[12];
+} bv_camera_info;
+
+// As nav_msgs/Odometry.
+typedef struct bv_odometry {
+    char child_frame_id[64];
+    double position[3];
+    // x y z w
+    double orientation[4];
+    double linear[3];
+    double angular[3];
+    double pose_covariance[36];
+    double twist_covariance[36];
+} bv_odometry;
+
+// point_in_parent = parent_from_child * point_in_child
+typedef struct bv_transform {
+    char parent[64];
+    char child[64];
+    double translation[3];
+    // x y z w
+    double rotation[4];
+} bv_transform;
+
+// State of one joint.
+typedef struct bv_joint_state {
+    char name[64];
+    double position;
+    double velocity;
+    double effort;
+} bv_joint_state;
+
+// The simulation's time.
+typedef struct bv_clock {
+    uint64_t now_ns;
+} bv_clock;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// What went wrong last in this thread, in words; empty when nothing has. Valid until the next call that fails in
+// this thread.
+const char *bv_last_error(void);
+
+// Belvedere's version, such as "0.1.0".
+const char *bv_version(void);
+
+// CLOCK_MONOTONIC in nanoseconds: compare with publish_mono_ns of a header.
+uint64_t bv_mono_ns(void);
+
+// Joins a domain (NULL: "default") under a name for listings. Close it with bv_node_close; what was made from it
+// stays usable after that.
+//
+// # Safety
+// The texts are NUL-terminated or NULL; `out` can be written.
+bv_status bv_node_open(const char *domain,
+                       const char *name,
+                       struct bv_node **out);
+
+// Leaves the domain; NULL is ignored.
+//
+// # Safety
+// `node` came from bv_node_open and is not used afterwards.
+void bv_node_close(struct bv_node *node);
+
+// Lists the streams of the domain, by topic. Free the array with bv_streams_free.
+//
+// # Safety
+// `node` is open; `out` and `count` can be written.
+bv_status bv_streams(struct bv_node *node, struct bv_stream_info **out, size_t *count);
+
+// Frees what bv_streams has given; NULL is ignored.
+//
+// # Safety
+// `streams` and `count` came from one call of bv_streams and are not used afterwards.
+void bv_streams_free(struct bv_stream_info *streams, size_t count);
+
+// Follows a stream, whether it exists already or not. A leading slash of the topic is ignored. When the publisher
+// ends, or is killed, and starts again, the subscriber goes on with the new one.
+//
+// # Safety
+// `node` is open; `topic` is NUL-terminated; `out` can be written.
+bv_status bv_subscribe(struct bv_node *node,
+                       const char *topic,
+                       struct bv_subscriber **out);
+
+// Ends the subscription; NULL is ignored. Frames that are held stay valid.
+//
+// # Safety
+// `subscriber` came from bv_subscribe and is not used afterwards.
+void bv_subscriber_close(struct bv_subscriber *subscriber);
+
+// Sleeps until there is a frame to take: BV_STATUS_OK; BV_STATUS_NOTHING when the time has passed, or a signal
+// came, without one.
+//
+// # Safety
+// `subscriber` is open.
+bv_status bv_subscriber_wait(struct bv_subscriber *subscriber,
+                             uint32_t timeout_ms);
+
+// Takes the oldest frame that waits; BV_STATUS_NOTHING when none does (`*out` is NULL then). Never sleeps.
+// Two frames may be held at a time, or as many as the publisher allows.
+//
+// # Safety
+// `subscriber` is open; `out` can be written.
+bv_status bv_subscriber_take(struct bv_subscriber *subscriber, struct bv_frame **out);
+
+// Takes the newest frame that waits and drops those before it; otherwise as bv_subscriber_take.
+//
+// # Safety
+// `subscriber` is open; `out` can be written.
+bv_status bv_subscriber_take_newest(struct bv_subscriber *subscriber, struct bv_frame **out);
+
+// Frames that were sent and never taken, over this subscriber's life.
+//
+// # Safety
+// `subscriber` is open or NULL.
+uint64_t bv_subscriber_missed_total(struct bv_subscriber *subscriber);
+
+// Publishers now; 0 before the first, and after the last has ended or was found dead.
+//
+// # Safety
+// `subscriber` is open or NULL.
+size_t bv_subscriber_publishers(struct bv_subscriber *subscriber);
+
+// Nanoseconds since the last frame: the sign that a stream has stopped.
+//
+// # Safety
+// `subscriber` is open or NULL.
+uint64_t bv_subscriber_silence_ns(struct bv_subscriber *subscriber);
+
+// Its header.
+//
+// # Safety
+// `frame` is held or NULL (then NULL is given).
+const struct bv_frame_header *bv_frame_get_header(const struct bv_frame *frame);
+
+// Its payload of payload_len bytes, aligned to 64.
+//
+// # Safety
+// `frame` is held or NULL (then NULL is given).
+const uint8_t *bv_frame_get_payload(const struct bv_frame *frame);
+
+// Frames that were sent between the last one taken and this one.
+//
+// # Safety
+// `frame` is held or NULL.
+uint64_t bv_frame_missed(const struct bv_frame *frame);
+
+// Whether it comes from another publisher life than the one before: the simulator was started again.
+//
+// # Safety
+// `frame` is held or NULL.
+bool bv_frame_restarted(const struct bv_frame *frame);
+
+// Whether it was sent before this subscriber was connected, and kept for it: its age says nothing then.
+//
+// # Safety
+// `frame` is held or NULL.
+bool bv_frame_is_from_history(const struct bv_frame *frame);
+
+// Nanoseconds since it was sent.
+//
+// # Safety
+// `frame` is held or NULL.
+uint64_t bv_frame_age_ns(const struct bv_frame *frame);
+
+// Releases it; NULL is ignored.
+//
+// # Safety
+// `frame` came from a take, and neither it nor its header and payload are used afterwards.
+void bv_frame_release(struct bv_frame *frame);
+
+// Opens a velocity command stream ("cmd_vel") for sending; several processes may.
+//
+// # Safety
+// `node` is open; `topic` is NUL-terminated; `out` can be written.
+bv_status bv_velocity_open(struct bv_node *node, const char *topic, struct bv_velocity_publisher **out);
+
+// Sends a command; the robot stops when none comes for its time-out.
+//
+// # Safety
+// `publisher` is open; `command` can be read.
+bv_status bv_velocity_send(struct bv_velocity_publisher *publisher,
+                           const struct bv_velocity_command *command);
+
+// Closes it; NULL is ignored.
+//
+// # Safety
+// `publisher` came from bv_velocity_open and is not used afterwards.
+void bv_velocity_close(struct bv_velocity_publisher *publisher);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* BELVEDERE_H */

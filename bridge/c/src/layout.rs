@@ -1,0 +1,251 @@
+//! The wire format's structs for C: field by field those of `belvedere_bridge`, which is checked below.
+#![allow(unreachable_pub)]
+
+use std::{
+    ffi::c_char,
+    mem::{offset_of, size_of},
+};
+
+use belvedere_bridge as wire;
+use belvedere_bridge::payload;
+
+/// First field of every frame header: "BLVD" in memory order.
+pub const BV_MAGIC: u32 = 0x4456_4C42;
+/// Version of the layout in this file.
+pub const BV_SCHEMA: u16 = 1;
+/// Flag: a plane of intensities of the same shape follows the ranges, at row_stride * height.
+pub const BV_HAS_INTENSITIES: u32 = 1;
+
+/// What the payload is (bv_frame_header.kind).
+#[allow(dead_code)]
+#[derive(Clone, Copy)]
+#[repr(u16)]
+pub enum Kind {
+    /// A colour or grey picture; block: intrinsics.
+    Image = 1,
+    /// Depth along the optical axis; block: intrinsics.
+    DepthImage = 2,
+    /// One bv_camera_info.
+    CameraInfo = 3,
+    /// Ranges of a lidar; block: scan.
+    LaserScan = 4,
+    /// Points; organised as an image when height > 1; block: intrinsics.
+    PointCloud = 5,
+    /// One bv_odometry.
+    Odometry = 6,
+    /// An array of bv_transform that hold at the stamp.
+    Transforms = 7,
+    /// An array of bv_transform that hold always.
+    StaticTransforms = 8,
+    /// An array of bv_joint_state.
+    JointStates = 9,
+    /// One bv_clock.
+    Clock = 10,
+    /// One bv_velocity_command.
+    VelocityCommand = 11,
+}
+
+/// How an element is coded (bv_frame_header.encoding).
+#[allow(dead_code)]
+#[derive(Clone, Copy)]
+#[repr(u16)]
+pub enum Encoding {
+    /// Red, green, blue; 8 bit each.
+    Rgb8 = 1,
+    /// Blue, green, red; 8 bit each.
+    Bgr8 = 2,
+    /// Grey, 8 bit.
+    Mono8 = 3,
+    /// float, metres: NaN invalid, -inf too near, +inf nothing there.
+    F32C1 = 4,
+    /// uint16_t, millimetres: 0 invalid.
+    U16C1 = 5,
+    /// 32 bytes: float x, y, z at 0, 4, 8; colour 0x00RRGGBB at 16.
+    XyzRgbF32 = 6,
+    /// float, metres: height layers of width rays.
+    RangesF32 = 7,
+    /// height structs of the kind, row_stride bytes apart.
+    Struct = 8,
+}
+
+/// How pixels map to directions.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct Intrinsics {
+    pub fx: f64,
+    pub fy: f64,
+    pub cx: f64,
+    pub cy: f64,
+    /// k1 k2 p1 p2 k3 0 0 0
+    pub distortion: [f32; 8],
+    /// metres
+    pub near: f32,
+    /// metres
+    pub far: f32,
+    /// P[3]
+    pub tx: f32,
+    /// 0 none, 1 plumb_bob
+    pub distortion_model: u32,
+}
+
+/// Angles (radians) and limits (metres) of a lidar.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct ScanGeometry {
+    pub angle_min: f64,
+    pub angle_increment: f64,
+    /// seconds from ray to ray
+    pub time_increment: f64,
+    /// seconds from scan to scan
+    pub scan_time: f64,
+    pub range_min: f32,
+    pub range_max: f32,
+    pub vertical_angle_min: f64,
+    pub vertical_angle_increment: f64,
+    pub reserved: [u64; 3],
+}
+
+/// What only this kind has.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub union Block {
+    /// images, depth images, clouds
+    pub intrinsics: Intrinsics,
+    /// scans
+    pub scan: ScanGeometry,
+    pub raw: [u64; 10],
+}
+
+/// The 256 bytes before every payload.
+#[repr(C)]
+pub struct FrameHeader {
+    /// BV_MAGIC
+    pub magic: u32,
+    /// 256
+    pub header_len: u16,
+    /// BV_SCHEMA
+    pub schema: u16,
+    /// a bv_kind
+    pub kind: u16,
+    /// a bv_encoding
+    pub encoding: u16,
+    /// BV_HAS_INTENSITIES
+    pub flags: u32,
+    /// counts the frames of one session from 0
+    pub seq: u64,
+    /// random per publisher life
+    pub session: u64,
+    /// simulation time of capture
+    pub stamp_ns: u64,
+    /// CLOCK_MONOTONIC of sending
+    pub publish_mono_ns: u64,
+    /// elements per row
+    pub width: u32,
+    /// rows
+    pub height: u32,
+    /// bytes from row to row
+    pub row_stride: u32,
+    /// bytes from element to element
+    pub elem_stride: u32,
+    pub payload_len: u64,
+    /// NUL-terminated
+    pub frame_id: [c_char; 64],
+    /// of the sensor in the world, metres
+    pub position: [f64; 3],
+    /// of the sensor in the world, x y z w
+    pub orientation: [f32; 4],
+    pub block: Block,
+}
+
+/// As sensor_msgs/CameraInfo.
+#[repr(C)]
+pub struct CameraInfo {
+    pub width: u32,
+    pub height: u32,
+    pub distortion_model: [c_char; 32],
+    pub d: [f64; 8],
+    /// how many of d hold
+    pub d_len: u32,
+    pub reserved: u32,
+    pub k: [f64; 9],
+    pub r: [f64; 9],
+    pub p: [f64; 12],
+}
+
+/// As nav_msgs/Odometry.
+#[repr(C)]
+pub struct Odometry {
+    pub child_frame_id: [c_char; 64],
+    pub position: [f64; 3],
+    /// x y z w
+    pub orientation: [f64; 4],
+    pub linear: [f64; 3],
+    pub angular: [f64; 3],
+    pub pose_covariance: [f64; 36],
+    pub twist_covariance: [f64; 36],
+}
+
+/// point_in_parent = parent_from_child * point_in_child
+#[repr(C)]
+pub struct Transform {
+    pub parent: [c_char; 64],
+    pub child: [c_char; 64],
+    pub translation: [f64; 3],
+    /// x y z w
+    pub rotation: [f64; 4],
+}
+
+/// State of one joint.
+#[repr(C)]
+pub struct JointState {
+    pub name: [c_char; 64],
+    pub position: f64,
+    pub velocity: f64,
+    pub effort: f64,
+}
+
+/// The simulation's time.
+#[repr(C)]
+pub struct Clock {
+    pub now_ns: u64,
+}
+
+/// As geometry_msgs/Twist: x forward, y left, z up; m/s and rad/s.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct VelocityCommand {
+    pub linear: [f64; 3],
+    pub angular: [f64; 3],
+}
+
+macro_rules! same_layout {
+    ($here:ty, $there:ty, $($field:ident)*) => {
+        const _: () = {
+            assert!(size_of::<$here>() == size_of::<$there>());
+            $(assert!(offset_of!($here, $field) == offset_of!($there, $field));)*
+        };
+    };
+}
+
+same_layout!(FrameHeader, wire::FrameHeader, magic header_len schema kind encoding flags seq session stamp_ns
+    publish_mono_ns width height row_stride elem_stride payload_len frame_id position orientation block);
+same_layout!(Intrinsics, wire::Intrinsics, fx fy cx cy distortion near far tx distortion_model);
+same_layout!(ScanGeometry, wire::ScanGeometry, angle_min angle_increment time_increment scan_time range_min
+    range_max vertical_angle_min vertical_angle_increment reserved);
+same_layout!(CameraInfo, payload::CameraInfo, width height distortion_model d d_len reserved k r p);
+same_layout!(Odometry, payload::Odometry, child_frame_id position orientation linear angular pose_covariance
+    twist_covariance);
+same_layout!(Transform, payload::Transform, parent child translation rotation);
+same_layout!(JointState, payload::JointState, name position velocity effort);
+same_layout!(Clock, payload::Clock, now_ns);
+same_layout!(VelocityCommand, payload::VelocityCommand, linear angular);
+
+const _: () = {
+    assert!(BV_MAGIC == wire::FrameHeader::MAGIC);
+    assert!(BV_SCHEMA == wire::FrameHeader::SCHEMA);
+    assert!(BV_HAS_INTENSITIES == wire::FrameHeader::HAS_INTENSITIES);
+    assert!(size_of::<Block>() == 80);
+    // A kind or encoding that is added there is missing here until this compiles again.
+    assert!(wire::Kind::ALL.len() == 11 && Kind::VelocityCommand as u16 == 11);
+    assert!(wire::Encoding::ALL.len() == 8 && Encoding::Struct as u16 == 8);
+};

@@ -1,0 +1,90 @@
+//! Eyes that nobody here made: the AprilTag library and rqrr, and the list of the codes that they should see.
+#![allow(dead_code, reason = "each test binary uses its own part of this")]
+
+use glam::DVec3;
+use image::GrayImage;
+use std::path::Path;
+
+/// A code of `tag_ceiling.tags.json`.
+pub struct Listed {
+    pub name: String,
+    /// `7` of an AprilTag, `BV-007` of a QR code.
+    pub says: String,
+    pub is_qr: bool,
+    /// Edge of the black border in metres.
+    pub edge_m: f64,
+    /// Corners of the black border in the world, in the order of [`Seen::corners`].
+    pub corners: [DVec3; 4],
+}
+
+impl Listed {
+    /// Corners of the plate: the code with its white margin, 1 module around 8 or 4 around 21.
+    pub fn plate(&self) -> [DVec3; 4] {
+        let grow = if self.is_qr { 29.0 / 21.0 } else { 10.0 / 8.0 };
+        let centre = self.corners.iter().sum::<DVec3>() / 4.0;
+        self.corners.map(|corner| centre + (corner - centre) * grow)
+    }
+}
+
+/// The codes on the ceiling of our room.
+pub fn listed() -> Vec<Listed> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/worlds/tag_ceiling.tags.json");
+    let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let code = |code: &serde_json::Value| {
+        let corners: [[f64; 3]; 4] = serde_json::from_value(code["corners_m"].clone()).unwrap();
+        let is_qr = code["family"] == "qr";
+        Listed {
+            name: code["name"].as_str().unwrap().into(),
+            says: if is_qr { code["text"].as_str().unwrap().into() } else { code["id"].to_string() },
+            is_qr,
+            edge_m: code["edge_m"].as_f64().unwrap(),
+            corners: corners.map(DVec3::from_array),
+        }
+    };
+    json["codes"].as_array().unwrap().iter().map(code).collect()
+}
+
+/// What a detector saw: what the code says and its four corners in pixels, pixel centres at integers, in the
+/// order bottom left, bottom right, top right, top left of the code.
+pub struct Seen {
+    pub says: String,
+    pub corners: [[f64; 2]; 4],
+}
+
+/// What the AprilTag library finds of family 36h11.
+pub fn april_tags(picture: &GrayImage) -> Vec<Seen> {
+    let (width, height) = picture.dimensions();
+    let mut image = apriltag::Image::zeros_with_alignment(width as usize, height as usize, 96).unwrap();
+    for (x, y, pixel) in picture.enumerate_pixels() {
+        image[(x as usize, y as usize)] = pixel.0[0];
+    }
+    let mut detector =
+        apriltag::Detector::builder().add_family_bits(apriltag::Family::tag_36h11(), 1).build().unwrap();
+    detector.set_decimation(1.0);
+    let seen = |found: &apriltag::Detection| Seen {
+        says: found.id().to_string(),
+        // The library counts from the edge of the first pixel.
+        corners: found.corners().map(|corner| corner.map(|value| value - 0.5)),
+    };
+    detector.detect(&image).iter().map(seen).collect()
+}
+
+/// What rqrr reads. Its corners are good to a few pixels only.
+pub fn qr_codes(picture: &GrayImage) -> Vec<Seen> {
+    let (width, height) = picture.dimensions();
+    let mut prepared =
+        rqrr::PreparedImage::prepare_from_greyscale(width as usize, height as usize, |x, y| {
+            picture.get_pixel(x as u32, y as u32).0[0]
+        });
+    let grids = prepared.detect_grids();
+    let read = grids.iter().filter_map(|grid| {
+        let (_, says) = grid.decode().ok()?;
+        let [top_left, top_right, bottom_right, bottom_left] =
+            grid.bounds.map(|point| [f64::from(point.x), f64::from(point.y)]);
+        // rqrr's bounds go one module of 21 too far to the right and to the bottom.
+        let shrink = |corner: [f64; 2]| [0, 1].map(|i| top_left[i] + (corner[i] - top_left[i]) * 21.0 / 22.0);
+        let [top_right, bottom_right, bottom_left] = [top_right, bottom_right, bottom_left].map(shrink);
+        Some(Seen { says, corners: [bottom_left, bottom_right, top_right, top_left] })
+    });
+    read.collect()
+}

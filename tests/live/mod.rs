@@ -1,0 +1,146 @@
+//! A simulator in another process, started and stopped by a test.
+#![allow(dead_code, reason = "each test binary uses its own part of this")]
+
+use belvedere_bridge::{Domain, Frame, Node, Subscriber};
+use rustix::process::{Pid, Signal, kill_process};
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+/// Longest wait for something that should take a moment, on a busy machine.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The simulator, with an environment that does not depend on the tester's.
+pub fn belvedere() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_belvedere"));
+    for variable in [
+        "TURTLEBOT_BASE",
+        "TURTLEBOT_STACKS",
+        "TURTLEBOT_3D_SENSOR",
+        "TURTLEBOT_GAZEBO_WORLD_FILE",
+        "ROS_PACKAGE_PATH",
+        "GAZEBO_MODEL_PATH",
+        "BELVEDERE_DOMAIN",
+        "BELVEDERE_MODELS",
+        "RUST_LOG",
+    ] {
+        command.env_remove(variable);
+    }
+    command.stdin(Stdio::null());
+    command
+}
+
+/// Runs it to its end.
+pub fn output(arguments: &[&str]) -> Output {
+    belvedere().args(arguments).output().expect("the simulator's binary runs")
+}
+
+/// A domain that no other test has.
+pub fn own_domain() -> String {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    format!("test-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed))
+}
+
+/// A running simulator; stopped when dropped.
+pub struct Simulator {
+    child: Child,
+    domain: String,
+}
+
+impl Simulator {
+    /// Starts `belvedere run` with these arguments in a domain of its own.
+    pub fn start(arguments: &[&str]) -> Self {
+        Self::start_in(own_domain(), arguments)
+    }
+
+    /// Starts it in the given domain.
+    pub fn start_in(domain: String, arguments: &[&str]) -> Self {
+        let child = belvedere()
+            .args(["run", "--domain", &domain])
+            .args(arguments)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the simulator's binary runs");
+        Self { child, domain }
+    }
+
+    pub fn domain(&self) -> &str {
+        &self.domain
+    }
+
+    /// A node of the test in the simulator's domain.
+    pub fn node(&self) -> Node {
+        Node::open(&Domain::new(&self.domain).unwrap(), "test").unwrap()
+    }
+
+    /// A subscriber in the simulator's domain.
+    pub fn subscribe(&self, topic: &str) -> Subscriber {
+        self.node().subscriber(topic).unwrap()
+    }
+
+    pub fn signal(&self, signal: Signal) {
+        kill_process(Pid::from_child(&self.child), signal).expect("the simulator runs");
+    }
+
+    /// Kills it without a chance to clean up.
+    pub fn kill(mut self) -> String {
+        self.signal(Signal::KILL);
+        self.child.wait().unwrap();
+        self.domain.clone()
+    }
+
+    /// Ctrl-C, and its end.
+    pub fn interrupt(mut self) -> ExitStatus {
+        self.signal(Signal::INT);
+        let started = Instant::now();
+        loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                return status;
+            }
+            assert!(started.elapsed() < PATIENCE, "the simulator does not end");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+impl Drop for Simulator {
+    fn drop(&mut self) {
+        if let Ok(None) = self.child.try_wait() {
+            let _ = kill_process(Pid::from_child(&self.child), Signal::INT);
+            let _ = self.child.wait();
+        }
+    }
+}
+
+/// The next frame of a stream.
+pub fn next_frame(subscriber: &mut Subscriber) -> Frame {
+    let started = Instant::now();
+    loop {
+        if let Some(frame) = subscriber.take().unwrap() {
+            return frame;
+        }
+        assert!(started.elapsed() < PATIENCE, "{} sends nothing", subscriber.topic());
+        subscriber.wait(Duration::from_millis(100)).unwrap();
+    }
+}
+
+/// Files of a domain that exist.
+pub fn files_of(domain: &str) -> Vec<String> {
+    let marker = format!("blvd.{domain}.");
+    let mut found = Vec::new();
+    let mut folders = vec![Path::new("/dev/shm").to_path_buf(), Path::new("/tmp/iceoryx2").to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.to_string_lossy().contains(&marker) {
+                found.push(path.display().to_string());
+            }
+            if path.is_dir() {
+                folders.push(path);
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,175 @@
+//! What another process sees of a running simulator: names, rates, stamps, camera infos, and nothing afterwards.
+
+mod live;
+
+use belvedere_bridge::payload::CameraInfo;
+use live::{Simulator, files_of, next_frame, output, own_domain};
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+/// Rates may be off by that part of what was asked.
+const RATE_TOLERANCE: f64 = 0.005;
+
+fn camera_info(arguments: &[&str]) -> CameraInfo {
+    let simulator = Simulator::start(arguments);
+    let mut subscriber = simulator.subscribe("/camera_info");
+    let frame = next_frame(&mut subscriber);
+    assert_eq!(frame.header().frame_id.as_str(), "base_camera_link");
+    frame.message().unwrap()
+}
+
+#[test]
+fn the_ceiling_cameras_info_is_the_articles() {
+    for (arguments, centre) in
+        [(&["--drive", "still"][..], [319.5, 239.5]), (&["--gazebo-compat"], [320.5, 240.5])]
+    {
+        let info = camera_info(arguments);
+        assert_eq!([info.width, info.height], [640, 480]);
+        assert!((info.k[0] - 381.361_15).abs() < 1e-4, "fx is {}", info.k[0]);
+        assert_eq!(info.k, [info.k[0], 0.0, centre[0], 0.0, info.k[0], centre[1], 0.0, 0.0, 1.0]);
+        assert_eq!(info.distortion_model.as_str(), "plumb_bob");
+        assert_eq!(&info.d[..info.d_len as usize], [0.0; 5]);
+        assert_eq!(info.p[3], -info.k[0] * 0.07);
+        assert_eq!(
+            [info.p[0], info.p[2], info.p[5], info.p[6]],
+            [info.k[0], centre[0], info.k[0], centre[1]]
+        );
+    }
+}
+
+/// Two cores, 20 seconds: every stream comes at the rate that was asked for, and each stamp is ⌊k·10⁹/rate⌋.
+#[test]
+fn rates_and_stamps_hold_in_real_time() {
+    let simulator = Simulator::start(&[]);
+    let node = simulator.node();
+    // (topic, exact rate as a fraction)
+    let asked: [(&str, u64, u64); 8] = [
+        ("/image_raw", 30, 1),
+        ("/camera_info", 30, 1),
+        ("/scan", 11, 2),
+        ("/odom", 50, 1),
+        ("/tf", 50, 1),
+        ("/joint_states", 50, 1),
+        ("/clock", 100, 1),
+        ("/tf_static", 0, 1),
+    ];
+    let mut subscribers: Vec<_> = asked.iter().map(|(topic, ..)| node.subscriber(topic).unwrap()).collect();
+    // Until all are there and the start's bustle is over.
+    for subscriber in &mut subscribers {
+        next_frame(subscriber);
+    }
+    let settled = Instant::now() + Duration::from_secs(1);
+    let end = settled + Duration::from_secs(20);
+    let mut arrivals: HashMap<&str, Vec<(Instant, u64)>> = HashMap::new();
+    while Instant::now() < end {
+        for (subscriber, (topic, numerator, denominator)) in subscribers.iter_mut().zip(&asked) {
+            while let Some(frame) = subscriber.take().unwrap() {
+                assert_eq!(frame.missed(), 0, "{topic} has a gap");
+                let header = frame.header();
+                if *numerator > 0 {
+                    // seq counts from the first frame, which is stamped 0.
+                    let k = (u128::from(header.stamp_ns) * u128::from(*numerator))
+                        .div_ceil(1_000_000_000 * u128::from(*denominator));
+                    let exact = k * 1_000_000_000 * u128::from(*denominator) / u128::from(*numerator);
+                    assert_eq!(u128::from(header.stamp_ns), exact, "{topic}: the stamp of frame {k}");
+                }
+                if Instant::now() >= settled {
+                    arrivals.entry(topic).or_default().push((Instant::now(), header.stamp_ns));
+                }
+            }
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    for (topic, numerator, denominator) in asked.iter().filter(|(_, numerator, _)| *numerator > 0) {
+        let seen = &arrivals[topic];
+        let (first, last) = (seen.first().unwrap(), seen.last().unwrap());
+        let rate = (seen.len() - 1) as f64 / (last.0 - first.0).as_secs_f64();
+        let wanted = *numerator as f64 / *denominator as f64;
+        assert!(
+            (rate - wanted).abs() < wanted * RATE_TOLERANCE,
+            "{topic} comes at {rate:.3} Hz instead of {wanted} Hz"
+        );
+        let spacing = (last.1 - first.1) as f64 * 1e-9 / (seen.len() - 1) as f64;
+        assert!((spacing * wanted - 1.0).abs() < 1e-6, "{topic}: a stamp every {spacing} s");
+    }
+}
+
+#[test]
+fn the_kinect_publishes_at_the_lower_of_both_rates() {
+    let simulator = Simulator::start(&["--robot", "kobuki_hexagons_kinect", "--drive", "still"]);
+    let node = simulator.node();
+    let topics = [
+        ("camera/rgb/image_raw", 640 * 480 * 3),
+        ("camera/rgb/camera_info", 352),
+        ("camera/depth/image_raw", 640 * 480 * 4),
+        ("camera/depth/camera_info", 352),
+        ("camera/depth/points", 640 * 480 * 32),
+    ];
+    let mut subscribers: Vec<_> = topics.iter().map(|(topic, _)| node.subscriber(topic).unwrap()).collect();
+    let mut stamps: Vec<Vec<u64>> = vec![Vec::new(); topics.len()];
+    for (index, subscriber) in subscribers.iter_mut().enumerate() {
+        for _ in 0..3 {
+            let frame = next_frame(subscriber);
+            assert_eq!(frame.payload().len(), topics[index].1, "{}", topics[index].0);
+            assert_eq!(frame.header().frame_id.as_str(), "camera_depth_optical_frame");
+            stamps[index].push(frame.header().stamp_ns);
+        }
+    }
+    for stamps in stamps {
+        // Sensor 20 Hz, plugin 10 Hz: pictures and infos alike come every 0.1 s.
+        assert!(stamps.iter().all(|stamp| stamp % 100_000_000 == 0), "{stamps:?}");
+    }
+    assert!(
+        node.streams()
+            .unwrap()
+            .iter()
+            .filter(|stream| stream.topic.starts_with("camera/"))
+            .all(|stream| stream.rate_hz == Some(10.0))
+    );
+}
+
+#[test]
+fn ctrl_c_ends_it_and_leaves_nothing() {
+    let simulator = Simulator::start(&[]);
+    let mut subscriber = simulator.subscribe("/image_raw");
+    next_frame(&mut subscriber);
+    let domain = simulator.domain().to_owned();
+    assert!(!files_of(&domain).is_empty());
+    drop(subscriber);
+    assert!(simulator.interrupt().success());
+    assert_eq!(files_of(&domain), Vec::<String>::new());
+}
+
+/// SIGKILL in the middle of a run, and a new start: the subscriber that was there goes on by itself.
+#[test]
+fn a_subscriber_outlives_a_killed_simulator() {
+    let simulator = Simulator::start(&[]);
+    let mut subscriber = simulator.subscribe("/image_raw");
+    let first = next_frame(&mut subscriber).header().session;
+    let domain = simulator.kill();
+    let simulator = Simulator::start_in(domain.clone(), &[]);
+    let started = Instant::now();
+    loop {
+        let frame = next_frame(&mut subscriber);
+        if frame.header().session != first {
+            assert!(frame.restarted());
+            break;
+        }
+        assert!(started.elapsed() < live::PATIENCE, "the old simulator's frames do not end");
+    }
+    drop(subscriber);
+    assert!(simulator.interrupt().success());
+    assert_eq!(files_of(&domain), Vec::<String>::new(), "the killed run's files are gone too");
+}
+
+#[test]
+fn a_domain_holds_one_simulator() {
+    let simulator = Simulator::start(&["--drive", "still"]);
+    next_frame(&mut simulator.subscribe("/clock"));
+    let second = output(&["run", "--domain", simulator.domain(), "--duration", "1"]);
+    let said = String::from_utf8_lossy(&second.stderr);
+    assert!(!second.status.success());
+    assert!(said.contains("--domain") && said.contains(simulator.domain()), "{said}");
+    let other = output(&["run", "--domain", &own_domain(), "--duration", "0.1", "--rate", "max"]);
+    assert!(other.status.success(), "{}", String::from_utf8_lossy(&other.stderr));
+}

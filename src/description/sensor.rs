@@ -1,12 +1,59 @@
 //! `<sensor>` as SDF defines it, in SDF links and in URDF's `<gazebo reference>`.
+//!
+//! Defaults are those of sdf/1.6 and of the plugins of `gazebo_plugins` (ROS Noetic).
+
+mod camera;
+mod noise;
+mod plugin;
+mod ray;
+mod reader;
+#[cfg(test)]
+mod tests;
 
 use super::diagnostics::Diagnostics;
-use super::model::{LinkIndex, Sensor};
+use super::model::{LinkIndex, Sensor, SensorKind};
+use super::values::{child_bool, child_pose};
 use super::xml::Element;
+use reader::Reader;
 
-/// Reads a `<sensor>` with its plugin. A sensor of a type that is not simulated gives none and a warning.
+/// Far clip distance in metres of a camera, and of a depth camera, that gives none.
+const CAMERA_FAR_M: f64 = 100.0;
+const DEPTH_FAR_M: f64 = 10.0;
+
+/// Reads a `<sensor>` with its plugin. A sensor of a type that is not simulated gives none and a warning; one
+/// with a wrong value gives none and an error for each.
 pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnostics) -> Option<Sensor> {
-    let _ = link;
-    diagnostics.error(&sensor.source, "sensors cannot be read yet", "");
-    None
+    let name = sensor.attribute("name").unwrap_or_default().to_owned();
+    if name.is_empty() {
+        diagnostics.error(&sensor.source, "<sensor> has no name", "write <sensor name=\"…\" type=\"…\">");
+        return None;
+    }
+    let mut reader = Reader { sensor: name.clone(), diagnostics };
+    let kind = match sensor.attribute("type").unwrap_or_default() {
+        "camera" => reader.camera(sensor, CAMERA_FAR_M).map(SensorKind::Camera),
+        "depth" | "depth_camera" => reader.camera(sensor, DEPTH_FAR_M).map(SensorKind::Depth),
+        "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => reader.ray(sensor).map(SensorKind::Ray),
+        other => {
+            let what = if other.is_empty() { "no type".into() } else { format!("the type '{other}'") };
+            diagnostics.warning(
+                &sensor.source,
+                format!("the sensor '{name}' has {what}, which is not simulated: it is left out"),
+                "these types are: camera, depth, ray, gpu_ray and lidar",
+            );
+            return None;
+        }
+    };
+    let update_rate_hz = reader.rate(sensor, "update_rate");
+    let kind = kind?;
+    let plugin = reader.plugin(sensor, &kind);
+    Some(Sensor {
+        name,
+        link,
+        link_from_sensor: child_pose(sensor, diagnostics),
+        always_on: child_bool(sensor, "always_on", diagnostics).unwrap_or(false),
+        update_rate_hz: update_rate_hz?,
+        kind,
+        plugin,
+        source: sensor.source.clone(),
+    })
 }

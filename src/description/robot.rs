@@ -1,0 +1,108 @@
+//! Robots: found by file or by name, expanded by xacro, loaded from URDF.
+
+use super::diagnostics::{Diagnostics, Source};
+use super::model::Model;
+use super::package::PackagePath;
+use super::values::nearest;
+use super::{urdf, xacro};
+use std::path::{Path, PathBuf};
+
+/// The package whose `robots` folder holds the robots that have names.
+const PACKAGE: &str = "turtlebot_description";
+
+/// What the names' files end in.
+const EXTENSION: &str = ".urdf.xacro";
+
+/// The robot of the main job.
+const DEFAULT_ROBOT: &str = "kobuki_nostack_camera";
+
+/// What [`load_robot`] goes by.
+#[derive(Debug, Clone)]
+pub struct LoadOptions {
+    /// Where packages are found.
+    pub packages: PackagePath,
+    /// Go on as Gazebo does: a sensor on a link that does not exist is left out, with a warning in place of the
+    /// error.
+    pub gazebo_compat: bool,
+    /// What `$(arg name)` gives in the robot's xacro, as (name, value).
+    pub xacro_args: Vec<(String, String)>,
+}
+
+/// The robot that is loaded if none is asked for, as in the articles: `TURTLEBOT_BASE`, `TURTLEBOT_STACKS` and
+/// `TURTLEBOT_3D_SENSOR` choose `BASE_STACKS_SENSOR`; those that are not set are `kobuki`, `nostack`, `camera`.
+pub fn default_robot_name() -> String {
+    chosen_name(|variable| std::env::var(variable).ok())
+}
+
+fn chosen_name(variable: impl Fn(&str) -> Option<String>) -> String {
+    let variables = ["TURTLEBOT_BASE", "TURTLEBOT_STACKS", "TURTLEBOT_3D_SENSOR"];
+    let parts: Vec<String> = variables
+        .iter()
+        .zip(DEFAULT_ROBOT.split('_'))
+        .map(|(name, default)| {
+            variable(name).filter(|value| !value.is_empty()).unwrap_or_else(|| default.to_owned())
+        })
+        .collect();
+    parts.join("_")
+}
+
+/// Loads a robot from a URDF or xacro file, or by name.
+///
+/// A name has no path separator: `kobuki_nostack_camera` is `robots/kobuki_nostack_camera.urdf.xacro` of a
+/// `turtlebot_description` package on the package path, the user's first.
+///
+/// # Errors
+/// Whatever is wrong is added to `diagnostics`. None is returned when there is no robot at all; one that is
+/// returned while `diagnostics` has errors is good for showing, not for running.
+pub fn load_robot(file_or_name: &str, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Model> {
+    let path = find_robot(file_or_name, &options.packages, diagnostics)?;
+    match xacro::expand(&path, &options.packages, &options.xacro_args, diagnostics) {
+        Ok(robot) => urdf::load_urdf(&robot, &options.packages, options.gazebo_compat, diagnostics),
+        Err(problem) => {
+            diagnostics.add(problem);
+            None
+        }
+    }
+}
+
+fn find_robot(file_or_name: &str, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
+    let path = Path::new(file_or_name);
+    let is_bare = !file_or_name.contains(std::path::is_separator);
+    let is_robot_file = path
+        .extension()
+        .is_some_and(|extension| ["urdf", "xacro", "xml"].iter().any(|known| extension == *known));
+    if !is_bare || is_robot_file && path.exists() {
+        return Some(path.to_path_buf());
+    }
+    let name = file_or_name.strip_suffix(EXTENSION).unwrap_or(file_or_name);
+    if !name.is_empty()
+        && let Some(found) = packages.find_file(PACKAGE, format!("robots/{name}{EXTENSION}"))
+    {
+        return Some(found.path);
+    }
+    let names = robot_names(packages);
+    let listed = if names.is_empty() { "none found".into() } else { names.join(", ") };
+    let suggestion = nearest(name, names.iter().map(String::as_str))
+        .map(|near| format!("did you mean '{near}'? "))
+        .unwrap_or_default();
+    diagnostics.error(
+        &Source::new(path, 0),
+        "no such robot",
+        format!("{suggestion}give the path of a .urdf or .xacro file or one of these names: {listed}"),
+    );
+    None
+}
+
+/// The names that [`load_robot`] knows, sorted.
+pub fn robot_names(packages: &PackagePath) -> Vec<String> {
+    let mut names: Vec<String> = packages
+        .folders()
+        .map(|folder| if folder.ends_with(PACKAGE) { folder.to_path_buf() } else { folder.join(PACKAGE) })
+        .filter_map(|package| std::fs::read_dir(package.join("robots")).ok())
+        .flatten()
+        .filter_map(|entry| entry.ok()?.file_name().to_str()?.strip_suffix(EXTENSION).map(str::to_owned))
+        .collect();
+    names.sort();
+    names.dedup();
+    names
+}

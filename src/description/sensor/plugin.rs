@@ -1,0 +1,174 @@
+//! `<plugin>`: the names under which a sensor's messages go out, and what they say.
+
+use super::reader::Reader;
+use crate::description::model::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Plugin, SensorKind};
+use crate::description::values::{child_bool, child_text};
+use crate::description::xml::Element;
+
+/// The plugins that are understood, for messages.
+const SUPPORTED: &str = "libgazebo_ros_camera.so, libgazebo_ros_openni_kinect.so, libgazebo_ros_laser.so and libgazebo_ros_gpu_laser.so";
+
+/// The defaults of `<imageTopicName>` and `<cameraInfoTopicName>`.
+struct CameraTopics {
+    image: &'static str,
+    info: &'static str,
+}
+
+impl Reader<'_> {
+    /// The first plugin of a sensor that is understood and fits it; warnings for the others.
+    pub(super) fn plugin(&mut self, sensor: &Element, kind: &SensorKind) -> Option<Plugin> {
+        let mut chosen = None;
+        for element in sensor.elements_named("plugin") {
+            let file = element.attribute("filename").unwrap_or_default();
+            // Gazebo itself adds what is missing of `lib….so`.
+            let name = file.rsplit('/').next().unwrap_or(file);
+            let name = name.strip_prefix("lib").unwrap_or(name);
+            let name = name.strip_suffix(".so").unwrap_or(name);
+            let fits = match name {
+                "gazebo_ros_camera" => matches!(kind, SensorKind::Camera(_)),
+                "gazebo_ros_openni_kinect" => matches!(kind, SensorKind::Depth(_)),
+                "gazebo_ros_laser" | "gazebo_ros_gpu_laser" => matches!(kind, SensorKind::Ray(_)),
+                _ => {
+                    self.diagnostics.warning(
+                        &element.source,
+                        format!(
+                            "the plugin '{file}' of sensor '{}' is not simulated and left out",
+                            self.sensor
+                        ),
+                        format!("these are: {SUPPORTED}"),
+                    );
+                    continue;
+                }
+            };
+            if !fits {
+                let (wanted, plugin) = match kind {
+                    SensorKind::Camera(_) => ("camera", "libgazebo_ros_camera.so"),
+                    SensorKind::Depth(_) => ("depth", "libgazebo_ros_openni_kinect.so"),
+                    SensorKind::Ray(_) => ("ray", "libgazebo_ros_laser.so"),
+                };
+                self.diagnostics.error(
+                    &element.source,
+                    format!("the plugin '{file}' does not go with sensor '{}' of type {wanted}", self.sensor),
+                    format!("use {plugin}, or change the type of the sensor"),
+                );
+            } else if chosen.is_some() {
+                self.diagnostics.warning(
+                    &element.source,
+                    format!("sensor '{}' has a second plugin, '{file}', which is left out", self.sensor),
+                    "make a second sensor for it",
+                );
+            } else {
+                chosen = match kind {
+                    SensorKind::Camera(_) => {
+                        let topics = CameraTopics { image: "image_raw", info: "camera_info" };
+                        self.camera_plugin(element, &topics).map(Plugin::Camera)
+                    }
+                    SensorKind::Depth(_) => self.depth_plugin(element).map(Plugin::DepthCamera),
+                    SensorKind::Ray(_) => self.laser_plugin(element).map(Plugin::Laser),
+                };
+            }
+        }
+        chosen
+    }
+
+    fn camera_plugin(&mut self, plugin: &Element, topics: &CameraTopics) -> Option<CameraPlugin> {
+        let text = |name: &str| child_text(plugin, name);
+        let camera_name = text("cameraName").unwrap_or_default();
+        let topic = |name: &str, default: &str| topic(plugin, &camera_name, name, default);
+        let image_topic = topic("imageTopicName", topics.image);
+        let camera_info_topic = topic("cameraInfoTopicName", topics.info);
+        let update_rate_hz = self.rate(plugin, "updateRate");
+        let hack_baseline_m = self.number(Some(plugin), "hackBaseline", 0.0);
+        let distortion = [1, 2, 3].map(|index| format!("K{index}"));
+        let [k1, k2, k3] = distortion.map(|name| self.distortion_value(plugin, &name));
+        let [t1, t2] = ["T1", "T2"].map(|name| self.distortion_value(plugin, name));
+        let [cx_prime, cx, cy] = ["CxPrime", "Cx", "Cy"].map(|name| self.number(Some(plugin), name, 0.0));
+        let focal_length = self.not_negative(Some(plugin), "focalLength");
+        let given = |value: f64| (value != 0.0).then_some(value);
+        Some(CameraPlugin {
+            image_topic,
+            camera_info_topic,
+            frame_name: text("frameName").unwrap_or_default(),
+            camera_name,
+            update_rate_hz: update_rate_hz?,
+            hack_baseline_m: hack_baseline_m?,
+            distortion: [k1?, k2?, k3?, t1?, t2?],
+            principal_point: [given(cx?).or(given(cx_prime?)), given(cy?)],
+            focal_length: given(focal_length?),
+        })
+    }
+
+    /// `distortionK1`, or `distortion_k1` as the Kinect's files write it.
+    fn distortion_value(&mut self, plugin: &Element, name: &str) -> Option<f64> {
+        let names = [format!("distortion{name}"), format!("distortion_{}", name.to_ascii_lowercase())];
+        let written = names.iter().find(|name| plugin.child(name).is_some()).unwrap_or(&names[0]);
+        self.number(Some(plugin), written, 0.0)
+    }
+
+    fn depth_plugin(&mut self, plugin: &Element) -> Option<DepthCameraPlugin> {
+        let topics = CameraTopics { image: "ir/image_raw", info: "ir/camera_info" };
+        let camera = self.camera_plugin(plugin, &topics);
+        let cutoff = self.checked(
+            Some(plugin),
+            "pointCloudCutoff",
+            0.4,
+            |depth| depth >= 0.0,
+            "write a depth in metres, 0 or more",
+        );
+        let cutoff_max = self.checked(
+            Some(plugin),
+            "pointCloudCutoffMax",
+            5.0,
+            |depth| depth > 0.0,
+            "write a depth in metres above 0",
+        );
+        let depth_16uc1 = child_bool(plugin, "useDepth16UC1MM", self.diagnostics).unwrap_or(false);
+        let (camera, cutoff_m, cutoff_max_m) = (camera?, cutoff?, cutoff_max?);
+        if cutoff_m >= cutoff_max_m {
+            self.diagnostics.error(
+                Self::place(Some(plugin), "pointCloudCutoff", plugin),
+                format!(
+                    "{} is {cutoff_m} and <pointCloudCutoffMax> is {cutoff_max_m}",
+                    self.what("pointCloudCutoff")
+                ),
+                "write <pointCloudCutoff> below <pointCloudCutoffMax>, which is 5.0 if not given",
+            );
+            return None;
+        }
+        let topic = |name: &str, default: &str| topic(plugin, &camera.camera_name, name, default);
+        Some(DepthCameraPlugin {
+            depth_image_topic: topic("depthImageTopicName", "depth/image_raw"),
+            depth_camera_info_topic: topic("depthImageCameraInfoTopicName", "depth/camera_info"),
+            point_cloud_topic: topic("pointCloudTopicName", "points"),
+            camera,
+            cutoff_m,
+            cutoff_max_m,
+            depth_16uc1,
+        })
+    }
+
+    fn laser_plugin(&mut self, plugin: &Element) -> Option<LaserPlugin> {
+        Some(LaserPlugin {
+            topic: topic(plugin, "", "topicName", "/world"),
+            frame_name: child_text(plugin, "frameName").unwrap_or_else(|| "/world".into()),
+            update_rate_hz: self.rate(plugin, "updateRate")?,
+        })
+    }
+}
+
+/// The absolute topic in the child element `name`: as it stands if it begins with a slash, else under
+/// `<robotNamespace>` and the camera's name.
+fn topic(plugin: &Element, camera_name: &str, name: &str, default: &str) -> String {
+    let topic = child_text(plugin, name).unwrap_or_else(|| default.into());
+    if topic.starts_with('/') {
+        return topic;
+    }
+    let namespace = child_text(plugin, "robotNamespace").unwrap_or_default();
+    let parts = [namespace.as_str(), camera_name, &topic];
+    parts
+        .map(|part| part.trim_matches('/'))
+        .iter()
+        .filter(|part| !part.is_empty())
+        .map(|part| format!("/{part}"))
+        .collect()
+}

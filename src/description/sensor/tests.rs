@@ -1,0 +1,146 @@
+//! The articles' sensors, the defaults, and one error for each wrong value.
+
+use super::parse_sensor;
+use crate::description::diagnostics::{Diagnostics, Severity};
+use crate::description::model::{Noise, PixelFormat, Plugin, Sensor, SensorKind};
+use crate::description::xml::Element;
+use std::path::Path;
+
+fn parse(text: &str) -> (Option<Sensor>, Vec<String>) {
+    let element = Element::parse(text, Path::new("s.sdf")).unwrap();
+    let mut diagnostics = Diagnostics::default();
+    let sensor = parse_sensor(&element, 7, &mut diagnostics);
+    (sensor, diagnostics.problems().iter().map(ToString::to_string).collect())
+}
+
+fn accepted(text: &str) -> Sensor {
+    let (sensor, problems) = parse(text);
+    assert!(problems.is_empty(), "{problems:?}");
+    sensor.unwrap()
+}
+
+#[test]
+fn defaults_are_those_of_sdf() {
+    let camera = accepted("<sensor name='c' type='camera'/>");
+    let SensorKind::Camera(c) = &camera.kind else { panic!() };
+    assert_eq!((c.width, c.height, c.format), (320, 240, PixelFormat::Rgb8));
+    assert_eq!((c.horizontal_fov_rad, c.near_m, c.far_m), (1.047, 0.1, 100.0));
+    assert_eq!((camera.update_rate_hz, camera.always_on, camera.link), (None, false, 7));
+
+    let depth = accepted("<sensor name='d' type='depth'/>");
+    assert!(matches!(&depth.kind, SensorKind::Depth(d) if d.far_m == 10.0));
+
+    let ray = accepted("<sensor name='r' type='gpu_ray'><ray><range><max>inf</max></range></ray></sensor>");
+    let SensorKind::Ray(r) = &ray.kind else { panic!() };
+    assert_eq!((r.horizontal.samples, r.vertical.samples), (640, 1));
+    assert_eq!((r.range_min_m, r.range_max_m), (0.0, f64::INFINITY));
+}
+
+#[test]
+fn camera_plugin_resolves_topics_against_the_camera_name() {
+    let sensor = accepted(
+        "<sensor name='c' type='camera'><update_rate>30</update_rate><camera><noise><type>Gaussian</type>\
+         <stddev>0.007</stddev></noise></camera><plugin name='p' filename='libgazebo_ros_camera.so'>\
+         <cameraName>head</cameraName><imageTopicName>/image_raw</imageTopicName><updateRate>10</updateRate>\
+         <hackBaseline>0.07</hackBaseline><distortionK1>0.1</distortionK1><distortionT2>0.2</distortionT2>\
+         <Cy>12</Cy></plugin></sensor>",
+    );
+    assert_eq!(sensor.effective_rate_hz(), Some(10.0));
+    let SensorKind::Camera(camera) = &sensor.kind else { panic!() };
+    assert_eq!(camera.noise, Noise { stddev: 0.007, ..Noise::default() });
+    let Some(Plugin::Camera(plugin)) = &sensor.plugin else { panic!() };
+    assert_eq!(
+        (plugin.image_topic.as_str(), plugin.camera_info_topic.as_str()),
+        ("/image_raw", "/head/camera_info")
+    );
+    assert_eq!((plugin.hack_baseline_m, plugin.distortion), (0.07, [0.1, 0.0, 0.0, 0.0, 0.2]));
+    assert_eq!((plugin.principal_point, plugin.focal_length), ([None, Some(12.0)], None));
+}
+
+#[test]
+fn kinect_plugin_has_its_own_defaults() {
+    let sensor = accepted(
+        "<sensor name='k' type='depth'><plugin name='p' filename='libgazebo_ros_openni_kinect.so'>\
+         <cameraName>camera</cameraName><pointCloudTopicName>depth/points</pointCloudTopicName>\
+         <distortion_k2>0.5</distortion_k2><useDepth16UC1MM>true</useDepth16UC1MM></plugin></sensor>",
+    );
+    let Some(Plugin::DepthCamera(plugin)) = &sensor.plugin else { panic!() };
+    assert_eq!(plugin.camera.image_topic, "/camera/ir/image_raw");
+    assert_eq!(plugin.depth_image_topic, "/camera/depth/image_raw");
+    assert_eq!(plugin.depth_camera_info_topic, "/camera/depth/camera_info");
+    assert_eq!(plugin.point_cloud_topic, "/camera/depth/points");
+    assert_eq!((plugin.cutoff_m, plugin.cutoff_max_m, plugin.depth_16uc1), (0.4, 5.0, true));
+    assert_eq!(plugin.camera.distortion[1], 0.5);
+}
+
+#[test]
+fn laser_plugin_defaults_to_world() {
+    let laser = |parameters: &str| {
+        let sensor = accepted(&format!(
+            "<sensor name='l' type='ray'><ray><range><max>6</max></range></ray>\
+             <plugin name='p' filename='libgazebo_ros_laser.so'>{parameters}</plugin></sensor>"
+        ));
+        let Some(Plugin::Laser(plugin)) = sensor.plugin else { panic!() };
+        (plugin.topic, plugin.frame_name)
+    };
+    assert_eq!(laser(""), ("/world".into(), "/world".into()));
+    assert_eq!(laser("<topicName>scan</topicName><frameName>l</frameName>"), ("/scan".into(), "l".into()));
+}
+
+#[test]
+fn every_wrong_value_gives_one_error_that_names_it() {
+    let camera = |inside: &str| format!("<sensor name='c' type='camera'><camera>{inside}</camera></sensor>");
+    let ray = |inside: &str| {
+        format!("<sensor name='r' type='ray'><ray><range><max>5</max></range>{inside}</ray></sensor>")
+    };
+    let scan = |axis: &str| ray(&format!("<scan><horizontal>{axis}</horizontal></scan>"));
+    let cases = [
+        (camera("<image><width>0</width></image>"), "<width> of sensor 'c' is 0"),
+        (camera("<image><width>32.5</width></image>"), "<width> of sensor 'c' is 32.5"),
+        (camera("<image><height>16385</height></image>"), "<height> of sensor 'c' is 16385"),
+        (camera("<image><format>BAYER_RGGB8</format></image>"), "'BAYER_RGGB8'"),
+        (camera("<horizontal_fov>3.2</horizontal_fov>"), "<horizontal_fov> of sensor 'c' is 3.2"),
+        (camera("<clip><near>0</near></clip>"), "<near> of sensor 'c' is 0"),
+        (camera("<clip><near>9</near><far>8</far></clip>"), "<near> of sensor 'c' is 9 and <far> is 8"),
+        (camera("<noise><type>salt</type></noise>"), "type 'salt'"),
+        (camera("<noise><stddev>-1</stddev></noise>"), "<stddev> of sensor 'c' is -1"),
+        (camera("<noise><precision>-1</precision></noise>"), "<precision> of sensor 'c' is -1"),
+        (camera("<noise><mean>x</mean></noise>"), "'x' is not a finite number"),
+        (
+            "<sensor name='c' type='camera'><update_rate>-5</update_rate></sensor>".into(),
+            "<update_rate> of sensor 'c' is -5",
+        ),
+        (scan("<samples>0</samples>"), "<samples> of sensor 'r' is 0"),
+        (scan("<samples>100001</samples>"), "<samples> of sensor 'r' is 100001"),
+        (scan("<min_angle>1</min_angle><max_angle>-1</max_angle>"), "is 1 and <max_angle> is -1"),
+        ("<sensor name='r' type='ray'/>".into(), "<min> 0 and <max> 0"),
+        (
+            ray(
+                "<scan><horizontal><samples>100000</samples></horizontal><vertical><samples>200</samples></vertical></scan>",
+            ),
+            "100000 × 200 = 20000000 beams",
+        ),
+        ("<sensor type='camera'/>".into(), "<sensor> has no name"),
+    ];
+    for (text, expected) in cases {
+        let (sensor, problems) = parse(&text);
+        assert!(sensor.is_none(), "{text}");
+        assert_eq!(problems.len(), 1, "{text}: {problems:?}");
+        assert!(
+            problems[0].starts_with("s.sdf:1: error: ") && problems[0].contains(expected),
+            "{problems:?}"
+        );
+        assert!(problems[0].contains("; "), "no remedy: {problems:?}");
+    }
+}
+
+#[test]
+fn what_is_not_simulated_gives_a_warning() {
+    let (sensor, problems) = parse("<sensor name='s' type='sonar'/>");
+    assert!(sensor.is_none());
+    assert!(problems[0].contains(&format!("{}: the sensor 's' has the type 'sonar'", Severity::Warning)));
+    let (sensor, problems) =
+        parse("<sensor name='s' type='camera'><plugin name='p' filename='libother.so'/></sensor>");
+    assert!(sensor.unwrap().plugin.is_none());
+    assert!(problems.len() == 1 && problems[0].contains("libgazebo_ros_openni_kinect.so"), "{problems:?}");
+}

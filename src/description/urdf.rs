@@ -1,0 +1,124 @@
+//! URDF with Gazebo's extensions: an expanded `<robot>` in, a [`Model`] out.
+//!
+//! | file | reads |
+//! |---|---|
+//! | `link` | `<link>`: mass, what is seen, what is touched |
+//! | `joint` | `<joint>` |
+//! | `tree` | the tree that links and joints make, and the poses in it |
+//! | `geometry`, `material` | shapes and their looks |
+//! | `files` | where `package://` and other names of files point to |
+//! | `gazebo` | `<gazebo>`: sensors and what Gazebo overrides |
+//!
+//! `<transmission>` and whatever else neither moves nor shows anything here is passed over in silence.
+
+mod files;
+mod gazebo;
+mod geometry;
+mod joint;
+mod link;
+mod material;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+use super::diagnostics::{Diagnostics, Source};
+use super::model::{Link, Material, Mesh, Model};
+use super::package::PackagePath;
+use super::values::nearest;
+use super::xml::Element;
+use belvedere_sensors::Pose;
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Meshes already read, by file and scale: wheels share theirs.
+type MeshCache = HashMap<(PathBuf, [u64; 3]), Option<Vec<Arc<Mesh>>>>;
+
+/// State of one load.
+struct Loader<'a> {
+    packages: &'a PackagePath,
+    gazebo_compat: bool,
+    diagnostics: &'a mut Diagnostics,
+    /// Materials that have a name, wherever in the file they are defined.
+    materials: HashMap<String, Material>,
+    meshes: MeshCache,
+}
+
+/// Reads a robot that xacro has expanded. Whatever is wrong is added to `diagnostics`; none is returned when
+/// links and joints make no tree.
+pub(super) fn load_urdf(
+    robot: &Element,
+    packages: &PackagePath,
+    gazebo_compat: bool,
+    diagnostics: &mut Diagnostics,
+) -> Option<Model> {
+    if robot.name != "robot" {
+        diagnostics.error(
+            &robot.source,
+            format!("the outermost element is <{}>", robot.name),
+            "a robot file begins with <robot>; an SDF file is given with --world",
+        );
+        return None;
+    }
+    let mut loader =
+        Loader { packages, gazebo_compat, diagnostics, materials: HashMap::new(), meshes: HashMap::new() };
+    loader.define_materials(robot);
+    let mut model = Model {
+        name: robot.attribute("name").unwrap_or("robot").to_owned(),
+        world_from_model: Pose::IDENTITY,
+        is_static: false,
+        links: Vec::new(),
+        joints: Vec::new(),
+        sensors: Vec::new(),
+        source: robot.source.clone(),
+    };
+    loader.links(robot, &mut model);
+    loader.joints(robot, &mut model);
+    let is_tree = loader.build_tree(robot, &mut model);
+    loader.extensions(robot, &mut model);
+    is_tree.then_some(model)
+}
+
+impl Loader<'_> {
+    /// A thing that cannot be had: an error, or a warning where Gazebo goes on without it.
+    fn missing(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
+        if self.gazebo_compat {
+            self.diagnostics.warning(source, what, remedy);
+        } else {
+            self.diagnostics.error(source, what, remedy);
+        }
+    }
+
+    /// The name of a link or joint; an error if it has none or one that is taken.
+    fn unique_name<'s>(
+        &mut self,
+        element: &Element,
+        mut taken: impl Iterator<Item = (&'s str, &'s Source)>,
+    ) -> Option<String> {
+        let kind = &element.name;
+        let Some(name) = element.attribute("name").filter(|name| !name.is_empty()) else {
+            self.diagnostics.error(
+                &element.source,
+                format!("<{kind}> has no name"),
+                format!("write <{kind} name=\"…\">"),
+            );
+            return None;
+        };
+        if let Some((_, first)) = taken.find(|(other, _)| *other == name) {
+            self.diagnostics.error(
+                &element.source,
+                format!("two {kind}s are called '{name}' (the first at {first})"),
+                "rename one, or call the macro that makes it only once",
+            );
+            return None;
+        }
+        Some(name.to_owned())
+    }
+}
+
+/// "did you mean …" for the name of a link, empty if there are no links.
+fn nearest_link(name: &str, links: &[Link]) -> String {
+    nearest(name, links.iter().map(|link| link.name.as_str()))
+        .map(|near| format!("did you mean '{near}'?"))
+        .unwrap_or_default()
+}

@@ -1,0 +1,110 @@
+//! `<gazebo>`: sensors, and what Gazebo overrides of a link.
+//!
+//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro` and `turnGravityOff`; for the whole robot:
+//! `static`. The rest is accepted: contact parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
+//! another physics engine does not have, plugins of the robot, extensions of joints.
+
+use super::{Loader, nearest_link};
+use crate::description::gazebo_materials::{gazebo_material, gazebo_material_names};
+use crate::description::model::{LinkIndex, Model};
+use crate::description::sensor::parse_sensor;
+use crate::description::values::{child_bool, child_number, child_text, nearest};
+use crate::description::xml::Element;
+
+impl Loader<'_> {
+    pub(super) fn extensions(&mut self, robot: &Element, model: &mut Model) {
+        for element in robot.elements_named("gazebo") {
+            match element.attribute("reference").filter(|name| !name.is_empty()) {
+                None => {
+                    if let Some(is_static) = child_bool(element, "static", self.diagnostics) {
+                        model.is_static = is_static;
+                    }
+                }
+                Some(name) => match model.link_named(name) {
+                    Some(link) => self.extend_link(element, link, model),
+                    None => self.unknown_reference(element, name, model),
+                },
+            }
+        }
+    }
+
+    fn extend_link(&mut self, element: &Element, index: LinkIndex, model: &mut Model) {
+        for sensor in element.elements_named("sensor") {
+            model.sensors.extend(parse_sensor(sensor, index, self.diagnostics));
+        }
+        let link = &mut model.links[index];
+        if let Some(off) = child_bool(element, "turnGravityOff", self.diagnostics) {
+            link.gravity = !off;
+        }
+        if let Some(retro) = child_number(element, "laserRetro", self.diagnostics) {
+            for collision in &mut link.collisions {
+                collision.laser_retro = retro as f32;
+            }
+        }
+        if let (Some(friction), Some(child)) =
+            (child_number(element, "mu1", self.diagnostics), element.child("mu1"))
+        {
+            if friction < 0.0 {
+                self.diagnostics.error(
+                    &child.source,
+                    format!("<mu1> of link '{}' is {friction}", link.name),
+                    "write 0 or more",
+                );
+            }
+            for collision in &mut link.collisions {
+                collision.friction = Some(friction);
+            }
+        }
+        if let Some(material) = element.child("material") {
+            let name = material
+                .child("script")
+                .and_then(|script| child_text(script, "name"))
+                .unwrap_or_else(|| material.text());
+            if let Some(look) = gazebo_material(&name) {
+                for visual in &mut link.visuals {
+                    visual.material = look.clone();
+                }
+            } else {
+                let names: Vec<String> = gazebo_material_names().collect();
+                let near = nearest(&name, names.iter().map(String::as_str)).unwrap_or_default();
+                self.diagnostics.warning(
+                    &material.source,
+                    format!("Gazebo has no material '{name}': link '{}' keeps its look", link.name),
+                    format!("did you mean '{near}'?"),
+                );
+            }
+        }
+    }
+
+    /// A reference to something that is no link: a joint, or a mistake.
+    fn unknown_reference(&mut self, element: &Element, name: &str, model: &Model) {
+        let near = nearest_link(name, &model.links);
+        let mut has_sensor = false;
+        for sensor in element.elements_named("sensor") {
+            has_sensor = true;
+            let what = format!(
+                "the sensor '{}' is on the link '{name}', which does not exist",
+                sensor.attribute("name").unwrap_or_default()
+            );
+            if self.gazebo_compat {
+                self.diagnostics.warning(
+                    &element.source,
+                    format!("{what}: it is left out, as in Gazebo"),
+                    near.clone(),
+                );
+            } else {
+                let remedy = format!(
+                    "{near} Correct the reference, or leave the sensor out as Gazebo does with --gazebo-compat"
+                );
+                self.diagnostics.error(&element.source, what, remedy.trim_start());
+            }
+        }
+        if !has_sensor && !model.joints.iter().any(|joint| joint.name == name) {
+            self.diagnostics.warning(
+                &element.source,
+                format!("<gazebo reference=\"{name}\"> names no link and no joint: it is left out"),
+                near,
+            );
+        }
+    }
+}

@@ -11,7 +11,7 @@ use std::{
 };
 
 use iceoryx2::{
-    node::{Node as IoxNode, NodeCreationFailure, NodeState},
+    node::{Node as IoxNode, NodeCreationFailure, NodeState, NodeView as _},
     prelude::{
         CallbackProgression, Config, LogLevel, NodeBuilder, NodeName, SignalHandlingMode, ipc_threadsafe,
     },
@@ -194,6 +194,7 @@ fn writable_root(config: &Config) -> bool {
 /// Removes what iceoryx2 keeps after the last node of a domain: its node counter, and the directories that all
 /// domains share if nobody is left in any of them.
 fn remove_traces(config: &Config, domain: &Domain) -> std::io::Result<()> {
+    remove_remnants(config, domain);
     let mut others = false;
     let listed = IoxNode::<Ipc>::list(config, |state| {
         others |= !matches!(state, NodeState::Dead(_));
@@ -216,4 +217,41 @@ fn remove_traces(config: &Config, domain: &Domain) -> std::io::Result<()> {
     fs::remove_dir(config.global.node_dir().to_string())?;
     fs::remove_dir(config.global.service_dir().to_string())?;
     fs::remove_dir(root)
+}
+
+/// Removes nodes whose cleaning iceoryx2 could not finish.
+///
+/// A process killed while it creates a port leaves a half-made tag. iceoryx2 does not see that file, removes the
+/// node's description, fails to remove the directory, and from then on looks for the node under the default prefix,
+/// since the right one stood in the description: in another domain than the default it would stay for ever. All that
+/// mattered of such a node (its places in streams, its memory) has been released before.
+fn remove_remnants(config: &Config, domain: &Domain) {
+    let mut ids = Vec::new();
+    let _ = IoxNode::<Ipc>::list(config, |state| {
+        // A living node has its description before it can be seen.
+        if let NodeState::Dead(node) = &state
+            && node.details().is_none()
+        {
+            ids.push(node.id().value().to_string());
+        }
+        CallbackProgression::Continue
+    });
+    let nodes = config.global.node_dir().to_string();
+    let nodes = Path::new(&nodes);
+    for id in ids {
+        // Failures mean that another process is just doing the same.
+        let own = nodes.join(&id);
+        remove_files(&own, &domain.prefix());
+        let _ = fs::remove_dir(own);
+        remove_files(nodes, &format!("{}{id}.", domain.prefix()));
+    }
+}
+
+/// Removes the files of a directory whose names begin so.
+fn remove_files(directory: &Path, prefix: &str) {
+    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
+        if entry.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }

@@ -11,6 +11,7 @@ use belvedere_bridge::{Domain, Encoding, Error, Kind, Node, StreamSpec, Subscrib
 
 const LEN: usize = 640 * 480 * 3;
 const DOMAIN: &str = "BRIDGE_TEST_DOMAIN";
+const JOIN: &str = "BRIDGE_TEST_JOIN";
 const PATIENCE: Duration = Duration::from_secs(20);
 
 fn spec() -> StreamSpec {
@@ -30,6 +31,14 @@ fn publish_until_killed() {
         frame.send().unwrap();
         std::thread::sleep(Duration::from_millis(10));
     }
+}
+
+/// Not a test of its own: another process that only joins.
+#[test]
+fn join_until_killed() {
+    let Ok(domain) = std::env::var(JOIN) else { return };
+    let _node = Node::open(&Domain::new(&domain).unwrap(), "joined").unwrap();
+    std::thread::sleep(PATIENCE);
 }
 
 struct Publisher(Child);
@@ -148,4 +157,41 @@ fn a_domain_in_use_by_another_process_is_refused() {
     let _ = next(&mut subscriber);
     let error = node.publisher(&spec()).unwrap_err();
     assert!(matches!(error, Error::DomainInUse { .. }), "{error}");
+}
+
+/// What a process killed in the middle of making a port leaves after iceoryx2's attempt to clean up: a dead node
+/// without its description, and a tag in its directory.
+#[test]
+fn the_remnant_of_a_half_cleaned_node_goes() {
+    let domain = domain("remnant");
+    let child = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "join_until_killed", "--nocapture"])
+        .env(JOIN, domain.as_str())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let child = Publisher(child);
+    let nodes = Path::new("/tmp/iceoryx2/nodes");
+    let monitors = || -> Vec<String> {
+        std::fs::read_dir(nodes)
+            .into_iter()
+            .flatten()
+            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+            .filter(|name| name.starts_with(&domain.prefix()))
+            .collect()
+    };
+    let deadline = Instant::now() + PATIENCE;
+    while monitors().is_empty() && Instant::now() < deadline {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    child.kill();
+    let id = monitors()[0].strip_prefix(&domain.prefix()).unwrap().split('.').next().unwrap().to_owned();
+    let own = nodes.join(&id);
+    std::fs::remove_file(own.join(format!("{}node.details", domain.prefix()))).unwrap();
+    std::fs::write(own.join(format!("{}1.port_tag", domain.prefix())), "").unwrap();
+
+    drop(Node::open(&domain, "next").unwrap());
+    assert_eq!(monitors(), Vec::<String>::new());
+    assert!(!own.exists());
 }

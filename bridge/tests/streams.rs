@@ -265,3 +265,13 @@ fn nothing_is_left() {
     }
     assert_eq!(leftovers(&domain), Vec::<String>::new());
 }
+
+#[test]
+fn everything_may_move_to_another_thread() {
+    fn movable<T: Send>() {}
+    movable::<Node>();
+    movable::<belvedere_bridge::Publisher>();
+    movable::<belvedere_bridge::LoanedFrame<'_>>();
+    movable::<belvedere_bridge::Subscriber>();
+    movable::<belvedere_bridge::Frame>();
+}

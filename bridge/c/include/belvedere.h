@@ -212,13 +212,13 @@ typedef struct bv_scan_geometry {
 } bv_scan_geometry;
 
 // What only this kind has.
-typedef union Block {
+typedef union bv_block {
     // images, depth images, clouds
     struct bv_intrinsics intrinsics;
     // scans
     struct bv_scan_geometry scan;
     uint64_t raw[10];
-} Block;
+} bv_block;
 
 // The 256 bytes before every payload.
 typedef struct bv_frame_header {
@@ -257,7 +257,7 @@ typedef struct bv_frame_header {
     double position[3];
     // of the sensor in the world, x y z w
     float orientation[4];
-    union Block block;
+    union bv_block block;
 } bv_frame_header;
 
 // As geometry_msgs/Twist: x forward, y left, z up; m/s and rad/s.
@@ -330,144 +330,100 @@ uint64_t bv_mono_ns(void);
 
 // Joins a domain (NULL: "default") under a name for listings. Close it with bv_node_close; what was made from it
 // stays usable after that.
-//
-// # Safety
-// The texts are NUL-terminated or NULL; `out` can be written.
+// Requires: The texts are NUL-terminated or NULL; `out` can be written.
 bv_status bv_node_open(const char *domain,
                        const char *name,
                        struct bv_node **out);
 
 // Leaves the domain; NULL is ignored.
-//
-// # Safety
-// `node` came from bv_node_open and is not used afterwards.
+// Requires: `node` came from bv_node_open and is not used afterwards.
 void bv_node_close(struct bv_node *node);
 
 // Lists the streams of the domain, by topic. Free the array with bv_streams_free.
-//
-// # Safety
-// `node` is open; `out` and `count` can be written.
+// Requires: `node` is open; `out` and `count` can be written.
 bv_status bv_streams(struct bv_node *node, struct bv_stream_info **out, size_t *count);
 
 // Frees what bv_streams has given; NULL is ignored.
-//
-// # Safety
-// `streams` and `count` came from one call of bv_streams and are not used afterwards.
+// Requires: `streams` and `count` came from one call of bv_streams and are not used afterwards.
 void bv_streams_free(struct bv_stream_info *streams, size_t count);
 
 // Follows a stream, whether it exists already or not. A leading slash of the topic is ignored. When the publisher
 // ends, or is killed, and starts again, the subscriber goes on with the new one.
-//
-// # Safety
-// `node` is open; `topic` is NUL-terminated; `out` can be written.
+// Requires: `node` is open; `topic` is NUL-terminated; `out` can be written.
 bv_status bv_subscribe(struct bv_node *node,
                        const char *topic,
                        struct bv_subscriber **out);
 
 // Ends the subscription; NULL is ignored. Frames that are held stay valid.
-//
-// # Safety
-// `subscriber` came from bv_subscribe and is not used afterwards.
+// Requires: `subscriber` came from bv_subscribe and is not used afterwards.
 void bv_subscriber_close(struct bv_subscriber *subscriber);
 
 // Sleeps until there is a frame to take: BV_STATUS_OK; BV_STATUS_NOTHING when the time has passed, or a signal
 // came, without one.
-//
-// # Safety
-// `subscriber` is open.
+// Requires: `subscriber` is open.
 bv_status bv_subscriber_wait(struct bv_subscriber *subscriber,
                              uint32_t timeout_ms);
 
 // Takes the oldest frame that waits; BV_STATUS_NOTHING when none does (`*out` is NULL then). Never sleeps.
 // Two frames may be held at a time, or as many as the publisher allows.
-//
-// # Safety
-// `subscriber` is open; `out` can be written.
+// Requires: `subscriber` is open; `out` can be written.
 bv_status bv_subscriber_take(struct bv_subscriber *subscriber, struct bv_frame **out);
 
 // Takes the newest frame that waits and drops those before it; otherwise as bv_subscriber_take.
-//
-// # Safety
-// `subscriber` is open; `out` can be written.
+// Requires: `subscriber` is open; `out` can be written.
 bv_status bv_subscriber_take_newest(struct bv_subscriber *subscriber, struct bv_frame **out);
 
 // Frames that were sent and never taken, over this subscriber's life.
-//
-// # Safety
-// `subscriber` is open or NULL.
+// Requires: `subscriber` is open or NULL.
 uint64_t bv_subscriber_missed_total(struct bv_subscriber *subscriber);
 
 // Publishers now; 0 before the first, and after the last has ended or was found dead.
-//
-// # Safety
-// `subscriber` is open or NULL.
+// Requires: `subscriber` is open or NULL.
 size_t bv_subscriber_publishers(struct bv_subscriber *subscriber);
 
 // Nanoseconds since the last frame: the sign that a stream has stopped.
-//
-// # Safety
-// `subscriber` is open or NULL.
+// Requires: `subscriber` is open or NULL.
 uint64_t bv_subscriber_silence_ns(struct bv_subscriber *subscriber);
 
 // Its header.
-//
-// # Safety
-// `frame` is held or NULL (then NULL is given).
+// Requires: `frame` is held or NULL (then NULL is given).
 const struct bv_frame_header *bv_frame_get_header(const struct bv_frame *frame);
 
 // Its payload of payload_len bytes, aligned to 64.
-//
-// # Safety
-// `frame` is held or NULL (then NULL is given).
+// Requires: `frame` is held or NULL (then NULL is given).
 const uint8_t *bv_frame_get_payload(const struct bv_frame *frame);
 
 // Frames that were sent between the last one taken and this one.
-//
-// # Safety
-// `frame` is held or NULL.
+// Requires: `frame` is held or NULL.
 uint64_t bv_frame_missed(const struct bv_frame *frame);
 
 // Whether it comes from another publisher life than the one before: the simulator was started again.
-//
-// # Safety
-// `frame` is held or NULL.
+// Requires: `frame` is held or NULL.
 bool bv_frame_restarted(const struct bv_frame *frame);
 
 // Whether it was sent before this subscriber was connected, and kept for it: its age says nothing then.
-//
-// # Safety
-// `frame` is held or NULL.
+// Requires: `frame` is held or NULL.
 bool bv_frame_is_from_history(const struct bv_frame *frame);
 
 // Nanoseconds since it was sent.
-//
-// # Safety
-// `frame` is held or NULL.
+// Requires: `frame` is held or NULL.
 uint64_t bv_frame_age_ns(const struct bv_frame *frame);
 
 // Releases it; NULL is ignored.
-//
-// # Safety
-// `frame` came from a take, and neither it nor its header and payload are used afterwards.
+// Requires: `frame` came from a take, and neither it nor its header and payload are used afterwards.
 void bv_frame_release(struct bv_frame *frame);
 
 // Opens a velocity command stream ("cmd_vel") for sending; several processes may.
-//
-// # Safety
-// `node` is open; `topic` is NUL-terminated; `out` can be written.
+// Requires: `node` is open; `topic` is NUL-terminated; `out` can be written.
 bv_status bv_velocity_open(struct bv_node *node, const char *topic, struct bv_velocity_publisher **out);
 
 // Sends a command; the robot stops when none comes for its time-out.
-//
-// # Safety
-// `publisher` is open; `command` can be read.
+// Requires: `publisher` is open; `command` can be read.
 bv_status bv_velocity_send(struct bv_velocity_publisher *publisher,
                            const struct bv_velocity_command *command);
 
 // Closes it; NULL is ignored.
-//
-// # Safety
-// `publisher` came from bv_velocity_open and is not used afterwards.
+// Requires: `publisher` came from bv_velocity_open and is not used afterwards.
 void bv_velocity_close(struct bv_velocity_publisher *publisher);
 
 #ifdef __cplusplus

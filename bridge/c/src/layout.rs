@@ -1,5 +1,4 @@
 //! The wire format's structs for C: field by field those of `belvedere_bridge`, which is checked below.
-#![allow(unreachable_pub)]
 
 use std::{
     ffi::c_char,

@@ -2,9 +2,10 @@
 //!
 //! [`layout`] mirrors the wire format for C, [`status`] keeps errors and panics on this side, the others wrap one
 //! Rust type each. `include/belvedere.h` is made from these files by cbindgen.
-#![allow(non_camel_case_types)]
-// The documentation is the C header's: errors are stated once for all functions, there.
-#![allow(clippy::missing_errors_doc)]
+// These comments become the C header, which has no use for backticks; errors are explained there once for all.
+#![allow(clippy::doc_markdown)]
+// What C sees is public to the linker, not to Rust.
+#![allow(unreachable_pub)]
 
 mod frame;
 mod layout;

@@ -14,8 +14,8 @@ fn the_committed_header_is_current() {
         builder = builder.with_src(crate_dir.join(format!("src/{module}.rs")));
     }
     builder.generate().unwrap().write(&mut made);
-    // The rules for Rust callers are of no use to a C reader: their `# Safety` sections say what C takes for granted.
-    let made = String::from_utf8(made).unwrap();
+    // Rust's heading for what a caller must see to, in the words of a C reader.
+    let made = String::from_utf8(made).unwrap().replace("//\n// # Safety\n// ", "// Requires: ");
     let path = crate_dir.join("include/belvedere.h");
     if std::env::var_os("BELVEDERE_UPDATE_HEADER").is_some() {
         std::fs::write(&path, &made).unwrap();

@@ -1,0 +1,298 @@
+// Belvedere's frames in shared memory, for C++17. SPDX-License-Identifier: MIT OR Apache-2.0
+//
+//   belvedere::Node node("default", "me");
+//   belvedere::Subscriber camera = node.subscribe("camera/rgb/image_raw");
+//   while (camera.wait(std::chrono::seconds(1)))
+//       while (std::optional<belvedere::Frame> frame = camera.take())
+//           look_at(frame->row<std::uint8_t>(0));  // where the simulator wrote it
+//
+// Every object owns its handle and may be moved, also to another thread; one thread at a time may use it. Failures
+// are belvedere::Error with the words of bv_last_error().
+#ifndef BELVEDERE_HPP
+#define BELVEDERE_HPP
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "belvedere.h"
+
+namespace belvedere {
+
+using Header = bv_frame_header;
+
+class Error : public std::runtime_error {
+public:
+    explicit Error(bv_status status) : std::runtime_error(bv_last_error()), status_(status) {}
+    bv_status status() const noexcept { return status_; }
+
+private:
+    bv_status status_;
+};
+
+namespace detail {
+
+/// Throws for an error; otherwise whether there was something.
+inline bool check(bv_status status) {
+    if (static_cast<int>(status) < 0) throw Error(status);
+    return status == BV_STATUS_OK;
+}
+
+template <class Handle, void (*close)(Handle*)>
+struct Closer {
+    void operator()(Handle* handle) const noexcept { close(handle); }
+};
+
+template <class Handle, void (*close)(Handle*)>
+using Owned = std::unique_ptr<Handle, Closer<Handle, close>>;
+
+}  // namespace detail
+
+/// Consecutive values that somebody else owns.
+template <class T>
+class Span {
+public:
+    Span() = default;
+    Span(T* data, std::size_t size) : data_(data), size_(size) {}
+    T* data() const noexcept { return data_; }
+    std::size_t size() const noexcept { return size_; }
+    bool empty() const noexcept { return size_ == 0; }
+    T* begin() const noexcept { return data_; }
+    T* end() const noexcept { return data_ + size_; }
+    T& operator[](std::size_t index) const { return data_[index]; }
+
+private:
+    T* data_ = nullptr;
+    std::size_t size_ = 0;
+};
+
+/// A received frame where it lies in shared memory; unchanged and valid as long as this lives.
+class Frame {
+public:
+    explicit Frame(bv_frame* handle) : handle_(handle) {}
+
+    const Header& header() const { return *bv_frame_get_header(handle_.get()); }
+    bv_kind kind() const { return static_cast<bv_kind>(header().kind); }
+    bv_encoding encoding() const { return static_cast<bv_encoding>(header().encoding); }
+
+    /// All bytes, aligned to 64.
+    Span<const std::uint8_t> payload() const {
+        return {bv_frame_get_payload(handle_.get()), static_cast<std::size_t>(header().payload_len)};
+    }
+
+    /// One row as values of T: bytes or pixels of an image, float of depth and ranges.
+    /// Throws std::out_of_range for a row that is not there or a T that does not fit.
+    template <class T>
+    Span<const T> row(std::uint32_t y) const {
+        return plane_row<T>(0, y);
+    }
+
+    /// One row of intensities behind the ranges.
+    template <class T = float>
+    Span<const T> intensity_row(std::uint32_t y) const {
+        const Header& h = header();
+        if ((h.flags & BV_HAS_INTENSITIES) == 0) throw std::out_of_range("the scan has no intensities");
+        return plane_row<T>(static_cast<std::size_t>(h.height) * h.row_stride, y);
+    }
+
+    /// The structs of a stream of fixed messages, such as bv_transform, copied out.
+    template <class T>
+    std::vector<T> structs() const {
+        static_assert(std::is_trivially_copyable<T>::value, "T must be one of the structs of belvedere.h");
+        const Header& h = header();
+        if (h.encoding != BV_ENCODING_STRUCT || h.elem_stride < sizeof(T))
+            throw std::out_of_range("the frame does not hold structs of this size");
+        std::vector<T> values(h.width == 0 ? 0 : h.height);
+        const Span<const std::uint8_t> bytes = payload();
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const std::size_t offset = i * h.row_stride;
+            if (offset + sizeof(T) > bytes.size()) throw std::out_of_range("the frame is too short for this struct");
+            std::memcpy(&values[i], bytes.data() + offset, sizeof(T));
+        }
+        return values;
+    }
+
+    /// Frames that were sent between the last one taken and this one.
+    std::uint64_t missed() const { return bv_frame_missed(handle_.get()); }
+    /// Whether the simulator was started again since the frame before.
+    bool restarted() const { return bv_frame_restarted(handle_.get()); }
+    /// Whether it was sent before the subscriber was connected: its age says nothing then.
+    bool is_from_history() const { return bv_frame_is_from_history(handle_.get()); }
+    /// Time since it was sent.
+    std::chrono::nanoseconds age() const {
+        return std::chrono::nanoseconds(static_cast<std::int64_t>(bv_frame_age_ns(handle_.get())));
+    }
+
+private:
+    template <class T>
+    Span<const T> plane_row(std::size_t plane, std::uint32_t y) const {
+        static_assert(std::is_trivially_copyable<T>::value, "T must be a plain value");
+        const Header& h = header();
+        const std::size_t bytes = static_cast<std::size_t>(h.width) * h.elem_stride;
+        const std::size_t offset = plane + static_cast<std::size_t>(y) * h.row_stride;
+        if (y >= h.height || offset % alignof(T) != 0 || bytes % sizeof(T) != 0 ||
+            offset + bytes > payload().size())
+            throw std::out_of_range("no such row in the frame");
+        return {reinterpret_cast<const T*>(payload().data() + offset), bytes / sizeof(T)};
+    }
+
+    detail::Owned<bv_frame, bv_frame_release> handle_;
+};
+
+/// The reading end of a stream: there before its publisher, and after. Goes on by itself when the publisher ends, or
+/// is killed, and starts again.
+class Subscriber {
+public:
+    explicit Subscriber(bv_subscriber* handle) : handle_(handle) {}
+
+    /// Sleeps until there is a frame; false when the time has passed, or a signal came, without one.
+    bool wait(std::chrono::milliseconds timeout) {
+        const auto ms = timeout.count() < 0 ? 0 : timeout.count() > 0x7fffffff ? 0x7fffffff : timeout.count();
+        return detail::check(bv_subscriber_wait(handle_.get(), static_cast<std::uint32_t>(ms)));
+    }
+    /// The oldest frame that waits, if any; never sleeps. Two may be held at a time.
+    std::optional<Frame> take() { return take_with(bv_subscriber_take); }
+    /// The newest frame that waits, if any, dropping those before it; never sleeps.
+    std::optional<Frame> take_newest() { return take_with(bv_subscriber_take_newest); }
+
+    std::uint64_t missed_total() const { return bv_subscriber_missed_total(handle_.get()); }
+    std::size_t publishers() const { return bv_subscriber_publishers(handle_.get()); }
+    /// Time since the last frame: the sign that a stream has stopped.
+    std::chrono::nanoseconds silence() const {
+        return std::chrono::nanoseconds(static_cast<std::int64_t>(bv_subscriber_silence_ns(handle_.get())));
+    }
+
+private:
+    std::optional<Frame> take_with(bv_status (*take)(bv_subscriber*, bv_frame**)) {
+        bv_frame* frame = nullptr;
+        if (!detail::check(take(handle_.get(), &frame))) return std::nullopt;
+        return Frame(frame);
+    }
+
+    detail::Owned<bv_subscriber, bv_subscriber_close> handle_;
+};
+
+/// Sends velocity commands to the robot; several processes may.
+class VelocityPublisher {
+public:
+    explicit VelocityPublisher(bv_velocity_publisher* handle) : handle_(handle) {}
+    /// Forward in m/s, turn to the left in rad/s.
+    void send(double forward, double turn) { send(bv_velocity_command{{forward, 0, 0}, {0, 0, turn}}); }
+    void send(const bv_velocity_command& command) { detail::check(bv_velocity_send(handle_.get(), &command)); }
+
+private:
+    detail::Owned<bv_velocity_publisher, bv_velocity_close> handle_;
+};
+
+/// Membership of a domain; what was made from it outlives it.
+class Node {
+public:
+    explicit Node(const std::string& domain = "default", const std::string& name = "belvedere-cpp") {
+        bv_node* node = nullptr;
+        detail::check(bv_node_open(domain.c_str(), name.c_str(), &node));
+        handle_.reset(node);
+    }
+    /// Follows a stream, whether it exists already or not.
+    Subscriber subscribe(const std::string& topic) {
+        bv_subscriber* subscriber = nullptr;
+        detail::check(bv_subscribe(handle_.get(), topic.c_str(), &subscriber));
+        return Subscriber(subscriber);
+    }
+    VelocityPublisher velocity(const std::string& topic = "cmd_vel") {
+        bv_velocity_publisher* publisher = nullptr;
+        detail::check(bv_velocity_open(handle_.get(), topic.c_str(), &publisher));
+        return VelocityPublisher(publisher);
+    }
+    /// What is published in the domain, by topic.
+    std::vector<bv_stream_info> streams() {
+        bv_stream_info* streams = nullptr;
+        std::size_t count = 0;
+        detail::check(bv_streams(handle_.get(), &streams, &count));
+        std::vector<bv_stream_info> copy(streams, streams + count);
+        bv_streams_free(streams, count);
+        return copy;
+    }
+
+private:
+    detail::Owned<bv_node, bv_node_close> handle_;
+};
+
+// The wire format: every offset is pinned here, in Rust and in bridge/WIRE.md.
+#define BELVEDERE_AT(type, field, offset) \
+    static_assert(offsetof(type, field) == (offset), #type "." #field " is not where the wire format has it")
+static_assert(sizeof(bv_frame_header) == 256, "wire format");
+BELVEDERE_AT(bv_frame_header, magic, 0);
+BELVEDERE_AT(bv_frame_header, header_len, 4);
+BELVEDERE_AT(bv_frame_header, schema, 6);
+BELVEDERE_AT(bv_frame_header, kind, 8);
+BELVEDERE_AT(bv_frame_header, encoding, 10);
+BELVEDERE_AT(bv_frame_header, flags, 12);
+BELVEDERE_AT(bv_frame_header, seq, 16);
+BELVEDERE_AT(bv_frame_header, session, 24);
+BELVEDERE_AT(bv_frame_header, stamp_ns, 32);
+BELVEDERE_AT(bv_frame_header, publish_mono_ns, 40);
+BELVEDERE_AT(bv_frame_header, width, 48);
+BELVEDERE_AT(bv_frame_header, height, 52);
+BELVEDERE_AT(bv_frame_header, row_stride, 56);
+BELVEDERE_AT(bv_frame_header, elem_stride, 60);
+BELVEDERE_AT(bv_frame_header, payload_len, 64);
+BELVEDERE_AT(bv_frame_header, frame_id, 72);
+BELVEDERE_AT(bv_frame_header, position, 136);
+BELVEDERE_AT(bv_frame_header, orientation, 160);
+BELVEDERE_AT(bv_frame_header, block, 176);
+static_assert(sizeof(bv_intrinsics) == 80, "wire format");
+BELVEDERE_AT(bv_intrinsics, fx, 0);
+BELVEDERE_AT(bv_intrinsics, fy, 8);
+BELVEDERE_AT(bv_intrinsics, cx, 16);
+BELVEDERE_AT(bv_intrinsics, cy, 24);
+BELVEDERE_AT(bv_intrinsics, distortion, 32);
+BELVEDERE_AT(bv_intrinsics, near, 64);
+BELVEDERE_AT(bv_intrinsics, far, 68);
+BELVEDERE_AT(bv_intrinsics, tx, 72);
+BELVEDERE_AT(bv_intrinsics, distortion_model, 76);
+static_assert(sizeof(bv_scan_geometry) == 80, "wire format");
+BELVEDERE_AT(bv_scan_geometry, angle_min, 0);
+BELVEDERE_AT(bv_scan_geometry, angle_increment, 8);
+BELVEDERE_AT(bv_scan_geometry, time_increment, 16);
+BELVEDERE_AT(bv_scan_geometry, scan_time, 24);
+BELVEDERE_AT(bv_scan_geometry, range_min, 32);
+BELVEDERE_AT(bv_scan_geometry, range_max, 36);
+BELVEDERE_AT(bv_scan_geometry, vertical_angle_min, 40);
+BELVEDERE_AT(bv_scan_geometry, vertical_angle_increment, 48);
+static_assert(sizeof(bv_camera_info) == 352, "wire format");
+BELVEDERE_AT(bv_camera_info, distortion_model, 8);
+BELVEDERE_AT(bv_camera_info, d, 40);
+BELVEDERE_AT(bv_camera_info, d_len, 104);
+BELVEDERE_AT(bv_camera_info, k, 112);
+BELVEDERE_AT(bv_camera_info, r, 184);
+BELVEDERE_AT(bv_camera_info, p, 256);
+static_assert(sizeof(bv_odometry) == 744, "wire format");
+BELVEDERE_AT(bv_odometry, position, 64);
+BELVEDERE_AT(bv_odometry, orientation, 88);
+BELVEDERE_AT(bv_odometry, linear, 120);
+BELVEDERE_AT(bv_odometry, angular, 144);
+BELVEDERE_AT(bv_odometry, pose_covariance, 168);
+BELVEDERE_AT(bv_odometry, twist_covariance, 456);
+static_assert(sizeof(bv_transform) == 184, "wire format");
+BELVEDERE_AT(bv_transform, child, 64);
+BELVEDERE_AT(bv_transform, translation, 128);
+BELVEDERE_AT(bv_transform, rotation, 152);
+static_assert(sizeof(bv_joint_state) == 88, "wire format");
+BELVEDERE_AT(bv_joint_state, position, 64);
+BELVEDERE_AT(bv_joint_state, velocity, 72);
+BELVEDERE_AT(bv_joint_state, effort, 80);
+static_assert(sizeof(bv_clock) == 8, "wire format");
+static_assert(sizeof(bv_velocity_command) == 48, "wire format");
+BELVEDERE_AT(bv_velocity_command, angular, 24);
+#undef BELVEDERE_AT
+
+}  // namespace belvedere
+
+#endif  // BELVEDERE_HPP

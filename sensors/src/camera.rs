@@ -6,10 +6,10 @@ use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::pixel;
 pub use crate::pixel::PixelFormat;
 use crate::scene::{Scene, visibility};
-use crate::shade::{PixelSteps, shade};
-use crate::simd::{LANES, Lanes};
+use crate::shade::{Colours, Shader};
+use crate::simd::LANES;
 use crate::trace::frame::Frame;
-use crate::trace::packet::Faces;
+use crate::trace::packet::{Faces, Packet};
 use crate::trace::traverse::nearest;
 use crate::trace::{Capture, Workspace};
 use fearless_simd::{Simd, dispatch};
@@ -172,10 +172,18 @@ impl Camera {
         pixels: &mut [u8],
     ) {
         let steps = self.lens.pixel_steps(&capture.world_from_sensor);
-        let mut colours = [[0.0; 3]; LANES];
+        let clip = [self.config.near_m, self.config.far_m];
+        let mut packet = Packet::new();
+        let mut shader = Shader::new();
+        let mut colours = [[0.0; LANES]; 3];
         let tiles = self.lens.tiles()[0];
         for column in 0..tiles {
-            self.trace_tile(simd, frame, capture, [column, row], &steps, &mut colours);
+            simd.vectorize(
+                #[inline(always)]
+                || self.lens.fill_packet(&capture.world_from_sensor, [column, row], clip, &mut packet),
+            );
+            nearest(simd, frame, &mut packet, Faces::Front);
+            shader.shade(simd, frame, &packet, &steps, &mut colours);
             simd.vectorize(
                 #[inline(always)]
                 || {
@@ -187,27 +195,9 @@ impl Camera {
         }
     }
 
-    fn trace_tile<S: Simd>(
-        &self,
-        simd: S,
-        frame: &Frame<'_>,
-        capture: &Capture,
-        tile: [usize; 2],
-        steps: &PixelSteps,
-        colours: &mut Lanes<[f32; 3]>,
-    ) {
-        let clip = [self.config.near_m, self.config.far_m];
-        let mut packet = simd.vectorize(
-            #[inline(always)]
-            || self.lens.fill_packet(&capture.world_from_sensor, tile, clip),
-        );
-        nearest(simd, frame, &mut packet, Faces::Front);
-        shade(simd, frame, &packet, steps, colours);
-    }
-
     /// The noise of a tile. Samples are counted tile by tile, 64 to each, along the rows of tiles.
     #[inline(always)]
-    pub(crate) fn add_noise(&self, frame: u64, tile: u32, colours: &mut Lanes<[f32; 3]>) {
+    pub(crate) fn add_noise(&self, frame: u64, tile: u32, colours: &mut Colours) {
         if self.config.noise.is_none() {
             return;
         }

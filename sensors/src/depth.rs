@@ -6,7 +6,7 @@ use crate::lens::{TILE_HEIGHT, TILE_WIDTH};
 use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::pixel::{self, to_byte};
 use crate::scene::{Scene, visibility};
-use crate::shade::shade;
+use crate::shade::{Colours, Shader};
 use crate::simd::{LANES, Lanes};
 use crate::trace::frame::Frame;
 use crate::trace::packet::{Faces, MISS, Packet};
@@ -138,16 +138,18 @@ impl DepthCamera {
         let steps = lens.pixel_steps(&capture.world_from_sensor);
         let clip = [self.config.camera.near_m, self.config.camera.far_m];
         let wants_colour = output.colour.is_some() || output.points.is_some();
-        let mut colours = [[0.0; 3]; LANES];
+        let mut packet = Packet::new();
+        let mut shader = Shader::new();
+        let mut colours = [[0.0; LANES]; 3];
         let tiles = lens.tiles()[0];
         for column in 0..tiles {
-            let mut packet = simd.vectorize(
+            simd.vectorize(
                 #[inline(always)]
-                || lens.fill_packet(&capture.world_from_sensor, [column, row], clip),
+                || lens.fill_packet(&capture.world_from_sensor, [column, row], clip, &mut packet),
             );
             nearest(simd, frame, &mut packet, Faces::Front);
             if wants_colour {
-                shade(simd, frame, &packet, &steps, &mut colours);
+                shader.shade(simd, frame, &packet, &steps, &mut colours);
             }
             simd.vectorize(
                 #[inline(always)]
@@ -173,23 +175,26 @@ impl DepthCamera {
             normals = normals64(&Stream { seed, sensor, frame, channel: DEPTH_CHANNEL }, 4 * tile);
         }
         let (min, max) = (config.min_depth_m as f32, config.max_depth_m as f32);
-        core::array::from_fn(|lane| {
+        let mut depths = [0.0; LANES];
+        for lane in 0..LANES {
             let truth = packet.t[lane] as f32;
-            if packet.placed[lane] == MISS || truth >= max {
+            let noisy = config.noise.apply(truth, self.bias, normals[lane]);
+            depths[lane] = if packet.placed[lane] == MISS || truth >= max {
                 f32::INFINITY
             } else if truth <= min {
                 f32::NEG_INFINITY
             } else {
-                config.noise.apply(truth, self.bias, normals[lane])
-            }
-        })
+                noisy
+            };
+        }
+        depths
     }
 
     #[inline(always)]
     fn write_tile(
         &self,
         depths: &Lanes<f32>,
-        colours: &Lanes<[f32; 3]>,
+        colours: &Colours,
         [column, row]: [usize; 2],
         output: &mut DepthFrame<'_>,
     ) {
@@ -223,7 +228,8 @@ impl DepthCamera {
                 {
                     let pixel = [(first + x) as f64, (row * TILE_HEIGHT + y) as f64];
                     let ray = self.camera.lens().unproject(pixel);
-                    write_point(point, [ray.x as f32, ray.y as f32], depths[x], colours[y * TILE_WIDTH + x]);
+                    let colour = [0, 1, 2].map(|channel| colours[channel][y * TILE_WIDTH + x]);
+                    write_point(point, [ray.x as f32, ray.y as f32], depths[x], colour);
                 }
             }
         }

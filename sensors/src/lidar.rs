@@ -203,10 +203,11 @@ impl Lidar {
     /// Rays of 64 beams, with t the range in metres.
     fn packet(&self, capture: &Capture, line: u32, first: u32) -> Packet {
         let config = &self.config;
-        let mut packet = Packet::at_frame_origin(match config.too_near {
+        let mut packet = Packet::new();
+        packet.t_min = match config.too_near {
             TooNear::Blocks => 0.0,
             TooNear::SeenThrough => config.range_min_m,
-        });
+        };
         let (sin_up, cos_up) = libm::sincos(config.vertical.angle(line));
         let beams = config.horizontal.samples.saturating_sub(first).min(LANES as u32);
         for lane in 0..beams {

@@ -1,8 +1,9 @@
 //! Encoding of colours into bytes, with the noise of a camera.
 
-use crate::lens::TILE_WIDTH;
+use crate::lens::{TILE_HEIGHT, TILE_WIDTH};
 use crate::noise::GaussianNoise;
-use crate::simd::Lanes;
+use crate::shade::Colours;
+use crate::simd::{LANES, Lanes};
 
 /// Layout of a colour pixel in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,17 +26,13 @@ impl PixelFormat {
     }
 }
 
-/// Adds to each lane's colour its noise, the same to all three channels, and clamps to [0, 1], as Gazebo does.
+/// Adds to each lane's colour its noise, the same to all three channels. What leaves [0, 1] is clamped when it
+/// becomes a byte, as Gazebo does.
 #[inline(always)]
-pub(crate) fn add_noise(
-    colours: &mut Lanes<[f32; 3]>,
-    noise: &GaussianNoise,
-    bias: f32,
-    normals: &Lanes<f32>,
-) {
-    for (colour, z) in colours.iter_mut().zip(normals) {
-        for channel in colour {
-            *channel = noise.apply(*channel, bias, *z);
+pub(crate) fn add_noise(colours: &mut Colours, noise: &GaussianNoise, bias: f32, normals: &Lanes<f32>) {
+    for channel in colours {
+        for lane in 0..LANES {
+            channel[lane] = noise.apply(channel[lane], bias, normals[lane]);
         }
     }
 }
@@ -50,19 +47,35 @@ pub(crate) fn to_byte(value: f32) -> u8 {
 /// Writes a tile's colours into the rows of a picture, from pixel column `column` on.
 #[inline(always)]
 pub(crate) fn write_tile(
-    colours: &Lanes<[f32; 3]>,
+    colours: &Colours,
     format: PixelFormat,
     column: usize,
     rows: &mut [u8],
     row_stride: usize,
 ) {
-    for (row, colours) in rows.chunks_mut(row_stride).zip(colours.as_chunks::<TILE_WIDTH>().0) {
-        let pixels = row[column * format.bytes()..].chunks_exact_mut(format.bytes());
-        for (pixel, &[red, green, blue]) in pixels.zip(colours) {
-            match format {
-                PixelFormat::Rgb8 => pixel.copy_from_slice(&[to_byte(red), to_byte(green), to_byte(blue)]),
-                PixelFormat::Bgr8 => pixel.copy_from_slice(&[to_byte(blue), to_byte(green), to_byte(red)]),
-                PixelFormat::Mono8 => pixel[0] = to_byte(0.299 * red + 0.587 * green + 0.114 * blue),
+    let mut bytes = [[0; LANES]; 3];
+    let [red, green, blue] = colours;
+    for lane in 0..LANES {
+        let grey = 0.299 * red[lane] + 0.587 * green[lane] + 0.114 * blue[lane];
+        let (first, last) = match format {
+            PixelFormat::Rgb8 => (red[lane], blue[lane]),
+            PixelFormat::Bgr8 => (blue[lane], red[lane]),
+            PixelFormat::Mono8 => (grey, grey),
+        };
+        bytes[0][lane] = to_byte(first);
+        bytes[1][lane] = to_byte(green[lane]);
+        bytes[2][lane] = to_byte(last);
+    }
+    for (y, row) in rows.chunks_mut(row_stride).take(TILE_HEIGHT).enumerate() {
+        let row = &mut row[column * format.bytes()..];
+        let lanes = y * TILE_WIDTH..(y + 1) * TILE_WIDTH;
+        if format == PixelFormat::Mono8 {
+            for (pixel, byte) in row.iter_mut().zip(&bytes[0][lanes]) {
+                *pixel = *byte;
+            }
+        } else {
+            for (pixel, lane) in row.as_chunks_mut::<3>().0.iter_mut().zip(lanes) {
+                *pixel = [bytes[0][lane], bytes[1][lane], bytes[2][lane]];
             }
         }
     }

@@ -29,6 +29,15 @@ pub(crate) fn sqrt(x: f64) -> f64 {
     return libm::sqrt(x);
 }
 
+/// √ in single precision, correctly rounded everywhere.
+#[inline(always)]
+pub(crate) fn sqrt_f32(x: f32) -> f32 {
+    #[cfg(feature = "std")]
+    return x.sqrt();
+    #[cfg(not(feature = "std"))]
+    return libm::sqrtf(x);
+}
+
 /// The largest whole number not above x, for |x| < 2⁶³; an instruction or three where the library's is a call.
 #[inline(always)]
 pub(crate) fn floor(x: f64) -> f64 {

@@ -8,9 +8,9 @@
 //! Pixel centres are integers: pixel (0, 0) looks along ((0 − cx)/fx, (0 − cy)/fy, 1) in the optical frame.
 
 use crate::pose::Pose;
-use crate::shade::PixelSteps;
 use crate::simd::LANES;
-use crate::trace::packet::Packet;
+use crate::trace::packet::{MISS, Packet};
+use crate::trace::surface::PixelSteps;
 use glam::DVec3;
 
 /// A packet covers a tile of that many pixels across.
@@ -83,7 +83,7 @@ impl Pinhole {
         PixelSteps { right: axes.y_axis * (-1.0 / self.fx), down: axes.z_axis * (-1.0 / self.fy) }
     }
 
-    /// Sets up the rays of a tile, with t the depth along the optical axis from `near` to `far`. Lanes run along
+    /// Sets up the rays of a tile from the frame's origin, with t the depth along the optical axis from `near` to `far`. Lanes run along
     /// the rows; those outside the picture take no part.
     #[inline(always)]
     pub(crate) fn fill_packet(
@@ -91,8 +91,10 @@ impl Pinhole {
         world_from_sensor: &Pose,
         [tile_column, tile_row]: [usize; 2],
         [near, far]: [f64; 2],
-    ) -> Packet {
-        let mut packet = Packet::at_frame_origin(near);
+        packet: &mut Packet,
+    ) {
+        packet.t_min = near;
+        packet.placed = [MISS; LANES];
         let axes = world_from_sensor.rotation_matrix();
         let mut rights = [0.0; TILE_WIDTH];
         for (x, right) in rights.iter_mut().enumerate() {
@@ -111,7 +113,6 @@ impl Pinhole {
                 packet.t[lane] = if inside { far } else { f64::NEG_INFINITY };
             }
         }
-        packet
     }
 }
 

@@ -131,6 +131,11 @@ impl Instance {
         })
     }
 
+    /// Whether the shape is convex: it cannot stand in its own light.
+    pub(crate) fn is_convex(&self) -> bool {
+        self.kind != KIND_MESH
+    }
+
     /// Half extents of the box that holds the shape in its own frame; none for a mesh, whose tree knows.
     pub(crate) fn half_extents(&self) -> Option<[f64; 3]> {
         let [a, b, c] = self.size;

@@ -1,13 +1,13 @@
 //! What one lamp adds, with its shadows.
 
-use super::Lit;
+use super::Colours;
 use crate::scene::{LIGHT_DIRECTIONAL, LIGHT_SPOT, Light};
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, sqrt_f32};
 use crate::trace::frame::Frame;
 use crate::trace::packet::{Faces, MISS, Packet};
+use crate::trace::surface::Surfaces;
 use crate::trace::traverse::occluded;
 use fearless_simd::Simd;
-use glam::DVec3;
 
 /// Shadow rays stop this part of the way before the surface that they are to light, and parallel ones start
 /// this many metres above it.
@@ -18,90 +18,166 @@ pub(super) fn add<S: Simd>(
     simd: S,
     frame: &Frame<'_>,
     light: &Light,
-    lit: &Lit,
+    surfaces: &Surfaces,
+    albedo: &Colours,
     hit: &Lanes<u32>,
-    colours: &mut Lanes<[f32; 3]>,
+    rays: &mut Packet,
+    colours: &mut Colours,
 ) {
-    let position = frame.point_in_frame(light.position);
-    let axis = DVec3::from_array(light.direction);
     let parallel = light.kind == LIGHT_DIRECTIONAL;
-
-    // Rays from the lamp to the surfaces, so that they share its origin and stay together.
-    let mut rays = Packet::at_frame_origin(if parallel { SHADOW_BIAS } else { 0.0 });
-    rays.shared_origin = !parallel;
-    let mut brightness = [0.0_f32; LANES];
-    let mut any = false;
-    for lane in 0..LANES {
-        if hit[lane] == MISS {
-            continue;
-        }
-        let (origin, direction, t_max) = if parallel {
-            (lit.point[lane], -axis, f64::INFINITY)
-        } else {
-            (position, lit.point[lane] - position, 1.0 - SHADOW_BIAS)
-        };
-        // For parallel light the ray leaves the surface, for a lamp it arrives there.
-        let towards = if parallel { direction } else { -direction };
-        let distance = towards.length();
-        let facing = lit.normal[lane].dot(towards) / distance;
-        let gain = if parallel { 1.0 } else { attenuation(light, distance as f32) };
-        let gain = gain
-            * if light.kind == LIGHT_SPOT {
-                cone(light, (axis.dot(-towards) / distance) as f32)
-            } else {
-                1.0
-            };
-        // A NaN, from a lamp that lies in the surface, lights nothing.
-        if facing.is_nan() || facing <= 0.0 || gain <= 0.0 {
-            continue;
-        }
-        any = true;
-        brightness[lane] = facing as f32 * gain;
-        for axis in 0..3 {
-            rays.origin[axis][lane] = origin[axis];
-            rays.direction[axis][lane] = direction[axis];
-        }
-        rays.t[lane] = t_max;
-    }
+    let mut brightness = [0.0; LANES];
+    let any = simd.vectorize(
+        #[inline(always)]
+        || {
+            match light.kind {
+                LIGHT_DIRECTIONAL => shine_parallel(light, surfaces, &mut brightness),
+                LIGHT_SPOT => shine_from::<true>(frame, light, surfaces, &mut brightness),
+                _ => shine_from::<false>(frame, light, surfaces, &mut brightness),
+            }
+            brightness.iter().any(|brightness| *brightness > 0.0)
+        },
+    );
     if !any {
         return;
     }
-    if rays.shared_origin {
-        // Lanes that take no part too: the packet's origin is read from lane 0.
-        for axis in 0..3 {
-            rays.origin[axis] = [position[axis]; LANES];
-        }
-    }
     if light.cast_shadows != 0 {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                if parallel {
+                    aim_against(light, surfaces, &brightness, rays);
+                } else {
+                    aim_from(frame, light, surfaces, &brightness, rays);
+                }
+            },
+        );
         // Front faces only: the bulb around a lamp does not keep its light in.
-        occluded(simd, frame, &mut rays, if parallel { Faces::Both } else { Faces::Front });
-    }
-    for lane in 0..LANES {
-        if rays.placed[lane] == MISS {
-            for channel in 0..3 {
-                colours[lane][channel] +=
-                    lit.albedo[lane][channel] * light.diffuse[channel] * brightness[lane];
-            }
+        let faces = if parallel { Faces::Both } else { Faces::Front };
+        occluded(simd, frame, rays, faces, only_convex(frame, &brightness, hit));
+        for lane in 0..LANES {
+            brightness[lane] = if rays.placed[lane] == MISS { brightness[lane] } else { 0.0 };
         }
+    }
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for channel in 0..3 {
+                for lane in 0..LANES {
+                    colours[channel][lane] +=
+                        albedo[channel][lane] * light.diffuse[channel] * brightness[lane];
+                }
+            }
+        },
+    );
+}
+
+/// The convex instance that all lit lanes lie on, if so: it cannot stand in its own light.
+fn only_convex(frame: &Frame<'_>, brightness: &Lanes<f32>, hit: &Lanes<u32>) -> u32 {
+    let mut only = MISS;
+    for lane in 0..LANES {
+        if brightness[lane] > 0.0 && hit[lane] != only {
+            if only != MISS {
+                return MISS;
+            }
+            only = hit[lane];
+        }
+    }
+    if only != MISS && frame.instance(only).is_convex() { only } else { MISS }
+}
+
+/// Light from a point, in a cone if it is a spot.
+#[inline(always)]
+fn shine_from<const SPOT: bool>(
+    frame: &Frame<'_>,
+    light: &Light,
+    surfaces: &Surfaces,
+    brightness: &mut Lanes<f32>,
+) {
+    let position = frame.point_in_frame(light.position);
+    let axis = light.direction.map(|x| x as f32);
+    let Surfaces { point, normal, .. } = surfaces;
+    for lane in 0..LANES {
+        let x = (position.x - point[0][lane]) as f32;
+        let y = (position.y - point[1][lane]) as f32;
+        let z = (position.z - point[2][lane]) as f32;
+        let distance = sqrt_f32(x * x + y * y + z * z);
+        let facing = (normal[0][lane] * x + normal[1][lane] * y + normal[2][lane] * z) / distance;
+        let mut gain = attenuation(light, distance);
+        if SPOT {
+            gain *= cone(light, -(axis[0] * x + axis[1] * y + axis[2] * z) / distance);
+        }
+        // A NaN, from a lamp that lies in the surface, lights nothing.
+        brightness[lane] = if facing > 0.0 && gain > 0.0 { facing * gain } else { 0.0 };
     }
 }
 
-fn attenuation(light: &Light, distance: f32) -> f32 {
-    if distance > light.range_m {
-        return 0.0;
+/// The same light everywhere.
+#[inline(always)]
+fn shine_parallel(light: &Light, surfaces: &Surfaces, brightness: &mut Lanes<f32>) {
+    let [x, y, z] = light.direction.map(|x| x as f32);
+    let normal = &surfaces.normal;
+    for lane in 0..LANES {
+        let facing = -(normal[0][lane] * x + normal[1][lane] * y + normal[2][lane] * z);
+        brightness[lane] = if facing > 0.0 { facing } else { 0.0 };
     }
+}
+
+#[inline(always)]
+fn attenuation(light: &Light, distance: f32) -> f32 {
     let [constant, linear, quadratic] = light.attenuation;
     let loss = constant + linear * distance + quadratic * (distance * distance);
-    if loss > 1.0 { 1.0 / loss } else { 1.0 }
+    let gain = 1.0 / if loss > 1.0 { loss } else { 1.0 };
+    if distance > light.range_m { 0.0 } else { gain }
 }
 
 /// Full inside the inner cone, none outside the outer, linear in the cosine between.
+#[inline(always)]
 fn cone(light: &Light, cos_angle: f32) -> f32 {
+    let between = (cos_angle - light.cos_outer) / (light.cos_inner - light.cos_outer);
     if cos_angle >= light.cos_inner {
         1.0
     } else if cos_angle <= light.cos_outer {
         0.0
     } else {
-        (cos_angle - light.cos_outer) / (light.cos_inner - light.cos_outer)
+        between
+    }
+}
+
+/// Shadow rays from the lamp to the lit surfaces, so that they share its origin and stay together.
+#[inline(always)]
+fn aim_from(
+    frame: &Frame<'_>,
+    light: &Light,
+    surfaces: &Surfaces,
+    brightness: &Lanes<f32>,
+    rays: &mut Packet,
+) {
+    let position = frame.point_in_frame(light.position);
+    for axis in 0..3 {
+        rays.origin[axis] = [position[axis]; LANES];
+        for lane in 0..LANES {
+            rays.direction[axis][lane] = surfaces.point[axis][lane] - position[axis];
+        }
+    }
+    rays.shared_origin = true;
+    aim(0.0, 1.0 - SHADOW_BIAS, brightness, rays);
+}
+
+/// Shadow rays from the lit surfaces against the direction of parallel light.
+#[inline(always)]
+fn aim_against(light: &Light, surfaces: &Surfaces, brightness: &Lanes<f32>, rays: &mut Packet) {
+    rays.origin = surfaces.point;
+    rays.direction = light.direction.map(|component| [-component; LANES]);
+    rays.shared_origin = false;
+    aim(SHADOW_BIAS, f64::INFINITY, brightness, rays);
+}
+
+/// Only lit lanes take part.
+#[inline(always)]
+fn aim(t_min: f64, t_max: f64, brightness: &Lanes<f32>, rays: &mut Packet) {
+    rays.t_min = t_min;
+    rays.placed = [MISS; LANES];
+    for lane in 0..LANES {
+        rays.t[lane] = if brightness[lane] > 0.0 { t_max } else { f64::NEG_INFINITY };
     }
 }

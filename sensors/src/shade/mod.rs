@@ -6,80 +6,119 @@
 mod lamp;
 mod texture;
 
-use crate::scene::NO_TEXTURE;
+use crate::scene::{Material, NO_TEXTURE};
 use crate::simd::{LANES, Lanes};
 use crate::trace::frame::Frame;
 use crate::trace::packet::{MISS, Packet};
-use crate::trace::surface::surface_at;
+use crate::trace::surface::{PixelSteps, Surfaces};
 use fearless_simd::Simd;
-use glam::DVec3;
 
-/// How the direction changes from one pixel to the next, along a row and down a column.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PixelSteps {
-    pub(crate) right: DVec3,
-    pub(crate) down: DVec3,
+/// A colour per lane: all reds, all greens, all blues.
+pub(crate) type Colours = [Lanes<f32>; 3];
+
+/// What shading a packet works on; kept from packet to packet.
+pub(crate) struct Shader {
+    surfaces: Surfaces,
+    /// Of one instance; 1 without a texture.
+    texture: Colours,
+    /// Diffuse colour times texture.
+    albedo: Colours,
+    /// From a lamp.
+    shadow_rays: Packet,
 }
 
-/// What lamps need to know of each lane's surface.
-pub(crate) struct Lit {
-    pub(crate) point: Lanes<DVec3>,
-    pub(crate) normal: Lanes<DVec3>,
-    /// Diffuse colour times texture; black where nothing was hit.
-    pub(crate) albedo: Lanes<[f32; 3]>,
-}
-
-/// Colours of a traced packet; the background where nothing was hit.
-pub(crate) fn shade<S: Simd>(
-    simd: S,
-    frame: &Frame<'_>,
-    packet: &Packet,
-    steps: &PixelSteps,
-    colours: &mut Lanes<[f32; 3]>,
-) {
-    let scene = &frame.scene;
-    let ambient_light = scene.environment.ambient;
-    let mut lit =
-        Lit { point: [DVec3::ZERO; LANES], normal: [DVec3::ZERO; LANES], albedo: [[0.0; 3]; LANES] };
-    let mut any_hit = false;
-    for lane in 0..LANES {
-        if packet.placed[lane] == MISS {
-            colours[lane] = scene.environment.background;
-            continue;
-        }
-        any_hit = true;
-        let material = &scene.materials[frame.instance(packet.placed[lane]).material as usize];
-        let textured = material.texture != NO_TEXTURE;
-        let surface = surface_at(frame, packet, lane, textured);
-        let mut texture = [1.0_f32; 3];
-        if textured {
-            let direction = packet.direction_of(lane);
-            let away = surface.normal.dot(direction);
-            // The pixel's footprint: how far the hit moves on the surface's plane from one pixel to the next
-            // (Igehy 1999, "Tracing ray differentials").
-            let footprint = |step: DVec3| {
-                let moved = (step - direction * (surface.normal.dot(step) / away)) * packet.t[lane];
-                surface.uv_gradient.map(|gradient| gradient.dot(moved))
-            };
-            texture = texture::sample(
-                scene,
-                material.texture,
-                surface.uv,
-                [footprint(steps.right), footprint(steps.down)],
-                material.texture_repeat,
-            );
-        }
-        lit.point[lane] = packet.point(lane);
-        lit.normal[lane] = surface.normal;
-        for channel in 0..3 {
-            lit.albedo[lane][channel] = material.diffuse[channel] * texture[channel];
-            colours[lane][channel] = material.emissive[channel]
-                + material.ambient[channel] * ambient_light[channel] * texture[channel];
+impl Shader {
+    pub(crate) const fn new() -> Self {
+        Self {
+            surfaces: Surfaces::new(),
+            texture: [[1.0; LANES]; 3],
+            albedo: [[0.0; LANES]; 3],
+            shadow_rays: Packet::new(),
         }
     }
-    if any_hit {
+
+    /// Colours of a traced packet; the background where nothing was hit.
+    pub(crate) fn shade<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame<'_>,
+        packet: &Packet,
+        steps: &PixelSteps,
+        colours: &mut Colours,
+    ) {
+        let scene = &frame.scene;
+        let Self { surfaces, texture, albedo, shadow_rays } = self;
+        *colours = scene.environment.background.map(|background| [background; LANES]);
+        let mut rest = lanes_where(simd, &packet.placed, |placed| placed != MISS);
+        if rest == 0 {
+            return;
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || surfaces.start(packet),
+        );
+        // One instance after the other, all its lanes at once.
+        while rest != 0 {
+            let placed = packet.placed[rest.trailing_zeros() as usize];
+            let lanes = lanes_where(simd, &packet.placed, |other| other == placed);
+            rest &= !lanes;
+            let material = &scene.materials[frame.instance(placed).material as usize];
+            let textured = material.texture != NO_TEXTURE;
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    surfaces.add(frame, packet, placed, textured.then_some(steps));
+                    if textured {
+                        texture::sample_lanes(scene, material, surfaces, lanes, texture);
+                    } else {
+                        *texture = [[1.0; LANES]; 3];
+                    }
+                    let ambient = scene.environment.ambient;
+                    paint(material, ambient, &packet.placed, placed, texture, albedo, colours);
+                },
+            );
+        }
         for light in scene.lights {
-            lamp::add(simd, frame, light, &lit, &packet.placed, colours);
+            lamp::add(simd, frame, light, surfaces, albedo, &packet.placed, shadow_rays, colours);
+        }
+    }
+}
+
+/// A bit for each lane whose value passes the test.
+#[inline(always)]
+fn lanes_where<S: Simd>(simd: S, values: &Lanes<u32>, test: impl Fn(u32) -> bool) -> u64 {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut lanes = 0;
+            for lane in 0..LANES {
+                lanes |= u64::from(test(values[lane])) << lane;
+            }
+            lanes
+        },
+    )
+}
+
+/// The part of the colours that needs no lamp, on the lanes that have hit `placed`.
+#[inline(always)]
+fn paint(
+    material: &Material,
+    ambient_light: [f32; 3],
+    hit: &Lanes<u32>,
+    placed: u32,
+    texture: &Colours,
+    albedo: &mut Colours,
+    colours: &mut Colours,
+) {
+    for channel in 0..3 {
+        let ambient = material.ambient[channel] * ambient_light[channel];
+        let (diffuse, emissive) = (material.diffuse[channel], material.emissive[channel]);
+        for lane in 0..LANES {
+            let mine = hit[lane] == placed;
+            let texture = texture[channel][lane];
+            let colour = emissive + ambient * texture;
+            albedo[channel][lane] = if mine { diffuse * texture } else { albedo[channel][lane] };
+            colours[channel][lane] = if mine { colour } else { colours[channel][lane] };
         }
     }
 }

@@ -19,16 +19,6 @@ pub struct Placed {
     reserved: u32,
 }
 
-impl Placed {
-    pub(crate) fn frame_from_instance(&self) -> DMat3 {
-        DMat3::from_cols_array_2d(&self.axes)
-    }
-
-    pub(crate) fn local_point(&self, point_in_frame: DVec3) -> DVec3 {
-        self.frame_from_instance().transpose() * (point_in_frame - DVec3::from_array(self.translation))
-    }
-}
-
 /// The memory that tracing one frame needs, in the caller's slices. `instances` of each at least, as many as
 /// the scene has; of `nodes` [`max_nodes`] of that.
 #[derive(Debug)]

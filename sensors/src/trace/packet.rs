@@ -3,6 +3,9 @@
 use crate::scene::Aabb;
 use crate::simd::{LANES, Lanes};
 
+/// Lanes over which minima and maxima are taken side by side.
+const WIDTH: usize = 16;
+
 /// No instance was hit.
 pub(crate) const MISS: u32 = u32::MAX;
 
@@ -36,23 +39,19 @@ pub(crate) struct Packet {
 
 impl Packet {
     /// All lanes start at the frame's origin and take no part yet.
-    pub(crate) fn at_frame_origin(t_min: f64) -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             origin: [[0.0; LANES]; 3],
             direction: [[0.0; LANES]; 3],
             shared_origin: true,
-            t_min,
+            t_min: 0.0,
             t: [f64::NEG_INFINITY; LANES],
             placed: [MISS; LANES],
             triangle: [0; LANES],
         }
     }
 
-    pub(crate) fn point(&self, lane: usize) -> glam::DVec3 {
-        let at = |axis: usize| self.origin[axis][lane] + self.t[lane] * self.direction[axis][lane];
-        glam::DVec3::new(at(0), at(1), at(2))
-    }
-
+    #[inline(always)]
     pub(crate) fn direction_of(&self, lane: usize) -> glam::DVec3 {
         glam::DVec3::new(self.direction[0][lane], self.direction[1][lane], self.direction[2][lane])
     }
@@ -60,13 +59,22 @@ impl Packet {
     /// The largest t of any lane: nothing beyond it matters to the packet.
     #[inline(always)]
     pub(crate) fn farthest(&self) -> f64 {
-        let mut widest = [f64::NEG_INFINITY; 8];
-        for chunk in self.t.as_chunks::<8>().0 {
-            for (widest, &t) in widest.iter_mut().zip(chunk) {
-                *widest = if t > *widest { t } else { *widest };
+        let mut widest = [f64::NEG_INFINITY; WIDTH];
+        for first in (0..LANES).step_by(WIDTH) {
+            for lane in 0..WIDTH {
+                let t = self.t[first + lane];
+                widest[lane] = if t > widest[lane] { t } else { widest[lane] };
             }
         }
-        widest.iter().fold(f64::NEG_INFINITY, |far, &t| if t > far { t } else { far })
+        let mut half = WIDTH / 2;
+        while half > 0 {
+            for lane in 0..half {
+                widest[lane] =
+                    if widest[lane + half] > widest[lane] { widest[lane + half] } else { widest[lane] };
+            }
+            half /= 2;
+        }
+        widest[0]
     }
 }
 
@@ -80,18 +88,14 @@ pub(crate) struct PacketBounds {
 }
 
 impl PacketBounds {
-    /// Bounds over the lanes whose `t` is not −∞; `rays` are (origin, direction) in the frame of the tree.
+    /// Bounds over the lanes of the packet that take part, given their rays in the frame of the tree.
     #[inline(always)]
-    pub(crate) fn new(
-        origin: &[Lanes<f64>; 3],
-        direction: &[Lanes<f64>; 3],
-        t: &Lanes<f64>,
-        t_min: f64,
-    ) -> Self {
-        let mut bounds = Self { origin: [[0.0; 2]; 3], inverse: [None; 3], t_min };
+    pub(crate) fn new(origin: &[Lanes<f64>; 3], direction: &[Lanes<f64>; 3], packet: &Packet) -> Self {
+        let mut bounds = Self { origin: [[0.0; 2]; 3], inverse: [None; 3], t_min: packet.t_min };
         for axis in 0..3 {
-            bounds.origin[axis] = interval(&origin[axis], t);
-            let [low, high] = interval(&direction[axis], t);
+            bounds.origin[axis] =
+                if packet.shared_origin { [origin[axis][0]; 2] } else { interval(&origin[axis], &packet.t) };
+            let [low, high] = interval(&direction[axis], &packet.t);
             if low > 0.0 || high < 0.0 {
                 bounds.inverse[axis] = Some([1.0 / high, 1.0 / low]);
             }
@@ -134,19 +138,24 @@ impl PacketBounds {
 
 #[inline(always)]
 fn interval(values: &Lanes<f64>, t: &Lanes<f64>) -> [f64; 2] {
-    let mut low = [f64::INFINITY; 8];
-    let mut high = [f64::NEG_INFINITY; 8];
-    for (values, t) in values.as_chunks::<8>().0.iter().zip(t.as_chunks::<8>().0) {
-        for lane in 0..8 {
-            let active = t[lane] > f64::NEG_INFINITY;
-            low[lane] = if active && values[lane] < low[lane] { values[lane] } else { low[lane] };
-            high[lane] = if active && values[lane] > high[lane] { values[lane] } else { high[lane] };
+    // Independent lanes first: a chain of dependent compares would take longer than all of them.
+    let mut low = [f64::INFINITY; WIDTH];
+    let mut high = [f64::NEG_INFINITY; WIDTH];
+    for first in (0..LANES).step_by(WIDTH) {
+        for lane in 0..WIDTH {
+            let value = values[first + lane];
+            let active = t[first + lane] > f64::NEG_INFINITY;
+            low[lane] = if active & (value < low[lane]) { value } else { low[lane] };
+            high[lane] = if active & (value > high[lane]) { value } else { high[lane] };
         }
     }
-    let mut all = [f64::INFINITY, f64::NEG_INFINITY];
-    for lane in 0..8 {
-        all[0] = if low[lane] < all[0] { low[lane] } else { all[0] };
-        all[1] = if high[lane] > all[1] { high[lane] } else { all[1] };
+    let mut half = WIDTH / 2;
+    while half > 0 {
+        for lane in 0..half {
+            low[lane] = if low[lane + half] < low[lane] { low[lane + half] } else { low[lane] };
+            high[lane] = if high[lane + half] > high[lane] { high[lane + half] } else { high[lane] };
+        }
+        half /= 2;
     }
-    all
+    [low[0], high[0]]
 }

@@ -1,111 +1,312 @@
-//! The surface where a ray has hit: its normal, and its texture coordinates with their gradients.
+//! The surfaces where the rays of a packet have hit: points, normals, and what a pixel covers of a texture.
+//!
+//! A packet sees few instances, so its surfaces are worked out instance by instance, for all lanes at once; each
+//! lane keeps those of its own.
 
-use super::frame::Frame;
+use super::frame::{Frame, Placed};
 use super::packet::Packet;
 use super::traverse::triangle_corners;
 use crate::scene::{KIND_BOX, KIND_CAPSULE, KIND_CYLINDER, KIND_MESH, KIND_RECTANGLE, KIND_SPHERE};
+use crate::simd::{LANES, Lanes, sqrt};
 use core::f64::consts::{PI, TAU};
 use glam::DVec3;
 
-/// A point of a surface, in the axes of the frame.
+/// How a ray's direction changes from one pixel to the next, along a row and down a column.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Surface {
-    /// Unit, outwards.
-    pub(crate) normal: DVec3,
-    /// Texture coordinates, before the material's repetition.
-    pub(crate) uv: [f64; 2],
-    /// Change of u and of v per metre along each axis.
-    pub(crate) uv_gradient: [DVec3; 2],
+pub(crate) struct PixelSteps {
+    pub(crate) right: DVec3,
+    pub(crate) down: DVec3,
 }
 
-/// The surface that `lane` of the packet has hit. The texture coordinates are only worked out if `textured`.
-pub(crate) fn surface_at(frame: &Frame<'_>, packet: &Packet, lane: usize, textured: bool) -> Surface {
-    let index = packet.placed[lane];
-    let instance = frame.instance(index);
-    let placed = &frame.placed[index as usize];
-    let frame_from_instance = placed.frame_from_instance();
-    let point = placed.local_point(packet.point(lane));
-    let [a, b, c] = instance.size;
-    let local = match instance.kind {
-        KIND_BOX => on_box(point, DVec3::new(a, b, c)),
-        KIND_RECTANGLE => flat(DVec3::Z, point, [DVec3::X / (2.0 * a), DVec3::Y / (2.0 * b)]),
-        KIND_SPHERE => around(point, point / a, [-a, a], textured),
-        KIND_CYLINDER => on_cylinder(point, a, b, textured),
-        KIND_CAPSULE => {
-            let axis_point = DVec3::new(0.0, 0.0, point.z.clamp(-b, b));
-            around(point, (point - axis_point) / a, [-b - a, b + a], textured)
+/// Lane by lane, in the frame. Where nothing was hit the normal is 0, and the rest undetermined.
+pub(crate) struct Surfaces {
+    pub(crate) point: [Lanes<f64>; 3],
+    /// Unit, outwards.
+    pub(crate) normal: [Lanes<f32>; 3],
+    /// Texture coordinates, before the material's repetition. Only on textured instances, as the next.
+    pub(crate) uv: [Lanes<f64>; 2],
+    /// Change of u and v to the next pixel along the row, and to that down the column.
+    pub(crate) footprint: [[Lanes<f32>; 2]; 2],
+}
+
+impl Surfaces {
+    pub(crate) const fn new() -> Self {
+        Self {
+            point: [[0.0; LANES]; 3],
+            normal: [[0.0; LANES]; 3],
+            uv: [[0.0; LANES]; 2],
+            footprint: [[[0.0; LANES]; 2]; 2],
         }
-        KIND_MESH => on_triangle(frame, packet.triangle[lane], instance.mesh, point, textured),
-        _ => flat(DVec3::Z, point, [DVec3::ZERO; 2]),
-    };
-    Surface {
-        normal: frame_from_instance * local.normal,
-        uv: local.uv,
-        uv_gradient: if textured {
-            local.uv_gradient.map(|gradient| frame_from_instance * gradient)
-        } else {
-            local.uv_gradient
-        },
     }
+
+    /// Takes the points where the packet has hit; the rest is for [`Surfaces::add`].
+    #[inline(always)]
+    pub(crate) fn start(&mut self, packet: &Packet) {
+        self.normal = [[0.0; LANES]; 3];
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                self.point[axis][lane] =
+                    packet.origin[axis][lane] + packet.t[lane] * packet.direction[axis][lane];
+            }
+        }
+    }
+
+    /// Fills in the lanes that have hit `placed`; what belongs to a texture only if there are `steps`.
+    #[inline(always)]
+    pub(crate) fn add(
+        &mut self,
+        frame: &Frame<'_>,
+        packet: &Packet,
+        placed: u32,
+        steps: Option<&PixelSteps>,
+    ) {
+        if let Some(steps) = steps {
+            self.add_kind::<true>(frame, packet, placed, steps);
+        } else {
+            self.add_kind::<false>(
+                frame,
+                packet,
+                placed,
+                &PixelSteps { right: DVec3::ZERO, down: DVec3::ZERO },
+            );
+        }
+    }
+
+    #[inline(always)]
+    fn add_kind<const TEXTURED: bool>(
+        &mut self,
+        frame: &Frame<'_>,
+        packet: &Packet,
+        index: u32,
+        steps: &PixelSteps,
+    ) {
+        let instance = frame.instance(index);
+        let placed = &frame.placed[index as usize];
+        let [a, b, c] = instance.size;
+        match instance.kind {
+            KIND_BOX => self.add_lanes::<TEXTURED>(
+                packet,
+                index,
+                placed,
+                steps,
+                #[inline(always)]
+                |_, point| on_box(point, DVec3::new(a, b, c)),
+            ),
+            KIND_RECTANGLE => self.add_lanes::<TEXTURED>(
+                packet,
+                index,
+                placed,
+                steps,
+                #[inline(always)]
+                |_, point| flat(DVec3::Z, point, [DVec3::X / (2.0 * a), DVec3::Y / (2.0 * b)]),
+            ),
+            KIND_SPHERE => self.add_lanes::<TEXTURED>(
+                packet,
+                index,
+                placed,
+                steps,
+                #[inline(always)]
+                |_, point| around::<TEXTURED>(point, point / a, [-a, a]),
+            ),
+            KIND_CYLINDER => self.add_lanes::<TEXTURED>(
+                packet,
+                index,
+                placed,
+                steps,
+                #[inline(always)]
+                |_, point| on_cylinder::<TEXTURED>(point, a, b),
+            ),
+            KIND_CAPSULE => self.add_lanes::<TEXTURED>(
+                packet,
+                index,
+                placed,
+                steps,
+                #[inline(always)]
+                |_, point| {
+                    let above = if point.z > b { point.z - b } else { 0.0 };
+                    let below = if point.z < -b { point.z + b } else { 0.0 };
+                    let radial = DVec3::new(point.x, point.y, above + below);
+                    around::<TEXTURED>(point, radial / a, [-b - a, b + a])
+                },
+            ),
+            KIND_MESH => self.add_lanes::<TEXTURED>(
+                packet,
+                index,
+                placed,
+                steps,
+                #[inline(always)]
+                |lane, point| {
+                    // Other lanes may have hit the triangle of another mesh.
+                    if packet.placed[lane] == index {
+                        on_triangle::<TEXTURED>(frame, packet.triangle[lane], instance.mesh, point)
+                    } else {
+                        flat(DVec3::Z, point, [DVec3::ZERO; 2])
+                    }
+                },
+            ),
+            _ => {}
+        }
+    }
+
+    /// `surface` gives the surface at a point, both in the axes of the instance.
+    #[inline(always)]
+    fn add_lanes<const TEXTURED: bool>(
+        &mut self,
+        packet: &Packet,
+        index: u32,
+        placed: &Placed,
+        steps: &PixelSteps,
+        surface: impl Fn(usize, DVec3) -> Surface,
+    ) {
+        let axes = placed.axes.map(DVec3::from_array);
+        let to_local = |v: DVec3| DVec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v));
+        let mine = |lane: usize| packet.placed[lane] == index;
+
+        // One array a loop, and local arrays between them: what may overlap in memory is not vectorised.
+        let mut point = [[0.0; LANES]; 3];
+        for axis in 0..3 {
+            let [x, y, z] = placed.axes[axis];
+            let [tx, ty, tz] = placed.translation;
+            for lane in 0..LANES {
+                point[axis][lane] = x * (self.point[0][lane] - tx)
+                    + y * (self.point[1][lane] - ty)
+                    + z * (self.point[2][lane] - tz);
+            }
+        }
+        let mut normal = [[0.0; LANES]; 3];
+        let mut uv = [[0.0; LANES]; 2];
+        let mut gradient = [[[0.0; LANES]; 3]; 2];
+        for lane in 0..LANES {
+            let surface = surface(lane, DVec3::new(point[0][lane], point[1][lane], point[2][lane]));
+            for axis in 0..3 {
+                normal[axis][lane] = surface.normal[axis];
+            }
+            if TEXTURED {
+                for axis in 0..2 {
+                    uv[axis][lane] = surface.uv[axis];
+                    gradient[axis][0][lane] = surface.uv_gradient[axis].x;
+                    gradient[axis][1][lane] = surface.uv_gradient[axis].y;
+                    gradient[axis][2][lane] = surface.uv_gradient[axis].z;
+                }
+            }
+        }
+        for axis in 0..3 {
+            let [x, y, z] = axes.map(|column| column[axis]);
+            for lane in 0..LANES {
+                let in_frame = x * normal[0][lane] + y * normal[1][lane] + z * normal[2][lane];
+                let old = self.normal[axis][lane];
+                self.normal[axis][lane] = if mine(lane) { in_frame as f32 } else { old };
+            }
+        }
+        if !TEXTURED {
+            return;
+        }
+        for axis in 0..2 {
+            for lane in 0..LANES {
+                self.uv[axis][lane] = if mine(lane) { uv[axis][lane] } else { self.uv[axis][lane] };
+            }
+        }
+        // The pixel's footprint: how far the hit moves on the surface's plane from one pixel to the next
+        // (Igehy 1999, "Tracing ray differentials").
+        for (side, step) in [to_local(steps.right), to_local(steps.down)].into_iter().enumerate() {
+            let mut moved = [[0.0; LANES]; 3];
+            for lane in 0..LANES {
+                let direction = to_local(packet.direction_of(lane));
+                let normal = DVec3::new(normal[0][lane], normal[1][lane], normal[2][lane]);
+                let along = (step - direction * (normal.dot(step) / normal.dot(direction))) * packet.t[lane];
+                moved[0][lane] = along.x;
+                moved[1][lane] = along.y;
+                moved[2][lane] = along.z;
+            }
+            for axis in 0..2 {
+                let [x, y, z] = &gradient[axis];
+                for lane in 0..LANES {
+                    let change =
+                        x[lane] * moved[0][lane] + y[lane] * moved[1][lane] + z[lane] * moved[2][lane];
+                    let old = self.footprint[side][axis][lane];
+                    self.footprint[side][axis][lane] = if mine(lane) { change as f32 } else { old };
+                }
+            }
+        }
+    }
+}
+
+/// A point of a surface, in the axes of its instance.
+#[derive(Clone, Copy)]
+struct Surface {
+    /// Unit, outwards.
+    normal: DVec3,
+    /// Texture coordinates.
+    uv: [f64; 2],
+    /// Change of u and of v per metre along each axis.
+    uv_gradient: [DVec3; 2],
 }
 
 /// A flat face centred on the origin of u and v, which run from 0 to 1 over it.
+#[inline(always)]
 fn flat(normal: DVec3, point: DVec3, uv_gradient: [DVec3; 2]) -> Surface {
-    Surface { normal, uv: uv_gradient.map(|gradient| gradient.dot(point) + 0.5), uv_gradient }
+    let [u, v] = uv_gradient;
+    Surface { normal, uv: [u.dot(point) + 0.5, v.dot(point) + 0.5], uv_gradient }
 }
 
+#[inline(always)]
 fn on_box(point: DVec3, half: DVec3) -> Surface {
     // The face is the one that the point is nearest to.
     let depth = half - point.abs();
-    let axis = if depth.x <= depth.y && depth.x <= depth.z {
-        0
-    } else if depth.y <= depth.z {
-        1
+    let on_x = depth.x <= depth.y && depth.x <= depth.z;
+    let on_y = !on_x && depth.y <= depth.z;
+    let on_z = !on_x && !on_y;
+    let across = if on_x {
+        point.x
+    } else if on_y {
+        point.y
     } else {
-        2
+        point.z
     };
-    let sign = 1.0_f64.copysign(point[axis]);
-    let (normal, right, up) = match axis {
-        0 => (DVec3::X, DVec3::Y * sign, DVec3::Z),
-        1 => (DVec3::Y, DVec3::X * -sign, DVec3::Z),
-        _ => (DVec3::Z, DVec3::X, DVec3::Y * sign),
-    };
-    let per_metre = |direction: DVec3| direction / (2.0 * direction.abs().dot(half));
-    flat(normal * sign, point, [per_metre(right), per_metre(up)])
+    let sign = if across < 0.0 { -1.0 } else { 1.0 };
+    let when = |face: bool, value: f64| if face { value } else { 0.0 };
+    let normal = DVec3::new(when(on_x, sign), when(on_y, sign), when(on_z, sign));
+    let right = DVec3::new(when(on_y, -sign) + when(on_z, 1.0), when(on_x, sign), 0.0);
+    let up = DVec3::new(0.0, when(on_z, sign), when(!on_z, 1.0));
+    let per_metre = DVec3::new(0.5 / half.x, 0.5 / half.y, 0.5 / half.z);
+    flat(normal, point, [right * per_metre, up * per_metre])
 }
 
-fn on_cylinder(point: DVec3, radius: f64, half_length: f64, textured: bool) -> Surface {
+#[inline(always)]
+fn on_cylinder<const TEXTURED: bool>(point: DVec3, radius: f64, half_length: f64) -> Surface {
+    let sign = if point.z < 0.0 { -1.0 } else { 1.0 };
+    let to_axis = sqrt(point.x * point.x + point.y * point.y);
+    let per_metre = 0.5 / radius;
+    let end = flat(DVec3::Z * sign, point, [DVec3::X * per_metre, DVec3::Y * (sign * per_metre)]);
     let radial = DVec3::new(point.x, point.y, 0.0);
-    if half_length - point.z.abs() < radius - radial.length() {
-        let sign = 1.0_f64.copysign(point.z);
-        let per_metre = 0.5 / radius;
-        return flat(DVec3::Z * sign, point, [DVec3::X * per_metre, DVec3::Y * sign * per_metre]);
-    }
-    around(point, radial / radius, [-half_length, half_length], textured)
+    let side = around::<TEXTURED>(point, radial / radius, [-half_length, half_length]);
+    if half_length - point.z * sign < radius - to_axis { end } else { side }
 }
 
 /// A surface of revolution: u once around from −x, v along z.
-fn around(point: DVec3, normal: DVec3, [low, high]: [f64; 2], textured: bool) -> Surface {
-    if !textured {
-        return flat(normal, point, [DVec3::ZERO; 2]);
+#[inline(always)]
+fn around<const TEXTURED: bool>(point: DVec3, normal: DVec3, [low, high]: [f64; 2]) -> Surface {
+    if !TEXTURED {
+        return Surface { normal, uv: [0.0; 2], uv_gradient: [DVec3::ZERO; 2] };
     }
-    let squared = (point.x * point.x + point.y * point.y).max(1e-12);
+    let squared = point.x * point.x + point.y * point.y;
+    let per_turn = 1.0 / (if squared > 1e-12 { squared } else { 1e-12 } * TAU);
     let along = 1.0 / (high - low);
     Surface {
         normal,
         uv: [(libm::atan2(point.y, point.x) + PI) / TAU, (point.z - low) * along],
-        uv_gradient: [DVec3::new(-point.y, point.x, 0.0) / (squared * TAU), DVec3::Z * along],
+        uv_gradient: [DVec3::new(-point.y * per_turn, point.x * per_turn, 0.0), DVec3::Z * along],
     }
 }
 
-fn on_triangle(frame: &Frame<'_>, triangle: u32, mesh: u32, point: DVec3, textured: bool) -> Surface {
+fn on_triangle<const TEXTURED: bool>(frame: &Frame<'_>, triangle: u32, mesh: u32, point: DVec3) -> Surface {
     let scene = &frame.scene;
     let mesh = &scene.meshes[mesh as usize];
     let [a, b, c] = triangle_corners(frame, mesh, triangle);
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(ac);
     let squared = normal.length_squared();
-    if !textured || squared <= 0.0 {
+    if !TEXTURED || squared <= 0.0 {
         return flat(normal.normalize_or(DVec3::Z), point, [DVec3::ZERO; 2]);
     }
     // Barycentric coordinates of b and c are linear in the point; these are their gradients.

@@ -12,29 +12,43 @@ use glam::DVec3;
 
 /// Finds the nearest hit of every lane.
 pub(crate) fn nearest<S: Simd>(simd: S, frame: &Frame<'_>, packet: &mut Packet, faces: Faces) {
-    walk_instances::<S, false>(simd, frame, packet, faces);
+    walk_instances::<S, false>(simd, frame, packet, faces, MISS);
 }
 
 /// Finds for every lane whether anything is hit at all; `placed` is [`MISS`] where not. Which of several hits
-/// is named is not specified.
-pub(crate) fn occluded<S: Simd>(simd: S, frame: &Frame<'_>, packet: &mut Packet, faces: Faces) {
-    walk_instances::<S, true>(simd, frame, packet, faces);
+/// is named is not specified. The placed instance `left_out` is passed over.
+pub(crate) fn occluded<S: Simd>(
+    simd: S,
+    frame: &Frame<'_>,
+    packet: &mut Packet,
+    faces: Faces,
+    left_out: u32,
+) {
+    walk_instances::<S, true>(simd, frame, packet, faces, left_out);
 }
 
-fn walk_instances<S: Simd, const ANY: bool>(simd: S, frame: &Frame<'_>, packet: &mut Packet, faces: Faces) {
+fn walk_instances<S: Simd, const ANY: bool>(
+    simd: S,
+    frame: &Frame<'_>,
+    packet: &mut Packet,
+    faces: Faces,
+    left_out: u32,
+) {
     if frame.placed.is_empty() {
         return;
     }
     let bounds = simd.vectorize(
         #[inline(always)]
-        || PacketBounds::new(&packet.origin, &packet.direction, &packet.t, packet.t_min),
+        || PacketBounds::new(&packet.origin, &packet.direction, packet),
     );
     walk(frame.nodes, &bounds, packet.farthest(), |leaf| {
         for &placed in &frame.order[leaf.first as usize..(leaf.first + leaf.count) as usize] {
-            simd.vectorize(
-                #[inline(always)]
-                || intersect_instance(simd, frame, placed, packet, faces),
-            );
+            if !ANY || placed != left_out {
+                simd.vectorize(
+                    #[inline(always)]
+                    || intersect_instance(simd, frame, placed, packet, faces),
+                );
+            }
         }
         simd.vectorize(
             #[inline(always)]
@@ -61,7 +75,7 @@ fn retire_hits(packet: &mut Packet) {
 #[inline(always)]
 fn walk(nodes: &[Node], bounds: &PacketBounds, mut farthest: f64, mut visit: impl FnMut(&Node) -> f64) {
     let mut stack = [(0_u32, f64::NEG_INFINITY); bvh::MAX_DEPTH + 1];
-    let mut depth = 1;
+    let mut depth = usize::from(bounds.enter(&nodes[0].bounds, farthest).is_some());
     while depth > 0 {
         depth -= 1;
         let (index, enter) = stack[depth];
@@ -70,9 +84,7 @@ fn walk(nodes: &[Node], bounds: &PacketBounds, mut farthest: f64, mut visit: imp
         }
         let node = &nodes[index as usize];
         if node.count > 0 {
-            if bounds.enter(&node.bounds, farthest).is_some() {
-                farthest = visit(node);
-            }
+            farthest = visit(node);
             continue;
         }
         let children = [node.first, node.first + 1];
@@ -107,7 +119,8 @@ fn walk(nodes: &[Node], bounds: &PacketBounds, mut farthest: f64, mut visit: imp
 fn leads(nodes: &[Node], children: [u32; 2], bounds: &PacketBounds) -> bool {
     let [left, right] = children.map(|child| nodes[child as usize].bounds);
     let apart = |axis: usize| (left.min[axis] + left.max[axis]) - (right.min[axis] + right.max[axis]);
-    let axis = (0..3).max_by(|&a, &b| apart(a).abs().total_cmp(&apart(b).abs())).unwrap_or(0);
+    let (x, y, z) = (apart(0).abs(), apart(1).abs(), apart(2).abs());
+    let axis = if x > y && x > z { 0 } else { usize::from(z > y) + 1 };
     (apart(axis) < 0.0) == bounds.ascending(axis)
 }
 
@@ -136,10 +149,19 @@ fn local_rays(frame: &Frame<'_>, placed: u32, packet: &Packet) -> LocalRays {
     for axis in 0..3 {
         let [x, y, z] = placed.axes[axis];
         let [tx, ty, tz] = placed.translation;
-        for lane in 0..LANES {
-            rays.origin[axis][lane] = x * (packet.origin[0][lane] - tx)
+        let origin = |lane: usize| {
+            x * (packet.origin[0][lane] - tx)
                 + y * (packet.origin[1][lane] - ty)
-                + z * (packet.origin[2][lane] - tz);
+                + z * (packet.origin[2][lane] - tz)
+        };
+        if packet.shared_origin {
+            rays.origin[axis] = [origin(0); LANES];
+        } else {
+            for lane in 0..LANES {
+                rays.origin[axis][lane] = origin(lane);
+            }
+        }
+        for lane in 0..LANES {
             rays.direction[axis][lane] =
                 x * packet.direction[0][lane] + y * packet.direction[1][lane] + z * packet.direction[2][lane];
         }
@@ -160,7 +182,7 @@ fn walk_mesh<S: Simd>(
     let nodes = &scene.nodes[mesh.first_node as usize..][..mesh.nodes as usize];
     let bounds = simd.vectorize(
         #[inline(always)]
-        || PacketBounds::new(&rays.origin, &rays.direction, &packet.t, packet.t_min),
+        || PacketBounds::new(&rays.origin, &rays.direction, packet),
     );
     walk(nodes, &bounds, packet.farthest(), |leaf| {
         simd.vectorize(

@@ -1,5 +1,8 @@
 //! The tag-ceiling room, looked at by detectors that nobody here wrote: the AprilTag library and rqrr.
 
+// The example's modules bring what only its main function uses.
+#![allow(dead_code)]
+
 #[path = "../examples/make_tag_room/ceiling.rs"]
 mod ceiling;
 #[path = "../examples/make_tag_room/codes.rs"]
@@ -69,53 +72,62 @@ fn listed() -> Vec<Listed> {
         .collect()
 }
 
-/// What a detector saw: what the code says and its four corners in pixels, pixel centres at integers, in the
-/// order bottom left, bottom right, top right, top left of the code.
-struct Seen {
-    says: String,
-    corners: [[f64; 2]; 4],
-}
+// Both detectors: by what a code says, its four corners in pixels with pixel centres at integers, in the order bottom
+// left, bottom right, top right, top left of the code.
 
-fn april_tags(picture: &GrayImage) -> Vec<Seen> {
+/// What the AprilTag library sees: by id, corners in pixels.
+fn april_tags(picture: &GrayImage) -> HashMap<String, [[f64; 2]; 4]> {
     let (width, height) = picture.dimensions();
     let mut image = apriltag::Image::zeros_with_alignment(width as usize, height as usize, 96).unwrap();
     for (x, y, pixel) in picture.enumerate_pixels() {
         image[(x as usize, y as usize)] = pixel.0[0];
     }
-    let mut detector =
-        apriltag::Detector::builder().add_family_bits(apriltag::Family::tag_36h11(), 1).build().unwrap();
+    let family = apriltag::Family::tag_36h11();
+    let mut detector = apriltag::Detector::builder().add_family_bits(family, 1).build().unwrap();
     detector.set_decimation(1.0);
     detector
         .detect(&image)
         .iter()
-        .map(|found| Seen {
-            says: found.id().to_string(),
-            // The library counts from the edge of the first pixel.
-            corners: found.corners().map(|corner| corner.map(|value| value - 0.5)),
-        })
+        // The library counts from the edge of the first pixel.
+        .map(|found| (found.id().to_string(), found.corners().map(|corner| corner.map(|value| value - 0.5))))
         .collect()
 }
 
-fn qr_codes(picture: &GrayImage) -> Vec<Seen> {
+/// Edge of the windows that rqrr looks through, a little more than a code's diagonal of 148 px; and their step.
+const WINDOW_PX: u32 = 200;
+const WINDOW_STEP_PX: u32 = 40;
+
+/// rqrr pairs the finder marks of neighbouring codes, so it looks at one window after another: in some window each
+/// code is alone.
+fn qr_codes(picture: &GrayImage) -> HashMap<String, [[f64; 2]; 4]> {
     let (width, height) = picture.dimensions();
-    let mut prepared =
-        rqrr::PreparedImage::prepare_from_greyscale(width as usize, height as usize, |x, y| {
-            picture.get_pixel(x as u32, y as u32).0[0]
+    let starts = |size: u32| {
+        let last = size.saturating_sub(WINDOW_PX);
+        (0..last).step_by(WINDOW_STEP_PX as usize).chain([last])
+    };
+    let mut seen = HashMap::new();
+    for (x0, y0) in starts(height).flat_map(|y| starts(width).map(move |x| (x, y))) {
+        let (w, h) = (WINDOW_PX.min(width), WINDOW_PX.min(height));
+        let mut window = rqrr::PreparedImage::prepare_from_greyscale(w as usize, h as usize, |x, y| {
+            picture.get_pixel(x0 + x as u32, y0 + y as u32).0[0]
         });
-    prepared
-        .detect_grids()
-        .iter()
-        .filter_map(|grid| {
-            let (_, says) = grid.decode().ok()?;
+        // It panics on some marks that do not belong together; then there is no code in this window.
+        let found = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            let grids = window.detect_grids();
+            let read = |grid: &rqrr::Grid<_>| Some((grid.decode().ok()?.1, grid.bounds));
+            grids.iter().filter_map(read).collect::<Vec<_>>()
+        }));
+        for (says, bounds) in found.unwrap_or_default() {
             let [top_left, top_right, bottom_right, bottom_left] =
-                grid.bounds.map(|point| [f64::from(point.x), f64::from(point.y)]);
-            // rqrr's bounds go one module of 21 too far to the right and to the bottom.
+                bounds.map(|point| [f64::from(point.x) + f64::from(x0), f64::from(point.y) + f64::from(y0)]);
+            // rqrr's bounds go one module of 25 too far to the right and to the bottom.
             let shrink =
-                |corner: [f64; 2]| [0, 1].map(|i| top_left[i] + (corner[i] - top_left[i]) * 21.0 / 22.0);
+                |corner: [f64; 2]| [0, 1].map(|i| top_left[i] + (corner[i] - top_left[i]) * 25.0 / 26.0);
             let [top_right, bottom_right, bottom_left] = [top_right, bottom_right, bottom_left].map(shrink);
-            Some(Seen { says, corners: [bottom_left, bottom_right, top_right, top_left] })
-        })
-        .collect()
+            seen.insert(says, [bottom_left, bottom_right, top_right, top_left]);
+        }
+    }
+    seen
 }
 
 /// The committed files are what the generator makes.
@@ -138,15 +150,20 @@ fn files_are_current() {
 fn textures_decode_upright() {
     for code in listed() {
         let file = models().join(format!("tag_ceiling/materials/textures/{}.png", code.name));
-        let picture = image::open(&file).unwrap().into_luma8();
+        let mut picture = image::open(&file).unwrap().into_luma8();
         let is_qr = code.name.starts_with("qr");
+        if is_qr {
+            // Small enough for the reader's window.
+            let edge = picture.width() / 4;
+            picture = image::imageops::resize(&picture, edge, edge, image::imageops::FilterType::Triangle);
+        }
         let seen = if is_qr { qr_codes(&picture) } else { april_tags(&picture) };
-        assert_eq!(seen.len(), 1, "{}", code.name);
-        assert_eq!(seen[0].says, code.says, "{}", code.name);
+        assert_eq!(seen.keys().collect::<Vec<_>>(), [&code.says], "{}", code.name);
         let size = f64::from(picture.width());
-        let margin = if is_qr { 4.0 * 16.0 } else { 16.0 };
+        let margin = 16.0;
         let (near, far) = (margin - 0.5, size - margin - 0.5);
-        for (seen, wanted) in seen[0].corners.iter().zip([[near, far], [far, far], [far, near], [near, near]])
+        for (seen, wanted) in
+            seen[&code.says].iter().zip([[near, far], [far, far], [far, near], [near, near]])
         {
             let off = (seen[0] - wanted[0]).hypot(seen[1] - wanted[1]);
             assert!(off < 2.5, "{}: corner at {seen:?}, expected {wanted:?}", code.name);
@@ -184,6 +201,12 @@ fn plates_hang_where_the_list_says() {
     }
 }
 
+/// The AprilTag library's corners are off by 0.09 px in the mean; rqrr rounds to whole pixels and to its own corners of
+/// the finder marks.
+const TAG_TOLERANCE_PX: f64 = 0.5;
+/// See [`TAG_TOLERANCE_PX`].
+const QR_TOLERANCE_PX: f64 = 5.0;
+
 /// f of a 640 × 480 picture with a horizontal angle of view of 1.3962634 rad.
 const FOCAL: f64 = 381.361_15;
 const CENTER: [f64; 2] = [319.5, 239.5];
@@ -199,6 +222,7 @@ fn project(world_from_camera: &Pose, point: DVec3) -> [f64; 2] {
 fn photograph(ceiling: &Model, world_from_camera: &Pose) -> GrayImage {
     struct Plate {
         plate_from_world: Pose,
+        center: DVec3,
         half: f64,
         texture: GrayImage,
     }
@@ -210,7 +234,8 @@ fn photograph(ceiling: &Model, world_from_camera: &Pose) -> GrayImage {
             let texture = image::open(visual.material.texture.as_ref()?).unwrap().into_luma8();
             let world_from_plate =
                 ceiling.world_from_model * ceiling.links[0].model_from_link * visual.link_from_visual;
-            Some(Plate { plate_from_world: world_from_plate.inverse(), half: size.x / 2.0, texture })
+            let center = world_from_plate.translation();
+            Some(Plate { plate_from_world: world_from_plate.inverse(), center, half: size.x / 2.0, texture })
         })
         .collect();
     let eye = world_from_camera.translation();
@@ -225,6 +250,10 @@ fn photograph(ceiling: &Model, world_from_camera: &Pose) -> GrayImage {
             sum += plates
                 .iter()
                 .find_map(|plate| {
+                    let beside = (hit - plate.center).abs();
+                    if beside.x.max(beside.y) > plate.half * std::f64::consts::SQRT_2 {
+                        return None;
+                    }
                     let p = plate.plate_from_world.transform_point(hit);
                     (p.x.abs() < plate.half && p.y.abs() < plate.half).then(|| {
                         // Lower face of a box: right is +x, up is −y; row 0 is the top.
@@ -252,16 +281,13 @@ fn codes_are_found_from_the_robots_eye() {
         let camera = Pose::from_xyz_rpy(at, DVec3::new(0.0, 0.0, angle * 1.7))
             * Pose::from_xyz_rpy(DVec3::ZERO, DVec3::new(0.0, -std::f64::consts::FRAC_PI_2, 0.0));
         let picture = photograph(ceiling, &camera);
-        let seen: HashMap<String, [[f64; 2]; 4]> = april_tags(&picture)
-            .into_iter()
-            .chain(qr_codes(&picture))
-            .map(|seen| (seen.says, seen.corners))
-            .collect();
+        let mut seen = april_tags(&picture);
+        seen.extend(qr_codes(&picture));
         for code in &codes {
             let is_qr = code.name.starts_with("qr");
             let wanted = code.corners.map(|corner| project(&camera, corner));
-            // With its white margin: 1 of 8 modules, 4 of 21.
-            let grow = if is_qr { 29.0 / 21.0 } else { 10.0 / 8.0 };
+            // With its white margin: 1 of 8 modules, 4 of 25.
+            let grow = if is_qr { 33.0 / 25.0 } else { 10.0 / 8.0 };
             let middle = [0, 1].map(|axis| wanted.iter().map(|corner| corner[axis]).sum::<f64>() / 4.0);
             let in_picture = wanted.iter().all(|corner| {
                 let [x, y] = [0, 1].map(|axis| middle[axis] + (corner[axis] - middle[axis]) * grow);
@@ -271,19 +297,9 @@ fn codes_are_found_from_the_robots_eye() {
                 continue;
             }
             let Some(corners) = seen.get(&code.says) else {
-                picture.save(std::env::temp_dir().join(format!("nf{step}.png"))).unwrap();
-                eprintln!("MISS step {step}: {} was not found", code.name); continue;
+                panic!("step {step}: {} was not found", code.name);
             };
-            let tolerance_px = if is_qr { 4.0 } else { 0.9 };
-            if !is_qr {
-                for (found, wanted) in corners.iter().zip(wanted) {
-                    eprintln!("ERR {} {}", found[0] - wanted[0], found[1] - wanted[1]);
-                }
-            } else {
-                for (i, (found, wanted)) in corners.iter().zip(wanted).enumerate() {
-                    eprintln!("QR{i} {} {}", found[0] - wanted[0], found[1] - wanted[1]);
-                }
-            }
+            let tolerance_px = if is_qr { QR_TOLERANCE_PX } else { TAG_TOLERANCE_PX };
             for (found, wanted) in corners.iter().zip(wanted) {
                 let off = (found[0] - wanted[0]).hypot(found[1] - wanted[1]);
                 assert!(off < tolerance_px, "step {step}: {}: {off} px off", code.name);

@@ -221,7 +221,7 @@ fn project(world_from_camera: &Pose, point: DVec3) -> [f64; 2] {
 /// The ceiling as the loaded boxes show it to the camera: each pixel the mean of 4 × 4 rays.
 fn photograph(ceiling: &Model, world_from_camera: &Pose) -> GrayImage {
     struct Plate {
-        plate_from_world: Pose,
+        from_world: Pose,
         center: DVec3,
         half: f64,
         texture: GrayImage,
@@ -235,7 +235,7 @@ fn photograph(ceiling: &Model, world_from_camera: &Pose) -> GrayImage {
             let world_from_plate =
                 ceiling.world_from_model * ceiling.links[0].model_from_link * visual.link_from_visual;
             let center = world_from_plate.translation();
-            Some(Plate { plate_from_world: world_from_plate.inverse(), center, half: size.x / 2.0, texture })
+            Some(Plate { from_world: world_from_plate.inverse(), center, half: size.x / 2.0, texture })
         })
         .collect();
     let eye = world_from_camera.translation();
@@ -254,11 +254,11 @@ fn photograph(ceiling: &Model, world_from_camera: &Pose) -> GrayImage {
                     if beside.x.max(beside.y) > plate.half * std::f64::consts::SQRT_2 {
                         return None;
                     }
-                    let p = plate.plate_from_world.transform_point(hit);
+                    let p = plate.from_world.transform_point(hit);
                     (p.x.abs() < plate.half && p.y.abs() < plate.half).then(|| {
                         // Lower face of a box: right is +x, up is −y; row 0 is the top.
                         let size = f64::from(plate.texture.width());
-                        let at = |value: f64| (((value / plate.half + 1.0) / 2.0) * size) as u32;
+                        let at = |value: f64| ((value / (2.0 * plate.half) + 0.5) * size) as u32;
                         f64::from(plate.texture.get_pixel(at(p.x), at(p.y)).0[0])
                     })
                 })

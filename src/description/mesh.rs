@@ -85,7 +85,7 @@ pub fn load_mesh_parts(
     };
     let mut meshes: Vec<Mesh> = Vec::new();
     for part in parts {
-        check_textures(&part, source, diagnostics);
+        check_texture(&part, path, source, diagnostics);
         let mesh = finish(part, path, scale, source, diagnostics)?;
         if mesh.triangles.is_empty() {
             continue;
@@ -170,14 +170,14 @@ fn surface(
     })
 }
 
-/// A picture that is not there leaves the surface in its plain colour.
-fn check_textures(part: &Part, source: &Source, diagnostics: &mut Diagnostics) {
+/// Says so if the picture that a mesh names is not there.
+fn check_texture(part: &Part, path: &Path, source: &Source, diagnostics: &mut Diagnostics) {
     if let Some(texture) = part.material.as_ref().and_then(|material| material.texture.as_ref())
         && !texture.is_file()
     {
         diagnostics.error(
             source,
-            format!("there is no texture {}, which the mesh names", texture.display()),
+            format!("there is no texture {}, which the mesh {} names", texture.display(), path.display()),
             "put it there, or correct the mesh file",
         );
     }

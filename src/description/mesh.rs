@@ -1,7 +1,7 @@
 //! Triangle meshes from files: STL, Wavefront OBJ and Collada.
 //!
 //! STL and OBJ are read by the crate `mesh-loader`, and taken as they are: metres, z up. Collada says its unit and its
-//! up axis, and is read by [`collada`]: `mesh-loader` passes over `<up_axis>`, keeps one instance of each
+//! up axis, and is read by the module `collada`: `mesh-loader` passes over `<up_axis>`, keeps one instance of each
 //! geometry, and panics on an index out of range.
 
 mod collada;

@@ -25,7 +25,7 @@ fn pixel(x: u32, y: u32) -> [u8; 3] {
     // Every row of planks is shifted by its own amount.
     let along = (x + hash(row, 7, 1) % PLANK_LENGTH) % SIZE;
     let plank = along / PLANK_LENGTH;
-    let joint = y % PLANK_WIDTH == 0 || along % PLANK_LENGTH == 0;
+    let joint = y.is_multiple_of(PLANK_WIDTH) || along.is_multiple_of(PLANK_LENGTH);
     if joint {
         return [70, 48, 32];
     }

@@ -1,14 +1,38 @@
-//! Triangle meshes from files.
+//! Triangle meshes from files: STL, Wavefront OBJ and Collada.
+//!
+//! STL and OBJ are read by the crate `mesh-loader`, and taken as they are: metres, z up. Collada says its unit and its
+//! up axis, and is read by the module `collada`: `mesh-loader` passes over `<up_axis>`, keeps one instance of each
+//! geometry, and panics on an index out of range.
+
+mod collada;
+
 use super::diagnostics::{Diagnostics, Source};
-use super::model::Mesh;
-use glam::DVec3;
-use std::path::Path;
+use super::model::{Material, Mesh};
+use glam::{DVec3, Vec3};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The formats that are read, for error messages.
-pub const MESH_FORMATS: &str = "stl, dae (Collada), obj";
+pub const MESH_FORMATS: &str = "stl, obj, dae (Collada)";
+
+/// Triangles of one material as a file gives them.
+#[derive(Debug, Default)]
+struct Part {
+    /// Name in the file, for errors.
+    name: String,
+    positions: Vec<[f32; 3]>,
+    /// As many as positions, or none.
+    uvs: Vec<[f32; 2]>,
+    triangles: Vec<[u32; 3]>,
+    material: Option<Material>,
+}
 
 /// Loads a mesh (STL, Collada, OBJ) and applies `scale`. `source` is where the description asks for it.
+///
+/// If the file has several materials, that of most triangles stands for all: see [`load_mesh_parts`].
+///
+/// # Errors
+/// Adds one error to `diagnostics` and returns none if the file cannot be read, is broken, or holds no triangles.
 pub fn load_mesh(
     path: &Path,
     scale: DVec3,
@@ -18,17 +42,189 @@ pub fn load_mesh(
     merge_parts(&load_mesh_parts(path, scale, source, diagnostics)?)
 }
 
-/// x
+/// Like [`load_mesh`], with a mesh for each material.
+///
+/// # Errors
+/// As [`load_mesh`].
 pub fn load_mesh_parts(
     path: &Path,
-    _scale: DVec3,
+    scale: DVec3,
     source: &Source,
     diagnostics: &mut Diagnostics,
 ) -> Option<Vec<Arc<Mesh>>> {
-    diagnostics.error(source, format!("mesh {} cannot be loaded yet", path.display()), "");
-    None
+    if !(scale.is_finite() && scale.x * scale.y * scale.z != 0.0) {
+        diagnostics.error(
+            source,
+            format!("the scale of the mesh {} is '{scale}'", path.display()),
+            "write three finite numbers other than 0",
+        );
+        return None;
+    }
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let parts = match extension.to_ascii_lowercase().as_str() {
+        "dae" => collada::load(path, diagnostics)?,
+        "stl" | "obj" => match mesh_loader::Loader::default().load(path) {
+            Ok(scene) => scene.meshes.into_iter().zip(scene.materials).map(from_scene).collect(),
+            Err(error) => {
+                diagnostics.error(
+                    source,
+                    format!("the mesh {} cannot be read: {error}", path.display()),
+                    "check the file, or export it again",
+                );
+                return None;
+            }
+        },
+        _ => {
+            diagnostics.error(
+                source,
+                format!("the mesh {} is of a kind that is not read", path.display()),
+                format!("convert it to one of {MESH_FORMATS}"),
+            );
+            return None;
+        }
+    };
+    let mut meshes: Vec<Mesh> = Vec::new();
+    for part in parts {
+        check_texture(&part, path, source, diagnostics);
+        let mesh = finish(part, path, scale, source, diagnostics)?;
+        if mesh.triangles.is_empty() {
+            continue;
+        }
+        match meshes.iter_mut().find(|other| other.material == mesh.material) {
+            Some(other) => append(other, &mesh),
+            None => meshes.push(mesh),
+        }
+    }
+    if meshes.is_empty() {
+        diagnostics.error(
+            source,
+            format!("the mesh {} holds no triangles", path.display()),
+            "export it with its faces",
+        );
+        return None;
+    }
+    Some(meshes.into_iter().map(Arc::new).collect())
 }
-/// x
+
+/// All parts as one mesh, with the material of most triangles.
 pub fn merge_parts(parts: &[Arc<Mesh>]) -> Option<Arc<Mesh>> {
-    parts.first().cloned()
+    if let [only] = parts {
+        return Some(only.clone());
+    }
+    let largest = parts.iter().max_by_key(|part| part.triangles.len())?;
+    let mut merged = Mesh {
+        path: largest.path.clone(),
+        positions: Vec::new(),
+        uvs: Vec::new(),
+        triangles: Vec::new(),
+        material: largest.material.clone(),
+    };
+    for part in parts {
+        append(&mut merged, part);
+    }
+    Some(Arc::new(merged))
+}
+
+/// Appends triangles. Texture coordinates are filled up with zeros where only one side has them.
+fn append(mesh: &mut Mesh, more: &Mesh) {
+    let first = mesh.positions.len() as u32;
+    if !more.uvs.is_empty() || !mesh.uvs.is_empty() {
+        mesh.uvs.resize(mesh.positions.len(), [0.0; 2]);
+        mesh.uvs.extend(&more.uvs);
+        mesh.uvs.resize(mesh.positions.len() + more.positions.len(), [0.0; 2]);
+    }
+    mesh.positions.extend(&more.positions);
+    mesh.triangles.extend(more.triangles.iter().map(|triangle| triangle.map(|index| index + first)));
+}
+
+/// A mesh of `mesh-loader` with its material.
+fn from_scene((mesh, material): (mesh_loader::Mesh, mesh_loader::Material)) -> Part {
+    let [uvs, _] = mesh.texcoords;
+    let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
+    let texture: Option<PathBuf> = material.texture.diffuse;
+    let diffuse = if texture.is_some() { Some([1.0; 3]) } else { material.color.diffuse.map(rgb) };
+    let emissive = material.color.emissive.map(rgb);
+    Part {
+        name: mesh.name,
+        uvs: if uvs.len() == mesh.vertices.len() { uvs } else { Vec::new() },
+        positions: mesh.vertices,
+        triangles: mesh.faces,
+        material: surface(diffuse, emissive, texture),
+    }
+}
+
+/// A file's look. Exporters leave the ambient colour black or at odds with the diffuse one, so the diffuse colour
+/// stands for both.
+fn surface(
+    diffuse: Option<[f32; 3]>,
+    emissive: Option<[f32; 3]>,
+    texture: Option<PathBuf>,
+) -> Option<Material> {
+    let diffuse = diffuse.or(texture.is_some().then_some([1.0; 3]))?;
+    Some(Material {
+        diffuse,
+        ambient: diffuse,
+        emissive: emissive.unwrap_or([0.0; 3]),
+        texture,
+        texture_repeat: [1.0; 2],
+    })
+}
+
+/// Says so if the picture that a mesh names is not there.
+fn check_texture(part: &Part, path: &Path, source: &Source, diagnostics: &mut Diagnostics) {
+    if let Some(texture) = part.material.as_ref().and_then(|material| material.texture.as_ref())
+        && !texture.is_file()
+    {
+        diagnostics.error(
+            source,
+            format!("there is no texture {}, which the mesh {} names", texture.display(), path.display()),
+            "put it there, or correct the mesh file",
+        );
+    }
+}
+
+/// Checks every number, applies the scale, and leaves out triangles without area.
+fn finish(
+    part: Part,
+    path: &Path,
+    scale: DVec3,
+    source: &Source,
+    diagnostics: &mut Diagnostics,
+) -> Option<Mesh> {
+    let Part { name, mut positions, mut uvs, mut triangles, material } = part;
+    let mut fail = |what: String| {
+        let name = if name.is_empty() { String::new() } else { format!(" of '{name}'") };
+        diagnostics.error(source, format!("the mesh {}: {what}{name}", path.display()), "export it again");
+        None
+    };
+    for (index, position) in positions.iter_mut().enumerate() {
+        *position = (Vec3::from(*position).as_dvec3() * scale).as_vec3().to_array();
+        if !position.iter().all(|value| value.is_finite()) {
+            return fail(format!("vertex {index} is not finite"));
+        }
+    }
+    if uvs.iter().flatten().any(|value| !value.is_finite()) {
+        return fail("a texture coordinate is not finite".into());
+    }
+    if uvs.len() != positions.len() {
+        uvs.clear();
+    }
+    if let Some((index, _)) = triangles
+        .iter()
+        .enumerate()
+        .find(|(_, triangle)| triangle.iter().any(|vertex| *vertex as usize >= positions.len()))
+    {
+        return fail(format!("triangle {index} names a vertex that is not there"));
+    }
+    triangles.retain(|triangle| {
+        let [a, b, c] = triangle.map(|vertex| Vec3::from(positions[vertex as usize]).as_dvec3());
+        (b - a).cross(c - a) != DVec3::ZERO
+    });
+    // A mirror turns the outside in.
+    if scale.x * scale.y * scale.z < 0.0 {
+        for triangle in &mut triangles {
+            triangle.swap(1, 2);
+        }
+    }
+    Some(Mesh { path: path.to_path_buf(), positions, uvs, triangles, material })
 }

@@ -138,7 +138,17 @@ pub struct Collision {
 /// A shape, centred on its frame.
 #[derive(Debug, Clone)]
 pub enum Geometry {
-    /// Full edge lengths.
+    /// Full edge lengths. Every face carries the whole texture, upright where there is an up: seen from outside,
+    /// u grows to the right and v upwards, and the picture's first row is the top (v = 1).
+    ///
+    /// | face | right (u) | up (v) |
+    /// |---|---|---|
+    /// | +x | +y | +z |
+    /// | −x | −y | +z |
+    /// | +y | −x | +z |
+    /// | −y | +x | +z |
+    /// | +z | +x | +y |
+    /// | −z | +x | −y |
     Box {
         /// x, y, z.
         size: DVec3,
@@ -162,7 +172,8 @@ pub enum Geometry {
         /// Length without the caps.
         length: f64,
     },
-    /// A rectangle through the origin. It collides as an infinite half space.
+    /// A rectangle through the origin. It collides as an infinite half space. With a normal along an axis its
+    /// texture lies as on the face of a [`Geometry::Box`] with that normal.
     Plane {
         /// Unit normal.
         normal: DVec3,

@@ -1,4 +1,4 @@
-//! Eyes that nobody here made: the AprilTag library and rqrr, and the list of the codes that they should see.
+//! Eyes that nobody here made: the AprilTag library and zbar, and the list of the codes that they should see.
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
 use glam::DVec3;
@@ -18,9 +18,9 @@ pub struct Listed {
 }
 
 impl Listed {
-    /// Corners of the plate: the code with its white margin, 1 module around 8 or 4 around 21.
+    /// Corners of the plate: the code with its white margin, 1 module around 8 or 4 around 25.
     pub fn plate(&self) -> [DVec3; 4] {
-        let grow = if self.is_qr { 29.0 / 21.0 } else { 10.0 / 8.0 };
+        let grow = if self.is_qr { 33.0 / 25.0 } else { 10.0 / 8.0 };
         let centre = self.corners.iter().sum::<DVec3>() / 4.0;
         self.corners.map(|corner| centre + (corner - centre) * grow)
     }
@@ -69,22 +69,16 @@ pub fn april_tags(picture: &GrayImage) -> Vec<Seen> {
     detector.detect(&image).iter().map(seen).collect()
 }
 
-/// What rqrr reads. Its corners are good to a few pixels only.
+/// What zbar reads, in its Rust port. Its corners are whole pixels.
 pub fn qr_codes(picture: &GrayImage) -> Vec<Seen> {
-    let (width, height) = picture.dimensions();
-    let mut prepared =
-        rqrr::PreparedImage::prepare_from_greyscale(width as usize, height as usize, |x, y| {
-            picture.get_pixel(x as u32, y as u32).0[0]
-        });
-    let grids = prepared.detect_grids();
-    let read = grids.iter().filter_map(|grid| {
-        let (_, says) = grid.decode().ok()?;
-        let [top_left, top_right, bottom_right, bottom_left] =
-            grid.bounds.map(|point| [f64::from(point.x), f64::from(point.y)]);
-        // rqrr's bounds go one module of 21 too far to the right and to the bottom.
-        let shrink = |corner: [f64; 2]| [0, 1].map(|i| top_left[i] + (corner[i] - top_left[i]) * 21.0 / 22.0);
-        let [top_right, bottom_right, bottom_left] = [top_right, bottom_right, bottom_left].map(shrink);
-        Some(Seen { says, corners: [bottom_left, bottom_right, top_right, top_left] })
+    let mut image = zedbar::Image::from_gray(picture.as_raw(), picture.width(), picture.height()).unwrap();
+    let config = zedbar::DecoderConfig::new().enable(zedbar::config::QrCode);
+    let found = zedbar::Scanner::with_config(config).scan(&mut image);
+    let seen = found.symbols().iter().map(|symbol| {
+        // From the top left counter-clockwise.
+        let corner =
+            |index: usize| [f64::from(symbol.points()[index].x), f64::from(symbol.points()[index].y)];
+        Seen { says: symbol.data_string().unwrap_or("").into(), corners: [1, 2, 3, 0].map(corner) }
     });
-    read.collect()
+    seen.collect()
 }

@@ -105,7 +105,8 @@ fn parse_pose(element: &Element, diagnostics: &mut Diagnostics) -> Option<Pose> 
 
 struct Frame {
     parent: String,
-    parent_from_frame: Pose,
+    /// Pose in the parent.
+    pose: Pose,
     source: Source,
 }
 
@@ -124,15 +125,13 @@ impl Frames {
     /// Adds a frame whose pose was written in `written`, relative to `default_parent` if it does not say.
     pub(super) fn add(&mut self, name: &str, written: &WrittenPose, default_parent: Option<&str>) {
         let parent = written.relative_to.as_deref().or(default_parent).unwrap_or(self.root).to_owned();
-        self.frames.insert(
-            name.to_owned(),
-            Frame { parent, parent_from_frame: written.pose, source: written.source.clone() },
-        );
+        self.frames
+            .insert(name.to_owned(), Frame { parent, pose: written.pose, source: written.source.clone() });
     }
 
     /// Adds a frame of known pose in another.
-    pub(super) fn add_known(&mut self, name: String, parent: &str, parent_from_frame: Pose, source: &Source) {
-        self.frames.insert(name, Frame { parent: parent.into(), parent_from_frame, source: source.clone() });
+    pub(super) fn add_known(&mut self, name: String, parent: &str, pose: Pose, source: &Source) {
+        self.frames.insert(name, Frame { parent: parent.into(), pose, source: source.clone() });
     }
 
     /// The pose of a frame in the root. `source` is where it is asked for.
@@ -156,7 +155,7 @@ impl Frames {
                 );
                 return None;
             };
-            root_from_frame = frame.parent_from_frame * root_from_frame;
+            root_from_frame = frame.pose * root_from_frame;
             (name, source) = (&frame.parent, &frame.source);
         }
         diagnostics.error(

@@ -122,17 +122,15 @@ impl Loader<'_> {
                     let minor = minor.split('.').next()?;
                     Some((major.parse().ok()?, minor.parse().ok()?))
                 });
-                match parsed {
-                    Some(version @ (1, _)) => version,
-                    _ => {
-                        self.diagnostics.error(
-                            &root.source,
-                            format!("SDF version '{text}' is not known"),
-                            "versions 1.4 to 1.12 are read",
-                        );
-                        return None;
-                    }
-                }
+                let Some(version @ (1, _)) = parsed else {
+                    self.diagnostics.error(
+                        &root.source,
+                        format!("SDF version '{text}' is not known"),
+                        "versions 1.4 to 1.12 are read",
+                    );
+                    return None;
+                };
+                version
             }
         };
         Some((root, version))

@@ -149,7 +149,9 @@ impl Loader<'_> {
         if !is_taken(&model.name) {
             return;
         }
-        let Some(unique) = (0..).map(|i| format!("{}_{i}", model.name)).find(|name| !is_taken(name)) else {
+        let Some(unique) =
+            (0..=earlier.len()).map(|i| format!("{}_{i}", model.name)).find(|name| !is_taken(name))
+        else {
             return;
         };
         self.diagnostics.warning(

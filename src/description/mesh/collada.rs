@@ -1,0 +1,451 @@
+//! Collada 1.4 and 1.5 (`.dae`): the triangles of the visual scene in metres with z up, and their colours.
+//!
+//! Read: units and up axis, nodes with all their transforms and instances, `triangles`, `polylist`, `polygons`,
+//! `trifans`, `tristrips`, diffuse and emission as colour or picture. Passed over: lines, splines, skins,
+//! animation, lights and cameras. A file without `<up_axis>` is taken as z up, as Gazebo takes it.
+
+use super::{Part, surface};
+use crate::description::diagnostics::{Diagnostics, Source};
+use crate::description::model::Material;
+use crate::description::xml::Element;
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Nodes deeper than this are a circle of `<instance_node>`.
+const MAX_DEPTH: usize = 64;
+
+/// A corner with more indices than this is a mistake.
+const MAX_INPUTS: usize = 64;
+
+/// Where in the file it is wrong, and what.
+struct Wrong(Source, String);
+
+type Outcome<T> = Result<T, Wrong>;
+
+fn wrong<T>(element: &Element, what: impl Into<String>) -> Outcome<T> {
+    Err(Wrong(element.source.clone(), what.into()))
+}
+
+/// Reads the file; none after an error, which then stands in `diagnostics`.
+pub(super) fn load(path: &Path, diagnostics: &mut Diagnostics) -> Option<Vec<Part>> {
+    let root = match Element::parse_file(path) {
+        Ok(root) => root,
+        Err(problem) => {
+            diagnostics.add(problem);
+            return None;
+        }
+    };
+    let document = Document::new(&root, path.parent().unwrap_or(Path::new("")));
+    match document.parts() {
+        Ok(parts) => Some(parts),
+        Err(Wrong(source, what)) => {
+            diagnostics.error(&source, format!("broken Collada: {what}"), "export the mesh again");
+            None
+        }
+    }
+}
+
+struct Document<'a> {
+    root: &'a Element,
+    folder: &'a Path,
+    by_id: HashMap<&'a str, &'a Element>,
+}
+
+/// An `<input>` of a primitive.
+struct Input<'a> {
+    offset: usize,
+    values: Values<'a>,
+}
+
+/// The numbers of a `<source>`.
+struct Values<'a> {
+    numbers: Vec<f32>,
+    stride: usize,
+    first: usize,
+    count: usize,
+    element: &'a Element,
+}
+
+impl Values<'_> {
+    /// The first N numbers of an entry.
+    fn get<const N: usize>(&self, index: usize) -> Outcome<[f32; N]> {
+        let start = (index < self.count).then(|| self.first + index * self.stride);
+        let entry = start.and_then(|start| self.numbers.get(start..start + N));
+        match entry.and_then(|entry| entry.try_into().ok()) {
+            Some(entry) => Ok(entry),
+            None => wrong(self.element, format!("entry {index} is asked for, of {}", self.count)),
+        }
+    }
+}
+
+impl<'a> Document<'a> {
+    fn new(root: &'a Element, folder: &'a Path) -> Self {
+        fn collect<'a>(element: &'a Element, by_id: &mut HashMap<&'a str, &'a Element>) {
+            if let Some(id) = element.attribute("id") {
+                by_id.entry(id).or_insert(element);
+            }
+            for child in element.elements() {
+                collect(child, by_id);
+            }
+        }
+        let mut by_id = HashMap::new();
+        collect(root, &mut by_id);
+        Self { root, folder, by_id }
+    }
+
+    fn parts(&self) -> Outcome<Vec<Part>> {
+        if self.root.name != "COLLADA" {
+            return wrong(self.root, format!("the root element is <{}>", self.root.name));
+        }
+        let world_from_file = self.world_from_file()?;
+        let mut parts = Vec::new();
+        let scene = self.root.child("scene").and_then(|scene| scene.child("instance_visual_scene"));
+        if let Some(instance) = scene {
+            let scene = self.referenced(instance, "url")?;
+            for node in scene.elements_named("node") {
+                self.node(node, world_from_file, 0, &mut parts)?;
+            }
+        } else {
+            let geometries = self.root.elements_named("library_geometries");
+            for geometry in geometries.flat_map(|library| library.elements_named("geometry")) {
+                self.geometry(geometry, world_from_file, &HashMap::new(), &mut parts)?;
+            }
+        }
+        Ok(parts)
+    }
+
+    /// From the file's unit and up axis to metres and z up.
+    fn world_from_file(&self) -> Outcome<DAffine3> {
+        let asset = self.root.child("asset");
+        let unit = asset.and_then(|asset| asset.child("unit"));
+        let metre = match unit.and_then(|unit| Some((unit, unit.attribute("meter")?))) {
+            None => 1.0,
+            Some((element, text)) => match text.trim().parse::<f64>() {
+                Ok(metre) if metre.is_finite() && metre > 0.0 => metre,
+                _ => return wrong(element, format!("the unit is '{text}' metres")),
+            },
+        };
+        let axis = asset.and_then(|asset| asset.child("up_axis"));
+        let turn = match axis.map(Element::text).as_deref() {
+            // Columns: where the file's x, y and z go.
+            None | Some("Z_UP") => DMat3::IDENTITY,
+            Some("Y_UP") => DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y),
+            Some("X_UP") => DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y),
+            Some(other) => return wrong(axis.unwrap_or(self.root), format!("<up_axis> is '{other}'")),
+        };
+        Ok(DAffine3::from_mat3(turn * metre))
+    }
+
+    /// The element that an attribute `#id` refers to.
+    fn referenced(&self, element: &Element, attribute: &str) -> Outcome<&'a Element> {
+        let Some(reference) = element.attribute(attribute) else {
+            return wrong(element, format!("<{}> has no '{attribute}'", element.name));
+        };
+        match self.by_id.get(reference.trim_start_matches('#')) {
+            Some(found) => Ok(found),
+            None => wrong(element, format!("there is nothing with the id '{reference}'")),
+        }
+    }
+
+    fn node(
+        &self,
+        node: &Element,
+        world_from_parent: DAffine3,
+        depth: usize,
+        parts: &mut Vec<Part>,
+    ) -> Outcome<()> {
+        if depth > MAX_DEPTH {
+            return wrong(node, "nodes contain one another without end");
+        }
+        let mut world_from_node = world_from_parent;
+        for child in node.elements() {
+            if let Some(transform) = transform(child)? {
+                world_from_node *= transform;
+            }
+        }
+        for child in node.elements() {
+            match child.name.as_str() {
+                "node" => self.node(child, world_from_node, depth + 1, parts)?,
+                "instance_node" => {
+                    self.node(self.referenced(child, "url")?, world_from_node, depth + 1, parts)?;
+                }
+                "instance_geometry" => {
+                    let materials = self.bound_materials(child)?;
+                    self.geometry(self.referenced(child, "url")?, world_from_node, &materials, parts)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The materials that an instance gives to the symbols of its primitives.
+    fn bound_materials(&self, instance: &'a Element) -> Outcome<HashMap<&'a str, Material>> {
+        let mut materials = HashMap::new();
+        let technique = instance.child("bind_material").and_then(|binding| binding.child("technique_common"));
+        for bound in technique.iter().flat_map(|technique| technique.elements_named("instance_material")) {
+            let material = self.referenced(bound, "target")?;
+            let Some(effect) = material.child("instance_effect") else { continue };
+            if let (Some(symbol), Some(look)) =
+                (bound.attribute("symbol"), self.effect(self.referenced(effect, "url")?)?)
+            {
+                materials.insert(symbol, look);
+            }
+        }
+        Ok(materials)
+    }
+
+    fn effect(&self, effect: &Element) -> Outcome<Option<Material>> {
+        let Some(profile) = effect.child("profile_COMMON") else { return Ok(None) };
+        let Some(shading) = profile.child("technique").and_then(|technique| {
+            ["phong", "lambert", "blinn", "constant"].iter().find_map(|name| technique.child(name))
+        }) else {
+            return Ok(None);
+        };
+        let color = |name: &str| -> Outcome<Option<[f32; 3]>> {
+            let Some(element) = shading.child(name).and_then(|part| part.child("color")) else {
+                return Ok(None);
+            };
+            match list::<f32>(element)?[..] {
+                [r, g, b, ..] if [r, g, b].iter().all(|value| value.is_finite()) => Ok(Some([r, g, b])),
+                _ => wrong(element, "a colour needs three finite numbers"),
+            }
+        };
+        let texture = shading.child("diffuse").and_then(|diffuse| diffuse.child("texture"));
+        let picture = texture
+            .and_then(|texture| texture.attribute("texture"))
+            .and_then(|sampler| self.picture(profile, sampler));
+        Ok(surface(color("diffuse")?, color("emission")?, picture))
+    }
+
+    /// The file behind a texture: sampler → surface → image (1.4), sampler → image (1.5), or the image itself.
+    fn picture(&self, profile: &Element, sampler: &str) -> Option<PathBuf> {
+        let parameter = |sid: &str| {
+            profile.elements_named("newparam").find(|parameter| parameter.attribute("sid") == Some(sid))
+        };
+        let mut id = sampler;
+        let source;
+        if let Some(sampler) = parameter(sampler).and_then(|parameter| parameter.child("sampler2D")) {
+            if let Some(image) = sampler.child("instance_image") {
+                id = image.attribute("url")?.trim_start_matches('#');
+            } else {
+                let surface = parameter(&sampler.child("source")?.text())?.child("surface")?;
+                source = surface.child("init_from")?.text();
+                id = &source;
+            }
+        }
+        let init = self.by_id.get(id)?.child("init_from")?;
+        let file = init.child("ref").unwrap_or(init).text();
+        let file = file.trim_start_matches("file://").replace('\\', "/").replace("%20", " ");
+        (!file.is_empty()).then(|| self.folder.join(file))
+    }
+
+    fn geometry(
+        &self,
+        geometry: &'a Element,
+        world_from_geometry: DAffine3,
+        materials: &HashMap<&str, Material>,
+        parts: &mut Vec<Part>,
+    ) -> Outcome<()> {
+        let Some(mesh) = geometry.child("mesh") else { return Ok(()) };
+        for primitive in mesh.elements() {
+            let polygons = match primitive.name.as_str() {
+                "triangles" | "polylist" | "polygons" | "trifans" | "tristrips" => polygons(primitive)?,
+                _ => continue,
+            };
+            let material = primitive.attribute("material").and_then(|symbol| materials.get(symbol)).cloned();
+            let mut part = Part {
+                name: geometry.attribute("id").unwrap_or_default().into(),
+                material,
+                ..Part::default()
+            };
+            self.triangulate(primitive, &polygons, world_from_geometry, &mut part)?;
+            parts.push(part);
+        }
+        Ok(())
+    }
+
+    fn inputs(&self, primitive: &'a Element) -> Outcome<(Input<'a>, Option<Input<'a>>, usize)> {
+        let (mut vertex, mut texture, mut stride) = (None, None, 0);
+        for input in primitive.elements_named("input") {
+            let offset = offset(input)?;
+            stride = stride.max(offset + 1);
+            let source = self.referenced(input, "source")?;
+            match input.attribute("semantic") {
+                Some("VERTEX") => {
+                    // Its source is <vertices>, which names that of the positions, and of others in step.
+                    for inner in source.elements_named("input") {
+                        let values = || values(self.referenced(inner, "source")?);
+                        match inner.attribute("semantic") {
+                            Some("POSITION") => vertex = Some(Input { offset, values: values()? }),
+                            Some("TEXCOORD") => texture = Some(Input { offset, values: values()? }),
+                            _ => {}
+                        }
+                    }
+                }
+                Some("TEXCOORD") if texture.is_none() => {
+                    texture = Some(Input { offset, values: values(source)? });
+                }
+                _ => {}
+            }
+        }
+        match vertex {
+            Some(vertex) => Ok((vertex, texture, stride)),
+            None => wrong(primitive, format!("<{}> has no positions", primitive.name)),
+        }
+    }
+
+    /// Cuts polygons into fans of triangles, each corner a vertex of its own.
+    fn triangulate(
+        &self,
+        primitive: &'a Element,
+        polygons: &[Vec<usize>],
+        world_from_geometry: DAffine3,
+        part: &mut Part,
+    ) -> Outcome<()> {
+        let (vertex, texture, stride) = self.inputs(primitive)?;
+        let mirrored = world_from_geometry.matrix3.determinant() < 0.0;
+        for polygon in polygons {
+            let first = part.positions.len() as u32;
+            for corner in polygon.chunks_exact(stride) {
+                let position: [f32; 3] = vertex.values.get(corner[vertex.offset])?;
+                let point = DVec3::from_array(position.map(f64::from));
+                part.positions.push(world_from_geometry.transform_point3(point).as_vec3().to_array());
+                if let Some(texture) = &texture {
+                    part.uvs.push(texture.values.get(corner[texture.offset])?);
+                }
+            }
+            let corners = part.positions.len() as u32 - first;
+            part.triangles.extend((2..corners).map(|i| {
+                if mirrored { [first, first + i, first + i - 1] } else { [first, first + i - 1, first + i] }
+            }));
+        }
+        Ok(())
+    }
+}
+
+/// The numbers of a `<source>` as its accessor arranges them.
+fn values(source: &Element) -> Outcome<Values<'_>> {
+    let Some(array) = source.child("float_array") else {
+        return wrong(source, "<source> has no <float_array>");
+    };
+    let numbers = list::<f32>(array)?;
+    let accessor = source.child("technique_common").and_then(|technique| technique.child("accessor"));
+    let number = |name: &str, default: usize| -> Outcome<usize> {
+        match accessor.and_then(|accessor| accessor.attribute(name)) {
+            None => Ok(default),
+            Some(text) => match text.trim().parse() {
+                Ok(value) if value <= numbers.len() => Ok(value),
+                _ => wrong(source, format!("the accessor's {name} is '{text}'")),
+            },
+        }
+    };
+    let stride = number("stride", 1)?.max(1);
+    let count = number("count", numbers.len() / stride)?;
+    Ok(Values { first: number("offset", 0)?, stride, count, element: source, numbers })
+}
+
+/// The indices of a primitive, a list for each polygon.
+fn polygons(primitive: &Element) -> Outcome<Vec<Vec<usize>>> {
+    let mut stride = 1;
+    for input in primitive.elements_named("input") {
+        stride = stride.max(offset(input)? + 1);
+    }
+    let corner = |list: &[usize], at: usize| list[at * stride..(at + 1) * stride].to_vec();
+    let mut polygons = Vec::new();
+    let sizes = primitive.child("vcount").map(list::<usize>).transpose()?;
+    for element in primitive.elements_named("p") {
+        let indices = list::<usize>(element)?;
+        if indices.len() % stride != 0 {
+            return wrong(element, format!("{} indices are no multiple of {stride}", indices.len()));
+        }
+        let corners = indices.len() / stride;
+        match primitive.name.as_str() {
+            "polygons" => polygons.push(indices),
+            "trifans" => {
+                polygons.extend(
+                    (2..corners).map(|i| {
+                        [corner(&indices, 0), corner(&indices, i - 1), corner(&indices, i)].concat()
+                    }),
+                );
+            }
+            // Every second triangle of a strip runs the other way round.
+            "tristrips" => polygons.extend((2..corners).map(|i| {
+                let (a, b) = if i % 2 == 0 { (i - 2, i - 1) } else { (i - 1, i - 2) };
+                [corner(&indices, a), corner(&indices, b), corner(&indices, i)].concat()
+            })),
+            "polylist" => {
+                let mut rest = &indices[..];
+                for size in sizes.iter().flatten() {
+                    let Some((polygon, after)) =
+                        size.checked_mul(stride).and_then(|length| rest.split_at_checked(length))
+                    else {
+                        return wrong(element, "<vcount> asks for more corners than <p> has");
+                    };
+                    polygons.push(polygon.to_vec());
+                    rest = after;
+                }
+            }
+            _ => polygons.extend(indices.chunks_exact(3 * stride).map(<[usize]>::to_vec)),
+        }
+    }
+    Ok(polygons)
+}
+
+/// The place of an `<input>` among the indices of a corner.
+fn offset(input: &Element) -> Outcome<usize> {
+    match input.attribute("offset").unwrap_or("0").trim().parse() {
+        Ok(offset) if offset < MAX_INPUTS => Ok(offset),
+        _ => wrong(input, "the offset of <input> is not a small number"),
+    }
+}
+
+/// The transform that an element of a node stands for, if it does.
+fn transform(element: &Element) -> Outcome<Option<DAffine3>> {
+    if !matches!(element.name.as_str(), "matrix" | "translate" | "rotate" | "scale" | "lookat" | "skew") {
+        return Ok(None);
+    }
+    let numbers = list::<f64>(element)?;
+    let transform = match (element.name.as_str(), &numbers[..]) {
+        ("matrix", numbers) if numbers.len() == 16 => {
+            let mut rows = [0.0; 16];
+            rows.copy_from_slice(numbers);
+            DAffine3::from_mat4(DMat4::from_cols_array(&rows).transpose())
+        }
+        ("translate", &[x, y, z]) => DAffine3::from_translation(DVec3::new(x, y, z)),
+        ("scale", &[x, y, z]) => DAffine3::from_scale(DVec3::new(x, y, z)),
+        ("rotate", &[x, y, z, degrees]) => match DVec3::new(x, y, z).try_normalize() {
+            Some(axis) => {
+                // libm, not the platform's functions: the same bits on every machine.
+                let half = belvedere_sensors::Pose::from_xyz_rpy(
+                    DVec3::ZERO,
+                    DVec3::new(degrees.to_radians(), 0.0, 0.0),
+                )
+                .rotation();
+                let axis = axis * half.x;
+                DAffine3::from_quat(DQuat::from_xyzw(axis.x, axis.y, axis.z, half.w))
+            }
+            None => DAffine3::IDENTITY,
+        },
+        ("lookat" | "skew", _) => return wrong(element, format!("<{}> is not read", element.name)),
+        _ => return wrong(element, format!("<{}> has {} numbers", element.name, numbers.len())),
+    };
+    if !transform.is_finite() {
+        return wrong(element, format!("<{}> is not finite", element.name));
+    }
+    Ok(Some(transform))
+}
+
+/// The numbers of an element's text.
+fn list<T: FromStr>(element: &Element) -> Outcome<Vec<T>> {
+    element
+        .text()
+        .split_whitespace()
+        .map(|word| match word.parse() {
+            Ok(value) => Ok(value),
+            Err(_) => wrong(element, format!("'{word}' in <{}> is not a number", element.name)),
+        })
+        .collect()
+}

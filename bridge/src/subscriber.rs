@@ -35,6 +35,9 @@ const SUSPICIOUS_SILENCE: Duration = Duration::from_secs(1);
 /// starts again, [`wait`](Self::wait) and [`take`](Self::take) go on with the new one. A [`Frame`] that is held
 /// stays valid through all of it.
 ///
+/// Frames of a publisher that came and went between two looks of this reader are lost: look often where a sender may
+/// be short-lived, as with commands.
+///
 /// A reader that is slower than the publisher loses the oldest of its own waiting frames and slows nobody;
 /// [`Frame::missed`] tells how many.
 pub struct Subscriber {

@@ -422,7 +422,8 @@ bv_status bv_velocity_open(struct bv_node *node, const char *topic, struct bv_ve
 bv_status bv_velocity_send(struct bv_velocity_publisher *publisher,
                            const struct bv_velocity_command *command);
 
-// Closes it; NULL is ignored.
+// Closes it; NULL is ignored. A receiver that has not looked since this was opened misses what was sent: leave the
+// robot a step or two of its simulation.
 // Requires: `publisher` came from bv_velocity_open and is not used afterwards.
 void bv_velocity_close(struct bv_velocity_publisher *publisher);
 

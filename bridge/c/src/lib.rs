@@ -10,6 +10,8 @@
 mod frame;
 mod layout;
 mod node;
+#[cfg(test)]
+mod round_trip;
 mod status;
 mod subscriber;
 mod velocity;

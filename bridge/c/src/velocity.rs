@@ -52,7 +52,8 @@ pub unsafe extern "C" fn bv_velocity_send(
     })
 }
 
-/// Closes it; NULL is ignored.
+/// Closes it; NULL is ignored. A receiver that has not looked since this was opened misses what was sent: leave the
+/// robot a step or two of its simulation.
 ///
 /// # Safety
 /// `publisher` came from bv_velocity_open and is not used afterwards.

@@ -1,0 +1,108 @@
+//! The C functions called as C calls them, against a publisher in Rust.
+
+use std::{
+    ffi::{CStr, CString},
+    ptr::null_mut,
+};
+
+use belvedere_bridge::{Domain, Encoding, Kind, StreamSpec, payload};
+
+use crate::{
+    frame::{bv_frame_get_header, bv_frame_get_payload, bv_frame_missed, bv_frame_release},
+    layout::{BV_MAGIC, VelocityCommand},
+    node::{bv_node_close, bv_node_open, bv_streams, bv_streams_free},
+    status::{Status, bv_last_error, guard},
+    subscriber::{bv_subscribe, bv_subscriber_close, bv_subscriber_take, bv_subscriber_wait},
+    velocity::{bv_velocity_close, bv_velocity_open, bv_velocity_send},
+};
+
+fn last_error() -> String {
+    // SAFETY: NUL-terminated, valid until the next failing call in this thread.
+    unsafe { CStr::from_ptr(bv_last_error()) }.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn frames_and_commands_cross() {
+    let name = format!("c-{}", std::process::id());
+    let domain = Domain::new(&name).unwrap();
+    let rust = belvedere_bridge::Node::open(&domain, "test").unwrap();
+    let publisher =
+        rust.publisher(&StreamSpec::new("image", Kind::Image, Encoding::Mono8, 12).rate_hz(5.0)).unwrap();
+    let commands_spec = StreamSpec::velocity_command("cmd_vel");
+    let mut commands = rust.command_subscriber(&commands_spec).unwrap();
+    let name = CString::new(name).unwrap();
+    let (mut node, mut subscriber, mut frame, mut velocity) =
+        (null_mut(), null_mut(), null_mut(), null_mut());
+    let (mut streams, mut count) = (null_mut(), 0);
+    // SAFETY: handles are used between their making and their closing; texts are NUL-terminated; out pointers are
+    // those of local variables.
+    unsafe {
+        assert_eq!(
+            bv_node_open(name.as_ptr(), c"test".as_ptr(), &raw mut node),
+            Status::Ok,
+            "{}",
+            last_error()
+        );
+        assert_eq!(bv_subscribe(node, c"/image".as_ptr(), &raw mut subscriber), Status::Ok);
+        assert_eq!(bv_subscriber_wait(subscriber, 10), Status::Nothing);
+        assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Nothing);
+        assert!(frame.is_null());
+
+        let mut loaned = publisher.loan(12).unwrap();
+        loaned.header_mut().set_packed(4, 3);
+        loaned.payload_mut().fill(9);
+        loaned.send().unwrap();
+        assert_eq!(bv_subscriber_wait(subscriber, 10_000), Status::Ok);
+        assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Ok);
+        let header = &*bv_frame_get_header(frame);
+        assert_eq!((header.magic, header.width, header.height, header.kind), (BV_MAGIC, 4, 3, 1));
+        let payload = std::slice::from_raw_parts(bv_frame_get_payload(frame), header.payload_len as usize);
+        assert_eq!(payload, [9; 12]);
+        assert_eq!(bv_frame_missed(frame), 0);
+
+        assert_eq!(bv_streams(node, &raw mut streams, &raw mut count), Status::Ok);
+        let listed = std::slice::from_raw_parts(streams, count);
+        let topics: Vec<_> = listed.iter().map(|stream| CStr::from_ptr(stream.topic.as_ptr())).collect();
+        assert_eq!(topics, [c"cmd_vel", c"image"]);
+        assert_eq!((listed[1].rate_hz, listed[1].kind, listed[1].subscribers), (5.0, 1, 1));
+        bv_streams_free(streams, count);
+
+        assert_eq!(bv_velocity_open(node, c"cmd_vel".as_ptr(), &raw mut velocity), Status::Ok);
+        let command = VelocityCommand { linear: [0.5, 0.0, 0.0], angular: [0.0, 0.0, -1.0] };
+        assert_eq!(bv_velocity_send(velocity, &raw const command), Status::Ok);
+
+        let command: payload::VelocityCommand = commands.take_newest().unwrap().unwrap().message().unwrap();
+        assert_eq!((command.linear[0], command.angular[2]), (0.5, -1.0));
+
+        bv_velocity_close(velocity);
+        bv_node_close(node);
+        bv_subscriber_close(subscriber);
+        bv_frame_release(frame);
+    }
+}
+
+#[test]
+fn mistakes_are_codes_with_words() {
+    let (mut node, mut subscriber) = (null_mut(), null_mut());
+    // SAFETY: null pointers are allowed everywhere; the rest as above.
+    unsafe {
+        assert_eq!(bv_node_open(c"a/b".as_ptr(), c"x".as_ptr(), &raw mut node), Status::InvalidName);
+        assert!(last_error().contains("a/b"), "{}", last_error());
+        assert_eq!(bv_node_open(null_mut(), null_mut(), &raw mut node), Status::InvalidArgument);
+        assert_eq!(bv_node_open(null_mut(), c"\xff".as_ptr(), &raw mut node), Status::InvalidArgument);
+        assert_eq!(bv_subscribe(null_mut(), c"x".as_ptr(), &raw mut subscriber), Status::InvalidArgument);
+        assert!(last_error().contains("null"), "{}", last_error());
+        assert_eq!(bv_subscriber_wait(null_mut(), 1), Status::InvalidArgument);
+        assert_eq!(bv_subscriber_take(null_mut(), null_mut()), Status::InvalidArgument);
+        assert!(bv_frame_get_header(null_mut()).is_null());
+        bv_frame_release(null_mut());
+        bv_subscriber_close(null_mut());
+        bv_node_close(null_mut());
+    }
+}
+
+#[test]
+fn a_panic_does_not_cross() {
+    assert_eq!(guard(|| panic!("on purpose")), Status::Internal);
+    assert!(last_error().contains("report"), "{}", last_error());
+}

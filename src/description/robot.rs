@@ -106,3 +106,57 @@ pub fn robot_names(packages: &PackagePath) -> Vec<String> {
     names.dedup();
     names
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn the_environment_chooses_as_in_the_articles() {
+        assert_eq!(chosen_name(|_| None), "kobuki_nostack_camera");
+        let stacked = |name: &str| match name {
+            "TURTLEBOT_STACKS" => Some("hexagons".into()),
+            "TURTLEBOT_3D_SENSOR" => Some("KinectHokuyo".into()),
+            _ => None,
+        };
+        assert_eq!(chosen_name(stacked), "kobuki_hexagons_KinectHokuyo");
+    }
+
+    #[test]
+    fn robots_are_found_by_name_and_by_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let robots = folder.path().join("turtlebot_description/robots");
+        fs::create_dir_all(&robots).unwrap();
+        let file = robots.join("mine.urdf.xacro");
+        fs::write(&file, "<robot name='m'><link name=\"${'a' + 'b'}\"/></robot>").unwrap();
+        let options = LoadOptions {
+            packages: PackagePath::new([folder.path().to_path_buf()], None),
+            gazebo_compat: false,
+            xacro_args: Vec::new(),
+        };
+        let mut diagnostics = Diagnostics::default();
+        for name in ["mine", "mine.urdf.xacro", file.to_str().unwrap()] {
+            let robot = load_robot(name, &options, &mut diagnostics).unwrap();
+            assert_eq!((robot.name.as_str(), robot.links[0].name.as_str()), ("m", "ab"));
+        }
+        assert!(diagnostics.problems().is_empty());
+        assert!(load_robot("nine", &options, &mut diagnostics).is_none());
+        let problem = diagnostics.problems()[0].to_string();
+        assert!(problem.starts_with("nine: error: no such robot; did you mean 'mine'?"), "{problem}");
+    }
+
+    #[test]
+    fn a_path_without_a_file_is_one_error() {
+        let options = LoadOptions {
+            packages: PackagePath::new([], None),
+            gazebo_compat: false,
+            xacro_args: Vec::new(),
+        };
+        for path in ["no/such/robot.urdf", "no_such.urdf"] {
+            let mut diagnostics = Diagnostics::default();
+            assert!(load_robot(path, &options, &mut diagnostics).is_none());
+            assert_eq!(diagnostics.problems().len(), 1, "{path}");
+        }
+    }
+}

@@ -164,11 +164,13 @@ fn topic(plugin: &Element, camera_name: &str, name: &str, default: &str) -> Stri
         return topic;
     }
     let namespace = child_text(plugin, "robotNamespace").unwrap_or_default();
-    let parts = [namespace.as_str(), camera_name, &topic];
-    parts
-        .map(|part| part.trim_matches('/'))
-        .iter()
-        .filter(|part| !part.is_empty())
-        .map(|part| format!("/{part}"))
-        .collect()
+    let mut absolute = String::new();
+    for part in [namespace.as_str(), camera_name, &topic] {
+        let part = part.trim_matches('/');
+        if !part.is_empty() {
+            absolute.push('/');
+            absolute.push_str(part);
+        }
+    }
+    absolute
 }

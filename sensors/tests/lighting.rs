@@ -181,3 +181,23 @@ fn a_lamp_in_the_floor_lights_nothing_and_breaks_nothing() {
     let dark = colour(0.0).map(|channel| channel.round() as u8);
     assert!(pixels.as_chunks::<3>().0.iter().all(|pixel| *pixel == dark || *pixel == [0; 3]));
 }
+
+#[test]
+fn a_mesh_shadows_itself() {
+    // Two squares in one mesh: the floor, and above its middle a plate that the lamp sees from above.
+    let square = |half: f32, z: f32| [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
+    let corners = [square(2.0, 0.0), square(0.3, 1.0)].concat();
+    let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    let mut builder = SceneBuilder::new();
+    let white = MaterialConfig { diffuse: [1.0; 3], ambient: [0.0; 3], ..MaterialConfig::default() };
+    let white = builder.add_material(&white).unwrap();
+    let mesh = builder.add_mesh(&corners, &[], &triangles).unwrap();
+    add(&mut builder, Shape::Mesh(mesh), Pose::IDENTITY, white);
+    builder.add_light(&LightConfig { range_m: 10.0, ..lamp(LightKind::Point { position: [0.0, 0.0, 2.0] }) });
+    for (target, lit) in [(DVec3::ZERO, false), (DVec3::Y * 0.5, false), (DVec3::Y * 0.7, true)] {
+        let pixels = picture(&builder.scene(), CAMERA, look_at(DVec3::new(-1.5, 0.0, 0.5), target, 0.0));
+        let middle = pixels[(240 * 640 + 320) * 3];
+        assert_eq!(middle > 50, lit, "{target} is {middle}");
+        assert!(lit || middle == 0);
+    }
+}

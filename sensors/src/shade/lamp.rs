@@ -1,6 +1,6 @@
 //! What one lamp adds, with its shadows.
 
-use super::Colours;
+use super::{Colours, Shader};
 use crate::scene::{LIGHT_DIRECTIONAL, LIGHT_SPOT, Light};
 use crate::simd::{LANES, Lanes, sqrt_f32};
 use crate::trace::frame::Frame;
@@ -13,62 +13,63 @@ use fearless_simd::Simd;
 /// this many metres above it.
 const SHADOW_BIAS: f64 = 1e-6;
 
-/// Adds the lamp's light to the colours of the lanes that it reaches.
-pub(super) fn add<S: Simd>(
-    simd: S,
-    frame: &Frame<'_>,
-    light: &Light,
-    surfaces: &Surfaces,
-    albedo: &Colours,
-    hit: &Lanes<u32>,
-    rays: &mut Packet,
-    colours: &mut Colours,
-) {
-    let parallel = light.kind == LIGHT_DIRECTIONAL;
-    let mut brightness = [0.0; LANES];
-    let any = simd.vectorize(
-        #[inline(always)]
-        || {
-            match light.kind {
+impl Shader {
+    /// Adds the lamp's light to the colours of the lanes that it reaches; `hit` names their instances.
+    pub(super) fn add_lamp<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame<'_>,
+        light: &Light,
+        hit: &Lanes<u32>,
+        colours: &mut Colours,
+    ) {
+        let Self { surfaces, albedo, shadow_rays, .. } = self;
+        let parallel = light.kind == LIGHT_DIRECTIONAL;
+        let mut brightness = [0.0; LANES];
+        simd.vectorize(
+            #[inline(always)]
+            || match light.kind {
                 LIGHT_DIRECTIONAL => shine_parallel(light, surfaces, &mut brightness),
                 LIGHT_SPOT => shine_from::<true>(frame, light, surfaces, &mut brightness),
                 _ => shine_from::<false>(frame, light, surfaces, &mut brightness),
-            }
-            brightness.iter().any(|brightness| *brightness > 0.0)
-        },
-    );
-    if !any {
-        return;
-    }
-    if light.cast_shadows != 0 {
+            },
+        );
+        if brightness.iter().all(|brightness| *brightness == 0.0) {
+            return;
+        }
+        if light.cast_shadows != 0 {
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    if parallel {
+                        aim_against(light, surfaces, &brightness, shadow_rays);
+                    } else {
+                        aim_from(frame, light, surfaces, &brightness, shadow_rays);
+                    }
+                },
+            );
+            // Front faces only: the bulb around a lamp does not keep its light in.
+            let faces = if parallel { Faces::Both } else { Faces::Front };
+            occluded(simd, frame, shadow_rays, faces, only_convex(frame, &brightness, hit));
+        }
         simd.vectorize(
             #[inline(always)]
             || {
-                if parallel {
-                    aim_against(light, surfaces, &brightness, rays);
-                } else {
-                    aim_from(frame, light, surfaces, &brightness, rays);
+                if light.cast_shadows != 0 {
+                    for lane in 0..LANES {
+                        let lit = shadow_rays.placed[lane] == MISS;
+                        brightness[lane] = if lit { brightness[lane] } else { 0.0 };
+                    }
+                }
+                for channel in 0..3 {
+                    let diffuse = light.diffuse[channel];
+                    for lane in 0..LANES {
+                        colours[channel][lane] += albedo[channel][lane] * diffuse * brightness[lane];
+                    }
                 }
             },
         );
-        // Front faces only: the bulb around a lamp does not keep its light in.
-        let faces = if parallel { Faces::Both } else { Faces::Front };
-        occluded(simd, frame, rays, faces, only_convex(frame, &brightness, hit));
-        for lane in 0..LANES {
-            brightness[lane] = if rays.placed[lane] == MISS { brightness[lane] } else { 0.0 };
-        }
     }
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            for channel in 0..3 {
-                for lane in 0..LANES {
-                    colours[channel][lane] +=
-                        albedo[channel][lane] * light.diffuse[channel] * brightness[lane];
-                }
-            }
-        },
-    );
 }
 
 /// The convex instance that all lit lanes lie on, if so: it cannot stand in its own light.

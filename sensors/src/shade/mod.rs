@@ -21,7 +21,7 @@ pub(crate) struct Shader {
     surfaces: Surfaces,
     /// Of one instance; 1 without a texture.
     texture: Colours,
-    /// Diffuse colour times texture.
+    /// Diffuse colour times texture; black where nothing was hit.
     albedo: Colours,
     /// From a lamp.
     shadow_rays: Packet,
@@ -47,7 +47,7 @@ impl Shader {
         colours: &mut Colours,
     ) {
         let scene = &frame.scene;
-        let Self { surfaces, texture, albedo, shadow_rays } = self;
+        let Self { surfaces, texture, albedo, .. } = self;
         *colours = scene.environment.background.map(|background| [background; LANES]);
         let mut rest = lanes_where(simd, &packet.placed, |placed| placed != MISS);
         if rest == 0 {
@@ -55,7 +55,10 @@ impl Shader {
         }
         simd.vectorize(
             #[inline(always)]
-            || surfaces.start(packet),
+            || {
+                surfaces.start(packet);
+                *albedo = [[0.0; LANES]; 3];
+            },
         );
         // One instance after the other, all its lanes at once.
         while rest != 0 {
@@ -79,7 +82,7 @@ impl Shader {
             );
         }
         for light in scene.lights {
-            lamp::add(simd, frame, light, surfaces, albedo, &packet.placed, shadow_rays, colours);
+            self.add_lamp(simd, frame, light, &packet.placed, colours);
         }
     }
 }

@@ -3,13 +3,11 @@
 
 use super::Colours;
 use crate::scene::{Material, Scene, Texture};
-use crate::simd::{floor, sqrt_f32};
+use crate::simd::{LANES, Lanes, floor, sqrt_f32};
 use crate::trace::surface::Surfaces;
 
 /// Most samples along the footprint, as Ogre's default anisotropy of 8.
 const MAX_ANISOTROPY: f32 = 8.0;
-/// From a byte's range to [0, 1].
-const TO_UNIT: f32 = 1.0 / 255.0;
 
 /// Mean colours over the pixels' footprints, RGB in [0, 1], of the lanes whose bits are set.
 #[inline(always)]
@@ -21,61 +19,104 @@ pub(super) fn sample_lanes(
     colours: &mut Colours,
 ) {
     let texture = &scene.textures[material.texture as usize];
-    let repeat = material.texture_repeat;
+    let taps = Taps::new(texture, material.texture_repeat, surfaces);
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize;
         lanes &= lanes - 1;
-        // Whole repetitions are taken away in f64: the rest keeps its digits in f32.
-        let uv: [f32; 2] = core::array::from_fn(|axis| {
-            let coordinate = surfaces.uv[axis][lane] * f64::from(repeat[axis]);
-            (coordinate - floor(coordinate)) as f32
-        });
-        let footprint = [0, 1].map(|side| {
-            let [u, v] = &surfaces.footprint[side];
-            [u[lane] * repeat[0], v[lane] * repeat[1]]
-        });
-        let colour = sample(scene, texture, uv, footprint);
-        for channel in 0..3 {
-            colours[channel][lane] = colour[channel];
-        }
+        let [red, green, blue, _] = taps.mean(lane, Level::first(scene, texture));
+        colours[0][lane] = red;
+        colours[1][lane] = green;
+        colours[2][lane] = blue;
     }
 }
 
-/// Mean colour around (u, v). `footprint` holds the change of (u, v) from one pixel to the next along the row
-/// and down the column.
-#[inline(always)]
-fn sample(scene: &Scene<'_>, texture: &Texture, uv: [f32; 2], footprint: [[f32; 2]; 2]) -> [f32; 3] {
-    let (width, height) = (texture.width as f32, texture.height as f32);
-    let length = footprint.map(|[u, v]| sqrt_f32((u * width) * (u * width) + (v * height) * (v * height)));
-    let longer = usize::from(length[1] > length[0]);
-    let (major, minor) = (length[longer], length[1 - longer]);
-    // Magnified textures need neither levels nor several samples.
-    if major.is_nan() || major <= 1.0 {
-        let [red, green, blue, _] = bilinear(&Level::first(scene, texture), uv);
-        return [red * TO_UNIT, green * TO_UNIT, blue * TO_UNIT];
-    }
-    let ratio = major / if minor > 1.0 { minor } else { 1.0 };
-    let samples = if ratio < MAX_ANISOTROPY { (ratio + 0.5) as u32 } else { MAX_ANISOTROPY as u32 };
-    let per_sample = 1.0 / samples as f32;
-    let level = log2((major * per_sample).max(1.0)).min((texture.levels - 1) as f32);
-    let blend = level - level as u32 as f32;
-    let fine = (0..level as u32).fold(Level::first(scene, texture), |level, _| level.next());
-    let coarse = fine.next();
+/// Where and how finely each lane looks into its texture.
+struct Taps {
+    /// (u, v) of the middle of the footprint, less whole repetitions.
+    middle: [Lanes<f32>; 2],
+    /// From one sample to the next, along the longer side of the footprint.
+    step: [Lanes<f32>; 2],
+    samples: Lanes<u32>,
+    /// The finer of the two mip levels.
+    level: Lanes<u32>,
+    /// Share of the next coarser one.
+    blend: Lanes<f32>,
+}
 
-    let mut sum = [0.0; 4];
-    for index in 0..samples {
-        let along = (index as f32 + 0.5) * per_sample - 0.5;
-        let at = [uv[0] + footprint[longer][0] * along, uv[1] + footprint[longer][1] * along];
-        let mut colour = bilinear(&fine, at);
-        if blend > 0.0 {
-            colour = mix(colour, bilinear(&coarse, at), blend);
+impl Taps {
+    #[inline(always)]
+    fn new(texture: &Texture, repeat: [f32; 2], surfaces: &Surfaces) -> Self {
+        let mut taps = Self {
+            middle: [[0.0; LANES]; 2],
+            step: [[0.0; LANES]; 2],
+            samples: [1; LANES],
+            level: [0; LANES],
+            blend: [0.0; LANES],
+        };
+        for axis in 0..2 {
+            // Whole repetitions are taken away in f64: the rest keeps its digits in f32.
+            let repeat = f64::from(repeat[axis]);
+            for lane in 0..LANES {
+                let coordinate = surfaces.uv[axis][lane] * repeat;
+                taps.middle[axis][lane] = (coordinate - floor(coordinate)) as f32;
+            }
         }
-        for channel in 0..4 {
-            sum[channel] += colour[channel];
+        let [[right_u, right_v], [down_u, down_v]] = &surfaces.footprint;
+        let (width, height) = (texture.width as f32, texture.height as f32);
+        let coarsest = (texture.levels - 1) as f32;
+        for lane in 0..LANES {
+            let [right_u, down_u] = [right_u[lane] * repeat[0], down_u[lane] * repeat[0]];
+            let [right_v, down_v] = [right_v[lane] * repeat[1], down_v[lane] * repeat[1]];
+            let right = length(right_u * width, right_v * height);
+            let down = length(down_u * width, down_v * height);
+            let (major, minor) = if right < down { (down, right) } else { (right, down) };
+
+            // As many samples as the footprint is long in terms of its width; a magnified texture needs but one.
+            let ratio = major / if minor > 1.0 { minor } else { 1.0 };
+            let ratio = if ratio < MAX_ANISOTROPY { ratio } else { MAX_ANISOTROPY };
+            let ratio = if ratio > 1.0 { ratio } else { 1.0 };
+            let samples = (ratio + 0.5) as i32;
+            let per_sample = 1.0 / samples as f32;
+            let width = major * per_sample;
+            let level = log2(if width > 1.0 { width } else { 1.0 });
+            let level = if level < coarsest { level } else { coarsest };
+
+            taps.step[0][lane] = if right < down { down_u } else { right_u } * per_sample;
+            taps.step[1][lane] = if right < down { down_v } else { right_v } * per_sample;
+            taps.samples[lane] = samples as u32;
+            taps.level[lane] = level as i32 as u32;
+            taps.blend[lane] = level - level as i32 as f32;
         }
+        taps
     }
-    let scale = per_sample * TO_UNIT;
-    [sum[0] * scale, sum[1] * scale, sum[2] * scale]
+
+    /// Mean of the samples of a lane, in [0, 1].
+    #[inline(always)]
+    fn mean(&self, lane: usize, first: Level<'_>) -> [f32; 4] {
+        let fine = (0..self.level[lane]).fold(first, |level, _| level.next());
+        let coarse = fine.next();
+        let blend = self.blend[lane];
+        let samples = self.samples[lane] as f32;
+        let mut sum = [0.0; 4];
+        for index in 0..self.samples[lane] {
+            let along = index as f32 + 0.5 - samples * 0.5;
+            let at = [0, 1].map(|axis| self.middle[axis][lane] + self.step[axis][lane] * along);
+            let mut colour = bilinear(&fine, at);
+            if blend > 0.0 {
+                colour = mix(colour, bilinear(&coarse, at), blend);
+            }
+            for channel in 0..4 {
+                sum[channel] += colour[channel];
+            }
+        }
+        let scale = 1.0 / (255.0 * samples);
+        sum.map(|channel| channel * scale)
+    }
+}
+
+#[inline(always)]
+fn length(x: f32, y: f32) -> f32 {
+    sqrt_f32(x * x + y * y)
 }
 
 /// Binary logarithm of x ≥ 1, linear between powers of two: exact bits everywhere, and within 0.09 of the truth,
@@ -123,18 +164,24 @@ impl<'a> Level<'a> {
 fn bilinear(level: &Level<'_>, [u, v]: [f32; 2]) -> [f32; 4] {
     let (left, right_of, right) = neighbours(u, level.width);
     let (top, below, down) = neighbours(1.0 - v, level.height);
-    let texel = |x: usize, y: usize| level.texels[y * level.width + x].map(f32::from);
+    let texel = |x: usize, y: usize| {
+        let [red, green, blue, alpha] = level.texels[y * level.width + x];
+        [f32::from(red), f32::from(green), f32::from(blue), f32::from(alpha)]
+    };
     let upper = mix(texel(left, top), texel(right_of, top), right);
     let lower = mix(texel(left, below), texel(right_of, below), right);
     mix(upper, lower, down)
 }
 
-/// The two texels of `size` whose centres lie around `coordinate`, and how far it is from the first.
+/// The two texels out of `size` whose centres lie around `coordinate`, and how far it is from the first.
 #[inline(always)]
 fn neighbours(coordinate: f32, size: usize) -> (usize, usize, f32) {
-    let at = (coordinate - floor_f32(coordinate)) * size as f32 - 0.5;
+    let at = coordinate * size as f32 - 0.5;
     let first = floor_f32(at);
-    let index = if first < 0.0 { size - 1 } else { (first as usize).min(size - 1) };
+    let mut index = first as usize;
+    if first < 0.0 || index >= size {
+        index = (first as i64).rem_euclid(size as i64) as usize;
+    }
     (index, if index + 1 == size { 0 } else { index + 1 }, at - first)
 }
 

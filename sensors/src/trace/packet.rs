@@ -3,9 +3,6 @@
 use crate::scene::Aabb;
 use crate::simd::{LANES, Lanes};
 
-/// Lanes over which minima and maxima are taken side by side.
-const WIDTH: usize = 16;
-
 /// No instance was hit.
 pub(crate) const MISS: u32 = u32::MAX;
 
@@ -59,31 +56,23 @@ impl Packet {
     /// The largest t of any lane: nothing beyond it matters to the packet.
     #[inline(always)]
     pub(crate) fn farthest(&self) -> f64 {
-        let mut widest = [f64::NEG_INFINITY; WIDTH];
-        for first in (0..LANES).step_by(WIDTH) {
-            for lane in 0..WIDTH {
-                let t = self.t[first + lane];
-                widest[lane] = if t > widest[lane] { t } else { widest[lane] };
-            }
+        let mut nearness = [0.0; LANES];
+        for lane in 0..LANES {
+            nearness[lane] = -self.t[lane];
         }
-        let mut half = WIDTH / 2;
-        while half > 0 {
-            for lane in 0..half {
-                widest[lane] =
-                    if widest[lane + half] > widest[lane] { widest[lane + half] } else { widest[lane] };
-            }
-            half /= 2;
-        }
-        widest[0]
+        -least(nearness)
     }
 }
 
 /// Intervals that hold the origin and direction of every lane that takes part.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PacketBounds {
+    /// Least and most.
     origin: [[f64; 2]; 3],
-    /// [1/max, 1/min] of the direction where it does not change its sign, else none.
-    inverse: [Option<[f64; 2]>; 3],
+    /// Least and most of 1/direction; −∞ and ∞ where the direction changes its sign.
+    inverse: [[f64; 2]; 3],
+    /// For each axis, whether some ray goes up it.
+    ascending: [bool; 3],
     t_min: f64,
 }
 
@@ -91,14 +80,20 @@ impl PacketBounds {
     /// Bounds over the lanes of the packet that take part, given their rays in the frame of the tree.
     #[inline(always)]
     pub(crate) fn new(origin: &[Lanes<f64>; 3], direction: &[Lanes<f64>; 3], packet: &Packet) -> Self {
-        let mut bounds = Self { origin: [[0.0; 2]; 3], inverse: [None; 3], t_min: packet.t_min };
+        let mut bounds = Self {
+            origin: [[0.0; 2]; 3],
+            inverse: [[f64::NEG_INFINITY, f64::INFINITY]; 3],
+            ascending: [true; 3],
+            t_min: packet.t_min,
+        };
         for axis in 0..3 {
             bounds.origin[axis] =
                 if packet.shared_origin { [origin[axis][0]; 2] } else { interval(&origin[axis], &packet.t) };
             let [low, high] = interval(&direction[axis], &packet.t);
             if low > 0.0 || high < 0.0 {
-                bounds.inverse[axis] = Some([1.0 / high, 1.0 / low]);
+                bounds.inverse[axis] = [1.0 / high, 1.0 / low];
             }
+            bounds.ascending[axis] = high >= 0.0;
         }
         bounds
     }
@@ -109,53 +104,51 @@ impl PacketBounds {
         let (mut enter, mut exit) = (self.t_min, t_max);
         for axis in 0..3 {
             let [origin_low, origin_high] = self.origin[axis];
-            let (low, high) = (f64::from(aabb.min[axis]), f64::from(aabb.max[axis]));
-            if let Some([least, most]) = self.inverse[axis] {
-                // least > 0: rays go up the axis; else they go down and the box's faces change places.
-                let (to_near, to_far) = if least > 0.0 {
-                    (low - origin_high, high - origin_low)
-                } else {
-                    (high - origin_low, low - origin_high)
-                };
-                let first = |distance: f64| {
-                    let (a, b) = (distance * least, distance * most);
-                    if a < b { (a, b) } else { (b, a) }
-                };
-                let near = first(to_near).0;
-                let far = first(to_far).1;
-                enter = if near > enter { near } else { enter };
-                exit = if far < exit { far } else { exit };
-            }
+            let [least, most] = self.inverse[axis];
+            let to_low = f64::from(aabb.min[axis]) - origin_high;
+            let to_high = f64::from(aabb.max[axis]) - origin_low;
+            // Rays that go down the axis meet the box's upper face first.
+            let (to_near, to_far) = if self.ascending[axis] { (to_low, to_high) } else { (to_high, to_low) };
+            let (a, b) = (to_near * least, to_near * most);
+            let near = if a < b { a } else { b };
+            let (a, b) = (to_far * least, to_far * most);
+            let far = if a > b { a } else { b };
+            // 0·∞, on a face with rays to both sides, is NaN and bounds nothing.
+            enter = if near > enter { near } else { enter };
+            exit = if far < exit { far } else { exit };
         }
         (enter <= exit).then_some(enter)
     }
 
-    /// For each axis, whether the rays go up it (or mostly do).
+    /// Whether some ray goes up the axis.
+    #[inline(always)]
     pub(crate) fn ascending(&self, axis: usize) -> bool {
-        self.inverse[axis].is_none_or(|[least, _]| least > 0.0)
+        self.ascending[axis]
     }
 }
 
 #[inline(always)]
 fn interval(values: &Lanes<f64>, t: &Lanes<f64>) -> [f64; 2] {
-    // Independent lanes first: a chain of dependent compares would take longer than all of them.
-    let mut low = [f64::INFINITY; WIDTH];
-    let mut high = [f64::NEG_INFINITY; WIDTH];
-    for first in (0..LANES).step_by(WIDTH) {
-        for lane in 0..WIDTH {
-            let value = values[first + lane];
-            let active = t[first + lane] > f64::NEG_INFINITY;
-            low[lane] = if active & (value < low[lane]) { value } else { low[lane] };
-            high[lane] = if active & (value > high[lane]) { value } else { high[lane] };
-        }
+    let mut up = [0.0; LANES];
+    let mut down = [0.0; LANES];
+    for lane in 0..LANES {
+        let active = t[lane] > f64::NEG_INFINITY;
+        up[lane] = if active { values[lane] } else { f64::INFINITY };
+        down[lane] = if active { -values[lane] } else { f64::INFINITY };
     }
-    let mut half = WIDTH / 2;
+    [least(up), -least(down)]
+}
+
+/// The least of all lanes, by halves: a chain of dependent compares would take longer.
+#[inline(always)]
+fn least(mut values: Lanes<f64>) -> f64 {
+    let mut half = LANES / 2;
     while half > 0 {
         for lane in 0..half {
-            low[lane] = if low[lane + half] < low[lane] { low[lane + half] } else { low[lane] };
-            high[lane] = if high[lane + half] > high[lane] { high[lane + half] } else { high[lane] };
+            let other = values[lane + half];
+            values[lane] = if other < values[lane] { other } else { values[lane] };
         }
         half /= 2;
     }
-    [low[0], high[0]]
+    values[0]
 }

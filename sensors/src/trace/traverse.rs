@@ -12,7 +12,10 @@ use glam::DVec3;
 
 /// Finds the nearest hit of every lane.
 pub(crate) fn nearest<S: Simd>(simd: S, frame: &Frame<'_>, packet: &mut Packet, faces: Faces) {
-    walk_instances::<S, false>(simd, frame, packet, faces, MISS);
+    simd.vectorize(
+        #[inline(always)]
+        || walk_instances::<S, false>(simd, frame, packet, faces, MISS),
+    );
 }
 
 /// Finds for every lane whether anything is hit at all; `placed` is [`MISS`] where not. Which of several hits
@@ -24,9 +27,13 @@ pub(crate) fn occluded<S: Simd>(
     faces: Faces,
     left_out: u32,
 ) {
-    walk_instances::<S, true>(simd, frame, packet, faces, left_out);
+    simd.vectorize(
+        #[inline(always)]
+        || walk_instances::<S, true>(simd, frame, packet, faces, left_out),
+    );
 }
 
+#[inline(always)]
 fn walk_instances<S: Simd, const ANY: bool>(
     simd: S,
     frame: &Frame<'_>,
@@ -37,29 +44,24 @@ fn walk_instances<S: Simd, const ANY: bool>(
     if frame.placed.is_empty() {
         return;
     }
-    let bounds = simd.vectorize(
+    let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
+    walk(
+        frame.nodes,
+        &bounds,
+        packet.farthest(),
         #[inline(always)]
-        || PacketBounds::new(&packet.origin, &packet.direction, packet),
-    );
-    walk(frame.nodes, &bounds, packet.farthest(), |leaf| {
-        for &placed in &frame.order[leaf.first as usize..(leaf.first + leaf.count) as usize] {
-            if !ANY || placed != left_out {
-                simd.vectorize(
-                    #[inline(always)]
-                    || intersect_instance(simd, frame, placed, packet, faces),
-                );
-            }
-        }
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                if ANY {
-                    retire_hits(packet);
+        |leaf| {
+            for &placed in &frame.order[leaf.first as usize..(leaf.first + leaf.count) as usize] {
+                if !ANY || placed != left_out {
+                    intersect_instance(simd, frame, placed, packet, faces);
                 }
-                packet.farthest()
-            },
-        )
-    });
+            }
+            if ANY {
+                retire_hits(packet);
+            }
+            packet.farthest()
+        },
+    );
 }
 
 /// Lanes that have hit something need no more.
@@ -88,7 +90,8 @@ fn walk(nodes: &[Node], bounds: &PacketBounds, mut farthest: f64, mut visit: imp
             continue;
         }
         let children = [node.first, node.first + 1];
-        let [left, right] = children.map(|child| bounds.enter(&nodes[child as usize].bounds, farthest));
+        let left = bounds.enter(&nodes[children[0] as usize].bounds, farthest);
+        let right = bounds.enter(&nodes[children[1] as usize].bounds, farthest);
         match (left, right) {
             (Some(left), Some(right)) => {
                 // The nearer child goes on top. Where both begin alike, their centres along the axis that tells
@@ -116,8 +119,9 @@ fn walk(nodes: &[Node], bounds: &PacketBounds, mut farthest: f64, mut visit: imp
     }
 }
 
+#[inline(always)]
 fn leads(nodes: &[Node], children: [u32; 2], bounds: &PacketBounds) -> bool {
-    let [left, right] = children.map(|child| nodes[child as usize].bounds);
+    let (left, right) = (&nodes[children[0] as usize].bounds, &nodes[children[1] as usize].bounds);
     let apart = |axis: usize| (left.min[axis] + left.max[axis]) - (right.min[axis] + right.max[axis]);
     let (x, y, z) = (apart(0).abs(), apart(1).abs(), apart(2).abs());
     let axis = if x > y && x > z { 0 } else { usize::from(z > y) + 1 };
@@ -180,23 +184,26 @@ fn walk_mesh<S: Simd>(
 ) {
     let scene = &frame.scene;
     let nodes = &scene.nodes[mesh.first_node as usize..][..mesh.nodes as usize];
-    let bounds = simd.vectorize(
+    simd.vectorize(
         #[inline(always)]
-        || PacketBounds::new(&rays.origin, &rays.direction, packet),
+        || {
+            let bounds = PacketBounds::new(&rays.origin, &rays.direction, packet);
+            walk(
+                nodes,
+                &bounds,
+                packet.farthest(),
+                #[inline(always)]
+                |leaf| {
+                    for index in leaf.first..leaf.first + leaf.count {
+                        let triangle = mesh.first_triangle + index;
+                        let corners = triangle_corners(frame, mesh, triangle);
+                        triangle::intersect(rays, corners, packet, faces, placed, triangle);
+                    }
+                    packet.farthest()
+                },
+            );
+        },
     );
-    walk(nodes, &bounds, packet.farthest(), |leaf| {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                for index in leaf.first..leaf.first + leaf.count {
-                    let triangle = mesh.first_triangle + index;
-                    let corners = triangle_corners(frame, mesh, triangle);
-                    triangle::intersect(rays, corners, packet, faces, placed, triangle);
-                }
-                packet.farthest()
-            },
-        )
-    });
 }
 
 /// Corners of a triangle of the scene in the frame of its mesh.

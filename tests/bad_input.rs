@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 const ROBOT: &str = r#"<?xml version="1.0"?>
-<robot name="r">
+<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro">
 <link name="base_link"/>
 <link name="eye"/>
 <joint name="j" type="fixed"><parent link="base_link"/><child link="eye"/></joint>

@@ -25,7 +25,7 @@ pub struct DomainArgs {
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct UntilArgs {
     /// End after so many seconds
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub duration: Option<Duration>,
     /// End after so many messages
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]

@@ -18,9 +18,9 @@ pub struct Listed {
 }
 
 impl Listed {
-    /// Corners of the plate: the code with its white margin, 1 module around 8 or 4 around 25.
+    /// Corners of the plate: the code with its white margin, 1 module around 8 or 4 around 21.
     pub fn plate(&self) -> [DVec3; 4] {
-        let grow = if self.is_qr { 33.0 / 25.0 } else { 10.0 / 8.0 };
+        let grow = if self.is_qr { 29.0 / 21.0 } else { 10.0 / 8.0 };
         let centre = self.corners.iter().sum::<DVec3>() / 4.0;
         self.corners.map(|corner| centre + (corner - centre) * grow)
     }
@@ -69,16 +69,30 @@ pub fn april_tags(picture: &GrayImage) -> Vec<Seen> {
     detector.detect(&image).iter().map(seen).collect()
 }
 
-/// What zbar reads, in its Rust port. Its corners are whole pixels.
+/// What zbar reads, in its Rust port: in the whole picture, and in overlapping parts of it, since with many codes in
+/// view it takes marks of neighbours for those of one. Its corners are whole pixels.
 pub fn qr_codes(picture: &GrayImage) -> Vec<Seen> {
-    let mut image = zedbar::Image::from_gray(picture.as_raw(), picture.width(), picture.height()).unwrap();
-    let config = zedbar::DecoderConfig::new().enable(zedbar::config::QrCode);
-    let found = zedbar::Scanner::with_config(config).scan(&mut image);
-    let seen = found.symbols().iter().map(|symbol| {
-        // From the top left counter-clockwise.
-        let corner =
-            |index: usize| [f64::from(symbol.points()[index].x), f64::from(symbol.points()[index].y)];
-        Seen { says: symbol.data_string().unwrap_or("").into(), corners: [1, 2, 3, 0].map(corner) }
-    });
-    seen.collect()
+    let (width, height) = picture.dimensions();
+    // Half the picture each way, at thirds of the way across: a code that lies in the picture lies in one of them.
+    let places =
+        (0..16).map(|place| (place % 4 * (width / 6), place / 4 * (height / 6), width / 2, height / 2));
+    let windows = std::iter::once((0, 0, width, height)).chain(places);
+    let mut all: Vec<Seen> = Vec::new();
+    for (left, top, width, height) in windows {
+        let part = image::imageops::crop_imm(picture, left, top, width, height).to_image();
+        let mut image = zedbar::Image::from_gray(part.as_raw(), width, height).unwrap();
+        let config = zedbar::DecoderConfig::new().enable(zedbar::config::QrCode);
+        for symbol in zedbar::Scanner::with_config(config).scan(&mut image).symbols() {
+            let says = symbol.data_string().unwrap_or("").to_owned();
+            // From the top left counter-clockwise.
+            let corner = |index: usize| {
+                let point = symbol.points()[index];
+                [f64::from(point.x) + f64::from(left), f64::from(point.y) + f64::from(top)]
+            };
+            if all.iter().all(|seen| seen.says != says) {
+                all.push(Seen { says, corners: [1, 2, 3, 0].map(corner) });
+            }
+        }
+    }
+    all
 }

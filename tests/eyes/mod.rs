@@ -6,20 +6,20 @@ use image::GrayImage;
 use std::path::Path;
 
 /// A code of `tag_ceiling.tags.json`.
-pub struct Listed {
-    pub name: String,
+pub(crate) struct Listed {
+    pub(crate) name: String,
     /// `7` of an AprilTag, `BV-007` of a QR code.
-    pub says: String,
-    pub is_qr: bool,
+    pub(crate) says: String,
+    pub(crate) is_qr: bool,
     /// Edge of the black border in metres.
-    pub edge_m: f64,
+    pub(crate) edge_m: f64,
     /// Corners of the black border in the world, in the order of [`Seen::corners`].
-    pub corners: [DVec3; 4],
+    pub(crate) corners: [DVec3; 4],
 }
 
 impl Listed {
     /// Corners of the plate: the code with its white margin, 1 module around 8 or 4 around 21.
-    pub fn plate(&self) -> [DVec3; 4] {
+    pub(crate) fn plate(&self) -> [DVec3; 4] {
         let grow = if self.is_qr { 29.0 / 21.0 } else { 10.0 / 8.0 };
         let centre = self.corners.iter().sum::<DVec3>() / 4.0;
         self.corners.map(|corner| centre + (corner - centre) * grow)
@@ -27,7 +27,7 @@ impl Listed {
 }
 
 /// The codes on the ceiling of our room.
-pub fn listed() -> Vec<Listed> {
+pub(crate) fn listed() -> Vec<Listed> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/worlds/tag_ceiling.tags.json");
     let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     let code = |code: &serde_json::Value| {
@@ -46,13 +46,13 @@ pub fn listed() -> Vec<Listed> {
 
 /// What a detector saw: what the code says and its four corners in pixels, pixel centres at integers, in the
 /// order bottom left, bottom right, top right, top left of the code.
-pub struct Seen {
-    pub says: String,
-    pub corners: [[f64; 2]; 4],
+pub(crate) struct Seen {
+    pub(crate) says: String,
+    pub(crate) corners: [[f64; 2]; 4],
 }
 
 /// What the AprilTag library finds of family 36h11.
-pub fn april_tags(picture: &GrayImage) -> Vec<Seen> {
+pub(crate) fn april_tags(picture: &GrayImage) -> Vec<Seen> {
     let (width, height) = picture.dimensions();
     let mut image = apriltag::Image::zeros_with_alignment(width as usize, height as usize, 96).unwrap();
     for (x, y, pixel) in picture.enumerate_pixels() {
@@ -71,7 +71,7 @@ pub fn april_tags(picture: &GrayImage) -> Vec<Seen> {
 
 /// What zbar reads, in its Rust port: in the whole picture, and in overlapping parts of it, since with many codes in
 /// view it takes marks of neighbours for those of one. Its corners are whole pixels.
-pub fn qr_codes(picture: &GrayImage) -> Vec<Seen> {
+pub(crate) fn qr_codes(picture: &GrayImage) -> Vec<Seen> {
     let (width, height) = picture.dimensions();
     // Half the picture each way, at thirds of the way across: a code that lies in the picture lies in one of them.
     let places =

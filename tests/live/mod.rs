@@ -9,10 +9,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 /// Longest wait for something that should take a moment, on a busy machine.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The simulator, with an environment that does not depend on the tester's.
-pub fn belvedere() -> Command {
+pub(crate) fn belvedere() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_belvedere"));
     for variable in [
         "TURTLEBOT_BASE",
@@ -32,30 +32,30 @@ pub fn belvedere() -> Command {
 }
 
 /// Runs it to its end.
-pub fn output(arguments: &[&str]) -> Output {
+pub(crate) fn output(arguments: &[&str]) -> Output {
     belvedere().args(arguments).output().expect("the simulator's binary runs")
 }
 
 /// A domain that no other test has.
-pub fn own_domain() -> String {
+pub(crate) fn own_domain() -> String {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     format!("test-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed))
 }
 
 /// A running simulator; stopped when dropped.
-pub struct Simulator {
+pub(crate) struct Simulator {
     child: Child,
     domain: String,
 }
 
 impl Simulator {
     /// Starts `belvedere run` with these arguments in a domain of its own.
-    pub fn start(arguments: &[&str]) -> Self {
+    pub(crate) fn start(arguments: &[&str]) -> Self {
         Self::start_in(own_domain(), arguments)
     }
 
     /// Starts it in the given domain.
-    pub fn start_in(domain: String, arguments: &[&str]) -> Self {
+    pub(crate) fn start_in(domain: String, arguments: &[&str]) -> Self {
         let child = belvedere()
             .args(["run", "--domain", &domain])
             .args(arguments)
@@ -66,33 +66,33 @@ impl Simulator {
         Self { child, domain }
     }
 
-    pub fn domain(&self) -> &str {
+    pub(crate) fn domain(&self) -> &str {
         &self.domain
     }
 
     /// A node of the test in the simulator's domain.
-    pub fn node(&self) -> Node {
+    pub(crate) fn node(&self) -> Node {
         Node::open(&Domain::new(&self.domain).unwrap(), "test").unwrap()
     }
 
     /// A subscriber in the simulator's domain.
-    pub fn subscribe(&self, topic: &str) -> Subscriber {
+    pub(crate) fn subscribe(&self, topic: &str) -> Subscriber {
         self.node().subscriber(topic).unwrap()
     }
 
-    pub fn signal(&self, signal: Signal) {
+    pub(crate) fn signal(&self, signal: Signal) {
         kill_process(Pid::from_child(&self.child), signal).expect("the simulator runs");
     }
 
     /// Kills it without a chance to clean up.
-    pub fn kill(mut self) -> String {
+    pub(crate) fn kill(mut self) -> String {
         self.signal(Signal::KILL);
         self.child.wait().unwrap();
         self.domain.clone()
     }
 
     /// Ctrl-C, and its end.
-    pub fn interrupt(mut self) -> ExitStatus {
+    pub(crate) fn interrupt(mut self) -> ExitStatus {
         self.signal(Signal::INT);
         let started = Instant::now();
         loop {
@@ -115,7 +115,7 @@ impl Drop for Simulator {
 }
 
 /// The next frame of a stream.
-pub fn next_frame(subscriber: &mut Subscriber) -> Frame {
+pub(crate) fn next_frame(subscriber: &mut Subscriber) -> Frame {
     let started = Instant::now();
     loop {
         if let Some(frame) = subscriber.take().unwrap() {
@@ -127,7 +127,7 @@ pub fn next_frame(subscriber: &mut Subscriber) -> Frame {
 }
 
 /// Files of a domain that exist.
-pub fn files_of(domain: &str) -> Vec<String> {
+pub(crate) fn files_of(domain: &str) -> Vec<String> {
     let marker = format!("blvd.{domain}.");
     let mut found = Vec::new();
     let mut folders = vec![Path::new("/dev/shm").to_path_buf(), Path::new("/tmp/iceoryx2").to_path_buf()];

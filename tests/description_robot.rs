@@ -68,7 +68,8 @@ fn all_our_robots_load_without_a_word() {
 #[test]
 fn every_part_of_the_library_can_be_mounted() {
     let folder = TempDir::new().unwrap();
-    let sensors = ["kinect", "asus_xtion_pro", "asus_xtion_pro_offset", "astra", "r200", "rplidar", "hokuyo", "camera"];
+    let sensors =
+        ["kinect", "asus_xtion_pro", "asus_xtion_pro_offset", "astra", "r200", "rplidar", "hokuyo", "camera"];
     for (base, stack) in [("kobuki", "hexagons"), ("create", "circles"), ("kobuki", "circles")] {
         for sensor in sensors {
             let path = folder.path().join(format!("{base}_{stack}_{sensor}.urdf.xacro"));
@@ -129,18 +130,31 @@ fn assert_camera(robot: &Model) {
     assert_eq!((lens.near_m, lens.far_m), (0.02, 300.0));
     assert_eq!((lens.noise.mean, lens.noise.stddev), (0.0, 0.007));
     let Some(Plugin::Camera(plugin)) = &camera.plugin else { panic!("{:?}", camera.plugin) };
-    assert_eq!((plugin.image_topic.as_str(), plugin.camera_info_topic.as_str()), ("/image_raw", "/camera_info"));
+    assert_eq!(
+        (plugin.image_topic.as_str(), plugin.camera_info_topic.as_str()),
+        ("/image_raw", "/camera_info")
+    );
     assert_eq!((plugin.frame_name.as_str(), plugin.hack_baseline_m), ("base_camera_link", 0.07));
     assert_eq!(plugin.distortion, [0.0; 5]);
 }
 
 fn assert_rplidar(robot: &Model) {
     let lidar = sensor(robot, "laser");
-    assert_eq!((lidar.effective_rate_hz(), robot.links[lidar.link].name.as_str()), (Some(5.5), "base_laser_link"));
+    assert_eq!(
+        (lidar.effective_rate_hz(), robot.links[lidar.link].name.as_str()),
+        (Some(5.5), "base_laser_link")
+    );
     assert_scan(lidar, 360, 3.141_592_6, 6.0, "/scan", "base_laser_link");
 }
 
-fn assert_scan(lidar: &Sensor, samples: u32, half_angle_rad: f64, range_max_m: f64, topic: &str, frame: &str) {
+fn assert_scan(
+    lidar: &Sensor,
+    samples: u32,
+    half_angle_rad: f64,
+    range_max_m: f64,
+    topic: &str,
+    frame: &str,
+) {
     let SensorKind::Ray(ray) = &lidar.kind else { panic!("{:?}", lidar.kind) };
     let scan = ray.horizontal;
     assert_eq!((scan.samples, ray.vertical.samples), (samples, 1));

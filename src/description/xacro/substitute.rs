@@ -9,9 +9,16 @@ use super::text::{Piece, pieces};
 use super::value::Value;
 use crate::description::diagnostics::Source;
 use crate::description::values::nearest;
+use std::path::Path;
 
 /// Properties that use properties, and expressions within expressions.
 const MAX_DEPTH: usize = 60;
+
+/// What `$(find package)` gives. A package path may be relative to where the program runs, while a relative name
+/// in a file counts from that file: so it is made absolute, as ROS gives it.
+fn absolute(path: &Path) -> String {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()).to_string_lossy().into_owned()
+}
 
 /// A text after substitution.
 #[derive(Debug)]
@@ -90,7 +97,7 @@ impl Expander<'_> {
                 if let Some(found) = self.packages.find_file(&package, file) {
                     self.note_borrowed(&package, file, &found, source);
                     values.truncate(index);
-                    values.push(Value::Text(found.path.to_string_lossy().into_owned()));
+                    values.push(Value::Text(absolute(&found.path)));
                 }
                 package_file = Some((package, file.to_owned()));
             }
@@ -151,7 +158,7 @@ impl Expander<'_> {
     pub(super) fn package_folder(&self, package: &str) -> Result<String, Fault> {
         self.packages
             .find_package(package)
-            .map(|folder| folder.to_string_lossy().into_owned())
+            .map(|folder| absolute(&folder))
             .ok_or_else(|| self.unknown_package(package))
     }
 

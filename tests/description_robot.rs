@@ -275,7 +275,7 @@ fn each_fault_is_one_error_with_its_place_and_a_remedy() {
     let missing_mesh = "<mesh filename=\"package://none/such.stl\"/>";
     for (find, replace, line, words) in [
         ("", "", 0, &[][..]),
-        ("</gazebo>\n</robot>", "</robot>", 12, &["XML"]),
+        ("</gazebo>\n</robot>", "</robot>", 11, &["XML"]),
         ("<link name=\"base_link\"/>", "<link name=\"base_link\"/><kobuky/>", 2, &["unknown macro 'kobuky'"]),
         ("<far>10</far>", "<far>${farr}</far>", 8, &["farr"]),
         ("name=\"base_link\"/>", "name=\"base_link\"/><link name=\"lost\"/>", 2, &["lost", "base_link"]),
@@ -331,4 +331,21 @@ fn an_include_cycle_and_a_missing_include_are_one_error() {
         assert!(robot.is_none() && problem.source.line == 2 && problem.what.contains(words), "{problem}");
         assert!(!problem.remedy.is_empty(), "{problem}");
     }
+}
+
+/// `--package-path src` on the command line: `$(find …)` counts from where the program runs, not from the file.
+#[test]
+fn a_relative_package_path_finds_files() {
+    let folder = tempfile::tempdir_in(".").unwrap();
+    let relative = PathBuf::from(folder.path().file_name().unwrap());
+    let robots = relative.join("turtlebot_description/robots");
+    std::fs::create_dir_all(&robots).unwrap();
+    let text = "<robot name='r' xmlns:xacro='http://x'>
+        <xacro:include filename='$(find turtlebot_description)/robots/part.xacro'/>
+        <xacro:property name='here' value='$(find turtlebot_description)/robots'/>
+        <xacro:include filename='${here}/part.xacro'/><link name='l'/></robot>";
+    std::fs::write(robots.join("part.xacro"), "<robot/>").unwrap();
+    std::fs::write(robots.join("mine.urdf.xacro"), text).unwrap();
+    let (robot, problems) = load_from(PackagePath::new([relative], None), "mine", false);
+    assert!(problems.is_empty() && robot.is_some(), "{problems:#?}");
 }

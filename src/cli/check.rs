@@ -14,6 +14,7 @@ use crate::description::{Diagnostics, Severity};
 use crate::robot::kobuki::Wheels;
 use belvedere_sensors::Pose;
 use glam::{DVec3, EulerRot};
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// Show what a robot or world file is understood to be, and everything that is wrong with it.
@@ -327,12 +328,18 @@ fn shape(geometry: &Geometry) -> String {
     }
 }
 
-/// Shapes in order, those alike next to each other counted.
+/// Shapes in order, those alike counted where the first of them stands.
 fn counted(shapes: &[String]) -> String {
-    let groups = shapes.chunk_by(|one, other| one == other);
-    let texts = groups.map(|group| match group.len() {
-        1 => group[0].clone(),
-        many => format!("{many} × {}", group[0]),
+    let mut groups: Vec<(&str, usize)> = Vec::new();
+    for shape in shapes {
+        match groups.iter_mut().find(|(other, _)| other == shape) {
+            Some((_, count)) => *count += 1,
+            None => groups.push((shape, 1)),
+        }
+    }
+    let texts = groups.iter().map(|(shape, count)| match count {
+        1 => (*shape).to_owned(),
+        many => format!("{many} × {shape}"),
     });
     texts.collect::<Vec<_>>().join(", ")
 }
@@ -341,7 +348,10 @@ fn counted(shapes: &[String]) -> String {
 fn pose(pose: &Pose) -> String {
     let xyz = pose.translation();
     let (yaw, pitch, roll) = pose.rotation().to_euler(EulerRot::ZYX);
-    let rpy = DVec3::new(roll, pitch, yaw);
+    // Every rotation is written in two ways. Beyond a quarter turn the one that only pitches is what files say.
+    let flipped = DVec3::new(roll - PI.copysign(roll), PI.copysign(pitch) - pitch, yaw - PI.copysign(yaw));
+    let is_tilted = roll.abs() + yaw.abs() > PI;
+    let rpy = if is_tilted { flipped } else { DVec3::new(roll, pitch, yaw) };
     let mut parts = vec![format!("xyz {}", vector(xyz))];
     if rpy.abs().max_element() > 5e-7 {
         parts.push(format!("rpy {}", vector(rpy)));
@@ -394,6 +404,15 @@ mod tests {
         let turned = Pose::from_xyz_rpy(DVec3::new(0.15, 0.0, 0.35), DVec3::new(0.1, -0.2, 0.3));
         assert_eq!(pose(&turned), "xyz 0.15 0 0.35 rpy 0.1 -0.2 0.3");
         assert_eq!(pose(&Pose::IDENTITY), "xyz 0 0 0");
+        let upwards = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::new(0.0, -1.5708, 0.0));
+        assert_eq!(pose(&upwards), "xyz 0 0 0 rpy 0 -1.5708 0");
+        let around = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::new(0.0, 0.0, 3.0));
+        assert_eq!(pose(&around), "xyz 0 0 0 rpy 0 0 3");
+    }
+
+    #[test]
+    fn shapes_alike_are_counted() {
+        assert_eq!(counted(&["a", "b", "a"].map(str::to_owned)), "2 × a, b");
     }
 
     #[test]

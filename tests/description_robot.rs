@@ -281,7 +281,12 @@ fn each_fault_is_one_error_with_its_place_and_a_remedy() {
         ("name=\"base_link\"/>", "name=\"base_link\"/><link name=\"lost\"/>", 2, &["lost", "base_link"]),
         ("<parent link=\"base_link\"/>", "<parent link=\"bass_link\"/>", 4, &["bass_link", "base_link"]),
         ("<child link=\"eye\"/>", "<child link=\"base_link\"/>", 4, &["base_link"]),
-        ("<link name=\"eye\">", "<link name=\"base_link\">", 3, &["base_link", "two links"]),
+        (
+            "<link name=\"eye\">",
+            "<link name=\"base_link\"/><link name=\"eye\">",
+            3,
+            &["base_link", "two links"],
+        ),
         ("<box size=\"1 1 1\"/>", "<mesh filename=\"eye.step\"/>", 3, &["step", "stl"]),
         ("<box size=\"1 1 1\"/>", missing_mesh, 3, &["such.stl", "--package-path"]),
         ("<box size=\"1 1 1\"/>", "<box size=\"1 nan 1\"/>", 3, &["nan", "size"]),

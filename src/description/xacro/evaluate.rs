@@ -137,9 +137,10 @@ fn arithmetic(operator: Arithmetic, left: &Value, right: &Value) -> Result<Value
         _ => {}
     }
     if let (Some(a), Some(b)) = (left.integer(), right.integer())
-        && let Some(result) = integer_arithmetic(operator, a, b)? {
-            return Ok(result);
-        }
+        && let Some(result) = integer_arithmetic(operator, a, b)?
+    {
+        return Ok(result);
+    }
     let symbol = match operator {
         Arithmetic::Add => "+",
         Arithmetic::Subtract => "-",

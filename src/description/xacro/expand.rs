@@ -188,9 +188,10 @@ impl Expander<'_> {
             }
         }
         if (prefixed.is_some() || !is_own(name, at_top))
-            && let Some((definition, home)) = self.find_macro(name) {
-                return Ok(Role::Call(definition, home));
-            }
+            && let Some((definition, home)) = self.find_macro(name)
+        {
+            return Ok(Role::Call(definition, home));
+        }
         if prefixed.is_some() || (at_top && self.strict && !TOP_LEVEL.contains(&name)) {
             return Err(self.unknown_macro(name));
         }
@@ -503,10 +504,9 @@ impl Expander<'_> {
         default: Option<&str>,
         definition: &Macro,
     ) -> Result<Value, Fault> {
-        if forward
-            && let Some(value) = self.property(name, self.scopes.len() - 1)? {
-                return Ok(value);
-            }
+        if forward && let Some(value) = self.property(name, self.scopes.len() - 1)? {
+            return Ok(value);
+        }
         match default {
             Some(default) => Ok(self.value(default, &definition.source)?.into_literal()),
             None => Err(Fault::new(
@@ -549,7 +549,9 @@ impl Expander<'_> {
             return Err(self.problem(fault, source));
         }
         self.check_cycle(&path, source)?;
-        let included = if let Some(parsed) = self.parsed.get(&path) { parsed.clone() } else {
+        let included = if let Some(parsed) = self.parsed.get(&path) {
+            parsed.clone()
+        } else {
             let parsed = Rc::new(Element::parse_file(&path)?);
             self.parsed.insert(path.clone(), parsed.clone());
             parsed
@@ -627,9 +629,10 @@ impl Expander<'_> {
     fn problem(&self, fault: Fault, source: &Source) -> Problem {
         let mut problem = fault.into_problem(source);
         if let Some((name, call)) = self.calls.last()
-            && *call != problem.source {
-                problem.what = format!("{} (in macro '{name}', called at {call})", problem.what);
-            }
+            && *call != problem.source
+        {
+            problem.what = format!("{} (in macro '{name}', called at {call})", problem.what);
+        }
         problem
     }
 }

@@ -1,0 +1,183 @@
+//! Robot files: our own robots, the articles' robots, and everything that can be wrong with one.
+
+use belvedere::description::model::{JointKind, Model, Plugin, Sensor, SensorKind};
+use belvedere::description::package::PackagePath;
+use belvedere::description::robot::{LoadOptions, load_robot, robot_names};
+use belvedere::description::{Diagnostics, Problem, Severity};
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// Poses are compared to a tenth of a micrometre: far below what any number in a description says.
+const POSE_TOLERANCE_M: f64 = 1e-7;
+
+fn load_from(packages: PackagePath, name: &str, gazebo_compat: bool) -> (Option<Model>, Vec<Problem>) {
+    let options = LoadOptions { packages, gazebo_compat, xacro_args: Vec::new() };
+    let mut diagnostics = Diagnostics::default();
+    let robot = load_robot(name, &options, &mut diagnostics);
+    (robot, diagnostics.problems().to_vec())
+}
+
+/// One of our own robots, which must load without a word.
+#[track_caller]
+fn ours(name: &str) -> Model {
+    let (robot, problems) = load_from(PackagePath::new([], None), name, false);
+    assert!(problems.is_empty(), "{name}: {problems:#?}");
+    robot.unwrap()
+}
+
+fn sensor<'m>(robot: &'m Model, name: &str) -> &'m Sensor {
+    robot.sensors.iter().find(|sensor| sensor.name == name).unwrap()
+}
+
+/// A link's place in another link, with all joints at zero.
+fn place(robot: &Model, outer: &str, inner: &str) -> DVec3 {
+    let rest = robot.rest_poses();
+    let pose = |name| rest[robot.link_named(name).unwrap_or_else(|| panic!("no link {name}"))];
+    (pose(outer).inverse() * pose(inner)).translation()
+}
+
+#[track_caller]
+fn assert_place(robot: &Model, inner: &str, xyz: [f64; 3]) {
+    let found = place(robot, "base_link", inner);
+    assert!(found.distance(DVec3::from_array(xyz)) < POSE_TOLERANCE_M, "{inner} is at {found}");
+}
+
+#[test]
+fn all_our_robots_load_without_a_word() {
+    let names = robot_names(&PackagePath::new([], None));
+    for wanted in [
+        "kobuki_nostack_camera",
+        "kobuki_nostack_rplidar",
+        "kobuki_hexagons_kinect",
+        "kobuki_hexagons_rplidar",
+        "kobuki_hexagons_camera",
+        "kobuki_hexagons_KinectHokuyo",
+    ] {
+        assert!(names.iter().any(|name| name == wanted), "{wanted} is not in {names:?}");
+    }
+    for name in &names {
+        let robot = ours(name);
+        assert!(!robot.sensors.is_empty(), "{name}");
+        assert!(robot.sensors.iter().all(|sensor| sensor.plugin.is_some()), "{name}");
+    }
+}
+
+/// Every part that a user's robot file can call, on both bases.
+#[test]
+fn every_part_of_the_library_can_be_mounted() {
+    let folder = TempDir::new().unwrap();
+    let sensors = ["kinect", "asus_xtion_pro", "asus_xtion_pro_offset", "astra", "r200", "rplidar", "hokuyo", "camera"];
+    for (base, stack) in [("kobuki", "hexagons"), ("create", "circles"), ("kobuki", "circles")] {
+        for sensor in sensors {
+            let path = folder.path().join(format!("{base}_{stack}_{sensor}.urdf.xacro"));
+            let text = format!(
+                "<robot name='t' xmlns:xacro='http://ros.org/wiki/xacro'>
+                <xacro:include filename='$(find turtlebot_description)/urdf/turtlebot_library.urdf.xacro'/>
+                <{base}/><stack_{stack} parent='base_link'/><sensor_{sensor} parent='base_link'/></robot>"
+            );
+            std::fs::write(&path, text).unwrap();
+            let robot = ours(path.to_str().unwrap());
+            assert_eq!(robot.sensors.len(), 1, "{sensor}");
+            let housing = &robot.links[robot.sensors[0].link];
+            assert!(!housing.visuals.is_empty() && housing.collisions.is_empty(), "{}", housing.name);
+        }
+    }
+}
+
+#[test]
+fn the_kobuki_has_its_published_measures() {
+    let robot = ours("kobuki_nostack_camera");
+    assert_eq!(robot.name, "turtlebot");
+    assert_place(&robot, "base_footprint", [0.0, 0.0, -0.0102]);
+    assert_place(&robot, "wheel_left_link", [0.0, 0.115, 0.025]);
+    assert_place(&robot, "wheel_right_link", [0.0, -0.115, 0.025]);
+    assert_place(&robot, "caster_front_link", [0.115, 0.0, 0.007]);
+    assert_place(&robot, "caster_back_link", [-0.135, 0.0, 0.009]);
+    assert_place(&robot, "gyro_link", [0.056, 0.062, 0.0202]);
+    assert_place(&robot, "cliff_sensor_left_link", [0.08734, 0.13601, 0.0214]);
+    assert_place(&robot, "cliff_sensor_right_link", [0.085, -0.13601, 0.0214]);
+    assert_place(&robot, "cliff_sensor_front_link", [0.156, 0.0, 0.0214]);
+    let base = robot.links[robot.link_named("base_link").unwrap()].inertial.unwrap();
+    assert_eq!((base.mass_kg, &base.inertia[..3]), (2.4, &[0.019_995, 0.019_995, 0.036_75][..]));
+    let wheel = robot.joints.iter().find(|joint| joint.name == "wheel_left_joint").unwrap();
+    assert_eq!((wheel.kind, wheel.axis), (JointKind::Continuous, DVec3::Z));
+    assert!(belvedere::robot::kobuki::Wheels::of(&robot).is_ok());
+}
+
+/// The picture of the ceiling, as its article works it out: fx = fy = 381.3612.
+#[test]
+fn the_ceiling_camera_is_the_articles() {
+    let robot = ours("kobuki_nostack_camera");
+    assert_place(&robot, "base_camera_link", [0.15, 0.0, 0.35]);
+    assert_camera(&robot);
+    assert_place(&robot, "base_laser_link", [0.10, 0.0, 0.425]);
+    assert_rplidar(&robot);
+}
+
+fn assert_camera(robot: &Model) {
+    let camera = sensor(robot, "camera1");
+    assert_eq!(robot.links[camera.link].name, "base_camera_link");
+    assert_eq!(camera.effective_rate_hz(), Some(30.0));
+    let looks = robot.rest_poses()[camera.link].transform_vector(DVec3::X);
+    assert!(looks.distance(DVec3::Z) < 1e-5, "it looks along {looks}");
+    let SensorKind::Camera(lens) = &camera.kind else { panic!("{:?}", camera.kind) };
+    assert_eq!((lens.width, lens.height, lens.horizontal_fov_rad), (640, 480, 1.396_263_4));
+    let focal_length = 320.0 / (lens.horizontal_fov_rad / 2.0).tan();
+    assert!((focal_length - 381.3612).abs() < 1e-4, "{focal_length}");
+    assert_eq!((lens.near_m, lens.far_m), (0.02, 300.0));
+    assert_eq!((lens.noise.mean, lens.noise.stddev), (0.0, 0.007));
+    let Some(Plugin::Camera(plugin)) = &camera.plugin else { panic!("{:?}", camera.plugin) };
+    assert_eq!((plugin.image_topic.as_str(), plugin.camera_info_topic.as_str()), ("/image_raw", "/camera_info"));
+    assert_eq!((plugin.frame_name.as_str(), plugin.hack_baseline_m), ("base_camera_link", 0.07));
+    assert_eq!(plugin.distortion, [0.0; 5]);
+}
+
+fn assert_rplidar(robot: &Model) {
+    let lidar = sensor(robot, "laser");
+    assert_eq!((lidar.effective_rate_hz(), robot.links[lidar.link].name.as_str()), (Some(5.5), "base_laser_link"));
+    assert_scan(lidar, 360, 3.141_592_6, 6.0, "/scan", "base_laser_link");
+}
+
+fn assert_scan(lidar: &Sensor, samples: u32, half_angle_rad: f64, range_max_m: f64, topic: &str, frame: &str) {
+    let SensorKind::Ray(ray) = &lidar.kind else { panic!("{:?}", lidar.kind) };
+    let scan = ray.horizontal;
+    assert_eq!((scan.samples, ray.vertical.samples), (samples, 1));
+    assert_eq!((scan.min_angle_rad, scan.max_angle_rad), (-half_angle_rad, half_angle_rad));
+    assert_eq!((ray.range_min_m, ray.range_max_m, ray.range_resolution_m), (0.10, range_max_m, 0.01));
+    assert_eq!((ray.noise.mean, ray.noise.stddev), (0.0, 0.01));
+    let Some(Plugin::Laser(plugin)) = &lidar.plugin else { panic!("{:?}", lidar.plugin) };
+    assert_eq!((plugin.topic.as_str(), plugin.frame_name.as_str()), (topic, frame));
+}
+
+#[test]
+fn the_kinect_and_the_hokuyo_are_the_articles() {
+    let robot = ours("kobuki_hexagons_KinectHokuyo");
+    assert_place(&robot, "camera_rgb_frame", [-0.087, -0.0125, 0.287]);
+    assert_place(&robot, "camera_link", [-0.118, 0.0, 0.271]);
+    assert_place(&robot, "camera_depth_frame", [-0.087, 0.0125, 0.287]);
+    assert_place(&robot, "camera_depth_optical_frame", [-0.087, 0.0125, 0.287]);
+    assert_place(&robot, "hokuyo_link", [0.10, 0.0, 0.425]);
+    let kinect = sensor(&robot, "camera");
+    assert_eq!((kinect.update_rate_hz, kinect.effective_rate_hz()), (Some(20.0), Some(10.0)));
+    let SensorKind::Depth(lens) = &kinect.kind else { panic!("{:?}", kinect.kind) };
+    assert_eq!((lens.width, lens.height, lens.near_m, lens.far_m), (640, 480, 0.05, 8.0));
+    assert!((lens.horizontal_fov_rad - FRAC_PI_3).abs() < 1e-12);
+    let Some(Plugin::DepthCamera(plugin)) = &kinect.plugin else { panic!("{:?}", kinect.plugin) };
+    let topics = [
+        &plugin.camera.image_topic,
+        &plugin.camera.camera_info_topic,
+        &plugin.depth_image_topic,
+        &plugin.depth_camera_info_topic,
+        &plugin.point_cloud_topic,
+    ];
+    let wanted = ["rgb/image_raw", "rgb/camera_info", "depth/image_raw", "depth/camera_info", "depth/points"];
+    assert_eq!(topics.map(String::as_str), wanted.map(|topic| format!("/camera/{topic}")));
+    assert_eq!((plugin.cutoff_m, plugin.camera.frame_name.as_str()), (0.4, "camera_depth_optical_frame"));
+    let hokuyo = sensor(&robot, "head_hokuyo_sensor");
+    assert_eq!(hokuyo.effective_rate_hz(), Some(40.0));
+    assert_eq!(robot.links[hokuyo.link].name, "hokuyo_link");
+    assert_scan(hokuyo, 720, 1.570_796, 30.0, "/rrbot/laser/scan", "hokuyo_link");
+    assert!((1.570_796 - FRAC_PI_2).abs() < 1e-6);
+}

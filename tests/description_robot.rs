@@ -6,7 +6,7 @@ use belvedere::description::robot::{LoadOptions, load_robot, robot_names};
 use belvedere::description::{Diagnostics, Problem, Severity};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use tempfile::TempDir;
 
 /// Poses are compared to a tenth of a micrometre: far below what any number in a description says.
@@ -68,7 +68,8 @@ fn all_our_robots_load_without_a_word() {
 #[test]
 fn every_part_of_the_library_can_be_mounted() {
     let folder = TempDir::new().unwrap();
-    let sensors = ["kinect", "asus_xtion_pro", "asus_xtion_pro_offset", "astra", "r200", "rplidar", "hokuyo", "camera"];
+    let sensors =
+        ["kinect", "asus_xtion_pro", "asus_xtion_pro_offset", "astra", "r200", "rplidar", "hokuyo", "camera"];
     for (base, stack) in [("kobuki", "hexagons"), ("create", "circles"), ("kobuki", "circles")] {
         for sensor in sensors {
             let path = folder.path().join(format!("{base}_{stack}_{sensor}.urdf.xacro"));
@@ -129,18 +130,31 @@ fn assert_camera(robot: &Model) {
     assert_eq!((lens.near_m, lens.far_m), (0.02, 300.0));
     assert_eq!((lens.noise.mean, lens.noise.stddev), (0.0, 0.007));
     let Some(Plugin::Camera(plugin)) = &camera.plugin else { panic!("{:?}", camera.plugin) };
-    assert_eq!((plugin.image_topic.as_str(), plugin.camera_info_topic.as_str()), ("/image_raw", "/camera_info"));
+    assert_eq!(
+        (plugin.image_topic.as_str(), plugin.camera_info_topic.as_str()),
+        ("/image_raw", "/camera_info")
+    );
     assert_eq!((plugin.frame_name.as_str(), plugin.hack_baseline_m), ("base_camera_link", 0.07));
     assert_eq!(plugin.distortion, [0.0; 5]);
 }
 
 fn assert_rplidar(robot: &Model) {
     let lidar = sensor(robot, "laser");
-    assert_eq!((lidar.effective_rate_hz(), robot.links[lidar.link].name.as_str()), (Some(5.5), "base_laser_link"));
+    assert_eq!(
+        (lidar.effective_rate_hz(), robot.links[lidar.link].name.as_str()),
+        (Some(5.5), "base_laser_link")
+    );
     assert_scan(lidar, 360, 3.141_592_6, 6.0, "/scan", "base_laser_link");
 }
 
-fn assert_scan(lidar: &Sensor, samples: u32, half_angle_rad: f64, range_max_m: f64, topic: &str, frame: &str) {
+fn assert_scan(
+    lidar: &Sensor,
+    samples: u32,
+    half_angle_rad: f64,
+    range_max_m: f64,
+    topic: &str,
+    frame: &str,
+) {
     let SensorKind::Ray(ray) = &lidar.kind else { panic!("{:?}", lidar.kind) };
     let scan = ray.horizontal;
     assert_eq!((scan.samples, ray.vertical.samples), (samples, 1));
@@ -180,4 +194,141 @@ fn the_kinect_and_the_hokuyo_are_the_articles() {
     assert_eq!(robot.links[hokuyo.link].name, "hokuyo_link");
     assert_scan(hokuyo, 720, 1.570_796, 30.0, "/rrbot/laser/scan", "hokuyo_link");
     assert!((1.570_796 - FRAC_PI_2).abs() < 1e-6);
+}
+
+/// The articles' own files, where they are at hand.
+fn article(folder: &str) -> Option<PackagePath> {
+    let seed = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/seed-robot")).join(folder);
+    seed.is_dir().then(|| PackagePath::new([seed], None))
+}
+
+/// What is taken from our packages because the user's copy lacks it is said, once a file.
+#[track_caller]
+fn assert_notes_of_our_files(problems: &[Problem], files: &[&str]) {
+    for file in files {
+        let notes = problems.iter().filter(|problem| problem.what.contains(file)).collect::<Vec<_>>();
+        let [note] = notes[..] else { panic!("{file}: {problems:#?}") };
+        assert_eq!(note.severity, Severity::Note, "{note}");
+        assert!(note.source.line > 0, "{note}");
+    }
+}
+
+#[test]
+fn the_ceiling_articles_robot_loads() {
+    let Some(packages) = article("ceiling-camera") else { return };
+    let (robot, problems) = load_from(packages, "kobuki_nostack_camera", false);
+    assert!(problems.iter().all(|problem| problem.severity == Severity::Note), "{problems:#?}");
+    assert_notes_of_our_files(&problems, &["sensors/rplidar.urdf.xacro", "stacks/hexagons.urdf.xacro"]);
+    let robot = robot.unwrap();
+    assert!(
+        robot.source.file.components().any(|part| part.as_os_str() == "ceiling-camera"),
+        "{}",
+        robot.source
+    );
+    assert_camera(&robot);
+    assert_rplidar(&robot);
+    assert_place(&robot, "base_camera_link", [0.15, 0.0, 0.35]);
+    let camera = &robot.links[robot.link_named("base_camera_link").unwrap()];
+    let own = ours("kobuki_nostack_camera");
+    let own = &own.links[own.link_named("base_camera_link").unwrap()];
+    assert_eq!(camera.visuals[0].material, own.visuals[0].material, "Red is our Red");
+}
+
+#[test]
+fn the_mapping_articles_hokuyo_is_one_error() {
+    let Some(packages) = article("kinect-hokuyo") else { return };
+    let name = "kobuki_hexagons_KinectHokuyo";
+    let (_, problems) = load_from(packages.clone(), name, false);
+    let errors = problems.iter().filter(|problem| problem.severity == Severity::Error).collect::<Vec<_>>();
+    let [error] = errors[..] else { panic!("{problems:#?}") };
+    let text = error.to_string();
+    assert!(error.source.file.ends_with("turtlebot_gazebo.urdf.xacro") && error.source.line > 0, "{text}");
+    for word in ["hokuyo_link", "did you mean", "--gazebo-compat", "head_hokuyo_sensor"] {
+        assert!(text.contains(word), "no '{word}' in {text}");
+    }
+
+    let (robot, problems) = load_from(packages, name, true);
+    let robot = robot.unwrap();
+    assert_eq!(robot.sensors.iter().map(|sensor| sensor.name.as_str()).collect::<Vec<_>>(), ["camera"]);
+    let warnings =
+        problems.iter().filter(|problem| problem.severity == Severity::Warning).collect::<Vec<_>>();
+    let [warning] = warnings[..] else { panic!("{problems:#?}") };
+    assert!(warning.what.contains("hokuyo_link"), "{warning}");
+}
+
+/// A whole robot, of which each faulty one differs in one place.
+const GOOD: &str = r#"<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro">
+<link name="base_link"/>
+<link name="eye"><visual><geometry><box size="1 1 1"/></geometry></visual></link>
+<joint name="j" type="fixed"><parent link="base_link"/><child link="eye"/></joint>
+<gazebo reference="eye"><sensor type="camera" name="c">
+<camera><horizontal_fov>1.0</horizontal_fov>
+<image><width>64</width><height>48</height></image>
+<clip><near>0.1</near><far>10</far></clip></camera></sensor>
+<sensor type="ray" name="l"><ray>
+<scan><horizontal><samples>8</samples><min_angle>-1</min_angle><max_angle>1</max_angle></horizontal></scan>
+<range><min>0.1</min><max>5</max></range></ray></sensor></gazebo>
+</robot>"#;
+
+#[test]
+fn each_fault_is_one_error_with_its_place_and_a_remedy() {
+    let missing_mesh = "<mesh filename=\"package://none/such.stl\"/>";
+    for (find, replace, line, words) in [
+        ("", "", 0, &[][..]),
+        ("</gazebo>\n</robot>", "</robot>", 12, &["XML"]),
+        ("<link name=\"base_link\"/>", "<link name=\"base_link\"/><kobuky/>", 2, &["unknown macro 'kobuky'"]),
+        ("<far>10</far>", "<far>${farr}</far>", 8, &["farr"]),
+        ("name=\"base_link\"/>", "name=\"base_link\"/><link name=\"lost\"/>", 2, &["lost", "base_link"]),
+        ("<parent link=\"base_link\"/>", "<parent link=\"bass_link\"/>", 4, &["bass_link", "base_link"]),
+        ("<child link=\"eye\"/>", "<child link=\"base_link\"/>", 4, &["base_link"]),
+        ("<link name=\"eye\">", "<link name=\"base_link\">", 3, &["base_link", "two links"]),
+        ("<box size=\"1 1 1\"/>", "<mesh filename=\"eye.step\"/>", 3, &["step", "stl"]),
+        ("<box size=\"1 1 1\"/>", missing_mesh, 3, &["such.stl", "--package-path"]),
+        ("<box size=\"1 1 1\"/>", "<box size=\"1 nan 1\"/>", 3, &["nan", "size"]),
+        ("<box size=\"1 1 1\"/>", "<box size=\"1 -1 1\"/>", 3, &["-1", "size"]),
+        ("<width>64</width>", "<width>0</width>", 7, &["<width>", "'c'", "0"]),
+        ("<height>48</height>", "<height>100000</height>", 7, &["<height>", "'c'", "100000"]),
+        ("<horizontal_fov>1.0<", "<horizontal_fov>7<", 6, &["<horizontal_fov>", "7"]),
+        ("<near>0.1</near>", "<near>11</near>", 8, &["near", "far", "11"]),
+        ("<samples>8</samples>", "<samples>-8</samples>", 10, &["<samples>", "'l'", "-8"]),
+        ("<min_angle>-1<", "<min_angle>2<", 10, &["min_angle", "max_angle"]),
+        ("<max>5</max>", "<max>nan</max>", 11, &["<max>", "nan"]),
+        ("<min>0.1</min>", "<min>-0.1</min>", 11, &["<min>", "-0.1"]),
+        ("<min>0.1</min>", "<min>6</min>", 11, &["<min> 6", "<max> 5"]),
+    ] {
+        let folder = TempDir::new().unwrap();
+        std::fs::write(folder.path().join("eye.step"), "no mesh").unwrap();
+        let path = folder.path().join("bad.urdf.xacro");
+        assert!(GOOD.contains(find), "{find}");
+        std::fs::write(&path, GOOD.replacen(find, replace, 1)).unwrap();
+        let (_, problems) = load_from(PackagePath::new([], None), path.to_str().unwrap(), false);
+        if line == 0 {
+            assert!(problems.is_empty(), "{problems:#?}");
+            continue;
+        }
+        let [problem] = &problems[..] else { panic!("{replace}: {problems:#?}") };
+        let text = problem.to_string();
+        assert_eq!((problem.severity, problem.source.line), (Severity::Error, line), "{replace}: {text}");
+        assert!(problem.source.file.ends_with("bad.urdf.xacro"), "{text}");
+        assert!(!problem.remedy.is_empty(), "no remedy: {text}");
+        for word in words {
+            assert!(text.contains(word), "no '{word}' in: {text}");
+        }
+    }
+}
+
+#[test]
+fn an_include_cycle_and_a_missing_include_are_one_error() {
+    for (included, words) in [("bad.urdf.xacro", "bad.urdf.xacro"), ("none.xacro", "none.xacro")] {
+        let folder = TempDir::new().unwrap();
+        let path = folder.path().join("bad.urdf.xacro");
+        let text = format!(
+            "<robot name='r' xmlns:xacro='http://x'>\n<xacro:include filename='{included}'/></robot>"
+        );
+        std::fs::write(&path, text).unwrap();
+        let (robot, problems) = load_from(PackagePath::new([], None), path.to_str().unwrap(), false);
+        let [problem] = &problems[..] else { panic!("{problems:#?}") };
+        assert!(robot.is_none() && problem.source.line == 2 && problem.what.contains(words), "{problem}");
+        assert!(!problem.remedy.is_empty(), "{problem}");
+    }
 }

@@ -1,5 +1,6 @@
 //! The `belvedere` command and its subcommands.
 
+pub mod check;
 pub mod echo;
 pub mod error;
 pub mod follow;
@@ -47,6 +48,7 @@ enum Command {
     Hz(hz::HzArgs),
     Echo(echo::EchoArgs),
     Snapshot(snapshot::SnapshotArgs),
+    Check(check::CheckArgs),
     /// Print a script that completes this command in a shell.
     ///
     /// For bash: belvedere completions bash > ~/.local/share/bash-completion/completions/belvedere
@@ -68,6 +70,7 @@ pub fn main() -> ExitCode {
         Some(Command::Hz(args)) => hz::run(args),
         Some(Command::Echo(args)) => echo::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
+        Some(Command::Check(args)) => check::run(args),
         Some(Command::Completions { shell }) => {
             clap_complete::generate(*shell, &mut Cli::command(), "belvedere", &mut std::io::stdout());
             Ok(())

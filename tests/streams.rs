@@ -3,7 +3,8 @@
 
 mod live;
 
-use belvedere_bridge::payload::CameraInfo;
+use belvedere_bridge::StreamSpec;
+use belvedere_bridge::payload::{CameraInfo, Odometry, VelocityCommand};
 use live::{Simulator, files_of, next_frame, output, own_domain};
 use std::time::Instant;
 
@@ -66,6 +67,34 @@ fn the_kinect_publishes_at_the_lower_of_both_rates() {
             .filter(|stream| stream.topic.starts_with("camera/"))
             .all(|stream| stream.rate_hz == Some(10.0))
     );
+}
+
+/// Commands from another process drive the robot; 0.6 s after the last it stands.
+#[test]
+fn velocity_commands_drive_the_robot() {
+    let simulator = Simulator::start(&["--drive", "still"]);
+    let node = simulator.node();
+    let mut odometry = node.subscriber("/odom").unwrap();
+    let x_m = |frame: &belvedere_bridge::Frame| frame.message::<Odometry>().unwrap().position[0];
+    let start = x_m(&next_frame(&mut odometry));
+    let commands = node.publisher(&StreamSpec::velocity_command("/cmd_vel")).unwrap();
+    let forward = VelocityCommand { linear: [0.3, 0.0, 0.0], angular: [0.0; 3] };
+    let started = Instant::now();
+    let (mut farthest, mut last_sent_ns) = (start, 0);
+    while farthest < start + 0.2 {
+        assert!(started.elapsed() < live::PATIENCE, "the robot does not move");
+        commands.send_structs(0, &[forward]).unwrap();
+        let frame = next_frame(&mut odometry);
+        (farthest, last_sent_ns) = (x_m(&frame), frame.header().stamp_ns);
+    }
+    // The command holds for 0.6 s and may have been taken 20 ms later; stopping from 0.3 m/s takes 0.3 s at 1 m/s².
+    let at_rest = std::iter::repeat_with(|| next_frame(&mut odometry))
+        .find(|frame| frame.header().stamp_ns > last_sent_ns + 1_200_000_000)
+        .unwrap();
+    let odometry: Odometry = at_rest.message().unwrap();
+    assert_eq!(odometry.linear, [0.0; 3], "it stands");
+    let rolled_on = odometry.position[0] - farthest;
+    assert!((0.1..0.3).contains(&rolled_on), "it rolled on for {rolled_on} m");
 }
 
 #[test]

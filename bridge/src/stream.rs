@@ -87,17 +87,18 @@ impl StreamSpec {
         }
     }
 
-    /// A stream of up to `max_count` structs of this kind.
+    /// A stream of up to `max_count` structs of this kind. Its buffer is deeper than that of pictures: they are
+    /// small, every one counts (transforms, odometry), and after a long picture several come at once.
     #[must_use]
     pub fn structs(topic: impl Into<String>, kind: Kind, max_count: usize) -> Self {
         let elem_size = kind.struct_size().unwrap_or(1);
-        Self::new(topic, kind, Encoding::Struct, elem_size * max_count.max(1))
+        Self { buffer: 16, ..Self::new(topic, kind, Encoding::Struct, elem_size * max_count.max(1)) }
     }
 
     /// A stream to the robot: velocity commands from up to 8 senders, no history, a deeper buffer.
     #[must_use]
     pub fn velocity_command(topic: impl Into<String>) -> Self {
-        Self { max_publishers: 8, buffer: 8, history: 0, ..Self::structs(topic, Kind::VelocityCommand, 1) }
+        Self { max_publishers: 8, history: 0, ..Self::structs(topic, Kind::VelocityCommand, 1) }
     }
 
     /// The same with this frame.

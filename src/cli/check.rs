@@ -17,6 +17,7 @@ use glam::{DVec3, EulerRot};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// Show what a robot or world file is understood to be, and everything that is wrong with it.
 ///
 /// Prints the tree of links with their joints, the sensors with all their parameters after defaults and plugins,
@@ -248,15 +249,16 @@ fn noise(noise: &Noise, unit: &str) -> String {
     if *noise == Noise::default() {
         return "none".into();
     }
-    let mut text = format!("gaussian, mean {}, stddev {} {unit}", number(noise.mean), number(noise.stddev));
+    let mut parts =
+        vec![format!("gaussian, mean {}, stddev {} {unit}", number(noise.mean), number(noise.stddev))];
     if noise.bias_mean != 0.0 || noise.bias_stddev != 0.0 {
-        text +=
-            &format!(", bias mean {}, bias stddev {}", number(noise.bias_mean), number(noise.bias_stddev));
+        let (mean, stddev) = (number(noise.bias_mean), number(noise.bias_stddev));
+        parts.push(format!("bias mean {mean}, bias stddev {stddev}"));
     }
     if noise.precision > 0.0 {
-        text += &format!(", rounded to {}", number(noise.precision));
+        parts.push(format!("rounded to {}", number(noise.precision)));
     }
-    text
+    parts.join(", ")
 }
 
 fn world_report(world: &World) -> Vec<String> {
@@ -391,7 +393,7 @@ mod tests {
             (-0.0, "0"),
             (30.0, "30"),
             (0.35, "0.35"),
-            (-1.570_796_3, "-1.5707963"),
+            (-1.308_996_9, "-1.3089969"),
             (1e-7, "1e-7"),
             (f64::INFINITY, "inf"),
         ] {

@@ -22,6 +22,7 @@ const NAP: Duration = Duration::from_millis(20);
 /// Lag beyond which lost time is given up instead of being caught up with in a burst.
 const GIVE_UP: Duration = Duration::from_millis(200);
 
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// Run a robot in a world and publish what its sensors see, until Ctrl-C.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:

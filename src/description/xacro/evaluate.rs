@@ -136,10 +136,10 @@ fn arithmetic(operator: Arithmetic, left: &Value, right: &Value) -> Result<Value
         }
         _ => {}
     }
-    if let (Some(a), Some(b)) = (left.integer(), right.integer()) {
-        if let Some(result) = integer_arithmetic(operator, a, b)? {
-            return Ok(result);
-        }
+    if let (Some(a), Some(b)) = (left.integer(), right.integer())
+        && let Some(result) = integer_arithmetic(operator, a, b)?
+    {
+        return Ok(result);
     }
     let symbol = match operator {
         Arithmetic::Add => "+",

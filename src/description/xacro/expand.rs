@@ -187,10 +187,10 @@ impl Expander<'_> {
                 return Ok(Role::Directive(directive));
             }
         }
-        if prefixed.is_some() || !is_own(name, at_top) {
-            if let Some((definition, home)) = self.find_macro(name) {
-                return Ok(Role::Call(definition, home));
-            }
+        if (prefixed.is_some() || !is_own(name, at_top))
+            && let Some((definition, home)) = self.find_macro(name)
+        {
+            return Ok(Role::Call(definition, home));
         }
         if prefixed.is_some() || (at_top && self.strict && !TOP_LEVEL.contains(&name)) {
             return Err(self.unknown_macro(name));
@@ -504,10 +504,8 @@ impl Expander<'_> {
         default: Option<&str>,
         definition: &Macro,
     ) -> Result<Value, Fault> {
-        if forward {
-            if let Some(value) = self.property(name, self.scopes.len() - 1)? {
-                return Ok(value);
-            }
+        if forward && let Some(value) = self.property(name, self.scopes.len() - 1)? {
+            return Ok(value);
         }
         match default {
             Some(default) => Ok(self.value(default, &definition.source)?.into_literal()),
@@ -551,13 +549,12 @@ impl Expander<'_> {
             return Err(self.problem(fault, source));
         }
         self.check_cycle(&path, source)?;
-        let included = match self.parsed.get(&path) {
-            Some(parsed) => parsed.clone(),
-            None => {
-                let parsed = Rc::new(Element::parse_file(&path)?);
-                self.parsed.insert(path.clone(), parsed.clone());
-                parsed
-            }
+        let included = if let Some(parsed) = self.parsed.get(&path) {
+            parsed.clone()
+        } else {
+            let parsed = Rc::new(Element::parse_file(&path)?);
+            self.parsed.insert(path.clone(), parsed.clone());
+            parsed
         };
         let namespace = element.attribute("ns").map(|_| self.required(element, "ns")).transpose()?;
         if namespace.is_some() {
@@ -631,10 +628,10 @@ impl Expander<'_> {
     /// As an error at `source`, with the macro calls that led there.
     fn problem(&self, fault: Fault, source: &Source) -> Problem {
         let mut problem = fault.into_problem(source);
-        if let Some((name, call)) = self.calls.last() {
-            if *call != problem.source {
-                problem.what = format!("{} (in macro '{name}', called at {call})", problem.what);
-            }
+        if let Some((name, call)) = self.calls.last()
+            && *call != problem.source
+        {
+            problem.what = format!("{} (in macro '{name}', called at {call})", problem.what);
         }
         problem
     }

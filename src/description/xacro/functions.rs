@@ -160,19 +160,17 @@ fn builtin(name: &str, arguments: &[Value]) -> Option<Result<Value, Fault>> {
         ("int", []) => Value::Int(0),
         ("int", [Value::Float(x)]) => return Some(integer(x.trunc())),
         ("int", [Value::Text(text)]) => Value::Int(text.trim().parse().ok()?),
-        ("int", [x]) => Value::Int(x.integer()?),
+        ("round", [Value::Float(x)]) => return Some(integer(x.round_ties_even())),
+        ("int" | "round", [x]) => Value::Int(x.integer()?),
         ("float", [Value::Text(text)]) => Value::Float(text.trim().parse().ok()?),
         ("float", [x]) => Value::Float(x.number()?),
         ("str", []) => Value::Text(String::new()),
-        ("str", [x]) => Value::Text(x.to_string()),
         ("repr", [Value::Text(text)]) => Value::Text(format!("'{text}'")),
-        ("repr", [x]) => Value::Text(x.to_string()),
+        ("str" | "repr", [x]) => Value::Text(x.to_string()),
         ("bool", []) => Value::Bool(false),
         ("bool", [x]) => Value::Bool(x.truth()),
         ("len", [Value::Text(text)]) => Value::Int(text.chars().count() as i64),
         ("len", [Value::List(items)]) => Value::Int(items.len() as i64),
-        ("round", [Value::Float(x)]) => return Some(integer(x.round_ties_even())),
-        ("round", [x]) => Value::Int(x.integer()?),
         ("round", [x, digits]) => {
             let digits = usize::try_from(digits.integer()?).ok().filter(|digits| *digits <= 300)?;
             match x {

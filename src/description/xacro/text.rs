@@ -62,7 +62,6 @@ fn end_of(text: &str, open: char) -> Option<usize> {
     for (at, c) in text.char_indices().skip(1) {
         match quote {
             Some(q) if c == q => quote = None,
-            Some(_) => {}
             None if open == '{' && (c == '\'' || c == '"') => quote = Some(c),
             None if c == open => depth += 1,
             None if c == close => {
@@ -71,7 +70,7 @@ fn end_of(text: &str, open: char) -> Option<usize> {
                     return Some(at);
                 }
             }
-            None => {}
+            Some(_) | None => {}
         }
     }
     None

@@ -402,6 +402,7 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::approx_constant, reason = "the articles' number, which is not π/2")]
     fn poses_are_written_as_urdf_writes_them() {
         let turned = Pose::from_xyz_rpy(DVec3::new(0.15, 0.0, 0.35), DVec3::new(0.1, -0.2, 0.3));
         assert_eq!(pose(&turned), "xyz 0.15 0 0.35 rpy 0.1 -0.2 0.3");

@@ -18,6 +18,7 @@ pub(crate) mod bvh;
 mod instance;
 mod material;
 mod texture;
+pub mod tree;
 
 #[cfg(feature = "alloc")]
 mod builder;

@@ -17,15 +17,13 @@ const LEAF_TRIANGLES: usize = 4;
 /// Owns a scene's data; [`SceneBuilder::scene`] lends it.
 ///
 /// ```
-/// use belvedere_sensors::{Pose, scene::*};
+/// use belvedere_sensors::scene::*;
 /// let mut builder = SceneBuilder::new();
 /// let grey = builder.add_material(&MaterialConfig::default())?;
 /// builder.add_instance(&InstanceConfig {
 ///     shape: Shape::Sphere { radius: 0.5 },
-///     world_from_instance: Pose::IDENTITY,
 ///     material: grey,
-///     visibility: visibility::VISUAL | visibility::COLLISION,
-///     laser_retro: 0.0,
+///     ..Default::default()
 /// })?;
 /// assert_eq!(builder.scene().instances().len(), 1);
 /// # Ok::<(), SceneError>(())

@@ -11,8 +11,12 @@
 //! | box +y / −y | −x / +x | +z |
 //! | box +z / −z | +x | +y / −y |
 //! | rectangle (seen from +z) | +x | +y |
-//! | sphere, side of cylinder and capsule | once around, counter-clockwise from −x seen from +z | −z end to +z end |
-//! | ends of a cylinder | +x | +y / −y |
+//! | plane (seen from +z) | +x | +y |
+//! | sphere, ellipsoid, capsule, side of cylinder and cone | once around, counter-clockwise from −x seen from +z | −z end to +z end |
+//! | ends of a cylinder, base of a cone | +x | +y / −y |
+//!
+//! Both run from 0 to 1 over a face; on the endless plane they are metres from its origin. They belong to the
+//! shape: an instance's scale stretches the texture with it. Around an ellipsoid, u is the angle of (x/a, y/b).
 
 pub(crate) mod bvh;
 mod instance;
@@ -25,7 +29,10 @@ mod builder;
 
 pub use bvh::{Aabb, Node, max_nodes};
 pub use instance::{Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility};
-pub(crate) use instance::{KIND_BOX, KIND_CAPSULE, KIND_CYLINDER, KIND_MESH, KIND_RECTANGLE, KIND_SPHERE};
+pub(crate) use instance::{
+    KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_MESH, KIND_PLANE, KIND_RECTANGLE,
+    KIND_SPHERE,
+};
 pub use material::{Environment, Light, LightConfig, LightKind, Material, MaterialConfig};
 pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
@@ -83,6 +90,8 @@ impl<'a> Scene<'a> {
 pub enum SceneError {
     /// A length is not positive and finite.
     BadSize,
+    /// A scale is 0 or not finite.
+    BadScale,
     /// A pose is not finite.
     BadPose,
     /// Vertex of that index is not finite.
@@ -111,6 +120,7 @@ impl core::fmt::Display for SceneError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::BadSize => f.write_str("a length is not positive and finite"),
+            Self::BadScale => f.write_str("a scale is 0 or not finite"),
             Self::BadPose => f.write_str("a pose is not finite"),
             Self::BadVertex(index) => write!(f, "vertex {index} is not finite"),
             Self::BadTriangle(index) => write!(f, "triangle {index} refers to a vertex that is not there"),

@@ -12,8 +12,8 @@ use glam::{DMat3, DVec3};
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct Placed {
-    /// Columns: the instance's axes in the frame.
-    pub(crate) axes: [[f64; 3]; 3],
+    /// Rows: take what is relative to `translation` into the instance's unscaled frame.
+    pub(crate) inverse: [[f64; 3]; 3],
     pub(crate) translation: [f64; 3],
     pub(crate) instance: u32,
     reserved: u32,
@@ -119,11 +119,10 @@ impl<'a> Frame<'a> {
             if instance.visibility & visibility == 0 {
                 continue;
             }
-            let pose = &instance.world_from_instance;
-            let translation = pose.translation() - origin_in_world;
-            let axes = pose.rotation_matrix();
+            let translation = instance.world_from_instance.translation() - origin_in_world;
+            let axes = instance.scaled_axes();
             workspace.placed[count] = Placed {
-                axes: axes.to_cols_array_2d(),
+                inverse: instance.inverse_scaled_axes().transpose().to_cols_array_2d(),
                 translation: translation.to_array(),
                 instance: index as u32,
                 reserved: 0,

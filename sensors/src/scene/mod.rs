@@ -14,6 +14,7 @@
 //! | sphere, side of cylinder and capsule | once around, counter-clockwise from −x seen from +z | −z end to +z end |
 //! | ends of a cylinder | +x | +y / −y |
 
+pub mod build;
 pub(crate) mod bvh;
 mod instance;
 mod material;
@@ -87,6 +88,8 @@ pub enum SceneError {
     BadPose,
     /// Vertex of that index is not finite.
     BadVertex(usize),
+    /// Vertex of that index is farther from the mesh's origin than [`build::MAX_COORDINATE`].
+    VertexTooFar(usize),
     /// Triangle of that index refers to a vertex that is not there.
     BadTriangle(usize),
     /// A mesh without triangles.
@@ -103,6 +106,17 @@ pub enum SceneError {
     NoSuchTexture,
     /// No instance of that index.
     NoSuchInstance,
+    /// A buffer of the caller's does not hold what it must.
+    BufferTooSmall {
+        /// Which one.
+        buffer: &'static str,
+        /// Its elements.
+        have: usize,
+        /// Elements that are needed.
+        need: usize,
+    },
+    /// Node of that index does not belong to a tree over the given triangles.
+    BadTree(usize),
     /// More elements of one kind than 32-bit indices can count.
     TooMany,
 }
@@ -113,6 +127,13 @@ impl core::fmt::Display for SceneError {
             Self::BadSize => f.write_str("a length is not positive and finite"),
             Self::BadPose => f.write_str("a pose is not finite"),
             Self::BadVertex(index) => write!(f, "vertex {index} is not finite"),
+            Self::VertexTooFar(index) => {
+                write!(f, "vertex {index} is farther than 1e12 m from the origin of its mesh")
+            }
+            Self::BufferTooSmall { buffer, have, need } => {
+                write!(f, "the buffer `{buffer}` holds {have} elements, and {need} are needed")
+            }
+            Self::BadTree(node) => write!(f, "node {node} does not belong to a tree over these triangles"),
             Self::BadTriangle(index) => write!(f, "triangle {index} refers to a vertex that is not there"),
             Self::EmptyMesh => f.write_str("a mesh without triangles"),
             Self::UvCount => f.write_str("texture coordinates must be none or one per vertex"),

@@ -20,7 +20,6 @@ mod instance;
 mod material;
 mod texture;
 pub mod tree;
-mod validate;
 
 #[cfg(feature = "alloc")]
 mod builder;
@@ -31,8 +30,6 @@ pub(crate) use instance::{KIND_BOX, KIND_CAPSULE, KIND_CYLINDER, KIND_MESH, KIND
 pub use material::{Environment, Light, LightConfig, LightKind, Material, MaterialConfig};
 pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
-
-pub use validate::{TreeFault, validate_scratch_len, validate_tree};
 
 #[cfg(feature = "alloc")]
 pub use builder::SceneBuilder;
@@ -47,8 +44,15 @@ pub struct Mesh {
     pub(crate) vertices: u32,
     pub(crate) first_triangle: u32,
     pub(crate) triangles: u32,
+    pub(crate) old_first_node: u32,
+    pub(crate) old_nodes: u32,
     pub(crate) first_node: u32,
     pub(crate) nodes: u32,
+    pub(crate) first_block: u32,
+    pub(crate) blocks: u32,
+    /// Corners of the box that holds it.
+    pub(crate) min: [f32; 3],
+    pub(crate) max: [f32; 3],
 }
 
 /// Everything there is to see, borrowed. Cheap to copy.
@@ -61,7 +65,9 @@ pub struct Scene<'a> {
     pub(crate) uvs: &'a [[f32; 2]],
     /// Vertex indices relative to the mesh's first, in the order of the tree's leaves.
     pub(crate) triangles: &'a [[u32; 3]],
-    pub(crate) nodes: &'a [Node],
+    pub(crate) old_nodes: &'a [Node],
+    pub(crate) nodes: &'a [tree::WideNode],
+    pub(crate) blocks: &'a [tree::TriangleBlock],
     pub(crate) materials: &'a [Material],
     pub(crate) textures: &'a [Texture],
     pub(crate) texels: &'a [[u8; 4]],

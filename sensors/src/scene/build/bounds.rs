@@ -85,7 +85,7 @@ impl Scratch {
 }
 
 /// Every vertex is finite and within [`MAX_COORDINATE`].
-pub(in crate::scene) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), SceneError> {
+pub(super) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), SceneError> {
     let inside = |vertex: &[f32; 3]| {
         (vertex[0].abs() <= MAX_COORDINATE)
             & (vertex[1].abs() <= MAX_COORDINATE)
@@ -103,7 +103,7 @@ pub(in crate::scene) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), Sce
 /// # Errors
 /// [`SceneError::BadTriangle`] when it names a vertex that is not there.
 #[inline(always)]
-pub(in crate::scene) fn corners(
+pub(super) fn corners(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
     index: usize,

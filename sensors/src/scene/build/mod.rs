@@ -16,7 +16,6 @@ mod owned;
 mod refit;
 
 pub use bounds::{MAX_COORDINATE, Scratch};
-pub(super) use bounds::{check_vertices, corners};
 #[cfg(feature = "alloc")]
 pub use owned::Tree;
 pub use refit::refit;

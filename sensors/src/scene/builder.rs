@@ -35,7 +35,9 @@ pub struct SceneBuilder {
     vertices: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     triangles: Vec<[u32; 3]>,
-    nodes: Vec<Node>,
+    old_nodes: Vec<Node>,
+    nodes: Vec<super::tree::WideNode>,
+    blocks: Vec<super::tree::TriangleBlock>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
     texels: Vec<[u8; 4]>,
@@ -115,11 +117,27 @@ impl SceneBuilder {
             vertices: index(positions.len())?,
             first_triangle: index(self.triangles.len())?,
             triangles: index(triangles.len())?,
+            old_first_node: index(self.old_nodes.len())?,
+            old_nodes: 0,
             first_node: index(self.nodes.len())?,
             nodes: 0,
+            first_block: index(self.blocks.len())?,
+            blocks: 0,
+            min: [0.0; 3],
+            max: [0.0; 3],
         };
         index(self.vertices.len() + positions.len())?;
-        index(self.nodes.len() + 2 * triangles.len())?;
+        let tree = super::build::Tree::build(
+            positions,
+            triangles,
+            super::build::Quality::High,
+            crate::Execution::default(),
+        )?;
+        let mut all = Aabb::EMPTY;
+        for axis in 0..3 {
+            all.min[axis] = tree.nodes[0].min[axis].iter().copied().fold(f32::INFINITY, f32::min);
+            all.max[axis] = tree.nodes[0].max[axis].iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        }
 
         let bounds: Vec<Aabb> = triangles
             .iter()
@@ -135,12 +153,21 @@ impl SceneBuilder {
         let mut nodes = vec![Node::zeroed(); bvh::max_nodes(triangles.len())];
         let used = bvh::build(&bounds, &mut order, &mut nodes, LEAF_TRIANGLES);
 
-        self.nodes.extend_from_slice(&nodes[..used]);
+        self.old_nodes.extend_from_slice(&nodes[..used]);
+        self.nodes.extend_from_slice(&tree.nodes);
+        self.blocks.extend_from_slice(&tree.blocks);
         self.triangles.extend(order.iter().map(|&triangle| triangles[triangle as usize]));
         self.vertices.extend_from_slice(positions);
         self.uvs.extend_from_slice(uvs);
         self.uvs.resize(self.vertices.len(), [0.0; 2]);
-        self.meshes.push(Mesh { nodes: used as u32, ..mesh });
+        self.meshes.push(Mesh {
+            old_nodes: used as u32,
+            nodes: tree.nodes.len() as u32,
+            blocks: tree.blocks.len() as u32,
+            min: all.min,
+            max: all.max,
+            ..mesh
+        });
         Ok(MeshId(index(self.meshes.len() - 1)?))
     }
 
@@ -191,7 +218,9 @@ impl SceneBuilder {
             vertices: &self.vertices,
             uvs: &self.uvs,
             triangles: &self.triangles,
+            old_nodes: &self.old_nodes,
             nodes: &self.nodes,
+            blocks: &self.blocks,
             materials: &self.materials,
             textures: &self.textures,
             texels: &self.texels,

@@ -18,6 +18,7 @@
 //! Both run from 0 to 1 over a face; on the endless plane they are metres from its origin. They belong to the
 //! shape: an instance's scale stretches the texture with it. Around an ellipsoid, u is the angle of (x/a, y/b).
 
+pub mod build;
 pub(crate) mod bvh;
 mod instance;
 mod material;
@@ -50,8 +51,15 @@ pub struct Mesh {
     pub(crate) vertices: u32,
     pub(crate) first_triangle: u32,
     pub(crate) triangles: u32,
+    pub(crate) old_first_node: u32,
+    pub(crate) old_nodes: u32,
     pub(crate) first_node: u32,
     pub(crate) nodes: u32,
+    pub(crate) first_block: u32,
+    pub(crate) blocks: u32,
+    /// Corners of the box that holds it.
+    pub(crate) min: [f32; 3],
+    pub(crate) max: [f32; 3],
 }
 
 /// Everything there is to see, borrowed. Cheap to copy.
@@ -64,7 +72,9 @@ pub struct Scene<'a> {
     pub(crate) uvs: &'a [[f32; 2]],
     /// Vertex indices relative to the mesh's first, in the order of the tree's leaves.
     pub(crate) triangles: &'a [[u32; 3]],
-    pub(crate) nodes: &'a [Node],
+    pub(crate) old_nodes: &'a [Node],
+    pub(crate) nodes: &'a [tree::WideNode],
+    pub(crate) blocks: &'a [tree::TriangleBlock],
     pub(crate) materials: &'a [Material],
     pub(crate) textures: &'a [Texture],
     pub(crate) texels: &'a [[u8; 4]],
@@ -96,6 +106,8 @@ pub enum SceneError {
     BadPose,
     /// Vertex of that index is not finite.
     BadVertex(usize),
+    /// Vertex of that index is farther from the mesh's origin than [`build::MAX_COORDINATE`].
+    VertexTooFar(usize),
     /// Triangle of that index refers to a vertex that is not there.
     BadTriangle(usize),
     /// A mesh without triangles.
@@ -112,6 +124,17 @@ pub enum SceneError {
     NoSuchTexture,
     /// No instance of that index.
     NoSuchInstance,
+    /// A buffer of the caller's does not hold what it must.
+    BufferTooSmall {
+        /// Which one.
+        buffer: &'static str,
+        /// Its elements.
+        have: usize,
+        /// Elements that are needed.
+        need: usize,
+    },
+    /// Node of that index does not belong to a tree over the given triangles.
+    BadTree(usize),
     /// More elements of one kind than 32-bit indices can count.
     TooMany,
 }
@@ -123,6 +146,13 @@ impl core::fmt::Display for SceneError {
             Self::BadScale => f.write_str("a scale is 0 or not finite"),
             Self::BadPose => f.write_str("a pose is not finite"),
             Self::BadVertex(index) => write!(f, "vertex {index} is not finite"),
+            Self::VertexTooFar(index) => {
+                write!(f, "vertex {index} is farther than 1e12 m from the origin of its mesh")
+            }
+            Self::BufferTooSmall { buffer, have, need } => {
+                write!(f, "the buffer `{buffer}` holds {have} elements, and {need} are needed")
+            }
+            Self::BadTree(node) => write!(f, "node {node} does not belong to a tree over these triangles"),
             Self::BadTriangle(index) => write!(f, "triangle {index} refers to a vertex that is not there"),
             Self::EmptyMesh => f.write_str("a mesh without triangles"),
             Self::UvCount => f.write_str("texture coordinates must be none or one per vertex"),

@@ -154,7 +154,7 @@ fn bounds_in_frame(scene: &Scene<'_>, instance: &Instance, axes: &DMat3, transla
     let (centre, half) = instance.half_extents().map_or_else(
         || {
             let mesh = &scene.meshes[instance.mesh as usize];
-            let bounds = &scene.nodes[mesh.first_node as usize].bounds;
+            let bounds = &scene.old_nodes[mesh.old_first_node as usize].bounds;
             let (low, high) = (bounds.min.map(f64::from), bounds.max.map(f64::from));
             let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
             ((low + high) * 0.5, (high - low) * 0.5)

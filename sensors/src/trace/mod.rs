@@ -4,11 +4,16 @@
 //! and building a tree over them; each mesh has its own tree. Packets go through both with interval bounds: a
 //! subtree that no ray of the packet can meet is left out for all 64 at once.
 
+mod cast;
 pub(crate) mod frame;
+pub(crate) mod image;
 pub(crate) mod packet;
 mod shapes;
 pub(crate) mod surface;
 pub(crate) mod traverse;
+pub(crate) mod view;
+
+pub use cast::{CacheLine, Hits, RayGrid, cast_grid, memory_len};
 
 #[cfg(feature = "alloc")]
 pub use frame::WorkspaceBuf;

@@ -174,7 +174,7 @@ fn walk_mesh<S: Simd>(
     placed: u32,
 ) {
     let scene = &frame.scene;
-    let nodes = &scene.nodes[mesh.first_node as usize..][..mesh.nodes as usize];
+    let nodes = &scene.old_nodes[mesh.old_first_node as usize..][..mesh.old_nodes as usize];
     simd.vectorize(
         #[inline(always)]
         || {

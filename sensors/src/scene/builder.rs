@@ -3,8 +3,9 @@
 use super::bvh::{self, Aabb, Node};
 use super::texture::{TextureId, fill_mip_levels, mip_levels, mip_texels};
 use super::{
-    Environment, Instance, InstanceConfig, InstanceId, KIND_MESH, Light, LightConfig, Material,
-    MaterialConfig, MaterialId, Mesh, MeshId, NO_TEXTURE, Scene, SceneError, Texture,
+    Environment, HeightField, HeightFieldId, Instance, InstanceConfig, InstanceId, KIND_HEIGHT_FIELD,
+    KIND_MESH, Light, LightConfig, Material, MaterialConfig, MaterialId, Mesh, MeshId, NO_TEXTURE, Scene,
+    SceneError, Texture,
 };
 use crate::pose::Pose;
 use alloc::vec;
@@ -38,6 +39,9 @@ pub struct SceneBuilder {
     old_nodes: Vec<Node>,
     nodes: Vec<super::tree::WideNode>,
     blocks: Vec<super::tree::TriangleBlock>,
+    height_fields: Vec<HeightField>,
+    heights: Vec<f32>,
+    extents: Vec<[f32; 2]>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
     texels: Vec<[u8; 4]>,
@@ -171,14 +175,46 @@ impl SceneBuilder {
         Ok(MeshId(index(self.meshes.len() - 1)?))
     }
 
+    /// Takes in a terrain of `rows` × `columns` heights in metres, row by row from +y to −y, each row from −x to
+    /// +x. `size` are its full lengths along x and y; z = 0 is where the height is 0.
+    ///
+    /// # Errors
+    /// Those of [`HeightField::build`].
+    pub fn add_height_field(
+        &mut self,
+        rows: u32,
+        columns: u32,
+        size: [f64; 2],
+        heights: &[f32],
+    ) -> Result<HeightFieldId, SceneError> {
+        let first_height = index(self.heights.len())?;
+        let first_extent = index(self.extents.len())?;
+        index(self.heights.len() + heights.len())?;
+        // Nothing is allocated for a grid whose heights are not there.
+        let fits = u64::from(rows) * u64::from(columns) == heights.len() as u64;
+        let need = if fits { HeightField::extents_len(rows, columns) } else { 0 };
+        index(self.extents.len() + need)?;
+        let mut extents = vec![[0.0; 2]; need];
+        let mut field = HeightField::build(rows, columns, size, heights, &mut extents)?;
+        (field.first_height, field.first_extent) = (first_height, first_extent);
+        self.heights.extend_from_slice(heights);
+        self.extents.extend_from_slice(&extents);
+        self.height_fields.push(field);
+        Ok(HeightFieldId(index(self.height_fields.len() - 1)?))
+    }
+
     /// Takes in an instance.
     ///
     /// # Errors
-    /// Those of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchMaterial`].
+    /// Those of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchHeightField`],
+    /// [`SceneError::NoSuchMaterial`].
     pub fn add_instance(&mut self, config: &InstanceConfig) -> Result<InstanceId, SceneError> {
         let instance = Instance::new(config)?;
         if instance.kind == KIND_MESH && instance.mesh as usize >= self.meshes.len() {
             return Err(SceneError::NoSuchMesh);
+        }
+        if instance.kind == KIND_HEIGHT_FIELD && instance.mesh as usize >= self.height_fields.len() {
+            return Err(SceneError::NoSuchHeightField);
         }
         if instance.material as usize >= self.materials.len() {
             return Err(SceneError::NoSuchMaterial);
@@ -221,6 +257,9 @@ impl SceneBuilder {
             old_nodes: &self.old_nodes,
             nodes: &self.nodes,
             blocks: &self.blocks,
+            height_fields: &self.height_fields,
+            heights: &self.heights,
+            extents: &self.extents,
             materials: &self.materials,
             textures: &self.textures,
             texels: &self.texels,

@@ -53,11 +53,17 @@ pub enum Shape {
     },
     /// Triangles of the scene.
     Mesh(MeshId),
+    /// A height field of the scene; its outside is +z. Below, and beyond its edges, there is nothing.
+    HeightField(HeightFieldId),
 }
 
 /// Index of a mesh in its scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct MeshId(pub u32);
+
+/// Index of a height field in its scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct HeightFieldId(pub u32);
 
 /// Index of a material in its scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -117,6 +123,7 @@ pub(crate) const KIND_MESH: u32 = 5;
 pub(crate) const KIND_PLANE: u32 = 6;
 pub(crate) const KIND_ELLIPSOID: u32 = 7;
 pub(crate) const KIND_CONE: u32 = 8;
+pub(crate) const KIND_HEIGHT_FIELD: u32 = 9;
 
 /// Half the edges of the box of an endless plane: a tenth of a light-year, beyond the range of every sensor, and
 /// yet small enough that areas in single precision stay finite.
@@ -133,6 +140,7 @@ pub struct Instance {
     pub(crate) size: [f64; 3],
     pub(crate) scale: [f64; 3],
     pub(crate) kind: u32,
+    /// Of a mesh or height field: which one.
     pub(crate) mesh: u32,
     pub(crate) material: u32,
     pub(crate) visibility: u32,
@@ -157,6 +165,7 @@ impl Instance {
             Shape::Capsule { radius, length } => (KIND_CAPSULE, [radius, length * 0.5, 1.0], 0),
             Shape::Cone { radius, length } => (KIND_CONE, [radius, length * 0.5, 1.0], 0),
             Shape::Mesh(mesh) => (KIND_MESH, [1.0; 3], mesh.0),
+            Shape::HeightField(field) => (KIND_HEIGHT_FIELD, [1.0; 3], field.0),
         };
         if !size.iter().all(|length| length.is_finite() && *length > 0.0) {
             return Err(SceneError::BadSize);
@@ -182,7 +191,7 @@ impl Instance {
 
     /// Whether the shape is convex: it cannot stand in its own light.
     pub(crate) fn is_convex(&self) -> bool {
-        self.kind != KIND_MESH
+        self.kind != KIND_MESH && self.kind != KIND_HEIGHT_FIELD
     }
 
     /// The instance's axes in the world: turned, and as long as the scale makes them.
@@ -199,8 +208,8 @@ impl Instance {
         DMat3::from_cols(axes.x_axis / x, axes.y_axis / y, axes.z_axis / z).transpose()
     }
 
-    /// Half extents of the box that holds the surface in its own unscaled frame; none for a mesh, whose tree
-    /// knows.
+    /// Half extents of the box that holds the surface in its own unscaled frame; none for a mesh or
+    /// height field, whose tree knows: see [`Scene::local_bounds`](super::Scene::local_bounds).
     pub(crate) fn half_extents(&self) -> Option<[f64; 3]> {
         let [a, b, c] = self.size;
         Some(match self.kind {

@@ -12,6 +12,7 @@
 //! | box +z / −z | +x | +y / −y |
 //! | rectangle (seen from +z) | +x | +y |
 //! | plane (seen from +z) | +x | +y |
+//! | height field (seen from above) | +x | +y |
 //! | sphere, ellipsoid, capsule, side of cylinder and cone | once around, counter-clockwise from −x seen from +z | −z end to +z end |
 //! | ends of a cylinder, base of a cone | +x | +y / −y |
 //!
@@ -20,6 +21,7 @@
 
 pub mod build;
 pub(crate) mod bvh;
+mod height_field;
 mod instance;
 mod material;
 mod texture;
@@ -29,10 +31,13 @@ pub mod tree;
 mod builder;
 
 pub use bvh::{Aabb, Node, max_nodes};
-pub use instance::{Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility};
+pub use height_field::{HeightField, HeightGrid};
+pub use instance::{
+    HeightFieldId, Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility,
+};
 pub(crate) use instance::{
-    KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_MESH, KIND_PLANE, KIND_RECTANGLE,
-    KIND_SPHERE,
+    KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH,
+    KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
 };
 pub use material::{Environment, Light, LightConfig, LightKind, Material, MaterialConfig};
 pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
@@ -42,6 +47,7 @@ pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
 pub use builder::SceneBuilder;
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 
 /// A mesh as it lies in a scene's memory: ranges of the scene's vertices, triangles and nodes.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -75,6 +81,10 @@ pub struct Scene<'a> {
     pub(crate) old_nodes: &'a [Node],
     pub(crate) nodes: &'a [tree::WideNode],
     pub(crate) blocks: &'a [tree::TriangleBlock],
+    pub(crate) height_fields: &'a [HeightField],
+    pub(crate) heights: &'a [f32],
+    /// Least and greatest heights below the nodes of height fields.
+    pub(crate) extents: &'a [[f32; 2]],
     pub(crate) materials: &'a [Material],
     pub(crate) textures: &'a [Texture],
     pub(crate) texels: &'a [[u8; 4]],
@@ -91,6 +101,21 @@ impl<'a> Scene<'a> {
     /// The lamps.
     pub fn lights(&self) -> &'a [Light] {
         self.lights
+    }
+
+    /// Corners of the box that holds an instance's surface in its own unscaled frame.
+    pub(crate) fn local_bounds(&self, instance: &Instance) -> [DVec3; 2] {
+        if let Some(half) = instance.half_extents() {
+            return [-DVec3::from_array(half), DVec3::from_array(half)];
+        }
+        let corners = if instance.kind == KIND_MESH {
+            let mesh = &self.meshes[instance.mesh as usize];
+            [mesh.min, mesh.max]
+        } else {
+            let field = &self.height_fields[instance.mesh as usize];
+            HeightGrid::new(field, self.heights, self.extents).bounds()
+        };
+        corners.map(|corner| DVec3::from_array(corner.map(f64::from)))
     }
 }
 
@@ -116,6 +141,14 @@ pub enum SceneError {
     UvCount,
     /// A texture of no size, or whose texels are not width × height.
     BadTexture,
+    /// A height field of fewer than 2 × 2 heights.
+    HeightFieldTooSmall,
+    /// The heights are not rows × columns.
+    HeightCount,
+    /// Height of that index is not finite, or beyond [`build::MAX_COORDINATE`].
+    BadHeight(usize),
+    /// An instance refers to a height field that the scene does not have.
+    NoSuchHeightField,
     /// An instance refers to a mesh that the scene does not have.
     NoSuchMesh,
     /// An instance refers to a material that the scene does not have.
@@ -157,6 +190,10 @@ impl core::fmt::Display for SceneError {
             Self::EmptyMesh => f.write_str("a mesh without triangles"),
             Self::UvCount => f.write_str("texture coordinates must be none or one per vertex"),
             Self::BadTexture => f.write_str("a texture must have width × height texels, both at least 1"),
+            Self::HeightFieldTooSmall => f.write_str("a height field must have 2 × 2 heights at least"),
+            Self::HeightCount => f.write_str("a height field must have rows × columns heights"),
+            Self::BadHeight(index) => write!(f, "height {index} is not finite, or beyond 1e12 m"),
+            Self::NoSuchHeightField => f.write_str("no such height field in the scene"),
             Self::NoSuchMesh => f.write_str("no such mesh in the scene"),
             Self::NoSuchMaterial => f.write_str("no such material in the scene"),
             Self::NoSuchTexture => f.write_str("no such texture in the scene"),

@@ -151,16 +151,8 @@ impl<'a> Frame<'a> {
 }
 
 fn bounds_in_frame(scene: &Scene<'_>, instance: &Instance, axes: &DMat3, translation: DVec3) -> Aabb {
-    let (centre, half) = instance.half_extents().map_or_else(
-        || {
-            let mesh = &scene.meshes[instance.mesh as usize];
-            let bounds = &scene.old_nodes[mesh.old_first_node as usize].bounds;
-            let (low, high) = (bounds.min.map(f64::from), bounds.max.map(f64::from));
-            let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
-            ((low + high) * 0.5, (high - low) * 0.5)
-        },
-        |half| (DVec3::ZERO, DVec3::from_array(half)),
-    );
+    let [low, high] = scene.local_bounds(instance);
+    let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let centre = *axes * centre + translation;
     let reach = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
     Aabb::from_f64((centre - reach).to_array(), (centre + reach).to_array())

@@ -7,8 +7,8 @@ use super::frame::{Frame, Placed};
 use super::packet::Packet;
 use super::traverse::triangle_corners;
 use crate::scene::{
-    KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_MESH, KIND_PLANE, KIND_RECTANGLE,
-    KIND_SPHERE,
+    HeightGrid, KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD,
+    KIND_MESH, KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
 };
 use crate::simd::{LANES, Lanes, sqrt};
 use core::f64::consts::{PI, TAU};
@@ -156,6 +156,23 @@ impl Surfaces {
                     around::<TEXTURED>(point, radial / a, [-b - a, b + a])
                 },
             ),
+            KIND_HEIGHT_FIELD => {
+                let scene = &frame.scene;
+                let field = &scene.height_fields[instance.mesh as usize];
+                let grid = HeightGrid::new(field, scene.heights, scene.extents);
+                self.add_lanes::<TEXTURED>(
+                    packet,
+                    index,
+                    placed,
+                    steps,
+                    #[inline(always)]
+                    |lane, point| {
+                        // Other lanes may have hit the triangle of something else.
+                        let triangle = if packet.placed[lane] == index { packet.triangle[lane] } else { 0 };
+                        on_height_field(&grid, triangle, point)
+                    },
+                );
+            }
             KIND_MESH => self.add_lanes::<TEXTURED>(
                 packet,
                 index,
@@ -364,6 +381,13 @@ fn around<const TEXTURED: bool>(point: DVec3, normal: DVec3, [low, high]: [f64; 
         uv: [(libm::atan2(point.y, point.x) + PI) / TAU, (point.z - low) * along],
         uv_gradient: [DVec3::new(-point.y * per_turn, point.x * per_turn, 0.0), DVec3::Z * along],
     }
+}
+
+fn on_height_field(grid: &HeightGrid<'_>, triangle: u32, point: DVec3) -> Surface {
+    let [a, b, c] = grid.triangle(triangle).map(|corner| DVec3::from_array(corner.map(f64::from)));
+    let [x, y] = grid.field().size();
+    let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
+    flat(normal, point, [DVec3::X / x, DVec3::Y / y])
 }
 
 fn on_triangle<const TEXTURED: bool>(frame: &Frame<'_>, triangle: u32, mesh: u32, point: DVec3) -> Surface {

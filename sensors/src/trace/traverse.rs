@@ -3,7 +3,7 @@
 use super::frame::Frame;
 use super::packet::{Faces, MISS, Packet, PacketBounds};
 use super::shapes::{LocalRays, commit, match_solid, triangle};
-use crate::scene::{Mesh, Node, bvh};
+use crate::scene::{KIND_MESH, Mesh, Node, bvh};
 use crate::simd::LANES;
 use fearless_simd::Simd;
 use glam::DVec3;
@@ -133,7 +133,9 @@ fn intersect_instance<S: Simd>(simd: S, frame: &Frame<'_>, placed: u32, packet: 
     match_solid!(
         instance,
         inside => commit(&rays, packet, faces, placed, inside),
-        _ => walk_mesh(simd, frame, &frame.scene.meshes[instance.mesh as usize], &rays, packet, faces, placed)
+        _ => if instance.kind == KIND_MESH {
+            walk_mesh(simd, frame, &frame.scene.meshes[instance.mesh as usize], &rays, packet, faces, placed);
+        }
     );
 }
 

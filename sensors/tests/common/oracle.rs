@@ -87,7 +87,7 @@ pub(crate) fn first_hit_scaled(
             let base = plane(&ray, DVec3::NEG_Z, length / 2.0, disc);
             mantle(&ray, radius, length).into_iter().chain(base).collect()
         }
-        Shape::Mesh(_) => unreachable!("meshes have no formula"),
+        Shape::Mesh(_) | Shape::HeightField(_) => unreachable!("triangles have no formula"),
     };
     candidates
         .into_iter()
@@ -111,7 +111,7 @@ pub(crate) fn scaled(shape: &Shape, factor: f64) -> Shape {
         Shape::Plane => Shape::Plane,
         Shape::Ellipsoid { radii } => Shape::Ellipsoid { radii: radii.map(|radius| radius * factor) },
         Shape::Cone { radius, length } => Shape::Cone { radius: radius * factor, length: length * factor },
-        Shape::Mesh(mesh) => Shape::Mesh(mesh),
+        Shape::Mesh(_) | Shape::HeightField(_) => *shape,
     }
 }
 

@@ -209,6 +209,12 @@ impl SceneBuilder {
     /// Those of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchHeightField`],
     /// [`SceneError::NoSuchMaterial`].
     pub fn add_instance(&mut self, config: &InstanceConfig) -> Result<InstanceId, SceneError> {
+        let instance = self.check_instance(config)?;
+        self.instances.push(instance);
+        Ok(InstanceId(index(self.instances.len() - 1)?))
+    }
+
+    fn check_instance(&self, config: &InstanceConfig) -> Result<Instance, SceneError> {
         let instance = Instance::new(config)?;
         if instance.kind == KIND_MESH && instance.mesh as usize >= self.meshes.len() {
             return Err(SceneError::NoSuchMesh);
@@ -219,8 +225,32 @@ impl SceneBuilder {
         if instance.material as usize >= self.materials.len() {
             return Err(SceneError::NoSuchMaterial);
         }
-        self.instances.push(instance);
-        Ok(InstanceId(index(self.instances.len() - 1)?))
+        Ok(instance)
+    }
+
+    /// Puts another instance in the place of one; its id stays.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchInstance`], and those of [`SceneBuilder::add_instance`].
+    pub fn set_instance(&mut self, instance: InstanceId, config: &InstanceConfig) -> Result<(), SceneError> {
+        let checked = self.check_instance(config)?;
+        *self.instances.get_mut(instance.0 as usize).ok_or(SceneError::NoSuchInstance)? = checked;
+        Ok(())
+    }
+
+    /// Sets which sensors see an instance; with 0 none does.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchInstance`].
+    pub fn set_visibility(&mut self, instance: InstanceId, visibility: u32) -> Result<(), SceneError> {
+        self.instances.get_mut(instance.0 as usize).ok_or(SceneError::NoSuchInstance)?.visibility =
+            visibility;
+        Ok(())
+    }
+
+    /// Where an instance stands; none if there is no such.
+    pub fn pose(&self, instance: InstanceId) -> Option<Pose> {
+        Some(self.instances.get(instance.0 as usize)?.world_from_instance)
     }
 
     /// Moves an instance.

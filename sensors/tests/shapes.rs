@@ -135,7 +135,7 @@ fn with_grid(rows: u32, columns: u32, test: impl FnOnce(HeightGrid<'_>, &[f32]))
     let mut extents = vec![[f32::NAN; 2]; HeightField::extents_len(rows, columns)];
     let field = HeightField::build(rows, columns, [3.0, 2.0], &heights, &mut extents).unwrap();
     assert!(extents.iter().flatten().all(|height| height.is_finite()), "all extents are filled");
-    test(HeightGrid::new(&field, &heights, &extents), &heights);
+    test(HeightGrid::new(&field, &heights, &extents).unwrap(), &heights);
 }
 
 /// Where the corner of a height stands, from the description.

@@ -159,7 +159,7 @@ impl Surfaces {
             KIND_HEIGHT_FIELD => {
                 let scene = &frame.scene;
                 let field = &scene.height_fields[instance.mesh as usize];
-                let grid = HeightGrid::new(field, scene.heights, scene.extents);
+                let grid = HeightGrid::of(field, scene.heights, scene.extents);
                 self.add_lanes::<TEXTURED>(
                     packet,
                     index,

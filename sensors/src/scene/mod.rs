@@ -68,6 +68,8 @@ pub struct Scene<'a> {
     pub(crate) old_nodes: &'a [Node],
     pub(crate) nodes: &'a [tree::WideNode],
     pub(crate) blocks: &'a [tree::TriangleBlock],
+    /// Sixteen for each block.
+    pub(crate) facets: &'a [tree::Facet],
     pub(crate) materials: &'a [Material],
     pub(crate) textures: &'a [Texture],
     pub(crate) texels: &'a [[u8; 4]],

@@ -5,6 +5,10 @@ use crate::scene::tree::WIDTH;
 /// No slot: the ray has hit nothing.
 pub(crate) const NO_HIT: u32 = u32::MAX;
 
+/// Set in the slot of a hit on a triangle that is seen edge-on somewhere: 1/t in single precision is not exact
+/// enough there. Slots themselves are less.
+pub(crate) const GRAZING: u32 = 1 << 31;
+
 /// The nearest hits of a band of blocks, in the caller's memory.
 pub(crate) struct Target<'a> {
     /// 1/t of each ray's nearest hit; where nothing is hit, 1/t of the farthest that counts, 0 for no limit.

@@ -1,6 +1,6 @@
 //! The binary tree that the wide one is made of.
 
-use super::bins::{Cut, blocks, find_cut};
+use super::bins::{blocks, find_cut};
 use super::bounds::Scratch;
 use crate::Execution;
 use crate::scene::tree::WIDTH;
@@ -84,7 +84,7 @@ fn split<S: Simd>(simd: S, items: &mut [Scratch], set: &Set) -> (usize, Set, Set
             };
             let (count, [left, right], [left_centres, right_centres]) = match cut {
                 Some(cut) => {
-                    let centres = partition(items, &cut);
+                    let centres = cut.plane.partition(simd, items);
                     (cut.left_count, [cut.left, cut.right], centres)
                 }
                 None => halve(simd, items, &set.centres),
@@ -105,24 +105,6 @@ fn share(budget: usize, left: usize, right: usize) -> (usize, usize) {
     let extra = (spare as u64 * left as u64 / (left + right) as u64) as usize;
     let left_budget = if left <= WIDTH { 1 } else { blocks(left) + extra };
     (left_budget, if right <= WIDTH { 1 } else { blocks(right) + spare - extra })
-}
-
-/// Moves what lies left of the cut to the front, without a branch on where an item belongs. The bounds of the
-/// centres of both sides.
-#[inline(always)]
-fn partition(items: &mut [Scratch], cut: &Cut) -> [Scratch; 2] {
-    let mut centres = [Scratch::EMPTY; 2];
-    let mut left = 0;
-    for i in 0..items.len() {
-        let item = items[i];
-        let is_left = cut.plane.is_left(&item);
-        items[i] = items[left];
-        items[left] = item;
-        left += usize::from(is_left);
-        centres[usize::from(!is_left)].join(&item.centre());
-    }
-    debug_assert_eq!(left, cut.left_count);
-    centres
 }
 
 /// Halves by rank along the longest axis of the centres, at a multiple of a block.

@@ -34,11 +34,36 @@ pub(super) struct Plane {
 
 impl Plane {
     #[inline(always)]
-    pub(super) fn is_left(&self, item: &Scratch) -> bool {
+    fn is_left(&self, item: &Scratch) -> bool {
         let centre = item.lanes[self.axis] - item.lanes[self.axis + 4];
         let x = (centre - self.origin) * self.scale - 0.5;
         let x = if x < 0.0 { 0.0 } else { x };
         x + ROUND <= self.last
+    }
+
+    /// Moves what lies left to the front, without a branch on where an item belongs. The bounds of the centres of
+    /// both sides.
+    #[inline(always)]
+    pub(super) fn partition<S: Simd>(&self, simd: S, items: &mut [Scratch]) -> [Scratch; 2] {
+        let zero = f32x4::splat(simd, 0.0);
+        // Added to a centre: it counts, or it does not.
+        let ignored = [[0.0; 8], [f32::INFINITY; 8]];
+        let mut left_centres = f32x8::splat(simd, f32::INFINITY);
+        let mut right_centres = left_centres;
+        let mut left = 0;
+        for i in 0..items.len() {
+            let item = items[i];
+            let is_left = usize::from(self.is_left(&item));
+            let (lower, upper) = simd.split_f32x8(f32x8::from_slice(simd, &item.lanes));
+            let centre = lower - upper;
+            let centre = simd.combine_f32x4(centre, zero - centre);
+            left_centres = left_centres.min(centre + f32x8::from_slice(simd, &ignored[1 - is_left]));
+            right_centres = right_centres.min(centre + f32x8::from_slice(simd, &ignored[is_left]));
+            items[i] = items[left];
+            items[left] = item;
+            left += is_left;
+        }
+        [Scratch { lanes: left_centres.into() }, Scratch { lanes: right_centres.into() }]
     }
 }
 

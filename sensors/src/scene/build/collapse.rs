@@ -4,7 +4,6 @@ use super::bounds::{Scratch, corners};
 use super::{MAX_DEPTH, TreeSize};
 use crate::scene::SceneError;
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
-use bytemuck::Zeroable;
 
 /// A wide node to be made of a binary one, and the lane of the parent that waits for its index.
 #[derive(Clone, Copy, Default)]
@@ -49,7 +48,7 @@ pub(super) fn collapse(
                 node.child[lane] = LEAF | size.blocks as u32;
                 let first = child.tag() as usize;
                 let members = &items[first..first + child.count() as usize];
-                blocks[size.blocks] = block(positions, triangles, members)?;
+                fill(&mut blocks[size.blocks], positions, triangles, members)?;
                 size.blocks += 1;
             }
         }
@@ -96,25 +95,24 @@ fn open(binary: &[Scratch], top: u32) -> ([u32; WIDTH], usize) {
     (children, count)
 }
 
-/// A leaf of up to sixteen triangles, at least one.
-fn block(
+/// Writes a leaf of up to sixteen triangles, at least one.
+fn fill(
+    block: &mut TriangleBlock,
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
     members: &[Scratch],
-) -> Result<TriangleBlock, SceneError> {
-    let mut block = TriangleBlock::zeroed();
+) -> Result<(), SceneError> {
     let mut filler = [[0.0; 3]; 3];
-    for (lane, member) in members.iter().enumerate() {
-        let triangle = corners(positions, triangles, member.tag() as usize)?;
-        put(&mut block, lane, triangle);
-        block.triangle[lane] = member.tag();
+    for lane in 0..WIDTH {
+        let (triangle, index) = match members.get(lane) {
+            Some(member) => (corners(positions, triangles, member.tag() as usize)?, member.tag()),
+            None => (filler, NONE),
+        };
+        put(block, lane, triangle);
+        block.triangle[lane] = index;
         filler = [triangle[0]; 3];
     }
-    for lane in members.len()..WIDTH {
-        put(&mut block, lane, filler);
-        block.triangle[lane] = NONE;
-    }
-    Ok(block)
+    Ok(())
 }
 
 #[inline(always)]

@@ -108,18 +108,19 @@ fn fill(
             Some(member) => (corners(positions, triangles, member.tag() as usize)?, member.tag()),
             None => (filler, NONE),
         };
-        put(block, lane, triangle);
+        put(&mut block.corners, lane, &triangle);
         block.triangle[lane] = index;
         filler = [triangle[0]; 3];
     }
     Ok(())
 }
 
+/// Into `corners[corner][axis][lane]`.
 #[inline(always)]
-pub(super) fn put(block: &mut TriangleBlock, lane: usize, triangle: [[f32; 3]; 3]) {
+pub(super) fn put(corners: &mut [[[f32; WIDTH]; 3]; 3], lane: usize, triangle: &[[f32; 3]; 3]) {
     for corner in 0..3 {
         for axis in 0..3 {
-            block.corners[corner][axis][lane] = triangle[corner][axis];
+            corners[corner][axis][lane] = triangle[corner][axis];
         }
     }
 }

@@ -46,22 +46,23 @@ impl Plane {
     #[inline(always)]
     pub(super) fn partition<S: Simd>(&self, simd: S, items: &mut [Scratch]) -> [Scratch; 2] {
         let zero = f32x4::splat(simd, 0.0);
-        // Added to a centre: it counts, or it does not.
-        let ignored = [[0.0; 8], [f32::INFINITY; 8]];
         let mut left_centres = f32x8::splat(simd, f32::INFINITY);
         let mut right_centres = left_centres;
         let mut left = 0;
         for i in 0..items.len() {
             let item = items[i];
-            let is_left = usize::from(self.is_left(&item));
+            let is_left = self.is_left(&item);
             let (lower, upper) = simd.split_f32x8(f32x8::from_slice(simd, &item.lanes));
             let centre = lower - upper;
             let centre = simd.combine_f32x4(centre, zero - centre);
-            left_centres = left_centres.min(centre + f32x8::from_slice(simd, &ignored[1 - is_left]));
-            right_centres = right_centres.min(centre + f32x8::from_slice(simd, &ignored[is_left]));
+            // ∞ on the side it does not belong to, 0 on the other.
+            let infinity = f32::INFINITY.to_bits();
+            let mask = u32::from(is_left).wrapping_neg();
+            left_centres = left_centres.min(centre + f32::from_bits(infinity & !mask));
+            right_centres = right_centres.min(centre + f32::from_bits(infinity & mask));
             items[i] = items[left];
             items[left] = item;
-            left += is_left;
+            left += usize::from(is_left);
         }
         [Scratch { lanes: left_centres.into() }, Scratch { lanes: right_centres.into() }]
     }

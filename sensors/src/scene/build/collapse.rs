@@ -5,6 +5,9 @@ use super::{MAX_DEPTH, TreeSize};
 use crate::scene::SceneError;
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
 
+/// Nodes that can wait for their turn: of each level all but one child.
+const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
+
 /// A wide node to be made of a binary one, and the lane of the parent that waits for its index.
 #[derive(Clone, Copy, Default)]
 struct Pending {
@@ -13,7 +16,29 @@ struct Pending {
     lane: u32,
 }
 
-/// Writes the tree depth first: a node, its leaves, then the nodes below it, child by child.
+/// How large the wide tree over a binary one is.
+pub(super) fn measure(binary: &[Scratch]) -> TreeSize {
+    let mut size = TreeSize { nodes: 0, blocks: 0 };
+    let mut stack = [0; STACK];
+    let mut waiting = 1;
+    while waiting > 0 {
+        waiting -= 1;
+        size.nodes += 1;
+        let (children, count) = open(binary, stack[waiting]);
+        for &child in &children[..count] {
+            if binary[child as usize].count() == 0 {
+                stack[waiting] = child;
+                waiting += 1;
+            } else {
+                size.blocks += 1;
+            }
+        }
+    }
+    size
+}
+
+/// Writes the tree depth first: a node, its leaves, then the nodes below it, child by child. `nodes` and `blocks`
+/// hold what [`measure`] says.
 pub(super) fn collapse(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
@@ -21,10 +46,9 @@ pub(super) fn collapse(
     binary: &[Scratch],
     nodes: &mut [WideNode],
     blocks: &mut [TriangleBlock],
-) -> Result<TreeSize, SceneError> {
+) -> Result<(), SceneError> {
     let mut size = TreeSize { nodes: 0, blocks: 0 };
-    // Of each level at most all but one child waits.
-    let mut stack = [Pending::default(); MAX_DEPTH * (WIDTH - 1) + 1];
+    let mut stack = [Pending::default(); STACK];
     let mut waiting = 1;
     while waiting > 0 {
         waiting -= 1;
@@ -59,7 +83,7 @@ pub(super) fn collapse(
             }
         }
     }
-    Ok(size)
+    Ok(())
 }
 
 /// Up to sixteen descendants that cover a node: again and again the child with the largest surface is replaced

@@ -1,6 +1,7 @@
 //! From the binary tree to nodes of sixteen children and leaves as structures of arrays.
 
 use super::bounds::{Scratch, corners};
+use super::cut::children;
 use super::{MAX_DEPTH, TreeSize};
 use crate::scene::SceneError;
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
@@ -17,14 +18,14 @@ struct Pending {
 }
 
 /// How large the wide tree over a binary one is.
-pub(super) fn measure(binary: &[Scratch]) -> TreeSize {
+pub(super) fn measure(binary: &[Scratch], ways: &[u64]) -> TreeSize {
     let mut size = TreeSize { nodes: 0, blocks: 0 };
     let mut stack = [0; STACK];
     let mut waiting = 1;
     while waiting > 0 {
         waiting -= 1;
         size.nodes += 1;
-        let (children, count) = open(binary, stack[waiting]);
+        let (children, count) = children(binary, ways, stack[waiting]);
         for &child in &children[..count] {
             if binary[child as usize].count() == 0 {
                 stack[waiting] = child;
@@ -44,6 +45,7 @@ pub(super) fn collapse(
     triangles: &[[u32; 3]],
     items: &[Scratch],
     binary: &[Scratch],
+    ways: &[u64],
     nodes: &mut [WideNode],
     blocks: &mut [TriangleBlock],
 ) -> Result<(), SceneError> {
@@ -58,7 +60,7 @@ pub(super) fn collapse(
         if index > 0 {
             nodes[parent as usize].child[lane as usize] = index as u32;
         }
-        let (children, count) = open(binary, top);
+        let (children, count) = children(binary, ways, top);
         let node = &mut nodes[index];
         for lane in 0..WIDTH {
             let child = &binary[children[lane.min(count - 1)] as usize];
@@ -84,39 +86,6 @@ pub(super) fn collapse(
         }
     }
     Ok(())
-}
-
-/// Up to sixteen descendants that cover a node: again and again the child with the largest surface is replaced
-/// by its two. They stay in the order of the binary tree, neighbours side by side.
-fn open(binary: &[Scratch], top: u32) -> ([u32; WIDTH], usize) {
-    let mut children = [top; WIDTH];
-    let mut areas = [0.0; WIDTH];
-    let mut count = 1;
-    let openable = |index: u32| {
-        let node = &binary[index as usize];
-        if node.count() == 0 { node.area() } else { -1.0 }
-    };
-    areas[0] = openable(top);
-    while count < WIDTH {
-        let mut largest = 0;
-        for lane in 1..count {
-            if areas[lane] > areas[largest] {
-                largest = lane;
-            }
-        }
-        if areas[largest] < 0.0 {
-            break;
-        }
-        let parent = children[largest];
-        children.copy_within(largest + 1..count, largest + 2);
-        areas.copy_within(largest + 1..count, largest + 2);
-        for (lane, child) in [(largest, parent + 1), (largest + 1, binary[parent as usize].tag())] {
-            children[lane] = child;
-            areas[lane] = openable(child);
-        }
-        count += 1;
-    }
-    (children, count)
 }
 
 /// Writes a leaf of up to sixteen triangles, at least one.

@@ -11,9 +11,11 @@ mod binary;
 mod bins;
 mod bounds;
 mod collapse;
+mod cut;
 #[cfg(feature = "alloc")]
 mod owned;
 mod refit;
+mod sweep;
 
 pub use bounds::{MAX_COORDINATE, Scratch};
 pub(super) use bounds::{check_vertices, corners};
@@ -52,17 +54,19 @@ pub struct TreeSize {
 
 /// The most that a tree over so many triangles can need.
 ///
-/// The builder keeps the number of blocks below twice what full blocks would need. A node with fewer than
-/// sixteen children has none but leaves, and at least two (but for the root), so with b blocks there are no more
-/// than b/2 of these; and (b/2 − 1)/15 full nodes hold those.
+/// The builder keeps the number of blocks below twice what full blocks would need. All nodes have at least two
+/// children (but for the root, which can have one), and everything but the root is the child of one node, so there
+/// are fewer nodes than blocks. [`plan`] knows the numbers of a given mesh, which are a small part of this.
 pub const fn max_size(triangles: usize) -> TreeSize {
     let blocks = if triangles <= WIDTH { triangles.div_ceil(WIDTH) } else { 2 * triangles.div_ceil(WIDTH) };
-    TreeSize { nodes: 1 + blocks / 2 + blocks / 30, blocks }
+    TreeSize { nodes: if blocks > 2 { blocks - 1 } else { 1 }, blocks }
 }
 
 /// How much working memory [`build`] needs.
 pub const fn scratch_len(triangles: usize) -> usize {
-    triangles + 2 * max_size(triangles).blocks
+    // A box for each triangle and each node of the binary tree, and the eight bytes of `cut` for the latter.
+    let binary = 2 * max_size(triangles).blocks;
+    triangles + binary + binary.div_ceil(4)
 }
 
 /// Builds the tree of a mesh into the front of `nodes` and `blocks`, and says how many of each it took.
@@ -92,6 +96,8 @@ pub struct Plan<'a> {
     /// The primitives, sorted.
     items: &'a [Scratch],
     binary: &'a [Scratch],
+    /// See [`cut`].
+    ways: &'a [u64],
     size: TreeSize,
 }
 
@@ -115,17 +121,19 @@ pub fn plan<'a>(
     }
     enough("scratch", scratch.len(), scratch_len(triangles.len()))?;
     bounds::check_vertices(positions)?;
-    let (items, binary) = scratch.split_at_mut(triangles.len());
+    let (items, rest) = scratch.split_at_mut(triangles.len());
+    let (binary, rest) = rest.split_at_mut(2 * most.blocks);
+    let ways: &mut [u64] = bytemuck::cast_slice_mut(rest);
     for (index, item) in items.iter_mut().enumerate() {
         *item = bounds::bounds_of(bounds::corners(positions, triangles, index)?).with_tags(index as u32, 0);
     }
     let mut size = TreeSize { nodes: 1, blocks: 0 };
     if !items.is_empty() {
-        let _ = quality;
-        dispatch!(execution.level, simd => binary::build(simd, execution, items, binary, most.blocks));
-        size = collapse::measure(binary);
+        dispatch!(execution.level, simd => binary::build(simd, quality, execution, items, binary, most.blocks));
+        cut::choose(binary, ways);
+        size = collapse::measure(binary, ways);
     }
-    Ok(Plan { positions, triangles, items, binary, size })
+    Ok(Plan { positions, triangles, items, binary, ways, size })
 }
 
 impl Plan<'_> {
@@ -145,7 +153,7 @@ impl Plan<'_> {
             nodes[0] = WideNode { child: [NONE; WIDTH], ..WideNode::zeroed() };
             return Ok(());
         }
-        collapse::collapse(self.positions, self.triangles, self.items, self.binary, nodes, blocks)
+        collapse::collapse(self.positions, self.triangles, self.items, self.binary, self.ways, nodes, blocks)
     }
 }
 

@@ -176,15 +176,8 @@ impl<'a> View<'a> {
 }
 
 fn bounds_in_frame(scene: &Scene<'_>, instance: &Instance, axes: &DMat3, translation: DVec3) -> Aabb {
-    let (centre, half) = instance.half_extents().map_or_else(
-        || {
-            let mesh = &scene.meshes[instance.mesh as usize];
-            let (low, high) =
-                (DVec3::from_array(mesh.min.map(f64::from)), DVec3::from_array(mesh.max.map(f64::from)));
-            ((low + high) * 0.5, (high - low) * 0.5)
-        },
-        |half| (DVec3::ZERO, DVec3::from_array(half)),
-    );
+    let [low, high] = scene.local_bounds(instance);
+    let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let centre = *axes * centre + translation;
     let reach = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
     let mut bounds = Aabb::from_f64((centre - reach).to_array(), (centre + reach).to_array());

@@ -39,6 +39,7 @@ pub struct SceneBuilder {
     old_nodes: Vec<Node>,
     nodes: Vec<super::tree::WideNode>,
     blocks: Vec<super::tree::TriangleBlock>,
+    facets: Vec<super::tree::Facet>,
     height_fields: Vec<HeightField>,
     heights: Vec<f32>,
     extents: Vec<[f32; 2]>,
@@ -160,6 +161,15 @@ impl SceneBuilder {
         self.old_nodes.extend_from_slice(&nodes[..used]);
         self.nodes.extend_from_slice(&tree.nodes);
         self.blocks.extend_from_slice(&tree.blocks);
+        for block in &tree.blocks {
+            for lane in 0..16 {
+                let [a, b, c] = block.corners.map(|corner| {
+                    glam::DVec3::new(corner[0][lane].into(), corner[1][lane].into(), corner[2][lane].into())
+                });
+                let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
+                self.facets.push(super::tree::Facet { normal, triangle: block.triangle[lane] });
+            }
+        }
         self.triangles.extend(order.iter().map(|&triangle| triangles[triangle as usize]));
         self.vertices.extend_from_slice(positions);
         self.uvs.extend_from_slice(uvs);
@@ -287,6 +297,7 @@ impl SceneBuilder {
             old_nodes: &self.old_nodes,
             nodes: &self.nodes,
             blocks: &self.blocks,
+            facets: &self.facets,
             height_fields: &self.height_fields,
             heights: &self.heights,
             extents: &self.extents,

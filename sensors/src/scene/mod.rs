@@ -81,6 +81,8 @@ pub struct Scene<'a> {
     pub(crate) old_nodes: &'a [Node],
     pub(crate) nodes: &'a [tree::WideNode],
     pub(crate) blocks: &'a [tree::TriangleBlock],
+    /// Sixteen for each block.
+    pub(crate) facets: &'a [tree::Facet],
     pub(crate) height_fields: &'a [HeightField],
     pub(crate) heights: &'a [f32],
     /// Least and greatest heights below the nodes of height fields.

@@ -6,14 +6,19 @@
 
 mod cast;
 pub(crate) mod frame;
+pub(crate) mod grid;
 pub(crate) mod image;
+pub(crate) mod memory;
 pub(crate) mod packet;
+pub(crate) mod resolve;
 mod shapes;
 pub(crate) mod surface;
 pub(crate) mod traverse;
 pub(crate) mod view;
 
-pub use cast::{CacheLine, Hits, RayGrid, cast_grid, memory_len};
+pub use cast::{Hits, cast_grid};
+pub use grid::{RayGrid, SphericalGrid};
+pub use memory::{CacheLine, Workspace as NewWorkspace, workspace_len};
 
 #[cfg(feature = "alloc")]
 pub use frame::WorkspaceBuf;

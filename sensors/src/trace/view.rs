@@ -48,6 +48,8 @@ pub struct Placed {
     /// The frame's origin in the instance.
     pub(crate) origin_in_instance: [f64; 3],
     pub(crate) to_sensor: ToSensor,
+    /// Takes normals of the instance to the frame: rows of the inverse transpose.
+    normal_rows: [[f32; 3]; 3],
     pub(crate) instance: u32,
     pub(crate) kind: u32,
     /// Slot of its first primitive.
@@ -56,7 +58,33 @@ pub struct Placed {
     pub(crate) first_block: u32,
     /// 1 if its scale mirrors it.
     pub(crate) mirrored: u32,
-    reserved: u32,
+    /// 1 if normals change their length on the way to the frame.
+    scaled: u32,
+    /// 0 if the instance has the axes of the world.
+    turned: u32,
+}
+
+impl Placed {
+    /// A unit normal of the instance in the frame.
+    #[inline(always)]
+    pub(crate) fn normal_in_frame(&self, normal: [f32; 3]) -> [f32; 3] {
+        if self.turned == 0 {
+            return normal;
+        }
+        let [x, y, z] = normal;
+        let mut turned = self.normal_rows.map(|row| (row[0] * x + row[1] * y) + row[2] * z);
+        if self.scaled != 0 {
+            let [x, y, z] = turned;
+            let length = crate::simd::sqrt_f32((x * x + y * y) + z * z);
+            turned = [x / length, y / length, z / length];
+        }
+        turned
+    }
+
+    /// A direction of the frame in the instance.
+    pub(crate) fn vector_in_instance(&self, vector: DVec3) -> DVec3 {
+        DMat3::from_cols_array_2d(&self.inverse_axes) * vector
+    }
 }
 
 /// A scene placed around a sensor.
@@ -124,7 +152,9 @@ impl<'a> View<'a> {
                 first_node: mesh.map_or(0, |mesh| mesh.first_node),
                 first_block: mesh.map_or(0, |mesh| mesh.first_block),
                 mirrored: u32::from(axes.determinant() < 0.0),
-                reserved: 0,
+                normal_rows: inverse.as_mat3().to_cols_array_2d(),
+                scaled: 0,
+                turned: u32::from(axes != DMat3::IDENTITY),
             };
             bounds[count] = bounds_in_frame(scene, instance, &axes, translation);
             slots += mesh.map_or(1, |mesh| mesh.blocks * WIDTH as u32);

@@ -23,6 +23,12 @@ impl Fan {
         Self { width: width as i32, height: height as i32, shift_x, shift_y }
     }
 
+    /// Cache lines that the tables of any grid of so many rays take.
+    pub(crate) const fn most_table_lines(rays: usize) -> usize {
+        // Of a single row: 2 cosines and sines a column, 2 a block, and those of one row.
+        rays.div_ceil(WIDTH) * 2 + rays.div_ceil(WIDTH * WIDTH) * 2 + rays.div_ceil(WIDTH) * 2 + 16
+    }
+
     /// Blocks across.
     #[inline(always)]
     pub(crate) const fn blocks_across(&self) -> usize {

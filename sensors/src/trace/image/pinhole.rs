@@ -3,7 +3,9 @@
 
 use super::fan::Fan;
 use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, max, min, whole};
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};
+use crate::lens::Pinhole;
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
+use glam::DVec3;
 
 /// Nearer than that in metres, depths are not told apart when something is projected.
 const TINY: f32 = 1e-12;
@@ -13,18 +15,34 @@ const MARGIN: f32 = 0.02;
 /// A pinhole camera.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PinholeFan {
-    pub(crate) fan: Fan,
-    pub(crate) fx: f32,
-    pub(crate) fy: f32,
-    pub(crate) cx: f32,
-    pub(crate) cy: f32,
-    pub(crate) per_fx: f32,
-    pub(crate) per_fy: f32,
+    fan: Fan,
+    lens: Pinhole,
+    fx: f32,
+    fy: f32,
+    cx: f32,
+    cy: f32,
+    per_fx: f32,
+    per_fy: f32,
     /// First and last row to draw.
-    pub(crate) rows: [i32; 2],
+    rows: [i32; 2],
 }
 
 impl PinholeFan {
+    pub(crate) fn new(lens: &Pinhole) -> Self {
+        let fan = Fan::new(lens.width, lens.height);
+        Self {
+            fan,
+            lens: *lens,
+            fx: lens.fx as f32,
+            fy: lens.fy as f32,
+            cx: lens.cx as f32,
+            cy: lens.cy as f32,
+            per_fx: (1.0 / lens.fx) as f32,
+            per_fy: (1.0 / lens.fy) as f32,
+            rows: [0, fan.height - 1],
+        }
+    }
+
     /// y of a direction.
     #[inline(always)]
     fn left(&self, column: i32) -> f32 {
@@ -60,6 +78,29 @@ impl Projection for PinholeFan {
     #[inline(always)]
     fn fan(&self) -> &Fan {
         &self.fan
+    }
+
+    #[inline(always)]
+    fn with_rows(self, rows: [i32; 2]) -> Self {
+        Self { rows, ..self }
+    }
+
+    fn direction(&self, column: i32, row: i32) -> DVec3 {
+        let left = (self.lens.cx - f64::from(column)) / self.lens.fx;
+        DVec3::new(1.0, left, (self.lens.cy - f64::from(row)) / self.lens.fy)
+    }
+
+    #[inline(always)]
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        let [y, z] = self.block(simd, column, row);
+        let shorter = f32x16::splat(simd, 1.0) / ((y * y + z * z) + 1.0).sqrt();
+        [shorter, y * shorter, z * shorter]
+    }
+
+    #[inline(always)]
+    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, column: usize, row: usize) -> f32x16<S> {
+        let [y, z] = self.block(simd, column, row);
+        ((y * y + z * z) + 1.0).sqrt() / inverse
     }
 
     #[inline(always)]

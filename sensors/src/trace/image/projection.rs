@@ -2,10 +2,11 @@
 
 use super::fan::Fan;
 use fearless_simd::{Simd, SimdBase, f32x16, i32x16, mask32x16};
+use glam::DVec3;
 
 /// Sixteen rectangles of the grid, both ends included. Columns may run past the last one, to be counted on from
 /// column 0, where a grid closes to a ring.
-pub(super) struct Rectangles<S: Simd> {
+pub(crate) struct Rectangles<S: Simd> {
     pub(super) first_column: i32x16<S>,
     pub(super) last_column: i32x16<S>,
     pub(super) first_row: i32x16<S>,
@@ -15,20 +16,32 @@ pub(super) struct Rectangles<S: Simd> {
 }
 
 /// Coordinates of sixteen points: all x, all y, all z.
-pub(super) type Points<S> = [f32x16<S>; 3];
+pub(crate) type Points<S> = [f32x16<S>; 3];
 
 /// Sixteen planes through the origin, or plane equations of 1/t: each coefficient for all sixteen.
-pub(super) type Planes<S> = [f32x16<S>; 3];
+pub(crate) type Planes<S> = [f32x16<S>; 3];
 
 /// A rule that gives directions to a grid of rays. The sensor looks along +x, y is left, z is up.
 ///
 /// Every method that gives a direction gives the same bits for the same ray: two triangles that share an edge
 /// may be drawn by different loops.
-pub(super) trait Projection: Copy {
+pub(crate) trait Projection: Copy {
     /// What [`Projection::block`] gives: directions of sixteen rays.
     type Directions<S: Simd>: Copy;
 
     fn fan(&self) -> &Fan;
+
+    /// The same, for drawing the rows from the first to the last of `rows` only.
+    fn with_rows(self, rows: [i32; 2]) -> Self;
+
+    /// The direction of a ray to the last bit, in units of t.
+    fn direction(&self, column: i32, row: i32) -> DVec3;
+
+    /// Directions of the rays of a block, of length 1.
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S>;
+
+    /// Distances along the rays of a block, in metres, from 1/t.
+    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, column: usize, row: usize) -> f32x16<S>;
 
     /// Directions of the rays of a block.
     fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S>;

@@ -6,6 +6,7 @@ use crate::scene::tree::WIDTH;
 use crate::simd::{sin_cos, sqrt, sqrt_f32};
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
+use glam::DVec3;
 
 /// More than the error of [`atan2`] and of the roundings around it, in radians.
 const ANGLE_MARGIN: f32 = 4e-6;
@@ -15,9 +16,11 @@ const TINY: f32 = 1e-12;
 /// Cosines and sines of the grid's angles, in the caller's memory.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SphericalFan<'a> {
-    pub(crate) fan: Fan,
+    fan: Fan,
+    azimuth: Steps,
+    elevation: Steps,
     /// First and last row to draw.
-    pub(crate) rows: [i32; 2],
+    rows: [i32; 2],
     /// Of azimuths, column by column, filled up to whole blocks.
     cos_azimuth: &'a [f32],
     sin_azimuth: &'a [f32],
@@ -104,6 +107,8 @@ impl<'a> SphericalFan<'a> {
         let turn = core::f64::consts::TAU / step(azimuth).abs();
         Self {
             fan,
+            azimuth,
+            elevation,
             rows: [0, fan.height - 1],
             cos_azimuth: cos_azimuth.as_flattened(),
             sin_azimuth: sin_azimuth.as_flattened(),
@@ -223,6 +228,27 @@ impl Projection for SphericalFan<'_> {
     #[inline(always)]
     fn fan(&self) -> &Fan {
         &self.fan
+    }
+
+    #[inline(always)]
+    fn with_rows(self, rows: [i32; 2]) -> Self {
+        Self { rows, ..self }
+    }
+
+    fn direction(&self, column: i32, row: i32) -> DVec3 {
+        let (sin, cos) = sin_cos(self.azimuth.first + self.azimuth.step * f64::from(column));
+        let (up, level) = sin_cos(self.elevation.first + self.elevation.step * f64::from(row));
+        DVec3::new(cos * level, sin * level, up)
+    }
+
+    #[inline(always)]
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        self.block(simd, column, row)
+    }
+
+    #[inline(always)]
+    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, _column: usize, _row: usize) -> f32x16<S> {
+        f32x16::splat(simd, 1.0) / inverse
     }
 
     #[inline(always)]

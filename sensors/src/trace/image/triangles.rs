@@ -5,8 +5,8 @@
 //! triangles with a common edge decide alike, and no ray slips between them. A ray is inside where all three are
 //! on the same side as the triangle, and there 1/t = n·d / n·a.
 
-use super::projection::{Planes, Points, Projection, Rectangles, min};
-use super::target::Target;
+use super::projection::{Planes, Points, Projection, Rectangles, max, min};
+use super::target::{GRAZING, GRAZING_SQUARED, Target};
 use crate::scene::tree::WIDTH;
 use crate::trace::packet::Faces;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
@@ -20,6 +20,8 @@ const TINY_TRIANGLES: u32 = 3;
 /// Rectangles of up to that many blocks are drawn without asking first which blocks the triangle touches.
 const FEW_BLOCKS: usize = 6;
 
+const LANE_NUMBERS: [u32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
 /// Sixteen triangles, set up to be tested.
 struct Setup<S: Simd> {
     /// Edge planes, positive inside.
@@ -27,6 +29,7 @@ struct Setup<S: Simd> {
     /// Plane of 1/t.
     inverse: Planes<S>,
     valid: mask32x16<S>,
+    slots: u32x16<S>,
 }
 
 /// What a drawing loop needs of one of sixteen triangles.
@@ -35,6 +38,7 @@ struct Spilled {
     inverse: [[f32; WIDTH]; 3],
     /// Bound of 1/t from above.
     nearest: [f32; WIDTH],
+    slots: [u32; WIDTH],
     columns: [[i32; WIDTH]; 2],
     rows: [[i32; WIDTH]; 2],
 }
@@ -79,6 +83,11 @@ fn scale<S: Simd>(a: &Points<S>, by: f32x16<S>) -> Points<S> {
     [a[0] * by, a[1] * by, a[2] * by]
 }
 
+#[inline(always)]
+fn square<S: Simd>(a: &Points<S>) -> f32x16<S> {
+    (a[0] * a[0] + a[1] * a[1]) + a[2] * a[2]
+}
+
 /// Plane through the origin and the edge from a to b, times `sign`.
 #[inline(always)]
 fn edge<S: Simd>(a: &Points<S>, b: &Points<S>, sign: f32x16<S>) -> Planes<S> {
@@ -87,7 +96,8 @@ fn edge<S: Simd>(a: &Points<S>, b: &Points<S>, sign: f32x16<S>) -> Planes<S> {
 }
 
 #[inline(always)]
-fn set_up<S: Simd>(simd: S, [a, b, c]: &[Points<S>; 3], rules: Rules) -> Setup<S> {
+fn set_up<S: Simd>(simd: S, leaf: &Leaf<S>, rules: Rules) -> Setup<S> {
+    let [a, b, c] = &leaf.corners;
     let normal = cross(&sub(b, a), &sub(c, a));
     let volume = (a[0] * normal[0] + a[1] * normal[1]) + a[2] * normal[2];
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
@@ -100,7 +110,14 @@ fn set_up<S: Simd>(simd: S, [a, b, c]: &[Points<S>; 3], rules: Rules) -> Setup<S
     };
     let sign = behind.select(one, -one);
     let inverse = scale(&normal, one / volume);
-    Setup { edges: [edge(b, c, sign), edge(c, a, sign), edge(a, b, sign)], inverse, valid }
+    // 1/t = inverse · direction. Where it is small against both, the ray runs along the plane, and rounding
+    // shows; |corner|² bounds t² on the triangle.
+    let steepest = (inverse[0] * inverse[0] + inverse[1] * inverse[1]) + inverse[2] * inverse[2];
+    let farthest = max(max(square(a), square(b)), square(c));
+    let grazing = (steepest * farthest).simd_gt(f32x16::splat(simd, GRAZING_SQUARED));
+    let slots = u32x16::load_array_ref(simd, &LANE_NUMBERS) + leaf.first_slot;
+    let slots = grazing.select(slots | u32x16::splat(simd, GRAZING), slots);
+    Setup { edges: [edge(b, c, sign), edge(c, a, sign), edge(a, b, sign)], inverse, valid, slots }
 }
 
 /// Draws a leaf into the target.
@@ -112,7 +129,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     rules: Rules,
     leaf: &Leaf<S>,
 ) {
-    let setup = set_up(simd, &leaf.corners, rules);
+    let setup = set_up(simd, leaf, rules);
     if !setup.valid.any_true() {
         return;
     }
@@ -135,7 +152,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
         & rectangles.last_column.simd_lt(i32x16::splat(simd, width));
     if tiny.to_bitmask().count_ones() >= TINY_TRIANGLES {
         rest = rest & !tiny;
-        draw_tiny(simd, projection, target, rules, leaf, &setup, &rectangles, tiny, area);
+        draw_tiny(simd, projection, target, rules, &setup, &rectangles, tiny, area);
         if !rest.any_true() {
             return;
         }
@@ -144,6 +161,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
         edges: [[[0.0; WIDTH]; 3]; 3],
         inverse: [[0.0; WIDTH]; 3],
         nearest: [0.0; WIDTH],
+        slots: [0; WIDTH],
         columns: [[0; WIDTH]; 2],
         rows: [[0; WIDTH]; 2],
     };
@@ -154,6 +172,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
         setup.inverse[axis].store_array(&mut spilled.inverse[axis]);
     }
     min(nearest, f32x16::splat(simd, leaf.nearest)).store_array(&mut spilled.nearest);
+    setup.slots.store_array(&mut spilled.slots);
     rectangles.first_column.store_array(&mut spilled.columns[0]);
     rectangles.last_column.store_array(&mut spilled.columns[1]);
     rectangles.first_row.store_array(&mut spilled.rows[0]);
@@ -162,7 +181,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
         lanes &= lanes - 1;
-        draw_one(simd, projection, target, rules, leaf.first_slot + lane as u32, &spilled, lane);
+        draw_one(simd, projection, target, rules, spilled.slots[lane], &spilled, lane);
     }
 }
 
@@ -215,7 +234,7 @@ fn draw_few_rays<S: Simd, P: Projection>(
                 let nearest = simd.reduce_max_f32x16(candidates);
                 let winner = candidates.simd_eq(f32x16::splat(simd, nearest)).to_bitmask().trailing_zeros();
                 target.inverse[block][lane] = nearest;
-                target.slot[block][lane] = leaf.first_slot + winner;
+                target.slot[block][lane] = setup.slots[winner as usize & (WIDTH - 1)];
                 target.update_farthest(block);
             }
         }
@@ -230,7 +249,6 @@ fn draw_tiny<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    leaf: &Leaf<S>,
     setup: &Setup<S>,
     rectangles: &Rectangles<S>,
     tiny: mask32x16<S>,
@@ -243,6 +261,8 @@ fn draw_tiny<S: Simd, P: Projection>(
     let (mut columns, mut rows) = (rectangles.first_column, rectangles.first_row);
     let mut drawing = tiny;
     let mut touched = 0;
+    let mut slots = [0; WIDTH];
+    setup.slots.store_array(&mut slots);
     let (mut at_column, mut at_row, mut at_inverse) = ([0_i32; WIDTH], [0_i32; WIDTH], [0.0_f32; WIDTH]);
     for _ in 0..steps {
         let directions = projection.rays(simd, columns, rows);
@@ -263,7 +283,7 @@ fn draw_tiny<S: Simd, P: Projection>(
                 let (nearest, slot) = (&mut target.inverse[block][lane], &mut target.slot[block][lane]);
                 let nearer = at_inverse[triangle] > *nearest;
                 *nearest = if nearer { at_inverse[triangle] } else { *nearest };
-                *slot = if nearer { leaf.first_slot + triangle as u32 } else { *slot };
+                *slot = if nearer { slots[triangle] } else { *slot };
             }
         }
         // On to the next ray: to the right, then down.

@@ -13,7 +13,7 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 use parry3d::math::Pose as Pose32;
 use parry3d::shape as single;
 use parry3d_f64::math::Pose as Pose64;
-use parry3d_f64::query::{Ray, RayCast};
+use parry3d_f64::query::Ray;
 use parry3d_f64::shape as double;
 
 /// A range may lie anywhere between those of the shape when it is larger and smaller by this part: at edges and

@@ -507,3 +507,33 @@ fn a_mirrored_mesh_is_not_inside_out() {
         assert!(differ < 20 && of_box.iter().filter(|depth| depth.is_finite()).count() > 10_000, "{differ}");
     }
 }
+
+#[test]
+fn same_bits_at_every_level() {
+    use belvedere_sensors::Execution;
+    use belvedere_sensors::simd::Level;
+    let mut builder = SceneBuilder::new();
+    common::scenery(&mut builder);
+    let material = belvedere_sensors::scene::MaterialId(1);
+    for (number, shape) in SHAPES.into_iter().chain([Shape::Plane]).enumerate() {
+        let across = number as f64 * 0.7 - 2.4;
+        let pose = Pose::from_xyz_rpy(DVec3::new(0.5, across, 0.5), DVec3::new(0.3 * across, 0.2, across));
+        let scale = if number % 2 == 0 { [0.9, -0.6, 1.1] } else { [1.0; 3] };
+        let config =
+            InstanceConfig { shape, world_from_instance: pose, scale, material, ..Default::default() };
+        builder.add_instance(&config).unwrap();
+    }
+    let scene = builder.scene();
+    let view = look_at(DVec3::new(-3.2, 0.3, 1.4), DVec3::ZERO, 0.1);
+    let camera = belvedere_sensors::camera::CameraConfig { width: 333, height: 245, ..CAMERA };
+    let at = |level| common::picture_with(&scene, camera, view, 7, Execution { level, ..Default::default() });
+    let expected = at(Level::baseline());
+    assert!(expected.iter().filter(|value| **value > 0).count() > expected.len() / 2);
+    let best = Level::new();
+    let mut levels = vec![best];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(best.as_sse4_2().map(Level::Sse4_2).into_iter().chain(best.as_avx2().map(Level::Avx2)));
+    for level in levels {
+        assert!(at(level) == expected, "{level:?} differs");
+    }
+}

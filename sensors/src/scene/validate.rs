@@ -224,7 +224,9 @@ fn check_block(
             return Err(TreeFault::Triangle { block, lane });
         }
         set(has_triangle, index);
-        triangle.iter().for_each(|corner| bounds.join(corner, corner));
+        for corner in &triangle {
+            bounds.join(corner, corner);
+        }
         filler = [triangle[0]; 3];
     }
     Ok(bounds)

@@ -114,9 +114,9 @@ pub(in crate::scene) fn corners(
     triangles: &[[u32; 3]],
     index: usize,
 ) -> Result<[[f32; 3]; 3], SceneError> {
-    let corner = |vertex: u32| positions.get(vertex as usize).copied();
-    match triangles[index].map(corner) {
-        [Some(a), Some(b), Some(c)] => Ok([a, b, c]),
+    let [a, b, c] = triangles[index];
+    match (positions.get(a as usize), positions.get(b as usize), positions.get(c as usize)) {
+        (Some(&a), Some(&b), Some(&c)) => Ok([a, b, c]),
         _ => Err(SceneError::BadTriangle(index)),
     }
 }

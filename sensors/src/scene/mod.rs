@@ -26,6 +26,7 @@ mod instance;
 mod material;
 mod texture;
 pub mod tree;
+mod validate;
 
 #[cfg(feature = "alloc")]
 mod builder;
@@ -42,6 +43,8 @@ pub(crate) use instance::{
 pub use material::{Environment, Light, LightConfig, LightKind, Material, MaterialConfig};
 pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
+
+pub use validate::{TreeFault, validate_scratch_len, validate_tree};
 
 #[cfg(feature = "alloc")]
 pub use builder::SceneBuilder;

@@ -19,6 +19,7 @@ mod refit;
 mod sweep;
 
 pub use bounds::{MAX_COORDINATE, Scratch};
+pub(super) use bounds::{check_vertices, corners};
 pub use facets::fill_facets;
 #[cfg(feature = "alloc")]
 pub use owned::Tree;

@@ -2,7 +2,7 @@
 
 use super::{Quality, Scratch, fill_facets, plan, refit, scratch_len};
 use crate::Execution;
-use crate::scene::SceneError;
+use crate::scene::{SceneError, TreeFault, validate_scratch_len, validate_tree};
 use crate::scene::tree::{Facet, TriangleBlock, WIDTH, WideNode};
 use alloc::vec::Vec;
 use bytemuck::allocation::zeroed_vec;
@@ -55,6 +55,15 @@ impl Tree {
         execution: Execution,
     ) -> Result<(), SceneError> {
         refit(positions, triangles, execution, &mut self.nodes, &mut self.blocks)
+    }
+
+    /// As [`validate_tree`].
+    ///
+    /// # Errors
+    /// As [`validate_tree`].
+    pub fn validate(&self, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), TreeFault> {
+        let words = validate_scratch_len(triangles.len(), self.nodes.len(), self.blocks.len());
+        validate_tree(positions, triangles, &self.nodes, &self.blocks, &mut zeroed_vec(words))
     }
 
     /// Corners of the box that holds the mesh; both 0 for a mesh without triangles.

@@ -14,7 +14,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 const TOP: u32 = u32::MAX;
 
 /// More than the deepest trees leave waiting: fifteen siblings a level.
-const STACK: usize = 15 * (crate::scene::tree::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
+const STACK: usize = 15 * (crate::scene::build::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
 
 /// A subtree to visit.
 #[derive(Clone, Copy)]

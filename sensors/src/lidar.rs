@@ -17,10 +17,13 @@ use fearless_simd::Simd;
 /// Most beams of a lidar.
 pub const MAX_BEAMS: u32 = 16_777_216;
 
+/// Most beams of a scan line, and most scan lines.
+pub const MAX_SAMPLES: u32 = 32_767;
+
 /// Angles of the beams along one axis, first and last included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beams {
-    /// How many, at least 1.
+    /// How many, 1 … [`MAX_SAMPLES`].
     pub samples: u32,
     /// Angle of the first in radians.
     pub min_angle_rad: f64,
@@ -47,7 +50,7 @@ impl Beams {
     }
 
     fn is_valid(&self) -> bool {
-        self.samples > 0
+        (1..=MAX_SAMPLES).contains(&self.samples)
             && self.min_angle_rad.is_finite()
             && self.max_angle_rad.is_finite()
             && self.min_angle_rad <= self.max_angle_rad
@@ -88,7 +91,8 @@ pub struct LidarConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LidarError {
-    /// No beams, more than [`MAX_BEAMS`], or angles that are not finite or not in order.
+    /// No beams, more than [`MAX_SAMPLES`] along an axis or [`MAX_BEAMS`] in all, or angles that are not finite or
+    /// not in order.
     Beams,
     /// Not 0 ≤ smallest < largest range.
     Range,
@@ -97,7 +101,7 @@ pub enum LidarError {
 impl core::fmt::Display for LidarError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Self::Beams => "a lidar needs 1 to 16777216 beams with finite angles, min <= max",
+            Self::Beams => "a lidar needs 1 to 32767 beams a line and lines, 16777216 beams in all, and finite angles, min <= max",
             Self::Range => "the ranges must be 0 <= min < max",
         })
     }

@@ -75,6 +75,9 @@ fn sensing_does_not_allocate() {
     let mut points = vec![0; depth_camera.pixels() * POINT_STEP];
     let (mut ranges, mut intensities) = (vec![0.0; lidar.beams()], vec![0.0; lidar.beams()]);
 
+    for rays in [camera.rays(), depth_camera.rays(), lidar.rays()] {
+        workspace.lend(&builder.scene(), rays);
+    }
     for frame in 0..3 {
         let pose = Pose::from_translation(glam::DVec3::new(-3.0 + 0.1 * frame as f64, 0.2, 0.5));
         let capture = Capture { world_from_sensor: pose, frame };

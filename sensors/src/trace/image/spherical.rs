@@ -218,6 +218,14 @@ fn magnitude<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
     max(-low, high)
 }
 
+/// What rounding may do to azimuths of points that far from the vertical axis, given their greatest coordinate.
+#[inline(always)]
+fn azimuth_error<S: Simd>(from_axis: f32x16<S>, farthest: f32x16<S>) -> f32x16<S> {
+    let simd = farthest.simd;
+    let error = farthest * 1e-6 / max(from_axis, f32x16::splat(simd, 1e-30));
+    min(error, f32x16::splat(simd, TAU))
+}
+
 /// Angle of (x, y) to the x axis, to 2e-6 radians: a minimax polynomial for the arc tangent up to 1.
 #[inline(always)]
 fn atan2<S: Simd>(y: f32x16<S>, x: f32x16<S>) -> f32x16<S> {
@@ -386,12 +394,14 @@ impl Projection for SphericalFan<'_> {
         let level = (x * x + y * y).sqrt();
         let (mut from, mut to, mut below, mut above) = (zero, zero, zero, zero);
         let mut least = f32x16::splat(simd, f32::MAX);
+        let mut lowest = level;
         for corner in corners {
             let dot = x * corner[0] + y * corner[1];
             let turn = (x * corner[1] - y * corner[0]) / max(dot, f32x16::splat(simd, 1e-30));
             from = min(from, turn);
             to = max(to, turn);
             let corner_level = (corner[0] * corner[0] + corner[1] * corner[1]).sqrt();
+            lowest = min(lowest, corner_level);
             let rise_dot = level * corner_level + z * corner[2];
             let rise = (level * corner[2] - z * corner_level) / max(rise_dot, f32x16::splat(simd, 1e-30));
             below = min(below, rise);
@@ -408,6 +418,10 @@ impl Projection for SphericalFan<'_> {
         let rise = atan2(z, level);
         let elevation = [rise + below - bulge, rise + above + bulge];
         let azimuth = atan2(y, x);
+        let farthest =
+            max(magnitude(low[2], high[2]), max(magnitude(low[0], high[0]), magnitude(low[1], high[1])));
+        let unsure = azimuth_error(lowest, farthest);
+        let (from, to) = (from - unsure, to + unsure);
         let never = mask32x16::splat(simd, false);
         let mut close = self.rectangles(simd, azimuth, [from, to], elevation, never, valid);
         if (valid & !small).any_true() {

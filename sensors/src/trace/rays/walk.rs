@@ -1,0 +1,111 @@
+//! The way of one ray through a mesh's tree, front to back.
+
+use super::ray::{Nearest, Ray};
+use super::{block, node};
+use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
+use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
+
+/// Room for the children that wait. A tree as deep as the builder makes them at most leaves fifteen a level.
+const STACK: usize = 15 * 64 + WIDTH;
+
+/// The tree of one mesh.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tree<'a> {
+    /// Boxes; the first is the root.
+    pub(crate) nodes: &'a [WideNode],
+    /// Triangles.
+    pub(crate) blocks: &'a [TriangleBlock],
+}
+
+/// A child that waits: its entry distance's bits, and itself.
+#[derive(Debug, Clone, Copy)]
+struct Waiting {
+    key: u32,
+    child: u32,
+}
+
+/// Children that wait, the nearest of each node on top.
+pub(crate) struct Stack {
+    waiting: [Waiting; STACK],
+}
+
+impl Stack {
+    /// Nothing waits.
+    pub(crate) const fn new() -> Self {
+        Self { waiting: [Waiting { key: 0, child: 0 }; STACK] }
+    }
+}
+
+/// Finds the nearest hit of the ray on the mesh that is nearer than `nearest`.
+#[inline(always)]
+pub(crate) fn nearest_in_mesh<S: Simd>(
+    simd: S,
+    tree: Tree<'_>,
+    ray: &Ray,
+    cull_back: bool,
+    stack: &mut Stack,
+    nearest: &mut Nearest,
+) {
+    let mut child = 0_u32;
+    let mut top = 0_usize;
+    loop {
+        if child & LEAF != 0 {
+            let index = child & !LEAF;
+            if let Some(block) = tree.blocks.get(index as usize) {
+                let mask = block::meet(simd, block, ray, nearest.limit, cull_back);
+                block::offer(block, index, mask, ray, nearest);
+            }
+        } else if let Some(node) = tree.nodes.get(child as usize) {
+            let (near, mask) = node::meet(simd, node, ray, nearest.limit);
+            if mask != 0 {
+                if mask & (mask - 1) == 0 {
+                    child = node.child[mask.trailing_zeros() as usize % WIDTH];
+                    continue;
+                }
+                top = push(simd, node, near, mask, stack, top);
+            }
+        }
+        loop {
+            if top == 0 {
+                return;
+            }
+            top -= 1;
+            let waiting = stack.waiting[top];
+            if f32::from_bits(waiting.key) <= nearest.limit {
+                child = waiting.child;
+                break;
+            }
+        }
+    }
+}
+
+/// Puts the children of the mask on the stack, the nearest on top, and returns the new top. The rank of each is
+/// the number of those that are nearer: no branch depends on the order.
+#[inline(always)]
+fn push<S: Simd>(
+    simd: S,
+    node: &WideNode,
+    near: f32x16<S>,
+    mask: u32,
+    stack: &mut Stack,
+    top: usize,
+) -> usize {
+    let count = mask.count_ones() as usize;
+    let Some(room) = stack.waiting.get_mut(top..top + WIDTH) else { return top };
+    // t ≥ 0 orders like its bits (a negative t_min makes them large, which costs order, not hits); the lane in the
+    // last four makes them differ.
+    let lanes = u32x16::load_array_ref(simd, &LANE_NUMBERS);
+    let keys = (near.bitcast::<u32x16<S>>() & !15_u32) | lanes;
+    let array: [u32; WIDTH] = keys.into();
+    let mut rest = mask;
+    while rest != 0 {
+        let lane = rest.trailing_zeros() as usize % WIDTH;
+        rest &= rest - 1;
+        let farther = keys.simd_gt(u32x16::splat(simd, array[lane])).to_bitmask() as u32 & mask;
+        room[farther.count_ones() as usize % WIDTH] =
+            Waiting { key: array[lane] & !15, child: node.child[lane] };
+    }
+    top + count
+}
+
+const LANE_NUMBERS: [u32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];

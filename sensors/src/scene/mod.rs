@@ -14,11 +14,13 @@
 //! | sphere, side of cylinder and capsule | once around, counter-clockwise from −x seen from +z | −z end to +z end |
 //! | ends of a cylinder | +x | +y / −y |
 
+pub mod build;
 pub(crate) mod bvh;
 mod instance;
 mod material;
 mod texture;
 pub mod tree;
+mod validate;
 
 #[cfg(feature = "alloc")]
 mod builder;
@@ -29,6 +31,8 @@ pub(crate) use instance::{KIND_BOX, KIND_CAPSULE, KIND_CYLINDER, KIND_MESH, KIND
 pub use material::{Environment, Light, LightConfig, LightKind, Material, MaterialConfig};
 pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
+
+pub use validate::{TreeFault, validate_scratch_len, validate_tree};
 
 #[cfg(feature = "alloc")]
 pub use builder::SceneBuilder;
@@ -87,6 +91,8 @@ pub enum SceneError {
     BadPose,
     /// Vertex of that index is not finite.
     BadVertex(usize),
+    /// Vertex of that index is farther from the mesh's origin than [`build::MAX_COORDINATE`].
+    VertexTooFar(usize),
     /// Triangle of that index refers to a vertex that is not there.
     BadTriangle(usize),
     /// A mesh without triangles.
@@ -103,6 +109,17 @@ pub enum SceneError {
     NoSuchTexture,
     /// No instance of that index.
     NoSuchInstance,
+    /// A buffer of the caller's does not hold what it must.
+    BufferTooSmall {
+        /// Which one.
+        buffer: &'static str,
+        /// Its elements.
+        have: usize,
+        /// Elements that are needed.
+        need: usize,
+    },
+    /// Node of that index does not belong to a tree over the given triangles.
+    BadTree(usize),
     /// More elements of one kind than 32-bit indices can count.
     TooMany,
 }
@@ -113,6 +130,13 @@ impl core::fmt::Display for SceneError {
             Self::BadSize => f.write_str("a length is not positive and finite"),
             Self::BadPose => f.write_str("a pose is not finite"),
             Self::BadVertex(index) => write!(f, "vertex {index} is not finite"),
+            Self::VertexTooFar(index) => {
+                write!(f, "vertex {index} is farther than 1e12 m from the origin of its mesh")
+            }
+            Self::BufferTooSmall { buffer, have, need } => {
+                write!(f, "the buffer `{buffer}` holds {have} elements, and {need} are needed")
+            }
+            Self::BadTree(node) => write!(f, "node {node} does not belong to a tree over these triangles"),
             Self::BadTriangle(index) => write!(f, "triangle {index} refers to a vertex that is not there"),
             Self::EmptyMesh => f.write_str("a mesh without triangles"),
             Self::UvCount => f.write_str("texture coordinates must be none or one per vertex"),

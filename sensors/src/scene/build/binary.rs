@@ -1,0 +1,161 @@
+//! The binary tree that the wide one is made of.
+
+use super::bins::{Cut, blocks, find_cut};
+use super::bounds::Scratch;
+use crate::Execution;
+use crate::scene::tree::WIDTH;
+use fearless_simd::Simd;
+
+/// From this depth on sets are halved, whatever it costs, so that the depth of every tree is bounded.
+const HALVE_FROM_DEPTH: u32 = 32;
+
+/// Sets below this are not worth handing to another thread.
+#[cfg(feature = "rayon")]
+const PARALLEL_FROM: usize = 4096;
+
+/// A set of primitives with what its parent found out about it.
+#[derive(Clone, Copy)]
+struct Set {
+    bounds: Scratch,
+    /// Bounds of [`Scratch::centre`].
+    centres: Scratch,
+    /// Blocks that it may use.
+    budget: usize,
+    depth: u32,
+}
+
+/// Sorts `items` and fills `nodes` with the binary tree over them. The node of a set with a budget of b blocks
+/// owns 2b − 1 nodes; its left child is the next one, so where a node lies depends on nothing but the input.
+pub(super) fn build<S: Simd>(
+    simd: S,
+    execution: Execution,
+    items: &mut [Scratch],
+    nodes: &mut [Scratch],
+    budget: usize,
+) {
+    let (bounds, centres) = bounds_of(simd, items);
+    let set = Set { bounds, centres, budget, depth: 0 };
+    build_set(simd, execution, items, nodes, 0, 0, set);
+}
+
+/// `first`: the scene-wide index of the first item. `base`: that of the first node.
+#[cfg_attr(not(feature = "rayon"), allow(clippy::only_used_in_recursion, reason = "threads come with rayon"))]
+fn build_set<S: Simd>(
+    simd: S,
+    execution: Execution,
+    items: &mut [Scratch],
+    nodes: &mut [Scratch],
+    first: usize,
+    base: usize,
+    set: Set,
+) {
+    if items.len() <= WIDTH {
+        nodes[0] = set.bounds.with_tags(first as u32, items.len() as u32);
+        return;
+    }
+    let (count, left, right) = split(simd, items, &set);
+    let left_nodes = 2 * left.budget - 1;
+    nodes[0] = set.bounds.with_tags((base + 1 + left_nodes) as u32, 0);
+    let (left_items, right_items) = items.split_at_mut(count);
+    let (left_part, right_part) = nodes[1..].split_at_mut(left_nodes);
+    let (right_first, right_base) = (first + count, base + 1 + left_nodes);
+    #[cfg(feature = "rayon")]
+    if execution.parallel && left_items.len() + right_items.len() >= PARALLEL_FROM {
+        rayon::join(
+            || build_set(simd, execution, left_items, left_part, first, base + 1, left),
+            || build_set(simd, execution, right_items, right_part, right_first, right_base, right),
+        );
+        return;
+    }
+    build_set(simd, execution, left_items, left_part, first, base + 1, left);
+    build_set(simd, execution, right_items, right_part, right_first, right_base, right);
+}
+
+/// Sorts the items into two sides. How many are on the left, and both sides.
+fn split<S: Simd>(simd: S, items: &mut [Scratch], set: &Set) -> (usize, Set, Set) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let depth = set.depth + 1;
+            let cut = if set.depth < HALVE_FROM_DEPTH {
+                find_cut(simd, items, &set.centres, set.budget)
+            } else {
+                None
+            };
+            let (count, [left, right], [left_centres, right_centres]) = match cut {
+                Some(cut) => {
+                    let centres = partition(items, &cut);
+                    (cut.left_count, [cut.left, cut.right], centres)
+                }
+                None => halve(simd, items, &set.centres),
+            };
+            let (left_budget, right_budget) = share(set.budget, count, items.len() - count);
+            (
+                count,
+                Set { bounds: left, centres: left_centres, budget: left_budget, depth },
+                Set { bounds: right, centres: right_centres, budget: right_budget, depth },
+            )
+        },
+    )
+}
+
+/// What both sides need, and what is left over in proportion to their sizes.
+fn share(budget: usize, left: usize, right: usize) -> (usize, usize) {
+    let spare = budget - blocks(left) - blocks(right);
+    let extra = (spare as u64 * left as u64 / (left + right) as u64) as usize;
+    let left_budget = if left <= WIDTH { 1 } else { blocks(left) + extra };
+    (left_budget, if right <= WIDTH { 1 } else { blocks(right) + spare - extra })
+}
+
+/// Moves what lies left of the cut to the front, without a branch on where an item belongs. The bounds of the
+/// centres of both sides.
+#[inline(always)]
+fn partition(items: &mut [Scratch], cut: &Cut) -> [Scratch; 2] {
+    let mut centres = [Scratch::EMPTY; 2];
+    let mut left = 0;
+    for i in 0..items.len() {
+        let item = items[i];
+        let is_left = cut.plane.is_left(&item);
+        items[i] = items[left];
+        items[left] = item;
+        left += usize::from(is_left);
+        centres[usize::from(!is_left)].join(&item.centre());
+    }
+    debug_assert_eq!(left, cut.left_count);
+    centres
+}
+
+/// Halves by rank along the longest axis of the centres, at a multiple of a block.
+#[inline(always)]
+fn halve<S: Simd>(simd: S, items: &mut [Scratch], centres: &Scratch) -> (usize, [Scratch; 2], [Scratch; 2]) {
+    let extent = |axis: usize| 0.0 - (centres.lanes[axis] + centres.lanes[axis + 4]);
+    let mut longest = 0;
+    for axis in 1..3 {
+        if extent(axis) > extent(longest) {
+            longest = axis;
+        }
+    }
+    let count = blocks(items.len()).div_ceil(2) * WIDTH;
+    let key = |item: &Scratch| item.lanes[longest] - item.lanes[longest + 4];
+    items.select_nth_unstable_by(count, |a, b| key(a).total_cmp(&key(b)).then(a.tag().cmp(&b.tag())));
+    let (left, left_centres) = bounds_of(simd, &items[..count]);
+    let (right, right_centres) = bounds_of(simd, &items[count..]);
+    (count, [left, right], [left_centres, right_centres])
+}
+
+/// The box of all, and that of their centres.
+#[inline(always)]
+fn bounds_of<S: Simd>(simd: S, items: &[Scratch]) -> (Scratch, Scratch) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut bounds = Scratch::EMPTY;
+            let mut centres = Scratch::EMPTY;
+            for item in items {
+                bounds.join(item);
+                centres.join(&item.centre());
+            }
+            (bounds, centres)
+        },
+    )
+}

@@ -1,0 +1,135 @@
+//! What the builder sorts: boxes with a tag, thirty-two bytes each.
+
+use crate::scene::SceneError;
+use bytemuck::{Pod, Zeroable};
+
+/// Vertices farther than this from the origin of their mesh are refused, in metres: products of three lengths
+/// must stay in the range of f32.
+pub const MAX_COORDINATE: f32 = 1e12;
+
+/// One unit of the builder's working memory: a box and two tags.
+///
+/// Lanes 0–2 are the lower corner and lanes 4–6 the upper corner *negated*, so that one minimum of eight lanes
+/// joins two boxes. Lanes 3 and 7 carry whole numbers as bits; arithmetic may spoil them. There is no −0 in a
+/// box, so the result of a minimum never depends on the machine.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(32))]
+pub struct Scratch {
+    pub(super) lanes: [f32; 8],
+}
+
+impl Scratch {
+    /// Contains nothing: neutral when joined.
+    pub(super) const EMPTY: Self = Self { lanes: [f32::INFINITY; 8] };
+
+    #[inline(always)]
+    pub(super) fn new(min: [f32; 3], max: [f32; 3]) -> Self {
+        // 0 + x and 0 − x are never −0.
+        let [a, b, c] = min.map(|x| 0.0 + x);
+        let [d, e, f] = max.map(|x| 0.0 - x);
+        Self { lanes: [a, b, c, 0.0, d, e, f, 0.0] }
+    }
+
+    #[inline(always)]
+    pub(super) fn join(&mut self, other: &Self) {
+        for (lane, &x) in self.lanes.iter_mut().zip(&other.lanes) {
+            *lane = if x < *lane { x } else { *lane };
+        }
+    }
+
+    /// Half of the surface.
+    #[inline(always)]
+    pub(super) fn area(&self) -> f32 {
+        let l = &self.lanes;
+        // Lengths negated: the products do not mind.
+        let [x, y, z] = [l[0] + l[4], l[1] + l[5], l[2] + l[6]];
+        x * y + y * z + z * x
+    }
+
+    #[inline(always)]
+    pub(super) fn min(&self) -> [f32; 3] {
+        [self.lanes[0], self.lanes[1], self.lanes[2]]
+    }
+
+    #[inline(always)]
+    pub(super) fn max(&self) -> [f32; 3] {
+        [0.0 - self.lanes[4], 0.0 - self.lanes[5], 0.0 - self.lanes[6]]
+    }
+
+    /// A primitive: the triangle. A binary node: first primitive of a leaf, right child of an inner node.
+    #[inline(always)]
+    pub(super) fn tag(&self) -> u32 {
+        self.lanes[3].to_bits()
+    }
+
+    /// A binary node: how many primitives a leaf has, 0 for an inner node.
+    #[inline(always)]
+    pub(super) fn count(&self) -> u32 {
+        self.lanes[7].to_bits()
+    }
+
+    #[inline(always)]
+    pub(super) fn with_tags(mut self, tag: u32, count: u32) -> Self {
+        self.lanes[3] = f32::from_bits(tag);
+        self.lanes[7] = f32::from_bits(count);
+        self
+    }
+
+    /// Twice the centre and its negation: joined, they are the bounds of the centres.
+    #[inline(always)]
+    pub(super) fn centre(&self) -> Self {
+        let l = &self.lanes;
+        let [x, y, z] = [l[0] - l[4], l[1] - l[5], l[2] - l[6]];
+        Self { lanes: [x, y, z, 0.0, 0.0 - x, 0.0 - y, 0.0 - z, 0.0] }
+    }
+}
+
+/// Every vertex is finite and within [`MAX_COORDINATE`].
+pub(in crate::scene) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), SceneError> {
+    let inside = |vertex: &[f32; 3]| {
+        (vertex[0].abs() <= MAX_COORDINATE)
+            & (vertex[1].abs() <= MAX_COORDINATE)
+            & (vertex[2].abs() <= MAX_COORDINATE)
+    };
+    let Some(bad) = positions.iter().position(|vertex| !inside(vertex)) else {
+        return Ok(());
+    };
+    let finite = positions[bad].iter().all(|x| x.is_finite());
+    Err(if finite { SceneError::VertexTooFar(bad) } else { SceneError::BadVertex(bad) })
+}
+
+/// Corners of a triangle.
+///
+/// # Errors
+/// [`SceneError::BadTriangle`] when it names a vertex that is not there.
+#[inline(always)]
+pub(in crate::scene) fn corners(
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+    index: usize,
+) -> Result<[[f32; 3]; 3], SceneError> {
+    let corner = |vertex: u32| positions.get(vertex as usize).copied();
+    match triangles[index].map(corner) {
+        [Some(a), Some(b), Some(c)] => Ok([a, b, c]),
+        _ => Err(SceneError::BadTriangle(index)),
+    }
+}
+
+/// The box of three corners.
+#[inline(always)]
+pub(super) fn bounds_of([a, b, c]: [[f32; 3]; 3]) -> Scratch {
+    let min = |i: usize| smaller(smaller(a[i], b[i]), c[i]);
+    let max = |i: usize| larger(larger(a[i], b[i]), c[i]);
+    Scratch::new([min(0), min(1), min(2)], [max(0), max(1), max(2)])
+}
+
+/// One instruction, unlike `f32::min`.
+#[inline(always)]
+pub(super) fn smaller(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
+}
+
+#[inline(always)]
+pub(super) fn larger(a: f32, b: f32) -> f32 {
+    if b > a { b } else { a }
+}

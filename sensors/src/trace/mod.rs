@@ -6,7 +6,7 @@
 
 pub(crate) mod frame;
 pub(crate) mod packet;
-pub(crate) mod rays;
+pub mod rays;
 mod shapes;
 pub(crate) mod surface;
 pub(crate) mod traverse;

@@ -2,9 +2,11 @@
 //! sixteen boxes or sixteen triangles at a time.
 
 mod block;
+mod cast;
 mod node;
 mod ray;
 mod walk;
 
+pub use cast::{Hits, Rays, cast_mesh};
 pub(crate) use ray::{Nearest, Ray};
-pub(crate) use walk::{Stack, Tree, nearest_in_mesh};
+pub use walk::Tree;

@@ -2,19 +2,20 @@
 
 use super::ray::{Nearest, Ray};
 use super::{block, node};
+use crate::scene::build::MAX_DEPTH;
 use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 
-/// Room for the children that wait. A tree as deep as the builder makes them at most leaves fifteen a level.
-const STACK: usize = 15 * 64 + WIDTH;
+/// Room for the children that wait: fifteen a level, and sixteen that are being sorted in.
+const STACK: usize = (WIDTH - 1) * MAX_DEPTH + WIDTH;
 
 /// The tree of one mesh.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Tree<'a> {
+pub struct Tree<'a> {
     /// Boxes; the first is the root.
-    pub(crate) nodes: &'a [WideNode],
+    pub nodes: &'a [WideNode],
     /// Triangles.
-    pub(crate) blocks: &'a [TriangleBlock],
+    pub blocks: &'a [TriangleBlock],
 }
 
 /// A child that waits: its entry distance's bits, and itself.

@@ -1,0 +1,79 @@
+//! Casting many rays, and what is told of their hits.
+
+use super::ray::{Nearest, Ray};
+use super::walk::{Stack, Tree, nearest_in_mesh};
+use crate::scene::tree::{NONE, WIDTH};
+use crate::simd::{Level, sqrt};
+use crate::trace::Faces;
+use fearless_simd::{Simd, dispatch};
+
+/// Rays p(t) = origin + t·direction. Metres, relative to a common reference point.
+#[derive(Debug, Clone, Copy)]
+pub struct Rays<'a> {
+    /// One per ray, or one for all.
+    pub origins: &'a [[f32; 3]],
+    /// One per ray, finite, not 0, of any length.
+    pub directions: &'a [[f32; 3]],
+    /// Least and greatest t that count, per ray; 0 to ∞ without.
+    pub ranges: Option<&'a [[f32; 2]]>,
+}
+
+impl Rays<'_> {
+    /// Ray `index`.
+    #[inline(always)]
+    pub(super) fn get(&self, index: usize) -> Ray {
+        let origin = if self.origins.len() == 1 { self.origins[0] } else { self.origins[index] };
+        let range = self.ranges.map_or([0.0, f32::INFINITY], |ranges| ranges[index]);
+        Ray::new(origin, self.directions[index], range)
+    }
+}
+
+/// Where hits go: only what is asked for is computed. Each slice has one element per ray.
+#[derive(Debug, Default)]
+pub struct Hits<'a> {
+    /// t in units of the direction's length; +∞ on a miss.
+    pub distance: Option<&'a mut [f32]>,
+    /// Unit geometric normal, outward by winding; untouched on a miss.
+    pub normal: Option<&'a mut [[f32; 3]]>,
+    /// Triangle in the caller's order; [`NONE`] on a miss.
+    pub primitive: Option<&'a mut [u32]>,
+}
+
+/// Casts rays at one mesh, in its own frame.
+pub fn cast_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &mut Hits<'_>) {
+    dispatch!(level, simd => cast(simd, tree, rays, faces, hits));
+}
+
+#[inline(always)]
+fn cast<S: Simd>(simd: S, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &mut Hits<'_>) {
+    let cull_back = faces == Faces::Front;
+    let mut stack = Stack::new();
+    for index in 0..rays.directions.len() {
+        let ray = rays.get(index);
+        let mut nearest = Nearest::none(&ray);
+        nearest_in_mesh(simd, tree, &ray, cull_back, &mut stack, &mut nearest);
+        store(tree, &ray, &nearest, index, hits);
+    }
+}
+
+#[inline(always)]
+fn store(tree: Tree<'_>, ray: &Ray, nearest: &Nearest, index: usize, hits: &mut Hits<'_>) {
+    if let Some(distance) = hits.distance.as_mut().and_then(|all| all.get_mut(index)) {
+        *distance = (nearest.t * f64::from(ray.unit)) as f32;
+    }
+    let block = tree.blocks.get(nearest.slot as usize / WIDTH);
+    let lane = nearest.slot as usize % WIDTH;
+    if let Some(primitive) = hits.primitive.as_mut().and_then(|all| all.get_mut(index)) {
+        *primitive = block.map_or(NONE, |block| block.triangle[lane]);
+    }
+    if let Some(normal) = hits.normal.as_mut().and_then(|all| all.get_mut(index))
+        && let Some(block) = block
+    {
+        let corner = |corner: usize| [0, 1, 2].map(|axis| f64::from(block.corners[corner][axis][lane]));
+        let [a, b, c] = [corner(0), corner(1), corner(2)];
+        let [p, q] = [[b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]];
+        let n = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
+        let scale = 1.0 / sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        *normal = n.map(|component| (component * scale) as f32);
+    }
+}

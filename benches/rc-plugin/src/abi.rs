@@ -6,7 +6,7 @@ use std::slice;
 
 /// A triangle mesh.
 #[repr(C)]
-pub struct Mesh {
+pub(crate) struct Mesh {
     verts: *const [f32; 3],
     vertex_count: u64,
     tris: *const [u32; 3],
@@ -15,7 +15,7 @@ pub struct Mesh {
 
 /// Rays in rows; all have one origin if `common_origin` is not 0.
 #[repr(C)]
-pub struct Rays {
+pub(crate) struct Rays {
     org: *const [f32; 3],
     dir: *const [f32; 3],
     count: u64,
@@ -27,7 +27,7 @@ pub struct Rays {
 
 /// Where results go.
 #[repr(C)]
-pub struct Hits {
+pub(crate) struct Hits {
     t: *mut f32,
     normal: *mut [f32; 3],
     prim: *mut u32,
@@ -60,14 +60,14 @@ unsafe fn elements_mut<'a, T>(data: *mut T, length: u64) -> &'a mut [T] {
 /// How many casters there are.
 // SAFETY: nothing else in the process has this name; the benchmark loads each plugin by itself.
 #[unsafe(no_mangle)]
-pub extern "C" fn rc_count() -> c_int {
+extern "C" fn rc_count() -> c_int {
     1
 }
 
 /// The name of the caster.
 // SAFETY: as for `rc_count`.
 #[unsafe(no_mangle)]
-pub extern "C" fn rc_name(_caster: c_int) -> *const c_char {
+extern "C" fn rc_name(_caster: c_int) -> *const c_char {
     c"belvedere".as_ptr()
 }
 
@@ -77,7 +77,7 @@ pub extern "C" fn rc_name(_caster: c_int) -> *const c_char {
 /// `mesh` points to a [`Mesh`] whose pointers are valid for its counts during the call.
 // SAFETY: as for `rc_count`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn rc_build(_caster: c_int, mesh: *const Mesh, threads: c_int) -> *mut c_void {
+unsafe extern "C" fn rc_build(_caster: c_int, mesh: *const Mesh, threads: c_int) -> *mut c_void {
     // SAFETY: `mesh` is valid, says the caller.
     let Some(mesh) = (unsafe { mesh.as_ref() }) else { return std::ptr::null_mut() };
     // SAFETY: the pointers are valid for the counts, says the caller.
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn rc_build(_caster: c_int, mesh: *const Mesh, threads: c_
 /// `handle` came from [`rc_build`] and is not in use elsewhere; `verts` is valid for as many vertices as then.
 // SAFETY: as for `rc_count`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn rc_refit(handle: *mut c_void, verts: *const [f32; 3]) -> c_int {
+unsafe extern "C" fn rc_refit(handle: *mut c_void, verts: *const [f32; 3]) -> c_int {
     // SAFETY: `handle` is a `Caster` that nobody else uses, says the caller.
     let Some(caster) = (unsafe { handle.cast::<Caster>().as_mut() }) else { return 0 };
     // SAFETY: no more vertices are read than triangles name, all of which are there, says the caller.
@@ -109,7 +109,7 @@ pub unsafe extern "C" fn rc_refit(handle: *mut c_void, verts: *const [f32; 3]) -
 /// elements, and the results overlap nothing.
 // SAFETY: as for `rc_count`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn rc_cast(handle: *mut c_void, rays: *const Rays, hits: *mut Hits, threads: c_int) {
+unsafe extern "C" fn rc_cast(handle: *mut c_void, rays: *const Rays, hits: *mut Hits, threads: c_int) {
     // SAFETY: the three pointers are valid, says the caller.
     let (caster, rays, hits) =
         unsafe { (handle.cast::<Caster>().as_ref(), rays.as_ref(), hits.as_ref()) };
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn rc_cast(handle: *mut c_void, rays: *const Rays, hits: *
 /// `handle` came from [`rc_build`] and is not used again.
 // SAFETY: as for `rc_count`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn rc_free(handle: *mut c_void) {
+unsafe extern "C" fn rc_free(handle: *mut c_void) {
     if !handle.is_null() {
         // SAFETY: it came from `Box::into_raw` in `rc_build`, and this is its last use, says the caller.
         drop(unsafe { Box::from_raw(handle.cast::<Caster>()) });

@@ -16,16 +16,9 @@ const SLACK: f32 = 1.0 + 1.0 / 1024.0;
 #[inline(always)]
 pub(super) fn meet<S: Simd>(simd: S, block: &TriangleBlock, ray: &Ray, limit: f32, cull_back: bool) -> u32 {
     let zero = f32x16::splat(simd, 0.0);
-    let axes = ray.axes.map(|axis| usize::from(axis) % 3);
-    let sheared = |corner: usize| {
-        let rows = &block.corners[corner];
-        let along = |axis: usize| f32x16::load_array_ref(simd, &rows[axis]) - ray.origin[axis];
-        let z = along(axes[2]);
-        (along(axes[0]) - z * ray.shear[0], along(axes[1]) - z * ray.shear[1], z)
-    };
-    let (ax, ay, az) = sheared(0);
-    let (bx, by, bz) = sheared(1);
-    let (cx, cy, cz) = sheared(2);
+    let [ax, ay, az] = sheared(simd, &block.corners[0], ray);
+    let [bx, by, bz] = sheared(simd, &block.corners[1], ray);
+    let [cx, cy, cz] = sheared(simd, &block.corners[2], ray);
     let u = cx * by - cy * bx;
     let v = ax * cy - ay * cx;
     let w = bx * ay - by * ax;
@@ -44,6 +37,16 @@ pub(super) fn meet<S: Simd>(simd: S, block: &TriangleBlock, ray: &Ray, limit: f3
     (candidates & within.to_bitmask()) as u32
 }
 
+/// One corner of each triangle, relative to the ray's origin, in the space in which the ray runs along z.
+#[inline(always)]
+fn sheared<S: Simd>(simd: S, corner: &[[f32; WIDTH]; 3], ray: &Ray) -> [f32x16<S>; 3] {
+    let [x, y, z] = [usize::from(ray.axes[0]) % 3, usize::from(ray.axes[1]) % 3, usize::from(ray.axes[2]) % 3];
+    let along_x = f32x16::load_array_ref(simd, &corner[x]) - ray.origin[x];
+    let along_y = f32x16::load_array_ref(simd, &corner[y]) - ray.origin[y];
+    let along_z = f32x16::load_array_ref(simd, &corner[z]) - ray.origin[z];
+    [along_x - along_z * ray.shear[0], along_y - along_z * ray.shear[1], along_z]
+}
+
 /// Offers each triangle of the mask, at its exact distance, as the nearest hit.
 #[inline(always)]
 pub(super) fn offer(block: &TriangleBlock, index: u32, mut mask: u32, ray: &Ray, nearest: &mut Nearest) {
@@ -59,20 +62,37 @@ pub(super) fn offer(block: &TriangleBlock, index: u32, mut mask: u32, ray: &Ray,
 /// them lies nothing of the triangle, and only a ray along its plane could get there by rounding.
 #[inline(always)]
 pub(super) fn exact_distance(block: &TriangleBlock, lane: usize, ray: &Ray) -> f64 {
-    let corner = |corner: usize| [0, 1, 2].map(|axis| f64::from(block.corners[corner][axis][lane]));
-    let [a, b, c] = [corner(0), corner(1), corner(2)];
-    let origin = ray.origin.map(f64::from);
-    let direction = ray.direction.map(f64::from);
-    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-    let (ab, ac, oa) = (minus(b, a), minus(c, a), minus(a, origin));
-    let normal = [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]];
-    let t = dot(normal, oa) / dot(normal, direction);
+    let mut relative = [[0.0; 3]; 3];
+    for corner in 0..3 {
+        for axis in 0..3 {
+            relative[corner][axis] =
+                f64::from(block.corners[corner][axis][lane]) - f64::from(ray.origin[axis]);
+        }
+    }
+    let [a, b, c] = relative;
+    let direction = [f64::from(ray.direction[0]), f64::from(ray.direction[1]), f64::from(ray.direction[2])];
+    let normal = cross(minus(b, a), minus(c, a));
+    let t = dot(normal, a) / dot(normal, direction);
     let z = usize::from(ray.axes[2]) % 3;
     let per_z = 1.0 / direction[z];
-    let depths = [oa[z] * per_z, (b[z] - origin[z]) * per_z, (c[z] - origin[z]) * per_z];
+    let depths = [a[z] * per_z, b[z] * per_z, c[z] * per_z];
     let least = depths[0].min(depths[1]).min(depths[2]);
     let greatest = depths[0].max(depths[1]).max(depths[2]);
     // Not `clamp`: a NaN (a ray in the very plane) becomes the nearest depth.
     if t > least { t.min(greatest) } else { least }
+}
+
+#[inline(always)]
+pub(super) fn minus(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
+#[inline(always)]
+pub(super) fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+}
+
+#[inline(always)]
+pub(super) fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 }

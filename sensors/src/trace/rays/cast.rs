@@ -1,5 +1,6 @@
 //! Casting many rays, and what is told of their hits.
 
+use super::block::{cross, dot, minus};
 use super::ray::{Nearest, Ray};
 use super::walk::{Stack, Tree, nearest_in_mesh};
 use crate::scene::tree::{NONE, WIDTH};
@@ -69,11 +70,15 @@ fn store(tree: Tree<'_>, ray: &Ray, nearest: &Nearest, index: usize, hits: &mut 
     if let Some(normal) = hits.normal.as_mut().and_then(|all| all.get_mut(index))
         && let Some(block) = block
     {
-        let corner = |corner: usize| [0, 1, 2].map(|axis| f64::from(block.corners[corner][axis][lane]));
-        let [a, b, c] = [corner(0), corner(1), corner(2)];
-        let [p, q] = [[b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]];
-        let n = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-        let scale = 1.0 / sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        *normal = n.map(|component| (component * scale) as f32);
+        let mut corners = [[0.0; 3]; 3];
+        for corner in 0..3 {
+            for axis in 0..3 {
+                corners[corner][axis] = f64::from(block.corners[corner][axis][lane]);
+            }
+        }
+        let [a, b, c] = corners;
+        let n = cross(minus(b, a), minus(c, a));
+        let scale = 1.0 / sqrt(dot(n, n));
+        *normal = [(n[0] * scale) as f32, (n[1] * scale) as f32, (n[2] * scale) as f32];
     }
 }

@@ -8,5 +8,4 @@ mod ray;
 mod walk;
 
 pub use cast::{Hits, Rays, cast_mesh};
-pub(crate) use ray::{Nearest, Ray};
 pub use walk::Tree;

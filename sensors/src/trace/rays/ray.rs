@@ -1,7 +1,5 @@
 //! A ray made ready for boxes and triangles.
 
-use crate::trace::Faces;
-
 /// The smallest direction component that is divided by, where the largest lies in [1, 2); smaller ones, and 0
 /// above all, count as this one, so that no reciprocal overflows and no 0·∞ comes up in a slab test.
 const TINY: f32 = f32::from_bits((127 - 100) << 23); // 2⁻¹⁰⁰
@@ -45,7 +43,7 @@ impl Ray {
     /// length.
     #[inline(always)]
     pub(crate) fn new(origin: [f32; 3], direction: [f32; 3], range: [f32; 2]) -> Self {
-        let size = direction.map(f32::abs);
+        let size = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
         let (mut z, mut largest) = if size[0] > size[1] { (0, size[0]) } else { (1, size[1]) };
         if size[2] >= largest {
             (z, largest) = (2, size[2]);
@@ -53,7 +51,7 @@ impl Ray {
         // The power of two by exponent bits; what is out of its range (subnormal or huge) comes close enough.
         let exponent = (largest.to_bits() >> 23).clamp(1, 253);
         let scale = f32::from_bits((254 - exponent) << 23);
-        let direction = direction.map(|d| d * scale);
+        let direction = [direction[0] * scale, direction[1] * scale, direction[2] * scale];
         let mut inverse = [0.0; 3];
         let mut near_origin = [0.0; 3];
         let mut far_origin = [0.0; 3];
@@ -80,7 +78,7 @@ impl Ray {
             near_rows,
             axes: [x as u8, y as u8, z as u8],
             shear,
-            range: range.map(|t| t / scale),
+            range: [range[0] / scale, range[1] / scale],
             unit: scale,
         }
     }
@@ -115,10 +113,4 @@ impl Nearest {
             self.limit = t as f32;
         }
     }
-}
-
-/// Which determinants of a triangle count.
-#[inline(always)]
-pub(super) fn culls_back(faces: Faces) -> bool {
-    faces == Faces::Front
 }

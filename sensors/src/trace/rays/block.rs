@@ -10,11 +10,17 @@ use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
 
 /// Single precision decides which triangles are worth a second look; what is farther than the nearest hit by
 /// less than this share of t gets one.
-const SLACK: f32 = 1.0 + 1.0 / 1024.0;
+pub(super) const SLACK: f32 = 1.0 + 1.0 / 4096.0;
 
-/// The triangles that the ray meets up to about t = `limit`, as a mask.
+/// The triangles that the ray meets up to about t = `limit`, as a mask, and the t of each; +∞ for the others.
 #[inline(always)]
-pub(super) fn meet<S: Simd>(simd: S, block: &TriangleBlock, ray: &Ray, limit: f32, cull_back: bool) -> u32 {
+pub(super) fn meet_all<S: Simd>(
+    simd: S,
+    block: &TriangleBlock,
+    ray: &Ray,
+    limit: f32,
+    cull_back: bool,
+) -> (f32x16<S>, u32) {
     let zero = f32x16::splat(simd, 0.0);
     let [ax, ay, az] = sheared(simd, &block.corners[0], ray);
     let [bx, by, bz] = sheared(simd, &block.corners[1], ray);
@@ -28,13 +34,11 @@ pub(super) fn meet<S: Simd>(simd: S, block: &TriangleBlock, ray: &Ray, limit: f3
     let det = u + v + w;
     let front = greatest.simd_le(zero);
     let inside = if cull_back { front } else { front | least.simd_ge(zero) };
-    let candidates = inside.to_bitmask() & !det.simd_eq(zero).to_bitmask() & 0xffff;
-    if candidates == 0 {
-        return 0;
-    }
     let t = (u * az + v * bz + w * cz) / det * ray.shear[2];
-    let within = t.simd_le(f32x16::splat(simd, limit * SLACK));
-    (candidates & within.to_bitmask()) as u32
+    // A determinant of 0 makes t infinite or NaN, and neither is within any limit.
+    let within = t.simd_le(f32x16::splat(simd, limit)) & t.simd_ge(f32x16::splat(simd, ray.least));
+    let met = inside & within & t.simd_lt(f32x16::splat(simd, f32::INFINITY));
+    (met.select(t, f32x16::splat(simd, f32::INFINITY)), met.to_bitmask() as u32 & 0xffff)
 }
 
 /// One corner of each triangle, relative to the ray's origin, in the space in which the ray runs along z.

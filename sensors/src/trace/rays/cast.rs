@@ -2,7 +2,8 @@
 
 use super::block::{cross, dot, minus};
 use super::ray::{Nearest, Ray};
-use super::walk::{Stack, Tree, nearest_in_mesh};
+use super::walk::Tree;
+use super::wave::{Wave, nearest_hits};
 use crate::scene::tree::{NONE, WIDTH};
 use crate::simd::{Level, sqrt};
 use crate::trace::Faces;
@@ -22,10 +23,10 @@ pub struct Rays<'a> {
 impl Rays<'_> {
     /// Ray `index`.
     #[inline(always)]
-    pub(super) fn get(&self, index: usize) -> Ray {
+    pub(super) fn get(&self, index: usize, doubt: f32) -> Ray {
         let origin = if self.origins.len() == 1 { self.origins[0] } else { self.origins[index] };
         let range = self.ranges.map_or([0.0, f32::INFINITY], |ranges| ranges[index]);
-        Ray::new(origin, self.directions[index], range)
+        Ray::new(origin, self.directions[index], range, doubt)
     }
 }
 
@@ -48,13 +49,33 @@ pub fn cast_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hi
 #[inline(always)]
 fn cast<S: Simd>(simd: S, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &mut Hits<'_>) {
     let cull_back = faces == Faces::Front;
-    let mut stack = Stack::new();
-    for index in 0..rays.directions.len() {
-        let ray = rays.get(index);
-        let mut nearest = Nearest::none(&ray);
-        nearest_in_mesh(simd, tree, &ray, cull_back, &mut stack, &mut nearest);
-        store(tree, &ray, &nearest, index, hits);
+    let doubt = doubt(tree);
+    let mut wave = Wave::new();
+    nearest_hits(
+        simd,
+        tree,
+        rays.directions.len(),
+        cull_back,
+        &mut wave,
+        #[inline(always)]
+        |index| rays.get(index, doubt),
+        #[inline(always)]
+        |index, ray, nearest| store(tree, ray, nearest, index, hits),
+    );
+}
+
+/// How far t near 0 may be off in single precision: 2⁻²⁰ of the coordinates.
+#[inline(always)]
+fn doubt(tree: Tree<'_>) -> f32 {
+    let mut size = 0.0_f32;
+    if let Some(root) = tree.nodes.first() {
+        for axis in 0..3 {
+            for lane in 0..WIDTH {
+                size = size.max(root.min[axis][lane].abs()).max(root.max[axis][lane].abs());
+            }
+        }
     }
+    size * (1.0 / 1_048_576.0)
 }
 
 #[inline(always)]

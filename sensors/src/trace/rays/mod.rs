@@ -6,6 +6,7 @@ mod cast;
 mod node;
 mod ray;
 mod walk;
+mod wave;
 
 pub use cast::{Hits, Rays, cast_mesh};
 pub use walk::Tree;

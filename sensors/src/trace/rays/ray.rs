@@ -32,6 +32,8 @@ pub(crate) struct Ray {
     pub(super) axes: [u8; 3],
     /// x and y of the direction per z, and 1/z.
     pub(super) shear: [f32; 3],
+    /// In single precision, hits from here on are worth a second look.
+    pub(super) least: f32,
     /// Least and greatest t that count.
     pub(crate) range: [f32; 2],
     /// Multiply t by this for units of the direction that was given.
@@ -40,9 +42,9 @@ pub(crate) struct Ray {
 
 impl Ray {
     /// A ray from `origin` along `direction` (finite, not 0), for t within `range` in units of the direction's
-    /// length.
+    /// length. `doubt` is how wrong t may be in single precision, near 0: a share of the size of the mesh.
     #[inline(always)]
-    pub(crate) fn new(origin: [f32; 3], direction: [f32; 3], range: [f32; 2]) -> Self {
+    pub(crate) fn new(origin: [f32; 3], direction: [f32; 3], range: [f32; 2], doubt: f32) -> Self {
         let size = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
         let (mut z, mut largest) = if size[0] > size[1] { (0, size[0]) } else { (1, size[1]) };
         if size[2] >= largest {
@@ -78,6 +80,7 @@ impl Ray {
             near_rows,
             axes: [x as u8, y as u8, z as u8],
             shear,
+            least: range[0] / scale - doubt,
             range: [range[0] / scale, range[1] / scale],
             unit: scale,
         }

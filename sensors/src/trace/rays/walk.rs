@@ -1,7 +1,8 @@
 //! The way of one ray through a mesh's tree, front to back.
 
 use super::ray::{Nearest, Ray};
-use super::{block, node};
+use super::block::{self, SLACK};
+use super::node;
 use crate::scene::build::MAX_DEPTH;
 use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
@@ -53,7 +54,7 @@ pub(crate) fn nearest_in_mesh<S: Simd>(
         if child & LEAF != 0 {
             let index = child & !LEAF;
             if let Some(block) = tree.blocks.get(index as usize) {
-                let mask = block::meet(simd, block, ray, nearest.limit, cull_back);
+                let (_, mask) = block::meet_all(simd, block, ray, nearest.limit * SLACK, cull_back);
                 block::offer(block, index, mask, ray, nearest);
             }
         } else if let Some(node) = tree.nodes.get(child as usize) {

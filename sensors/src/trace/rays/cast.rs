@@ -1,11 +1,10 @@
 //! Casting many rays, and what is told of their hits.
 
-use super::block::{cross, dot, minus};
-use super::ray::{Nearest, Ray};
+use super::bundle::{Bundle, RAYS};
 use super::walk::Tree;
-use super::wave::{Wave, nearest_hits};
+use super::wave::Wave;
 use crate::scene::tree::{NONE, WIDTH};
-use crate::simd::{Level, sqrt};
+use crate::simd::Level;
 use crate::trace::Faces;
 use fearless_simd::{Simd, dispatch};
 
@@ -21,12 +20,20 @@ pub struct Rays<'a> {
 }
 
 impl Rays<'_> {
-    /// Ray `index`.
+    /// Puts `count` rays from `first` on into the bundle. Lanes that are left get the last ray.
     #[inline(always)]
-    pub(super) fn get(&self, index: usize, doubt: f32) -> Ray {
-        let origin = if self.origins.len() == 1 { self.origins[0] } else { self.origins[index] };
-        let range = self.ranges.map_or([0.0, f32::INFINITY], |ranges| ranges[index]);
-        Ray::new(origin, self.directions[index], range, doubt)
+    fn load(&self, first: usize, count: usize, bundle: &mut Bundle) {
+        for id in 0..count.next_multiple_of(WIDTH).min(RAYS) {
+            let index = first + id.min(count - 1);
+            let origin = if self.origins.len() == 1 { self.origins[0] } else { self.origins[index] };
+            let direction = self.directions[index];
+            let range = self.ranges.map_or([0.0, f32::INFINITY], |ranges| ranges[index]);
+            for axis in 0..3 {
+                bundle.origin[axis][id] = origin[axis];
+                bundle.direction[axis][id] = direction[axis];
+            }
+            (bundle.range[0][id], bundle.range[1][id]) = (range[0], range[1]);
+        }
     }
 }
 
@@ -51,17 +58,18 @@ fn cast<S: Simd>(simd: S, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &
     let cull_back = faces == Faces::Front;
     let doubt = doubt(tree);
     let mut wave = Wave::new();
-    nearest_hits(
-        simd,
-        tree,
-        rays.directions.len(),
-        cull_back,
-        &mut wave,
-        #[inline(always)]
-        |index| rays.get(index, doubt),
-        #[inline(always)]
-        |index, ray, nearest| store(tree, ray, nearest, index, hits),
-    );
+    let total = rays.directions.len();
+    let mut first = 0;
+    while first < total {
+        let count = RAYS.min(total - first);
+        rays.load(first, count, &mut wave.bundle);
+        wave.bundle.prepare(simd, count, doubt);
+        wave.nearest_hits(simd, tree, count, cull_back, doubt);
+        for id in 0..count {
+            store(tree, &wave, id, first + id, hits);
+        }
+        first += count;
+    }
 }
 
 /// How far t near 0 may be off in single precision: 2⁻²⁰ of the coordinates.
@@ -79,27 +87,22 @@ fn doubt(tree: Tree<'_>) -> f32 {
 }
 
 #[inline(always)]
-fn store(tree: Tree<'_>, ray: &Ray, nearest: &Nearest, index: usize, hits: &mut Hits<'_>) {
+fn store(tree: Tree<'_>, wave: &Wave, id: usize, index: usize, hits: &mut Hits<'_>) {
+    let slot = wave.bundle.hit[id][0];
+    let hit = slot != NONE;
     if let Some(distance) = hits.distance.as_mut().and_then(|all| all.get_mut(index)) {
-        *distance = (nearest.t * f64::from(ray.unit)) as f32;
+        let t = (wave.settled.t[id] * f64::from(wave.bundle.unit[id])) as f32;
+        *distance = if hit { t } else { f32::INFINITY };
     }
-    let block = tree.blocks.get(nearest.slot as usize / WIDTH);
-    let lane = nearest.slot as usize % WIDTH;
     if let Some(primitive) = hits.primitive.as_mut().and_then(|all| all.get_mut(index)) {
-        *primitive = block.map_or(NONE, |block| block.triangle[lane]);
+        let block = tree.blocks.get(slot as usize / WIDTH);
+        *primitive = block.map_or(NONE, |block| block.triangle[slot as usize % WIDTH]);
     }
     if let Some(normal) = hits.normal.as_mut().and_then(|all| all.get_mut(index))
-        && let Some(block) = block
+        && hit
     {
-        let mut corners = [[0.0; 3]; 3];
-        for corner in 0..3 {
-            for axis in 0..3 {
-                corners[corner][axis] = f64::from(block.corners[corner][axis][lane]);
-            }
+        for axis in 0..3 {
+            normal[axis] = (wave.settled.normal[axis][id] * wave.settled.per_length[id]) as f32;
         }
-        let [a, b, c] = corners;
-        let n = cross(minus(b, a), minus(c, a));
-        let scale = 1.0 / sqrt(dot(n, n));
-        *normal = [(n[0] * scale) as f32, (n[1] * scale) as f32, (n[2] * scale) as f32];
     }
 }

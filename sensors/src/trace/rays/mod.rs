@@ -2,9 +2,11 @@
 //! sixteen boxes or sixteen triangles at a time.
 
 mod block;
+mod bundle;
 mod cast;
 mod node;
 mod ray;
+mod settle;
 mod walk;
 mod wave;
 

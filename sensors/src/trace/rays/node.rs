@@ -1,5 +1,6 @@
 //! One ray against sixteen boxes.
 
+use super::bundle::Bundle;
 use super::ray::Ray;
 use crate::scene::tree::{NONE, WIDTH, WideNode};
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
@@ -30,4 +31,30 @@ pub(super) fn meet<S: Simd>(simd: S, node: &WideNode, ray: &Ray, limit: f32) -> 
     let met = near.simd_le(far * FAR_PAD);
     let used = u32x16::load_array_ref(simd, &node.child).simd_eq(u32x16::splat(simd, NONE));
     (near, met.to_bitmask() as u32 & !(used.to_bitmask() as u32) & 0xffff)
+}
+
+/// Where ray `id` of the bundle enters each child up to t = `limit`, +∞ for children that it does not meet; and
+/// whether it meets any.
+#[inline(always)]
+pub(super) fn enter<S: Simd>(
+    simd: S,
+    node: &WideNode,
+    rays: &Bundle,
+    id: usize,
+    limit: f32,
+) -> (f32x16<S>, bool) {
+    let rows: &[[f32; WIDTH]; 7] = bytemuck::cast_ref(node);
+    let mut near = f32x16::splat(simd, rays.range[0][id]);
+    let mut far = f32x16::splat(simd, limit);
+    for axis in 0..3 {
+        let backwards = rays.backwards[axis][id] as usize;
+        let near_plane = f32x16::load_array_ref(simd, &rows[axis + backwards]);
+        let far_plane = f32x16::load_array_ref(simd, &rows[axis + 3 - backwards]);
+        let inverse = rays.inverse[axis][id];
+        near = near.max((near_plane - rays.near_origin[axis][id]) * inverse);
+        far = far.min((far_plane - rays.far_origin[axis][id]) * inverse);
+    }
+    let used = u32x16::load_array_ref(simd, &node.child).simd_ne(u32x16::splat(simd, NONE));
+    let met = near.simd_le(far * FAR_PAD) & used;
+    (met.select(near, f32x16::splat(simd, f32::INFINITY)), met.any_true())
 }

@@ -2,13 +2,13 @@
 
 /// The smallest direction component that is divided by, where the largest lies in [1, 2); smaller ones, and 0
 /// above all, count as this one, so that no reciprocal overflows and no 0·∞ comes up in a slab test.
-const TINY: f32 = f32::from_bits((127 - 100) << 23); // 2⁻¹⁰⁰
+pub(super) const TINY: f32 = f32::from_bits((127 - 100) << 23); // 2⁻¹⁰⁰
 
 /// How much of its own size an origin is moved outwards for the slab tests: two units in the last place.
-const ORIGIN_PAD: f32 = f32::from_bits((127 - 22) << 23); // 2⁻²²
+pub(super) const ORIGIN_PAD: f32 = f32::from_bits((127 - 22) << 23); // 2⁻²²
 
 /// The same for an origin at 0: with a reciprocal of 2¹⁰⁰ it still opens a slab for 2⁴⁰ m.
-const ORIGIN_PAD_AT_ZERO: f32 = f32::from_bits((127 - 60) << 23); // 2⁻⁶⁰
+pub(super) const ORIGIN_PAD_AT_ZERO: f32 = f32::from_bits((127 - 60) << 23); // 2⁻⁶⁰
 
 /// A ray p(t) = origin + t·direction of one mesh, with what the tests of boxes and triangles need.
 ///

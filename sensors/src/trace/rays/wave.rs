@@ -1,53 +1,39 @@
-//! Many rays at once on their way through one mesh's tree.
+//! 64 rays at once on their way through one mesh's tree.
 //!
 //! A ray by itself is a chain: box test, order, triangle test, distance, next box; each waits for the one before,
-//! for memory, and for branches that nobody can predict. So a few dozen rays are under way together. Each round
-//! takes every ray one node or one leaf further; rays that wait for a node and rays that wait for a leaf queue
-//! apart, and within a queue nothing depends on the ray before and hardly a branch on the data.
+//! for memory, and for branches that nobody can predict. So many rays are under way together. Each round takes
+//! every ray one node or one leaf further, in passes over all rays that do the same: boxes, triangles, nearest of
+//! the triangles, next child. Within a pass nothing depends on the ray before, and hardly a branch on the data, so
+//! the processor works on several rays, and waits for the memory of several, at once.
 //!
 //! Single precision finds the nearest triangle; double precision then says where it is hit, and decides between
 //! triangles that are about equally near. Where the two disagree about what counts, the ray is walked once more,
 //! alone and in double precision ([`nearest_in_mesh`]).
 
 use super::block::{self, SLACK};
-use super::ray::{Nearest, Ray};
-use super::walk::{Stack, Tree, nearest_in_mesh};
+use super::bundle::{Bundle, PerRay, RAYS};
 use super::node;
-use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH};
-use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
+use super::ray::Nearest;
+use super::settle::Settled;
+use super::walk::{Stack, Tree, nearest_in_mesh};
+use crate::scene::tree::{LEAF, NONE, WIDTH};
+use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
 
-/// Rays under way.
-pub(super) const RAYS: usize = 32;
-
-/// Children that may wait per ray; a ray with more is walked alone.
-const WAITING: usize = 112;
-
-/// Entries below the first: they end the way, and are never too far.
-const SENTINELS: usize = WIDTH;
+/// Nodes on the way to the root whose children wait; a ray that goes deeper is walked alone.
+const LEVELS: usize = 15;
 
 /// By how much of t a hit in single precision may be too near and still nothing that matters lie before it.
-const AGREES: f32 = 1.0 + f32::from_bits((127 - 17) << 23); // 1 + 2⁻¹⁷
+pub(super) const AGREES: f32 = 1.0 + f32::from_bits((127 - 17) << 23); // 1 + 2⁻¹⁷
 
-/// One ray under way.
+/// Where a ray enters each child of a node; +∞ for children that it does not meet or has been to.
 #[derive(Clone, Copy)]
-struct Slot {
-    ray: Ray,
-    /// The nearest hit so far in single precision, or the end of the range.
-    t: f32,
-    /// Its slot.
-    hit: u32,
-    /// Next node or leaf.
-    child: u32,
-    /// Top of its stack.
-    top: u32,
-    /// Which of the rays it is.
-    index: u32,
-}
+#[repr(align(64))]
+struct Frame([f32; WIDTH]);
 
-/// Ids of slots that wait for the same thing.
+/// Rays that wait for the same thing.
 #[derive(Clone, Copy)]
 struct Queue {
-    ids: [u8; RAYS],
+    ids: PerRay<u8>,
     length: usize,
 }
 
@@ -60,241 +46,198 @@ impl Queue {
         self.ids[self.length % RAYS] = id as u8;
         self.length += usize::from(really);
     }
+
+    #[inline(always)]
+    fn ids(&self) -> &[u8] {
+        &self.ids[..self.length.min(RAYS)]
+    }
 }
 
-/// Memory of the rays under way.
+/// Memory of 64 rays under way.
 pub(super) struct Wave {
-    keys: [[f32; WAITING + WIDTH]; RAYS],
-    children: [[u32; WAITING + WIDTH]; RAYS],
-    alone: Stack,
+    pub(super) bundle: Bundle,
+    /// The nodes on the way, of which some child waits.
+    frames: [[Frame; LEVELS + 1]; RAYS],
+    nodes: [[u32; LEVELS + 1]; RAYS],
+    /// How many.
+    depth: PerRay<u32>,
+    /// The next node or leaf.
+    child: PerRay<u32>,
+    /// t of the triangles of a leaf.
+    leaf: [Frame; RAYS],
+    /// What has to be walked alone.
+    alone: Queue,
+    /// The nearest hits in double precision.
+    pub(super) settled: Settled,
+    stack: Stack,
 }
 
 impl Wave {
     /// Nothing under way.
     pub(super) const fn new() -> Self {
-        let mut keys = [[0.0; WAITING + WIDTH]; RAYS];
-        let mut ray = 0;
-        while ray < RAYS {
-            let mut entry = 0;
-            while entry < SENTINELS {
-                keys[ray][entry] = f32::NEG_INFINITY;
-                entry += 1;
-            }
-            ray += 1;
+        const FRAME: Frame = Frame([f32::INFINITY; WIDTH]);
+        Self {
+            bundle: Bundle::new(),
+            frames: [[FRAME; LEVELS + 1]; RAYS],
+            nodes: [[0; LEVELS + 1]; RAYS],
+            depth: [0; RAYS],
+            child: [0; RAYS],
+            leaf: [FRAME; RAYS],
+            alone: Queue::EMPTY,
+            settled: Settled::new(),
+            stack: Stack::new(),
         }
-        Self { keys, children: [[NONE; WAITING + WIDTH]; RAYS], alone: Stack::new() }
     }
-}
 
-/// Finds the nearest hits of `count` rays that `start` gives, and tells `finish` of each.
-#[inline(always)]
-pub(super) fn nearest_hits<S: Simd>(
-    simd: S,
-    tree: Tree<'_>,
-    count: usize,
-    cull_back: bool,
-    wave: &mut Wave,
-    start: impl Fn(usize) -> Ray,
-    mut finish: impl FnMut(usize, &Ray, &Nearest),
-) {
-    if count == 0 {
-        return;
+    /// Finds the nearest hits of the first `count` rays of the bundle, which has been prepared.
+    #[inline(always)]
+    pub(super) fn nearest_hits<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: Tree<'_>,
+        count: usize,
+        cull_back: bool,
+        doubt: f32,
+    ) {
+        let mut nodes = Queue::EMPTY;
+        let mut leaves = Queue::EMPTY;
+        self.alone.length = 0;
+        for id in 0..count.min(RAYS) {
+            (self.depth[id], self.child[id]) = (0, 0);
+            nodes.push_if(id, true);
+        }
+        while nodes.length + leaves.length > 0 {
+            for &id in nodes.ids() {
+                self.enter_node(simd, tree, usize::from(id) % RAYS);
+            }
+            for &id in leaves.ids() {
+                self.test_leaf(simd, tree, usize::from(id) % RAYS, cull_back);
+            }
+            for &id in leaves.ids() {
+                self.take_nearest(simd, tree, usize::from(id) % RAYS);
+            }
+            let mut more_nodes = Queue::EMPTY;
+            let mut more_leaves = Queue::EMPTY;
+            for &id in nodes.ids().iter().chain(leaves.ids()) {
+                let id = usize::from(id) % RAYS;
+                self.next_child(simd, tree, id);
+                let child = self.child[id];
+                more_leaves.push_if(id, child & LEAF != 0 && child != NONE);
+                more_nodes.push_if(id, child & LEAF == 0);
+            }
+            (nodes, leaves) = (more_nodes, more_leaves);
+        }
+        self.settled.compute(simd, tree, &self.bundle, count);
+        for id in 0..count.min(RAYS) {
+            if self.bundle.hit[id][0] != NONE {
+                let t = self.settled.t[id];
+                // A hair more than single precision said, or far less, or out of range, or NaN.
+                let agree = t <= f64::from(self.bundle.t[id] * AGREES)
+                    && t >= f64::from(self.bundle.t[id] / SLACK)
+                    && t >= f64::from(self.bundle.range[0][id])
+                    && t <= f64::from(self.bundle.range[1][id]);
+                self.alone.push_if(id, !agree);
+            }
+        }
+        for index in 0..self.alone.length.min(RAYS) {
+            let id = usize::from(self.alone.ids[index]) % RAYS;
+            self.walk_alone(simd, tree, id, cull_back, doubt);
+        }
     }
-    let first = Slot { ray: start(0), t: 0.0, hit: NONE, child: 0, top: SENTINELS as u32, index: 0 };
-    let mut slots = [first; RAYS];
-    let mut nodes = Queue::EMPTY;
-    let mut leaves = Queue::EMPTY;
-    let mut done = Queue::EMPTY;
-    let mut next = 0;
-    while next < RAYS.min(count) {
-        slots[next] = begin(start(next), next);
-        nodes.push_if(next, true);
-        next += 1;
+
+    #[inline(always)]
+    fn walk_alone<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool, doubt: f32) {
+        let ray = self.bundle.ray(id, doubt);
+        let mut nearest = Nearest::none(&ray);
+        nearest_in_mesh(simd, tree, &ray, cull_back, &mut self.stack, &mut nearest);
+        self.bundle.hit[id][0] = nearest.slot;
+        self.settled.t[id] = nearest.t;
+        self.settled.take_normal(tree, id, nearest.slot);
     }
-    loop {
-        let mut more_nodes = Queue::EMPTY;
-        let mut more_leaves = Queue::EMPTY;
-        for &id in &nodes.ids[..nodes.length.min(RAYS)] {
-            let id = usize::from(id) % RAYS;
-            let slot = &mut slots[id];
-            let (keys, children) = (&mut wave.keys[id], &mut wave.children[id]);
-            let limit = slot.t * AGREES;
-            if let Some(node) = tree.nodes.get(slot.child as usize) {
-                let (near, mask) = node::meet(simd, node, &slot.ray, limit);
-                slot.top = push(simd, &node.child, near, mask, keys, children, slot.top);
-            }
-            pop(simd, slot, limit, keys, children);
-            more_leaves.push_if(id, slot.child & LEAF != 0 && slot.child != NONE);
-            more_nodes.push_if(id, slot.child & LEAF == 0);
-            done.push_if(id, slot.child == NONE);
-        }
-        for &id in &leaves.ids[..leaves.length.min(RAYS)] {
-            let id = usize::from(id) % RAYS;
-            let slot = &mut slots[id];
-            let index = slot.child & !LEAF;
-            if let Some(block) = tree.blocks.get(index as usize) {
-                take(simd, tree, block, index, slot, cull_back);
-            }
-            pop(simd, slot, slot.t * AGREES, &wave.keys[id], &wave.children[id]);
-            more_leaves.push_if(id, slot.child & LEAF != 0 && slot.child != NONE);
-            more_nodes.push_if(id, slot.child & LEAF == 0);
-            done.push_if(id, slot.child == NONE);
-        }
-        for &id in &done.ids[..done.length.min(RAYS)] {
-            let id = usize::from(id) % RAYS;
-            let slot = &mut slots[id];
-            let nearest = settle(simd, tree, slot, cull_back, &mut wave.alone);
-            finish(slot.index as usize, &slot.ray, &nearest);
-            if next < count {
-                *slot = begin(start(next), next);
-                more_nodes.push_if(id, true);
-                next += 1;
-            }
-        }
-        done.length = 0;
-        (nodes, leaves) = (more_nodes, more_leaves);
-        if nodes.length + leaves.length == 0 {
+
+    /// Lays the children of the next node on top of those that wait.
+    #[inline(always)]
+    fn enter_node<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
+        let index = self.child[id];
+        let Some(node) = tree.nodes.get(index as usize) else { return };
+        let depth = self.depth[id] as usize % (LEVELS + 1);
+        let (near, any) = node::enter(simd, node, &self.bundle, id, self.bundle.t[id] * AGREES);
+        near.store_array(&mut self.frames[id][depth].0);
+        self.nodes[id][depth] = index;
+        self.depth[id] = depth as u32 + u32::from(any);
+    }
+
+    /// Finds where the ray meets the triangles of the next leaf.
+    #[inline(always)]
+    fn test_leaf<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool) {
+        let Some(block) = tree.blocks.get((self.child[id] & !LEAF) as usize) else { return };
+        let t = block::meet_lane(simd, block, &self.bundle, id, cull_back);
+        t.store_array(&mut self.leaf[id].0);
+    }
+
+    /// Takes the nearest triangle of the leaf.
+    #[inline(always)]
+    fn take_nearest<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
+        let t = f32x16::load_array_ref(simd, &self.leaf[id].0);
+        let least = t.reduce_min();
+        // Of those within the slack, the first; should it not be the only one, they are compared.
+        let near = t.simd_le(f32x16::splat(simd, least * SLACK)).to_bitmask() as u32 & 0xffff;
+        let before = self.bundle.t[id];
+        let hit = least < f32::INFINITY;
+        if hit && (near & near.wrapping_sub(1) != 0 || least * SLACK >= before) {
+            self.compare(tree, id, near);
             return;
         }
+        self.bundle.t[id] = least.min(before);
+        let slot = (self.child[id] & !LEAF) * WIDTH as u32 + near.trailing_zeros() % WIDTH as u32;
+        self.bundle.hit[id][usize::from(!hit)] = slot;
     }
-}
 
-#[inline(always)]
-fn begin(ray: Ray, index: usize) -> Slot {
-    Slot { ray, t: ray.range[1], hit: NONE, child: 0, top: SENTINELS as u32, index: index as u32 }
-}
-
-/// Puts the children of the mask on the stack, the nearest on top, and returns the new top. The rank of each is
-/// the number of those that are farther: no branch depends on the order.
-#[inline(always)]
-fn push<S: Simd>(
-    simd: S,
-    child: &[u32; WIDTH],
-    near: f32x16<S>,
-    mask: u32,
-    keys: &mut [f32; WAITING + WIDTH],
-    children: &mut [u32; WAITING + WIDTH],
-    top: u32,
-) -> u32 {
-    let top = top as usize;
-    let (Some(keys), Some(children)) = (keys.get_mut(top..top + WIDTH), children.get_mut(top..top + WIDTH))
-    else {
-        return OVERFULL;
-    };
-    // t ≥ 0 orders like its bits (a negative t_min makes them large, which costs order, not hits); the lane in
-    // the last four makes them differ.
-    let order = (near.bitcast::<u32x16<S>>() & !15_u32) | u32x16::load_array_ref(simd, &LANE_NUMBERS);
-    let order_of: [u32; WIDTH] = order.into();
-    let mut rest = mask;
-    for _ in 0..2 {
-        let lane = rest.trailing_zeros() as usize % WIDTH;
-        let farther = order.simd_gt(u32x16::splat(simd, order_of[lane])).to_bitmask() as u32 & mask;
-        // Without a child left, the last place takes it: with fewer than sixteen, that is above the top.
-        let rank = if rest == 0 { WIDTH - 1 } else { farther.count_ones() as usize % WIDTH };
-        keys[rank] = f32::from_bits(order_of[lane] & !15);
-        children[rank] = child[lane];
-        rest &= rest.wrapping_sub(1);
-    }
-    while rest != 0 {
-        let lane = rest.trailing_zeros() as usize % WIDTH;
-        let farther = order.simd_gt(u32x16::splat(simd, order_of[lane])).to_bitmask() as u32 & mask;
-        let rank = farther.count_ones() as usize % WIDTH;
-        keys[rank] = f32::from_bits(order_of[lane] & !15);
-        children[rank] = child[lane];
-        rest &= rest - 1;
-    }
-    top as u32 + mask.count_ones()
-}
-
-/// The top of a stack that was too small.
-const OVERFULL: u32 = u32::MAX;
-
-const LANE_NUMBERS: [u32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
-
-/// Takes the topmost child that begins before `limit` off the stack.
-#[inline(always)]
-fn pop<S: Simd>(
-    simd: S,
-    slot: &mut Slot,
-    limit: f32,
-    keys: &[f32; WAITING + WIDTH],
-    children: &[u32; WAITING + WIDTH],
-) {
-    let mut top = slot.top as usize;
-    loop {
-        // Sixteen at once; the sentinels always fit.
-        let Some(window) = keys.get(top.wrapping_sub(WIDTH)..top) else {
-            slot.child = NONE;
-            return;
-        };
-        let near = f32x16::from_slice(simd, window).simd_le(f32x16::splat(simd, limit));
-        let near = near.to_bitmask() as u32 & 0xffff;
-        if near != 0 {
-            top = top - WIDTH + near.ilog2() as usize;
-            slot.child = children.get(top).copied().unwrap_or(NONE);
-            slot.top = top as u32;
+    /// Takes the nearest child that waits, of the deepest node.
+    #[inline(always)]
+    fn next_child<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
+        let limit = (self.bundle.t[id] * AGREES).min(f32::MAX);
+        let mut depth = self.depth[id] as usize;
+        if depth > LEVELS {
+            self.alone.push_if(id, true);
+            self.child[id] = NONE;
             return;
         }
-        top -= WIDTH;
+        while depth > 0 {
+            let level = (depth - 1) % LEVELS;
+            let frame = &mut self.frames[id][level].0;
+            let near = f32x16::load_array_ref(simd, frame);
+            let least = near.reduce_min();
+            if least <= limit {
+                let wait = near.simd_le(f32x16::splat(simd, limit)).to_bitmask() as u32 & 0xffff;
+                let nearest = near.simd_eq(f32x16::splat(simd, least)).to_bitmask() as u32;
+                let lane = nearest.trailing_zeros() as usize % WIDTH;
+                frame[lane] = f32::INFINITY;
+                let node = tree.nodes.get(self.nodes[id][level] as usize);
+                self.child[id] = node.map_or(NONE, |node| node.child[lane]);
+                self.depth[id] = depth as u32 - u32::from(wait & wait.wrapping_sub(1) == 0);
+                return;
+            }
+            depth -= 1;
+        }
+        self.child[id] = NONE;
     }
-}
 
-/// Tests a leaf.
-#[inline(always)]
-fn take<S: Simd>(
-    simd: S,
-    tree: Tree<'_>,
-    block: &TriangleBlock,
-    index: u32,
-    slot: &mut Slot,
-    cull_back: bool,
-) {
-    let (t, mask) = block::meet_all(simd, block, &slot.ray, slot.t * SLACK, cull_back);
-    let least = t.reduce_min();
-    let near = t.simd_le(f32x16::splat(simd, least * SLACK)).to_bitmask() as u32 & mask;
-    let rivals = near & near.wrapping_sub(1) != 0 || (slot.t <= least * SLACK && slot.hit != NONE && mask != 0);
-    if rivals {
-        compare(tree, block, index, near, slot);
-        return;
+    /// Decides between the hit so far and triangles that lie at about the same distance.
+    #[inline(never)]
+    fn compare(&mut self, tree: Tree<'_>, id: usize, mask: u32) {
+        let index = self.child[id] & !LEAF;
+        let ray = self.bundle.ray(id, 0.0);
+        let mut nearest = Nearest::none(&ray);
+        let hit = self.bundle.hit[id][0];
+        if let Some(block) = tree.blocks.get(hit as usize / WIDTH) {
+            nearest.offer(&ray, block::exact_distance(block, hit as usize % WIDTH, &ray), hit);
+        }
+        if let Some(block) = tree.blocks.get(index as usize) {
+            block::offer(block, index, mask, &ray, &mut nearest);
+        }
+        if nearest.slot != NONE {
+            (self.bundle.t[id], self.bundle.hit[id][0]) = (nearest.t as f32, nearest.slot);
+        }
     }
-    let lane = near.trailing_zeros() % WIDTH as u32;
-    slot.t = if mask != 0 { least } else { slot.t };
-    slot.hit = if mask != 0 { index * WIDTH as u32 + lane } else { slot.hit };
-}
-
-/// Decides between the hit so far and triangles that lie at about the same distance.
-#[inline(never)]
-fn compare(tree: Tree<'_>, block: &TriangleBlock, index: u32, mask: u32, slot: &mut Slot) {
-    let mut nearest = Nearest::none(&slot.ray);
-    if let Some(block) = tree.blocks.get(slot.hit as usize / WIDTH) {
-        let t = block::exact_distance(block, slot.hit as usize % WIDTH, &slot.ray);
-        nearest.offer(&slot.ray, t, slot.hit);
-    }
-    block::offer(block, index, mask, &slot.ray, &mut nearest);
-    if nearest.slot != NONE {
-        (slot.t, slot.hit) = (nearest.t as f32, nearest.slot);
-    }
-}
-
-/// The hit in double precision.
-#[inline(always)]
-fn settle<S: Simd>(
-    simd: S,
-    tree: Tree<'_>,
-    slot: &Slot,
-    cull_back: bool,
-    stack: &mut Stack,
-) -> Nearest {
-    let mut nearest = Nearest::none(&slot.ray);
-    let mut agree = slot.top != OVERFULL;
-    if let Some(block) = tree.blocks.get(slot.hit as usize / WIDTH) {
-        let t = block::exact_distance(block, slot.hit as usize % WIDTH, &slot.ray);
-        nearest.offer(&slot.ray, t, slot.hit);
-        agree &= nearest.slot != NONE && t <= f64::from(slot.t * AGREES);
-    }
-    if !agree {
-        nearest = Nearest::none(&slot.ray);
-        nearest_in_mesh(simd, tree, &slot.ray, cull_back, stack, &mut nearest);
-    }
-    nearest
 }

@@ -69,7 +69,8 @@ fn meet<S: Simd>(
     let inside = if cull_back { front } else { front | least.simd_ge(zero) };
     let t = (u * az + v * bz + w * cz) / (u + v + w) * shear[2];
     // A determinant of 0 makes t infinite or NaN; neither is within a finite range.
-    let within = t.simd_le(f32x16::splat(simd, range[1].min(f32::MAX))) & t.simd_ge(f32x16::splat(simd, range[0]));
+    let to = if range[1] < f32::MAX { range[1] } else { f32::MAX };
+    let within = t.simd_le(f32x16::splat(simd, to)) & t.simd_ge(f32x16::splat(simd, range[0]));
     (inside & within).select(t, f32x16::splat(simd, f32::INFINITY))
 }
 

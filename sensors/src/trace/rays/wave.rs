@@ -19,16 +19,33 @@ use super::walk::{Stack, Tree, nearest_in_mesh};
 use crate::scene::tree::{LEAF, NONE, WIDTH};
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
 
-/// Nodes on the way to the root whose children wait; a ray that goes deeper is walked alone.
-const LEVELS: usize = 15;
+/// Nodes on the way from the root whose children may wait, and the end; a ray that goes deeper is walked alone.
+const LEVELS: usize = 16;
 
 /// By how much of t a hit in single precision may be too near and still nothing that matters lie before it.
 pub(super) const AGREES: f32 = 1.0 + f32::from_bits((127 - 17) << 23); // 1 + 2⁻¹⁷
 
-/// Where a ray enters each child of a node; +∞ for children that it does not meet or has been to.
+/// One value for each child of a node or triangle of a leaf.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Frame([f32; WIDTH]);
+struct Sixteen<T>([T; WIDTH]);
+
+/// The children of a node that wait.
+#[derive(Clone, Copy)]
+struct Frame {
+    /// Where the ray enters each; +∞ for children that it does not meet or has been to.
+    near: Sixteen<f32>,
+    child: Sixteen<u32>,
+}
+
+impl Frame {
+    /// Below the root: what is left when nothing waits any more. It is never too far.
+    const END: Self = {
+        let mut near = [f32::INFINITY; WIDTH];
+        near[0] = f32::NEG_INFINITY;
+        Self { near: Sixteen(near), child: Sixteen([NONE; WIDTH]) }
+    };
+}
 
 /// Rays that wait for the same thing.
 #[derive(Clone, Copy)]
@@ -56,15 +73,14 @@ impl Queue {
 /// Memory of 64 rays under way.
 pub(super) struct Wave {
     pub(super) bundle: Bundle,
-    /// The nodes on the way, of which some child waits.
-    frames: [[Frame; LEVELS + 1]; RAYS],
-    nodes: [[u32; LEVELS + 1]; RAYS],
+    /// The end, and the nodes on the way of which some child waits.
+    frames: [[Frame; RAYS]; LEVELS],
     /// How many.
     depth: PerRay<u32>,
     /// The next node or leaf.
     child: PerRay<u32>,
     /// t of the triangles of a leaf.
-    leaf: [Frame; RAYS],
+    leaf: [Sixteen<f32>; RAYS],
     /// What has to be walked alone.
     alone: Queue,
     /// The nearest hits in double precision.
@@ -75,14 +91,12 @@ pub(super) struct Wave {
 impl Wave {
     /// Nothing under way.
     pub(super) const fn new() -> Self {
-        const FRAME: Frame = Frame([f32::INFINITY; WIDTH]);
         Self {
             bundle: Bundle::new(),
-            frames: [[FRAME; LEVELS + 1]; RAYS],
-            nodes: [[0; LEVELS + 1]; RAYS],
+            frames: [[Frame::END; RAYS]; LEVELS],
             depth: [0; RAYS],
             child: [0; RAYS],
-            leaf: [FRAME; RAYS],
+            leaf: [Sixteen([f32::INFINITY; WIDTH]); RAYS],
             alone: Queue::EMPTY,
             settled: Settled::new(),
             stack: Stack::new(),
@@ -103,7 +117,8 @@ impl Wave {
         let mut leaves = Queue::EMPTY;
         self.alone.length = 0;
         for id in 0..count.min(RAYS) {
-            (self.depth[id], self.child[id]) = (0, 0);
+            (self.depth[id], self.child[id]) = (1, 0);
+            self.frames[0][id].near.0[0] = f32::NEG_INFINITY;
             nodes.push_if(id, true);
         }
         while nodes.length + leaves.length > 0 {
@@ -120,7 +135,7 @@ impl Wave {
             let mut more_leaves = Queue::EMPTY;
             for &id in nodes.ids().iter().chain(leaves.ids()) {
                 let id = usize::from(id) % RAYS;
-                self.next_child(simd, tree, id);
+                self.next_child(simd, id);
                 let child = self.child[id];
                 more_leaves.push_if(id, child & LEAF != 0 && child != NONE);
                 more_nodes.push_if(id, child & LEAF == 0);
@@ -158,12 +173,12 @@ impl Wave {
     /// Lays the children of the next node on top of those that wait.
     #[inline(always)]
     fn enter_node<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
-        let index = self.child[id];
-        let Some(node) = tree.nodes.get(index as usize) else { return };
-        let depth = self.depth[id] as usize % (LEVELS + 1);
+        let Some(node) = tree.nodes.get(self.child[id] as usize) else { return };
+        let depth = self.depth[id] as usize;
+        let frame = &mut self.frames[depth % LEVELS][id];
         let (near, any) = node::enter(simd, node, &self.bundle, id, self.bundle.t[id] * AGREES);
-        near.store_array(&mut self.frames[id][depth].0);
-        self.nodes[id][depth] = index;
+        near.store_array(&mut frame.near.0);
+        frame.child.0 = node.child;
         self.depth[id] = depth as u32 + u32::from(any);
     }
 
@@ -184,43 +199,42 @@ impl Wave {
         let near = t.simd_le(f32x16::splat(simd, least * SLACK)).to_bitmask() as u32 & 0xffff;
         let before = self.bundle.t[id];
         let hit = least < f32::INFINITY;
-        if hit && (near & near.wrapping_sub(1) != 0 || least * SLACK >= before) {
+        if hit & ((near & near.wrapping_sub(1) != 0) | (least * SLACK >= before)) {
             self.compare(tree, id, near);
             return;
         }
-        self.bundle.t[id] = least.min(before);
+        self.bundle.t[id] = if least < before { least } else { before };
         let slot = (self.child[id] & !LEAF) * WIDTH as u32 + near.trailing_zeros() % WIDTH as u32;
         self.bundle.hit[id][usize::from(!hit)] = slot;
     }
 
     /// Takes the nearest child that waits, of the deepest node.
     #[inline(always)]
-    fn next_child<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
-        let limit = (self.bundle.t[id] * AGREES).min(f32::MAX);
+    fn next_child<S: Simd>(&mut self, simd: S, id: usize) {
+        let limit = self.bundle.t[id] * AGREES;
+        let limit = if limit < f32::MAX { limit } else { f32::MAX };
         let mut depth = self.depth[id] as usize;
-        if depth > LEVELS {
+        if depth >= LEVELS {
             self.alone.push_if(id, true);
             self.child[id] = NONE;
             return;
         }
-        while depth > 0 {
-            let level = (depth - 1) % LEVELS;
-            let frame = &mut self.frames[id][level].0;
-            let near = f32x16::load_array_ref(simd, frame);
+        loop {
+            depth = depth.wrapping_sub(1) % LEVELS;
+            let frame = &mut self.frames[depth][id];
+            let near = f32x16::load_array_ref(simd, &frame.near.0);
             let least = near.reduce_min();
-            if least <= limit {
+            // The end is always near enough.
+            if least <= limit || depth == 0 {
                 let wait = near.simd_le(f32x16::splat(simd, limit)).to_bitmask() as u32 & 0xffff;
                 let nearest = near.simd_eq(f32x16::splat(simd, least)).to_bitmask() as u32;
                 let lane = nearest.trailing_zeros() as usize % WIDTH;
-                frame[lane] = f32::INFINITY;
-                let node = tree.nodes.get(self.nodes[id][level] as usize);
-                self.child[id] = node.map_or(NONE, |node| node.child[lane]);
-                self.depth[id] = depth as u32 - u32::from(wait & wait.wrapping_sub(1) == 0);
+                frame.near.0[lane] = f32::INFINITY;
+                self.child[id] = frame.child.0[lane];
+                self.depth[id] = depth as u32 + u32::from(wait & wait.wrapping_sub(1) != 0);
                 return;
             }
-            depth -= 1;
         }
-        self.child[id] = NONE;
     }
 
     /// Decides between the hit so far and triangles that lie at about the same distance.

@@ -131,14 +131,12 @@ impl Wave {
             for &id in leaves.ids() {
                 self.take_nearest(simd, tree, usize::from(id) % RAYS);
             }
-            let mut more_nodes = Queue::EMPTY;
-            let mut more_leaves = Queue::EMPTY;
-            for &id in nodes.ids().iter().chain(leaves.ids()) {
-                let id = usize::from(id) % RAYS;
-                self.next_child(simd, id);
-                let child = self.child[id];
-                more_leaves.push_if(id, child & LEAF != 0 && child != NONE);
-                more_nodes.push_if(id, child & LEAF == 0);
+            let (mut more_nodes, mut more_leaves) = (Queue::EMPTY, Queue::EMPTY);
+            for &id in nodes.ids() {
+                self.next_child(simd, usize::from(id) % RAYS, &mut more_nodes, &mut more_leaves);
+            }
+            for &id in leaves.ids() {
+                self.next_child(simd, usize::from(id) % RAYS, &mut more_nodes, &mut more_leaves);
             }
             (nodes, leaves) = (more_nodes, more_leaves);
         }
@@ -200,7 +198,7 @@ impl Wave {
         let before = self.bundle.t[id];
         let hit = least < f32::INFINITY;
         if hit & ((near & near.wrapping_sub(1) != 0) | (least * SLACK >= before)) {
-            self.compare(tree, id, near);
+            self.compare(&tree, id, near);
             return;
         }
         self.bundle.t[id] = if least < before { least } else { before };
@@ -208,15 +206,14 @@ impl Wave {
         self.bundle.hit[id][usize::from(!hit)] = slot;
     }
 
-    /// Takes the nearest child that waits, of the deepest node.
+    /// Takes the nearest child that waits, of the deepest node, and queues the ray for it.
     #[inline(always)]
-    fn next_child<S: Simd>(&mut self, simd: S, id: usize) {
+    fn next_child<S: Simd>(&mut self, simd: S, id: usize, nodes: &mut Queue, leaves: &mut Queue) {
         let limit = self.bundle.t[id] * AGREES;
         let limit = if limit < f32::MAX { limit } else { f32::MAX };
         let mut depth = self.depth[id] as usize;
         if depth >= LEVELS {
             self.alone.push_if(id, true);
-            self.child[id] = NONE;
             return;
         }
         loop {
@@ -230,7 +227,10 @@ impl Wave {
                 let nearest = near.simd_eq(f32x16::splat(simd, least)).to_bitmask() as u32;
                 let lane = nearest.trailing_zeros() as usize % WIDTH;
                 frame.near.0[lane] = f32::INFINITY;
-                self.child[id] = frame.child.0[lane];
+                let child = frame.child.0[lane];
+                self.child[id] = child;
+                leaves.push_if(id, (child & LEAF != 0) & (child != NONE));
+                nodes.push_if(id, child & LEAF == 0);
                 self.depth[id] = depth as u32 + u32::from(wait & wait.wrapping_sub(1) != 0);
                 return;
             }
@@ -239,7 +239,7 @@ impl Wave {
 
     /// Decides between the hit so far and triangles that lie at about the same distance.
     #[inline(never)]
-    fn compare(&mut self, tree: Tree<'_>, id: usize, mask: u32) {
+    fn compare(&mut self, tree: &Tree<'_>, id: usize, mask: u32) {
         let index = self.child[id] & !LEAF;
         let ray = self.bundle.ray(id, 0.0);
         let mut nearest = Nearest::none(&ray);

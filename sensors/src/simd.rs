@@ -44,3 +44,58 @@ pub(crate) fn floor(x: f64) -> f64 {
     let whole = x as i64 as f64;
     if whole > x { whole - 1.0 } else { whole }
 }
+
+/// Sine and cosine to the last bits of f64, for |x| < 1e5: reduced by multiples of π/2 in two parts, then the Taylor series,
+/// whose rest is below 1e-17 up to π/4. A plain run of + − × ÷, so that tables of angles are filled lane by lane.
+#[inline(always)]
+pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
+    // π/2 in 33 bits, so that its product with a quadrant is exact, and the rest.
+    const HIGH: f64 = f64::from_bits(0x3ff9_21fb_5440_0000);
+    const LOW: f64 = 6.077_100_506_506_192e-11;
+    let quadrant = floor(x * core::f64::consts::FRAC_2_PI + 0.5);
+    let rest = (x - quadrant * HIGH) - quadrant * LOW;
+    let square = rest * rest;
+    let (mut sin, mut cos) = (SINE[8], COSINE[8]);
+    for term in (0..8).rev() {
+        sin = sin * square + SINE[term];
+        cos = cos * square + COSINE[term];
+    }
+    sin *= rest;
+    match (quadrant as i64) & 3 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
+/// Taylor coefficients of sin x / x in x².
+const SINE: [f64; 9] = alternating_factorials(1);
+/// Taylor coefficients of cos x in x².
+const COSINE: [f64; 9] = alternating_factorials(0);
+
+/// ±1/(first + 2k)! for k = 0, 1, …
+const fn alternating_factorials(first: u32) -> [f64; 9] {
+    let mut terms = [0.0; 9];
+    let (mut term, mut number, mut k) = (1.0, first as f64, 0);
+    while k < 9 {
+        terms[k] = 1.0 / term;
+        term *= -(number + 1.0) * (number + 2.0);
+        number += 2.0;
+        k += 1;
+    }
+    terms
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn sine_and_cosine_to_the_last_bits() {
+        for step in -20_000..20_000 {
+            let x = f64::from(step) * 0.011;
+            let (sin, cos) = super::sin_cos(x);
+            let (true_sin, true_cos) = libm::sincos(x);
+            assert!((sin - true_sin).abs() < 3e-16 && (cos - true_cos).abs() < 3e-16, "{x}");
+        }
+    }
+}

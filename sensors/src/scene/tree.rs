@@ -38,4 +38,17 @@ pub struct TriangleBlock {
     pub triangle: [u32; WIDTH],
 }
 
+/// What is known of a triangle besides its corners: one for each lane of each block.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(16))]
+pub struct Facet {
+    /// Unit, outwards, in the frame of the mesh; 0 for a triangle without area.
+    pub normal: [f32; 3],
+    /// As in [`TriangleBlock::triangle`].
+    pub triangle: u32,
+}
+
 const _: () = assert!(size_of::<WideNode>() == 448 && size_of::<TriangleBlock>() == 640);
+
+/// Deepest a mesh's tree gets, in levels of nodes.
+pub const MAX_DEPTH: usize = 32;

@@ -1,0 +1,56 @@
+//! The rays of a frame: a grid of directions from one origin, in blocks of sixteen.
+
+use crate::scene::tree::WIDTH;
+
+/// How a grid of rays is cut into blocks of sixteen: 4×4, or 16×1 where it has few rows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fan {
+    /// Rays across.
+    pub(crate) width: i32,
+    /// Rays down.
+    pub(crate) height: i32,
+    /// log₂ of a block's width.
+    pub(crate) shift_x: u32,
+    /// log₂ of a block's height.
+    pub(crate) shift_y: u32,
+}
+
+impl Fan {
+    /// The grid with the blocks that suit it.
+    pub(crate) const fn new(width: u32, height: u32) -> Self {
+        let square = height >= 32;
+        let (shift_x, shift_y) = if square { (2, 2) } else { (4, 0) };
+        Self { width: width as i32, height: height as i32, shift_x, shift_y }
+    }
+
+    /// Cache lines that the tables of any grid of so many rays take.
+    pub(crate) const fn most_table_lines(rays: usize) -> usize {
+        // Of a single row: 2 cosines and sines a column, 2 a block, and those of one row.
+        rays.div_ceil(WIDTH) * 2 + rays.div_ceil(WIDTH * WIDTH) * 2 + rays.div_ceil(WIDTH) * 2 + 16
+    }
+
+    /// Blocks across.
+    #[inline(always)]
+    pub(crate) const fn blocks_across(&self) -> usize {
+        (self.width as usize).div_ceil(1 << self.shift_x)
+    }
+
+    /// Blocks down.
+    #[inline(always)]
+    pub(crate) const fn blocks_down(&self) -> usize {
+        (self.height as usize).div_ceil(1 << self.shift_y)
+    }
+
+    /// Column within its block, and row, of a lane.
+    #[inline(always)]
+    pub(crate) const fn lane_position(&self, lane: usize) -> (usize, usize) {
+        (lane & ((1 << self.shift_x) - 1), lane >> self.shift_x)
+    }
+
+    /// Lane of a ray in its block.
+    #[inline(always)]
+    pub(crate) const fn lane(&self, column: i32, row: i32) -> usize {
+        let (mask_x, mask_y) = ((1 << self.shift_x) - 1, (1 << self.shift_y) - 1);
+        ((((row & mask_y) << self.shift_x) | (column & mask_x)) as usize) & (WIDTH - 1)
+    }
+}

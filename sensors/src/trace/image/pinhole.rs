@@ -1,0 +1,219 @@
+//! Rays of a pinhole camera: (1, (cx − column)/fx, (cy − row)/fy), so that t is the depth along the optical axis
+//! and a plane's 1/t takes two multiplications.
+
+use super::fan::Fan;
+use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, max, min, whole};
+use crate::lens::Pinhole;
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
+use glam::DVec3;
+
+/// Nearer than that in metres, depths are not told apart when something is projected.
+const TINY: f32 = 1e-12;
+/// Rays to each side of a projection that rounding may have moved out of it.
+const MARGIN: f32 = 0.02;
+
+/// A pinhole camera.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PinholeFan {
+    fan: Fan,
+    lens: Pinhole,
+    fx: f32,
+    fy: f32,
+    cx: f32,
+    cy: f32,
+    per_fx: f32,
+    per_fy: f32,
+    /// First and last row to draw.
+    rows: [i32; 2],
+}
+
+impl PinholeFan {
+    pub(crate) fn new(lens: &Pinhole) -> Self {
+        let fan = Fan::new(lens.width, lens.height);
+        Self {
+            fan,
+            lens: *lens,
+            fx: lens.fx as f32,
+            fy: lens.fy as f32,
+            cx: lens.cx as f32,
+            cy: lens.cy as f32,
+            per_fx: (1.0 / lens.fx) as f32,
+            per_fy: (1.0 / lens.fy) as f32,
+            rows: [0, fan.height - 1],
+        }
+    }
+
+    /// y of a direction.
+    #[inline(always)]
+    fn left(&self, column: i32) -> f32 {
+        (self.cx - column as f32) * self.per_fx
+    }
+
+    /// z of a direction.
+    #[inline(always)]
+    fn up(&self, row: i32) -> f32 {
+        (self.cy - row as f32) * self.per_fy
+    }
+
+    /// From the projected interval of columns and rows to whole rays.
+    #[inline(always)]
+    fn rectangles<S: Simd>(
+        &self,
+        simd: S,
+        columns: [f32x16<S>; 2],
+        rows: [f32x16<S>; 2],
+        candidates: mask32x16<S>,
+    ) -> Rectangles<S> {
+        let [first_column, last_column] = whole(simd, columns, MARGIN, [0, self.fan.width - 1]);
+        let [first_row, last_row] = whole(simd, rows, MARGIN, self.rows);
+        let some = candidates & first_column.simd_le(last_column) & first_row.simd_le(last_row);
+        Rectangles { first_column, last_column, first_row, last_row, some }
+    }
+}
+
+impl Projection for PinholeFan {
+    /// y and z; x is 1.
+    type Directions<S: Simd> = [f32x16<S>; 2];
+
+    #[inline(always)]
+    fn fan(&self) -> &Fan {
+        &self.fan
+    }
+
+    #[inline(always)]
+    fn with_rows(self, rows: [i32; 2]) -> Self {
+        Self { rows, ..self }
+    }
+
+    fn direction(&self, column: i32, row: i32) -> DVec3 {
+        let left = (self.lens.cx - f64::from(column)) / self.lens.fx;
+        DVec3::new(1.0, left, (self.lens.cy - f64::from(row)) / self.lens.fy)
+    }
+
+    #[inline(always)]
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        let [y, z] = self.block(simd, column, row);
+        let shorter = f32x16::splat(simd, 1.0) / ((y * y + z * z) + 1.0).sqrt();
+        [shorter, y * shorter, z * shorter]
+    }
+
+    #[inline(always)]
+    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, column: usize, row: usize) -> f32x16<S> {
+        let [y, z] = self.block(simd, column, row);
+        ((y * y + z * z) + 1.0).sqrt() / inverse
+    }
+
+    #[inline(always)]
+    fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S> {
+        const ACROSS: [[f32; 16]; 2] = [
+            [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0],
+            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0],
+        ];
+        const DOWN: [[f32; 16]; 2] =
+            [[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0], [0.0; 16]];
+        let shape = usize::from(self.fan.shift_y == 0);
+        let first_column = (column << self.fan.shift_x) as f32;
+        let first_row = (row << self.fan.shift_y) as f32;
+        let columns = f32x16::load_array_ref(simd, &ACROSS[shape]) + first_column;
+        let rows = f32x16::load_array_ref(simd, &DOWN[shape]) + first_row;
+        [
+            (f32x16::splat(simd, self.cx) - columns) * self.per_fx,
+            (f32x16::splat(simd, self.cy) - rows) * self.per_fy,
+        ]
+    }
+
+    #[inline(always)]
+    fn rays<S: Simd>(&self, simd: S, columns: i32x16<S>, rows: i32x16<S>) -> Self::Directions<S> {
+        [
+            (f32x16::splat(simd, self.cx) - simd.cvt_f32_i32x16(columns)) * self.per_fx,
+            (f32x16::splat(simd, self.cy) - simd.cvt_f32_i32x16(rows)) * self.per_fy,
+        ]
+    }
+
+    #[inline(always)]
+    fn ray<S: Simd>(&self, simd: S, column: i32, row: i32) -> Self::Directions<S> {
+        [f32x16::splat(simd, self.left(column)), f32x16::splat(simd, self.up(row))]
+    }
+
+    #[inline(always)]
+    fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S> {
+        (plane[1] * directions[0] + plane[2] * directions[1]) + plane[0]
+    }
+
+    #[inline(always)]
+    fn inverse_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, _high: &Points<S>) -> f32x16<S> {
+        f32x16::splat(simd, 1.0001) / max(low[0], f32x16::splat(simd, TINY))
+    }
+
+    #[inline(always)]
+    fn bound_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> Rectangles<S> {
+        let (one, tiny, zero) =
+            (f32x16::splat(simd, 1.0), f32x16::splat(simd, TINY), f32x16::splat(simd, 0.0));
+        let in_front = high[0].simd_gt(tiny);
+        let nearest = one / max(low[0], tiny);
+        let farthest = one / max(high[0], tiny);
+        let slopes = |axis: usize| {
+            let most = high[axis] * high[axis].simd_gt(zero).select(nearest, farthest);
+            let least = low[axis] * low[axis].simd_lt(zero).select(nearest, farthest);
+            [least, most]
+        };
+        let columns = pixels(simd, slopes(1), self.fx, self.cx);
+        let rows = pixels(simd, slopes(2), self.fy, self.cy);
+        self.rectangles(simd, columns, rows, in_front)
+    }
+
+    #[inline(always)]
+    fn bound_triangles<S: Simd>(
+        &self,
+        simd: S,
+        corners: &[Points<S>; 3],
+        valid: mask32x16<S>,
+    ) -> (Rectangles<S>, f32x16<S>) {
+        let (low, high) = bounds_of(corners);
+        let tiny = f32x16::splat(simd, TINY);
+        if (valid & low[0].simd_le(tiny)).any_true() {
+            let mut rectangles = self.bound_boxes(simd, &low, &high);
+            rectangles.some = rectangles.some & valid;
+            return (rectangles, self.inverse_of_boxes(simd, &low, &high));
+        }
+        // All in front of the camera: the corners' own projections bound them closely.
+        let one = f32x16::splat(simd, 1.0);
+        let inverse =
+            [one / max(corners[0][0], tiny), one / max(corners[1][0], tiny), one / max(corners[2][0], tiny)];
+        let slopes = |axis: usize| {
+            let a = corners[0][axis] * inverse[0];
+            let b = corners[1][axis] * inverse[1];
+            let c = corners[2][axis] * inverse[2];
+            [min(min(a, b), c), max(max(a, b), c)]
+        };
+        let columns = pixels(simd, slopes(1), self.fx, self.cx);
+        let rows = pixels(simd, slopes(2), self.fy, self.cy);
+        let nearest = max(max(inverse[0], inverse[1]), inverse[2]) * 1.0001;
+        (self.rectangles(simd, columns, rows, valid), nearest)
+    }
+
+    #[inline(always)]
+    fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S> {
+        // Half of a block's extent in y and z, and the middle of each block.
+        let (half_x, half_y) =
+            (((1 << self.fan.shift_x) - 1) as f32 * 0.5, ((1 << self.fan.shift_y) - 1) as f32 * 0.5);
+        const STEPS: [f32; 16] =
+            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+        let step = (1 << self.fan.shift_x) as f32;
+        let first = (column << self.fan.shift_x) as f32 + half_x;
+        let middle = (row << self.fan.shift_y) as f32 + half_y;
+        let left = (f32x16::splat(simd, self.cx - first) - f32x16::load_array_ref(simd, &STEPS) * step)
+            * self.per_fx;
+        let up = (self.cy - middle) * self.per_fy;
+        let spread = (plane[1].abs() * (half_x + MARGIN)) * self.per_fx
+            + (plane[2].abs() * (half_y + MARGIN)) * self.per_fy;
+        left * plane[1] + ((plane[0] + plane[2] * up) + (spread + plane[0].abs() * 1e-6))
+    }
+}
+
+/// Columns or rows, as fractions, of the least and the most y/x or z/x.
+#[inline(always)]
+fn pixels<S: Simd>(simd: S, [least, most]: [f32x16<S>; 2], focal: f32, centre: f32) -> [f32x16<S>; 2] {
+    let centre = f32x16::splat(simd, centre);
+    [centre - most * focal, centre - least * focal]
+}

@@ -1,0 +1,110 @@
+//! Where on the grid of rays something may be seen.
+
+use super::fan::Fan;
+use fearless_simd::{Simd, SimdBase, f32x16, i32x16, mask32x16};
+use glam::DVec3;
+
+/// Sixteen rectangles of the grid, both ends included. Columns may run past the last one, to be counted on from
+/// column 0, where a grid closes to a ring.
+pub(crate) struct Rectangles<S: Simd> {
+    pub(super) first_column: i32x16<S>,
+    pub(super) last_column: i32x16<S>,
+    pub(super) first_row: i32x16<S>,
+    pub(super) last_row: i32x16<S>,
+    /// Those that hold a ray.
+    pub(super) some: mask32x16<S>,
+}
+
+/// Coordinates of sixteen points: all x, all y, all z.
+pub(crate) type Points<S> = [f32x16<S>; 3];
+
+/// Sixteen planes through the origin, or plane equations of 1/t: each coefficient for all sixteen.
+pub(crate) type Planes<S> = [f32x16<S>; 3];
+
+/// A rule that gives directions to a grid of rays. The sensor looks along +x, y is left, z is up.
+///
+/// Every method that gives a direction gives the same bits for the same ray: two triangles that share an edge
+/// may be drawn by different loops.
+pub(crate) trait Projection: Copy {
+    /// What [`Projection::block`] gives: directions of sixteen rays.
+    type Directions<S: Simd>: Copy;
+
+    fn fan(&self) -> &Fan;
+
+    /// The same, for drawing the rows from the first to the last of `rows` only.
+    fn with_rows(self, rows: [i32; 2]) -> Self;
+
+    /// The direction of a ray to the last bit, in units of t.
+    fn direction(&self, column: i32, row: i32) -> DVec3;
+
+    /// Directions of the rays of a block, of length 1.
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S>;
+
+    /// Distances along the rays of a block, in metres, from 1/t.
+    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, column: usize, row: usize) -> f32x16<S>;
+
+    /// Directions of the rays of a block.
+    fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S>;
+
+    /// Directions of one ray each for the sixteen lanes.
+    fn rays<S: Simd>(&self, simd: S, columns: i32x16<S>, rows: i32x16<S>) -> Self::Directions<S>;
+
+    /// The direction of one ray, sixteen times.
+    fn ray<S: Simd>(&self, simd: S, column: i32, row: i32) -> Self::Directions<S>;
+
+    /// plane · direction, lane by lane.
+    fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S>;
+
+    /// A bound of 1/t from above for anything in the boxes.
+    fn inverse_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S>;
+
+    /// Rays that may pass through the boxes.
+    fn bound_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> Rectangles<S>;
+
+    /// Rays that may pass through triangles, and a bound of 1/t on them from above.
+    fn bound_triangles<S: Simd>(
+        &self,
+        simd: S,
+        corners: &[Points<S>; 3],
+        valid: mask32x16<S>,
+    ) -> (Rectangles<S>, f32x16<S>);
+
+    /// A bound from above of plane · direction over the rays of the sixteen blocks from `column` on.
+    fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S>;
+}
+
+/// Lower and upper bounds of three points, coordinate by coordinate.
+#[inline(always)]
+pub(super) fn bounds_of<S: Simd>(corners: &[Points<S>; 3]) -> (Points<S>, Points<S>) {
+    let [a, b, c] = corners;
+    let low = [min(min(a[0], b[0]), c[0]), min(min(a[1], b[1]), c[1]), min(min(a[2], b[2]), c[2])];
+    let high = [max(max(a[0], b[0]), c[0]), max(max(a[1], b[1]), c[1]), max(max(a[2], b[2]), c[2])];
+    (low, high)
+}
+
+/// The lesser; arguments are never NaN, for which SIMD levels differ.
+#[inline(always)]
+pub(super) fn min<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+    a.simd.min_f32x16(a, b)
+}
+
+/// The greater; arguments are never NaN.
+#[inline(always)]
+pub(super) fn max<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+    a.simd.max_f32x16(a, b)
+}
+
+/// The whole numbers from `least` to `most` that lie in the intervals, widened by `margin`: the first and the
+/// last of them, where first > last if there are none.
+#[inline(always)]
+pub(super) fn whole<S: Simd>(
+    simd: S,
+    [first, last]: [f32x16<S>; 2],
+    margin: f32,
+    [least, most]: [i32; 2],
+) -> [i32x16<S>; 2] {
+    let (least, most) = (f32x16::splat(simd, least as f32), f32x16::splat(simd, most as f32));
+    let first = simd.ceil_f32x16(min(max(first - margin, least), most + 1.0));
+    let last = simd.floor_f32x16(max(min(last + margin, most), least - 1.0));
+    [simd.cvt_i32_f32x16(first), simd.cvt_i32_f32x16(last)]
+}

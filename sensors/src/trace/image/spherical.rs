@@ -1,0 +1,404 @@
+//! Rays of a spinning lidar: columns by azimuth, rows by elevation, both in equal steps, so that t is the range.
+
+use super::fan::Fan;
+use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, max, min, whole};
+use crate::scene::tree::WIDTH;
+use crate::simd::{sin_cos, sqrt, sqrt_f32};
+use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
+use glam::DVec3;
+
+/// More than the error of [`atan2`] and of the roundings around it, in radians.
+const ANGLE_MARGIN: f32 = 4e-6;
+/// Nearer than that in metres, ranges are not told apart when something is projected.
+const TINY: f32 = 1e-12;
+
+/// Cosines and sines of the grid's angles, in the caller's memory.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SphericalFan<'a> {
+    fan: Fan,
+    azimuth: Steps,
+    elevation: Steps,
+    /// First and last row to draw.
+    rows: [i32; 2],
+    /// Of azimuths, column by column, filled up to whole blocks.
+    cos_azimuth: &'a [f32],
+    sin_azimuth: &'a [f32],
+    /// Of elevations, for the lanes of each row of blocks.
+    cos_elevation: &'a [[f32; WIDTH]],
+    sin_elevation: &'a [[f32; WIDTH]],
+    /// Of the middle azimuths of block columns, and sixteen more to read.
+    cos_middle: &'a [f32],
+    sin_middle: &'a [f32],
+    /// Cosine and sine of the middle elevations of block rows.
+    levels: &'a [[f32; 2]],
+    /// No direction of a block is farther from that of its middle.
+    radius: f32,
+    first_azimuth: f32,
+    columns_per_radian: f32,
+    first_elevation: f32,
+    rows_per_radian: f32,
+    /// Columns in a whole turn.
+    turn: f32,
+    /// The columns close to a ring: the first follows the last.
+    ring: bool,
+}
+
+/// Angles of a grid in radians: that of the first column or row, and the step to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Steps {
+    pub(crate) first: f64,
+    pub(crate) step: f64,
+}
+
+impl<'a> SphericalFan<'a> {
+    /// Arrays of sixteen that the tables of a grid take.
+    pub(crate) const fn table_len(fan: &Fan) -> usize {
+        let columns = (fan.width as usize).div_ceil(WIDTH);
+        let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
+        2 * columns + 2 * fan.blocks_down() + 2 * middles + (2 * fan.blocks_down()).div_ceil(WIDTH)
+    }
+
+    /// Fills the tables.
+    #[inline(always)]
+    pub(crate) fn new(fan: Fan, azimuth: Steps, elevation: Steps, tables: &'a mut [[f32; WIDTH]]) -> Self {
+        let columns = (fan.width as usize).div_ceil(WIDTH);
+        let (cos_azimuth, rest) = tables.split_at_mut(columns);
+        let (sin_azimuth, rest) = rest.split_at_mut(columns);
+        let (cos_elevation, rest) = rest.split_at_mut(fan.blocks_down());
+        let (sin_elevation, rest) = rest.split_at_mut(fan.blocks_down());
+        let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
+        let (cos_middle, rest) = rest.split_at_mut(middles);
+        let (sin_middle, rest) = rest.split_at_mut(middles);
+        let levels = &mut rest.as_flattened_mut().as_chunks_mut::<2>().0[..fan.blocks_down()];
+        for block in 0..columns {
+            for lane in 0..WIDTH {
+                let (sin, cos) = sin_cos(azimuth.first + azimuth.step * (block * WIDTH + lane) as f64);
+                cos_azimuth[block][lane] = cos as f32;
+                sin_azimuth[block][lane] = sin as f32;
+            }
+        }
+        for block in 0..fan.blocks_down() {
+            for lane in 0..WIDTH {
+                let row = (block << fan.shift_y) + fan.lane_position(lane).1;
+                let (sin, cos) = sin_cos(elevation.first + elevation.step * row as f64);
+                cos_elevation[block][lane] = cos as f32;
+                sin_elevation[block][lane] = sin as f32;
+            }
+        }
+        let half = [((1 << fan.shift_x) - 1) as f64 * 0.5, ((1 << fan.shift_y) - 1) as f64 * 0.5];
+        for block in 0..middles {
+            for lane in 0..WIDTH {
+                let column = ((block * WIDTH + lane) << fan.shift_x) as f64 + half[0];
+                let (sin, cos) = sin_cos(azimuth.first + azimuth.step * column);
+                cos_middle[block][lane] = cos as f32;
+                sin_middle[block][lane] = sin as f32;
+            }
+        }
+        for (block, level) in levels.iter_mut().enumerate() {
+            let row = (block << fan.shift_y) as f64 + half[1];
+            let (sin, cos) = sin_cos(elevation.first + elevation.step * row);
+            *level = [cos as f32, sin as f32];
+        }
+        let reach = [half[0] * azimuth.step, half[1] * elevation.step];
+        let radius = sqrt(reach[0] * reach[0] + reach[1] * reach[1]);
+        // A single column or row has no step; any will do.
+        let step = |steps: Steps| if steps.step == 0.0 { 1e-3 } else { steps.step };
+        let turn = core::f64::consts::TAU / step(azimuth).abs();
+        Self {
+            fan,
+            azimuth,
+            elevation,
+            rows: [0, fan.height - 1],
+            cos_azimuth: cos_azimuth.as_flattened(),
+            sin_azimuth: sin_azimuth.as_flattened(),
+            cos_elevation,
+            sin_elevation,
+            cos_middle: cos_middle.as_flattened(),
+            sin_middle: sin_middle.as_flattened(),
+            levels,
+            radius: radius as f32 * 1.0001 + 2e-6,
+            first_azimuth: azimuth.first as f32,
+            columns_per_radian: (1.0 / step(azimuth)) as f32,
+            first_elevation: elevation.first as f32,
+            rows_per_radian: (1.0 / step(elevation)) as f32,
+            turn: turn as f32,
+            ring: (turn - f64::from(fan.width)).abs() < 1e-6,
+        }
+    }
+
+    /// From intervals of elevation and of azimuth (its middle, and how far to both sides) to rays.
+    #[inline(always)]
+    fn rectangles<S: Simd>(
+        &self,
+        simd: S,
+        middle: f32x16<S>,
+        [from, to]: [f32x16<S>; 2],
+        elevation: [f32x16<S>; 2],
+        all_round: mask32x16<S>,
+        candidates: mask32x16<S>,
+    ) -> Rectangles<S> {
+        let ends = |low: f32x16<S>, high: f32x16<S>, first: f32, per_radian: f32| {
+            let (a, b) = ((low - first) * per_radian, (high - first) * per_radian);
+            [min(a, b), max(a, b)]
+        };
+        let margin = 0.01 + ANGLE_MARGIN * self.rows_per_radian.abs();
+        let rows = ends(elevation[0], elevation[1], self.first_elevation, self.rows_per_radian);
+        let [first_row, last_row] = whole(simd, rows, margin, self.rows);
+
+        let margin = 0.01 + ANGLE_MARGIN * self.columns_per_radian.abs();
+        let columns = ends(middle + from, middle + to, self.first_azimuth, self.columns_per_radian);
+        let first = columns[0] - margin;
+        let length = (columns[1] - columns[0]) + 2.0 * margin;
+        let turn = f32x16::splat(simd, self.turn);
+        let last_column = f32x16::splat(simd, (self.fan.width - 1) as f32);
+        let zero = f32x16::splat(simd, 0.0);
+        // The interval from [0, turn) on, and the same a turn earlier.
+        let first = first - turn * simd.floor_f32x16(first / turn);
+        let last = first + length;
+        let starts = first.simd_le(last_column);
+        let comes_round = last.simd_ge(turn);
+        let both = starts & comes_round;
+        let (begin, end) = if self.ring {
+            (simd.ceil_f32x16(first), simd.floor_f32x16(last))
+        } else {
+            // From both ends at once: all of it, which is rare.
+            let begin = both.select(zero, comes_round.select(zero, first));
+            let end = both.select(last_column, comes_round.select(last - turn, min(last, last_column)));
+            (simd.ceil_f32x16(begin), simd.floor_f32x16(end))
+        };
+        let all_round = all_round | length.simd_ge(turn - 1.0);
+        let begin = all_round.select(zero, begin);
+        let end = all_round.select(last_column, end);
+        let limit = f32x16::splat(simd, 60_000.0);
+        let first_column = simd.cvt_i32_f32x16(min(begin, limit));
+        let last = simd.cvt_i32_f32x16(min(end, limit));
+        // A ring's interval that starts after the last column starts at the first.
+        let width = i32x16::splat(simd, self.fan.width);
+        let over = first_column.simd_ge(width);
+        let none = i32x16::splat(simd, 0);
+        let (first_column, last) = if self.ring {
+            (over.select(first_column - width, first_column), over.select(last - width, last))
+        } else {
+            (first_column, last)
+        };
+        let some = candidates
+            & first_row.simd_le(last_row)
+            & first_column.simd_le(last)
+            & last.simd_ge(none)
+            & first_column.simd_lt(width);
+        Rectangles { first_column, last_column: last, first_row, last_row, some }
+    }
+}
+
+/// Signed distance of 0 from an interval: 0 inside.
+#[inline(always)]
+fn outside<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
+    max(max(low, -high), f32x16::splat(low.simd, 0.0))
+}
+
+/// The greatest magnitude in an interval.
+#[inline(always)]
+fn magnitude<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
+    max(-low, high)
+}
+
+/// Angle of (x, y) to the x axis, to 2e-6 radians: a minimax polynomial for the arc tangent up to 1.
+#[inline(always)]
+fn atan2<S: Simd>(y: f32x16<S>, x: f32x16<S>) -> f32x16<S> {
+    let zero = f32x16::splat(y.simd, 0.0);
+    let (across, along) = (y.abs(), x.abs());
+    let larger = max(max(across, along), f32x16::splat(y.simd, 1e-30));
+    let ratio = min(across, along) / larger;
+    let square = ratio * ratio;
+    let mut series = square * -0.011_719_112 + 0.052_647_293;
+    series = square * series - 0.116_426_43;
+    series = square * series + 0.193_540_36;
+    series = square * series - 0.332_622_83;
+    series = square * series + 0.999_977_23;
+    let angle = ratio * series;
+    let angle = across.simd_gt(along).select(f32x16::splat(y.simd, FRAC_PI_2) - angle, angle);
+    let angle = x.simd_lt(zero).select(f32x16::splat(y.simd, PI) - angle, angle);
+    y.simd_lt(zero).select(-angle, angle)
+}
+
+impl Projection for SphericalFan<'_> {
+    type Directions<S: Simd> = [f32x16<S>; 3];
+
+    #[inline(always)]
+    fn fan(&self) -> &Fan {
+        &self.fan
+    }
+
+    #[inline(always)]
+    fn with_rows(self, rows: [i32; 2]) -> Self {
+        Self { rows, ..self }
+    }
+
+    fn direction(&self, column: i32, row: i32) -> DVec3 {
+        let (sin, cos) = sin_cos(self.azimuth.first + self.azimuth.step * f64::from(column));
+        let (up, level) = sin_cos(self.elevation.first + self.elevation.step * f64::from(row));
+        DVec3::new(cos * level, sin * level, up)
+    }
+
+    #[inline(always)]
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        self.block(simd, column, row)
+    }
+
+    #[inline(always)]
+    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, _column: usize, _row: usize) -> f32x16<S> {
+        f32x16::splat(simd, 1.0) / inverse
+    }
+
+    #[inline(always)]
+    fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S> {
+        let (cos, sin) = if self.fan.shift_x == 2 {
+            let four = |values: &[f32]| {
+                f32x16::block_splat(fearless_simd::f32x4::from_slice(simd, &values[column * 4..][..4]))
+            };
+            (four(self.cos_azimuth), four(self.sin_azimuth))
+        } else {
+            let sixteen = |values: &[f32]| f32x16::from_slice(simd, &values[column * WIDTH..][..WIDTH]);
+            (sixteen(self.cos_azimuth), sixteen(self.sin_azimuth))
+        };
+        let level = f32x16::load_array_ref(simd, &self.cos_elevation[row]);
+        [cos * level, sin * level, f32x16::load_array_ref(simd, &self.sin_elevation[row])]
+    }
+
+    #[inline(always)]
+    fn rays<S: Simd>(&self, simd: S, columns: i32x16<S>, rows: i32x16<S>) -> Self::Directions<S> {
+        let (mut at_column, mut at_row) = ([0_i32; WIDTH], [0_i32; WIDTH]);
+        columns.store_array(&mut at_column);
+        rows.store_array(&mut at_row);
+        let mut values = [[0.0_f32; WIDTH]; 4];
+        for lane in 0..WIDTH {
+            // Lanes that are done stand past the end; any value will do.
+            let column = (at_column[lane] as usize).min(self.cos_azimuth.len() - 1);
+            let row = at_row[lane].min(self.fan.height - 1);
+            let (block, place) = ((row >> self.fan.shift_y) as usize, self.fan.lane(0, row));
+            values[0][lane] = self.cos_azimuth[column];
+            values[1][lane] = self.sin_azimuth[column];
+            values[2][lane] = self.cos_elevation[block][place];
+            values[3][lane] = self.sin_elevation[block][place];
+        }
+        let level = f32x16::load_array_ref(simd, &values[2]);
+        [
+            f32x16::load_array_ref(simd, &values[0]) * level,
+            f32x16::load_array_ref(simd, &values[1]) * level,
+            f32x16::load_array_ref(simd, &values[3]),
+        ]
+    }
+
+    #[inline(always)]
+    fn ray<S: Simd>(&self, simd: S, column: i32, row: i32) -> Self::Directions<S> {
+        let (block, place) = ((row >> self.fan.shift_y) as usize, self.fan.lane(0, row));
+        let level = self.cos_elevation[block][place];
+        [
+            f32x16::splat(simd, self.cos_azimuth[column as usize] * level),
+            f32x16::splat(simd, self.sin_azimuth[column as usize] * level),
+            f32x16::splat(simd, self.sin_elevation[block][place]),
+        ]
+    }
+
+    #[inline(always)]
+    fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S> {
+        (plane[0] * directions[0] + plane[1] * directions[1]) + plane[2] * directions[2]
+    }
+
+    #[inline(always)]
+    fn inverse_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
+        let [x, y, z] = [outside(low[0], high[0]), outside(low[1], high[1]), outside(low[2], high[2])];
+        let distance = ((x * x + y * y) + z * z).sqrt();
+        f32x16::splat(simd, 1.0001) / max(distance, f32x16::splat(simd, TINY))
+    }
+
+    #[inline(always)]
+    fn bound_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> Rectangles<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let (x, y) = (outside(low[0], high[0]), outside(low[1], high[1]));
+        let nearest = (x * x + y * y).sqrt();
+        let (x, y) = (magnitude(low[0], high[0]), magnitude(low[1], high[1]));
+        let farthest = (x * x + y * y).sqrt();
+        let elevation = [
+            atan2(low[2], low[2].simd_lt(zero).select(nearest, farthest)),
+            atan2(high[2], high[2].simd_gt(zero).select(nearest, farthest)),
+        ];
+        // Azimuths of the four corners from that of the middle.
+        let (x, y) = ((low[0] + high[0]) * 0.5, (low[1] + high[1]) * 0.5);
+        let middle = atan2(y, x);
+        let (mut from, mut to) = (f32x16::splat(simd, TAU), f32x16::splat(simd, -TAU));
+        for (corner_x, corner_y) in
+            [(low[0], low[1]), (high[0], low[1]), (low[0], high[1]), (high[0], high[1])]
+        {
+            let angle = atan2(x * corner_y - y * corner_x, x * corner_x + y * corner_y);
+            from = min(from, angle);
+            to = max(to, angle);
+        }
+        let all_round =
+            low[0].simd_le(zero) & high[0].simd_ge(zero) & low[1].simd_le(zero) & high[1].simd_ge(zero);
+        self.rectangles(simd, middle, [from, to], elevation, all_round, mask32x16::splat(simd, true))
+    }
+
+    #[inline(always)]
+    fn bound_triangles<S: Simd>(
+        &self,
+        simd: S,
+        corners: &[Points<S>; 3],
+        valid: mask32x16<S>,
+    ) -> (Rectangles<S>, f32x16<S>) {
+        let (low, high) = bounds_of(corners);
+        let nearest = self.inverse_of_boxes(simd, &low, &high);
+        let zero = f32x16::splat(simd, 0.0);
+        // Angles from those of the centroid. For small ones, tan(angle) = cross / dot bounds the angle closely.
+        let x = (corners[0][0] + corners[1][0]) + corners[2][0];
+        let y = (corners[0][1] + corners[1][1]) + corners[2][1];
+        let z = (corners[0][2] + corners[1][2]) + corners[2][2];
+        let level = (x * x + y * y).sqrt();
+        let (mut from, mut to, mut below, mut above) = (zero, zero, zero, zero);
+        let mut least = f32x16::splat(simd, f32::MAX);
+        for corner in corners {
+            let dot = x * corner[0] + y * corner[1];
+            let turn = (x * corner[1] - y * corner[0]) / max(dot, f32x16::splat(simd, 1e-30));
+            from = min(from, turn);
+            to = max(to, turn);
+            let corner_level = (corner[0] * corner[0] + corner[1] * corner[1]).sqrt();
+            let rise_dot = level * corner_level + z * corner[2];
+            let rise = (level * corner[2] - z * corner_level) / max(rise_dot, f32x16::splat(simd, 1e-30));
+            below = min(below, rise);
+            above = max(above, rise);
+            // Both dot products say that the corner lies within a right angle of the centroid.
+            least = min(least, min(dot, rise_dot));
+        }
+        let spread = to - from;
+        let small = spread.simd_lt(f32x16::splat(simd, 0.4))
+            & (above - below).simd_lt(f32x16::splat(simd, 0.4))
+            & least.simd_gt(f32x16::splat(simd, 1e-25));
+        // An edge's great circle bulges above its ends.
+        let bulge = spread * spread * 0.07;
+        let rise = atan2(z, level);
+        let elevation = [rise + below - bulge, rise + above + bulge];
+        let azimuth = atan2(y, x);
+        let never = mask32x16::splat(simd, false);
+        let mut close = self.rectangles(simd, azimuth, [from, to], elevation, never, valid);
+        if (valid & !small).any_true() {
+            let loose = self.bound_boxes(simd, &low, &high);
+            close.first_column = small.select(close.first_column, loose.first_column);
+            close.last_column = small.select(close.last_column, loose.last_column);
+            close.first_row = small.select(close.first_row, loose.first_row);
+            close.last_row = small.select(close.last_row, loose.last_row);
+            close.some = valid & ((small & close.some) | (!small & loose.some));
+        }
+        (close, nearest)
+    }
+
+    #[inline(always)]
+    fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S> {
+        let cos = f32x16::from_slice(simd, &self.cos_middle[column..][..WIDTH]);
+        let sin = f32x16::from_slice(simd, &self.sin_middle[column..][..WIDTH]);
+        let [cos_level, sin_level] = self.levels[row];
+        let length = sqrt_f32(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
+        (cos * (plane[0] * cos_level) + sin * (plane[1] * cos_level))
+            + (plane[2] * sin_level + length * self.radius)
+    }
+}

@@ -1,0 +1,54 @@
+//! What has been hit so far, block by block.
+
+use crate::scene::tree::WIDTH;
+
+/// No slot: the ray has hit nothing.
+pub(crate) const NO_HIT: u32 = u32::MAX;
+
+/// Set in the slot of a hit on a triangle that is seen edge-on somewhere: 1/t in single precision is not exact
+/// enough there. Slots themselves are less.
+pub(crate) const GRAZING: u32 = 1 << 31;
+
+/// (1 / sine of the angle between ray and plane)² from which on a hit is recomputed in double precision: 1.8°.
+pub(crate) const GRAZING_SQUARED: f32 = 1000.0;
+
+/// The nearest hits of a band of blocks, in the caller's memory.
+pub(crate) struct Target<'a> {
+    /// 1/t of each ray's nearest hit; where nothing is hit, 1/t of the farthest that counts, 0 for no limit.
+    pub(crate) inverse: &'a mut [[f32; WIDTH]],
+    /// Slot of each ray's nearest hit, or [`NO_HIT`].
+    pub(crate) slot: &'a mut [[u32; WIDTH]],
+    /// The least of each block's sixteen `inverse`: nothing with a smaller 1/t can be seen there. Sixteen more
+    /// than there are blocks, so that sixteen can be read from anywhere.
+    pub(crate) farthest: &'a mut [f32],
+}
+
+impl Target<'_> {
+    /// Forgets all hits; rays reach as far as 1/`inverse_range`.
+    pub(crate) fn clear(&mut self, inverse_range: f32) {
+        self.inverse.fill([inverse_range; WIDTH]);
+        self.slot.fill([NO_HIT; WIDTH]);
+        self.farthest.fill(inverse_range);
+    }
+
+    /// Brings `farthest` of a block up to date.
+    #[inline(always)]
+    pub(crate) fn update_farthest(&mut self, block: usize) {
+        self.farthest[block] = least(&self.inverse[block]);
+    }
+}
+
+/// The least of sixteen, by halves: a chain of dependent compares would take longer.
+#[inline(always)]
+pub(crate) fn least(values: &[f32; WIDTH]) -> f32 {
+    let mut values = *values;
+    let mut half = WIDTH / 2;
+    while half > 0 {
+        for lane in 0..half {
+            let other = values[lane + half];
+            values[lane] = if other < values[lane] { other } else { values[lane] };
+        }
+        half /= 2;
+    }
+    values[0]
+}

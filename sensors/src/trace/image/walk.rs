@@ -1,0 +1,243 @@
+//! Once through the trees, front to back.
+
+use super::projection::{Points, Projection, max};
+use super::solid;
+use super::target::Target;
+use super::triangles::{self, Leaf, Rules};
+use crate::scene::KIND_MESH;
+use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+use crate::trace::packet::Faces;
+use crate::trace::view::{ToSensor, View};
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
+
+/// The `placed` of an entry in the tree over the instances.
+const TOP: u32 = u32::MAX;
+
+/// More than the deepest trees leave waiting: fifteen siblings a level.
+const STACK: usize = 15 * (crate::scene::tree::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
+
+/// A subtree to visit.
+#[derive(Clone, Copy)]
+struct Entry {
+    /// As in [`WideNode::child`].
+    child: u32,
+    /// Which instance's tree, or [`TOP`].
+    placed: u32,
+    /// Bound of 1/t from above.
+    nearest: f32,
+    /// First and last column and row of the rays that may pass.
+    columns: [u16; 2],
+    rows: [u16; 2],
+}
+
+/// Draws what a view shows into the rows of `target`, whose first block row is `first_block_row`.
+#[inline(always)]
+pub(crate) fn walk<S: Simd, P: Projection>(
+    simd: S,
+    view: &View<'_>,
+    projection: P,
+    rows: [i32; 2],
+    faces: Faces,
+    inverse_near: f32,
+    target: &mut Target<'_>,
+) {
+    let fan = *projection.fan();
+    let first_block_row = (rows[0] >> fan.shift_y) as usize;
+    let blank = Entry { child: 0, placed: TOP, nearest: 0.0, columns: [0; 2], rows: [0; 2] };
+    let mut stack = [blank; STACK];
+    stack[0] = Entry {
+        nearest: f32::MAX,
+        columns: [0, (fan.width - 1) as u16],
+        rows: rows.map(|row| row as u16),
+        ..blank
+    };
+    let mut waiting = 1;
+    while waiting > 0 {
+        waiting -= 1;
+        let entry = stack[waiting];
+        if hidden(simd, projection, target, first_block_row, &entry) {
+            continue;
+        }
+        let rules = Rules { faces, mirrored: false, inverse_near, first_block_row };
+        let (node, to_sensor, placed) = if entry.placed == TOP {
+            if entry.child & LEAF == 0 {
+                (&view.nodes[entry.child as usize], &view.sensor_from_frame, TOP)
+            } else {
+                let index = entry.child & !LEAF;
+                let placed = &view.placed[index as usize];
+                if placed.kind != KIND_MESH {
+                    let (columns, rows) = (entry.columns.map(i32::from), entry.rows.map(i32::from));
+                    solid::draw(simd, view, projection, target, rules, index, columns, rows, entry.nearest);
+                    continue;
+                }
+                (&view.scene.nodes[placed.first_node as usize], &placed.to_sensor, index)
+            }
+        } else {
+            let placed = &view.placed[entry.placed as usize];
+            if entry.child & LEAF != 0 {
+                let leaf = entry.child & !LEAF;
+                let block = &view.scene.blocks[(placed.first_block + leaf) as usize];
+                let leaf = Leaf {
+                    corners: corners_in_sensor(simd, block, &placed.to_sensor),
+                    first_slot: placed.first_slot + leaf * WIDTH as u32,
+                    columns: entry.columns.map(i32::from),
+                    rows: entry.rows.map(i32::from),
+                    nearest: entry.nearest,
+                };
+                let rules = Rules { mirrored: placed.mirrored != 0, ..rules };
+                triangles::draw(simd, projection, target, rules, &leaf);
+                continue;
+            }
+            (&view.scene.nodes[(placed.first_node + entry.child) as usize], &placed.to_sensor, entry.placed)
+        };
+        waiting = push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting);
+    }
+}
+
+/// Puts the children of a node that some ray may meet on the stack, the nearest on top.
+#[inline(always)]
+fn push_children<S: Simd, P: Projection>(
+    simd: S,
+    projection: P,
+    node: &WideNode,
+    to_sensor: &ToSensor,
+    placed: u32,
+    stack: &mut [Entry; STACK],
+    first: usize,
+) -> usize {
+    let (low, high) = box_in_sensor(simd, node, to_sensor);
+    let nearest = projection.inverse_of_boxes(simd, &low, &high);
+    let rectangles = projection.bound_boxes(simd, &low, &high);
+    let there = u32x16::load_array_ref(simd, &node.child).simd_ne(u32x16::splat(simd, NONE));
+    let mut lanes = (rectangles.some & there).to_bitmask();
+    if lanes == 0 {
+        return first;
+    }
+    let mut near = [0.0; WIDTH];
+    let mut spilled = [[0_i32; WIDTH]; 4];
+    nearest.store_array(&mut near);
+    rectangles.first_column.store_array(&mut spilled[0]);
+    rectangles.last_column.store_array(&mut spilled[1]);
+    rectangles.first_row.store_array(&mut spilled[2]);
+    rectangles.last_row.store_array(&mut spilled[3]);
+    let mut waiting = first;
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+        lanes &= lanes - 1;
+        let entry = Entry {
+            child: node.child[lane],
+            placed,
+            nearest: near[lane],
+            columns: [spilled[0][lane] as u16, spilled[1][lane] as u16],
+            rows: [spilled[2][lane] as u16, spilled[3][lane] as u16],
+        };
+        // Insertion: there are few.
+        let mut at = waiting;
+        while at > first && stack[at - 1].nearest > entry.nearest {
+            stack[at] = stack[at - 1];
+            at -= 1;
+        }
+        stack[at] = entry;
+        waiting += 1;
+    }
+    waiting
+}
+
+/// Whether all that an entry may show is behind what has been hit already.
+#[inline(always)]
+fn hidden<S: Simd, P: Projection>(
+    simd: S,
+    projection: P,
+    target: &Target<'_>,
+    first_block_row: usize,
+    entry: &Entry,
+) -> bool {
+    let fan = projection.fan();
+    let blocks_across = fan.blocks_across();
+    let nearest = f32x16::splat(simd, entry.nearest);
+    let [first, last] = entry.columns.map(i32::from);
+    let pieces = if last < fan.width {
+        [[first, last], [1, 0]]
+    } else {
+        [[first, fan.width - 1], [0, last - fan.width]]
+    };
+    let rows = (i32::from(entry.rows[0]) >> fan.shift_y) as usize
+        ..=(i32::from(entry.rows[1]) >> fan.shift_y) as usize;
+    for [first, last] in pieces {
+        if first > last {
+            continue;
+        }
+        let (first, last) = ((first >> fan.shift_x) as usize, (last >> fan.shift_x) as usize);
+        for row in rows.clone() {
+            let start = (row - first_block_row) * blocks_across;
+            let mut column = first;
+            while column <= last {
+                let farthest = f32x16::from_slice(simd, &target.farthest[start + column..][..WIDTH]);
+                let mut lanes = farthest.simd_lt(nearest).to_bitmask();
+                if last - column < WIDTH - 1 {
+                    lanes &= (2 << (last - column)) - 1;
+                }
+                if lanes != 0 {
+                    return false;
+                }
+                column += WIDTH;
+            }
+        }
+    }
+    true
+}
+
+/// A point of an instance, in the sensor's frame.
+#[inline(always)]
+fn point_in_sensor<S: Simd>(simd: S, point: &[[f32; WIDTH]; 3], to_sensor: &ToSensor) -> Points<S> {
+    let [x, y, z] = from_origin(simd, point, to_sensor);
+    let rows = &to_sensor.rows;
+    [
+        (x * rows[0][0] + y * rows[0][1]) + z * rows[0][2],
+        (x * rows[1][0] + y * rows[1][1]) + z * rows[1][2],
+        (x * rows[2][0] + y * rows[2][1]) + z * rows[2][2],
+    ]
+}
+
+/// point − origin. The origin comes in two parts, so that points near it lose no digit far from the instance's
+/// own origin.
+#[inline(always)]
+fn from_origin<S: Simd>(simd: S, point: &[[f32; WIDTH]; 3], to_sensor: &ToSensor) -> Points<S> {
+    let [high, low] = [&to_sensor.origin_high, &to_sensor.origin_low];
+    [
+        (f32x16::load_array_ref(simd, &point[0]) - high[0]) - low[0],
+        (f32x16::load_array_ref(simd, &point[1]) - high[1]) - low[1],
+        (f32x16::load_array_ref(simd, &point[2]) - high[2]) - low[2],
+    ]
+}
+
+#[inline(always)]
+fn corners_in_sensor<S: Simd>(simd: S, block: &TriangleBlock, to_sensor: &ToSensor) -> [Points<S>; 3] {
+    [
+        point_in_sensor(simd, &block.corners[0], to_sensor),
+        point_in_sensor(simd, &block.corners[1], to_sensor),
+        point_in_sensor(simd, &block.corners[2], to_sensor),
+    ]
+}
+
+/// Boxes along the sensor's axes that hold the children.
+#[inline(always)]
+fn box_in_sensor<S: Simd>(simd: S, node: &WideNode, to_sensor: &ToSensor) -> (Points<S>, Points<S>) {
+    let low = from_origin(simd, &node.min, to_sensor);
+    let high = from_origin(simd, &node.max, to_sensor);
+    let (mut centre, mut half) = (low, low);
+    for axis in 0..3 {
+        centre[axis] = (low[axis] + high[axis]) * 0.5;
+        // A little wider than the box: all that follows is rounded.
+        half[axis] = (high[axis] - low[axis]) * 0.500_001 + max(high[axis], -low[axis]) * 1e-6;
+    }
+    let (mut low, mut high) = (low, high);
+    for axis in 0..3 {
+        let [x, y, z] = to_sensor.rows[axis];
+        let middle = (centre[0] * x + centre[1] * y) + centre[2] * z;
+        let reach = (half[0] * x.abs() + half[1] * y.abs()) + half[2] * z.abs();
+        low[axis] = middle - reach;
+        high[axis] = middle + reach;
+    }
+    (low, high)
+}

@@ -1,0 +1,111 @@
+//! The memory that a frame works in: one buffer of the caller's, cut into typed slices.
+
+use super::image::Fan;
+use super::view::{Placed, ViewMemory, top_nodes};
+use crate::execution::Execution;
+use crate::scene::tree::{WIDTH, WideNode};
+use crate::scene::{Aabb, Scene};
+use bytemuck::{Pod, Zeroable};
+
+/// 64 bytes that begin where a line of the cache does.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct CacheLine([u8; 64]);
+
+/// What a sensor needs to trace a frame, lent by the caller.
+#[derive(Debug)]
+pub struct Workspace<'a> {
+    /// [`workspace_len`] cache lines at least.
+    pub buffer: &'a mut [CacheLine],
+    /// SIMD level and threads.
+    pub execution: Execution,
+}
+
+/// Cache lines that a sensor of so many rays needs for a scene: about 10 bytes a ray and 400 an instance.
+///
+/// `rays` are those of a grid filled up to whole blocks, as the sensors' own `rays()` tell them.
+pub const fn workspace_len(instances: usize, rays: usize) -> usize {
+    let blocks = rays.div_ceil(WIDTH);
+    view_lines(instances) + 2 * blocks + lines((blocks + BAND_MARGIN) * 4) + Fan::most_table_lines(rays)
+}
+
+/// `farthest` of each band is read up to sixteen past its end, and begins on a cache line of its own.
+const BAND_MARGIN: usize = 3 * WIDTH * super::grid::MOST_BANDS;
+
+const fn lines(bytes: usize) -> usize {
+    bytes.div_ceil(size_of::<CacheLine>())
+}
+
+const fn view_lines(instances: usize) -> usize {
+    lines(instances * size_of::<Placed>())
+        + lines(instances * size_of::<Aabb>())
+        + lines(instances * size_of::<u64>())
+        + lines(top_nodes(instances) * size_of::<WideNode>())
+}
+
+/// Cuts typed slices off a buffer.
+pub(crate) struct Cutter<'a>(pub(crate) &'a mut [CacheLine]);
+
+impl<'a> Cutter<'a> {
+    /// The next `count` elements. They begin on a cache line.
+    pub(crate) fn take<T: Pod>(&mut self, count: usize) -> &'a mut [T] {
+        let bytes = count * size_of::<T>();
+        let (part, rest) = core::mem::take(&mut self.0).split_at_mut(lines(bytes));
+        self.0 = rest;
+        bytemuck::cast_slice_mut(&mut bytemuck::cast_slice_mut::<CacheLine, u8>(part)[..bytes])
+    }
+
+    /// What a [`super::view::View`] of so many instances needs.
+    pub(crate) fn view(&mut self, instances: usize) -> ViewMemory<'a> {
+        ViewMemory {
+            placed: self.take(instances),
+            bounds: self.take(instances),
+            order: self.take(instances),
+            nodes: self.take(top_nodes(instances)),
+        }
+    }
+}
+
+impl Workspace<'_> {
+    /// True when the buffer is long enough for a sensor of so many rays to see the scene.
+    pub fn fits(&self, scene: &Scene<'_>, rays: usize) -> bool {
+        self.buffer.len() >= workspace_len(scene.instances().len(), rays)
+    }
+
+    pub(crate) fn cut(&mut self, scene: &Scene<'_>, rays: usize) -> Cutter<'_> {
+        assert!(self.fits(scene, rays), "the workspace is smaller than the scene and the sensor need");
+        Cutter(self.buffer)
+    }
+}
+
+/// An owned [`Workspace`]: allocates when made, or when a scene or sensor has outgrown it, and never else.
+#[cfg(feature = "alloc")]
+#[derive(Debug, Default, Clone)]
+pub struct WorkspaceBuf {
+    buffer: alloc::vec::Vec<CacheLine>,
+    /// SIMD level and threads.
+    pub execution: Execution,
+}
+
+#[cfg(feature = "alloc")]
+impl WorkspaceBuf {
+    /// Enough for a sensor of so many rays to see the scene.
+    pub fn new(scene: &Scene<'_>, rays: usize) -> Self {
+        let mut workspace = Self::default();
+        workspace.fit(scene, rays);
+        workspace
+    }
+
+    /// Grows, if it is too small for the scene and so many rays.
+    pub fn fit(&mut self, scene: &Scene<'_>, rays: usize) {
+        let need = workspace_len(scene.instances().len(), rays);
+        if self.buffer.len() < need {
+            self.buffer.resize(need, CacheLine::zeroed());
+        }
+    }
+
+    /// Lends it to a sensor.
+    pub fn lend(&mut self) -> Workspace<'_> {
+        Workspace { buffer: &mut self.buffer, execution: self.execution }
+    }
+}

@@ -1,0 +1,263 @@
+//! A scene as one sensor sees it at one moment: its instances placed around the sensor, under a tree.
+
+use crate::pose::Pose;
+use crate::scene::tree::{LEAF, NONE, WIDTH, WideNode};
+use crate::scene::{Aabb, Instance, KIND_MESH, Scene};
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat3, DVec3};
+
+/// Levels of the tree over the instances, at most: 16⁸ = 2³².
+pub(crate) const MAX_DEPTH: usize = 8;
+
+/// Beyond that many metres from the sensor nothing is looked for: what makes an infinite plane finite.
+const HORIZON_M: f32 = 1e9;
+
+/// Takes points of an instance, in single precision, to the axes of the sensor.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ToSensor {
+    /// Rows of the matrix.
+    pub(crate) rows: [[f32; 3]; 3],
+    /// The sensor's origin in the instance, rounded …
+    pub(crate) origin_high: [f32; 3],
+    /// … and what rounding left.
+    pub(crate) origin_low: [f32; 3],
+}
+
+impl ToSensor {
+    fn new(sensor_from_instance: &DMat3, origin: DVec3) -> Self {
+        let high = origin.as_vec3();
+        Self {
+            rows: sensor_from_instance.transpose().as_mat3().to_cols_array_2d(),
+            origin_high: high.to_array(),
+            origin_low: (origin - high.as_dvec3()).as_vec3().to_array(),
+        }
+    }
+}
+
+/// An instance in the frame of a sensor: axes along the world's, origin at the sensor. The difference is taken
+/// in f64, so a robot 100 km from the world's origin sees what it sees at it.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct Placed {
+    /// Columns: the instance's axes in the frame, scale included.
+    pub(crate) axes: [[f64; 3]; 3],
+    pub(crate) translation: [f64; 3],
+    /// Columns of the inverse: from the frame to the instance.
+    pub(crate) inverse_axes: [[f64; 3]; 3],
+    /// The frame's origin in the instance.
+    pub(crate) origin_in_instance: [f64; 3],
+    pub(crate) to_sensor: ToSensor,
+    /// Takes normals of the instance to the frame: rows of the inverse transpose.
+    normal_rows: [[f32; 3]; 3],
+    pub(crate) instance: u32,
+    pub(crate) kind: u32,
+    /// Slot of its first primitive.
+    pub(crate) first_slot: u32,
+    pub(crate) first_node: u32,
+    pub(crate) first_block: u32,
+    /// 1 if its scale mirrors it.
+    pub(crate) mirrored: u32,
+    /// 1 if normals change their length on the way to the frame.
+    scaled: u32,
+    /// 0 if the instance has the axes of the world.
+    turned: u32,
+}
+
+impl Placed {
+    /// A unit normal of the instance in the frame.
+    #[inline(always)]
+    pub(crate) fn normal_in_frame(&self, normal: [f32; 3]) -> [f32; 3] {
+        if self.turned == 0 {
+            return normal;
+        }
+        let [x, y, z] = normal;
+        let mut turned = self.normal_rows.map(|row| (row[0] * x + row[1] * y) + row[2] * z);
+        if self.scaled != 0 {
+            let [x, y, z] = turned;
+            let length = crate::simd::sqrt_f32((x * x + y * y) + z * z);
+            turned = [x / length, y / length, z / length];
+        }
+        turned
+    }
+
+    /// A direction of the frame in the instance.
+    pub(crate) fn vector_in_instance(&self, vector: DVec3) -> DVec3 {
+        DMat3::from_cols_array_2d(&self.inverse_axes) * vector
+    }
+}
+
+/// A scene placed around a sensor.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View<'a> {
+    pub(crate) scene: Scene<'a>,
+    pub(crate) placed: &'a [Placed],
+    /// Tree over the placed instances, in the frame; a leaf is an index into `placed`.
+    pub(crate) nodes: &'a [WideNode],
+    /// From the frame to the axes of the sensor.
+    pub(crate) sensor_from_frame: ToSensor,
+    /// Position of the frame's origin in the world.
+    pub(crate) origin_in_world: DVec3,
+}
+
+/// Nodes of a tree over that many instances.
+pub(crate) const fn top_nodes(instances: usize) -> usize {
+    let mut level = instances.div_ceil(WIDTH);
+    let mut nodes = 1;
+    while level > 1 {
+        nodes += level;
+        level = level.div_ceil(WIDTH);
+    }
+    nodes
+}
+
+/// Memory for a [`View`].
+pub(crate) struct ViewMemory<'a> {
+    pub(crate) placed: &'a mut [Placed],
+    pub(crate) bounds: &'a mut [Aabb],
+    pub(crate) order: &'a mut [u64],
+    pub(crate) nodes: &'a mut [WideNode],
+}
+
+impl<'a> View<'a> {
+    /// Places what `visibility` lets the sensor see around it.
+    pub(crate) fn new(
+        scene: &Scene<'a>,
+        world_from_sensor: &Pose,
+        visibility: u32,
+        memory: ViewMemory<'a>,
+    ) -> Self {
+        let origin_in_world = world_from_sensor.translation();
+        let sensor_from_world = world_from_sensor.rotation_matrix().transpose();
+        let ViewMemory { placed, bounds, order, nodes } = memory;
+        let (mut count, mut slots) = (0, 0);
+        for (index, instance) in scene.instances.iter().enumerate() {
+            if instance.visibility & visibility == 0 {
+                continue;
+            }
+            let axes = instance.world_from_instance.rotation_matrix();
+            let translation = instance.world_from_instance.translation() - origin_in_world;
+            let inverse = axes.inverse();
+            let origin = inverse * -translation;
+            let mesh = (instance.kind == KIND_MESH).then(|| &scene.meshes[instance.mesh as usize]);
+            placed[count] = Placed {
+                axes: axes.to_cols_array_2d(),
+                translation: translation.to_array(),
+                inverse_axes: inverse.to_cols_array_2d(),
+                origin_in_instance: origin.to_array(),
+                to_sensor: ToSensor::new(&(sensor_from_world * axes), origin),
+                instance: index as u32,
+                kind: instance.kind,
+                first_slot: slots,
+                first_node: mesh.map_or(0, |mesh| mesh.first_node),
+                first_block: mesh.map_or(0, |mesh| mesh.first_block),
+                mirrored: u32::from(axes.determinant() < 0.0),
+                normal_rows: inverse.as_mat3().to_cols_array_2d(),
+                scaled: 0,
+                turned: u32::from(axes != DMat3::IDENTITY),
+            };
+            bounds[count] = bounds_in_frame(scene, instance, &axes, translation);
+            slots += mesh.map_or(1, |mesh| mesh.blocks * WIDTH as u32);
+            count += 1;
+        }
+        let used = build_top(&bounds[..count], &mut order[..count], nodes);
+        View {
+            scene: *scene,
+            placed: &placed[..count],
+            nodes: &nodes[..used],
+            sensor_from_frame: ToSensor::new(&sensor_from_world, DVec3::ZERO),
+            origin_in_world,
+        }
+    }
+
+    pub(crate) fn instance(&self, placed: u32) -> &'a Instance {
+        &self.scene.instances[self.placed[placed as usize].instance as usize]
+    }
+}
+
+fn bounds_in_frame(scene: &Scene<'_>, instance: &Instance, axes: &DMat3, translation: DVec3) -> Aabb {
+    let [low, high] = scene.local_bounds(instance);
+    let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
+    let centre = *axes * centre + translation;
+    let reach = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
+    let mut bounds = Aabb::from_f64((centre - reach).to_array(), (centre + reach).to_array());
+    for axis in 0..3 {
+        bounds.min[axis] = bounds.min[axis].clamp(-HORIZON_M, HORIZON_M);
+        bounds.max[axis] = bounds.max[axis].clamp(-HORIZON_M, HORIZON_M);
+    }
+    bounds
+}
+
+/// Builds the tree over the boxes, sixteen neighbours on a Morton curve at a time, and returns its nodes.
+///
+/// A scene's instances move, and are few: what matters is that this takes a few microseconds a hundred.
+fn build_top(bounds: &[Aabb], order: &mut [u64], nodes: &mut [WideNode]) -> usize {
+    let all = bounds.iter().fold(Aabb::EMPTY, |all, one| all.union(one));
+    let cell = |bounds: &Aabb, axis: usize| {
+        let middle = (bounds.min[axis] * 0.5 + bounds.max[axis] * 0.5) - all.min[axis];
+        let extent = (all.max[axis] - all.min[axis]).max(f32::MIN_POSITIVE);
+        ((middle / extent * 1024.0) as u32).min(1023)
+    };
+    for (index, (key, bounds)) in order.iter_mut().zip(bounds).enumerate() {
+        let code = spread(cell(bounds, 0)) | spread(cell(bounds, 1)) << 1 | spread(cell(bounds, 2)) << 2;
+        *key = u64::from(code) << 32 | index as u64;
+    }
+    order.sort_unstable();
+
+    // Level by level from the leaves up, each level before the one below it in memory.
+    let used = top_nodes(bounds.len());
+    let mut below = 0..0;
+    let mut elements = bounds.len();
+    let mut end = used;
+    loop {
+        let count = elements.div_ceil(WIDTH).max(1);
+        let start = end - count;
+        for node in 0..count {
+            let mut wide = WideNode::zeroed();
+            wide.child = [NONE; WIDTH];
+            let mut last = Aabb { min: [0.0; 3], max: [0.0; 3] };
+            for lane in 0..WIDTH {
+                let element = node * WIDTH + lane;
+                if element < elements {
+                    (wide.child[lane], last) = if below.is_empty() {
+                        let index = order[element] as u32;
+                        (LEAF | index, bounds[index as usize])
+                    } else {
+                        let index = below.start + element;
+                        (index as u32, bounds_of(&nodes[index]))
+                    };
+                }
+                for axis in 0..3 {
+                    wide.min[axis][lane] = last.min[axis];
+                    wide.max[axis][lane] = last.max[axis];
+                }
+            }
+            nodes[start + node] = wide;
+        }
+        below = start..end;
+        (elements, end) = (count, start);
+        if count == 1 {
+            return used;
+        }
+    }
+}
+
+fn bounds_of(node: &WideNode) -> Aabb {
+    let mut bounds = Aabb::EMPTY;
+    for axis in 0..3 {
+        for lane in 0..WIDTH {
+            bounds.min[axis] = bounds.min[axis].min(node.min[axis][lane]);
+            bounds.max[axis] = bounds.max[axis].max(node.max[axis][lane]);
+        }
+    }
+    bounds
+}
+
+/// Ten bits, two zeros between each.
+fn spread(bits: u32) -> u32 {
+    let mut x = bits & 0x3ff;
+    x = (x | x << 16) & 0x0300_00ff;
+    x = (x | x << 8) & 0x0300_f00f;
+    x = (x | x << 4) & 0x030c_30c3;
+    (x | x << 2) & 0x0924_9249
+}

@@ -64,9 +64,9 @@ fn meet<S: Simd>(
     let w = bx * ay - by * ax;
     let least = u.min(v).min(w);
     let greatest = u.max(v).max(w);
-    // All of one sign: u, v, w ≥ 0 is a back side, ≤ 0 a front side, seen against the ray.
-    let front = greatest.simd_le(zero);
-    let inside = if cull_back { front } else { front | least.simd_ge(zero) };
+    // All of one sign: u, v, w ≥ 0 is an outside, ≤ 0 an inside.
+    let front = least.simd_ge(zero);
+    let inside = if cull_back { front } else { front | greatest.simd_le(zero) };
     let t = (u * az + v * bz + w * cz) / (u + v + w) * shear[2];
     // A determinant of 0 makes t infinite or NaN; neither is within a finite range.
     let to = if range[1] < f32::MAX { range[1] } else { f32::MAX };

@@ -53,6 +53,29 @@ pub fn cast_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hi
     dispatch!(level, simd => cast(simd, tree, rays, faces, hits));
 }
 
+/// Tells which of the rays hit anything of one mesh, in its own frame.
+pub fn occluded_by_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, occluded: &mut [bool]) {
+    dispatch!(level, simd => any(simd, tree, rays, faces, occluded));
+}
+
+#[inline(always)]
+fn any<S: Simd>(simd: S, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, occluded: &mut [bool]) {
+    let doubt = doubt(tree);
+    let mut wave = Wave::new();
+    let total = rays.directions.len().min(occluded.len());
+    let mut first = 0;
+    while first < total {
+        let count = RAYS.min(total - first);
+        rays.load(first, count, &mut wave.bundle);
+        wave.bundle.prepare(simd, count, doubt);
+        wave.any_hits(simd, tree, count, faces == Faces::Front, doubt);
+        for id in 0..count {
+            occluded[first + id] = wave.bundle.hit[id][0] != NONE;
+        }
+        first += count;
+    }
+}
+
 #[inline(always)]
 fn cast<S: Simd>(simd: S, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &mut Hits<'_>) {
     let cull_back = faces == Faces::Front;

@@ -10,5 +10,8 @@ mod settle;
 mod walk;
 mod wave;
 
-pub use cast::{Hits, Rays, cast_mesh};
+pub use cast::{Hits, Rays, cast_mesh, occluded_by_mesh};
 pub use walk::Tree;
+
+#[cfg(test)]
+mod tests;

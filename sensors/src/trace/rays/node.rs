@@ -48,10 +48,12 @@ pub(super) fn enter<S: Simd>(
     let mut far = f32x16::splat(simd, limit);
     for axis in 0..3 {
         let backwards = rays.backwards[axis][id] as usize;
-        let (Some(near_row), Some(far_row)) = (rows.get(axis + backwards), rows.get(axis + 3 - backwards)) else {
+        let (Some(near_row), Some(far_row)) = (rows.get(axis + backwards), rows.get(axis + 3 - backwards))
+        else {
             return (near, false);
         };
-        let (near_plane, far_plane) = (f32x16::load_array_ref(simd, near_row), f32x16::load_array_ref(simd, far_row));
+        let (near_plane, far_plane) =
+            (f32x16::load_array_ref(simd, near_row), f32x16::load_array_ref(simd, far_row));
         let inverse = rays.inverse[axis][id];
         near = near.max((near_plane - rays.near_origin[axis][id]) * inverse);
         far = far.min((far_plane - rays.far_origin[axis][id]) * inverse);

@@ -74,12 +74,7 @@ impl Settled {
             load(simd, &bundle.direction[1], first).widen(),
             load(simd, &bundle.direction[2], first).widen(),
         ];
-        self.compute_eight(
-            simd,
-            [low(corners[0]), low(corners[1]), low(corners[2])],
-            low(direction),
-            first,
-        );
+        self.compute_eight(simd, [low(corners[0]), low(corners[1]), low(corners[2])], low(direction), first);
         self.compute_eight(
             simd,
             [high(corners[0]), high(corners[1]), high(corners[2])],
@@ -126,12 +121,7 @@ impl Settled {
 }
 
 #[inline(always)]
-fn difference<S: Simd>(
-    simd: S,
-    p: &PerRay<f32>,
-    q: &PerRay<f32>,
-    first: usize,
-) -> (f64x8<S>, f64x8<S>) {
+fn difference<S: Simd>(simd: S, p: &PerRay<f32>, q: &PerRay<f32>, first: usize) -> (f64x8<S>, f64x8<S>) {
     let (p, q): (f32x16<S>, f32x16<S>) = (load(simd, p, first), load(simd, q, first));
     let (p, q) = (p.widen(), q.widen());
     (p.0 - q.0, p.1 - q.1)

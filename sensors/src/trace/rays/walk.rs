@@ -1,8 +1,8 @@
 //! The way of one ray through a mesh's tree, front to back.
 
-use super::ray::{Nearest, Ray};
 use super::block::{self, SLACK};
 use super::node;
+use super::ray::{Nearest, Ray};
 use crate::scene::build::MAX_DEPTH;
 use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};

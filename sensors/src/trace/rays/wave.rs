@@ -113,6 +113,48 @@ impl Wave {
         cull_back: bool,
         doubt: f32,
     ) {
+        self.walk::<false, S>(simd, tree, count, cull_back);
+        self.settled.compute(simd, tree, &self.bundle, count);
+        for id in 0..count.min(RAYS) {
+            if self.bundle.hit[id][0] != NONE {
+                let t = self.settled.t[id];
+                // A hair more than single precision said, or far less, or out of range, or NaN.
+                let agree = t <= f64::from(self.bundle.t[id] * AGREES)
+                    && t >= f64::from(self.bundle.t[id] / SLACK)
+                    && t >= f64::from(self.bundle.range[0][id])
+                    && t <= f64::from(self.bundle.range[1][id]);
+                self.alone.push_if(id, !agree);
+            }
+        }
+        for index in 0..self.alone.length.min(RAYS) {
+            let id = usize::from(self.alone.ids[index]) % RAYS;
+            self.walk_alone(simd, tree, id, cull_back, doubt);
+        }
+    }
+
+    /// Finds for each of the first `count` rays of the bundle, which has been prepared, whether it hits anything:
+    /// its slot is then that of some triangle that it hits.
+    #[inline(always)]
+    pub(super) fn any_hits<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: Tree<'_>,
+        count: usize,
+        cull_back: bool,
+        doubt: f32,
+    ) {
+        self.walk::<true, S>(simd, tree, count, cull_back);
+        for index in 0..self.alone.length.min(RAYS) {
+            let id = usize::from(self.alone.ids[index]) % RAYS;
+            if self.bundle.hit[id][0] == NONE {
+                self.walk_alone(simd, tree, id, cull_back, doubt);
+            }
+        }
+    }
+
+    /// Walks the tree, for any hit or for the nearest, and leaves the hits in single precision.
+    #[inline(always)]
+    fn walk<const ANY: bool, S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
         let mut nodes = Queue::EMPTY;
         let mut leaves = Queue::EMPTY;
         self.alone.length = 0;
@@ -129,7 +171,11 @@ impl Wave {
                 self.test_leaf(simd, tree, usize::from(id) % RAYS, cull_back);
             }
             for &id in leaves.ids() {
-                self.take_nearest(simd, tree, usize::from(id) % RAYS);
+                if ANY {
+                    self.take_any(simd, tree, usize::from(id) % RAYS);
+                } else {
+                    self.take_nearest(simd, tree, usize::from(id) % RAYS);
+                }
             }
             let (mut more_nodes, mut more_leaves) = (Queue::EMPTY, Queue::EMPTY);
             for &id in nodes.ids() {
@@ -139,22 +185,6 @@ impl Wave {
                 self.next_child(simd, usize::from(id) % RAYS, &mut more_nodes, &mut more_leaves);
             }
             (nodes, leaves) = (more_nodes, more_leaves);
-        }
-        self.settled.compute(simd, tree, &self.bundle, count);
-        for id in 0..count.min(RAYS) {
-            if self.bundle.hit[id][0] != NONE {
-                let t = self.settled.t[id];
-                // A hair more than single precision said, or far less, or out of range, or NaN.
-                let agree = t <= f64::from(self.bundle.t[id] * AGREES)
-                    && t >= f64::from(self.bundle.t[id] / SLACK)
-                    && t >= f64::from(self.bundle.range[0][id])
-                    && t <= f64::from(self.bundle.range[1][id]);
-                self.alone.push_if(id, !agree);
-            }
-        }
-        for index in 0..self.alone.length.min(RAYS) {
-            let id = usize::from(self.alone.ids[index]) % RAYS;
-            self.walk_alone(simd, tree, id, cull_back, doubt);
         }
     }
 
@@ -204,6 +234,28 @@ impl Wave {
         self.bundle.t[id] = if least < before { least } else { before };
         let slot = (self.child[id] & !LEAF) * WIDTH as u32 + near.trailing_zeros() % WIDTH as u32;
         self.bundle.hit[id][usize::from(!hit)] = slot;
+    }
+
+    /// Ends the way of a ray that hits a triangle of the leaf.
+    #[inline(always)]
+    fn take_any<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
+        let t = f32x16::load_array_ref(simd, &self.leaf[id].0);
+        let (from, to) = (self.bundle.range[0][id], self.bundle.range[1][id]);
+        // Beyond doubt: further inside the range than single precision may be wrong.
+        let to = if to < f32::MAX { to / SLACK } else { f32::MAX };
+        let sure = t.simd_gt(f32x16::splat(simd, from + (from - self.bundle.least[id])))
+            & t.simd_lt(f32x16::splat(simd, to));
+        let sure = sure.to_bitmask() as u32 & 0xffff;
+        let met = t.simd_lt(f32x16::splat(simd, f32::INFINITY)).to_bitmask() as u32 & 0xffff;
+        if (sure == 0) & (met != 0) {
+            self.compare(&tree, id, met);
+            self.depth[id] = if self.bundle.hit[id][0] == NONE { self.depth[id] } else { 1 };
+            self.bundle.t[id] = self.bundle.range[1][id];
+            return;
+        }
+        let slot = (self.child[id] & !LEAF) * WIDTH as u32 + sure.trailing_zeros() % WIDTH as u32;
+        self.bundle.hit[id][usize::from(sure == 0)] = slot;
+        self.depth[id] = if sure == 0 { self.depth[id] } else { 1 };
     }
 
     /// Takes the nearest child that waits, of the deepest node, and queues the ray for it.

@@ -1,6 +1,7 @@
 //! Casting many rays, and what is told of their hits.
 
 use super::bundle::{Bundle, RAYS};
+use super::doubt_of;
 use super::walk::Tree;
 use super::wave::Wave;
 use crate::scene::tree::{NONE, WIDTH};
@@ -60,7 +61,7 @@ pub fn occluded_by_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Fa
 
 #[inline(always)]
 fn any<S: Simd>(simd: S, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, occluded: &mut [bool]) {
-    let doubt = doubt(tree);
+    let doubt = doubt_of(tree.nodes.first());
     let mut wave = Wave::new();
     let total = rays.directions.len().min(occluded.len());
     let mut first = 0;
@@ -79,7 +80,7 @@ fn any<S: Simd>(simd: S, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, occluded
 #[inline(always)]
 fn cast<S: Simd>(simd: S, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &mut Hits<'_>) {
     let cull_back = faces == Faces::Front;
-    let doubt = doubt(tree);
+    let doubt = doubt_of(tree.nodes.first());
     let mut wave = Wave::new();
     let total = rays.directions.len();
     let mut first = 0;
@@ -93,20 +94,6 @@ fn cast<S: Simd>(simd: S, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &
         }
         first += count;
     }
-}
-
-/// How far t near 0 may be off in single precision: 2⁻²⁰ of the coordinates.
-#[inline(always)]
-fn doubt(tree: Tree<'_>) -> f32 {
-    let mut size = 0.0_f32;
-    if let Some(root) = tree.nodes.first() {
-        for axis in 0..3 {
-            for lane in 0..WIDTH {
-                size = size.max(root.min[axis][lane].abs()).max(root.max[axis][lane].abs());
-            }
-        }
-    }
-    size * (1.0 / 1_048_576.0)
 }
 
 #[inline(always)]

@@ -6,12 +6,29 @@ mod bundle;
 mod cast;
 mod node;
 mod ray;
+pub(crate) mod scene;
 mod settle;
 mod walk;
 mod wave;
 
 pub use cast::{Hits, Rays, cast_mesh, occluded_by_mesh};
 pub use walk::Tree;
+
+use crate::scene::tree::{WIDTH, WideNode};
+
+/// How far t near 0 may be off in single precision: 2⁻²⁰ of the coordinates below the root.
+#[inline(always)]
+fn doubt_of(root: Option<&WideNode>) -> f32 {
+    let mut size = 0.0_f32;
+    if let Some(root) = root {
+        for axis in 0..3 {
+            for lane in 0..WIDTH {
+                size = size.max(root.min[axis][lane].abs()).max(root.max[axis][lane].abs());
+            }
+        }
+    }
+    size * (1.0 / 1_048_576.0)
+}
 
 #[cfg(test)]
 mod tests;

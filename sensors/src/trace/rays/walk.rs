@@ -4,7 +4,9 @@ use super::block::{self, SLACK};
 use super::node;
 use super::ray::{Nearest, Ray};
 use crate::scene::build::MAX_DEPTH;
+use crate::scene::HeightGrid;
 use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
+use core::borrow::Borrow;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 
 /// Room for the children that wait: fifteen a level, and sixteen that are being sorted in.
@@ -38,27 +40,94 @@ impl Stack {
     }
 }
 
-/// Finds the nearest hit of the ray on the mesh that is nearer than `nearest`.
+/// What can be walked: nodes of children, leaves of triangles.
+pub(crate) trait Branches: Copy {
+    /// A node, lent or made.
+    type Node: core::borrow::Borrow<WideNode>;
+    /// A leaf, lent or made.
+    type Block: core::borrow::Borrow<TriangleBlock>;
+    /// The node of that index.
+    fn node(self, index: u32) -> Option<Self::Node>;
+    /// The leaf of that index.
+    fn block(self, index: u32) -> Option<Self::Block>;
+}
+
+impl<'a> Branches for Tree<'a> {
+    type Node = &'a WideNode;
+    type Block = &'a TriangleBlock;
+
+    #[inline(always)]
+    fn node(self, index: u32) -> Option<&'a WideNode> {
+        self.nodes.get(index as usize)
+    }
+
+    #[inline(always)]
+    fn block(self, index: u32) -> Option<&'a TriangleBlock> {
+        self.blocks.get(index as usize)
+    }
+}
+
+impl Branches for &HeightGrid<'_> {
+    type Node = WideNode;
+    type Block = TriangleBlock;
+
+    #[inline(always)]
+    fn node(self, index: u32) -> Option<WideNode> {
+        Some(HeightGrid::node(self, index))
+    }
+
+    #[inline(always)]
+    fn block(self, index: u32) -> Option<TriangleBlock> {
+        (index < self.field().blocks()).then(|| HeightGrid::block(self, index))
+    }
+}
+
+/// Finds the nearest hit of the ray on the triangles of a tree that is nearer than `nearest`.
 #[inline(always)]
-pub(crate) fn nearest_in_mesh<S: Simd>(
+pub(crate) fn nearest_in_tree<S: Simd>(
     simd: S,
-    tree: Tree<'_>,
+    tree: impl Branches,
     ray: &Ray,
     cull_back: bool,
     stack: &mut Stack,
     nearest: &mut Nearest,
 ) {
+    children_of(
+        simd,
+        tree,
+        ray,
+        stack,
+        #[inline(always)]
+        |index| {
+            if let Some(block) = tree.block(index) {
+                let block = block.borrow();
+                let (_, mask) = block::meet_all(simd, block, ray, nearest.limit * SLACK, cull_back);
+                block::offer(block, index, mask, ray, nearest);
+            }
+            nearest.limit
+        },
+    );
+}
+
+/// Walks a tree front to back, and calls `leaf` for each leaf that the ray meets before the limit, in t, that it
+/// returned last; that is the end of the ray's range at first.
+#[inline(always)]
+pub(crate) fn children_of<S: Simd>(
+    simd: S,
+    tree: impl Branches,
+    ray: &Ray,
+    stack: &mut Stack,
+    mut leaf: impl FnMut(u32) -> f32,
+) {
+    let mut limit = ray.range[1];
     let mut child = 0_u32;
     let mut top = 0_usize;
     loop {
         if child & LEAF != 0 {
-            let index = child & !LEAF;
-            if let Some(block) = tree.blocks.get(index as usize) {
-                let (_, mask) = block::meet_all(simd, block, ray, nearest.limit * SLACK, cull_back);
-                block::offer(block, index, mask, ray, nearest);
-            }
-        } else if let Some(node) = tree.nodes.get(child as usize) {
-            let (near, mask) = node::meet(simd, node, ray, nearest.limit);
+            limit = leaf(child & !LEAF);
+        } else if let Some(node) = tree.node(child) {
+            let node = node.borrow();
+            let (near, mask) = node::meet(simd, node, ray, limit);
             if mask != 0 {
                 if mask & (mask - 1) == 0 {
                     child = node.child[mask.trailing_zeros() as usize % WIDTH];
@@ -73,7 +142,7 @@ pub(crate) fn nearest_in_mesh<S: Simd>(
             }
             top -= 1;
             let waiting = stack.waiting[top];
-            if f32::from_bits(waiting.key) <= nearest.limit {
+            if f32::from_bits(waiting.key) <= limit {
                 child = waiting.child;
                 break;
             }

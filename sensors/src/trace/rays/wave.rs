@@ -8,14 +8,14 @@
 //!
 //! Single precision finds the nearest triangle; double precision then says where it is hit, and decides between
 //! triangles that are about equally near. Where the two disagree about what counts, the ray is walked once more,
-//! alone and in double precision ([`nearest_in_mesh`]).
+//! alone and in double precision ([`nearest_in_tree`]).
 
 use super::block::{self, SLACK};
 use super::bundle::{Bundle, PerRay, RAYS};
 use super::node;
 use super::ray::Nearest;
 use super::settle::Settled;
-use super::walk::{Stack, Tree, nearest_in_mesh};
+use super::walk::{Stack, Tree, nearest_in_tree};
 use crate::scene::tree::{LEAF, NONE, WIDTH};
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
 
@@ -192,7 +192,7 @@ impl Wave {
     fn walk_alone<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool, doubt: f32) {
         let ray = self.bundle.ray(id, doubt);
         let mut nearest = Nearest::none(&ray);
-        nearest_in_mesh(simd, tree, &ray, cull_back, &mut self.stack, &mut nearest);
+        nearest_in_tree(simd, tree, &ray, cull_back, &mut self.stack, &mut nearest);
         self.bundle.hit[id][0] = nearest.slot;
         self.settled.t[id] = nearest.t;
         self.settled.take_normal(tree, id, nearest.slot);

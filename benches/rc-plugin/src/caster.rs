@@ -5,8 +5,8 @@ use belvedere_sensors::Execution;
 use belvedere_sensors::scene::build::{self, Quality, Scratch};
 use belvedere_sensors::scene::tree::{TriangleBlock, WideNode};
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::Faces;
-use belvedere_sensors::trace::rays::{Hits, Rays, Tree, cast_mesh};
+use belvedere_sensors::trace::rays::{Rays, Tree, cast_mesh};
+use belvedere_sensors::trace::{Faces, Hits};
 
 /// A mesh and its tree.
 pub(crate) struct Caster {
@@ -109,7 +109,7 @@ impl Caster {
             blocks: &self.blocks.as_slice()[..self.size.blocks],
         };
         let rays = Rays { origins, directions, ranges: None };
-        let mut hits = Hits { distance: Some(t), normal: Some(normal), primitive: Some(primitive) };
+        let mut hits = Hits { distance: Some(t), normal: Some(normal), primitive: Some(primitive), ..Hits::default() };
         cast_mesh(self.execution.level, tree, &rays, Faces::Both, &mut hits);
     }
 }

@@ -1,6 +1,7 @@
 //! Up to 64 rays made ready together, as structures of arrays.
 
 use super::ray::{ORIGIN_PAD, ORIGIN_PAD_AT_ZERO, Ray, TINY};
+use super::scene::FrameRay;
 use crate::scene::tree::{NONE, WIDTH};
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 
@@ -52,6 +53,19 @@ impl Bundle {
             unit: [1.0; RAYS],
             t: [0.0; RAYS],
             hit: [[NONE; 2]; RAYS],
+        }
+    }
+
+    /// Puts a ray into lane `id`, to be prepared.
+    #[inline(always)]
+    pub(super) fn set(&mut self, id: usize, ray: &FrameRay) {
+        let id = id % RAYS;
+        for axis in 0..3 {
+            self.origin[axis][id] = ray.origin[axis];
+            self.direction[axis][id] = ray.direction[axis];
+        }
+        for end in 0..2 {
+            self.range[end][id] = ray.range[end];
         }
     }
 

@@ -4,6 +4,7 @@
 mod block;
 mod bundle;
 mod cast;
+mod describe;
 mod node;
 mod ray;
 pub(crate) mod scene;
@@ -11,7 +12,7 @@ mod settle;
 mod walk;
 mod wave;
 
-pub use cast::{Hits, Rays, cast_mesh, occluded_by_mesh};
+pub use cast::{Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays};
 pub use walk::Tree;
 
 use crate::scene::tree::{WIDTH, WideNode};

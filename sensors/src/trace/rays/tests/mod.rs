@@ -3,11 +3,11 @@
 mod edges;
 mod oracle;
 
-use super::{Hits, Rays, Tree, cast_mesh, occluded_by_mesh};
+use super::{Rays, Tree, cast_mesh, occluded_by_mesh};
 use crate::Execution;
 use crate::scene::build;
 use crate::simd::Level;
-use crate::trace::Faces;
+use crate::trace::{Faces, Hits};
 use oracle::{Answer, Random, sphere};
 
 /// Every level of this machine.
@@ -63,6 +63,7 @@ impl Mesh {
             distance: Some(&mut found.distance),
             normal: Some(&mut found.normal),
             primitive: Some(&mut found.primitive),
+            ..Hits::default()
         };
         cast_mesh(level, tree, rays, faces, &mut hits);
         occluded_by_mesh(level, tree, rays, faces, &mut found.occluded);

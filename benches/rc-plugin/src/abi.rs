@@ -111,8 +111,7 @@ unsafe extern "C" fn rc_refit(handle: *mut c_void, verts: *const [f32; 3]) -> c_
 #[unsafe(no_mangle)]
 unsafe extern "C" fn rc_cast(handle: *mut c_void, rays: *const Rays, hits: *mut Hits, threads: c_int) {
     // SAFETY: the three pointers are valid, says the caller.
-    let (caster, rays, hits) =
-        unsafe { (handle.cast::<Caster>().as_ref(), rays.as_ref(), hits.as_ref()) };
+    let (caster, rays, hits) = unsafe { (handle.cast::<Caster>().as_ref(), rays.as_ref(), hits.as_ref()) };
     let (Some(caster), Some(rays), Some(hits)) = (caster, rays, hits) else { return };
     // SAFETY: valid for `count` elements, says the caller.
     let (origins, directions) = unsafe { (elements(rays.org, rays.count), elements(rays.dir, rays.count)) };

@@ -109,7 +109,8 @@ impl Caster {
             blocks: &self.blocks.as_slice()[..self.size.blocks],
         };
         let rays = Rays { origins, directions, ranges: None };
-        let mut hits = Hits { distance: Some(t), normal: Some(normal), primitive: Some(primitive), ..Hits::default() };
+        let mut hits =
+            Hits { distance: Some(t), normal: Some(normal), primitive: Some(primitive), ..Hits::default() };
         cast_mesh(self.execution.level, tree, &rays, Faces::Both, &mut hits);
     }
 }

@@ -196,7 +196,16 @@ fn cast_chunk<S: Simd>(
                 Output::Hits(hits) => {
                     wave.nearest_hits(simd, tree, count, faces == Faces::Front, doubt);
                     for id in 0..count {
-                        store_mesh_hit(view, tree, &wave, id, rays, first + id, first + id - range.start, hits);
+                        store_mesh_hit(
+                            view,
+                            tree,
+                            &wave,
+                            id,
+                            rays,
+                            first + id,
+                            first + id - range.start,
+                            hits,
+                        );
                     }
                 }
                 Output::Occluded(occluded) => {

@@ -4,8 +4,8 @@ use super::block;
 use super::scene::{FrameRay, SceneHit, in_instance, mesh_tree};
 use crate::scene::tree::{TriangleBlock, WIDTH};
 use crate::scene::{
-    HeightGrid, Instance, KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD,
-    KIND_MESH, KIND_SPHERE,
+    HeightGrid, Instance, KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID,
+    KIND_HEIGHT_FIELD, KIND_MESH, KIND_SPHERE,
 };
 use crate::trace::view::{Placed, View};
 use glam::DVec3;
@@ -57,9 +57,8 @@ fn in_frame(placed: &Placed, normal: DVec3) -> [f32; 3] {
 
 /// Normal, triangle, and weights of the second and third corner at a point.
 fn on_triangle(block: &TriangleBlock, lane: usize, point: DVec3) -> (DVec3, u32, [f64; 2]) {
-    let corner = |corner: usize| {
-        DVec3::from_array([0, 1, 2].map(|axis| f64::from(block.corners[corner][axis][lane])))
-    };
+    let corner =
+        |corner: usize| DVec3::from_array([0, 1, 2].map(|axis| f64::from(block.corners[corner][axis][lane])));
     let a = corner(0);
     let (ab, ac, ap) = (corner(1) - a, corner(2) - a, point - a);
     let normal = DVec3::from_array(block::normal(block, lane));
@@ -96,7 +95,8 @@ fn on_solid(instance: &Instance, point: DVec3) -> DVec3 {
         KIND_CONE => {
             // The side's normal goes outwards by the length while it goes up by the radius.
             let (out, rise) = (2.0 * size[1], size[0]);
-            let below_side = ((size[1] - point.z) * rise - radial.length() * out) / DVec3::new(out, rise, 0.0).length();
+            let below_side =
+                ((size[1] - point.z) * rise - radial.length() * out) / DVec3::new(out, rise, 0.0).length();
             let side = radial.normalize_or_zero() * out + DVec3::Z * rise;
             if point.z + size[1] < below_side { DVec3::NEG_Z } else { side }
         }

@@ -148,7 +148,7 @@ fn hit_instance<S: Simd>(
     );
     let (t, slot) = found;
     let first = t < hit.t || (t == hit.t && (index, slot) < (hit.placed, hit.slot));
-    if t <= f64::from(ray.range[1]) && first {
+    if t < f64::INFINITY && t <= f64::from(ray.range[1]) && first {
         *hit = SceneHit { t, placed: index, slot };
     }
 }

@@ -3,8 +3,8 @@
 use super::block::{self, SLACK};
 use super::node;
 use super::ray::{Nearest, Ray};
-use crate::scene::build::MAX_DEPTH;
 use crate::scene::HeightGrid;
+use crate::scene::build::MAX_DEPTH;
 use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
 use core::borrow::Borrow;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};

@@ -12,7 +12,7 @@ use crate::scene::tree::{NONE, WIDTH};
 use crate::scene::{KIND_MESH, Scene};
 use crate::simd::Level;
 use crate::trace::view::View;
-use crate::trace::{Faces, Hits, NewWorkspace as Workspace};
+use crate::trace::{Faces, Hits, Workspace};
 use fearless_simd::{Simd, dispatch};
 use glam::DVec3;
 

@@ -8,7 +8,7 @@ use crate::scene::{
     KIND_HEIGHT_FIELD, KIND_MESH, KIND_SPHERE,
 };
 use crate::trace::view::{Placed, View};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// A hit, as the caller is told of it.
 #[derive(Debug, Clone, Copy)]
@@ -51,8 +51,9 @@ impl Description {
 
 /// Normals go by the transpose of the inverse.
 fn in_frame(placed: &Placed, normal: DVec3) -> [f32; 3] {
-    let turned = placed.inverse_axes.map(|column| DVec3::from_array(column).dot(normal));
-    DVec3::from_array(turned).normalize_or_zero().as_vec3().to_array()
+    // Columns made of rows are the transpose.
+    let transposed = DMat3::from_cols_array_2d(&placed.inverse);
+    (transposed * normal).normalize_or_zero().as_vec3().to_array()
 }
 
 /// Normal, triangle, and weights of the second and third corner at a point.

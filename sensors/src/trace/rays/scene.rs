@@ -50,7 +50,7 @@ impl Stacks {
 
 /// A ray in the frame of an instance.
 pub(super) fn in_instance(placed: &Placed, ray: &FrameRay) -> [DVec3; 2] {
-    let inverse = DMat3::from_cols_array_2d(&placed.inverse_axes);
+    let inverse = DMat3::from_cols_array_2d(&placed.inverse).transpose();
     let origin = DVec3::from_array(placed.origin_in_instance) + inverse * wide(ray.origin);
     [origin, inverse * wide(ray.direction)]
 }

@@ -1,6 +1,6 @@
 //! Casting many rays at a scene.
 
-use super::bundle::{Bundle, RAYS};
+use super::bundle::RAYS;
 use super::describe::Description;
 use super::doubt_of;
 use super::scene::{FrameRay, SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};

@@ -129,7 +129,7 @@ pub(crate) fn children_of<S: Simd>(
             let node = node.borrow();
             let (near, mask) = node::meet(simd, node, ray, limit);
             if mask != 0 {
-                if mask & (mask - 1) == 0 {
+                if mask.is_power_of_two() {
                     child = node.child[mask.trailing_zeros() as usize % WIDTH];
                     continue;
                 }

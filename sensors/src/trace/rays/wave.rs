@@ -10,6 +10,9 @@
 //! triangles that are about equally near. Where the two disagree about what counts, the ray is walked once more,
 //! alone and in double precision ([`nearest_in_tree`]).
 
+#![allow(clippy::needless_bitwise_bool, reason = "lazy operators become branches that nobody can predict")]
+#![allow(clippy::large_stack_arrays, reason = "the rays under way, 150 kB, made once a few thousand rays")]
+
 use super::block::{self, SLACK};
 use super::bundle::{Bundle, PerRay, RAYS};
 use super::node;

@@ -12,7 +12,7 @@ use crate::trace::{Faces, Hits};
 use oracle::{Answer, Random, sphere};
 
 /// Every level of this machine.
-pub(super) fn levels() -> Vec<Level> {
+fn levels() -> Vec<Level> {
     let best = Level::new();
     #[cfg(target_arch = "x86_64")]
     return [
@@ -124,7 +124,7 @@ impl Mesh {
 }
 
 /// Rays from around a box of that half size, to all sides.
-pub(super) fn around(random: &mut Random, count: usize, half: f32) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+fn around(random: &mut Random, count: usize, half: f32) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     let origins = (0..count).map(|_| random.point(half)).collect();
     let directions = (0..count).map(|_| random.direction()).collect();
     (origins, directions)

@@ -12,6 +12,7 @@ pub(crate) mod measure;
 pub(crate) mod memory;
 pub(crate) mod packet;
 pub(crate) mod place;
+pub mod rays;
 pub(crate) mod resolve;
 pub(crate) mod shadow;
 mod shapes;

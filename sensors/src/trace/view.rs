@@ -65,6 +65,12 @@ pub struct Placed {
 }
 
 impl Placed {
+    /// Whether the instance has other axes than the frame.
+    #[inline(always)]
+    pub(crate) fn is_turned(&self) -> bool {
+        self.turned != 0
+    }
+
     /// A unit normal of the instance in the frame.
     #[inline(always)]
     pub(crate) fn normal_in_frame(&self, normal: [f32; 3]) -> [f32; 3] {

@@ -1,0 +1,141 @@
+//! The C interface. Pointers come from the benchmark, which keeps the contract stated at each function.
+
+use crate::caster::Caster;
+use std::ffi::{c_char, c_int, c_void};
+use std::slice;
+
+/// A triangle mesh.
+#[repr(C)]
+pub(crate) struct Mesh {
+    verts: *const [f32; 3],
+    vertex_count: u64,
+    tris: *const [u32; 3],
+    triangle_count: u64,
+}
+
+/// Rays in rows; all have one origin if `common_origin` is not 0.
+#[repr(C)]
+pub(crate) struct Rays {
+    org: *const [f32; 3],
+    dir: *const [f32; 3],
+    count: u64,
+    width: u32,
+    height: u32,
+    common_origin: u32,
+    pad: u32,
+}
+
+/// Where results go.
+#[repr(C)]
+pub(crate) struct Hits {
+    t: *mut f32,
+    normal: *mut [f32; 3],
+    prim: *mut u32,
+}
+
+/// A slice of what may be a null pointer when it is empty.
+///
+/// # Safety
+/// `data` must be valid for reads of `length` elements, and nothing writes them while the slice lives.
+unsafe fn elements<'a, T>(data: *const T, length: u64) -> &'a [T] {
+    if length == 0 || data.is_null() {
+        return &[];
+    }
+    // SAFETY: as the caller promises; not null, and no more elements than memory can hold.
+    unsafe { slice::from_raw_parts(data, length as usize) }
+}
+
+/// As [`elements`], to be written.
+///
+/// # Safety
+/// `data` must be valid for reads and writes of `length` elements that nothing else touches meanwhile.
+unsafe fn elements_mut<'a, T>(data: *mut T, length: u64) -> &'a mut [T] {
+    if length == 0 || data.is_null() {
+        return &mut [];
+    }
+    // SAFETY: as the caller promises; not null, and no more elements than memory can hold.
+    unsafe { slice::from_raw_parts_mut(data, length as usize) }
+}
+
+/// How many casters there are.
+// SAFETY: nothing else in the process has this name; the benchmark loads each plugin by itself.
+#[unsafe(no_mangle)]
+extern "C" fn rc_count() -> c_int {
+    1
+}
+
+/// The name of the caster.
+// SAFETY: as for `rc_count`.
+#[unsafe(no_mangle)]
+extern "C" fn rc_name(_caster: c_int) -> *const c_char {
+    c"belvedere".as_ptr()
+}
+
+/// A caster for a mesh, or null.
+///
+/// # Safety
+/// `mesh` points to a [`Mesh`] whose pointers are valid for its counts during the call.
+// SAFETY: as for `rc_count`.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn rc_build(_caster: c_int, mesh: *const Mesh, threads: c_int) -> *mut c_void {
+    // SAFETY: `mesh` is valid, says the caller.
+    let Some(mesh) = (unsafe { mesh.as_ref() }) else { return std::ptr::null_mut() };
+    // SAFETY: the pointers are valid for the counts, says the caller.
+    let positions = unsafe { elements(mesh.verts, mesh.vertex_count) };
+    // SAFETY: as above.
+    let triangles = unsafe { elements(mesh.tris, mesh.triangle_count) };
+    Caster::new(positions, triangles, threads.max(1) as usize)
+        .map_or(std::ptr::null_mut(), |caster| Box::into_raw(Box::new(caster)).cast())
+}
+
+/// Takes moved vertices; 1 if it could.
+///
+/// # Safety
+/// `handle` came from [`rc_build`] and is not in use elsewhere; `verts` is valid for as many vertices as then.
+// SAFETY: as for `rc_count`.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn rc_refit(handle: *mut c_void, verts: *const [f32; 3]) -> c_int {
+    // SAFETY: `handle` is a `Caster` that nobody else uses, says the caller.
+    let Some(caster) = (unsafe { handle.cast::<Caster>().as_mut() }) else { return 0 };
+    // SAFETY: no more vertices are read than triangles name, all of which are there, says the caller.
+    let positions = unsafe { elements(verts, caster.vertices() as u64) };
+    c_int::from(caster.refit(positions))
+}
+
+/// Casts rays.
+///
+/// # Safety
+/// `handle` came from [`rc_build`]; `rays` and `hits` point to structs whose pointers are valid for `count`
+/// elements, and the results overlap nothing.
+// SAFETY: as for `rc_count`.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn rc_cast(handle: *mut c_void, rays: *const Rays, hits: *mut Hits, threads: c_int) {
+    // SAFETY: the three pointers are valid, says the caller.
+    let (caster, rays, hits) = unsafe { (handle.cast::<Caster>().as_ref(), rays.as_ref(), hits.as_ref()) };
+    let (Some(caster), Some(rays), Some(hits)) = (caster, rays, hits) else { return };
+    // SAFETY: valid for `count` elements, says the caller.
+    let (origins, directions) = unsafe { (elements(rays.org, rays.count), elements(rays.dir, rays.count)) };
+    let origins = if rays.common_origin != 0 { &origins[..origins.len().min(1)] } else { origins };
+    // SAFETY: valid for `count` elements and disjoint, says the caller.
+    let t = unsafe { elements_mut(hits.t, rays.count) };
+    // SAFETY: as above.
+    let normal = unsafe { elements_mut(hits.normal, rays.count) };
+    // SAFETY: as above.
+    let primitive = unsafe { elements_mut(hits.prim, rays.count) };
+    if rays.count > 0 {
+        caster.cast(origins, directions, t, normal, primitive, threads.max(1) as usize);
+    }
+}
+
+/// Frees a caster.
+///
+/// # Safety
+/// `handle` came from [`rc_build`] and is not used again.
+// SAFETY: as for `rc_count`.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn rc_free(handle: *mut c_void) {
+    if !handle.is_null() {
+        // SAFETY: it came from `Box::into_raw` in `rc_build`, and this is its last use, says the caller.
+        drop(unsafe { Box::from_raw(handle.cast::<Caster>()) });
+    }
+}

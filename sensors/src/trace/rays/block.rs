@@ -1,0 +1,153 @@
+//! One ray against sixteen triangles, watertight: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle
+//! Intersection".
+//!
+//! The corners are sheared so that the ray runs along z from the origin. An edge of two triangles has then
+//! exactly the opposite edge function in each, and 0 counts as inside for both: no ray slips between them.
+
+use super::bundle::Bundle;
+use super::ray::{Nearest, Ray};
+use crate::scene::tree::{TriangleBlock, WIDTH};
+use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
+
+/// Single precision decides which triangles are worth a second look; what is farther than the nearest hit by
+/// less than this share of t gets one.
+pub(super) const SLACK: f32 = 1.0 + 1.0 / 4096.0;
+
+/// t of the triangles that ray `id` of the bundle meets; +∞ for the others and for those that lie farther than
+/// its nearest hit, but for the slack.
+#[inline(always)]
+pub(super) fn meet_lane<S: Simd>(
+    simd: S,
+    block: &TriangleBlock,
+    rays: &Bundle,
+    id: usize,
+    cull_back: bool,
+) -> f32x16<S> {
+    let axes = [rays.axes[0][id] as usize, rays.axes[1][id] as usize, rays.axes[2][id] as usize];
+    let origin = [rays.sheared_origin[0][id], rays.sheared_origin[1][id], rays.sheared_origin[2][id]];
+    let shear = [rays.shear[0][id], rays.shear[1][id], rays.shear[2][id]];
+    meet(simd, block, axes, origin, shear, [rays.least[id], rays.t[id] * SLACK], cull_back)
+}
+
+/// The triangles that the ray meets up to about t = `limit`, as a mask, and the t of each; +∞ for the others.
+#[inline(always)]
+pub(super) fn meet_all<S: Simd>(
+    simd: S,
+    block: &TriangleBlock,
+    ray: &Ray,
+    limit: f32,
+    cull_back: bool,
+) -> (f32x16<S>, u32) {
+    let axes = [usize::from(ray.axes[0]), usize::from(ray.axes[1]), usize::from(ray.axes[2])];
+    let origin = [ray.origin[axes[0] % 3], ray.origin[axes[1] % 3], ray.origin[axes[2] % 3]];
+    let t = meet(simd, block, axes, origin, ray.shear, [ray.least, limit], cull_back);
+    (t, t.simd_lt(f32x16::splat(simd, f32::INFINITY)).to_bitmask() as u32 & 0xffff)
+}
+
+/// t of the triangles that a ray meets within a range; +∞ for the others.
+#[inline(always)]
+fn meet<S: Simd>(
+    simd: S,
+    block: &TriangleBlock,
+    axes: [usize; 3],
+    origin: [f32; 3],
+    shear: [f32; 3],
+    range: [f32; 2],
+    cull_back: bool,
+) -> f32x16<S> {
+    let zero = f32x16::splat(simd, 0.0);
+    let [ax, ay, az] = sheared(simd, &block.corners[0], axes, origin, shear);
+    let [bx, by, bz] = sheared(simd, &block.corners[1], axes, origin, shear);
+    let [cx, cy, cz] = sheared(simd, &block.corners[2], axes, origin, shear);
+    let u = cx * by - cy * bx;
+    let v = ax * cy - ay * cx;
+    let w = bx * ay - by * ax;
+    let least = u.min(v).min(w);
+    let greatest = u.max(v).max(w);
+    // All of one sign: u, v, w ≥ 0 is an outside, ≤ 0 an inside.
+    let front = least.simd_ge(zero);
+    let inside = if cull_back { front } else { front | greatest.simd_le(zero) };
+    let t = (u * az + v * bz + w * cz) / (u + v + w) * shear[2];
+    // A determinant of 0 makes t infinite or NaN; neither is within a finite range.
+    let to = if range[1] < f32::MAX { range[1] } else { f32::MAX };
+    let within = t.simd_le(f32x16::splat(simd, to)) & t.simd_ge(f32x16::splat(simd, range[0]));
+    (inside & within).select(t, f32x16::splat(simd, f32::INFINITY))
+}
+
+/// One corner of each triangle, relative to the ray's origin, in the space in which the ray runs along z.
+#[inline(always)]
+fn sheared<S: Simd>(
+    simd: S,
+    corner: &[[f32; WIDTH]; 3],
+    axes: [usize; 3],
+    origin: [f32; 3],
+    shear: [f32; 3],
+) -> [f32x16<S>; 3] {
+    let along_x = f32x16::load_array_ref(simd, &corner[axes[0]]) - origin[0];
+    let along_y = f32x16::load_array_ref(simd, &corner[axes[1]]) - origin[1];
+    let along_z = f32x16::load_array_ref(simd, &corner[axes[2]]) - origin[2];
+    [along_x - along_z * shear[0], along_y - along_z * shear[1], along_z]
+}
+
+/// Offers each triangle of the mask, at its exact distance, as the nearest hit.
+#[inline(always)]
+pub(super) fn offer(block: &TriangleBlock, index: u32, mut mask: u32, ray: &Ray, nearest: &mut Nearest) {
+    while mask != 0 {
+        let lane = mask.trailing_zeros() as usize % WIDTH;
+        mask &= mask - 1;
+        let t = exact_distance(block, lane, ray);
+        nearest.offer(ray, t, index * WIDTH as u32 + lane as u32);
+    }
+}
+
+/// t of the ray in the plane of a triangle, in double precision, kept within the depths of the corners: beyond
+/// them lies nothing of the triangle, and only a ray along its plane could get there by rounding.
+#[inline(always)]
+pub(super) fn exact_distance(block: &TriangleBlock, lane: usize, ray: &Ray) -> f64 {
+    let mut relative = [[0.0; 3]; 3];
+    for corner in 0..3 {
+        for axis in 0..3 {
+            relative[corner][axis] =
+                f64::from(block.corners[corner][axis][lane]) - f64::from(ray.origin[axis]);
+        }
+    }
+    let [a, b, c] = relative;
+    let direction = [f64::from(ray.direction[0]), f64::from(ray.direction[1]), f64::from(ray.direction[2])];
+    let normal = cross(minus(b, a), minus(c, a));
+    let t = dot(normal, a) / dot(normal, direction);
+    let z = usize::from(ray.axes[2]) % 3;
+    let per_z = 1.0 / direction[z];
+    let depths = [a[z] * per_z, b[z] * per_z, c[z] * per_z];
+    let least = depths[0].min(depths[1]).min(depths[2]);
+    let greatest = depths[0].max(depths[1]).max(depths[2]);
+    // Not `clamp`: a NaN (a ray in the very plane) becomes the nearest depth.
+    if t > least { t.min(greatest) } else { least }
+}
+
+/// Normal of a triangle, of length twice its area.
+#[inline(always)]
+pub(super) fn normal(block: &TriangleBlock, lane: usize) -> [f64; 3] {
+    let mut corners = [[0.0; 3]; 3];
+    for corner in 0..3 {
+        for axis in 0..3 {
+            corners[corner][axis] = f64::from(block.corners[corner][axis][lane]);
+        }
+    }
+    let [a, b, c] = corners;
+    cross(minus(b, a), minus(c, a))
+}
+
+#[inline(always)]
+pub(super) fn minus(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
+#[inline(always)]
+pub(super) fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+}
+
+#[inline(always)]
+pub(super) fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+}

@@ -1,0 +1,176 @@
+//! Up to 64 rays made ready together, as structures of arrays.
+
+use super::ray::{ORIGIN_PAD, ORIGIN_PAD_AT_ZERO, Ray, TINY};
+use super::scene::FrameRay;
+use crate::scene::tree::{NONE, WIDTH};
+use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
+
+/// Rays under way together.
+pub(super) const RAYS: usize = 64;
+
+/// One value per ray.
+pub(super) type PerRay<T> = [T; RAYS];
+
+/// The same as [`Ray`], for 64 of them, and the nearest hit of each so far. All coordinates are those of one mesh.
+pub(super) struct Bundle {
+    /// As given.
+    pub(super) origin: [PerRay<f32>; 3],
+    /// As given, then scaled.
+    pub(super) direction: [PerRay<f32>; 3],
+    pub(super) inverse: [PerRay<f32>; 3],
+    pub(super) near_origin: [PerRay<f32>; 3],
+    pub(super) far_origin: [PerRay<f32>; 3],
+    /// 3 for an axis along which the ray runs backwards, else 0.
+    pub(super) backwards: [PerRay<u32>; 3],
+    pub(super) axes: [PerRay<u32>; 3],
+    /// The origin along `axes`.
+    pub(super) sheared_origin: [PerRay<f32>; 3],
+    pub(super) shear: [PerRay<f32>; 3],
+    pub(super) least: PerRay<f32>,
+    pub(super) range: [PerRay<f32>; 2],
+    pub(super) unit: PerRay<f32>,
+    /// The nearest hit so far in single precision, or the end of the range.
+    pub(super) t: PerRay<f32>,
+    /// Its slot; the second is written in its stead when nothing was hit.
+    pub(super) hit: PerRay<[u32; 2]>,
+}
+
+impl Bundle {
+    pub(super) const fn new() -> Self {
+        const NO: [PerRay<f32>; 3] = [[0.0; RAYS]; 3];
+        Self {
+            origin: NO,
+            direction: NO,
+            inverse: NO,
+            near_origin: NO,
+            far_origin: NO,
+            backwards: [[0; RAYS]; 3],
+            axes: [[0; RAYS]; 3],
+            sheared_origin: NO,
+            shear: NO,
+            least: [0.0; RAYS],
+            range: [[0.0; RAYS]; 2],
+            unit: [1.0; RAYS],
+            t: [0.0; RAYS],
+            hit: [[NONE; 2]; RAYS],
+        }
+    }
+
+    /// Puts a ray into lane `id`, to be prepared.
+    #[inline(always)]
+    pub(super) fn set(&mut self, id: usize, ray: &FrameRay) {
+        let id = id % RAYS;
+        for axis in 0..3 {
+            self.origin[axis][id] = ray.origin[axis];
+            self.direction[axis][id] = ray.direction[axis];
+        }
+        for end in 0..2 {
+            self.range[end][id] = ray.range[end];
+        }
+    }
+
+    /// Ray `index` by itself.
+    pub(super) fn ray(&self, index: usize, doubt: f32) -> Ray {
+        let of = |all: &[PerRay<f32>; 3]| [all[0][index], all[1][index], all[2][index]];
+        let mut ray = Ray::new(
+            of(&self.origin),
+            of(&self.direction),
+            [self.range[0][index], self.range[1][index]],
+            doubt,
+        );
+        // The direction was scaled before.
+        ray.unit *= self.unit[index];
+        ray
+    }
+
+    /// Works out everything from `origin`, `direction` (not scaled yet) and `range` for the first `count` rays.
+    #[inline(always)]
+    pub(super) fn prepare<S: Simd>(&mut self, simd: S, count: usize, doubt: f32) {
+        let mut first = 0;
+        while first < count {
+            self.prepare_sixteen(simd, first, doubt);
+            first += WIDTH;
+        }
+    }
+
+    #[inline(always)]
+    fn prepare_sixteen<S: Simd>(&mut self, simd: S, first: usize, doubt: f32) {
+        let given = [
+            load(simd, &self.direction[0], first),
+            load(simd, &self.direction[1], first),
+            load(simd, &self.direction[2], first),
+        ];
+        let size = [given[0].abs(), given[1].abs(), given[2].abs()];
+        let largest = size[0].max(size[1]).max(size[2]);
+        let one = u32x16::splat(simd, 1);
+        let exponent = (largest.bitcast::<u32x16<S>>() >> 23).max(one).min(u32x16::splat(simd, 253));
+        let scale: f32x16<S> = ((u32x16::splat(simd, 254) - exponent) << 23).bitcast();
+        let zero = f32x16::splat(simd, 0.0);
+        let tiny = f32x16::splat(simd, TINY);
+        let mut scaled = given;
+        let mut origins = given;
+        for axis in 0..3 {
+            let d = given[axis] * scale;
+            let origin = load(simd, &self.origin[axis], first);
+            let safe = d.abs().simd_lt(tiny).select(tiny.copysign(d), d);
+            let pad = (origin.abs() * ORIGIN_PAD + ORIGIN_PAD_AT_ZERO).copysign(d);
+            store(f32x16::splat(simd, 1.0) / safe, &mut self.inverse[axis], first);
+            store(d, &mut self.direction[axis], first);
+            store(origin + pad, &mut self.near_origin[axis], first);
+            store(origin - pad, &mut self.far_origin[axis], first);
+            let sign = d.bitcast::<u32x16<S>>() >> 31;
+            store_u32(sign + sign + sign, &mut self.backwards[axis], first);
+            (scaled[axis], origins[axis]) = (d, origin);
+        }
+        // x, y, z of the sheared space stay right-handed when the ray runs along +z; along −z, x and y swap.
+        let z_is_2 = size[2].simd_ge(size[0].max(size[1]));
+        let z_is_0 = size[0].simd_gt(size[1]);
+        let rotated = |v: [f32x16<S>; 3]| {
+            let pick = |if_0: f32x16<S>, if_1: f32x16<S>, if_2: f32x16<S>| {
+                z_is_2.select(if_2, z_is_0.select(if_0, if_1))
+            };
+            [pick(v[1], v[2], v[0]), pick(v[2], v[0], v[1]), pick(v[0], v[1], v[2])]
+        };
+        let direction = rotated(scaled);
+        let origin = rotated(origins);
+        let number = |axis: u32| f32x16::splat(simd, f32::from_bits(axis));
+        let axes = rotated([number(0), number(1), number(2)]);
+        let swap = direction[2].simd_lt(zero);
+        let swapped = |v: [f32x16<S>; 3]| [swap.select(v[1], v[0]), swap.select(v[0], v[1]), v[2]];
+        let (direction, origin, axes) = (swapped(direction), swapped(origin), swapped(axes));
+        for axis in 0..3 {
+            store(origin[axis], &mut self.sheared_origin[axis], first);
+            store_u32(axes[axis].bitcast(), &mut self.axes[axis], first);
+        }
+        let per_z = f32x16::splat(simd, 1.0) / direction[2];
+        store(direction[0] / direction[2], &mut self.shear[0], first);
+        store(direction[1] / direction[2], &mut self.shear[1], first);
+        store(per_z, &mut self.shear[2], first);
+        let from = load(simd, &self.range[0], first) / scale;
+        let to = load(simd, &self.range[1], first) / scale;
+        store(from, &mut self.range[0], first);
+        store(to, &mut self.range[1], first);
+        store(from - doubt, &mut self.least, first);
+        store(to, &mut self.t, first);
+        store(scale, &mut self.unit, first);
+        for ray in first..first + WIDTH {
+            self.hit[ray % RAYS][0] = NONE;
+        }
+    }
+}
+
+/// Sixteen values from `first` on.
+#[inline(always)]
+pub(super) fn load<S: Simd>(simd: S, from: &PerRay<f32>, first: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &from[first..first + WIDTH])
+}
+
+#[inline(always)]
+pub(super) fn store<S: Simd>(values: f32x16<S>, to: &mut PerRay<f32>, first: usize) {
+    values.store_slice(&mut to[first..first + WIDTH]);
+}
+
+#[inline(always)]
+fn store_u32<S: Simd>(values: u32x16<S>, to: &mut PerRay<u32>, first: usize) {
+    values.store_slice(&mut to[first..first + WIDTH]);
+}

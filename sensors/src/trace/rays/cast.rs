@@ -1,0 +1,371 @@
+//! Casting many rays at a scene.
+
+use super::bundle::RAYS;
+use super::describe::Description;
+use super::doubt_of;
+use super::scene::{FrameRay, SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};
+use super::walk::Tree;
+use super::wave::Wave;
+use crate::Pose;
+use crate::execution::{SplitRows, for_each_row};
+use crate::scene::tree::{NONE, WIDTH};
+use crate::scene::{KIND_MESH, Scene};
+use crate::simd::Level;
+use crate::trace::view::View;
+use crate::trace::{Faces, Hits, Workspace};
+use fearless_simd::{Simd, dispatch};
+use glam::DVec3;
+
+/// Rays p(t) = origin + t·direction, in metres, relative to a reference point, along the world's axes.
+#[derive(Debug, Clone, Copy)]
+pub struct Rays<'a> {
+    /// One per ray, or one for all.
+    pub origins: &'a [[f32; 3]],
+    /// One per ray, finite, not 0, of any length.
+    pub directions: &'a [[f32; 3]],
+    /// Least and greatest t that count, per ray; 0 to ∞ without.
+    pub ranges: Option<&'a [[f32; 2]]>,
+}
+
+impl Rays<'_> {
+    #[inline(always)]
+    fn get(&self, index: usize) -> FrameRay {
+        FrameRay {
+            origin: if self.origins.len() == 1 { self.origins[0] } else { self.origins[index] },
+            direction: self.directions[index],
+            range: self.ranges.map_or([0.0, f32::INFINITY], |ranges| ranges[index]),
+        }
+    }
+
+    fn check(&self) {
+        let count = self.directions.len();
+        assert!(
+            (self.origins.len() == 1 || self.origins.len() == count)
+                && self.ranges.is_none_or(|ranges| ranges.len() == count),
+            "there must be one origin for all rays or one for each, and one range for each"
+        );
+    }
+}
+
+/// Finds where rays first hit something on an instance that `visibility` has a bit in common with. Rays need
+/// have nothing in common.
+///
+/// # Panics
+/// When an input or output is not one element a ray, or the workspace does not fit: see
+/// [`Workspace::fits`], with 0 rays.
+#[allow(clippy::too_many_arguments, reason = "each is one thing the answer depends on")]
+pub fn cast_rays(
+    scene: &Scene<'_>,
+    reference_in_world: DVec3,
+    rays: &Rays<'_>,
+    visibility: u32,
+    faces: Faces,
+    workspace: &mut Workspace<'_>,
+    hits: Hits<'_>,
+) {
+    rays.check();
+    let count = rays.directions.len();
+    let check = |length: Option<usize>| {
+        assert!(length.is_none_or(|length| length == count), "an output must hold one element a ray");
+    };
+    check(hits.distance.as_ref().map(|values| values.len()));
+    check(hits.normal.as_ref().map(|values| values.len()));
+    check(hits.instance.as_ref().map(|values| values.len()));
+    check(hits.primitive.as_ref().map(|values| values.len()));
+    check(hits.barycentrics.as_ref().map(|values| values.len()));
+    let execution = workspace.execution;
+    let mut memory = workspace.cut(scene, 0);
+    let pose = Pose::from_translation(reference_in_world);
+    let view = View::new(scene, &pose, visibility, memory.view(scene.instances().len()));
+    let chunks = 0..count.div_ceil(CHUNK);
+    for_each_row(execution, chunks, Output::Hits(hits), &|chunk, output| {
+        let first = chunk * CHUNK;
+        let last = count.min(first + CHUNK);
+        dispatch!(execution.level, simd => cast_chunk(simd, &view, rays, first..last, faces, output));
+    });
+}
+
+/// Tells which rays hit anything within their ranges: shadows.
+///
+/// # Panics
+/// As [`cast_rays`].
+pub fn occluded_rays(
+    scene: &Scene<'_>,
+    reference_in_world: DVec3,
+    rays: &Rays<'_>,
+    visibility: u32,
+    faces: Faces,
+    workspace: &mut Workspace<'_>,
+    occluded: &mut [bool],
+) {
+    rays.check();
+    let count = rays.directions.len();
+    assert!(occluded.len() == count, "an output must hold one element a ray");
+    let execution = workspace.execution;
+    let mut memory = workspace.cut(scene, 0);
+    let pose = Pose::from_translation(reference_in_world);
+    let view = View::new(scene, &pose, visibility, memory.view(scene.instances().len()));
+    let chunks = 0..count.div_ceil(CHUNK);
+    for_each_row(execution, chunks, Output::Occluded(occluded), &|chunk, output| {
+        let first = chunk * CHUNK;
+        let last = count.min(first + CHUNK);
+        dispatch!(execution.level, simd => cast_chunk(simd, &view, rays, first..last, faces, output));
+    });
+}
+
+/// Rays that one thread takes at once.
+const CHUNK: usize = 4096;
+
+/// Where answers go.
+enum Output<'a> {
+    Hits(Hits<'a>),
+    Occluded(&'a mut [bool]),
+}
+
+impl SplitRows for Output<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        fn cut<T>(values: Option<&mut [T]>, at: usize) -> (Option<&mut [T]>, Option<&mut [T]>) {
+            values.map_or((None, None), |values| {
+                let (first, second) = values.split_at_mut(at.min(values.len()));
+                (Some(first), Some(second))
+            })
+        }
+        let at = rows * CHUNK;
+        match self {
+            Self::Occluded(values) => {
+                let (first, second) = values.split_at_mut(at.min(values.len()));
+                (Self::Occluded(first), Self::Occluded(second))
+            }
+            Self::Hits(hits) => {
+                let (distance, distance_rest) = cut(hits.distance, at);
+                let (normal, normal_rest) = cut(hits.normal, at);
+                let (instance, instance_rest) = cut(hits.instance, at);
+                let (primitive, primitive_rest) = cut(hits.primitive, at);
+                let (barycentrics, barycentrics_rest) = cut(hits.barycentrics, at);
+                (
+                    Self::Hits(Hits { distance, normal, instance, primitive, barycentrics }),
+                    Self::Hits(Hits {
+                        distance: distance_rest,
+                        normal: normal_rest,
+                        instance: instance_rest,
+                        primitive: primitive_rest,
+                        barycentrics: barycentrics_rest,
+                    }),
+                )
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn cast_chunk<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    rays: &Rays<'_>,
+    range: core::ops::Range<usize>,
+    faces: Faces,
+    mut output: Output<'_>,
+) {
+    // One mesh is all there is: 64 rays go through its tree together.
+    if let [only] = view.placed
+        && only.kind == KIND_MESH
+    {
+        let tree = mesh_tree(view, only);
+        let doubt = doubt_of(tree.nodes.first());
+        let mut wave = Wave::new();
+        let mut first = range.start;
+        while first < range.end {
+            let count = RAYS.min(range.end - first);
+            for id in 0..count.next_multiple_of(WIDTH) {
+                // Lanes that are left over repeat the last ray.
+                let ray = rays.get(first + id.min(count - 1));
+                let ray = if only.is_turned() || only.translation != [0.0; 3] {
+                    let [origin, direction] = in_instance(only, &ray);
+                    FrameRay {
+                        origin: origin.as_vec3().to_array(),
+                        direction: direction.as_vec3().to_array(),
+                        ..ray
+                    }
+                } else {
+                    ray
+                };
+                wave.bundle.set(id, &ray);
+            }
+            wave.bundle.prepare(simd, count, doubt);
+            match &mut output {
+                Output::Hits(hits) => {
+                    wave.nearest_hits(simd, tree, count, faces == Faces::Front, doubt);
+                    for id in 0..count {
+                        store_mesh_hit(
+                            view,
+                            tree,
+                            &wave,
+                            id,
+                            rays,
+                            first + id,
+                            first + id - range.start,
+                            hits,
+                        );
+                    }
+                }
+                Output::Occluded(occluded) => {
+                    wave.any_hits(simd, tree, count, faces == Faces::Front, doubt);
+                    for id in 0..count {
+                        occluded[first + id - range.start] = wave.bundle.hit[id][0] != NONE;
+                    }
+                }
+            }
+            first += count;
+        }
+        return;
+    }
+    let mut stacks = Stacks::new();
+    for index in range.clone() {
+        let ray = rays.get(index);
+        let at = index - range.start;
+        match &mut output {
+            Output::Hits(hits) => {
+                let hit = hit_in_view::<false, S>(simd, view, &ray, faces, &mut stacks);
+                store(view, &ray, &hit, at, hits);
+            }
+            Output::Occluded(occluded) => {
+                occluded[at] = hit_in_view::<true, S>(simd, view, &ray, faces, &mut stacks).placed != NONE;
+            }
+        }
+    }
+}
+
+/// A hit on the only mesh: distance and triangle are known, and the normal too unless the mesh is turned.
+#[allow(clippy::too_many_arguments, reason = "what is known of a hit lies in several places")]
+#[inline(always)]
+fn store_mesh_hit(
+    view: &View<'_>,
+    tree: Tree<'_>,
+    wave: &Wave,
+    id: usize,
+    rays: &Rays<'_>,
+    index: usize,
+    at: usize,
+    hits: &mut Hits<'_>,
+) {
+    let slot = wave.bundle.hit[id][0];
+    let only = &view.placed[0];
+    let t = wave.settled.t[id] * f64::from(wave.bundle.unit[id]);
+    if hits.barycentrics.is_some() || only.is_turned() {
+        let placed = if slot == NONE { NONE } else { 0 };
+        let t = if slot == NONE { f64::INFINITY } else { t };
+        store(view, &rays.get(index), &SceneHit { t, placed, slot }, at, hits);
+        return;
+    }
+    if let Some(distance) = &mut hits.distance {
+        distance[at] = if slot == NONE { f32::INFINITY } else { t as f32 };
+    }
+    if let Some(instance) = &mut hits.instance {
+        instance[at] = if slot == NONE { NONE } else { only.instance };
+    }
+    if let Some(primitive) = &mut hits.primitive {
+        let block = tree.blocks.get(slot as usize / WIDTH);
+        primitive[at] = block.map_or(NONE, |block| block.triangle[slot as usize % WIDTH]);
+    }
+    if let Some(normal) = &mut hits.normal
+        && slot != NONE
+    {
+        for axis in 0..3 {
+            normal[at][axis] = (wave.settled.normal[axis][id] * wave.settled.per_length[id]) as f32;
+        }
+    }
+}
+
+/// Any hit.
+#[inline(always)]
+fn store(view: &View<'_>, ray: &FrameRay, hit: &SceneHit, at: usize, hits: &mut Hits<'_>) {
+    if let Some(distance) = &mut hits.distance {
+        distance[at] = hit.t as f32;
+    }
+    if hits.normal.is_none()
+        && hits.instance.is_none()
+        && hits.primitive.is_none()
+        && hits.barycentrics.is_none()
+    {
+        return;
+    }
+    let description = Description::new(view, ray, hit);
+    if let Some(instance) = &mut hits.instance {
+        instance[at] = description.map_or(NONE, |description| description.instance);
+    }
+    if let Some(primitive) = &mut hits.primitive {
+        primitive[at] = description.map_or(NONE, |description| description.primitive);
+    }
+    if let Some(description) = description {
+        if let Some(normal) = &mut hits.normal {
+            normal[at] = description.normal;
+        }
+        if let Some(barycentrics) = &mut hits.barycentrics {
+            barycentrics[at] = description.barycentrics;
+        }
+    }
+}
+
+/// One mesh in its own frame, as a view with one instance would show it: for those who have trees, and no scene.
+pub fn cast_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &mut Hits<'_>) {
+    rays.check();
+    dispatch!(level, simd => each_bundle(simd, tree, rays, #[inline(always)] |wave, first, count, doubt| {
+        wave.nearest_hits(simd, tree, count, faces == Faces::Front, doubt);
+        for id in 0..count {
+            store_in_mesh(tree, wave, id, first + id, hits);
+        }
+    }));
+}
+
+/// Tells which of the rays hit anything of one mesh, in its own frame.
+pub fn occluded_by_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, occluded: &mut [bool]) {
+    rays.check();
+    dispatch!(level, simd => each_bundle(simd, tree, rays, #[inline(always)] |wave, first, count, doubt| {
+        wave.any_hits(simd, tree, count, faces == Faces::Front, doubt);
+        for id in 0..count {
+            occluded[first + id] = wave.bundle.hit[id][0] != NONE;
+        }
+    }));
+}
+
+#[inline(always)]
+fn each_bundle<S: Simd>(
+    simd: S,
+    tree: Tree<'_>,
+    rays: &Rays<'_>,
+    mut work: impl FnMut(&mut Wave, usize, usize, f32),
+) {
+    let doubt = doubt_of(tree.nodes.first());
+    let mut wave = Wave::new();
+    let mut first = 0;
+    while first < rays.directions.len() {
+        let count = RAYS.min(rays.directions.len() - first);
+        for id in 0..count.next_multiple_of(WIDTH) {
+            wave.bundle.set(id, &rays.get(first + id.min(count - 1)));
+        }
+        wave.bundle.prepare(simd, count, doubt);
+        work(&mut wave, first, count, doubt);
+        first += count;
+    }
+}
+
+#[inline(always)]
+fn store_in_mesh(tree: Tree<'_>, wave: &Wave, id: usize, index: usize, hits: &mut Hits<'_>) {
+    let slot = wave.bundle.hit[id][0];
+    let hit = slot != NONE;
+    if let Some(distance) = &mut hits.distance {
+        let t = (wave.settled.t[id] * f64::from(wave.bundle.unit[id])) as f32;
+        distance[index] = if hit { t } else { f32::INFINITY };
+    }
+    if let Some(primitive) = &mut hits.primitive {
+        let block = tree.blocks.get(slot as usize / WIDTH);
+        primitive[index] = block.map_or(NONE, |block| block.triangle[slot as usize % WIDTH]);
+    }
+    if let Some(normal) = &mut hits.normal
+        && hit
+    {
+        for axis in 0..3 {
+            normal[index][axis] = (wave.settled.normal[axis][id] * wave.settled.per_length[id]) as f32;
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! Rays that have nothing in common: each with its own origin, direction and range, one after the other, against
+//! sixteen boxes or sixteen triangles at a time.
+
+mod block;
+mod bundle;
+mod cast;
+mod describe;
+mod node;
+mod ray;
+pub(crate) mod scene;
+mod settle;
+mod walk;
+mod wave;
+
+pub use cast::{Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays};
+pub use walk::Tree;
+
+use crate::scene::tree::{WIDTH, WideNode};
+
+/// How far t near 0 may be off in single precision: 2⁻²⁰ of the coordinates below the root.
+#[inline(always)]
+fn doubt_of(root: Option<&WideNode>) -> f32 {
+    let mut size = 0.0_f32;
+    if let Some(root) = root {
+        for axis in 0..3 {
+            for lane in 0..WIDTH {
+                size = size.max(root.min[axis][lane].abs()).max(root.max[axis][lane].abs());
+            }
+        }
+    }
+    size * (1.0 / 1_048_576.0)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,184 @@
+//! Rays among the instances of a scene.
+//!
+//! The tree over the instances is walked ray by ray, front to back; at an instance the ray goes on in the
+//! instance's own frame: through a mesh's tree or a height field's, or to the kernel of a solid. If all there is
+//! is one mesh, 64 rays at a time go straight through its tree.
+
+use super::ray::{Nearest, Ray};
+use super::walk::{Stack, Tree, children_of, nearest_in_tree};
+use super::{block, doubt_of};
+use crate::scene::tree::{NONE, WIDTH};
+use crate::scene::{HeightGrid, KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::trace::Faces;
+use crate::trace::shapes::match_solid;
+use crate::trace::view::{Placed, View};
+use fearless_simd::Simd;
+use glam::{DMat3, DVec3};
+
+/// A ray in the frame of a [`View`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FrameRay {
+    pub(crate) origin: [f32; 3],
+    pub(crate) direction: [f32; 3],
+    /// Least and greatest t that count.
+    pub(crate) range: [f32; 2],
+}
+
+/// Where a ray hits a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SceneHit {
+    /// In units of the ray's direction.
+    pub(crate) t: f64,
+    /// Index among the placed instances; [`NONE`] on a miss.
+    pub(crate) placed: u32,
+    /// Block × 16 + lane in a mesh or height field, else 0.
+    pub(crate) slot: u32,
+}
+
+/// Memory for the children that wait, above and below the instances.
+pub(crate) struct Stacks {
+    instances: Stack,
+    triangles: Stack,
+}
+
+impl Stacks {
+    /// Nothing waits.
+    pub(crate) const fn new() -> Self {
+        Self { instances: Stack::new(), triangles: Stack::new() }
+    }
+}
+
+/// A ray in the frame of an instance.
+pub(super) fn in_instance(placed: &Placed, ray: &FrameRay) -> [DVec3; 2] {
+    let inverse = DMat3::from_cols_array_2d(&placed.inverse).transpose();
+    let origin = DVec3::from_array(placed.origin_in_instance) + inverse * wide(ray.origin);
+    [origin, inverse * wide(ray.direction)]
+}
+
+fn wide(v: [f32; 3]) -> DVec3 {
+    DVec3::new(v[0].into(), v[1].into(), v[2].into())
+}
+
+/// The tree of a mesh that is placed.
+pub(super) fn mesh_tree<'a>(view: &View<'a>, placed: &Placed) -> Tree<'a> {
+    let mesh = &view.scene.meshes[view.scene.instances[placed.instance as usize].mesh as usize];
+    Tree {
+        nodes: &view.scene.nodes[mesh.first_node as usize..][..mesh.nodes as usize],
+        blocks: &view.scene.blocks[mesh.first_block as usize..][..mesh.blocks as usize],
+    }
+}
+
+/// Finds the nearest hit of a ray on any instance; with `ANY`, just some hit.
+#[inline(always)]
+pub(crate) fn hit_in_view<const ANY: bool, S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    ray: &FrameRay,
+    faces: Faces,
+    stacks: &mut Stacks,
+) -> SceneHit {
+    let mut hit = SceneHit { t: f64::INFINITY, placed: NONE, slot: NONE };
+    let frame_ray = Ray::new(ray.origin, ray.direction, ray.range, 0.0);
+    let top = Tree { nodes: view.nodes, blocks: &[] };
+    let below = &mut stacks.triangles;
+    children_of(
+        simd,
+        top,
+        &frame_ray,
+        &mut stacks.instances,
+        #[inline(always)]
+        |placed| {
+            hit_instance(simd, view, placed, ray, faces, below, &mut hit);
+            if ANY && hit.placed != NONE {
+                return f32::NEG_INFINITY;
+            }
+            // A hair more: boxes and hits are rounded.
+            let t = (hit.t / f64::from(frame_ray.unit) * (1.0 + 1e-6)) as f32;
+            if t < frame_ray.range[1] { t } else { frame_ray.range[1] }
+        },
+    );
+    hit
+}
+
+/// Takes what the ray hits of one instance, if it is nearer than what it has hit.
+#[inline(always)]
+fn hit_instance<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    index: u32,
+    ray: &FrameRay,
+    faces: Faces,
+    stack: &mut Stack,
+    hit: &mut SceneHit,
+) {
+    let Some(placed) = view.placed.get(index as usize) else { return };
+    let instance = &view.scene.instances[placed.instance as usize];
+    let [origin, direction] = in_instance(placed, ray);
+    let from = f64::from(ray.range[0]);
+    let found = match_solid!(
+        instance,
+        inside => (inside(origin.to_array(), direction.to_array()).first(from, faces == Faces::Both), 0),
+        _ => {
+            // No farther than the hit so far, but for what rounding to single precision may hide.
+            let limit = (hit.t * (1.0 + 1e-6)) as f32;
+            let range = [ray.range[0], if limit < ray.range[1] { limit } else { ray.range[1] }];
+            let (origin32, direction32) = (origin.as_vec3().to_array(), direction.as_vec3().to_array());
+            if instance.kind == KIND_MESH {
+                let tree = mesh_tree(view, placed);
+                let local = Ray::new(origin32, direction32, range, doubt_of(tree.nodes.first()));
+                let nearest = nearest_of(simd, tree, &local, faces, stack);
+                match tree.blocks.get(nearest.slot as usize / WIDTH) {
+                    Some(block) => (settled(block, &nearest, &local, origin, direction), nearest.slot),
+                    None => return,
+                }
+            } else if instance.kind == KIND_HEIGHT_FIELD {
+                let field = &view.scene.height_fields[instance.mesh as usize];
+                let grid = HeightGrid::new(field, view.scene.heights, view.scene.extents);
+                let local = Ray::new(origin32, direction32, range, doubt_of(Some(&grid.node(0))));
+                let nearest = nearest_of(simd, &grid, &local, faces, stack);
+                if nearest.slot == NONE {
+                    return;
+                }
+                let block = grid.block(nearest.slot / WIDTH as u32);
+                (settled(&block, &nearest, &local, origin, direction), nearest.slot)
+            } else {
+                return;
+            }
+        }
+    );
+    let (t, slot) = found;
+    let first = t < hit.t || (t == hit.t && (index, slot) < (hit.placed, hit.slot));
+    if t < f64::INFINITY && t <= f64::from(ray.range[1]) && first {
+        *hit = SceneHit { t, placed: index, slot };
+    }
+}
+
+#[inline(always)]
+fn nearest_of<S: Simd>(
+    simd: S,
+    tree: impl super::walk::Branches,
+    ray: &Ray,
+    faces: Faces,
+    stack: &mut Stack,
+) -> Nearest {
+    let mut nearest = Nearest::none(ray);
+    nearest_in_tree(simd, tree, ray, faces == Faces::Front, stack, &mut nearest);
+    nearest
+}
+
+/// t on the plane of the triangle, with the ray not rounded to single precision; that of the rounded ray where
+/// it runs too nearly along the plane for that.
+fn settled(
+    block: &crate::scene::tree::TriangleBlock,
+    nearest: &Nearest,
+    ray: &Ray,
+    origin: DVec3,
+    direction: DVec3,
+) -> f64 {
+    let rough = nearest.t * f64::from(ray.unit);
+    let lane = nearest.slot as usize % WIDTH;
+    let normal = DVec3::from_array(block::normal(block, lane));
+    let corner = [0, 1, 2].map(|axis| f64::from(block.corners[0][axis][lane]));
+    let t = normal.dot(DVec3::from_array(corner) - origin) / normal.dot(direction);
+    if (t - rough).abs() <= 1e-5 * rough { t } else { rough }
+}

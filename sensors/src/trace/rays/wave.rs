@@ -1,0 +1,312 @@
+//! 64 rays at once on their way through one mesh's tree.
+//!
+//! A ray by itself is a chain: box test, order, triangle test, distance, next box; each waits for the one before,
+//! for memory, and for branches that nobody can predict. So many rays are under way together. Each round takes
+//! every ray one node or one leaf further, in passes over all rays that do the same: boxes, triangles, nearest of
+//! the triangles, next child. Within a pass nothing depends on the ray before, and hardly a branch on the data, so
+//! the processor works on several rays, and waits for the memory of several, at once.
+//!
+//! Single precision finds the nearest triangle; double precision then says where it is hit, and decides between
+//! triangles that are about equally near. Where the two disagree about what counts, the ray is walked once more,
+//! alone and in double precision ([`nearest_in_tree`]).
+
+#![allow(clippy::needless_bitwise_bool, reason = "lazy operators become branches that nobody can predict")]
+#![allow(clippy::large_stack_arrays, reason = "the rays under way, 150 kB, made once a few thousand rays")]
+
+use super::block::{self, SLACK};
+use super::bundle::{Bundle, PerRay, RAYS};
+use super::node;
+use super::ray::Nearest;
+use super::settle::Settled;
+use super::walk::{Stack, Tree, nearest_in_tree};
+use crate::scene::tree::{LEAF, NONE, WIDTH};
+use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
+
+/// Nodes on the way from the root whose children may wait, and the end; a ray that goes deeper is walked alone.
+const LEVELS: usize = 16;
+
+/// By how much of t a hit in single precision may be too near and still nothing that matters lie before it.
+pub(super) const AGREES: f32 = 1.0 + f32::from_bits((127 - 17) << 23); // 1 + 2⁻¹⁷
+
+/// One value for each child of a node or triangle of a leaf.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Sixteen<T>([T; WIDTH]);
+
+/// The children of a node that wait.
+#[derive(Clone, Copy)]
+struct Frame {
+    /// Where the ray enters each; +∞ for children that it does not meet or has been to.
+    near: Sixteen<f32>,
+    child: Sixteen<u32>,
+}
+
+impl Frame {
+    /// Below the root: what is left when nothing waits any more. It is never too far.
+    const END: Self = {
+        let mut near = [f32::INFINITY; WIDTH];
+        near[0] = f32::NEG_INFINITY;
+        Self { near: Sixteen(near), child: Sixteen([NONE; WIDTH]) }
+    };
+}
+
+/// Rays that wait for the same thing.
+#[derive(Clone, Copy)]
+struct Queue {
+    ids: PerRay<u8>,
+    length: usize,
+}
+
+impl Queue {
+    const EMPTY: Self = Self { ids: [0; RAYS], length: 0 };
+
+    /// Adds the id if `really`, without a branch.
+    #[inline(always)]
+    fn push_if(&mut self, id: usize, really: bool) {
+        self.ids[self.length % RAYS] = id as u8;
+        self.length += usize::from(really);
+    }
+
+    #[inline(always)]
+    fn ids(&self) -> &[u8] {
+        &self.ids[..self.length.min(RAYS)]
+    }
+}
+
+/// Memory of 64 rays under way.
+pub(super) struct Wave {
+    pub(super) bundle: Bundle,
+    /// The end, and the nodes on the way of which some child waits.
+    frames: [[Frame; RAYS]; LEVELS],
+    /// How many.
+    depth: PerRay<u32>,
+    /// The next node or leaf.
+    child: PerRay<u32>,
+    /// t of the triangles of a leaf.
+    leaf: [Sixteen<f32>; RAYS],
+    /// What has to be walked alone.
+    alone: Queue,
+    /// The nearest hits in double precision.
+    pub(super) settled: Settled,
+    stack: Stack,
+}
+
+impl Wave {
+    /// Nothing under way.
+    pub(super) const fn new() -> Self {
+        Self {
+            bundle: Bundle::new(),
+            frames: [[Frame::END; RAYS]; LEVELS],
+            depth: [0; RAYS],
+            child: [0; RAYS],
+            leaf: [Sixteen([f32::INFINITY; WIDTH]); RAYS],
+            alone: Queue::EMPTY,
+            settled: Settled::new(),
+            stack: Stack::new(),
+        }
+    }
+
+    /// Finds the nearest hits of the first `count` rays of the bundle, which has been prepared.
+    #[inline(always)]
+    pub(super) fn nearest_hits<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: Tree<'_>,
+        count: usize,
+        cull_back: bool,
+        doubt: f32,
+    ) {
+        self.walk::<false, S>(simd, tree, count, cull_back);
+        self.settled.compute(simd, tree, &self.bundle, count);
+        for id in 0..count.min(RAYS) {
+            if self.bundle.hit[id][0] != NONE {
+                let t = self.settled.t[id];
+                // A hair more than single precision said, or far less, or out of range, or NaN.
+                let agree = t <= f64::from(self.bundle.t[id] * AGREES)
+                    && t >= f64::from(self.bundle.t[id] / SLACK)
+                    && t >= f64::from(self.bundle.range[0][id])
+                    && t <= f64::from(self.bundle.range[1][id]);
+                self.alone.push_if(id, !agree);
+            }
+        }
+        for index in 0..self.alone.length.min(RAYS) {
+            let id = usize::from(self.alone.ids[index]) % RAYS;
+            self.walk_alone(simd, tree, id, cull_back, doubt);
+        }
+    }
+
+    /// Finds for each of the first `count` rays of the bundle, which has been prepared, whether it hits anything:
+    /// its slot is then that of some triangle that it hits.
+    #[inline(always)]
+    pub(super) fn any_hits<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: Tree<'_>,
+        count: usize,
+        cull_back: bool,
+        doubt: f32,
+    ) {
+        self.walk::<true, S>(simd, tree, count, cull_back);
+        for index in 0..self.alone.length.min(RAYS) {
+            let id = usize::from(self.alone.ids[index]) % RAYS;
+            if self.bundle.hit[id][0] == NONE {
+                self.walk_alone(simd, tree, id, cull_back, doubt);
+            }
+        }
+    }
+
+    /// Walks the tree, for any hit or for the nearest, and leaves the hits in single precision.
+    #[inline(always)]
+    fn walk<const ANY: bool, S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
+        let mut nodes = Queue::EMPTY;
+        let mut leaves = Queue::EMPTY;
+        self.alone.length = 0;
+        for id in 0..count.min(RAYS) {
+            (self.depth[id], self.child[id]) = (1, 0);
+            self.frames[0][id].near.0[0] = f32::NEG_INFINITY;
+            nodes.push_if(id, true);
+        }
+        while nodes.length + leaves.length > 0 {
+            for &id in nodes.ids() {
+                self.enter_node(simd, tree, usize::from(id) % RAYS);
+            }
+            for &id in leaves.ids() {
+                self.test_leaf(simd, tree, usize::from(id) % RAYS, cull_back);
+            }
+            for &id in leaves.ids() {
+                if ANY {
+                    self.take_any(simd, tree, usize::from(id) % RAYS);
+                } else {
+                    self.take_nearest(simd, tree, usize::from(id) % RAYS);
+                }
+            }
+            let (mut more_nodes, mut more_leaves) = (Queue::EMPTY, Queue::EMPTY);
+            for &id in nodes.ids() {
+                self.next_child(simd, usize::from(id) % RAYS, &mut more_nodes, &mut more_leaves);
+            }
+            for &id in leaves.ids() {
+                self.next_child(simd, usize::from(id) % RAYS, &mut more_nodes, &mut more_leaves);
+            }
+            (nodes, leaves) = (more_nodes, more_leaves);
+        }
+    }
+
+    #[inline(always)]
+    fn walk_alone<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool, doubt: f32) {
+        let ray = self.bundle.ray(id, doubt);
+        let mut nearest = Nearest::none(&ray);
+        nearest_in_tree(simd, tree, &ray, cull_back, &mut self.stack, &mut nearest);
+        self.bundle.hit[id][0] = nearest.slot;
+        self.settled.t[id] = nearest.t;
+        self.settled.take_normal(tree, id, nearest.slot);
+    }
+
+    /// Lays the children of the next node on top of those that wait.
+    #[inline(always)]
+    fn enter_node<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
+        let Some(node) = tree.nodes.get(self.child[id] as usize) else { return };
+        let depth = self.depth[id] as usize;
+        let frame = &mut self.frames[depth % LEVELS][id];
+        let (near, any) = node::enter(simd, node, &self.bundle, id, self.bundle.t[id] * AGREES);
+        near.store_array(&mut frame.near.0);
+        frame.child.0 = node.child;
+        self.depth[id] = depth as u32 + u32::from(any);
+    }
+
+    /// Finds where the ray meets the triangles of the next leaf.
+    #[inline(always)]
+    fn test_leaf<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool) {
+        let Some(block) = tree.blocks.get((self.child[id] & !LEAF) as usize) else { return };
+        let t = block::meet_lane(simd, block, &self.bundle, id, cull_back);
+        t.store_array(&mut self.leaf[id].0);
+    }
+
+    /// Takes the nearest triangle of the leaf.
+    #[inline(always)]
+    fn take_nearest<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
+        let t = f32x16::load_array_ref(simd, &self.leaf[id].0);
+        let least = t.reduce_min();
+        // Of those within the slack, the first; should it not be the only one, they are compared.
+        let near = t.simd_le(f32x16::splat(simd, least * SLACK)).to_bitmask() as u32 & 0xffff;
+        let before = self.bundle.t[id];
+        let hit = least < f32::INFINITY;
+        if hit & ((near & near.wrapping_sub(1) != 0) | (least * SLACK >= before)) {
+            self.compare(&tree, id, near);
+            return;
+        }
+        self.bundle.t[id] = if least < before { least } else { before };
+        let slot = (self.child[id] & !LEAF) * WIDTH as u32 + near.trailing_zeros() % WIDTH as u32;
+        self.bundle.hit[id][usize::from(!hit)] = slot;
+    }
+
+    /// Ends the way of a ray that hits a triangle of the leaf.
+    #[inline(always)]
+    fn take_any<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
+        let t = f32x16::load_array_ref(simd, &self.leaf[id].0);
+        let (from, to) = (self.bundle.range[0][id], self.bundle.range[1][id]);
+        // Beyond doubt: further inside the range than single precision may be wrong.
+        let to = if to < f32::MAX { to / SLACK } else { f32::MAX };
+        let sure = t.simd_gt(f32x16::splat(simd, from + (from - self.bundle.least[id])))
+            & t.simd_lt(f32x16::splat(simd, to));
+        let sure = sure.to_bitmask() as u32 & 0xffff;
+        let met = t.simd_lt(f32x16::splat(simd, f32::INFINITY)).to_bitmask() as u32 & 0xffff;
+        if (sure == 0) & (met != 0) {
+            self.compare(&tree, id, met);
+            self.depth[id] = if self.bundle.hit[id][0] == NONE { self.depth[id] } else { 1 };
+            self.bundle.t[id] = self.bundle.range[1][id];
+            return;
+        }
+        let slot = (self.child[id] & !LEAF) * WIDTH as u32 + sure.trailing_zeros() % WIDTH as u32;
+        self.bundle.hit[id][usize::from(sure == 0)] = slot;
+        self.depth[id] = if sure == 0 { self.depth[id] } else { 1 };
+    }
+
+    /// Takes the nearest child that waits, of the deepest node, and queues the ray for it.
+    #[inline(always)]
+    fn next_child<S: Simd>(&mut self, simd: S, id: usize, nodes: &mut Queue, leaves: &mut Queue) {
+        let limit = self.bundle.t[id] * AGREES;
+        let limit = if limit < f32::MAX { limit } else { f32::MAX };
+        let mut depth = self.depth[id] as usize;
+        if depth >= LEVELS {
+            self.alone.push_if(id, true);
+            return;
+        }
+        loop {
+            depth = depth.wrapping_sub(1) % LEVELS;
+            let frame = &mut self.frames[depth][id];
+            let near = f32x16::load_array_ref(simd, &frame.near.0);
+            let least = near.reduce_min();
+            // The end is always near enough.
+            if least <= limit || depth == 0 {
+                let wait = near.simd_le(f32x16::splat(simd, limit)).to_bitmask() as u32 & 0xffff;
+                let nearest = near.simd_eq(f32x16::splat(simd, least)).to_bitmask() as u32;
+                let lane = nearest.trailing_zeros() as usize % WIDTH;
+                frame.near.0[lane] = f32::INFINITY;
+                let child = frame.child.0[lane];
+                self.child[id] = child;
+                leaves.push_if(id, (child & LEAF != 0) & (child != NONE));
+                nodes.push_if(id, child & LEAF == 0);
+                self.depth[id] = depth as u32 + u32::from(wait & wait.wrapping_sub(1) != 0);
+                return;
+            }
+        }
+    }
+
+    /// Decides between the hit so far and triangles that lie at about the same distance.
+    #[inline(never)]
+    fn compare(&mut self, tree: &Tree<'_>, id: usize, mask: u32) {
+        let index = self.child[id] & !LEAF;
+        let ray = self.bundle.ray(id, 0.0);
+        let mut nearest = Nearest::none(&ray);
+        let hit = self.bundle.hit[id][0];
+        if let Some(block) = tree.blocks.get(hit as usize / WIDTH) {
+            nearest.offer(&ray, block::exact_distance(block, hit as usize % WIDTH, &ray), hit);
+        }
+        if let Some(block) = tree.blocks.get(index as usize) {
+            block::offer(block, index, mask, &ray, &mut nearest);
+        }
+        if nearest.slot != NONE {
+            (self.bundle.t[id], self.bundle.hit[id][0]) = (nearest.t as f32, nearest.slot);
+        }
+    }
+}

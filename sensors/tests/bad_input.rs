@@ -218,7 +218,7 @@ fn every_error_has_its_name() {
     };
     assert_eq!(builder.add_instance(&config), Err(SceneError::NoSuchMaterial));
     builder.add_material(&MaterialConfig::default()).unwrap();
-    let no_mesh = InstanceConfig { shape: Shape::Mesh(MeshId(0)), ..config };
+    let no_mesh = InstanceConfig { shape: Shape::Mesh(MeshId(1)), ..config };
     assert_eq!(builder.add_instance(&no_mesh), Err(SceneError::NoSuchMesh));
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let bad = InstanceConfig { shape: Shape::Sphere { radius }, ..config };

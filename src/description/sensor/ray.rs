@@ -4,10 +4,7 @@ use super::reader::Reader;
 use crate::description::model::{RaySensor, ScanAxis};
 use crate::description::values::child_text;
 use crate::description::xml::Element;
-use belvedere_sensors::lidar::MAX_BEAMS;
-
-/// Most beams along an axis.
-const MAX_SAMPLES: u32 = 100_000;
+use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
 
 impl Reader<'_> {
     /// The `<ray>` or `<lidar>` of a sensor.

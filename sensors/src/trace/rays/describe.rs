@@ -35,7 +35,7 @@ impl Description {
             }
             KIND_HEIGHT_FIELD => {
                 let field = view.scene.height_fields.get(instance.mesh as usize)?;
-                let grid = HeightGrid::new(field, view.scene.heights, view.scene.extents);
+                let grid = HeightGrid::of(field, view.scene.heights, view.scene.extents);
                 on_triangle(&grid.block(hit.slot / WIDTH as u32), lane, point)
             }
             _ => (on_solid(instance, point), 0, [0.0; 2]),

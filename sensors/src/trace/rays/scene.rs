@@ -133,7 +133,7 @@ fn hit_instance<S: Simd>(
                 }
             } else if instance.kind == KIND_HEIGHT_FIELD {
                 let field = &view.scene.height_fields[instance.mesh as usize];
-                let grid = HeightGrid::new(field, view.scene.heights, view.scene.extents);
+                let grid = HeightGrid::of(field, view.scene.heights, view.scene.extents);
                 let local = Ray::new(origin32, direction32, range, doubt_of(Some(&grid.node(0))));
                 let nearest = nearest_of(simd, &grid, &local, faces, stack);
                 if nearest.slot == NONE {

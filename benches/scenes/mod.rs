@@ -22,6 +22,7 @@
 
 mod blob;
 pub mod level;
+pub mod moving;
 mod noise;
 pub mod ours;
 pub mod peer;

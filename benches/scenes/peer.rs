@@ -1,9 +1,10 @@
 //! The yardstick: parry3d's triangle mesh, one ray a call.
 
 use super::{Mesh, RaySet};
-use parry3d::math::Vector;
+use parry3d::math::{Pose, Vector};
+use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::{Ray, RayCast as _};
-use parry3d::shape::TriMesh;
+use parry3d::shape::{Cuboid, TriMesh};
 
 /// parry3d's form of a mesh.
 pub struct Built(TriMesh);
@@ -34,5 +35,31 @@ impl Built {
             // The normal is part of what is asked for: it must not be optimised away.
             std::hint::black_box(&hit).map_or(f32::INFINITY, |hit| hit.time_of_impact)
         }));
+    }
+}
+
+/// Boxes under a tree that is brought up to date each frame.
+pub struct Moving {
+    bvh: Bvh,
+    cuboid: Cuboid,
+}
+
+impl Moving {
+    /// So many boxes.
+    pub fn new(count: usize) -> Self {
+        let half = super::moving::SIZE.map(|edge| edge as f32 * 0.5);
+        let cuboid = Cuboid::new(Vector::from_array(half));
+        let aabbs = vec![cuboid.aabb(&Pose::IDENTITY); count];
+        Self { bvh: Bvh::from_leaves(BvhBuildStrategy::Binned, &aabbs), cuboid }
+    }
+
+    /// Moves them and builds the tree anew.
+    pub fn frame(&mut self, poses: &[belvedere_sensors::Pose]) {
+        let leaves = poses.iter().map(|pose| {
+            let pose = Pose::from_parts(pose.translation().as_vec3(), pose.rotation().as_quat());
+            self.cuboid.aabb(&pose)
+        });
+        self.bvh = Bvh::from_iter(BvhBuildStrategy::Binned, leaves.enumerate());
+        std::hint::black_box(&self.bvh);
     }
 }

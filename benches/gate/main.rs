@@ -1,0 +1,67 @@
+//! The verdict: is Belvedere as far ahead of parry3d as it was? See `benches/README.md`, or `-- --help`.
+
+#![allow(unreachable_pub, reason = "the modules of a program, which exports nothing")]
+
+#[path = "../budgets.rs"]
+mod budgets;
+mod casts;
+mod clock;
+mod frames;
+mod gate;
+mod measure;
+mod options;
+#[path = "../scenes/mod.rs"]
+mod scenes;
+#[path = "../tag_room/mod.rs"]
+mod tag_room;
+mod verdict;
+
+use budgets::Budgets;
+use clap::Parser as _;
+use gate::Gate;
+use options::Options;
+use scenes::{SCENES, Scene, level};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    match run(&options) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), String> {
+    let simd = options.level.unwrap_or_else(belvedere_sensors::simd::best_level);
+    let mut gate = Gate::new(options, level::name(simd), Budgets::read()?);
+    if !options.record && !gate.budgets.levels.contains_key(gate.level) {
+        println!("Nothing is recorded for the SIMD level {}: these are figures, not a verdict.", gate.level);
+    }
+    gate.print_head();
+    for name in SCENES {
+        casts::run(&mut gate, name, simd);
+    }
+    frames::run(&mut gate, simd);
+
+    if gate.measured == 0 {
+        return Err(format!("no entry's name contains {:?}", options.filter));
+    }
+    if options.record {
+        gate.budgets.write()?;
+        println!("recorded in {}", Budgets::path().display());
+    }
+    if gate.fallen.is_empty() || options.test {
+        return Ok(());
+    }
+    Err(format!(
+        "{} of {} ratios fell more than {:.0} % below their records: {}. Find out why (benches/README.md), or \
+         record the new ones with `cargo bench -p belvedere --bench gate -- --record --filter NAME` and say why.",
+        gate.fallen.len(),
+        gate.measured,
+        100.0 * verdict::TOLERANCE,
+        gate.fallen.join(", ")
+    ))
+}

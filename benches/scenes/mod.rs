@@ -35,7 +35,7 @@ mod warehouse;
 
 use belvedere_sensors::Pose;
 use glam::DVec3;
-pub use rays::{RaySet, Source};
+pub use rays::RaySet;
 
 /// Triangles, counter-clockwise seen from outside.
 pub struct Mesh {

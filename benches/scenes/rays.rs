@@ -61,6 +61,17 @@ impl RaySet {
         self.origins[if self.origins.len() == 1 { 0 } else { ray }]
     }
 
+    /// The first so many, if they are random; grids stay whole.
+    #[must_use]
+    pub fn first(mut self, count: usize) -> Self {
+        if matches!(self.source, Source::Random) && count < self.len() {
+            self.origins.truncate(count);
+            self.directions.truncate(count);
+            self.width = count;
+        }
+        self
+    }
+
     fn pinhole(name: &'static str, scene: &Scene, width: usize, height: usize, fov_rad: f64) -> Self {
         let world_from_sensor = scene.world_from_camera();
         let focal_px = width as f64 / 2.0 / libm::tan(fov_rad / 2.0);

@@ -8,6 +8,7 @@ use belvedere_sensors::simd::best_level;
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use scenes::ours::{Built, Caster, Wanted, execution};
 use scenes::{RAYS, RaySet, SCENES, Scene};
+use std::hint::black_box;
 use std::time::Duration;
 
 fn trace(criterion: &mut Criterion) {
@@ -20,7 +21,7 @@ fn trace(criterion: &mut Criterion) {
             let rays = RaySet::new(name, &scene).first(100_000);
             let Some(mut caster) = Caster::new(&rays, execution(best_level()), Wanted::All) else { continue };
             group.throughput(Throughput::Elements(rays.len() as u64));
-            group.bench_function(name, |bencher| bencher.iter(|| caster.cast(&built)));
+            group.bench_function(name, |bencher| bencher.iter(|| black_box(caster.cast(&built)).len()));
         }
     }
 }

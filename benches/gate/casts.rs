@@ -4,14 +4,15 @@ use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
 use crate::scenes::{RAYS, RaySet, Scene, ours, peer};
 use belvedere_sensors::simd::Level;
+use std::hint::black_box;
 
 /// parry3d casts about as many rays of a set a call; their rate is what counts.
 const PEER_RAYS: usize = 30_000;
 
 /// Measures the ray sets of a scene.
-pub fn run(gate: &mut Gate<'_>, scene: &str, level: Level) {
+pub fn run(gate: &mut Gate<'_>, scene: &str, level: Level) -> Result<(), String> {
     if !RAYS.iter().any(|rays| gate.options.wants(scene, rays)) {
-        return;
+        return Ok(());
     }
     let scene = &Scene::new(scene);
     let ours = ours::Built::new(&scene.mesh);
@@ -27,10 +28,37 @@ pub fn run(gate: &mut Gate<'_>, scene: &str, level: Level) {
             Entry { group: scene.name, name, unit: Unit::Rate, peer: "parry3d", clock: Clock::Thread };
         gate.run(
             entry,
-            (&mut || caster.cast(&ours), rays.len() as f64),
+            (
+                &mut || {
+                    black_box(caster.cast(&ours));
+                },
+                rays.len() as f64,
+            ),
             (&mut || theirs.cast(&rays, chosen.iter().copied(), &mut distances), chosen.len() as f64),
         );
+        check(&entry, caster.cast(&ours), &distances, &chosen)?;
     }
+    Ok(())
+}
+
+/// The part of the rays that two casters may disagree about: those that pass within a rounding error of an edge.
+const DISAGREEMENT: f64 = 2e-3;
+
+/// Fast and wrong is no result.
+fn check(entry: &Entry<'_>, ours: &[f32], theirs: &[f32], chosen: &[usize]) -> Result<(), String> {
+    let differ = |ours: f32, theirs: f32| match (ours.is_finite(), theirs.is_finite()) {
+        (true, true) => (ours - theirs).abs() > 1e-3 * theirs.max(1.0),
+        (ours, theirs) => ours != theirs,
+    };
+    let different = chosen.iter().zip(theirs).filter(|&(&ray, &theirs)| differ(ours[ray], theirs)).count();
+    if different as f64 > DISAGREEMENT * chosen.len() as f64 {
+        let Entry { group, name, .. } = entry;
+        return Err(format!(
+            "{group}/{name}: {different} of {} rays do not meet what parry3d's do",
+            chosen.len()
+        ));
+    }
+    Ok(())
 }
 
 /// A part of the set that looks like the whole: rows spread evenly over it, or its beginning if it has no rows.

@@ -20,7 +20,7 @@ use budgets::Budgets;
 use clap::Parser as _;
 use gate::Gate;
 use options::Options;
-use scenes::{SCENES, Scene, level};
+use scenes::{SCENES, level};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -42,7 +42,7 @@ fn run(options: &Options) -> Result<(), String> {
     }
     gate.print_head();
     for name in SCENES {
-        casts::run(&mut gate, name, simd);
+        casts::run(&mut gate, name, simd)?;
     }
     frames::run(&mut gate, simd);
 

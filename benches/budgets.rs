@@ -13,6 +13,9 @@ pub struct Budgets {
     /// Instructions that callgrind counts, by benchmark.
     #[serde(default)]
     pub instructions: BTreeMap<String, u64>,
+    /// What the ratios of each SIMD level were measured on.
+    #[serde(default)]
+    pub processors: BTreeMap<String, String>,
     /// By SIMD level.
     #[serde(flatten)]
     pub levels: BTreeMap<String, Ratios>,

@@ -5,6 +5,7 @@
 #![allow(missing_docs, reason = "the macros of gungraun write items of their own")]
 #![allow(unreachable_pub, reason = "the modules of a program, which exports nothing")]
 
+#[allow(dead_code, reason = "the gate writes them")]
 mod budgets;
 mod scenes;
 mod tag_room;

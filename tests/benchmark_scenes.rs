@@ -4,6 +4,8 @@
 //! `SCN1`, counts of vertices and triangles, both as arrays; `.ray`: `RAY1`, count, width, height, whether the
 //! origin is shared, origins, directions; 32 bits each, little-endian).
 
+#![allow(clippy::unreadable_literal, reason = "sums, as another program printed them")]
+
 #[path = "../benches/scenes/mod.rs"]
 mod scenes;
 

@@ -8,16 +8,18 @@ mod budgets;
 mod verdict;
 
 use budgets::Budgets;
-use verdict::{Verdict, judge};
+use verdict::{TOLERANCE, TOLERANCE_ELSEWHERE, Verdict, judge};
 
 #[test]
 fn a_ratio_falls_when_it_is_more_than_a_tenth_below_its_record() {
-    assert_eq!(judge(8.99, Some(10.0)), Verdict::Falls);
-    assert_eq!(judge(9.01, Some(10.0)), Verdict::Holds);
-    assert_eq!(judge(10.99, Some(10.0)), Verdict::Holds);
-    assert_eq!(judge(11.01, Some(10.0)), Verdict::Better);
-    assert_eq!(judge(0.1, None), Verdict::NotRecorded);
-    assert_eq!(judge(f64::NAN, Some(10.0)), Verdict::Falls);
+    assert_eq!(judge(8.99, Some(10.0), TOLERANCE), Verdict::Falls);
+    assert_eq!(judge(9.01, Some(10.0), TOLERANCE), Verdict::Holds);
+    assert_eq!(judge(10.99, Some(10.0), TOLERANCE), Verdict::Holds);
+    assert_eq!(judge(11.01, Some(10.0), TOLERANCE), Verdict::Better);
+    assert_eq!(judge(0.1, None, TOLERANCE), Verdict::NotRecorded);
+    assert_eq!(judge(8.99, Some(10.0), TOLERANCE_ELSEWHERE), Verdict::Holds);
+    assert_eq!(judge(4.0, Some(10.0), TOLERANCE_ELSEWHERE), Verdict::Falls);
+    assert_eq!(judge(f64::NAN, Some(10.0), TOLERANCE), Verdict::Falls);
 }
 
 #[test]
@@ -27,6 +29,7 @@ fn the_recorded_budgets_can_be_read_and_written_back() {
     assert!(!budgets.instructions.is_empty(), "no instruction counts are recorded");
     let text = budgets.to_text().expect("TOML");
     assert_eq!(Budgets::parse(&text).expect("TOML"), budgets);
+    assert!(budgets.levels.keys().eq(budgets.processors.keys()), "each level's processor is recorded");
 }
 
 #[test]

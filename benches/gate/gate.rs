@@ -38,6 +38,8 @@ pub struct Gate<'a> {
     pub options: &'a Options,
     pub level: &'static str,
     pub budgets: Budgets,
+    /// How far ratios may fall.
+    pub tolerance: f64,
     /// Names of those that fell.
     pub fallen: Vec<String>,
     /// How many were measured.
@@ -45,8 +47,8 @@ pub struct Gate<'a> {
 }
 
 impl<'a> Gate<'a> {
-    pub fn new(options: &'a Options, level: &'static str, budgets: Budgets) -> Self {
-        Self { options, level, budgets, fallen: Vec::new(), measured: 0 }
+    pub fn new(options: &'a Options, level: &'static str, budgets: Budgets, tolerance: f64) -> Self {
+        Self { options, level, budgets, tolerance, fallen: Vec::new(), measured: 0 }
     }
 
     /// The head of the table.
@@ -71,7 +73,7 @@ impl<'a> Gate<'a> {
             let ours = Side { call: &mut *ours, work: ours_work };
             let theirs = Side { call: &mut *theirs, work: theirs_work };
             let measured = measure(entry.clock, rounds, ours, theirs);
-            let verdict = judge(measured.ratio, recorded);
+            let verdict = judge(measured.ratio, recorded, self.tolerance);
             if best.is_none_or(|(best, _)| measured.ratio > best.ratio) {
                 best = Some((measured, verdict));
             }

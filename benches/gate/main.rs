@@ -8,6 +8,7 @@ mod casts;
 mod clock;
 mod frames;
 mod gate;
+mod machine;
 mod measure;
 mod options;
 #[path = "../scenes/mod.rs"]
@@ -22,6 +23,7 @@ use gate::Gate;
 use options::Options;
 use scenes::{SCENES, level};
 use std::process::ExitCode;
+use verdict::{TOLERANCE, TOLERANCE_ELSEWHERE};
 
 fn main() -> ExitCode {
     let options = Options::parse();
@@ -36,10 +38,25 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), String> {
     let simd = options.level.unwrap_or_else(belvedere_sensors::simd::best_level);
-    let mut gate = Gate::new(options, level::name(simd), Budgets::read()?);
-    if !options.record && !gate.budgets.levels.contains_key(gate.level) {
-        println!("Nothing is recorded for the SIMD level {}: these are figures, not a verdict.", gate.level);
+    let budgets = Budgets::read()?;
+    let processor = machine::processor();
+    let name = level::name(simd);
+    let tolerance = match budgets.processors.get(name) {
+        _ if options.record => TOLERANCE,
+        None => {
+            println!("Nothing is recorded for the SIMD level {name}: these are figures, not a verdict.");
+            TOLERANCE
+        }
+        Some(recorded) if *recorded == processor => TOLERANCE,
+        Some(recorded) => {
+            println!("Recorded on {recorded:?}, this is {processor:?}: the tolerance is wider.");
+            TOLERANCE_ELSEWHERE
+        }
+    };
+    if options.record && !options.filter.is_empty() && budgets.processors.get(name) != Some(&processor) {
+        return Err(format!("the records of {name} are not of this processor: record all, without --filter"));
     }
+    let mut gate = Gate::new(options, name, budgets, tolerance);
     gate.print_head();
     for name in SCENES {
         casts::run(&mut gate, name, simd)?;
@@ -50,6 +67,7 @@ fn run(options: &Options) -> Result<(), String> {
         return Err(format!("no entry's name contains {:?}", options.filter));
     }
     if options.record {
+        gate.budgets.processors.insert(name.into(), processor);
         gate.budgets.write()?;
         println!("recorded in {}", Budgets::path().display());
     }
@@ -61,7 +79,7 @@ fn run(options: &Options) -> Result<(), String> {
          record the new ones with `cargo bench -p belvedere --bench gate -- --record --filter NAME` and say why.",
         gate.fallen.len(),
         gate.measured,
-        100.0 * verdict::TOLERANCE,
+        100.0 * tolerance,
         gate.fallen.join(", ")
     ))
 }

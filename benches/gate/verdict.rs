@@ -2,6 +2,9 @@
 
 /// How far a ratio may fall below its record, or rise above it before the record is called out of date.
 pub const TOLERANCE: f64 = 0.10;
+/// The same for a record from another processor of the same SIMD level: other caches, other clock rates for wide
+/// instructions.
+pub const TOLERANCE_ELSEWHERE: f64 = 0.35;
 
 /// What is said about a ratio.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,11 +20,11 @@ pub enum Verdict {
 }
 
 /// Judges a ratio, more of which is better.
-pub fn judge(ratio: f64, recorded: Option<f64>) -> Verdict {
+pub fn judge(ratio: f64, recorded: Option<f64>, tolerance: f64) -> Verdict {
     match recorded {
         None => Verdict::NotRecorded,
-        Some(recorded) if ratio > recorded * (1.0 + TOLERANCE) => Verdict::Better,
-        Some(recorded) if ratio >= recorded * (1.0 - TOLERANCE) => Verdict::Holds,
+        Some(recorded) if ratio > recorded * (1.0 + tolerance) => Verdict::Better,
+        Some(recorded) if ratio >= recorded * (1.0 - tolerance) => Verdict::Holds,
         Some(_) => Verdict::Falls,
     }
 }

@@ -17,7 +17,7 @@
 //!
 //! Metres, z up. Every number is made of + − × ÷ √, integer arithmetic and `libm`.
 
-#![allow(dead_code, reason = "each target that includes this module uses a part of it")]
+#![allow(dead_code, unused_imports, reason = "each target that includes this module uses a part of it")]
 #![allow(unreachable_pub, reason = "a module of several targets, none of which exports it")]
 
 mod blob;

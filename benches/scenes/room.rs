@@ -4,6 +4,9 @@ use super::Scene;
 use super::random::Random;
 use super::solids::Solids;
 
+#[allow(clippy::approx_constant, reason = "not π: what the scene was first made with")]
+const MOST_YAW_RAD: f64 = 3.14;
+
 pub fn room() -> Scene {
     let (mut solids, mut random) = (Solids::default(), Random::new(1));
     let wall = 0.1;
@@ -26,7 +29,7 @@ pub fn room() -> Scene {
         }
         if things % 2 == 0 {
             let half = [random.range(0.15, 0.5), random.range(0.15, 0.5), random.range(0.2, 0.9)];
-            solids.cuboid([x, y, half[2]], half, random.range(0.0, 3.14));
+            solids.cuboid([x, y, half[2]], half, random.range(0.0, MOST_YAW_RAD));
         } else {
             let half_height = random.range(0.3, 1.4);
             solids.cylinder([x, y, half_height], random.range(0.12, 0.35), half_height, 48);

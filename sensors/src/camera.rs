@@ -77,8 +77,7 @@ impl core::error::Error for CameraError {}
 ///     shape: Shape::Sphere { radius: 0.5 },
 ///     world_from_instance: Pose::from_translation(glam::DVec3::X * 2.0),
 ///     material: red,
-///     visibility: visibility::VISUAL,
-///     laser_retro: 0.0,
+///     ..Default::default()
 /// })?;
 /// let camera = Camera::new(CameraConfig {
 ///     width: 64, height: 48, horizontal_fov_rad: 1.0, format: PixelFormat::Rgb8, near_m: 0.02, far_m: 300.0,

@@ -18,7 +18,7 @@
 //!
 //! Features: `std` (default) finds the SIMD level at run time; `alloc` gives the owned
 //! [`SceneBuilder`](scene::SceneBuilder) and [`WorkspaceBuf`](trace::WorkspaceBuf); `rayon` spreads a frame over
-//! threads.
+//! threads; `parry` takes in shapes of parry3d, and `rapier` mirrors the colliders of rapier3d.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -35,8 +35,12 @@ mod execution;
 pub mod lens;
 pub mod lidar;
 pub mod noise;
+#[cfg(feature = "parry")]
+pub mod parry;
 mod pixel;
 pub mod pose;
+#[cfg(feature = "rapier")]
+pub mod rapier;
 pub mod scene;
 mod shade;
 pub mod simd;

@@ -37,6 +37,9 @@ fn shape() -> impl Strategy<Value = Shape> {
         number().prop_map(|radius| Shape::Sphere { radius }),
         (number(), number()).prop_map(|(radius, length)| Shape::Cylinder { radius, length }),
         (number(), number()).prop_map(|(radius, length)| Shape::Capsule { radius, length }),
+        Just(Shape::Plane),
+        uniform3(number()).prop_map(|radii| Shape::Ellipsoid { radii }),
+        (number(), number()).prop_map(|(radius, length)| Shape::Cone { radius, length }),
         (0_u32..4).prop_map(|mesh| Shape::Mesh(MeshId(mesh))),
     ]
 }
@@ -110,7 +113,7 @@ proptest! {
         texture in (0_u32..70, 0_u32..5, 0_usize..350),
         material in (uniform3(single()), single(), single(), prop::option::of(0_u32..2)),
         meshes in vec(mesh(), 0..4),
-        instances in vec((shape(), pose(), 0_u32..2, single()), 0..8),
+        instances in vec((shape(), pose(), uniform3(number()), 0_u32..2, single()), 0..8),
         lights in vec(light(), 0..3),
         moved in (0_u32..9, pose()),
         view in pose(),
@@ -129,11 +132,11 @@ proptest! {
         for (positions, uvs, triangles) in &meshes {
             let _ = builder.add_mesh(positions, uvs, triangles);
         }
-        for (shape, world_from_instance, material, laser_retro) in instances {
+        for (shape, world_from_instance, scale, material, laser_retro) in instances {
             let visibility = visibility::VISUAL | visibility::COLLISION;
             let material = MaterialId(material);
             let _ = builder.add_instance(&InstanceConfig {
-                shape, world_from_instance, material, visibility, laser_retro,
+                shape, world_from_instance, scale, material, visibility, laser_retro,
             });
         }
         for light in &lights {
@@ -198,10 +201,8 @@ fn every_error_has_its_name() {
     assert_eq!(builder.add_mesh(&corners[..2], &[[0.0; 2]], &[[0, 1, 1]]), Err(SceneError::UvCount));
     let config = InstanceConfig {
         shape: Shape::Sphere { radius: 1.0 },
-        world_from_instance: Pose::IDENTITY,
-        material: MaterialId(0),
         visibility: visibility::VISUAL,
-        laser_retro: 0.0,
+        ..Default::default()
     };
     assert_eq!(builder.add_instance(&config), Err(SceneError::NoSuchMaterial));
     builder.add_material(&MaterialConfig::default()).unwrap();
@@ -210,6 +211,10 @@ fn every_error_has_its_name() {
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let bad = InstanceConfig { shape: Shape::Sphere { radius }, ..config };
         assert_eq!(builder.add_instance(&bad), Err(SceneError::BadSize));
+    }
+    for factor in [0.0, f64::NAN, f64::INFINITY] {
+        let bad = InstanceConfig { scale: [1.0, factor, 1.0], ..config };
+        assert_eq!(builder.add_instance(&bad), Err(SceneError::BadScale));
     }
     let nowhere = Pose::from_translation(DVec3::NAN);
     let bad = InstanceConfig { world_from_instance: nowhere, ..config };

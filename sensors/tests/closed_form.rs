@@ -16,12 +16,15 @@ const EDGE: f64 = 1e-6;
 /// Largest error of a depth or range, relative to it.
 const RELATIVE_ERROR: f64 = 1e-5;
 
-const SHAPES: [Shape; 5] = [
+const SHAPES: [Shape; 8] = [
     Shape::Rectangle { size: [1.5, 1.0] },
     Shape::Box { size: [1.0, 0.75, 0.5] },
     Shape::Sphere { radius: 0.5 },
     Shape::Cylinder { radius: 0.25, length: 1.0 },
     Shape::Capsule { radius: 0.25, length: 0.5 },
+    Shape::Plane,
+    Shape::Ellipsoid { radii: [0.5, 0.3, 0.2] },
+    Shape::Cone { radius: 0.4, length: 0.8 },
 ];
 
 fn shape_pose() -> Pose {
@@ -285,8 +288,11 @@ fn scan_lines_and_both_sides_of_shapes() {
                 let (up, left) = (config.vertical.angle(line), config.horizontal.angle(beam));
                 let direction = DVec3::new(up.cos() * left.cos(), up.cos() * left.sin(), up.sin());
                 let ray = Ray { origin: pose.translation(), direction: pose.transform_vector(direction) };
-                let hit =
-                    |shape: &Shape| first_hit(shape, &shape_pose(), &ray, 0.0, true).unwrap_or(f64::INFINITY);
+                let hit = |shape: &Shape| {
+                    first_hit(shape, &shape_pose(), &ray, 0.0, true)
+                        .filter(|range| *range <= config.range_max_m)
+                        .unwrap_or(f64::INFINITY)
+                };
                 let truth = hit(&shape);
                 hits += usize::from(truth.is_finite());
                 let agrees =

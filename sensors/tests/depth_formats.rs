@@ -154,6 +154,7 @@ fn intensities_are_those_of_the_shapes() {
             material: grey,
             visibility,
             laser_retro,
+            ..Default::default()
         };
         builder.add_instance(&config).unwrap();
     }
@@ -179,7 +180,7 @@ fn cameras_do_not_see_collision_shapes() {
         world_from_instance: Pose::from_translation(DVec3::X * 2.0),
         material: grey,
         visibility: visibility::COLLISION,
-        laser_retro: 0.0,
+        ..Default::default()
     };
     builder.add_instance(&hidden).unwrap();
     let depths = common::depth_image(&builder.scene(), DEPTH_CAMERA, Pose::IDENTITY);

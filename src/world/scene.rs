@@ -99,7 +99,7 @@ impl Assembly {
                     world_from_instance,
                     material,
                     visibility: visibility::VISUAL,
-                    laser_retro: 0.0,
+                    ..Default::default()
                 }
             })?;
         }
@@ -118,6 +118,7 @@ impl Assembly {
                     material,
                     visibility: visibility::COLLISION,
                     laser_retro: collision.laser_retro,
+                    ..Default::default()
                 }
             })?;
         }

@@ -3,8 +3,9 @@
 use super::bvh::{self, Aabb, Node};
 use super::texture::{TextureId, fill_mip_levels, mip_levels, mip_texels};
 use super::{
-    Environment, Instance, InstanceConfig, InstanceId, KIND_MESH, Light, LightConfig, Material,
-    MaterialConfig, MaterialId, Mesh, MeshId, NO_TEXTURE, Scene, SceneError, Texture,
+    Environment, HeightField, HeightFieldId, Instance, InstanceConfig, InstanceId, KIND_HEIGHT_FIELD,
+    KIND_MESH, Light, LightConfig, Material, MaterialConfig, MaterialId, Mesh, MeshId, NO_TEXTURE, Scene,
+    SceneError, Texture,
 };
 use crate::pose::Pose;
 use alloc::vec;
@@ -17,15 +18,13 @@ const LEAF_TRIANGLES: usize = 4;
 /// Owns a scene's data; [`SceneBuilder::scene`] lends it.
 ///
 /// ```
-/// use belvedere_sensors::{Pose, scene::*};
+/// use belvedere_sensors::scene::*;
 /// let mut builder = SceneBuilder::new();
 /// let grey = builder.add_material(&MaterialConfig::default())?;
 /// builder.add_instance(&InstanceConfig {
 ///     shape: Shape::Sphere { radius: 0.5 },
-///     world_from_instance: Pose::IDENTITY,
 ///     material: grey,
-///     visibility: visibility::VISUAL | visibility::COLLISION,
-///     laser_retro: 0.0,
+///     ..Default::default()
 /// })?;
 /// assert_eq!(builder.scene().instances().len(), 1);
 /// # Ok::<(), SceneError>(())
@@ -41,6 +40,9 @@ pub struct SceneBuilder {
     nodes: Vec<super::tree::WideNode>,
     blocks: Vec<super::tree::TriangleBlock>,
     facets: Vec<super::tree::Facet>,
+    height_fields: Vec<HeightField>,
+    heights: Vec<f32>,
+    extents: Vec<[f32; 2]>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
     texels: Vec<[u8; 4]>,
@@ -183,20 +185,82 @@ impl SceneBuilder {
         Ok(MeshId(index(self.meshes.len() - 1)?))
     }
 
+    /// Takes in a terrain of `rows` × `columns` heights in metres, row by row from +y to −y, each row from −x to
+    /// +x. `size` are its full lengths along x and y; z = 0 is where the height is 0.
+    ///
+    /// # Errors
+    /// Those of [`HeightField::build`].
+    pub fn add_height_field(
+        &mut self,
+        rows: u32,
+        columns: u32,
+        size: [f64; 2],
+        heights: &[f32],
+    ) -> Result<HeightFieldId, SceneError> {
+        let first_height = index(self.heights.len())?;
+        let first_extent = index(self.extents.len())?;
+        index(self.heights.len() + heights.len())?;
+        // Nothing is allocated for a grid whose heights are not there.
+        let fits = u64::from(rows) * u64::from(columns) == heights.len() as u64;
+        let need = if fits { HeightField::extents_len(rows, columns) } else { 0 };
+        index(self.extents.len() + need)?;
+        let mut extents = vec![[0.0; 2]; need];
+        let mut field = HeightField::build(rows, columns, size, heights, &mut extents)?;
+        (field.first_height, field.first_extent) = (first_height, first_extent);
+        self.heights.extend_from_slice(heights);
+        self.extents.extend_from_slice(&extents);
+        self.height_fields.push(field);
+        Ok(HeightFieldId(index(self.height_fields.len() - 1)?))
+    }
+
     /// Takes in an instance.
     ///
     /// # Errors
-    /// Those of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchMaterial`].
+    /// Those of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchHeightField`],
+    /// [`SceneError::NoSuchMaterial`].
     pub fn add_instance(&mut self, config: &InstanceConfig) -> Result<InstanceId, SceneError> {
+        let instance = self.check_instance(config)?;
+        self.instances.push(instance);
+        Ok(InstanceId(index(self.instances.len() - 1)?))
+    }
+
+    fn check_instance(&self, config: &InstanceConfig) -> Result<Instance, SceneError> {
         let instance = Instance::new(config)?;
         if instance.kind == KIND_MESH && instance.mesh as usize >= self.meshes.len() {
             return Err(SceneError::NoSuchMesh);
         }
+        if instance.kind == KIND_HEIGHT_FIELD && instance.mesh as usize >= self.height_fields.len() {
+            return Err(SceneError::NoSuchHeightField);
+        }
         if instance.material as usize >= self.materials.len() {
             return Err(SceneError::NoSuchMaterial);
         }
-        self.instances.push(instance);
-        Ok(InstanceId(index(self.instances.len() - 1)?))
+        Ok(instance)
+    }
+
+    /// Puts another instance in the place of one; its id stays.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchInstance`], and those of [`SceneBuilder::add_instance`].
+    pub fn set_instance(&mut self, instance: InstanceId, config: &InstanceConfig) -> Result<(), SceneError> {
+        let checked = self.check_instance(config)?;
+        *self.instances.get_mut(instance.0 as usize).ok_or(SceneError::NoSuchInstance)? = checked;
+        Ok(())
+    }
+
+    /// Sets which sensors see an instance; with 0 none does.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchInstance`].
+    pub fn set_visibility(&mut self, instance: InstanceId, visibility: u32) -> Result<(), SceneError> {
+        self.instances.get_mut(instance.0 as usize).ok_or(SceneError::NoSuchInstance)?.visibility =
+            visibility;
+        Ok(())
+    }
+
+    /// Where an instance stands; none if there is no such.
+    pub fn pose(&self, instance: InstanceId) -> Option<Pose> {
+        Some(self.instances.get(instance.0 as usize)?.world_from_instance)
     }
 
     /// Moves an instance.
@@ -234,6 +298,9 @@ impl SceneBuilder {
             nodes: &self.nodes,
             blocks: &self.blocks,
             facets: &self.facets,
+            height_fields: &self.height_fields,
+            heights: &self.heights,
+            extents: &self.extents,
             materials: &self.materials,
             textures: &self.textures,
             texels: &self.texels,

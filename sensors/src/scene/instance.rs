@@ -3,6 +3,7 @@
 use super::SceneError;
 use crate::pose::Pose;
 use bytemuck::{Pod, Zeroable};
+use glam::DMat3;
 
 /// A shape, centred on its own frame. Lengths in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,10 +18,17 @@ pub enum Shape {
         /// Full edge lengths along x and y.
         size: [f64; 2],
     },
+    /// The endless plane z = 0; its outside is +z. A ray along it misses it.
+    Plane,
     /// A ball.
     Sphere {
         /// Radius.
         radius: f64,
+    },
+    /// The points with (x/a)² + (y/b)² + (z/c)² ≤ 1.
+    Ellipsoid {
+        /// a, b, c.
+        radii: [f64; 3],
     },
     /// A closed cylinder along z.
     Cylinder {
@@ -36,13 +44,26 @@ pub enum Shape {
         /// Length without the caps.
         length: f64,
     },
+    /// A closed cone along z: its base at −`length`/2, its apex at +`length`/2.
+    Cone {
+        /// Radius of the base.
+        radius: f64,
+        /// Full length.
+        length: f64,
+    },
     /// Triangles of the scene.
     Mesh(MeshId),
+    /// A height field of the scene; its outside is +z. Below, and beyond its edges, there is nothing.
+    HeightField(HeightFieldId),
 }
 
 /// Index of a mesh in its scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct MeshId(pub u32);
+
+/// Index of a height field in its scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct HeightFieldId(pub u32);
 
 /// Index of a material in its scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -67,6 +88,9 @@ pub struct InstanceConfig {
     pub shape: Shape,
     /// Where it stands.
     pub world_from_instance: Pose,
+    /// What its lengths are multiplied by along each of its axes, before it is turned and moved; negative ones
+    /// mirror it. What was outside stays outside, also for a mirrored mesh.
+    pub scale: [f64; 3],
     /// How it looks.
     pub material: MaterialId,
     /// Which sensors see it: a sensor sees an instance if their bits have one in common.
@@ -75,12 +99,35 @@ pub struct InstanceConfig {
     pub laser_retro: f32,
 }
 
+impl Default for InstanceConfig {
+    /// A cube of 1 m at the world's origin, not scaled, of the scene's first material, that all sensors see and
+    /// no lidar reports an intensity of.
+    fn default() -> Self {
+        Self {
+            shape: Shape::Box { size: [1.0; 3] },
+            world_from_instance: Pose::IDENTITY,
+            scale: [1.0; 3],
+            material: MaterialId(0),
+            visibility: visibility::VISUAL | visibility::COLLISION,
+            laser_retro: 0.0,
+        }
+    }
+}
+
 pub(crate) const KIND_BOX: u32 = 0;
 pub(crate) const KIND_RECTANGLE: u32 = 1;
 pub(crate) const KIND_SPHERE: u32 = 2;
 pub(crate) const KIND_CYLINDER: u32 = 3;
 pub(crate) const KIND_CAPSULE: u32 = 4;
 pub(crate) const KIND_MESH: u32 = 5;
+pub(crate) const KIND_PLANE: u32 = 6;
+pub(crate) const KIND_ELLIPSOID: u32 = 7;
+pub(crate) const KIND_CONE: u32 = 8;
+pub(crate) const KIND_HEIGHT_FIELD: u32 = 9;
+
+/// Half the edges of the box of an endless plane: a tenth of a light-year, beyond the range of every sensor, and
+/// yet small enough that areas in single precision stay finite.
+const ENDLESS: f64 = 1e15;
 
 /// An instance as it lies in a scene's memory.
 #[allow(clippy::struct_field_names, reason = "a transform is named by both its frames")]
@@ -88,9 +135,12 @@ pub(crate) const KIND_MESH: u32 = 5;
 #[repr(C)]
 pub struct Instance {
     pub(crate) world_from_instance: Pose,
-    /// Box and rectangle: half edges. Sphere: radius. Cylinder, capsule: radius, half length.
+    /// Box and rectangle: half edges. Sphere: radius. Ellipsoid: radii. Cylinder, capsule, cone: radius, half
+    /// length.
     pub(crate) size: [f64; 3],
+    pub(crate) scale: [f64; 3],
     pub(crate) kind: u32,
+    /// Of a mesh or height field: which one.
     pub(crate) mesh: u32,
     pub(crate) material: u32,
     pub(crate) visibility: u32,
@@ -102,19 +152,26 @@ impl Instance {
     /// Checks and packs a configuration. Indices are checked by the scene that takes it in.
     ///
     /// # Errors
-    /// [`SceneError::BadSize`] for a length that is not positive and finite, [`SceneError::BadPose`] for a pose
-    /// that is not finite.
+    /// [`SceneError::BadSize`] for a length that is not positive and finite, [`SceneError::BadScale`] for a scale
+    /// that is 0 or not finite, [`SceneError::BadPose`] for a pose that is not finite.
     pub fn new(config: &InstanceConfig) -> Result<Self, SceneError> {
         let (kind, size, mesh) = match config.shape {
             Shape::Box { size } => (KIND_BOX, size.map(|edge| edge * 0.5), 0),
             Shape::Rectangle { size } => (KIND_RECTANGLE, [size[0] * 0.5, size[1] * 0.5, 1.0], 0),
+            Shape::Plane => (KIND_PLANE, [1.0; 3], 0),
             Shape::Sphere { radius } => (KIND_SPHERE, [radius, 1.0, 1.0], 0),
+            Shape::Ellipsoid { radii } => (KIND_ELLIPSOID, radii, 0),
             Shape::Cylinder { radius, length } => (KIND_CYLINDER, [radius, length * 0.5, 1.0], 0),
             Shape::Capsule { radius, length } => (KIND_CAPSULE, [radius, length * 0.5, 1.0], 0),
+            Shape::Cone { radius, length } => (KIND_CONE, [radius, length * 0.5, 1.0], 0),
             Shape::Mesh(mesh) => (KIND_MESH, [1.0; 3], mesh.0),
+            Shape::HeightField(field) => (KIND_HEIGHT_FIELD, [1.0; 3], field.0),
         };
         if !size.iter().all(|length| length.is_finite() && *length > 0.0) {
             return Err(SceneError::BadSize);
+        }
+        if !config.scale.iter().all(|factor| factor.is_finite() && *factor != 0.0) {
+            return Err(SceneError::BadScale);
         }
         if !config.world_from_instance.is_finite() {
             return Err(SceneError::BadPose);
@@ -122,6 +179,7 @@ impl Instance {
         Ok(Self {
             world_from_instance: config.world_from_instance,
             size,
+            scale: config.scale,
             kind,
             mesh,
             material: config.material.0,
@@ -133,18 +191,34 @@ impl Instance {
 
     /// Whether the shape is convex: it cannot stand in its own light.
     pub(crate) fn is_convex(&self) -> bool {
-        self.kind != KIND_MESH
+        self.kind != KIND_MESH && self.kind != KIND_HEIGHT_FIELD
     }
 
-    /// Half extents of the box that holds the shape in its own frame; none for a mesh, whose tree knows.
+    /// The instance's axes in the world: turned, and as long as the scale makes them.
+    pub(crate) fn scaled_axes(&self) -> DMat3 {
+        let axes = self.world_from_instance.rotation_matrix();
+        let [x, y, z] = self.scale;
+        DMat3::from_cols(axes.x_axis * x, axes.y_axis * y, axes.z_axis * z)
+    }
+
+    /// The inverse of [`Instance::scaled_axes`].
+    pub(crate) fn inverse_scaled_axes(&self) -> DMat3 {
+        let axes = self.world_from_instance.rotation_matrix();
+        let [x, y, z] = self.scale;
+        DMat3::from_cols(axes.x_axis / x, axes.y_axis / y, axes.z_axis / z).transpose()
+    }
+
+    /// Half extents of the box that holds the surface in its own unscaled frame; none for a mesh or
+    /// height field, whose tree knows: see [`Scene::local_bounds`](super::Scene::local_bounds).
     pub(crate) fn half_extents(&self) -> Option<[f64; 3]> {
         let [a, b, c] = self.size;
         Some(match self.kind {
-            KIND_BOX => [a, b, c],
+            KIND_BOX | KIND_ELLIPSOID => [a, b, c],
             KIND_RECTANGLE => [a, b, 0.0],
             KIND_SPHERE => [a, a, a],
-            KIND_CYLINDER => [a, a, b],
+            KIND_CYLINDER | KIND_CONE => [a, a, b],
             KIND_CAPSULE => [a, a, a + b],
+            KIND_PLANE => [ENDLESS, ENDLESS, 0.0],
             _ => return None,
         })
     }

@@ -11,11 +11,17 @@
 //! | box +y / −y | −x / +x | +z |
 //! | box +z / −z | +x | +y / −y |
 //! | rectangle (seen from +z) | +x | +y |
-//! | sphere, side of cylinder and capsule | once around, counter-clockwise from −x seen from +z | −z end to +z end |
-//! | ends of a cylinder | +x | +y / −y |
+//! | plane (seen from +z) | +x | +y |
+//! | height field (seen from above) | +x | +y |
+//! | sphere, ellipsoid, capsule, side of cylinder and cone | once around, counter-clockwise from −x seen from +z | −z end to +z end |
+//! | ends of a cylinder, base of a cone | +x | +y / −y |
+//!
+//! Both run from 0 to 1 over a face; on the endless plane they are metres from its origin. They belong to the
+//! shape: an instance's scale stretches the texture with it. Around an ellipsoid, u is the angle of (x/a, y/b).
 
 pub mod build;
 pub(crate) mod bvh;
+mod height_field;
 mod instance;
 mod material;
 mod texture;
@@ -25,8 +31,14 @@ pub mod tree;
 mod builder;
 
 pub use bvh::{Aabb, Node, max_nodes};
-pub use instance::{Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility};
-pub(crate) use instance::{KIND_BOX, KIND_CAPSULE, KIND_CYLINDER, KIND_MESH, KIND_RECTANGLE, KIND_SPHERE};
+pub use height_field::{HeightField, HeightGrid};
+pub use instance::{
+    HeightFieldId, Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility,
+};
+pub(crate) use instance::{
+    KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH,
+    KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
+};
 pub use material::{Environment, Light, LightConfig, LightKind, Material, MaterialConfig};
 pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
@@ -35,6 +47,7 @@ pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
 pub use builder::SceneBuilder;
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 
 /// A mesh as it lies in a scene's memory: ranges of the scene's vertices, triangles and nodes.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -70,6 +83,10 @@ pub struct Scene<'a> {
     pub(crate) blocks: &'a [tree::TriangleBlock],
     /// Sixteen for each block.
     pub(crate) facets: &'a [tree::Facet],
+    pub(crate) height_fields: &'a [HeightField],
+    pub(crate) heights: &'a [f32],
+    /// Least and greatest heights below the nodes of height fields.
+    pub(crate) extents: &'a [[f32; 2]],
     pub(crate) materials: &'a [Material],
     pub(crate) textures: &'a [Texture],
     pub(crate) texels: &'a [[u8; 4]],
@@ -87,6 +104,21 @@ impl<'a> Scene<'a> {
     pub fn lights(&self) -> &'a [Light] {
         self.lights
     }
+
+    /// Corners of the box that holds an instance's surface in its own unscaled frame.
+    pub(crate) fn local_bounds(&self, instance: &Instance) -> [DVec3; 2] {
+        if let Some(half) = instance.half_extents() {
+            return [-DVec3::from_array(half), DVec3::from_array(half)];
+        }
+        let corners = if instance.kind == KIND_MESH {
+            let mesh = &self.meshes[instance.mesh as usize];
+            [mesh.min, mesh.max]
+        } else {
+            let field = &self.height_fields[instance.mesh as usize];
+            HeightGrid::new(field, self.heights, self.extents).bounds()
+        };
+        corners.map(|corner| DVec3::from_array(corner.map(f64::from)))
+    }
 }
 
 /// Why something cannot be taken into a scene.
@@ -95,6 +127,8 @@ impl<'a> Scene<'a> {
 pub enum SceneError {
     /// A length is not positive and finite.
     BadSize,
+    /// A scale is 0 or not finite.
+    BadScale,
     /// A pose is not finite.
     BadPose,
     /// Vertex of that index is not finite.
@@ -109,6 +143,14 @@ pub enum SceneError {
     UvCount,
     /// A texture of no size, or whose texels are not width × height.
     BadTexture,
+    /// A height field of fewer than 2 × 2 heights.
+    HeightFieldTooSmall,
+    /// The heights are not rows × columns.
+    HeightCount,
+    /// Height of that index is not finite, or beyond [`build::MAX_COORDINATE`].
+    BadHeight(usize),
+    /// An instance refers to a height field that the scene does not have.
+    NoSuchHeightField,
     /// An instance refers to a mesh that the scene does not have.
     NoSuchMesh,
     /// An instance refers to a material that the scene does not have.
@@ -136,6 +178,7 @@ impl core::fmt::Display for SceneError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::BadSize => f.write_str("a length is not positive and finite"),
+            Self::BadScale => f.write_str("a scale is 0 or not finite"),
             Self::BadPose => f.write_str("a pose is not finite"),
             Self::BadVertex(index) => write!(f, "vertex {index} is not finite"),
             Self::VertexTooFar(index) => {
@@ -149,6 +192,10 @@ impl core::fmt::Display for SceneError {
             Self::EmptyMesh => f.write_str("a mesh without triangles"),
             Self::UvCount => f.write_str("texture coordinates must be none or one per vertex"),
             Self::BadTexture => f.write_str("a texture must have width × height texels, both at least 1"),
+            Self::HeightFieldTooSmall => f.write_str("a height field must have 2 × 2 heights at least"),
+            Self::HeightCount => f.write_str("a height field must have rows × columns heights"),
+            Self::BadHeight(index) => write!(f, "height {index} is not finite, or beyond 1e12 m"),
+            Self::NoSuchHeightField => f.write_str("no such height field in the scene"),
             Self::NoSuchMesh => f.write_str("no such mesh in the scene"),
             Self::NoSuchMaterial => f.write_str("no such material in the scene"),
             Self::NoSuchTexture => f.write_str("no such texture in the scene"),

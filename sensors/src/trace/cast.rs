@@ -8,8 +8,8 @@ use super::resolve::Resolver;
 use super::view::View;
 use crate::execution::SplitRows;
 use crate::pose::Pose;
+use crate::scene::Scene;
 use crate::scene::tree::WIDTH;
-use crate::scene::{KIND_MESH, Scene};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DMat3;
 
@@ -64,15 +64,7 @@ pub fn cast_grid(
     let rays_in_block_row = width << grid.fan().shift_y;
     let output = Rows { hits, rays_in_block_row };
     let sight = Sight { faces, range };
-    trace_grid(
-        &view,
-        grid,
-        &sight,
-        execution,
-        &mut memory,
-        output,
-        &Cast { axes: world_from_sensor.rotation_matrix() },
-    );
+    trace_grid(&view, grid, &sight, execution, &mut memory, output, &Cast::new(world_from_sensor));
 }
 
 /// Hits, cut between rows of blocks.
@@ -111,114 +103,184 @@ impl SplitRows for Rows<'_> {
 struct Cast {
     /// From the sensor's axes to the world's.
     axes: DMat3,
+    /// Its rows, in single precision.
+    rows: [[f32; 3]; 3],
 }
 
 impl BandWork<Rows<'_>> for Cast {
     #[inline(always)]
     fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, output: Rows<'_>) {
-        let fan = band.projection.fan();
         let mut hits = output.hits;
         let mut resolver = Resolver::new(band.view);
-        for block_row in band.block_rows() {
-            for block_column in 0..fan.blocks_across() {
-                let place = Place::new(fan, band.rows, block_column, block_row);
-                let slots = &band.target.slot[place.block];
-                if let Some(distance) = hits.distance.as_deref_mut() {
-                    let inverse = f32x16::load_array_ref(simd, &band.target.inverse[place.block]);
-                    let distances = band.projection.distances(simd, inverse, block_column, block_row);
-                    let hit = u32x16::load_array_ref(simd, slots).simd_ne(u32x16::splat(simd, NO_HIT));
-                    let mut values = [0.0; WIDTH];
-                    hit.select(distances, f32x16::splat(simd, f32::INFINITY)).store_array(&mut values);
-                    let grazing =
-                        u32x16::load_array_ref(simd, slots).simd_ge(u32x16::splat(simd, GRAZING)) & hit;
-                    let mut lanes = grazing.to_bitmask();
-                    while lanes != 0 {
-                        let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
-                        lanes &= lanes - 1;
-                        self.refine(band, &mut resolver, &place, lane, &mut values[lane]);
+        // Two loops: short ones keep what they need in registers.
+        if let Some(distance) = hits.distance.as_deref_mut() {
+            for_each_block(
+                band,
+                #[inline(always)]
+                |place, block| {
+                    place.write(&self.distances(simd, band, &mut resolver, place, block), distance);
+                },
+            );
+        }
+        if hits.normal.is_some() || hits.instance.is_some() || hits.primitive.is_some() {
+            for_each_block(
+                band,
+                #[inline(always)]
+                |place, _| {
+                    let slots = &band.target.slot[place.block];
+                    if all_same(simd, slots) {
+                        write_same(&mut resolver, slots[0], place, &mut hits);
+                    } else {
+                        write_each(simd, &mut resolver, slots, place, &mut hits);
                     }
-                    place.write(&values, distance);
-                }
-                if hits.normal.is_none()
-                    && hits.instance.is_none()
-                    && hits.primitive.is_none()
-                    && hits.barycentrics.is_none()
-                {
-                    continue;
-                }
-                let first = slots[0];
-                let same = u32x16::load_array_ref(simd, slots).simd_eq(u32x16::splat(simd, first));
-                if same.all_true() && first != NO_HIT && hits.barycentrics.is_none() {
-                    // Most blocks of a scene of large surfaces.
-                    let hit = resolver.hit(first);
-                    if hit.instance.kind == KIND_MESH {
-                        if let Some(normal) = hits.normal.as_deref_mut() {
-                            place.fill(hit.instance.normal_in_frame(resolver.facet(&hit).normal), normal);
-                        }
-                        if let Some(instance) = hits.instance.as_deref_mut() {
-                            place.fill(hit.instance.instance, instance);
-                        }
-                        if let Some(primitive) = hits.primitive.as_deref_mut() {
-                            place.fill(resolver.primitive(&hit), primitive);
-                        }
-                        continue;
-                    }
-                }
-                self.write_lanes(band, &mut resolver, &place, &mut hits);
-            }
+                },
+            );
+        }
+    }
+}
+
+#[inline(always)]
+fn for_each_block<P: Projection>(band: &Band<'_, P>, mut work: impl FnMut(&Place, [usize; 2])) {
+    let fan = band.projection.fan();
+    for row in band.block_rows() {
+        for column in 0..fan.blocks_across() {
+            work(&Place::new(fan, band.rows, column, row), [column, row]);
+        }
+    }
+}
+
+/// Whether all rays of a block have hit the same: so it is with most, if triangles are large.
+#[inline(always)]
+fn all_same<S: Simd>(simd: S, slots: &[u32; WIDTH]) -> bool {
+    u32x16::load_array_ref(simd, slots).simd_eq(u32x16::splat(simd, slots[0])).all_true()
+}
+
+#[inline(always)]
+fn write_same(resolver: &mut Resolver<'_>, slot: u32, place: &Place, hits: &mut Hits<'_>) {
+    let found = Found::new(resolver, slot);
+    if let (Some(output), true) = (hits.normal.as_deref_mut(), slot != NO_HIT) {
+        let [x, y, z] = found.normal;
+        place.write_normals(&[x, y, z, x, y, z, x, y, z, x, y, z], output);
+    }
+    if let Some(output) = hits.instance.as_deref_mut() {
+        place.fill(found.instance, output);
+    }
+    if let Some(output) = hits.primitive.as_deref_mut() {
+        place.fill(found.primitive, output);
+    }
+}
+
+/// Ray by ray.
+#[inline(always)]
+fn write_each<S: Simd>(
+    simd: S,
+    resolver: &mut Resolver<'_>,
+    slots: &[u32; WIDTH],
+    place: &Place,
+    hits: &mut Hits<'_>,
+) {
+    let mut normals = [[0.0; 3]; WIDTH];
+    let (mut instances, mut primitives) = ([0; WIDTH], [0; WIDTH]);
+    let mut missed = false;
+    if let Some((instance, facets)) = resolver.common_instance(simd, slots) {
+        instances = [instance.instance; WIDTH];
+        for lane in 0..WIDTH {
+            let facet = &facets[((slots[lane] & !GRAZING) - instance.first_slot) as usize];
+            normals[lane] = instance.normal_in_frame(facet.normal);
+            primitives[lane] = facet.triangle;
+        }
+    } else {
+        for lane in 0..WIDTH {
+            let found = Found::new(resolver, slots[lane]);
+            missed |= slots[lane] == NO_HIT;
+            normals[lane] = found.normal;
+            instances[lane] = found.instance;
+            primitives[lane] = found.primitive;
+        }
+    }
+    if let Some(output) = hits.normal.as_deref_mut() {
+        if missed {
+            place.write_where(&normals, slots, output);
+        } else {
+            place.write(&normals, output);
+        }
+    }
+    if let Some(output) = hits.instance.as_deref_mut() {
+        place.write(&instances, output);
+    }
+    if let Some(output) = hits.primitive.as_deref_mut() {
+        place.write(&primitives, output);
+    }
+}
+
+/// What is answered for a slot.
+#[derive(Clone, Copy)]
+struct Found {
+    normal: [f32; 3],
+    instance: u32,
+    primitive: u32,
+}
+
+impl Found {
+    #[inline(always)]
+    fn new(resolver: &mut Resolver<'_>, slot: u32) -> Self {
+        if slot == NO_HIT {
+            return Self { normal: [0.0; 3], instance: u32::MAX, primitive: u32::MAX };
+        }
+        let hit = resolver.hit(slot);
+        let facet = resolver.facet(&hit);
+        Self {
+            normal: hit.instance.normal_in_frame(facet.normal),
+            instance: hit.instance.instance,
+            primitive: facet.triangle,
         }
     }
 }
 
 impl Cast {
-    /// Recomputes a distance to a triangle that is seen edge-on, if this ray grazes it.
-    fn refine<P: Projection>(
-        &self,
-        band: &Band<'_, P>,
-        resolver: &mut Resolver<'_>,
-        place: &Place,
-        lane: usize,
-        distance: &mut f32,
-    ) {
-        let Some([column, row]) = place.ray(lane) else { return };
-        let hit = resolver.hit(band.target.slot[place.block][lane]);
-        let direction = self.axes * band.projection.direction(column as i32, row as i32).normalize();
-        *distance = resolver.exact(&hit, direction, f64::from(*distance)) as f32;
+    fn new(world_from_sensor: &Pose) -> Self {
+        let axes = world_from_sensor.rotation_matrix();
+        Self { axes, rows: axes.transpose().as_mat3().to_cols_array_2d() }
     }
 
-    /// Everything but the distance, ray by ray.
+    /// Distances of a block; those of grazing hits in double precision.
     #[inline(always)]
-    fn write_lanes<P: Projection>(
+    fn distances<S: Simd, P: Projection>(
         &self,
+        simd: S,
         band: &Band<'_, P>,
         resolver: &mut Resolver<'_>,
         place: &Place,
-        hits: &mut Hits<'_>,
-    ) {
-        for lane in 0..WIDTH {
-            let Some([column, row]) = place.ray(lane) else { continue };
-            let index = (row - place.first_row) * place.width + column;
-            let slot = band.target.slot[place.block][lane];
-            if slot == NO_HIT {
-                if let Some(instance) = hits.instance.as_deref_mut() {
-                    instance[index] = u32::MAX;
-                }
-                if let Some(primitive) = hits.primitive.as_deref_mut() {
-                    primitive[index] = u32::MAX;
-                }
-                continue;
-            }
-            let hit = resolver.hit(slot);
-            if let Some(instance) = hits.instance.as_deref_mut() {
-                instance[index] = hit.instance.instance;
-            }
-            if let Some(primitive) = hits.primitive.as_deref_mut() {
-                primitive[index] = resolver.primitive(&hit);
-            }
-            if let Some(normal) = hits.normal.as_deref_mut() {
-                normal[index] = hit.instance.normal_in_frame(resolver.facet(&hit).normal);
+        [block_column, block_row]: [usize; 2],
+    ) -> [f32; WIDTH] {
+        let slots = u32x16::load_array_ref(simd, &band.target.slot[place.block]);
+        let inverse = f32x16::load_array_ref(simd, &band.target.inverse[place.block]);
+        let hit = slots.simd_ne(u32x16::splat(simd, NO_HIT));
+        let distances = band.projection.distances(simd, inverse, block_column, block_row);
+        let mut values = [0.0; WIDTH];
+        hit.select(distances, f32x16::splat(simd, f32::INFINITY)).store_array(&mut values);
+        let mut lanes = (slots.simd_ge(u32x16::splat(simd, GRAZING)) & hit).to_bitmask();
+        if lanes == 0 {
+            return values;
+        }
+        let directions = band.projection.unit_directions(simd, block_column, block_row);
+        let mut rough = [[0.0; WIDTH]; 3];
+        for axis in 0..3 {
+            let [x, y, z] = self.rows[axis];
+            ((directions[0] * x + directions[1] * y) + directions[2] * z).store_array(&mut rough[axis]);
+        }
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+            lanes &= lanes - 1;
+            let hit = resolver.hit(band.target.slot[place.block][lane]);
+            let rough = [rough[0][lane], rough[1][lane], rough[2][lane]];
+            if let (true, Some([column, row])) = (resolver.grazes(&hit, rough), place.ray(lane)) {
+                let direction = band.projection.direction(column as i32, row as i32);
+                let direction = self.axes * direction.normalize();
+                values[lane] = resolver.exact(&hit, direction, f64::from(values[lane])) as f32;
             }
         }
+        values
     }
 }
 
@@ -281,8 +343,38 @@ impl Place {
         }
     }
 
+    /// Writes those lanes that have hit something.
+    fn write_where<T: Copy>(&self, values: &[T; WIDTH], slots: &[u32; WIDTH], output: &mut [T]) {
+        for lane in 0..WIDTH {
+            if let (true, Some([column, row])) = (slots[lane] != NO_HIT, self.ray(lane)) {
+                output[(row - self.first_row) * self.width + column] = values[lane];
+            }
+        }
+    }
+
+    /// Fills the block with one normal, given four times.
+    #[inline(always)]
+    fn write_normals(&self, four: &[f32; 12], output: &mut [[f32; 3]]) {
+        for line in 0..self.down {
+            let output = output[self.index(line)..][..self.across].as_flattened_mut();
+            for output in output.chunks_mut(12) {
+                match <&mut [f32; 12]>::try_from(&mut *output) {
+                    Ok(output) => *output = *four,
+                    Err(_) => output.copy_from_slice(&four[..output.len()]),
+                }
+            }
+        }
+    }
+
     #[inline(always)]
     fn fill<T: Copy>(&self, value: T, output: &mut [T]) {
-        self.write(&[value; WIDTH], output);
+        for line in 0..self.down {
+            let output = &mut output[self.index(line)..];
+            match self.across {
+                4 => output[..4].copy_from_slice(&[value; 4]),
+                16 => output[..16].copy_from_slice(&[value; 16]),
+                across => output[..across].fill(value),
+            }
+        }
     }
 }

@@ -12,8 +12,8 @@ use glam::{DMat3, DVec3};
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct Placed {
-    /// Columns: the instance's axes in the frame.
-    pub(crate) axes: [[f64; 3]; 3],
+    /// Rows: take what is relative to `translation` into the instance's unscaled frame.
+    pub(crate) inverse: [[f64; 3]; 3],
     pub(crate) translation: [f64; 3],
     pub(crate) instance: u32,
     reserved: u32,
@@ -119,11 +119,10 @@ impl<'a> Frame<'a> {
             if instance.visibility & visibility == 0 {
                 continue;
             }
-            let pose = &instance.world_from_instance;
-            let translation = pose.translation() - origin_in_world;
-            let axes = pose.rotation_matrix();
+            let translation = instance.world_from_instance.translation() - origin_in_world;
+            let axes = instance.scaled_axes();
             workspace.placed[count] = Placed {
-                axes: axes.to_cols_array_2d(),
+                inverse: instance.inverse_scaled_axes().transpose().to_cols_array_2d(),
                 translation: translation.to_array(),
                 instance: index as u32,
                 reserved: 0,
@@ -152,16 +151,8 @@ impl<'a> Frame<'a> {
 }
 
 fn bounds_in_frame(scene: &Scene<'_>, instance: &Instance, axes: &DMat3, translation: DVec3) -> Aabb {
-    let (centre, half) = instance.half_extents().map_or_else(
-        || {
-            let mesh = &scene.meshes[instance.mesh as usize];
-            let bounds = &scene.old_nodes[mesh.old_first_node as usize].bounds;
-            let (low, high) = (bounds.min.map(f64::from), bounds.max.map(f64::from));
-            let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
-            ((low + high) * 0.5, (high - low) * 0.5)
-        },
-        |half| (DVec3::ZERO, DVec3::from_array(half)),
-    );
+    let [low, high] = scene.local_bounds(instance);
+    let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let centre = *axes * centre + translation;
     let reach = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
     Aabb::from_f64((centre - reach).to_array(), (centre + reach).to_array())

@@ -1,9 +1,10 @@
 //! From the slot of a hit back to what was hit.
 
-use super::image::{GRAZING, NO_HIT};
+use super::image::{GRAZING, GRAZING_SQUARED, NO_HIT};
 use super::view::{Placed, View};
 use crate::scene::KIND_MESH;
 use crate::scene::tree::{Facet, WIDTH};
+use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 use glam::DVec3;
 
 /// Finds the instances of slots; remembers the last, as neighbours mostly hit the same.
@@ -41,11 +42,29 @@ impl<'a> Resolver<'a> {
         Hit { placed: self.placed, instance, facet }
     }
 
+    /// The instance found last, if all slots are of its triangles; and these.
+    #[inline(always)]
+    pub(crate) fn common_instance<S: Simd>(
+        &self,
+        simd: S,
+        slots: &[u32; WIDTH],
+    ) -> Option<(&'a Placed, &'a [Facet])> {
+        let slots = u32x16::load_array_ref(simd, slots) & u32x16::splat(simd, !GRAZING);
+        let own = slots.simd_ge(u32x16::splat(simd, self.slots.start))
+            & slots.simd_lt(u32x16::splat(simd, self.slots.end));
+        if !own.all_true() {
+            return None;
+        }
+        let instance = &self.view.placed[self.placed as usize];
+        let facets = &self.view.scene.facets[instance.first_block as usize * WIDTH..];
+        (instance.kind == KIND_MESH).then_some((instance, facets))
+    }
+
     #[cold]
     fn find(&mut self, slot: u32) {
         let after = self.view.placed.partition_point(|placed| placed.first_slot <= slot);
         self.placed = after as u32 - 1;
-        let end = self.view.placed.get(after).map_or(NO_HIT, |next| next.first_slot);
+        let end = self.view.placed.get(after).map_or(NO_HIT & !GRAZING, |next| next.first_slot);
         self.slots = self.view.placed[after - 1].first_slot..end;
     }
 
@@ -55,17 +74,22 @@ impl<'a> Resolver<'a> {
         &self.view.scene.facets[hit.facet]
     }
 
-    /// The triangle that was hit, in the order of the mesh's maker; 0 for other shapes.
-    #[inline(always)]
-    pub(crate) fn primitive(&self, hit: &Hit<'_>) -> u32 {
-        if hit.instance.kind == KIND_MESH { self.facet(hit).triangle } else { 0 }
-    }
-
     /// The corners of a triangle that was hit, in its mesh.
     pub(crate) fn corners(&self, hit: &Hit<'_>) -> [DVec3; 3] {
         let block = &self.view.scene.blocks[hit.facet / WIDTH];
         let lane = hit.facet % WIDTH;
         block.corners.map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()))
+    }
+
+    /// Whether a ray runs so nearly along the triangle that it hits that single precision is not enough.
+    #[inline(always)]
+    pub(crate) fn grazes(&self, hit: &Hit<'_>, direction: [f32; 3]) -> bool {
+        if hit.instance.kind != KIND_MESH {
+            return false;
+        }
+        let [x, y, z] = hit.instance.normal_in_frame(self.facet(hit).normal);
+        let sine = (x * direction[0] + y * direction[1]) + z * direction[2];
+        sine * sine < 1.0 / GRAZING_SQUARED
     }
 
     /// t of a ray from the frame's origin on the plane of a triangle, in double precision; `otherwise` for other

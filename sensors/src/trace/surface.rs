@@ -6,7 +6,10 @@
 use super::frame::{Frame, Placed};
 use super::packet::Packet;
 use super::traverse::triangle_corners;
-use crate::scene::{KIND_BOX, KIND_CAPSULE, KIND_CYLINDER, KIND_MESH, KIND_RECTANGLE, KIND_SPHERE};
+use crate::scene::{
+    HeightGrid, KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD,
+    KIND_MESH, KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
+};
 use crate::simd::{LANES, Lanes, sqrt};
 use core::f64::consts::{PI, TAU};
 use glam::DVec3;
@@ -100,6 +103,30 @@ impl Surfaces {
                 #[inline(always)]
                 |_, point| flat(DVec3::Z, point, [DVec3::X / (2.0 * a), DVec3::Y / (2.0 * b)]),
             ),
+            KIND_PLANE => self.add_lanes::<TEXTURED>(
+                packet,
+                index,
+                placed,
+                steps,
+                #[inline(always)]
+                |_, point| Surface { uv: [point.x, point.y], ..flat(DVec3::Z, point, [DVec3::X, DVec3::Y]) },
+            ),
+            KIND_ELLIPSOID => self.add_lanes::<TEXTURED>(
+                packet,
+                index,
+                placed,
+                steps,
+                #[inline(always)]
+                |_, point| on_ellipsoid::<TEXTURED>(point, DVec3::new(a, b, c)),
+            ),
+            KIND_CONE => self.add_lanes::<TEXTURED>(
+                packet,
+                index,
+                placed,
+                steps,
+                #[inline(always)]
+                |_, point| on_cone::<TEXTURED>(point, a, b),
+            ),
             KIND_SPHERE => self.add_lanes::<TEXTURED>(
                 packet,
                 index,
@@ -129,6 +156,23 @@ impl Surfaces {
                     around::<TEXTURED>(point, radial / a, [-b - a, b + a])
                 },
             ),
+            KIND_HEIGHT_FIELD => {
+                let scene = &frame.scene;
+                let field = &scene.height_fields[instance.mesh as usize];
+                let grid = HeightGrid::new(field, scene.heights, scene.extents);
+                self.add_lanes::<TEXTURED>(
+                    packet,
+                    index,
+                    placed,
+                    steps,
+                    #[inline(always)]
+                    |lane, point| {
+                        // Other lanes may have hit the triangle of something else.
+                        let triangle = if packet.placed[lane] == index { packet.triangle[lane] } else { 0 };
+                        on_height_field(&grid, triangle, point)
+                    },
+                );
+            }
             KIND_MESH => self.add_lanes::<TEXTURED>(
                 packet,
                 index,
@@ -158,14 +202,14 @@ impl Surfaces {
         steps: &PixelSteps,
         surface: impl Fn(usize, DVec3) -> Surface,
     ) {
-        let axes = placed.axes.map(DVec3::from_array);
-        let to_local = |v: DVec3| DVec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v));
+        let inverse = placed.inverse.map(DVec3::from_array);
+        let to_local = |v: DVec3| DVec3::new(inverse[0].dot(v), inverse[1].dot(v), inverse[2].dot(v));
         let mine = |lane: usize| packet.placed[lane] == index;
 
         // One array a loop, and local arrays between them: what may overlap in memory is not vectorised.
         let mut point = [[0.0; LANES]; 3];
         for axis in 0..3 {
-            let [x, y, z] = placed.axes[axis];
+            let [x, y, z] = placed.inverse[axis];
             let [tx, ty, tz] = placed.translation;
             for lane in 0..LANES {
                 point[axis][lane] = x * (self.point[0][lane] - tx)
@@ -190,12 +234,24 @@ impl Surfaces {
                 }
             }
         }
+        // Normals go by the inverse transpose, and are unit ones again afterwards.
+        let mut turned = [[0.0; LANES]; 3];
         for axis in 0..3 {
-            let [x, y, z] = axes.map(|column| column[axis]);
+            let [x, y, z] = inverse.map(|row| row[axis]);
             for lane in 0..LANES {
-                let in_frame = x * normal[0][lane] + y * normal[1][lane] + z * normal[2][lane];
+                turned[axis][lane] = x * normal[0][lane] + y * normal[1][lane] + z * normal[2][lane];
+            }
+        }
+        let mut length = [0.0; LANES];
+        for lane in 0..LANES {
+            let [x, y, z] = [turned[0][lane], turned[1][lane], turned[2][lane]];
+            length[lane] = sqrt(x * x + y * y + z * z);
+        }
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                let unit = turned[axis][lane] / length[lane];
                 let old = self.normal[axis][lane];
-                self.normal[axis][lane] = if mine(lane) { in_frame as f32 } else { old };
+                self.normal[axis][lane] = if mine(lane) { unit as f32 } else { old };
             }
         }
         if !TEXTURED {
@@ -234,7 +290,7 @@ impl Surfaces {
 /// A point of a surface, in the axes of its instance.
 #[derive(Clone, Copy)]
 struct Surface {
-    /// Unit, outwards.
+    /// Outwards; of whatever length above 0.
     normal: DVec3,
     /// Texture coordinates.
     uv: [f64; 2],
@@ -283,6 +339,32 @@ fn on_cylinder<const TEXTURED: bool>(point: DVec3, radius: f64, half_length: f64
     if half_length - point.z * sign < radius - to_axis { end } else { side }
 }
 
+#[inline(always)]
+fn on_cone<const TEXTURED: bool>(point: DVec3, radius: f64, half_length: f64) -> Surface {
+    let to_axis = sqrt(point.x * point.x + point.y * point.y);
+    // The side's normal goes outwards by the length while it goes up by the radius.
+    let (out, up) = (2.0 * half_length, radius);
+    let slant = sqrt(out * out + up * up);
+    let ahead = if to_axis > 0.0 { out / (slant * to_axis) } else { 0.0 };
+    let normal = DVec3::new(point.x * ahead, point.y * ahead, up / slant);
+    let side = around::<TEXTURED>(point, normal, [-half_length, half_length]);
+    let per_metre = 0.5 / radius;
+    let base = flat(DVec3::NEG_Z, point, [DVec3::X * per_metre, DVec3::NEG_Y * per_metre]);
+    let below_side = ((half_length - point.z) * up - to_axis * out) / slant;
+    if point.z + half_length < below_side { base } else { side }
+}
+
+/// As the unit ball in its own stretched frame.
+#[inline(always)]
+fn on_ellipsoid<const TEXTURED: bool>(point: DVec3, radii: DVec3) -> Surface {
+    let inverse = DVec3::new(1.0 / radii.x, 1.0 / radii.y, 1.0 / radii.z);
+    let stretched = point * inverse;
+    let mut surface = around::<TEXTURED>(stretched, stretched, [-1.0, 1.0]);
+    surface.normal *= inverse;
+    surface.uv_gradient = surface.uv_gradient.map(|gradient| gradient * inverse);
+    surface
+}
+
 /// A surface of revolution: u once around from −x, v along z.
 #[inline(always)]
 fn around<const TEXTURED: bool>(point: DVec3, normal: DVec3, [low, high]: [f64; 2]) -> Surface {
@@ -290,13 +372,22 @@ fn around<const TEXTURED: bool>(point: DVec3, normal: DVec3, [low, high]: [f64; 
         return Surface { normal, uv: [0.0; 2], uv_gradient: [DVec3::ZERO; 2] };
     }
     let squared = point.x * point.x + point.y * point.y;
-    let per_turn = 1.0 / (if squared > 1e-12 { squared } else { 1e-12 } * TAU);
+    // At the very poles u changes without limit.
+    let least = 1e-12 * (high - low) * (high - low);
+    let per_turn = 1.0 / (if squared > least { squared } else { least } * TAU);
     let along = 1.0 / (high - low);
     Surface {
         normal,
         uv: [(libm::atan2(point.y, point.x) + PI) / TAU, (point.z - low) * along],
         uv_gradient: [DVec3::new(-point.y * per_turn, point.x * per_turn, 0.0), DVec3::Z * along],
     }
+}
+
+fn on_height_field(grid: &HeightGrid<'_>, triangle: u32, point: DVec3) -> Surface {
+    let [a, b, c] = grid.triangle(triangle).map(|corner| DVec3::from_array(corner.map(f64::from)));
+    let [x, y] = grid.field().size();
+    let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
+    flat(normal, point, [DVec3::X / x, DVec3::Y / y])
 }
 
 fn on_triangle<const TEXTURED: bool>(frame: &Frame<'_>, triangle: u32, mesh: u32, point: DVec3) -> Surface {

@@ -2,10 +2,8 @@
 
 use super::frame::Frame;
 use super::packet::{Faces, MISS, Packet, PacketBounds};
-use super::shapes::{LocalRays, capsule, cuboid, cylinder, rectangle, sphere, triangle};
-use crate::scene::{
-    KIND_BOX, KIND_CAPSULE, KIND_CYLINDER, KIND_MESH, KIND_RECTANGLE, KIND_SPHERE, Mesh, Node, bvh,
-};
+use super::shapes::{LocalRays, commit, match_solid, triangle};
+use crate::scene::{KIND_MESH, Mesh, Node, bvh};
 use crate::simd::LANES;
 use fearless_simd::Simd;
 use glam::DVec3;
@@ -132,18 +130,13 @@ fn leads(nodes: &[Node], children: [u32; 2], bounds: &PacketBounds) -> bool {
 fn intersect_instance<S: Simd>(simd: S, frame: &Frame<'_>, placed: u32, packet: &mut Packet, faces: Faces) {
     let instance = frame.instance(placed);
     let rays = local_rays(frame, placed, packet);
-    let [a, b, _] = instance.size;
-    match instance.kind {
-        KIND_BOX => cuboid::intersect(&rays, instance.size, packet, faces, placed),
-        KIND_RECTANGLE => rectangle::intersect(&rays, instance.size, packet, faces, placed),
-        KIND_SPHERE => sphere::intersect(&rays, a, packet, faces, placed),
-        KIND_CYLINDER => cylinder::intersect(&rays, a, b, packet, faces, placed),
-        KIND_CAPSULE => capsule::intersect(&rays, a, b, packet, faces, placed),
-        KIND_MESH => {
+    match_solid!(
+        instance,
+        inside => commit(&rays, packet, faces, placed, inside),
+        _ => if instance.kind == KIND_MESH {
             walk_mesh(simd, frame, &frame.scene.meshes[instance.mesh as usize], &rays, packet, faces, placed);
         }
-        _ => {}
-    }
+    );
 }
 
 #[inline(always)]
@@ -151,7 +144,7 @@ fn local_rays(frame: &Frame<'_>, placed: u32, packet: &Packet) -> LocalRays {
     let placed = &frame.placed[placed as usize];
     let mut rays = LocalRays { origin: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3] };
     for axis in 0..3 {
-        let [x, y, z] = placed.axes[axis];
+        let [x, y, z] = placed.inverse[axis];
         let [tx, ty, tz] = placed.translation;
         let origin = |lane: usize| {
             x * (packet.origin[0][lane] - tx)

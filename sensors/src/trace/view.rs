@@ -60,13 +60,17 @@ pub struct Placed {
     pub(crate) mirrored: u32,
     /// 1 if normals change their length on the way to the frame.
     scaled: u32,
-    reserved: u32,
+    /// 0 if the instance has the axes of the world.
+    turned: u32,
 }
 
 impl Placed {
     /// A unit normal of the instance in the frame.
     #[inline(always)]
     pub(crate) fn normal_in_frame(&self, normal: [f32; 3]) -> [f32; 3] {
+        if self.turned == 0 {
+            return normal;
+        }
         let [x, y, z] = normal;
         let mut turned = self.normal_rows.map(|row| (row[0] * x + row[1] * y) + row[2] * z);
         if self.scaled != 0 {
@@ -150,7 +154,7 @@ impl<'a> View<'a> {
                 mirrored: u32::from(axes.determinant() < 0.0),
                 normal_rows: inverse.as_mat3().to_cols_array_2d(),
                 scaled: 0,
-                reserved: 0,
+                turned: u32::from(axes != DMat3::IDENTITY),
             };
             bounds[count] = bounds_in_frame(scene, instance, &axes, translation);
             slots += mesh.map_or(1, |mesh| mesh.blocks * WIDTH as u32);
@@ -172,15 +176,8 @@ impl<'a> View<'a> {
 }
 
 fn bounds_in_frame(scene: &Scene<'_>, instance: &Instance, axes: &DMat3, translation: DVec3) -> Aabb {
-    let (centre, half) = instance.half_extents().map_or_else(
-        || {
-            let mesh = &scene.meshes[instance.mesh as usize];
-            let (low, high) =
-                (DVec3::from_array(mesh.min.map(f64::from)), DVec3::from_array(mesh.max.map(f64::from)));
-            ((low + high) * 0.5, (high - low) * 0.5)
-        },
-        |half| (DVec3::ZERO, DVec3::from_array(half)),
-    );
+    let [low, high] = scene.local_bounds(instance);
+    let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let centre = *axes * centre + translation;
     let reach = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
     let mut bounds = Aabb::from_f64((centre - reach).to_array(), (centre + reach).to_array());

@@ -9,7 +9,7 @@ use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scene::{
     InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, Scene, SceneBuilder,
-    Shape, visibility,
+    Shape,
 };
 use belvedere_sensors::trace::{Capture, WorkspaceBuf};
 use belvedere_sensors::{Execution, Pose};
@@ -72,13 +72,7 @@ pub(crate) fn glowing(builder: &mut SceneBuilder, colour: [f32; 3]) -> MaterialI
 
 /// Adds a shape that all sensors see.
 pub(crate) fn add(builder: &mut SceneBuilder, shape: Shape, pose: Pose, material: MaterialId) -> InstanceId {
-    let config = InstanceConfig {
-        shape,
-        world_from_instance: pose,
-        material,
-        visibility: visibility::VISUAL | visibility::COLLISION,
-        laser_retro: 0.0,
-    };
+    let config = InstanceConfig { shape, world_from_instance: pose, material, ..Default::default() };
     builder.add_instance(&config).expect("a valid instance")
 }
 

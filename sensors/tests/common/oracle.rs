@@ -18,11 +18,11 @@ impl Ray {
         self.origin + self.direction * t
     }
 
-    fn local(&self, world_from_shape: &Pose) -> Self {
+    fn local(&self, world_from_shape: &Pose, scale: DVec3) -> Self {
         let shape_from_world = world_from_shape.rotation().inverse();
         Self {
-            origin: shape_from_world * (self.origin - world_from_shape.translation()),
-            direction: shape_from_world * self.direction,
+            origin: shape_from_world * (self.origin - world_from_shape.translation()) / scale,
+            direction: shape_from_world * self.direction / scale,
         }
     }
 }
@@ -42,7 +42,19 @@ type Candidate = (f64, DVec3);
 /// The least t ≥ `t_min` at which the ray meets the shape's surface; from outside only, unless `both` sides
 /// count. Meshes have no formula of their own.
 pub(crate) fn first_hit(shape: &Shape, pose: &Pose, ray: &Ray, t_min: f64, both: bool) -> Option<f64> {
-    let ray = ray.local(pose);
+    first_hit_scaled(shape, pose, DVec3::ONE, ray, t_min, both)
+}
+
+/// The same of a shape that is scaled along its own axes.
+pub(crate) fn first_hit_scaled(
+    shape: &Shape,
+    pose: &Pose,
+    scale: DVec3,
+    ray: &Ray,
+    t_min: f64,
+    both: bool,
+) -> Option<f64> {
+    let ray = ray.local(pose, scale);
     let candidates = match *shape {
         Shape::Box { size } => box_faces(&ray, DVec3::from_array(size) / 2.0),
         Shape::Rectangle { size } => {
@@ -64,7 +76,18 @@ pub(crate) fn first_hit(shape: &Shape, pose: &Pose, ray: &Ray, t_min: f64, both:
             });
             tube(&ray, radius, length).into_iter().chain(caps).collect()
         }
-        Shape::Mesh(_) => unreachable!("meshes have no formula"),
+        Shape::Plane => plane(&ray, DVec3::Z, 0.0, |_| true).into_iter().collect(),
+        Shape::Ellipsoid { radii } => {
+            let radii = DVec3::from_array(radii);
+            let stretched = Ray { origin: ray.origin / radii, direction: ray.direction / radii };
+            ball(&stretched, DVec3::ZERO, 1.0).into_iter().map(|(t, normal)| (t, normal / radii)).collect()
+        }
+        Shape::Cone { radius, length } => {
+            let disc = |p: DVec3| p.x.hypot(p.y) <= radius;
+            let base = plane(&ray, DVec3::NEG_Z, length / 2.0, disc);
+            mantle(&ray, radius, length).into_iter().chain(base).collect()
+        }
+        Shape::Mesh(_) | Shape::HeightField(_) => unreachable!("triangles have no formula"),
     };
     candidates
         .into_iter()
@@ -85,7 +108,10 @@ pub(crate) fn scaled(shape: &Shape, factor: f64) -> Shape {
         Shape::Capsule { radius, length } => {
             Shape::Capsule { radius: radius * factor, length: length * factor }
         }
-        Shape::Mesh(mesh) => Shape::Mesh(mesh),
+        Shape::Plane => Shape::Plane,
+        Shape::Ellipsoid { radii } => Shape::Ellipsoid { radii: radii.map(|radius| radius * factor) },
+        Shape::Cone { radius, length } => Shape::Cone { radius: radius * factor, length: length * factor },
+        Shape::Mesh(_) | Shape::HeightField(_) => *shape,
     }
 }
 
@@ -135,6 +161,42 @@ fn tube(ray: &Ray, radius: f64, length: f64) -> Vec<Candidate> {
     [nearest - half_chord, nearest + half_chord]
         .into_iter()
         .map(|distance| (distance / speed, ((origin + ahead * distance) / radius).extend(0.0)))
+        .filter(|(t, _)| ray.at(*t).z.abs() <= length / 2.0)
+        .collect()
+}
+
+/// The side of a cone, by bisection: f(t) = ρ − (radius at that height) is convex along a ray, as the sum of the
+/// convex distance to the axis and a linear function.
+fn mantle(ray: &Ray, radius: f64, length: f64) -> Vec<Candidate> {
+    let slope = radius / length;
+    let outside = |t: f64| {
+        let p = ray.at(t);
+        p.x.hypot(p.y) - slope * (length / 2.0 - p.z)
+    };
+    // Where the ray passes the ball around the cone; beyond it there is nothing to find.
+    let ends = ball(ray, DVec3::ZERO, radius.max(length));
+    let [(start, _), (end, _)] = ends[..] else { return vec![] };
+    let (mut low, mut high) = (start, end);
+    for _ in 0..90 {
+        let third = (high - low) / 3.0;
+        if outside(low + third) < outside(high - third) { high -= third } else { low += third }
+    }
+    let least = low;
+    if outside(least) > 0.0 {
+        return vec![];
+    }
+    [start, end]
+        .into_iter()
+        .filter(|far| outside(*far) > 0.0)
+        .map(|far| {
+            let (mut inner, mut outer) = (least, far);
+            for _ in 0..90 {
+                let middle = 0.5 * (inner + outer);
+                if outside(middle) > 0.0 { outer = middle } else { inner = middle }
+            }
+            let p = ray.at(inner);
+            (inner, (p.truncate().normalize_or_zero() * length).extend(radius))
+        })
         .filter(|(t, _)| ray.at(*t).z.abs() <= length / 2.0)
         .collect()
 }

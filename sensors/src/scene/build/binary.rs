@@ -1,7 +1,9 @@
 //! The binary tree that the wide one is made of.
 
-use super::bins::{Cut, blocks, find_cut};
+use super::Quality;
+use super::bins::{blocks, find_cut};
 use super::bounds::Scratch;
+use super::sweep::{SWEEP, sweep};
 use crate::Execution;
 use crate::scene::tree::WIDTH;
 use fearless_simd::Simd;
@@ -28,6 +30,7 @@ struct Set {
 /// owns 2b − 1 nodes; its left child is the next one, so where a node lies depends on nothing but the input.
 pub(super) fn build<S: Simd>(
     simd: S,
+    quality: Quality,
     execution: Execution,
     items: &mut [Scratch],
     nodes: &mut [Scratch],
@@ -35,13 +38,14 @@ pub(super) fn build<S: Simd>(
 ) {
     let (bounds, centres) = bounds_of(simd, items);
     let set = Set { bounds, centres, budget, depth: 0 };
-    build_set(simd, execution, items, nodes, 0, 0, set);
+    build_set(simd, quality, execution, items, nodes, 0, 0, set);
 }
 
 /// `first`: the scene-wide index of the first item. `base`: that of the first node.
 #[cfg_attr(not(feature = "rayon"), allow(clippy::only_used_in_recursion, reason = "threads come with rayon"))]
 fn build_set<S: Simd>(
     simd: S,
+    quality: Quality,
     execution: Execution,
     items: &mut [Scratch],
     nodes: &mut [Scratch],
@@ -53,7 +57,7 @@ fn build_set<S: Simd>(
         nodes[0] = set.bounds.with_tags(first as u32, items.len() as u32);
         return;
     }
-    let (count, left, right) = split(simd, items, &set);
+    let (count, left, right) = split(simd, quality, items, &set);
     let left_nodes = 2 * left.budget - 1;
     nodes[0] = set.bounds.with_tags((base + 1 + left_nodes) as u32, 0);
     let (left_items, right_items) = items.split_at_mut(count);
@@ -62,32 +66,39 @@ fn build_set<S: Simd>(
     #[cfg(feature = "rayon")]
     if execution.parallel && left_items.len() + right_items.len() >= PARALLEL_FROM {
         rayon::join(
-            || build_set(simd, execution, left_items, left_part, first, base + 1, left),
-            || build_set(simd, execution, right_items, right_part, right_first, right_base, right),
+            || build_set(simd, quality, execution, left_items, left_part, first, base + 1, left),
+            || build_set(simd, quality, execution, right_items, right_part, right_first, right_base, right),
         );
         return;
     }
-    build_set(simd, execution, left_items, left_part, first, base + 1, left);
-    build_set(simd, execution, right_items, right_part, right_first, right_base, right);
+    build_set(simd, quality, execution, left_items, left_part, first, base + 1, left);
+    build_set(simd, quality, execution, right_items, right_part, right_first, right_base, right);
 }
 
 /// Sorts the items into two sides. How many are on the left, and both sides.
-fn split<S: Simd>(simd: S, items: &mut [Scratch], set: &Set) -> (usize, Set, Set) {
+fn split<S: Simd>(simd: S, quality: Quality, items: &mut [Scratch], set: &Set) -> (usize, Set, Set) {
     simd.vectorize(
         #[inline(always)]
         || {
             let depth = set.depth + 1;
-            let cut = if set.depth < HALVE_FROM_DEPTH {
-                find_cut(simd, items, &set.centres, set.budget)
-            } else {
-                None
-            };
-            let (count, [left, right], [left_centres, right_centres]) = match cut {
-                Some(cut) => {
-                    let centres = partition(items, &cut);
-                    (cut.left_count, [cut.left, cut.right], centres)
+            let (count, [left, right], [left_centres, right_centres]) = if set.depth >= HALVE_FROM_DEPTH {
+                halve(simd, items, &set.centres)
+            } else if quality == Quality::High && items.len() <= SWEEP {
+                match sweep(simd, items, set.budget) {
+                    Some((count, sides)) => {
+                        let centres = |items: &[Scratch]| bounds_of(simd, items).1;
+                        (count, sides, [centres(&items[..count]), centres(&items[count..])])
+                    }
+                    None => halve(simd, items, &set.centres),
                 }
-                None => halve(simd, items, &set.centres),
+            } else {
+                match find_cut(simd, items, &set.centres, set.budget) {
+                    Some(cut) => {
+                        let centres = cut.plane.partition(simd, items);
+                        (cut.left_count, [cut.left, cut.right], centres)
+                    }
+                    None => halve(simd, items, &set.centres),
+                }
             };
             let (left_budget, right_budget) = share(set.budget, count, items.len() - count);
             (
@@ -105,24 +116,6 @@ fn share(budget: usize, left: usize, right: usize) -> (usize, usize) {
     let extra = (spare as u64 * left as u64 / (left + right) as u64) as usize;
     let left_budget = if left <= WIDTH { 1 } else { blocks(left) + extra };
     (left_budget, if right <= WIDTH { 1 } else { blocks(right) + spare - extra })
-}
-
-/// Moves what lies left of the cut to the front, without a branch on where an item belongs. The bounds of the
-/// centres of both sides.
-#[inline(always)]
-fn partition(items: &mut [Scratch], cut: &Cut) -> [Scratch; 2] {
-    let mut centres = [Scratch::EMPTY; 2];
-    let mut left = 0;
-    for i in 0..items.len() {
-        let item = items[i];
-        let is_left = cut.plane.is_left(&item);
-        items[i] = items[left];
-        items[left] = item;
-        left += usize::from(is_left);
-        centres[usize::from(!is_left)].join(&item.centre());
-    }
-    debug_assert_eq!(left, cut.left_count);
-    centres
 }
 
 /// Halves by rank along the longest axis of the centres, at a multiple of a block.

@@ -34,11 +34,37 @@ pub(super) struct Plane {
 
 impl Plane {
     #[inline(always)]
-    pub(super) fn is_left(&self, item: &Scratch) -> bool {
+    fn is_left(&self, item: &Scratch) -> bool {
         let centre = item.lanes[self.axis] - item.lanes[self.axis + 4];
         let x = (centre - self.origin) * self.scale - 0.5;
         let x = if x < 0.0 { 0.0 } else { x };
         x + ROUND <= self.last
+    }
+
+    /// Moves what lies left to the front, without a branch on where an item belongs. The bounds of the centres of
+    /// both sides.
+    #[inline(always)]
+    pub(super) fn partition<S: Simd>(&self, simd: S, items: &mut [Scratch]) -> [Scratch; 2] {
+        let zero = f32x4::splat(simd, 0.0);
+        let mut left_centres = f32x8::splat(simd, f32::INFINITY);
+        let mut right_centres = left_centres;
+        let mut left = 0;
+        for i in 0..items.len() {
+            let item = items[i];
+            let is_left = self.is_left(&item);
+            let (lower, upper) = simd.split_f32x8(f32x8::from_slice(simd, &item.lanes));
+            let centre = lower - upper;
+            let centre = simd.combine_f32x4(centre, zero - centre);
+            // ∞ on the side it does not belong to, 0 on the other.
+            let infinity = f32::INFINITY.to_bits();
+            let mask = u32::from(is_left).wrapping_neg();
+            left_centres = left_centres.min(centre + f32::from_bits(infinity & !mask));
+            right_centres = right_centres.min(centre + f32::from_bits(infinity & mask));
+            items[i] = items[left];
+            items[left] = item;
+            left += usize::from(is_left);
+        }
+        [Scratch { lanes: left_centres.into() }, Scratch { lanes: right_centres.into() }]
     }
 }
 
@@ -63,27 +89,37 @@ pub(super) fn find_cut<S: Simd>(simd: S, items: &[Scratch], centres: &Scratch, b
         scale[axis] = if s.is_finite() { s } else { 0.0 };
     }
 
-    // Step 2: into the bins of all three axes at once.
-    let mut bins = [[Scratch::EMPTY; BINS]; 3];
-    let mut counts = [[0_u32; BINS]; 3];
+    // Step 2: into the bins of all three axes at once. Even and odd boxes have bins of their own: neighbours often
+    // fall into the same bin, and would wait for each other.
     let origins = f32x4::from_slice(simd, &origin);
     let scales = f32x4::from_slice(simd, &scale);
     let half = f32x4::splat(simd, 0.5);
     let zero = f32x4::splat(simd, 0.0);
     let round = f32x4::splat(simd, ROUND);
-    for item in items {
-        let bounds = f32x8::from_slice(simd, &item.lanes);
+    let place = |bounds: f32x8<S>| -> [f32; 4] {
         let (lower, upper) = simd.split_f32x8(bounds);
-        let x = ((lower - upper - origins) * scales - half).max(zero) + round;
-        let x: [f32; 4] = x.into();
+        (((lower - upper - origins) * scales - half).max(zero) + round).into()
+    };
+    let mut bins = Bins::EMPTY;
+    let mut odd_bins = Bins::EMPTY;
+    let (pairs, last) = items.as_chunks::<2>();
+    for [even, odd] in pairs {
+        let even = f32x8::from_slice(simd, &even.lanes);
+        let odd = f32x8::from_slice(simd, &odd.lanes);
+        let (even_place, odd_place) = (place(even), place(odd));
         for axis in 0..3 {
-            let bin = x[axis].to_bits() as usize % BINS;
-            let into = &mut bins[axis][bin];
-            let joined = f32x8::from_slice(simd, &into.lanes).min(bounds);
-            joined.store_slice(&mut into.lanes);
-            counts[axis][bin] += 1;
+            bins.add(simd, axis, even_place[axis], even);
+            odd_bins.add(simd, axis, odd_place[axis], odd);
         }
     }
+    for item in last {
+        let bounds = f32x8::from_slice(simd, &item.lanes);
+        let place = place(bounds);
+        for axis in 0..3 {
+            bins.add(simd, axis, place[axis], bounds);
+        }
+    }
+    let Bins { bounds: bins, counts } = bins.joined(simd, &odd_bins);
 
     // Step 3: sweep from both ends.
     let mut best_cost = f32::INFINITY;
@@ -136,4 +172,36 @@ pub(super) fn find_cut<S: Simd>(simd: S, items: &[Scratch], centres: &Scratch, b
         left: union(&bins[axis][..=last]),
         right: union(&bins[axis][last + 1..]),
     })
+}
+
+/// What fell into each bin of each axis.
+struct Bins {
+    bounds: [[Scratch; BINS]; 3],
+    counts: [[u32; BINS]; 3],
+}
+
+impl Bins {
+    const EMPTY: Self = Self { bounds: [[Scratch::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] };
+
+    /// `place`: the bin plus [`ROUND`].
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, axis: usize, place: f32, bounds: f32x8<S>) {
+        let bin = place.to_bits() as usize % BINS;
+        let into = &mut self.bounds[axis][bin];
+        f32x8::from_slice(simd, &into.lanes).min(bounds).store_slice(&mut into.lanes);
+        self.counts[axis][bin] += 1;
+    }
+
+    #[inline(always)]
+    fn joined<S: Simd>(mut self, simd: S, other: &Self) -> Self {
+        for axis in 0..3 {
+            for bin in 0..BINS {
+                self.counts[axis][bin] += other.counts[axis][bin];
+                let into = &mut self.bounds[axis][bin];
+                let more = f32x8::from_slice(simd, &other.bounds[axis][bin].lanes);
+                f32x8::from_slice(simd, &into.lanes).min(more).store_slice(&mut into.lanes);
+            }
+        }
+        self
+    }
 }

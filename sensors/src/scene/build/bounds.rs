@@ -7,6 +7,9 @@ use bytemuck::{Pod, Zeroable};
 /// must stay in the range of f32.
 pub const MAX_COORDINATE: f32 = 1e12;
 
+/// Added to tags: as floats they are not subnormal then, which some processors are slow at.
+const TAG: u32 = 1 << 23;
+
 /// One unit of the builder's working memory: a box and two tags.
 ///
 /// Lanes 0–2 are the lower corner and lanes 4–6 the upper corner *negated*, so that one minimum of eight lanes
@@ -59,19 +62,19 @@ impl Scratch {
     /// A primitive: the triangle. A binary node: first primitive of a leaf, right child of an inner node.
     #[inline(always)]
     pub(super) fn tag(&self) -> u32 {
-        self.lanes[3].to_bits()
+        self.lanes[3].to_bits().wrapping_sub(TAG)
     }
 
     /// A binary node: how many primitives a leaf has, 0 for an inner node.
     #[inline(always)]
     pub(super) fn count(&self) -> u32 {
-        self.lanes[7].to_bits()
+        self.lanes[7].to_bits().wrapping_sub(TAG)
     }
 
     #[inline(always)]
     pub(super) fn with_tags(mut self, tag: u32, count: u32) -> Self {
-        self.lanes[3] = f32::from_bits(tag);
-        self.lanes[7] = f32::from_bits(count);
+        self.lanes[3] = f32::from_bits(tag.wrapping_add(TAG));
+        self.lanes[7] = f32::from_bits(count.wrapping_add(TAG));
         self
     }
 
@@ -85,15 +88,16 @@ impl Scratch {
 }
 
 /// Every vertex is finite and within [`MAX_COORDINATE`].
-pub(super) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), SceneError> {
-    let inside = |vertex: &[f32; 3]| {
-        (vertex[0].abs() <= MAX_COORDINATE)
-            & (vertex[1].abs() <= MAX_COORDINATE)
-            & (vertex[2].abs() <= MAX_COORDINATE)
-    };
-    let Some(bad) = positions.iter().position(|vertex| !inside(vertex)) else {
+pub(in crate::scene) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), SceneError> {
+    // Without an early way out within a chunk, so that it is done in vectors.
+    let inside = |x: &f32| x.abs() <= MAX_COORDINATE;
+    let faulty = |chunk: &[[f32; 3]]| !chunk.as_flattened().iter().fold(true, |all, x| all & inside(x));
+    const CHUNK: usize = 1024;
+    let Some(chunk) = positions.chunks(CHUNK).position(faulty) else {
         return Ok(());
     };
+    let within = positions[chunk * CHUNK..].iter().position(|vertex| !vertex.iter().all(inside));
+    let bad = chunk * CHUNK + within.unwrap_or(0);
     let finite = positions[bad].iter().all(|x| x.is_finite());
     Err(if finite { SceneError::VertexTooFar(bad) } else { SceneError::BadVertex(bad) })
 }
@@ -103,7 +107,7 @@ pub(super) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), SceneError> {
 /// # Errors
 /// [`SceneError::BadTriangle`] when it names a vertex that is not there.
 #[inline(always)]
-pub(super) fn corners(
+pub(in crate::scene) fn corners(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
     index: usize,

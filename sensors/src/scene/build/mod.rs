@@ -11,9 +11,11 @@ mod binary;
 mod bins;
 mod bounds;
 mod collapse;
+mod cut;
 #[cfg(feature = "alloc")]
 mod owned;
 mod refit;
+mod sweep;
 
 pub use bounds::{MAX_COORDINATE, Scratch};
 #[cfg(feature = "alloc")]
@@ -21,7 +23,7 @@ pub use owned::Tree;
 pub use refit::refit;
 
 use super::SceneError;
-use super::tree::{TriangleBlock, WIDTH, WideNode};
+use super::tree::{NONE, TriangleBlock, WIDTH, WideNode};
 use crate::Execution;
 use bytemuck::Zeroable;
 use fearless_simd::dispatch;
@@ -51,26 +53,26 @@ pub struct TreeSize {
 
 /// The most that a tree over so many triangles can need.
 ///
-/// The builder keeps the number of blocks below twice what full blocks would need. A node with fewer than
-/// sixteen children has none but leaves, and at least two (but for the root), so with b blocks there are no more
-/// than b/2 of these; and (b/2 − 1)/15 full nodes hold those.
+/// The builder keeps the number of blocks below twice what full blocks would need. All nodes have at least two
+/// children (but for the root, which can have one), and everything but the root is the child of one node, so there
+/// are fewer nodes than blocks. [`plan`] knows the numbers of a given mesh, which are a small part of this.
 pub const fn max_size(triangles: usize) -> TreeSize {
     let blocks = if triangles <= WIDTH { triangles.div_ceil(WIDTH) } else { 2 * triangles.div_ceil(WIDTH) };
-    TreeSize { nodes: 1 + blocks / 2 + blocks / 30, blocks }
+    TreeSize { nodes: if blocks > 2 { blocks - 1 } else { 1 }, blocks }
 }
 
 /// How much working memory [`build`] needs.
 pub const fn scratch_len(triangles: usize) -> usize {
-    triangles + 2 * max_size(triangles).blocks
+    // A box for each triangle and each node of the binary tree, and the eight bytes of `cut` for the latter.
+    let binary = 2 * max_size(triangles).blocks;
+    triangles + binary + binary.div_ceil(4)
 }
 
 /// Builds the tree of a mesh into the front of `nodes` and `blocks`, and says how many of each it took.
 /// [`max_size`] and [`scratch_len`] tell what is always enough. `positions` are metres, `triangles` index them.
 ///
 /// # Errors
-/// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`] with the index of the
-/// element; [`SceneError::TooMany`] when the blocks could not be counted in u32; and
-/// [`SceneError::BufferTooSmall`].
+/// Those of [`plan`] and [`Plan::write`].
 pub fn build(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
@@ -80,31 +82,80 @@ pub fn build(
     nodes: &mut [WideNode],
     blocks: &mut [TriangleBlock],
 ) -> Result<TreeSize, SceneError> {
+    let plan = plan(positions, triangles, quality, execution, scratch)?;
+    plan.write(nodes, blocks)?;
+    Ok(plan.size())
+}
+
+/// A tree that is only to be written: its size is known, so memory can be got for it.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    positions: &'a [[f32; 3]],
+    triangles: &'a [[u32; 3]],
+    /// The primitives, sorted.
+    items: &'a [Scratch],
+    binary: &'a [Scratch],
+    /// See [`cut`].
+    ways: &'a [u64],
+    size: TreeSize,
+}
+
+/// The first half of [`build`]: all but the writing. [`scratch_len`] tells how much `scratch` must hold.
+///
+/// # Errors
+/// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`] with the index of the
+/// element; [`SceneError::TooMany`] when there would be more triangles in blocks than a u32 counts;
+/// [`SceneError::BufferTooSmall`].
+pub fn plan<'a>(
+    positions: &'a [[f32; 3]],
+    triangles: &'a [[u32; 3]],
+    quality: Quality,
+    execution: Execution,
+    scratch: &'a mut [Scratch],
+) -> Result<Plan<'a>, SceneError> {
     let most = max_size(triangles.len());
     // A hit is a u32, block · 16 + lane, and the last u32 means none.
     if (most.blocks as u64 + 1) * WIDTH as u64 > u64::from(u32::MAX) || positions.len() > u32::MAX as usize {
         return Err(SceneError::TooMany);
     }
-    let need = scratch_len(triangles.len());
-    for (buffer, have, need) in [
-        ("scratch", scratch.len(), need),
-        ("nodes", nodes.len(), most.nodes),
-        ("blocks", blocks.len(), most.blocks),
-    ] {
-        if have < need {
-            return Err(SceneError::BufferTooSmall { buffer, have, need });
-        }
-    }
+    enough("scratch", scratch.len(), scratch_len(triangles.len()))?;
     bounds::check_vertices(positions)?;
-    if triangles.is_empty() {
-        nodes[0] = WideNode { child: [super::tree::NONE; WIDTH], ..WideNode::zeroed() };
-        return Ok(TreeSize { nodes: 1, blocks: 0 });
-    }
     let (items, rest) = scratch.split_at_mut(triangles.len());
+    let (binary, rest) = rest.split_at_mut(2 * most.blocks);
+    let ways: &mut [u64] = bytemuck::cast_slice_mut(rest);
     for (index, item) in items.iter_mut().enumerate() {
         *item = bounds::bounds_of(bounds::corners(positions, triangles, index)?).with_tags(index as u32, 0);
     }
-    let _ = quality;
-    dispatch!(execution.level, simd => binary::build(simd, execution, items, rest, most.blocks));
-    collapse::collapse(positions, triangles, items, rest, nodes, blocks)
+    let mut size = TreeSize { nodes: 1, blocks: 0 };
+    if !items.is_empty() {
+        dispatch!(execution.level, simd => binary::build(simd, quality, execution, items, binary, most.blocks));
+        cut::choose(binary, ways);
+        size = collapse::measure(binary, ways);
+    }
+    Ok(Plan { positions, triangles, items, binary, ways, size })
+}
+
+impl Plan<'_> {
+    /// What [`Plan::write`] fills.
+    pub const fn size(&self) -> TreeSize {
+        self.size
+    }
+
+    /// Writes the tree into the front of `nodes` and `blocks`.
+    ///
+    /// # Errors
+    /// [`SceneError::BufferTooSmall`].
+    pub fn write(&self, nodes: &mut [WideNode], blocks: &mut [TriangleBlock]) -> Result<(), SceneError> {
+        enough("nodes", nodes.len(), self.size.nodes)?;
+        enough("blocks", blocks.len(), self.size.blocks)?;
+        if self.items.is_empty() {
+            nodes[0] = WideNode { child: [NONE; WIDTH], ..WideNode::zeroed() };
+            return Ok(());
+        }
+        collapse::collapse(self.positions, self.triangles, self.items, self.binary, self.ways, nodes, blocks)
+    }
+}
+
+const fn enough(buffer: &'static str, have: usize, need: usize) -> Result<(), SceneError> {
+    if have < need { Err(SceneError::BufferTooSmall { buffer, have, need }) } else { Ok(()) }
 }

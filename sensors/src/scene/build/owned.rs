@@ -1,6 +1,6 @@
 //! A tree that owns its memory.
 
-use super::{Quality, Scratch, build, max_size, refit, scratch_len};
+use super::{Quality, Scratch, plan, refit, scratch_len};
 use crate::Execution;
 use crate::scene::SceneError;
 use crate::scene::tree::{TriangleBlock, WideNode};
@@ -26,26 +26,22 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// As [`build`], in memory of its own.
+    /// As [`build`](super::build), in memory of its own.
     ///
     /// # Errors
-    /// As [`build`].
+    /// As [`build`](super::build).
     pub fn build(
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
         quality: Quality,
         execution: Execution,
     ) -> Result<Self, SceneError> {
-        let most = max_size(triangles.len());
         let mut scratch: Vec<Scratch> = zeroed_vec(scratch_len(triangles.len()));
-        let mut nodes: Vec<WideNode> = zeroed_vec(most.nodes);
-        let mut blocks: Vec<TriangleBlock> = zeroed_vec(most.blocks);
-        let size = build(positions, triangles, quality, execution, &mut scratch, &mut nodes, &mut blocks)?;
-        nodes.truncate(size.nodes);
-        blocks.truncate(size.blocks);
-        nodes.shrink_to_fit();
-        blocks.shrink_to_fit();
-        Ok(Self { nodes, blocks })
+        let plan = plan(positions, triangles, quality, execution, &mut scratch)?;
+        let size = plan.size();
+        let mut tree = Self { nodes: zeroed_vec(size.nodes), blocks: zeroed_vec(size.blocks) };
+        plan.write(&mut tree.nodes, &mut tree.blocks)?;
+        Ok(tree)
     }
 
     /// As [`refit`].

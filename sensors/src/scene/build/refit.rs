@@ -1,11 +1,11 @@
 //! New boxes for moved vertices.
 
-use super::bounds::{check_vertices, corners, larger, smaller};
+use super::bounds::check_vertices;
 use super::collapse::put;
 use crate::Execution;
 use crate::scene::SceneError;
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::{Simd, SimdBase, dispatch, f32x16};
 
 /// Takes over moved vertices: the same triangles, the same tree, new boxes. `nodes` and `blocks` are what
 /// [`build`](super::build) wrote for `triangles`, no more and no less.
@@ -42,7 +42,7 @@ fn refit_on<S: Simd>(
             // Children come after their parents, so the last node is done first.
             for index in (0..nodes.len()).rev() {
                 let (front, below) = nodes[index..].split_at_mut(1);
-                refit_node(positions, triangles, &mut front[0], below, index, blocks)?;
+                refit_node(simd, positions, triangles, &mut front[0], below, index, blocks)?;
             }
             Ok(())
         },
@@ -50,7 +50,8 @@ fn refit_on<S: Simd>(
 }
 
 #[inline(always)]
-fn refit_node(
+fn refit_node<S: Simd>(
+    simd: S,
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
     node: &mut WideNode,
@@ -58,18 +59,34 @@ fn refit_node(
     index: usize,
     blocks: &mut [TriangleBlock],
 ) -> Result<(), SceneError> {
+    // Step 1: which vertices the leaves need. All these reads are under way at once, as none waits for another;
+    // done leaf by leaf, each would cost the time to memory.
+    let mut vertices = [[[0; 3]; WIDTH]; WIDTH];
+    for (child, vertices) in node.child.iter().zip(&mut vertices) {
+        if *child != NONE && child & LEAF != 0 {
+            let block = blocks.get((child & !LEAF) as usize).ok_or(SceneError::BadTree(index))?;
+            for (&triangle, vertices) in block.triangle.iter().zip(vertices) {
+                if triangle != NONE {
+                    *vertices = *triangles
+                        .get(triangle as usize)
+                        .ok_or(SceneError::BadTriangle(triangle as usize))?;
+                }
+            }
+        }
+    }
+
+    // Step 2: corners and boxes.
     let mut bounds = ([0.0; 3], [0.0; 3]);
     for lane in 0..WIDTH {
         let child = node.child[lane];
         if child == NONE {
             // Unused lanes repeat the box of the last child.
         } else if child & LEAF != 0 {
-            let block = blocks.get_mut((child & !LEAF) as usize).ok_or(SceneError::BadTree(index))?;
-            refit_block(positions, triangles, block)?;
-            bounds = block_bounds(block);
+            let block = &mut blocks[(child & !LEAF) as usize];
+            bounds = refit_block(simd, positions, &vertices[lane], block)?;
         } else {
             let child = (child as usize).checked_sub(index + 1).and_then(|child| below.get(child));
-            bounds = node_bounds(child.ok_or(SceneError::BadTree(index))?);
+            bounds = node_bounds(simd, child.ok_or(SceneError::BadTree(index))?);
         }
         for axis in 0..3 {
             node.min[axis][lane] = bounds.0[axis];
@@ -79,69 +96,53 @@ fn refit_node(
     Ok(())
 }
 
+/// New corners for a block, of those vertices. Its box.
 #[inline(always)]
-fn refit_block(
+fn refit_block<S: Simd>(
+    simd: S,
     positions: &[[f32; 3]],
-    triangles: &[[u32; 3]],
+    vertices: &[[u32; 3]; WIDTH],
     block: &mut TriangleBlock,
-) -> Result<(), SceneError> {
+) -> Result<([f32; 3], [f32; 3]), SceneError> {
     let mut filler = [[0.0; 3]; 3];
     for lane in 0..WIDTH {
-        let index = block.triangle[lane];
-        let triangle = if index == NONE {
+        let triangle = if block.triangle[lane] == NONE {
             filler
-        } else if (index as usize) < triangles.len() {
-            corners(positions, triangles, index as usize)?
         } else {
-            return Err(SceneError::BadTriangle(index as usize));
+            match vertices[lane].map(|vertex| positions.get(vertex as usize)) {
+                [Some(a), Some(b), Some(c)] => [*a, *b, *c],
+                _ => return Err(SceneError::BadTriangle(block.triangle[lane] as usize)),
+            }
         };
-        put(block, lane, triangle);
+        put(&mut block.corners, lane, &triangle);
         filler = [triangle[0]; 3];
     }
-    Ok(())
-}
-
-/// Box of the triangles of a block; those that fill it up lie inside.
-#[inline(always)]
-fn block_bounds(block: &TriangleBlock) -> ([f32; 3], [f32; 3]) {
     let [a, b, c] = &block.corners;
     let mut bounds = ([0.0; 3], [0.0; 3]);
     for axis in 0..3 {
-        let mut min = [0.0; WIDTH];
-        let mut max = [0.0; WIDTH];
-        for lane in 0..WIDTH {
-            min[lane] = smaller(smaller(a[axis][lane], b[axis][lane]), c[axis][lane]);
-            max[lane] = larger(larger(a[axis][lane], b[axis][lane]), c[axis][lane]);
-        }
-        bounds.0[axis] = least(min);
-        bounds.1[axis] = greatest(max);
+        let [a, b, c] = [a, b, c].map(|corner| f32x16::from_slice(simd, &corner[axis]));
+        bounds.0[axis] = least(a.min(b).min(c));
+        bounds.1[axis] = greatest(a.max(b).max(c));
     }
-    bounds
+    Ok(bounds)
 }
 
 /// Box of the children of a node.
 #[inline(always)]
-fn node_bounds(node: &WideNode) -> ([f32; 3], [f32; 3]) {
-    (node.min.map(least), node.max.map(greatest))
+fn node_bounds<S: Simd>(simd: S, node: &WideNode) -> ([f32; 3], [f32; 3]) {
+    (
+        node.min.map(|axis| least(f32x16::from_slice(simd, &axis))),
+        node.max.map(|axis| greatest(f32x16::from_slice(simd, &axis))),
+    )
 }
 
-/// Never −0, as the builder has it.
+/// Never −0, as the builder has it: levels may differ in which of two zeros is the smaller.
 #[inline(always)]
-fn least(mut values: [f32; WIDTH]) -> f32 {
-    for half in [8, 4, 2, 1] {
-        for lane in 0..half {
-            values[lane] = smaller(values[lane], values[lane + half]);
-        }
-    }
-    values[0] + 0.0
+fn least<S: Simd>(values: f32x16<S>) -> f32 {
+    values.reduce_min() + 0.0
 }
 
 #[inline(always)]
-fn greatest(mut values: [f32; WIDTH]) -> f32 {
-    for half in [8, 4, 2, 1] {
-        for lane in 0..half {
-            values[lane] = larger(values[lane], values[lane + half]);
-        }
-    }
-    values[0] + 0.0
+fn greatest<S: Simd>(values: f32x16<S>) -> f32 {
+    values.reduce_max() + 0.0
 }

@@ -23,5 +23,5 @@ pub(crate) use fan::Fan;
 pub(crate) use pinhole::PinholeFan;
 pub(crate) use projection::Projection;
 pub(crate) use spherical::{SphericalFan, Steps};
-pub(crate) use target::{GRAZING, NO_HIT, Target};
+pub(crate) use target::{GRAZING, GRAZING_SQUARED, NO_HIT, Target};
 pub(crate) use walk::walk;

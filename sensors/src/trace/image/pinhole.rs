@@ -91,6 +91,13 @@ impl Projection for PinholeFan {
     }
 
     #[inline(always)]
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        let [y, z] = self.block(simd, column, row);
+        let shorter = f32x16::splat(simd, 1.0) / ((y * y + z * z) + 1.0).sqrt();
+        [shorter, y * shorter, z * shorter]
+    }
+
+    #[inline(always)]
     fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, column: usize, row: usize) -> f32x16<S> {
         let [y, z] = self.block(simd, column, row);
         ((y * y + z * z) + 1.0).sqrt() / inverse

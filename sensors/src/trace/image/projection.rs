@@ -37,6 +37,9 @@ pub(crate) trait Projection: Copy {
     /// The direction of a ray to the last bit, in units of t.
     fn direction(&self, column: i32, row: i32) -> DVec3;
 
+    /// Directions of the rays of a block, of length 1.
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S>;
+
     /// Distances along the rays of a block, in metres, from 1/t.
     fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, column: usize, row: usize) -> f32x16<S>;
 

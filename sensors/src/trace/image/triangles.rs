@@ -6,7 +6,7 @@
 //! on the same side as the triangle, and there 1/t = n·d / n·a.
 
 use super::projection::{Planes, Points, Projection, Rectangles, max, min};
-use super::target::{GRAZING, Target};
+use super::target::{GRAZING, GRAZING_SQUARED, Target};
 use crate::scene::tree::WIDTH;
 use crate::trace::packet::Faces;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
@@ -19,9 +19,6 @@ const TINY_TRIANGLE: i32 = 12;
 const TINY_TRIANGLES: u32 = 3;
 /// Rectangles of up to that many blocks are drawn without asking first which blocks the triangle touches.
 const FEW_BLOCKS: usize = 6;
-
-/// (1 / sine of the angle between ray and plane)² from which on a hit is recomputed in double precision: 1.8°.
-const GRAZING_SQUARED: f32 = 1000.0;
 
 const LANE_NUMBERS: [u32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 

@@ -1,26 +1,11 @@
 //! Capsules along z: a cylinder and a ball at each end.
 
-use super::{LocalRays, commit, cylinder, sphere};
-use crate::trace::packet::{Faces, Packet};
+use super::{Inside, cylinder, sphere};
 
 #[inline(always)]
-pub(crate) fn intersect(
-    rays: &LocalRays,
-    radius: f64,
-    half_length: f64,
-    packet: &mut Packet,
-    faces: Faces,
-    placed: u32,
-) {
-    commit(
-        packet,
-        faces,
-        placed,
-        #[inline(always)]
-        |lane| {
-            cylinder::inside(rays, lane, radius, half_length)
-                .hull(sphere::inside(rays, lane, radius, half_length))
-                .hull(sphere::inside(rays, lane, radius, -half_length))
-        },
-    );
+pub(crate) fn inside(origin: [f64; 3], direction: [f64; 3], [radius, half_length]: [f64; 2]) -> Inside {
+    let [x, y, z] = origin;
+    cylinder::inside(origin, direction, [radius, half_length])
+        .hull(sphere::inside([x, y, z - half_length], direction, radius))
+        .hull(sphere::inside([x, y, z + half_length], direction, radius))
 }

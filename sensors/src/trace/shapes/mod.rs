@@ -1,18 +1,68 @@
-//! One shape a file: where 64 rays meet it.
+//! One shape a file: where a ray meets it.
 //!
-//! Kernels work in the shape's own frame, in f64, which leaves errors far below what an f32 result shows even
-//! for grazing rays. Convex solids give the interval of t in which a ray is inside; [`commit`] turns it into a
-//! hit.
+//! Kernels work on one ray in the shape's own frame, in f64, which leaves errors far below what an f32 result
+//! shows even for grazing rays. Each is a pure function without branches, so that a loop over lanes around it
+//! is vectorised; [`match_solid!`] picks the function once for the whole loop.
+//!
+//! A convex solid gives the interval of t in which the ray is inside ([`Inside`]). A ray's origin may lie far
+//! away compared with the shape: squares are taken of what is left near the shape only, so that nothing is lost
+//! by cancellation (Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection").
 
 pub(crate) mod capsule;
+pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
+pub(crate) mod ellipsoid;
+pub(crate) mod plane;
 pub(crate) mod rectangle;
 pub(crate) mod sphere;
 pub(crate) mod triangle;
 
 use super::packet::{Faces, Packet};
-use crate::simd::{Lanes, sqrt};
+use crate::simd::{LANES, Lanes, sqrt};
+
+/// Evaluates `$body` with `$inside` bound to the kernel of an instance's kind: a
+/// `Fn(origin: [f64; 3], direction: [f64; 3]) -> Inside` for rays in the instance's own (unscaled) frame.
+/// `$otherwise` is for the kinds that are made of triangles.
+///
+/// The match is outside of `$body`, which is compiled once per kind: put the loop over lanes into it, and let it
+/// do nothing but fill an array of its own with [`Inside::first`]. If it changed hits in place, LLVM would make
+/// masked stores of that, which take four times as long as all the rest at AVX2.
+macro_rules! match_solid {
+    ($instance:expr, $inside:ident => $body:expr, _ => $otherwise:expr) => {{
+        use $crate::scene as kinds;
+        use $crate::trace::shapes;
+        let size = $instance.size;
+        macro_rules! with {
+            ($kernel:path, $sizes:expr) => {{
+                let sizes = $sizes;
+                let $inside = shapes::kernel(
+                    #[inline(always)]
+                    |origin, direction| $kernel(origin, direction, sizes),
+                );
+                $body
+            }};
+        }
+        match $instance.kind {
+            kinds::KIND_BOX => with!(shapes::cuboid::inside, size),
+            kinds::KIND_RECTANGLE => with!(shapes::rectangle::inside, [size[0], size[1]]),
+            kinds::KIND_SPHERE => with!(shapes::sphere::inside, size[0]),
+            kinds::KIND_CYLINDER => with!(shapes::cylinder::inside, [size[0], size[1]]),
+            kinds::KIND_CAPSULE => with!(shapes::capsule::inside, [size[0], size[1]]),
+            kinds::KIND_PLANE => with!(shapes::plane::inside, ()),
+            kinds::KIND_ELLIPSOID => with!(shapes::ellipsoid::inside, size.map(|radius| 1.0 / radius)),
+            kinds::KIND_CONE => with!(shapes::cone::inside, [1.0 / size[0], 0.5 / size[1]]),
+            _ => $otherwise,
+        }
+    }};
+}
+pub(crate) use match_solid;
+
+/// Its argument: only as an argument may a closure be marked as to be inlined.
+#[inline(always)]
+pub(crate) fn kernel<F: Fn([f64; 3], [f64; 3]) -> Inside>(inside: F) -> F {
+    inside
+}
 
 /// Rays in the frame of one instance.
 pub(crate) struct LocalRays {
@@ -21,15 +71,35 @@ pub(crate) struct LocalRays {
 }
 
 /// Where a ray is inside a convex solid; empty when `enter` > `exit`.
-#[derive(Clone, Copy)]
+///
+/// A surface without a volume, such as a rectangle, is entered by a ray that meets its outside and left by one
+/// that meets its inside; the other end lies at infinity.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Inside {
     pub(crate) enter: f64,
     pub(crate) exit: f64,
 }
 
 impl Inside {
-    pub(crate) const NOWHERE: Self = Self { enter: f64::INFINITY, exit: f64::NEG_INFINITY };
     pub(crate) const EVERYWHERE: Self = Self { enter: f64::NEG_INFINITY, exit: f64::INFINITY };
+
+    /// The least t ≥ `t_min` at which the ray meets the surface: from outside only, unless `both` sides count.
+    /// ∞ when it does not.
+    #[inline(always)]
+    pub(crate) fn first(self, t_min: f64, both: bool) -> f64 {
+        let leaving = if both && self.exit >= t_min { self.exit } else { f64::INFINITY };
+        let t = if self.enter >= t_min { self.enter } else { leaving };
+        if self.enter <= self.exit { t } else { f64::INFINITY }
+    }
+
+    /// This where the condition holds, else nothing.
+    #[inline(always)]
+    pub(crate) fn when(self, condition: bool) -> Self {
+        Self {
+            enter: if condition { self.enter } else { f64::INFINITY },
+            exit: if condition { self.exit } else { f64::NEG_INFINITY },
+        }
+    }
 
     #[inline(always)]
     pub(crate) fn intersection(self, other: Self) -> Self {
@@ -42,15 +112,11 @@ impl Inside {
     /// The smallest interval that holds both; right for the parts of a convex solid.
     #[inline(always)]
     pub(crate) fn hull(self, other: Self) -> Self {
-        if self.enter > self.exit {
-            return other;
-        }
-        if other.enter > other.exit {
-            return self;
-        }
+        // Empty ones as +∞ … −∞, which the compares then pass over.
+        let (a, b) = (self.when(self.enter <= self.exit), other.when(other.enter <= other.exit));
         Self {
-            enter: if other.enter < self.enter { other.enter } else { self.enter },
-            exit: if other.exit > self.exit { other.exit } else { self.exit },
+            enter: if b.enter < a.enter { b.enter } else { a.enter },
+            exit: if b.exit > a.exit { b.exit } else { a.exit },
         }
     }
 
@@ -61,31 +127,56 @@ impl Inside {
         // then make it a miss.
         let inverse = 1.0 / direction;
         let (a, b) = ((-half - origin) * inverse, (half - origin) * inverse);
-        if a < b { Self { enter: a, exit: b } } else { Self { enter: b, exit: a } }
+        let ascending = a < b;
+        Self { enter: if ascending { a } else { b }, exit: if ascending { b } else { a } }
     }
 
-    /// Where |o + t·d|² ≤ r², given d·d, o·d and o·o − r².
+    /// Where |o + t·d| ≤ r in as many dimensions as the arrays have, for d ≠ 0.
     #[inline(always)]
-    pub(crate) fn quadric(dd: f64, od: f64, oo_rr: f64) -> Self {
-        let discriminant = od * od - dd * oo_rr;
-        let root = sqrt(if discriminant > 0.0 { discriminant } else { 0.0 });
-        let inverse = 1.0 / dd;
-        let inside = Self { enter: (-od - root) * inverse, exit: (-od + root) * inverse };
-        if discriminant < 0.0 { Self::NOWHERE } else { inside }
+    pub(crate) fn ball<const N: usize>(o: [f64; N], d: [f64; N], radius: f64) -> Self {
+        let inverse = 1.0 / dot(d, d);
+        let middle = -dot(o, d) * inverse;
+        // From the ray's point that is nearest to the centre, half a chord back and forth.
+        let mut nearest = o;
+        for axis in 0..N {
+            nearest[axis] = o[axis] + middle * d[axis];
+        }
+        let squared = (radius * radius - dot(nearest, nearest)) * inverse;
+        let half_chord = sqrt(if squared > 0.0 { squared } else { 0.0 });
+        Self { enter: middle - half_chord, exit: middle + half_chord }.when(squared >= 0.0)
     }
+}
+
+#[inline(always)]
+pub(crate) fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
+    let mut sum = a[0] * b[0];
+    for axis in 1..N {
+        sum += a[axis] * b[axis];
+    }
+    sum
 }
 
 /// Takes the solid's surface as the packet's nearest hit where it is nearer than what was there.
 #[inline(always)]
-pub(crate) fn commit(packet: &mut Packet, faces: Faces, placed: u32, inside: impl Fn(usize) -> Inside) {
+pub(crate) fn commit(
+    rays: &LocalRays,
+    packet: &mut Packet,
+    faces: Faces,
+    placed: u32,
+    inside: impl Fn([f64; 3], [f64; 3]) -> Inside,
+) {
     let both = faces == Faces::Both;
     let t_min = packet.t_min;
-    for lane in 0..crate::simd::LANES {
-        let Inside { enter, exit } = inside(lane);
-        let leaving = if both && exit >= t_min { exit } else { f64::INFINITY };
-        let t = if enter >= t_min { enter } else { leaving };
-        let hit = enter <= exit && t < packet.t[lane];
-        packet.t[lane] = if hit { t } else { packet.t[lane] };
-        packet.placed[lane] = if hit { placed } else { packet.placed[lane] };
+    let mut t = [0.0; LANES];
+    for lane in 0..LANES {
+        let origin = [rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]];
+        let direction = [rays.direction[0][lane], rays.direction[1][lane], rays.direction[2][lane]];
+        t[lane] = inside(origin, direction).first(t_min, both);
     }
+    let mut hit = [0; LANES];
+    for lane in 0..LANES {
+        hit[lane] = if t[lane] < packet.t[lane] { placed } else { packet.placed[lane] };
+        t[lane] = if t[lane] < packet.t[lane] { t[lane] } else { packet.t[lane] };
+    }
+    (packet.t, packet.placed) = (t, hit);
 }

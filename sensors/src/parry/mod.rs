@@ -1,0 +1,128 @@
+//! Shapes of parry3d in a scene (feature `parry`).
+//!
+//! parry3d's shapes become this crate's, exactly: no round shape is cut into triangles. One shape is one or
+//! several [`Part`]s, each with its own place in the shape's frame, since parry3d has its cylinders, cones and
+//! height fields stand along y where this crate has them stand along z, and since a compound is of several.
+//!
+//! | parry3d | here |
+//! |---|---|
+//! | `Ball`, `Cuboid`, `Cylinder`, `Cone` | [`Shape::Sphere`], [`Shape::Box`], [`Shape::Cylinder`], [`Shape::Cone`] |
+//! | `Capsule` between any two points | [`Shape::Capsule`], or a sphere if they are one |
+//! | `HalfSpace` | [`Shape::Plane`] |
+//! | `HeightField` | [`Shape::HeightField`]; a mesh if cells are removed or cut the other way |
+//! | `TriMesh`, `ConvexPolyhedron`, `Triangle`, `Voxels` | [`Shape::Mesh`] |
+//! | `Compound` | its parts |
+//! | `RoundCuboid` and the like | what they round, if the radius is 0; else [`ParryError::NotTraced`] |
+//! | `Segment`, `Polyline`, custom shapes | [`ParryError::NotTraced`] |
+
+mod convert;
+
+#[cfg(feature = "rapier")]
+pub(crate) use convert::pose;
+
+use crate::pose::Pose;
+use crate::scene::{InstanceConfig, SceneBuilder, SceneError, Shape};
+use alloc::vec::Vec;
+use glam::DVec3;
+
+/// A part of a shape of parry3d's, as an instance will show it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// What it is.
+    pub shape: Shape,
+    /// Where it stands in the (scaled) frame of parry3d's shape.
+    pub shape_from_part: Pose,
+    /// Its scale along its own axes.
+    pub scale: [f64; 3],
+}
+
+impl Part {
+    /// This part of a shape that `look` describes: shape and scale are replaced, and the pose, that of the whole
+    /// shape in the world, becomes that of the part.
+    #[must_use]
+    pub fn instance(&self, look: &InstanceConfig) -> InstanceConfig {
+        InstanceConfig {
+            shape: self.shape,
+            world_from_instance: look.world_from_instance * self.shape_from_part,
+            scale: self.scale,
+            ..*look
+        }
+    }
+}
+
+/// Why a shape of parry3d's cannot be taken into a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ParryError {
+    /// There is no exact way to trace a shape of that kind.
+    NotTraced(&'static str),
+    /// A part of that kind is scaled along other axes than its own, which would shear it.
+    Sheared(&'static str),
+    /// The scene refuses it.
+    Scene(SceneError),
+}
+
+impl core::fmt::Display for ParryError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NotTraced(kind) => {
+                write!(
+                    f,
+                    "a {kind} of parry3d cannot be traced exactly: use another shape, or a TriMesh of it"
+                )
+            }
+            Self::Sheared(kind) => {
+                write!(
+                    f,
+                    "the scale would shear a {kind}: scale all axes alike, or along those of the {kind}"
+                )
+            }
+            Self::Scene(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for ParryError {}
+
+impl From<SceneError> for ParryError {
+    fn from(error: SceneError) -> Self {
+        Self::Scene(error)
+    }
+}
+
+impl SceneBuilder {
+    /// Takes in the meshes and height fields of a parry3d shape that is scaled along the axes of its own frame, and
+    /// returns the parts that an instance of it is made of. Make each an instance by [`Part::instance`], as often
+    /// as the shape is seen.
+    ///
+    /// ```
+    /// use belvedere_sensors::{Pose, scene::*};
+    /// use parry3d::shape::Cylinder;
+    /// let mut builder = SceneBuilder::new();
+    /// let material = builder.add_material(&MaterialConfig::default())?;
+    /// // Upright in the world: parry3d's y is turned up.
+    /// let upright = Pose::from_xyz_rpy(glam::DVec3::ZERO, glam::DVec3::X * core::f64::consts::FRAC_PI_2);
+    /// let look = InstanceConfig { material, world_from_instance: upright, ..Default::default() };
+    /// for part in builder.add_parry_shape(&Cylinder::new(0.5, 0.2), [1.0; 3])? {
+    ///     assert_eq!(part.shape, Shape::Cylinder { radius: f64::from(0.2_f32), length: 1.0 });
+    ///     builder.add_instance(&part.instance(&look))?;
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ParryError`]. Meshes that were taken in before the error stay in the scene, unused.
+    pub fn add_parry_shape(
+        &mut self,
+        shape: &dyn parry3d::shape::Shape,
+        scale: [f64; 3],
+    ) -> Result<Vec<Part>, ParryError> {
+        if !scale.iter().all(|factor| factor.is_finite() && *factor != 0.0) {
+            return Err(SceneError::BadScale.into());
+        }
+        let mut parts = Vec::new();
+        convert::Converter { builder: self, scale: DVec3::from_array(scale), parts: &mut parts }
+            .add(shape.as_typed_shape(), Pose::IDENTITY)?;
+        Ok(parts)
+    }
+}

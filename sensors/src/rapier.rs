@@ -1,0 +1,214 @@
+//! The colliders of rapier3d in a scene, kept in step with their bodies (feature `rapier`).
+
+use crate::parry::{ParryError, Part, pose};
+use crate::pose::Pose;
+use crate::scene::{InstanceConfig, InstanceId, SceneBuilder};
+use alloc::vec::Vec;
+use core::fmt;
+use parry3d::shape::SharedShape;
+use rapier3d::dynamics::{IslandManager, RigidBodyHandle, RigidBodySet};
+use rapier3d::geometry::{Collider, ColliderHandle, ColliderSet};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+/// An instance of a collider, and where it stands in it.
+#[derive(Debug, Clone, Copy)]
+struct Placed {
+    instance: InstanceId,
+    collider_from_instance: Pose,
+}
+
+/// The mirror of a [`ColliderSet`] in a scene, which may hold other things as well.
+///
+/// After each step, [`ColliderScene::update`] takes over the poses of the bodies that are awake, and of those that
+/// have fallen asleep since; what rests costs nothing. Colliders with the same [`SharedShape`] share its mesh. A
+/// collider that is removed leaves its instances to the next that is added: a scene in which things come and go
+/// does not grow.
+///
+/// ```
+/// use belvedere_sensors::{rapier::ColliderScene, scene::*};
+/// use rapier3d::prelude::*;
+/// let mut world = PhysicsWorld::new();
+/// let (body, collider) = world.insert(RigidBodyBuilder::dynamic(), ColliderBuilder::ball(0.5));
+/// let mut builder = SceneBuilder::new();
+/// let material = builder.add_material(&MaterialConfig::default())?;
+/// let mut mirror = ColliderScene::new();
+/// let look = InstanceConfig { material, ..Default::default() };
+/// mirror.add(&mut builder, &world.colliders, collider, &look)?;
+/// world.step();
+/// mirror.update(&mut builder, &world.islands, &world.bodies, &world.colliders);
+/// let ball = mirror.instances(collider).next().unwrap();
+/// let height = builder.pose(ball).unwrap().translation().z;
+/// assert_eq!(height, f64::from(world.bodies[body].translation().z));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Default)]
+pub struct ColliderScene {
+    placed: HashMap<ColliderHandle, Vec<Placed>>,
+    /// Parts by the address of the shape, which the entry keeps alive, so that no other shape can have it.
+    shapes: HashMap<usize, (SharedShape, Vec<Part>)>,
+    /// Instances that show nothing.
+    free: Vec<InstanceId>,
+    /// Bodies that were awake at the last update.
+    awake: Vec<RigidBodyHandle>,
+}
+
+impl fmt::Debug for ColliderScene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ColliderScene")
+            .field("placed", &self.placed)
+            .field("shapes", &self.shapes.len())
+            .field("free", &self.free)
+            .field("awake", &self.awake)
+            .finish()
+    }
+}
+
+impl ColliderScene {
+    /// Mirrors nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes in a collider, with the material, visibility and lidar intensity of `look`. One that is there already
+    /// is taken in anew, with its present shape.
+    ///
+    /// # Errors
+    /// [`ColliderError::NoSuchCollider`]; [`ColliderError::Shape`] for a shape that cannot be traced, and then
+    /// nothing of the collider is in the scene.
+    pub fn add(
+        &mut self,
+        builder: &mut SceneBuilder,
+        colliders: &ColliderSet,
+        collider: ColliderHandle,
+        look: &InstanceConfig,
+    ) -> Result<(), ColliderError> {
+        let handle = collider;
+        let collider = colliders.get(handle).ok_or(ColliderError::NoSuchCollider(handle))?;
+        self.remove(builder, handle);
+        let (_, parts) = match self.shapes.entry(address(collider)) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => {
+                let parts = builder.add_parry_shape(collider.shape(), [1.0; 3])?;
+                entry.insert((collider.shared_shape().clone(), parts))
+            }
+        };
+        let look = InstanceConfig { world_from_instance: pose(collider.position()), ..*look };
+        let placed = self.placed.entry(handle).or_default();
+        for part in parts.iter() {
+            let config = part.instance(&look);
+            let added = match self.free.last() {
+                Some(&free) => builder.set_instance(free, &config).map(|()| free),
+                None => builder.add_instance(&config),
+            };
+            match added {
+                Ok(instance) => {
+                    self.free.pop_if(|free| *free == instance);
+                    placed.push(Placed { instance, collider_from_instance: part.shape_from_part });
+                }
+                Err(error) => {
+                    self.remove(builder, handle);
+                    return Err(ParryError::from(error).into());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes a collider out of the scene; false if it is not in it. The set may still have it or not.
+    pub fn remove(&mut self, builder: &mut SceneBuilder, collider: ColliderHandle) -> bool {
+        let Some(placed) = self.placed.remove(&collider) else { return false };
+        for Placed { instance, .. } in placed {
+            // Seen by nobody; the instance is there as long as the scene.
+            let hidden = builder.set_visibility(instance, 0);
+            debug_assert!(hidden.is_ok(), "instances are not removed");
+            self.free.push(instance);
+        }
+        true
+    }
+
+    /// The instances that show a collider; none for one that is not mirrored.
+    pub fn instances(&self, collider: ColliderHandle) -> impl Iterator<Item = InstanceId> + '_ {
+        self.placed.get(&collider).into_iter().flatten().map(|placed| placed.instance)
+    }
+
+    /// Takes over the poses of all colliders whose bodies may have moved since the last call: bodies that are awake
+    /// now, and those that were awake then. To be called after each step.
+    ///
+    /// rapier3d counts neither fixed bodies nor colliders without a body as awake: if one of them is moved by hand,
+    /// say so by [`ColliderScene::refresh`].
+    pub fn update(
+        &mut self,
+        builder: &mut SceneBuilder,
+        islands: &IslandManager,
+        bodies: &RigidBodySet,
+        colliders: &ColliderSet,
+    ) {
+        let mut awake = core::mem::take(&mut self.awake);
+        for body in awake.drain(..).filter_map(|handle| bodies.get(handle)) {
+            // Those that are still awake come below.
+            if body.is_sleeping() || !body.is_enabled() {
+                self.refresh_all(builder, colliders, body.colliders());
+            }
+        }
+        awake.extend(islands.active_bodies());
+        for body in awake.iter().filter_map(|handle| bodies.get(*handle)) {
+            self.refresh_all(builder, colliders, body.colliders());
+        }
+        self.awake = awake;
+    }
+
+    fn refresh_all(&self, builder: &mut SceneBuilder, colliders: &ColliderSet, handles: &[ColliderHandle]) {
+        for handle in handles {
+            self.refresh(builder, colliders, *handle);
+        }
+    }
+
+    /// Takes over the pose of one collider; false if it is not mirrored, no longer in the set, or nowhere.
+    pub fn refresh(
+        &self,
+        builder: &mut SceneBuilder,
+        colliders: &ColliderSet,
+        collider: ColliderHandle,
+    ) -> bool {
+        let (Some(placed), Some(collider)) = (self.placed.get(&collider), colliders.get(collider)) else {
+            return false;
+        };
+        let world_from_collider = pose(collider.position());
+        placed.iter().all(|part| {
+            builder.set_pose(part.instance, world_from_collider * part.collider_from_instance).is_ok()
+        })
+    }
+}
+
+/// What tells shapes apart.
+fn address(collider: &Collider) -> usize {
+    core::ptr::from_ref(collider.shape()).addr()
+}
+
+/// Why a collider cannot be mirrored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ColliderError {
+    /// The set does not have it.
+    NoSuchCollider(ColliderHandle),
+    /// Its shape cannot be traced.
+    Shape(ParryError),
+}
+
+impl fmt::Display for ColliderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSuchCollider(handle) => write!(f, "the set has no collider {handle:?}"),
+            Self::Shape(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for ColliderError {}
+
+impl From<ParryError> for ColliderError {
+    fn from(error: ParryError) -> Self {
+        Self::Shape(error)
+    }
+}

@@ -1,0 +1,46 @@
+//! Closed cones along z: the apex at +`half_length`, the base at −`half_length`.
+//!
+//! In a frame that is stretched to the unit cone ρ ≤ w, 0 ≤ w ≤ 1, w downwards from the apex, a ray is inside
+//! the endless double cone where A·t² + 2·B·t + C ≤ 0; the slab of w picks the lower nappe.
+
+use super::{Inside, dot};
+use crate::simd::sqrt;
+
+/// Takes the reciprocals of the base's radius and of the length.
+#[inline(always)]
+pub(crate) fn inside(
+    [x, y, z]: [f64; 3],
+    [dx, dy, dz]: [f64; 3],
+    [per_radius, per_length]: [f64; 2],
+) -> Inside {
+    let direction = [dx * per_radius, dy * per_radius, -dz * per_length];
+    let mut origin = [x * per_radius, y * per_radius, -z * per_length];
+    // t from the ray's point that is nearest to the middle of the axis, or the squares below would cancel.
+    let middle = -dot(origin, direction) / dot(direction, direction);
+    for axis in 0..3 {
+        origin[axis] += middle * direction[axis];
+    }
+    let ([u, v, below_middle], [du, dv, dw]) = (origin, direction);
+    let w = below_middle + 0.5;
+
+    let a = dot([du, dv], [du, dv]) - dw * dw;
+    let b = dot([u, v], [du, dv]) - w * dw;
+    let c = dot([u, v], [u, v]) - w * w;
+    let discriminant = b * b - a * c;
+    let root = sqrt(if discriminant > 0.0 { discriminant } else { 0.0 });
+    // Of both roots the one without cancellation, and the other from their product. A ray along a side has a = 0
+    // and one root at ±∞, of the sign that is right; q = 0 is a double root.
+    let q = if b > 0.0 { -b - root } else { -b + root };
+    let t = [q / a, if q == 0.0 { q / a } else { c / q }];
+    let (low, high) = if t[0] < t[1] { (t[0], t[1]) } else { (t[1], t[0]) };
+    // a ≥ 0: inside between the roots. a < 0: inside beyond them, in one nappe each.
+    let steep = a < 0.0;
+    let down = dw > 0.0;
+    let double = Inside {
+        enter: if steep { if down { high } else { f64::NEG_INFINITY } } else { low },
+        exit: if steep { if down { f64::INFINITY } else { low } } else { high },
+    };
+    // A steep ray always passes the double cone's outside; only rounding, at the apex, denies it.
+    let lower = double.when(steep || discriminant >= 0.0).intersection(Inside::slab(below_middle, dw, 0.5));
+    Inside { enter: lower.enter + middle, exit: lower.exit + middle }
+}

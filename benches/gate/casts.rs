@@ -20,6 +20,7 @@ pub fn run(gate: &mut Gate<'_>, scene: &str, level: Level) -> Result<(), String>
     for name in RAYS.into_iter().filter(|rays| gate.options.wants(scene.name, rays)) {
         let rays = RaySet::new(name, scene);
         let Some(mut caster) = ours::Caster::new(&rays, ours::execution(level), ours::Wanted::All) else {
+            gate.leave_out(scene.name, name, "nothing casts such rays yet");
             continue;
         };
         let chosen = chosen(&rays);

@@ -2,6 +2,7 @@
 
 use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
+use super::idle;
 use crate::scenes::moving::{self, MovingBoxes};
 use crate::scenes::{RaySet, Scene, ours, peer};
 use crate::tag_room;
@@ -104,10 +105,17 @@ fn depth_frame(gate: &mut Gate<'_>, level: Level, scene: &str, name: &str) {
     );
 }
 
+/// A machine with less to spare says nothing about two threads.
+const IDLE_CORES: f64 = 1.9;
+
 /// The same frame on two threads and on one.
 fn two_threads(gate: &mut Gate<'_>, level: Level) {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    if cores < 2 || !gate.options.wants(GROUP, "two_threads") {
+    if !gate.options.wants(GROUP, "two_threads") {
+        return;
+    }
+    let cores = idle::cores();
+    if cores < IDLE_CORES {
+        gate.leave_out(GROUP, "two_threads", &format!("only {cores:.1} cores are idle"));
         return;
     }
     let scene = Scene::new("S3");

@@ -6,8 +6,9 @@ use super::options::Options;
 use super::verdict::{Verdict, judge};
 use crate::budgets::Budgets;
 
-/// An entry that seems to have fallen is measured so many times more before it counts: noise passes.
-const MORE_TRIES: usize = 2;
+/// An entry that seems to have fallen is measured so many times, and the best counts: noise passes. What is
+/// recorded is the worst of as many.
+const TRIES: usize = 3;
 
 /// How the figures of an entry are printed.
 #[derive(Debug, Clone, Copy)]
@@ -44,11 +45,13 @@ pub struct Gate<'a> {
     pub fallen: Vec<String>,
     /// How many were measured.
     pub measured: usize,
+    /// How many could not be.
+    pub left_out: usize,
 }
 
 impl<'a> Gate<'a> {
     pub fn new(options: &'a Options, level: &'static str, budgets: Budgets, tolerance: f64) -> Self {
-        Self { options, level, budgets, tolerance, fallen: Vec::new(), measured: 0 }
+        Self { options, level, budgets, tolerance, fallen: Vec::new(), measured: 0, left_out: 0 }
     }
 
     /// The head of the table.
@@ -59,6 +62,12 @@ impl<'a> Gate<'a> {
         );
     }
 
+    /// Says why an entry is not measured.
+    pub fn leave_out(&mut self, group: &str, name: &str, why: &str) {
+        self.left_out += 1;
+        println!("{:<22} not measured: {why}", format!("{group}/{name}"));
+    }
+
     /// Measures an entry, prints its line and keeps or records its ratio.
     pub fn run(
         &mut self,
@@ -67,21 +76,24 @@ impl<'a> Gate<'a> {
         (theirs, theirs_work): (&mut dyn FnMut(), f64),
     ) {
         let recorded = self.budgets.ratio(self.level, entry.group, entry.name);
-        let rounds = self.options.rounds();
-        let mut best: Option<(Measured, Verdict)> = None;
-        for _ in 0..=MORE_TRIES {
+        let mut kept: Option<(Measured, Verdict)> = None;
+        for _ in 0..TRIES {
             let ours = Side { call: &mut *ours, work: ours_work };
             let theirs = Side { call: &mut *theirs, work: theirs_work };
-            let measured = measure(entry.clock, rounds, ours, theirs);
+            let measured = measure(entry.clock, self.options.rounds(), ours, theirs);
             let verdict = judge(measured.ratio, recorded, self.tolerance);
-            if best.is_none_or(|(best, _)| measured.ratio > best.ratio) {
-                best = Some((measured, verdict));
+            let keep = |(kept, _): (Measured, Verdict)| match self.options.record {
+                true => measured.ratio < kept.ratio,
+                false => measured.ratio > kept.ratio,
+            };
+            if kept.is_none_or(keep) {
+                kept = Some((measured, verdict));
             }
-            if verdict != Verdict::Falls || self.options.record || self.options.test {
+            if self.options.test || verdict != Verdict::Falls && !self.options.record {
                 break;
             }
         }
-        let Some((measured, verdict)) = best else { return };
+        let Some((measured, verdict)) = kept else { return };
         self.measured += 1;
         let name = format!("{}/{}", entry.group, entry.name);
         println!(

@@ -8,6 +8,7 @@ mod casts;
 mod clock;
 mod frames;
 mod gate;
+mod idle;
 mod machine;
 mod measure;
 mod options;
@@ -63,7 +64,7 @@ fn run(options: &Options) -> Result<(), String> {
     }
     frames::run(&mut gate, simd);
 
-    if gate.measured == 0 {
+    if gate.measured + gate.left_out == 0 {
         return Err(format!("no entry's name contains {:?}", options.filter));
     }
     if options.record {

@@ -43,10 +43,9 @@ fn parse_level(name: &str) -> Result<Level, String> {
 impl Options {
     /// Rounds of each measurement.
     pub fn rounds(&self) -> usize {
-        match (self.test, self.quick, self.record) {
-            (true, _, _) => 1,
-            (_, true, _) => 5,
-            (_, _, true) => 31,
+        match (self.test, self.quick) {
+            (true, _) => 1,
+            (_, true) => 5,
             _ => 15,
         }
     }

@@ -59,6 +59,7 @@ impl Moving {
         let instance = InstanceConfig {
             shape: Shape::Box { size: super::super::moving::SIZE },
             world_from_instance: Pose::IDENTITY,
+            scale: [1.0; 3],
             material,
             visibility: visibility::COLLISION,
             laser_retro: 0.0,

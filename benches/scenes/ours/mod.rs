@@ -46,6 +46,7 @@ impl Built {
         let instance = InstanceConfig {
             shape: Shape::Mesh(mesh),
             world_from_instance: Pose::IDENTITY,
+            scale: [1.0; 3],
             material,
             visibility: visibility::VISUAL | visibility::COLLISION,
             laser_retro: 0.0,

@@ -17,14 +17,21 @@ fn frames(criterion: &mut Criterion) {
     let world = room();
     let scene = tag_room::scene(&world);
     let scene = scene.scene();
-    let mut workspace = WorkspaceBuf::for_scene(&scene);
+    let mut workspace = WorkspaceBuf::default();
 
     let camera = Camera::new(camera_config(0.007)).expect("in range");
     let mut pixels = vec![0; camera.frame_len()];
     for (name, world_from_sensor) in [("rgb/ceiling", up()), ("rgb/room", across())] {
         let capture = Capture { world_from_sensor, frame: 0 };
         criterion.bench_function(name, |bencher| {
-            bencher.iter(|| camera.sense(&scene, &capture, &mut workspace.lend(), black_box(&mut pixels)));
+            bencher.iter(|| {
+                camera.sense(
+                    &scene,
+                    &capture,
+                    &mut workspace.lend(&scene, camera.rays()),
+                    black_box(&mut pixels),
+                )
+            });
         });
     }
 
@@ -34,7 +41,7 @@ fn frames(criterion: &mut Criterion) {
     criterion.bench_function("depth/belvedere", |bencher| {
         bencher.iter(|| {
             let output = DepthFrame { depth_32fc1: Some(&mut depths), ..DepthFrame::default() };
-            depth.sense(&scene, &capture, &mut workspace.lend(), output);
+            depth.sense(&scene, &capture, &mut workspace.lend(&scene, depth.rays()), output);
         });
     });
     let shapes = compound(&world);
@@ -55,8 +62,15 @@ fn frames(criterion: &mut Criterion) {
     .expect("in range");
     let mut ranges = vec![0.0_f32; lidar.beams()];
     criterion.bench_function("scan/rplidar", |bencher| {
-        bencher
-            .iter(|| lidar.sense(&scene, &capture, &mut workspace.lend(), black_box(&mut ranges), &mut []));
+        bencher.iter(|| {
+            lidar.sense(
+                &scene,
+                &capture,
+                &mut workspace.lend(&scene, lidar.rays()),
+                black_box(&mut ranges),
+                &mut [],
+            )
+        });
     });
 }
 

@@ -1,18 +1,21 @@
 //! Colour cameras: textured, lit, with shadows and Gazebo's pixel noise.
 
-use crate::execution::{SplitRows, for_each_row};
-use crate::lens::{Pinhole, TILE_HEIGHT, TILE_WIDTH};
+use crate::execution::SplitRows;
+use crate::lens::Pinhole;
 use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::pixel;
 pub use crate::pixel::PixelFormat;
 use crate::scene::{Scene, visibility};
 use crate::shade::{Colours, Shader};
 use crate::simd::LANES;
-use crate::trace::frame::Frame;
+use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
+use crate::trace::image::Projection;
 use crate::trace::packet::{Faces, Packet};
-use crate::trace::traverse::nearest;
-use crate::trace::{Capture, Workspace};
-use fearless_simd::{Simd, dispatch};
+use crate::trace::resolve::Resolver;
+use crate::trace::tile::{TILE_HEIGHT, TILE_WIDTH, take_tile};
+use crate::trace::view::View;
+use crate::trace::{Capture, RayGrid, Workspace};
+use fearless_simd::Simd;
 
 /// Largest width and height of a picture in pixels.
 pub const MAX_IMAGE_SIZE: u32 = 16384;
@@ -84,9 +87,10 @@ impl core::error::Error for CameraError {}
 ///     noise: GaussianNoise::NONE, seed: 1, sensor: 0,
 /// })?;
 /// let mut pixels = vec![0; camera.frame_len()];
-/// let mut workspace = WorkspaceBuf::for_scene(&builder.scene());
+/// let mut workspace = WorkspaceBuf::default();
 /// let capture = Capture { world_from_sensor: Pose::IDENTITY, frame: 0 };
-/// camera.sense(&builder.scene(), &capture, &mut workspace.lend(), &mut pixels);
+/// let scene = builder.scene();
+/// camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
 /// let middle = 24 * camera.row_stride() + 32 * 3;
 /// assert_eq!(pixels[middle..middle + 3], [255, 0, 0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -154,44 +158,27 @@ impl Camera {
     ) {
         assert_eq!(pixels.len(), self.frame_len(), "the buffer must hold exactly one picture");
         let execution = workspace.execution;
-        let origin = capture.world_from_sensor.translation();
-        let frame = Frame::new(scene, origin, visibility::VISUAL, workspace);
+        let grid = self.grid();
+        let mut memory = workspace.cut(scene, self.rays());
+        let instances = scene.instances().len();
+        let view = View::new(scene, &capture.world_from_sensor, visibility::VISUAL, memory.view(instances));
         let rows = Rows { pixels, bytes: self.row_stride() * TILE_HEIGHT };
-        for_each_row(execution, 0..self.lens.tiles()[1], rows, &|row, rows: Rows<'_>| {
-            dispatch!(execution.level, simd => self.sense_row(simd, &frame, capture, row, rows.pixels));
-        });
+        let painter = Painter { camera: self, capture };
+        trace_grid(&view, &grid, &self.sight(), execution, &mut memory, rows, &painter);
     }
 
-    fn sense_row<S: Simd>(
-        &self,
-        simd: S,
-        frame: &Frame<'_>,
-        capture: &Capture,
-        row: usize,
-        pixels: &mut [u8],
-    ) {
-        let steps = self.lens.pixel_steps(&capture.world_from_sensor);
-        let clip = [self.config.near_m, self.config.far_m];
-        let mut packet = Packet::new();
-        let mut shader = Shader::new();
-        let mut colours = [[0.0; LANES]; 3];
-        let tiles = self.lens.tiles()[0];
-        for column in 0..tiles {
-            simd.vectorize(
-                #[inline(always)]
-                || self.lens.fill_packet(&capture.world_from_sensor, [column, row], clip, &mut packet),
-            );
-            nearest(simd, frame, &mut packet, Faces::Front);
-            shader.shade(simd, frame, &packet, &steps, &mut colours);
-            simd.vectorize(
-                #[inline(always)]
-                || {
-                    self.add_noise(capture.frame, (row * tiles + column) as u32, &mut colours);
-                    let format = self.config.format;
-                    pixel::write_tile(&colours, format, column * TILE_WIDTH, pixels, self.row_stride());
-                },
-            );
-        }
+    /// Rays that a [`Workspace`] must have room for.
+    pub fn rays(&self) -> usize {
+        self.grid().rays()
+    }
+
+    pub(crate) fn grid(&self) -> RayGrid {
+        RayGrid::Pinhole(self.lens)
+    }
+
+    /// Housings are seen from outside only: a camera within its own sees out.
+    pub(crate) fn sight(&self) -> Sight {
+        Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m] }
     }
 
     /// The noise of a tile. Samples are counted tile by tile, 64 to each, along the rows of tiles.
@@ -203,6 +190,35 @@ impl Camera {
         let stream =
             Stream { seed: self.config.seed, sensor: self.config.sensor, frame, channel: COLOUR_CHANNEL };
         pixel::add_noise(colours, &self.config.noise, self.bias, &normals64(&stream, 4 * tile));
+    }
+}
+
+/// Paints the tiles of a picture.
+struct Painter<'a> {
+    camera: &'a Camera,
+    capture: &'a Capture,
+}
+
+impl BandWork<Rows<'_>> for Painter<'_> {
+    #[inline(always)]
+    fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, output: Rows<'_>) {
+        let Self { camera, capture } = self;
+        let axes = capture.world_from_sensor.rotation_matrix();
+        let steps = camera.lens.pixel_steps(&capture.world_from_sensor);
+        let mut resolver = Resolver::new(band.view);
+        let mut packet = Packet::new();
+        let mut shader = Shader::new();
+        let mut colours = [[0.0; LANES]; 3];
+        let tiles = camera.lens.tiles()[0];
+        let stride = camera.row_stride();
+        for (row, pixels) in band.block_rows().zip(output.pixels.chunks_mut(output.bytes)) {
+            for column in 0..tiles {
+                take_tile(band, &mut resolver, &axes, [column, row], &mut packet);
+                shader.shade(simd, band.view, &packet, &steps, &mut colours);
+                camera.add_noise(capture.frame, (row * tiles + column) as u32, &mut colours);
+                pixel::write_tile(&colours, camera.config.format, column * TILE_WIDTH, pixels, stride);
+            }
+        }
     }
 }
 

@@ -1,18 +1,21 @@
 //! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
 
 use crate::camera::{Camera, CameraConfig, CameraError};
-use crate::execution::{SplitRows, for_each_row};
-use crate::lens::{TILE_HEIGHT, TILE_WIDTH};
+use crate::execution::SplitRows;
 use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::pixel::{self, to_byte};
 use crate::scene::{Scene, visibility};
 use crate::shade::{Colours, Shader};
 use crate::simd::{LANES, Lanes};
-use crate::trace::frame::Frame;
-use crate::trace::packet::{Faces, MISS, Packet};
-use crate::trace::traverse::nearest;
+use crate::trace::grid::{Band, BandWork, trace_grid};
+use crate::trace::image::Projection;
+use crate::trace::measure::Measure;
+use crate::trace::packet::Packet;
+use crate::trace::resolve::Resolver;
+use crate::trace::tile::{TILE_HEIGHT, TILE_WIDTH, take_tile};
+use crate::trace::view::View;
 use crate::trace::{Capture, Workspace};
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::Simd;
 
 /// Bytes of a point of the cloud: x 0, y 4, z 8, rgb 16, all f32, as `gazebo_ros_openni_kinect` lays it out.
 pub const POINT_STEP: usize = 32;
@@ -114,60 +117,26 @@ impl DepthCamera {
         check(output.points.as_ref().map(|points| points.len()), pixels * POINT_STEP);
 
         let execution = workspace.execution;
-        let origin = capture.world_from_sensor.translation();
-        let frame = Frame::new(scene, origin, visibility::VISUAL, workspace);
+        let mut memory = workspace.cut(scene, self.rays());
+        let instances = scene.instances().len();
+        let view = View::new(scene, &capture.world_from_sensor, visibility::VISUAL, memory.view(instances));
         let rows = Rows {
             output,
             width: self.config.camera.width as usize,
             colour_stride: self.camera.row_stride(),
         };
-        for_each_row(execution, 0..self.camera.lens().tiles()[1], rows, &|row, rows: Rows<'_>| {
-            dispatch!(execution.level, simd => self.sense_row(simd, &frame, capture, row, rows.output));
-        });
+        let (grid, sight) = (self.camera.grid(), self.camera.sight());
+        trace_grid(&view, &grid, &sight, execution, &mut memory, rows, &Measurer { camera: self, capture });
     }
 
-    fn sense_row<S: Simd>(
-        &self,
-        simd: S,
-        frame: &Frame<'_>,
-        capture: &Capture,
-        row: usize,
-        mut output: DepthFrame<'_>,
-    ) {
-        let lens = self.camera.lens();
-        let steps = lens.pixel_steps(&capture.world_from_sensor);
-        let clip = [self.config.camera.near_m, self.config.camera.far_m];
-        let wants_colour = output.colour.is_some() || output.points.is_some();
-        let mut packet = Packet::new();
-        let mut shader = Shader::new();
-        let mut colours = [[0.0; LANES]; 3];
-        let tiles = lens.tiles()[0];
-        for column in 0..tiles {
-            simd.vectorize(
-                #[inline(always)]
-                || lens.fill_packet(&capture.world_from_sensor, [column, row], clip, &mut packet),
-            );
-            nearest(simd, frame, &mut packet, Faces::Front);
-            if wants_colour {
-                shader.shade(simd, frame, &packet, &steps, &mut colours);
-            }
-            simd.vectorize(
-                #[inline(always)]
-                || {
-                    let tile = (row * tiles + column) as u32;
-                    if wants_colour {
-                        self.camera.add_noise(capture.frame, tile, &mut colours);
-                    }
-                    let depths = self.depths(&packet, capture.frame, tile);
-                    self.write_tile(&depths, &colours, [column, row], &mut output);
-                },
-            );
-        }
+    /// Rays that a [`Workspace`] must have room for.
+    pub fn rays(&self) -> usize {
+        self.camera.rays()
     }
 
     /// Measured depths in metres: REP-117 values where there is none.
     #[inline(always)]
-    fn depths(&self, packet: &Packet, frame: u64, tile: u32) -> Lanes<f32> {
+    fn depths(&self, truth: &Lanes<f32>, frame: u64, tile: u32) -> Lanes<f32> {
         let config = &self.config;
         let mut normals = [0.0; LANES];
         if !config.noise.is_none() {
@@ -177,9 +146,9 @@ impl DepthCamera {
         let (min, max) = (config.min_depth_m as f32, config.max_depth_m as f32);
         let mut depths = [0.0; LANES];
         for lane in 0..LANES {
-            let truth = packet.t[lane] as f32;
+            let truth = truth[lane];
             let noisy = config.noise.apply(truth, self.bias, normals[lane]);
-            depths[lane] = if packet.placed[lane] == MISS || truth >= max {
+            depths[lane] = if truth >= max || truth == f32::INFINITY {
                 f32::INFINITY
             } else if truth <= min {
                 f32::NEG_INFINITY
@@ -246,6 +215,52 @@ fn write_point(point: &mut [u8], [right, down]: [f32; 2], depth: f32, colour: [f
     for (bytes, word) in point.as_chunks_mut::<4>().0.iter_mut().zip(words) {
         *bytes = word.to_le_bytes();
     }
+}
+
+/// Measures the tiles of a frame.
+struct Measurer<'a> {
+    camera: &'a DepthCamera,
+    capture: &'a Capture,
+}
+
+impl BandWork<Rows<'_>> for Measurer<'_> {
+    #[inline(always)]
+    fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, rows: Rows<'_>) {
+        let Self { camera, capture } = self;
+        let lens = camera.camera.lens();
+        let axes = capture.world_from_sensor.rotation_matrix();
+        let steps = lens.pixel_steps(&capture.world_from_sensor);
+        let measure = Measure::new(&capture.world_from_sensor);
+        let wants_colour = rows.output.colour.is_some() || rows.output.points.is_some();
+        let mut resolver = Resolver::new(band.view);
+        let mut packet = Packet::new();
+        let mut shader = Shader::new();
+        let mut colours = [[0.0; LANES]; 3];
+        let tiles = lens.tiles()[0];
+        let mut rest = Some(rows);
+        for row in band.block_rows() {
+            let Some(rows) = rest.take() else { return };
+            let last = row == *band.block_rows().end();
+            let (mut rows, below) = if last { (rows, None) } else { split_first(rows) };
+            rest = below;
+            for column in 0..tiles {
+                let tile = (row * tiles + column) as u32;
+                if wants_colour {
+                    take_tile(band, &mut resolver, &axes, [column, row], &mut packet);
+                    shader.shade(simd, band.view, &packet, &steps, &mut colours);
+                    camera.camera.add_noise(capture.frame, tile, &mut colours);
+                }
+                let truth = measure.tile(simd, band, &mut resolver, [column, row]);
+                let depths = camera.depths(&truth, capture.frame, tile);
+                camera.write_tile(&depths, &colours, [column, row], &mut rows.output);
+            }
+        }
+    }
+}
+
+fn split_first(rows: Rows<'_>) -> (Rows<'_>, Option<Rows<'_>>) {
+    let (first, rest) = rows.split_rows(1);
+    (first, Some(rest))
 }
 
 /// The parts of a frame, cut between rows of tiles.

@@ -1,15 +1,18 @@
 //! Lidars with fixed beams: ranges and intensities, with Gazebo's range noise.
 
-use crate::execution::{SplitRows, for_each_row};
+use crate::execution::SplitRows;
 use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::scene::{Scene, visibility};
 use crate::simd::LANES;
-use crate::trace::frame::Frame;
-use crate::trace::packet::{Faces, MISS, Packet};
-use crate::trace::traverse::nearest;
-use crate::trace::{Capture, Workspace};
-use fearless_simd::{Simd, dispatch};
-use glam::DVec3;
+use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
+use crate::trace::image::{NO_HIT, Projection};
+use crate::trace::measure::Measure;
+use crate::trace::packet::Faces;
+use crate::trace::place::for_each_block;
+use crate::trace::resolve::Resolver;
+use crate::trace::view::View;
+use crate::trace::{Capture, RayGrid, SphericalGrid, Workspace};
+use fearless_simd::Simd;
 
 /// Most beams of a lidar.
 pub const MAX_BEAMS: u32 = 16_777_216;
@@ -159,71 +162,43 @@ impl Lidar {
             "one intensity per range, or none"
         );
         let execution = workspace.execution;
-        let origin = capture.world_from_sensor.translation();
-        let frame = Frame::new(scene, origin, visibility::COLLISION, workspace);
-        let lines = Lines { ranges, intensities, samples: self.config.horizontal.samples as usize };
-        for_each_row(
-            execution,
-            0..self.config.vertical.samples as usize,
-            lines,
-            &|line, mut lines: Lines<'_>| {
-                dispatch!(execution.level, simd => self.sense_line(simd, &frame, capture, line, &mut lines));
-            },
-        );
-    }
-
-    fn sense_line<S: Simd>(
-        &self,
-        simd: S,
-        frame: &Frame<'_>,
-        capture: &Capture,
-        line: usize,
-        lines: &mut Lines<'_>,
-    ) {
-        let blocks = lines.samples.div_ceil(LANES);
-        for block in 0..blocks {
-            let first = block * LANES;
-            let last = lines.samples.min(first + LANES);
-            let mut packet = self.packet(capture, line as u32, first as u32);
-            nearest(simd, frame, &mut packet, Faces::Both);
-            let ranges = &mut lines.ranges[first..last];
-            simd.vectorize(
-                #[inline(always)]
-                || self.measure(&packet, capture.frame, (line * blocks + block) as u32, ranges),
-            );
-            if !lines.intensities.is_empty() {
-                for (lane, intensity) in lines.intensities[first..last].iter_mut().enumerate() {
-                    let seen = packet.placed[lane] != MISS && ranges[lane].is_finite();
-                    *intensity = if seen { frame.instance(packet.placed[lane]).laser_retro } else { 0.0 };
-                }
-            }
-        }
-    }
-
-    /// Rays of 64 beams, with t the range in metres.
-    fn packet(&self, capture: &Capture, line: u32, first: u32) -> Packet {
-        let config = &self.config;
-        let mut packet = Packet::new();
-        packet.t_min = match config.too_near {
+        let grid = self.grid();
+        let mut memory = workspace.cut(scene, self.rays());
+        let instances = scene.instances().len();
+        let view =
+            View::new(scene, &capture.world_from_sensor, visibility::COLLISION, memory.view(instances));
+        let nearest = match self.config.too_near {
             TooNear::Blocks => 0.0,
-            TooNear::SeenThrough => config.range_min_m,
+            TooNear::SeenThrough => self.config.range_min_m,
         };
-        let (sin_up, cos_up) = libm::sincos(config.vertical.angle(line));
-        let beams = config.horizontal.samples.saturating_sub(first).min(LANES as u32);
-        for lane in 0..beams {
-            let (sin, cos) = libm::sincos(config.horizontal.angle(first + lane));
-            let direction = DVec3::new(cos * cos_up, sin * cos_up, sin_up);
-            let direction = capture.world_from_sensor.transform_vector(direction);
-            for axis in 0..3 {
-                packet.direction[axis][lane as usize] = direction[axis];
-            }
-            packet.t[lane as usize] = config.range_max_m;
-        }
-        packet
+        let sight = Sight { faces: Faces::Both, range: [nearest, self.config.range_max_m] };
+        let samples = self.config.horizontal.samples as usize;
+        let lines_in_block = 1 << RayGrid::Spherical(grid).fan().shift_y;
+        let lines = Lines { ranges, intensities, samples, lines_in_block };
+        let scanner = Scanner { lidar: self, capture };
+        trace_grid(&view, &RayGrid::Spherical(grid), &sight, execution, &mut memory, lines, &scanner);
     }
 
+    /// Rays that a [`Workspace`] must have room for.
+    pub fn rays(&self) -> usize {
+        RayGrid::Spherical(self.grid()).rays()
+    }
+
+    fn grid(&self) -> SphericalGrid {
+        let (horizontal, vertical) = (&self.config.horizontal, &self.config.vertical);
+        SphericalGrid {
+            columns: horizontal.samples,
+            rows: vertical.samples,
+            first_azimuth_rad: horizontal.min_angle_rad,
+            azimuth_step_rad: horizontal.increment(),
+            first_elevation_rad: vertical.min_angle_rad,
+            elevation_step_rad: vertical.increment(),
+        }
+    }
+
+    /// Turns true ranges of up to 64 beams into measured ones. Noise is counted by 64 beams along each line.
     #[inline(always)]
-    fn measure(&self, packet: &Packet, frame: u64, block: u32, ranges: &mut [f32]) {
+    fn measure(&self, frame: u64, block: u32, ranges: &mut [f32]) {
         let config = &self.config;
         let mut normals = [0.0; LANES];
         if !config.noise.is_none() {
@@ -232,8 +207,8 @@ impl Lidar {
         }
         let (min, max) = (config.range_min_m as f32, config.range_max_m as f32);
         for (lane, range) in ranges.iter_mut().enumerate() {
-            let truth = packet.t[lane] as f32;
-            *range = if packet.placed[lane] == MISS || truth >= max {
+            let truth = *range;
+            *range = if truth >= max || truth == f32::INFINITY {
                 f32::INFINITY
             } else if truth <= min {
                 f32::NEG_INFINITY
@@ -251,21 +226,60 @@ impl Lidar {
     }
 }
 
-/// Scan lines, cut between two of them.
+/// Measures the beams of a scan.
+struct Scanner<'a> {
+    lidar: &'a Lidar,
+    capture: &'a Capture,
+}
+
+impl BandWork<Lines<'_>> for Scanner<'_> {
+    #[inline(always)]
+    fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, lines: Lines<'_>) {
+        let Lines { ranges, intensities, samples, .. } = lines;
+        let measure = Measure::new(&self.capture.world_from_sensor);
+        let mut resolver = Resolver::new(band.view);
+        for_each_block(
+            band,
+            #[inline(always)]
+            |place, block| {
+                place.write(&measure.block::<S, P, false>(simd, band, &mut resolver, block), ranges);
+                if !intensities.is_empty() {
+                    let retro = band.target.slot[place.block]
+                        .map(|slot| if slot == NO_HIT { 0.0 } else { resolver.laser_retro(slot) });
+                    place.write(&retro, intensities);
+                }
+            },
+        );
+        let blocks = samples.div_ceil(LANES);
+        for (line, ranges) in ranges.chunks_mut(samples).enumerate() {
+            let first = (band.rows[0] as usize + line) * blocks;
+            for (block, ranges) in ranges.chunks_mut(LANES).enumerate() {
+                self.lidar.measure(self.capture.frame, (first + block) as u32, ranges);
+            }
+        }
+        for (intensity, range) in intensities.iter_mut().zip(ranges.iter()) {
+            *intensity = if range.is_finite() { *intensity } else { 0.0 };
+        }
+    }
+}
+
+/// Scan lines, cut between two rows of blocks.
 struct Lines<'a> {
     ranges: &'a mut [f32],
     intensities: &'a mut [f32],
     samples: usize,
+    lines_in_block: usize,
 }
 
 impl SplitRows for Lines<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
-        let (upper, lower) = self.ranges.split_at_mut(rows * self.samples);
-        let cut = (rows * self.samples).min(self.intensities.len());
-        let (upper_intensities, lower_intensities) = self.intensities.split_at_mut(cut);
+        let Self { samples, lines_in_block, .. } = self;
+        let at = rows * lines_in_block * samples;
+        let (ranges, ranges_rest) = self.ranges.split_at_mut(at);
+        let (intensities, intensities_rest) = self.intensities.split_at_mut(at.min(self.intensities.len()));
         (
-            Self { ranges: upper, intensities: upper_intensities, samples: self.samples },
-            Self { ranges: lower, intensities: lower_intensities, samples: self.samples },
+            Self { ranges, intensities, samples, lines_in_block },
+            Self { ranges: ranges_rest, intensities: intensities_rest, samples, lines_in_block },
         )
     }
 }

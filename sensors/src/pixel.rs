@@ -1,9 +1,9 @@
 //! Encoding of colours into bytes, with the noise of a camera.
 
-use crate::lens::{TILE_HEIGHT, TILE_WIDTH};
 use crate::noise::GaussianNoise;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
+use crate::trace::tile::{TILE_HEIGHT, TILE_WIDTH};
 
 /// Layout of a colour pixel in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -84,7 +84,7 @@ fn mesh() -> impl Strategy<Value = MeshParts> {
 /// Takes one small frame of every kind.
 fn sense_all(builder: &SceneBuilder, pose: Pose) {
     let scene = builder.scene();
-    let mut workspace = WorkspaceBuf::for_scene(&scene);
+    let mut workspace = WorkspaceBuf::default();
     let capture = Capture { world_from_sensor: pose, frame: u64::MAX };
     let small = CameraConfig { width: 37, height: 9, ..CAMERA };
     let camera = DepthCamera::new(DepthCameraConfig { camera: small, ..DEPTH_CAMERA }).unwrap();
@@ -97,11 +97,11 @@ fn sense_all(builder: &SceneBuilder, pose: Pose) {
         colour: Some(&mut colour),
         points: Some(&mut points),
     };
-    camera.sense(&scene, &capture, &mut workspace.lend(), output);
+    camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), output);
     let lidar =
         Lidar::new(LidarConfig { horizontal: Beams { samples: 70, ..LIDAR.horizontal }, ..LIDAR }).unwrap();
     let mut ranges = vec![0.0; lidar.beams()];
-    lidar.sense(&scene, &capture, &mut workspace.lend(), &mut ranges, &mut []);
+    lidar.sense(&scene, &capture, &mut workspace.lend(&scene, lidar.rays()), &mut ranges, &mut []);
     assert!(ranges.iter().all(|range| !range.is_nan()));
 }
 
@@ -178,7 +178,7 @@ proptest! {
             let scene = builder.scene();
             let mut ranges = vec![0.0; lidar.beams()];
             let capture = Capture { world_from_sensor: Pose::IDENTITY, frame: 0 };
-            lidar.sense(&scene, &capture, &mut WorkspaceBuf::for_scene(&scene).lend(), &mut ranges, &mut []);
+            lidar.sense(&scene, &capture, &mut WorkspaceBuf::default().lend(&scene, lidar.rays()), &mut ranges, &mut []);
             prop_assert!(ranges.iter().all(|range| !range.is_nan()));
         }
     }

@@ -33,7 +33,7 @@ fn whole_frame(builder: &SceneBuilder, camera: &DepthCamera, pose: Pose) -> Fram
         points: Some(&mut frame.points),
     };
     let capture = Capture { world_from_sensor: pose, frame: 3 };
-    camera.sense(&scene, &capture, &mut WorkspaceBuf::for_scene(&scene).lend(), output);
+    camera.sense(&scene, &capture, &mut WorkspaceBuf::default().lend(&scene, camera.rays()), output);
     frame
 }
 

@@ -64,7 +64,7 @@ fn the_counter_counts() {
 fn sensing_does_not_allocate() {
     let mut builder = SceneBuilder::new();
     let moving = scenery(&mut builder);
-    let mut workspace = WorkspaceBuf::for_scene(&builder.scene());
+    let mut workspace = WorkspaceBuf::default();
     let camera = Camera::new(CAMERA).unwrap();
     let depth_camera = DepthCamera::new(DEPTH_CAMERA).unwrap();
     let lidar = Lidar::new(LIDAR).unwrap();
@@ -81,16 +81,21 @@ fn sensing_does_not_allocate() {
         let calls = allocations(|| {
             builder.set_pose(moving, pose.inverse()).unwrap();
             let scene = builder.scene();
-            workspace.fit(&scene);
-            camera.sense(&scene, &capture, &mut workspace.lend(), &mut pixels);
+            camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
             let output = DepthFrame {
                 depth_32fc1: Some(&mut metres),
                 depth_16uc1: Some(&mut millimetres),
                 colour: Some(&mut colour),
                 points: Some(&mut points),
             };
-            depth_camera.sense(&scene, &capture, &mut workspace.lend(), output);
-            lidar.sense(&scene, &capture, &mut workspace.lend(), &mut ranges, &mut intensities);
+            depth_camera.sense(&scene, &capture, &mut workspace.lend(&scene, depth_camera.rays()), output);
+            lidar.sense(
+                &scene,
+                &capture,
+                &mut workspace.lend(&scene, lidar.rays()),
+                &mut ranges,
+                &mut intensities,
+            );
         });
         assert_eq!(calls, 0, "frame {frame}");
     }

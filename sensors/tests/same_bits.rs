@@ -22,7 +22,7 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let noise = GaussianNoise::new(0.001, 0.007, 0.002, 0.001, 0.0).unwrap();
     // Neither side is a multiple of a tile's.
     let camera = CameraConfig { width: 333, height: 245, noise, ..CAMERA };
-    let mut workspace = WorkspaceBuf::for_scene(&scene);
+    let mut workspace = WorkspaceBuf::default();
     workspace.execution = execution;
     let capture = Capture { world_from_sensor: pose, frame: 7 };
 
@@ -37,12 +37,12 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         points: Some(&mut points),
         colour: None,
     };
-    depth_camera.sense(&scene, &capture, &mut workspace.lend(), output);
+    depth_camera.sense(&scene, &capture, &mut workspace.lend(&scene, depth_camera.rays()), output);
 
     let vertical = Beams { samples: 16, min_angle_rad: -0.4, max_angle_rad: 0.3 };
     let lidar = Lidar::new(LidarConfig { vertical, noise, ..LIDAR }).unwrap();
     let mut ranges = vec![0.0_f32; lidar.beams()];
-    lidar.sense(&scene, &capture, &mut workspace.lend(), &mut ranges, &mut []);
+    lidar.sense(&scene, &capture, &mut workspace.lend(&scene, lidar.rays()), &mut ranges, &mut []);
 
     let bytes = |floats: &[f32]| floats.iter().flat_map(|x| x.to_bits().to_le_bytes()).collect();
     vec![

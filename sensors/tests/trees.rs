@@ -14,7 +14,7 @@ type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
 const QUALITIES: [Quality; 2] = [Quality::Fast, Quality::High];
 
-/// SplitMix64, scaled to [0, 1).
+/// `SplitMix64`, scaled to [0, 1).
 struct Random(u64);
 
 impl Random {
@@ -133,10 +133,9 @@ fn every_triangle_is_in_one_leaf_of_a_plain_tree() {
                             found[triangle as usize] += 1;
                             for vertex in triangles[triangle as usize] {
                                 for &(node, lane) in &boxes {
-                                    for axis in 0..3 {
-                                        let x = positions[vertex as usize][axis];
-                                        assert!(tree.nodes[node].min[axis][lane] <= x);
-                                        assert!(x <= tree.nodes[node].max[axis][lane]);
+                                    let bounds = &tree.nodes[node];
+                                    for (axis, &x) in positions[vertex as usize].iter().enumerate() {
+                                        assert!(bounds.min[axis][lane] <= x && x <= bounds.max[axis][lane]);
                                     }
                                 }
                             }

@@ -61,10 +61,11 @@ impl CameraChannel {
             header.stamp_ns = context.stamp_ns;
             header.set_intrinsics(&self.intrinsics);
             Mount::write(&world_from_sensor, header);
+            let scene = context.scene.scene();
             self.camera.sense(
-                &context.scene.scene(),
+                &scene,
                 &Capture { world_from_sensor, frame: frame_number },
-                &mut context.workspace.lend(),
+                &mut context.workspace.lend(&scene, self.camera.rays()),
                 frame.payload_mut(),
             );
         }

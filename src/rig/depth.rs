@@ -110,10 +110,11 @@ impl DepthChannel {
         } else {
             depth_32fc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
         }
+        let scene = context.scene.scene();
         self.camera.sense(
-            &context.scene.scene(),
+            &scene,
             &Capture { world_from_sensor, frame: frame_number },
-            &mut context.workspace.lend(),
+            &mut context.workspace.lend(&scene, self.camera.rays()),
             DepthFrame {
                 depth_32fc1,
                 depth_16uc1,

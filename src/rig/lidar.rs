@@ -85,10 +85,11 @@ impl LidarChannel {
             Mount::write(&world_from_sensor, header);
             let planes: &mut [f32] = bytemuck::cast_slice_mut(frame.payload_mut());
             let (ranges, intensities) = planes.split_at_mut(beams);
+            let scene = context.scene.scene();
             self.lidar.sense(
-                &context.scene.scene(),
+                &scene,
                 &Capture { world_from_sensor, frame: frame_number },
-                &mut context.workspace.lend(),
+                &mut context.workspace.lend(&scene, self.lidar.rays()),
                 ranges,
                 intensities,
             );

@@ -151,7 +151,7 @@ impl Rig {
         scene: &WorldScene,
         options: &RigOptions,
     ) -> Result<Self, RigError> {
-        let mut workspace = WorkspaceBuf::for_scene(&scene.scene());
+        let mut workspace = WorkspaceBuf::default();
         workspace.execution = options.execution;
         let mut rig = Self { channels: Vec::new(), workspace };
         let mut sensor_number = 0;

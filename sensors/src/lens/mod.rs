@@ -3,4 +3,3 @@
 mod pinhole;
 
 pub use pinhole::Pinhole;
-pub(crate) use pinhole::{TILE_HEIGHT, TILE_WIDTH};

@@ -8,15 +8,9 @@
 //! Pixel centres are integers: pixel (0, 0) looks along ((0 − cx)/fx, (0 − cy)/fy, 1) in the optical frame.
 
 use crate::pose::Pose;
-use crate::simd::LANES;
-use crate::trace::packet::{MISS, Packet};
 use crate::trace::surface::PixelSteps;
+use crate::trace::tile::{TILE_HEIGHT, TILE_WIDTH};
 use glam::DVec3;
-
-/// A packet covers a tile of that many pixels across.
-pub(crate) const TILE_WIDTH: usize = 16;
-/// A packet covers a tile of that many pixels down.
-pub(crate) const TILE_HEIGHT: usize = LANES / TILE_WIDTH;
 
 /// Intrinsic parameters in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,38 +75,6 @@ impl Pinhole {
     pub(crate) fn pixel_steps(&self, world_from_sensor: &Pose) -> PixelSteps {
         let axes = world_from_sensor.rotation_matrix();
         PixelSteps { right: axes.y_axis * (-1.0 / self.fx), down: axes.z_axis * (-1.0 / self.fy) }
-    }
-
-    /// Sets up the rays of a tile from the frame's origin, with t the depth along the optical axis from `near` to `far`. Lanes run along
-    /// the rows; those outside the picture take no part.
-    #[inline(always)]
-    pub(crate) fn fill_packet(
-        &self,
-        world_from_sensor: &Pose,
-        [tile_column, tile_row]: [usize; 2],
-        [near, far]: [f64; 2],
-        packet: &mut Packet,
-    ) {
-        packet.t_min = near;
-        packet.placed = [MISS; LANES];
-        let axes = world_from_sensor.rotation_matrix();
-        let mut rights = [0.0; TILE_WIDTH];
-        for (x, right) in rights.iter_mut().enumerate() {
-            *right = ((tile_column * TILE_WIDTH + x) as f64 - self.cx) / self.fx;
-        }
-        for y in 0..TILE_HEIGHT {
-            let row = tile_row * TILE_HEIGHT + y;
-            let down = (row as f64 - self.cy) / self.fy;
-            let middle = axes.x_axis - axes.z_axis * down;
-            for x in 0..TILE_WIDTH {
-                let lane = y * TILE_WIDTH + x;
-                for axis in 0..3 {
-                    packet.direction[axis][lane] = middle[axis] - axes.y_axis[axis] * rights[x];
-                }
-                let inside = tile_column * TILE_WIDTH + x < self.width as usize && row < self.height as usize;
-                packet.t[lane] = if inside { far } else { f64::NEG_INFINITY };
-            }
-        }
     }
 }
 

@@ -1,19 +1,17 @@
 //! An owned scene that grows.
 
-use super::bvh::{self, Aabb, Node};
+use super::build::{Quality, Tree};
 use super::texture::{TextureId, fill_mip_levels, mip_levels, mip_texels};
+use super::tree::{Facet, TriangleBlock, WIDTH, WideNode};
 use super::{
     Environment, HeightField, HeightFieldId, Instance, InstanceConfig, InstanceId, KIND_HEIGHT_FIELD,
     KIND_MESH, Light, LightConfig, Material, MaterialConfig, MaterialId, Mesh, MeshId, NO_TEXTURE, Scene,
     SceneError, Texture,
 };
+use crate::execution::Execution;
 use crate::pose::Pose;
 use alloc::vec;
 use alloc::vec::Vec;
-use bytemuck::Zeroable;
-
-/// Triangles in a leaf of a mesh's tree.
-const LEAF_TRIANGLES: usize = 4;
 
 /// Owns a scene's data; [`SceneBuilder::scene`] lends it.
 ///
@@ -36,10 +34,9 @@ pub struct SceneBuilder {
     vertices: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     triangles: Vec<[u32; 3]>,
-    old_nodes: Vec<Node>,
-    nodes: Vec<super::tree::WideNode>,
-    blocks: Vec<super::tree::TriangleBlock>,
-    facets: Vec<super::tree::Facet>,
+    nodes: Vec<WideNode>,
+    blocks: Vec<TriangleBlock>,
+    facets: Vec<Facet>,
     height_fields: Vec<HeightField>,
     heights: Vec<f32>,
     extents: Vec<[f32; 2]>,
@@ -95,93 +92,40 @@ impl SceneBuilder {
     /// coordinate per vertex, or none at all.
     ///
     /// # Errors
-    /// [`SceneError::BadVertex`], [`SceneError::BadTriangle`], [`SceneError::EmptyMesh`],
-    /// [`SceneError::UvCount`], [`SceneError::TooMany`].
+    /// Those of [`Tree::build`], [`SceneError::UvCount`].
     pub fn add_mesh(
         &mut self,
         positions: &[[f32; 3]],
         uvs: &[[f32; 2]],
         triangles: &[[u32; 3]],
     ) -> Result<MeshId, SceneError> {
-        if triangles.is_empty() {
-            return Err(SceneError::EmptyMesh);
-        }
         if !uvs.is_empty() && uvs.len() != positions.len() {
             return Err(SceneError::UvCount);
         }
-        if let Some(bad) = positions.iter().position(|vertex| !vertex.iter().all(|x| x.is_finite())) {
-            return Err(SceneError::BadVertex(bad));
-        }
-        let in_range =
-            |triangle: &[u32; 3]| triangle.iter().all(|&vertex| (vertex as usize) < positions.len());
-        if let Some(bad) = triangles.iter().position(|triangle| !in_range(triangle)) {
-            return Err(SceneError::BadTriangle(bad));
-        }
+        let tree = Tree::build(positions, triangles, Quality::High, Execution::default())?;
+        let bounds = tree.bounds();
         let mesh = Mesh {
             first_vertex: index(self.vertices.len())?,
             vertices: index(positions.len())?,
             first_triangle: index(self.triangles.len())?,
             triangles: index(triangles.len())?,
-            old_first_node: index(self.old_nodes.len())?,
-            old_nodes: 0,
             first_node: index(self.nodes.len())?,
-            nodes: 0,
+            nodes: index(tree.nodes.len())?,
             first_block: index(self.blocks.len())?,
-            blocks: 0,
-            min: [0.0; 3],
-            max: [0.0; 3],
+            blocks: index(tree.blocks.len())?,
+            min: bounds[0],
+            max: bounds[1],
         };
         index(self.vertices.len() + positions.len())?;
-        let tree = super::build::Tree::build(
-            positions,
-            triangles,
-            super::build::Quality::High,
-            crate::Execution::default(),
-        )?;
-        let mut all = Aabb::EMPTY;
-        for axis in 0..3 {
-            all.min[axis] = tree.nodes[0].min[axis].iter().copied().fold(f32::INFINITY, f32::min);
-            all.max[axis] = tree.nodes[0].max[axis].iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        }
-
-        let bounds: Vec<Aabb> = triangles
-            .iter()
-            .map(|triangle| {
-                let corners = triangle.map(|vertex| positions[vertex as usize].map(f64::from));
-                let fold = |pick: fn(f64, f64) -> f64| {
-                    core::array::from_fn(|axis| corners.iter().map(|c| c[axis]).reduce(pick).unwrap_or(0.0))
-                };
-                Aabb::from_f64(fold(f64::min), fold(f64::max))
-            })
-            .collect();
-        let mut order = vec![0; triangles.len()];
-        let mut nodes = vec![Node::zeroed(); bvh::max_nodes(triangles.len())];
-        let used = bvh::build(&bounds, &mut order, &mut nodes, LEAF_TRIANGLES);
-
-        self.old_nodes.extend_from_slice(&nodes[..used]);
+        index((self.blocks.len() + tree.blocks.len()) * WIDTH)?;
         self.nodes.extend_from_slice(&tree.nodes);
         self.blocks.extend_from_slice(&tree.blocks);
-        for block in &tree.blocks {
-            for lane in 0..16 {
-                let [a, b, c] = block.corners.map(|corner| {
-                    glam::DVec3::new(corner[0][lane].into(), corner[1][lane].into(), corner[2][lane].into())
-                });
-                let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
-                self.facets.push(super::tree::Facet { normal, triangle: block.triangle[lane] });
-            }
-        }
-        self.triangles.extend(order.iter().map(|&triangle| triangles[triangle as usize]));
+        self.facets.extend_from_slice(&tree.facets());
+        self.triangles.extend_from_slice(triangles);
         self.vertices.extend_from_slice(positions);
         self.uvs.extend_from_slice(uvs);
         self.uvs.resize(self.vertices.len(), [0.0; 2]);
-        self.meshes.push(Mesh {
-            old_nodes: used as u32,
-            nodes: tree.nodes.len() as u32,
-            blocks: tree.blocks.len() as u32,
-            min: all.min,
-            max: all.max,
-            ..mesh
-        });
+        self.meshes.push(mesh);
         Ok(MeshId(index(self.meshes.len() - 1)?))
     }
 
@@ -234,6 +178,12 @@ impl SceneBuilder {
         }
         if instance.material as usize >= self.materials.len() {
             return Err(SceneError::NoSuchMaterial);
+        }
+        // Slots of all instances together are counted in 31 bits.
+        let scene = self.scene();
+        let slots = self.instances.iter().map(|instance| u64::from(scene.slots(instance))).sum::<u64>();
+        if slots + u64::from(scene.slots(&instance)) >= 1 << 31 {
+            return Err(SceneError::TooMany);
         }
         Ok(instance)
     }
@@ -294,7 +244,6 @@ impl SceneBuilder {
             vertices: &self.vertices,
             uvs: &self.uvs,
             triangles: &self.triangles,
-            old_nodes: &self.old_nodes,
             nodes: &self.nodes,
             blocks: &self.blocks,
             facets: &self.facets,

@@ -19,18 +19,19 @@
 //! Both run from 0 to 1 over a face; on the endless plane they are metres from its origin. They belong to the
 //! shape: an instance's scale stretches the texture with it. Around an ellipsoid, u is the angle of (x/a, y/b).
 
+mod aabb;
 pub mod build;
-pub(crate) mod bvh;
 mod height_field;
 mod instance;
 mod material;
 mod texture;
 pub mod tree;
+mod validate;
 
 #[cfg(feature = "alloc")]
 mod builder;
 
-pub use bvh::{Aabb, Node, max_nodes};
+pub use aabb::Aabb;
 pub use height_field::{HeightField, HeightGrid};
 pub use instance::{
     HeightFieldId, Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility,
@@ -42,6 +43,8 @@ pub(crate) use instance::{
 pub use material::{Environment, Light, LightConfig, LightKind, Material, MaterialConfig};
 pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
+
+pub use validate::{TreeFault, validate_scratch_len, validate_tree};
 
 #[cfg(feature = "alloc")]
 pub use builder::SceneBuilder;
@@ -57,8 +60,6 @@ pub struct Mesh {
     pub(crate) vertices: u32,
     pub(crate) first_triangle: u32,
     pub(crate) triangles: u32,
-    pub(crate) old_first_node: u32,
-    pub(crate) old_nodes: u32,
     pub(crate) first_node: u32,
     pub(crate) nodes: u32,
     pub(crate) first_block: u32,
@@ -76,9 +77,8 @@ pub struct Scene<'a> {
     pub(crate) vertices: &'a [[f32; 3]],
     /// As many as vertices; (0, 0) for meshes without.
     pub(crate) uvs: &'a [[f32; 2]],
-    /// Vertex indices relative to the mesh's first, in the order of the tree's leaves.
+    /// Vertex indices relative to the mesh's first, in the order of the mesh's maker.
     pub(crate) triangles: &'a [[u32; 3]],
-    pub(crate) old_nodes: &'a [Node],
     pub(crate) nodes: &'a [tree::WideNode],
     pub(crate) blocks: &'a [tree::TriangleBlock],
     /// Sixteen for each block.
@@ -103,6 +103,15 @@ impl<'a> Scene<'a> {
     /// The lamps.
     pub fn lights(&self) -> &'a [Light] {
         self.lights
+    }
+
+    /// Slots of an instance: every triangle that a ray may hit has one of its own, any other shape one in all.
+    pub(crate) fn slots(&self, instance: &Instance) -> u32 {
+        match instance.kind {
+            KIND_MESH => self.meshes[instance.mesh as usize].blocks * tree::WIDTH as u32,
+            KIND_HEIGHT_FIELD => self.height_fields[instance.mesh as usize].blocks() * tree::WIDTH as u32,
+            _ => 1,
+        }
     }
 
     /// Corners of the box that holds an instance's surface in its own unscaled frame.
@@ -137,8 +146,6 @@ pub enum SceneError {
     VertexTooFar(usize),
     /// Triangle of that index refers to a vertex that is not there.
     BadTriangle(usize),
-    /// A mesh without triangles.
-    EmptyMesh,
     /// Texture coordinates are neither none nor one per vertex.
     UvCount,
     /// A texture of no size, or whose texels are not width × height.
@@ -189,7 +196,6 @@ impl core::fmt::Display for SceneError {
             }
             Self::BadTree(node) => write!(f, "node {node} does not belong to a tree over these triangles"),
             Self::BadTriangle(index) => write!(f, "triangle {index} refers to a vertex that is not there"),
-            Self::EmptyMesh => f.write_str("a mesh without triangles"),
             Self::UvCount => f.write_str("texture coordinates must be none or one per vertex"),
             Self::BadTexture => f.write_str("a texture must have width × height texels, both at least 1"),
             Self::HeightFieldTooSmall => f.write_str("a height field must have 2 × 2 heights at least"),

@@ -50,5 +50,3 @@ pub struct Facet {
 
 const _: () = assert!(size_of::<WideNode>() == 448 && size_of::<TriangleBlock>() == 640);
 
-/// Deepest a mesh's tree gets, in levels of nodes.
-pub const MAX_DEPTH: usize = 32;

@@ -3,10 +3,10 @@
 use super::{Colours, Shader};
 use crate::scene::{LIGHT_DIRECTIONAL, LIGHT_SPOT, Light};
 use crate::simd::{LANES, Lanes, sqrt_f32};
-use crate::trace::frame::Frame;
 use crate::trace::packet::{Faces, MISS, Packet};
+use crate::trace::shadow::occluded;
 use crate::trace::surface::Surfaces;
-use crate::trace::traverse::occluded;
+use crate::trace::view::View;
 use fearless_simd::Simd;
 
 /// Shadow rays stop this part of the way before the surface that they are to light, and parallel ones start
@@ -18,7 +18,7 @@ impl Shader {
     pub(super) fn add_lamp<S: Simd>(
         &mut self,
         simd: S,
-        frame: &Frame<'_>,
+        view: &View<'_>,
         light: &Light,
         hit: &Lanes<u32>,
         colours: &mut Colours,
@@ -30,8 +30,8 @@ impl Shader {
             #[inline(always)]
             || match light.kind {
                 LIGHT_DIRECTIONAL => shine_parallel(light, surfaces, &mut brightness),
-                LIGHT_SPOT => shine_from::<true>(frame, light, surfaces, &mut brightness),
-                _ => shine_from::<false>(frame, light, surfaces, &mut brightness),
+                LIGHT_SPOT => shine_from::<true>(view, light, surfaces, &mut brightness),
+                _ => shine_from::<false>(view, light, surfaces, &mut brightness),
             },
         );
         if brightness.iter().all(|brightness| *brightness == 0.0) {
@@ -44,13 +44,13 @@ impl Shader {
                     if parallel {
                         aim_against(light, surfaces, &brightness, shadow_rays);
                     } else {
-                        aim_from(frame, light, surfaces, &brightness, shadow_rays);
+                        aim_from(view, light, surfaces, &brightness, shadow_rays);
                     }
                 },
             );
             // Front faces only: the bulb around a lamp does not keep its light in.
             let faces = if parallel { Faces::Both } else { Faces::Front };
-            occluded(simd, frame, shadow_rays, faces, only_convex(frame, &brightness, hit));
+            occluded(simd, view, shadow_rays, faces, only_convex(view, &brightness, hit));
         }
         simd.vectorize(
             #[inline(always)]
@@ -73,7 +73,7 @@ impl Shader {
 }
 
 /// The convex instance that all lit lanes lie on, if so: it cannot stand in its own light.
-fn only_convex(frame: &Frame<'_>, brightness: &Lanes<f32>, hit: &Lanes<u32>) -> u32 {
+fn only_convex(view: &View<'_>, brightness: &Lanes<f32>, hit: &Lanes<u32>) -> u32 {
     let mut only = MISS;
     for lane in 0..LANES {
         if brightness[lane] > 0.0 && hit[lane] != only {
@@ -83,18 +83,18 @@ fn only_convex(frame: &Frame<'_>, brightness: &Lanes<f32>, hit: &Lanes<u32>) -> 
             only = hit[lane];
         }
     }
-    if only != MISS && frame.instance(only).is_convex() { only } else { MISS }
+    if only != MISS && view.instance(only).is_convex() { only } else { MISS }
 }
 
 /// Light from a point, in a cone if it is a spot.
 #[inline(always)]
 fn shine_from<const SPOT: bool>(
-    frame: &Frame<'_>,
+    view: &View<'_>,
     light: &Light,
     surfaces: &Surfaces,
     brightness: &mut Lanes<f32>,
 ) {
-    let position = frame.point_in_frame(light.position);
+    let position = view.point_in_frame(light.position);
     let axis = light.direction.map(|x| x as f32);
     let Surfaces { point, normal, .. } = surfaces;
     for lane in 0..LANES {
@@ -146,14 +146,8 @@ fn cone(light: &Light, cos_angle: f32) -> f32 {
 
 /// Shadow rays from the lamp to the lit surfaces, so that they share its origin and stay together.
 #[inline(always)]
-fn aim_from(
-    frame: &Frame<'_>,
-    light: &Light,
-    surfaces: &Surfaces,
-    brightness: &Lanes<f32>,
-    rays: &mut Packet,
-) {
-    let position = frame.point_in_frame(light.position);
+fn aim_from(view: &View<'_>, light: &Light, surfaces: &Surfaces, brightness: &Lanes<f32>, rays: &mut Packet) {
+    let position = view.point_in_frame(light.position);
     for axis in 0..3 {
         rays.origin[axis] = [position[axis]; LANES];
         for lane in 0..LANES {

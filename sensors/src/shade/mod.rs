@@ -8,9 +8,9 @@ mod texture;
 
 use crate::scene::{Material, NO_TEXTURE};
 use crate::simd::{LANES, Lanes};
-use crate::trace::frame::Frame;
 use crate::trace::packet::{MISS, Packet};
 use crate::trace::surface::{PixelSteps, Surfaces};
+use crate::trace::view::View;
 use fearless_simd::Simd;
 
 /// A colour per lane: all reds, all greens, all blues.
@@ -41,12 +41,12 @@ impl Shader {
     pub(crate) fn shade<S: Simd>(
         &mut self,
         simd: S,
-        frame: &Frame<'_>,
+        view: &View<'_>,
         packet: &Packet,
         steps: &PixelSteps,
         colours: &mut Colours,
     ) {
-        let scene = &frame.scene;
+        let scene = &view.scene;
         let Self { surfaces, texture, albedo, .. } = self;
         *colours = scene.environment.background.map(|background| [background; LANES]);
         let mut rest = lanes_where(simd, &packet.placed, |placed| placed != MISS);
@@ -65,12 +65,12 @@ impl Shader {
             let placed = packet.placed[rest.trailing_zeros() as usize];
             let lanes = lanes_where(simd, &packet.placed, |other| other == placed);
             rest &= !lanes;
-            let material = &scene.materials[frame.instance(placed).material as usize];
+            let material = &scene.materials[view.instance(placed).material as usize];
             let textured = material.texture != NO_TEXTURE;
             simd.vectorize(
                 #[inline(always)]
                 || {
-                    surfaces.add(frame, packet, placed, textured.then_some(steps));
+                    surfaces.add(view, packet, placed, textured.then_some(steps));
                     if textured {
                         texture::sample_lanes(scene, material, surfaces, lanes, texture);
                     } else {
@@ -82,7 +82,7 @@ impl Shader {
             );
         }
         for light in scene.lights {
-            self.add_lamp(simd, frame, light, &packet.placed, colours);
+            self.add_lamp(simd, view, light, &packet.placed, colours);
         }
     }
 }

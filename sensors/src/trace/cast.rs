@@ -1,17 +1,18 @@
 //! Casting whole grids of rays, for those who want hits rather than a sensor's frame.
 
 use super::grid::{Band, BandWork, RayGrid, Sight, trace_grid};
-use super::image::{Fan, GRAZING, NO_HIT, Projection};
+use super::image::{NO_HIT, Projection};
+use super::measure::Measure;
 use super::memory::Workspace;
 use super::packet::Faces;
-use super::resolve::Resolver;
+use super::place::{Place, for_each_block};
+use super::resolve::{Resolver, local_slot};
 use super::view::View;
 use crate::execution::SplitRows;
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::scene::tree::WIDTH;
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
-use glam::DMat3;
+use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 
 /// Where the answers go, one for each ray, row after row; what is none is not worked out.
 #[derive(Debug, Default)]
@@ -64,7 +65,15 @@ pub fn cast_grid(
     let rays_in_block_row = width << grid.fan().shift_y;
     let output = Rows { hits, rays_in_block_row };
     let sight = Sight { faces, range };
-    trace_grid(&view, grid, &sight, execution, &mut memory, output, &Cast::new(world_from_sensor));
+    trace_grid(
+        &view,
+        grid,
+        &sight,
+        execution,
+        &mut memory,
+        output,
+        &Cast { rays: Measure::new(world_from_sensor) },
+    );
 }
 
 /// Hits, cut between rows of blocks.
@@ -101,10 +110,7 @@ impl SplitRows for Rows<'_> {
 }
 
 struct Cast {
-    /// From the sensor's axes to the world's.
-    axes: DMat3,
-    /// Its rows, in single precision.
-    rows: [[f32; 3]; 3],
+    rays: Measure,
 }
 
 impl BandWork<Rows<'_>> for Cast {
@@ -118,7 +124,7 @@ impl BandWork<Rows<'_>> for Cast {
                 band,
                 #[inline(always)]
                 |place, block| {
-                    place.write(&self.distances(simd, band, &mut resolver, place, block), distance);
+                    place.write(&self.rays.block::<S, P, false>(simd, band, &mut resolver, block), distance);
                 },
             );
         }
@@ -135,16 +141,6 @@ impl BandWork<Rows<'_>> for Cast {
                     }
                 },
             );
-        }
-    }
-}
-
-#[inline(always)]
-fn for_each_block<P: Projection>(band: &Band<'_, P>, mut work: impl FnMut(&Place, [usize; 2])) {
-    let fan = band.projection.fan();
-    for row in band.block_rows() {
-        for column in 0..fan.blocks_across() {
-            work(&Place::new(fan, band.rows, column, row), [column, row]);
         }
     }
 }
@@ -182,10 +178,10 @@ fn write_each<S: Simd>(
     let mut normals = [[0.0; 3]; WIDTH];
     let (mut instances, mut primitives) = ([0; WIDTH], [0; WIDTH]);
     let mut missed = false;
-    if let Some((instance, facets)) = resolver.common_instance(simd, slots) {
+    if let Some((instance, facets)) = resolver.common_mesh(simd, slots) {
         instances = [instance.instance; WIDTH];
         for lane in 0..WIDTH {
-            let facet = &facets[((slots[lane] & !GRAZING) - instance.first_slot) as usize];
+            let facet = &facets[local_slot(slots[lane], instance) as usize];
             normals[lane] = instance.normal_in_frame(facet.normal);
             primitives[lane] = facet.triangle;
         }
@@ -228,153 +224,10 @@ impl Found {
             return Self { normal: [0.0; 3], instance: u32::MAX, primitive: u32::MAX };
         }
         let hit = resolver.hit(slot);
-        let facet = resolver.facet(&hit);
         Self {
-            normal: hit.instance.normal_in_frame(facet.normal),
+            normal: resolver.triangle_normal(&hit),
             instance: hit.instance.instance,
-            primitive: facet.triangle,
-        }
-    }
-}
-
-impl Cast {
-    fn new(world_from_sensor: &Pose) -> Self {
-        let axes = world_from_sensor.rotation_matrix();
-        Self { axes, rows: axes.transpose().as_mat3().to_cols_array_2d() }
-    }
-
-    /// Distances of a block; those of grazing hits in double precision.
-    #[inline(always)]
-    fn distances<S: Simd, P: Projection>(
-        &self,
-        simd: S,
-        band: &Band<'_, P>,
-        resolver: &mut Resolver<'_>,
-        place: &Place,
-        [block_column, block_row]: [usize; 2],
-    ) -> [f32; WIDTH] {
-        let slots = u32x16::load_array_ref(simd, &band.target.slot[place.block]);
-        let inverse = f32x16::load_array_ref(simd, &band.target.inverse[place.block]);
-        let hit = slots.simd_ne(u32x16::splat(simd, NO_HIT));
-        let distances = band.projection.distances(simd, inverse, block_column, block_row);
-        let mut values = [0.0; WIDTH];
-        hit.select(distances, f32x16::splat(simd, f32::INFINITY)).store_array(&mut values);
-        let mut lanes = (slots.simd_ge(u32x16::splat(simd, GRAZING)) & hit).to_bitmask();
-        if lanes == 0 {
-            return values;
-        }
-        let directions = band.projection.unit_directions(simd, block_column, block_row);
-        let mut rough = [[0.0; WIDTH]; 3];
-        for axis in 0..3 {
-            let [x, y, z] = self.rows[axis];
-            ((directions[0] * x + directions[1] * y) + directions[2] * z).store_array(&mut rough[axis]);
-        }
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
-            lanes &= lanes - 1;
-            let hit = resolver.hit(band.target.slot[place.block][lane]);
-            let rough = [rough[0][lane], rough[1][lane], rough[2][lane]];
-            if let (true, Some([column, row])) = (resolver.grazes(&hit, rough), place.ray(lane)) {
-                let direction = band.projection.direction(column as i32, row as i32);
-                let direction = self.axes * direction.normalize();
-                values[lane] = resolver.exact(&hit, direction, f64::from(values[lane])) as f32;
-            }
-        }
-        values
-    }
-}
-
-/// Where the rays of a block lie in a band's output.
-struct Place {
-    /// Index of the block in the band.
-    block: usize,
-    /// Rays across the grid.
-    width: usize,
-    /// First ray, in the grid and in the output.
-    column: usize,
-    row: usize,
-    first_row: usize,
-    /// Rays of the block that are in the grid.
-    across: usize,
-    down: usize,
-    shift_x: u32,
-}
-
-impl Place {
-    #[inline(always)]
-    fn new(fan: &Fan, rows: [i32; 2], block_column: usize, block_row: usize) -> Self {
-        let (column, row) = (block_column << fan.shift_x, block_row << fan.shift_y);
-        Self {
-            block: (block_row - (rows[0] >> fan.shift_y) as usize) * fan.blocks_across() + block_column,
-            width: fan.width as usize,
-            column,
-            row,
-            first_row: rows[0] as usize,
-            across: (1 << fan.shift_x).min(fan.width as usize - column),
-            down: (1 << fan.shift_y).min(rows[1] as usize + 1 - row),
-            shift_x: fan.shift_x,
-        }
-    }
-
-    /// Column and row of a lane's ray in the grid; none if it lies outside.
-    #[inline(always)]
-    fn ray(&self, lane: usize) -> Option<[usize; 2]> {
-        let (x, y) = (lane & ((1 << self.shift_x) - 1), lane >> self.shift_x);
-        (x < self.across && y < self.down).then_some([self.column + x, self.row + y])
-    }
-
-    /// Index of the first ray of a line of the block in the band's output.
-    #[inline(always)]
-    fn index(&self, line: usize) -> usize {
-        (self.row - self.first_row + line) * self.width + self.column
-    }
-
-    #[inline(always)]
-    fn write<T: Copy>(&self, values: &[T; WIDTH], output: &mut [T]) {
-        for line in 0..self.down {
-            let values = &values[line << self.shift_x..];
-            let output = &mut output[self.index(line)..];
-            // Of known length they are single moves.
-            match self.across {
-                4 => output[..4].copy_from_slice(&values[..4]),
-                16 => output[..16].copy_from_slice(&values[..16]),
-                across => output[..across].copy_from_slice(&values[..across]),
-            }
-        }
-    }
-
-    /// Writes those lanes that have hit something.
-    fn write_where<T: Copy>(&self, values: &[T; WIDTH], slots: &[u32; WIDTH], output: &mut [T]) {
-        for lane in 0..WIDTH {
-            if let (true, Some([column, row])) = (slots[lane] != NO_HIT, self.ray(lane)) {
-                output[(row - self.first_row) * self.width + column] = values[lane];
-            }
-        }
-    }
-
-    /// Fills the block with one normal, given four times.
-    #[inline(always)]
-    fn write_normals(&self, four: &[f32; 12], output: &mut [[f32; 3]]) {
-        for line in 0..self.down {
-            let output = output[self.index(line)..][..self.across].as_flattened_mut();
-            for output in output.chunks_mut(12) {
-                match <&mut [f32; 12]>::try_from(&mut *output) {
-                    Ok(output) => *output = *four,
-                    Err(_) => output.copy_from_slice(&four[..output.len()]),
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn fill<T: Copy>(&self, value: T, output: &mut [T]) {
-        for line in 0..self.down {
-            let output = &mut output[self.index(line)..];
-            match self.across {
-                4 => output[..4].copy_from_slice(&[value; 4]),
-                16 => output[..16].copy_from_slice(&[value; 16]),
-                across => output[..across].fill(value),
-            }
+            primitive: resolver.triangle(&hit),
         }
     }
 }

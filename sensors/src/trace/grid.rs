@@ -50,7 +50,7 @@ impl RayGrid {
 
     pub(crate) fn fan(&self) -> Fan {
         match self {
-            Self::Pinhole(lens) => Fan::new(lens.width, lens.height),
+            Self::Pinhole(lens) => Fan::square(lens.width, lens.height),
             Self::Spherical(grid) => Fan::new(grid.columns, grid.rows),
         }
     }
@@ -160,7 +160,7 @@ fn trace_bands<P: Projection + Sync, O: SplitRows, W: BandWork<O>>(
         block_rows: bands.block_rows,
         blocks_across: fan.blocks_across(),
     };
-    let [near, far] = sight.range.map(|range| (1.0 / range) as f32);
+    let inverse_far = (1.0 / sight.range[1]) as f32;
     for_each_row(execution, 0..bands.count, output, &|band, output: BandOutput<'_, O>| {
         let first = (band * bands.block_rows) << fan.shift_y;
         let last = ((((band + 1) * bands.block_rows) << fan.shift_y) - 1).min(fan.height as usize - 1);
@@ -175,8 +175,8 @@ fn trace_bands<P: Projection + Sync, O: SplitRows, W: BandWork<O>>(
         dispatch!(execution.level, simd => simd.vectorize(
             #[inline(always)]
             || {
-                target.clear(far);
-                walk(simd, view, projection, rows, sight.faces, near, &mut target);
+                target.clear(inverse_far);
+                walk(simd, view, projection, rows, sight.faces, sight.range, &mut target);
                 work.finish(simd, &Band { view, projection, rows, target }, output.output);
             }
         ));

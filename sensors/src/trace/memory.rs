@@ -78,7 +78,7 @@ impl Workspace<'_> {
     }
 }
 
-/// An owned [`Workspace`]: allocates when made, or when a scene or sensor has outgrown it, and never else.
+/// An owned [`Workspace`]: allocates when a scene or sensor outgrows it, and never else.
 #[cfg(feature = "alloc")]
 #[derive(Debug, Default, Clone)]
 pub struct WorkspaceBuf {
@@ -89,23 +89,12 @@ pub struct WorkspaceBuf {
 
 #[cfg(feature = "alloc")]
 impl WorkspaceBuf {
-    /// Enough for a sensor of so many rays to see the scene.
-    pub fn new(scene: &Scene<'_>, rays: usize) -> Self {
-        let mut workspace = Self::default();
-        workspace.fit(scene, rays);
-        workspace
-    }
-
-    /// Grows, if it is too small for the scene and so many rays.
-    pub fn fit(&mut self, scene: &Scene<'_>, rays: usize) {
+    /// Lends it to a sensor of so many rays that sees the scene; grows first, if it is too small.
+    pub fn lend(&mut self, scene: &Scene<'_>, rays: usize) -> Workspace<'_> {
         let need = workspace_len(scene.instances().len(), rays);
         if self.buffer.len() < need {
             self.buffer.resize(need, CacheLine::zeroed());
         }
-    }
-
-    /// Lends it to a sensor.
-    pub fn lend(&mut self) -> Workspace<'_> {
         Workspace { buffer: &mut self.buffer, execution: self.execution }
     }
 }

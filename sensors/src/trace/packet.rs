@@ -1,7 +1,8 @@
 //! 64 rays that are traced together, and the bounds that let whole subtrees be skipped for all of them.
 
-use crate::scene::Aabb;
+use crate::scene::tree::{NONE, WIDTH, WideNode};
 use crate::simd::{LANES, Lanes};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 
 /// No instance was hit.
 pub(crate) const MISS: u32 = u32::MAX;
@@ -30,8 +31,8 @@ pub(crate) struct Packet {
     pub(crate) t: Lanes<f64>,
     /// Index into the frame's placed instances, or [`MISS`].
     pub(crate) placed: Lanes<u32>,
-    /// Triangle of the scene for a mesh.
-    pub(crate) triangle: Lanes<u32>,
+    /// Of meshes and height fields, which triangle: its slot from the instance's first.
+    pub(crate) local: Lanes<u32>,
 }
 
 impl Packet {
@@ -44,7 +45,7 @@ impl Packet {
             t_min: 0.0,
             t: [f64::NEG_INFINITY; LANES],
             placed: [MISS; LANES],
-            triangle: [0; LANES],
+            local: [0; LANES],
         }
     }
 
@@ -68,13 +69,16 @@ impl Packet {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PacketBounds {
     /// Least and most.
-    origin: [[f64; 2]; 3],
+    origin: [[f32; 2]; 3],
     /// Least and most of 1/direction; −∞ and ∞ where the direction changes its sign.
-    inverse: [[f64; 2]; 3],
+    inverse: [[f32; 2]; 3],
     /// For each axis, whether some ray goes up it.
     ascending: [bool; 3],
-    t_min: f64,
+    t_min: f32,
 }
+
+/// What intervals are widened by, relatively: more than all roundings of a test together.
+const MARGIN: f64 = 4e-7;
 
 impl PacketBounds {
     /// Bounds over the lanes of the packet that take part, given their rays in the frame of the tree.
@@ -82,48 +86,51 @@ impl PacketBounds {
     pub(crate) fn new(origin: &[Lanes<f64>; 3], direction: &[Lanes<f64>; 3], packet: &Packet) -> Self {
         let mut bounds = Self {
             origin: [[0.0; 2]; 3],
-            inverse: [[f64::NEG_INFINITY, f64::INFINITY]; 3],
+            inverse: [[f32::NEG_INFINITY, f32::INFINITY]; 3],
             ascending: [true; 3],
-            t_min: packet.t_min,
+            t_min: packet.t_min as f32,
         };
         for axis in 0..3 {
-            bounds.origin[axis] =
+            let [low, high] =
                 if packet.shared_origin { [origin[axis][0]; 2] } else { interval(&origin[axis], &packet.t) };
+            bounds.origin[axis] = [(low - low.abs() * MARGIN) as f32, (high + high.abs() * MARGIN) as f32];
             let [low, high] = interval(&direction[axis], &packet.t);
             if low > 0.0 || high < 0.0 {
-                bounds.inverse[axis] = [1.0 / high, 1.0 / low];
+                let (least, most) = (1.0 / high, 1.0 / low);
+                bounds.inverse[axis] =
+                    [(least - least.abs() * MARGIN) as f32, (most + most.abs() * MARGIN) as f32];
             }
             bounds.ascending[axis] = high >= 0.0;
         }
         bounds
     }
 
-    /// A lower bound of t where any ray enters the box, or none if no ray can meet it before `t_max`.
+    /// Children of a node that some ray may meet before `t_max`, a bit for each, and lower bounds of t where.
     #[inline(always)]
-    pub(crate) fn enter(&self, aabb: &Aabb, t_max: f64) -> Option<f64> {
-        let (mut enter, mut exit) = (self.t_min, t_max);
+    pub(crate) fn enter<S: Simd>(&self, simd: S, node: &WideNode, t_max: f32) -> (u64, [f32; WIDTH]) {
+        let mut enter = f32x16::splat(simd, self.t_min);
+        let mut exit = f32x16::splat(simd, t_max);
         for axis in 0..3 {
             let [origin_low, origin_high] = self.origin[axis];
             let [least, most] = self.inverse[axis];
-            let to_low = f64::from(aabb.min[axis]) - origin_high;
-            let to_high = f64::from(aabb.max[axis]) - origin_low;
+            let to_low = f32x16::load_array_ref(simd, &node.min[axis]) - origin_high;
+            let to_high = f32x16::load_array_ref(simd, &node.max[axis]) - origin_low;
             // Rays that go down the axis meet the box's upper face first.
             let (to_near, to_far) = if self.ascending[axis] { (to_low, to_high) } else { (to_high, to_low) };
             let (a, b) = (to_near * least, to_near * most);
-            let near = if a < b { a } else { b };
+            let near = a.simd_lt(b).select(a, b);
             let (a, b) = (to_far * least, to_far * most);
-            let far = if a > b { a } else { b };
-            // 0·∞, on a face with rays to both sides, is NaN and bounds nothing.
-            enter = if near > enter { near } else { enter };
-            exit = if far < exit { far } else { exit };
+            let far = a.simd_gt(b).select(a, b);
+            // A little earlier and later, for the roundings here. 0·∞, on a face with rays to both sides, is NaN
+            // and bounds nothing.
+            let (near, far) = (near - near.abs() * 1e-6, far + far.abs() * 1e-6);
+            enter = near.simd_gt(enter).select(near, enter);
+            exit = far.simd_lt(exit).select(far, exit);
         }
-        (enter <= exit).then_some(enter)
-    }
-
-    /// Whether some ray goes up the axis.
-    #[inline(always)]
-    pub(crate) fn ascending(&self, axis: usize) -> bool {
-        self.ascending[axis]
+        let there = u32x16::load_array_ref(simd, &node.child).simd_ne(u32x16::splat(simd, NONE));
+        let mut entries = [0.0; WIDTH];
+        enter.store_array(&mut entries);
+        ((enter.simd_le(exit) & there).to_bitmask(), entries)
     }
 }
 

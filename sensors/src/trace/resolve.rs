@@ -2,8 +2,8 @@
 
 use super::image::{GRAZING, GRAZING_SQUARED, NO_HIT};
 use super::view::{Placed, View};
-use crate::scene::KIND_MESH;
 use crate::scene::tree::{Facet, WIDTH};
+use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 use glam::DVec3;
 
@@ -15,14 +15,28 @@ pub(crate) struct Resolver<'a> {
     slots: core::ops::Range<u32>,
 }
 
+/// A slot, counted from its instance's first.
+#[inline(always)]
+pub(crate) fn local_slot(slot: u32, instance: &Placed) -> u32 {
+    (slot & !GRAZING) - instance.first_slot
+}
+
 /// What a slot stands for.
 #[derive(Clone, Copy)]
 pub(crate) struct Hit<'a> {
     /// Index among the placed instances.
     pub(crate) placed: u32,
     pub(crate) instance: &'a Placed,
-    /// Triangle, counted through the blocks of the scene; meaningless for other shapes.
-    pub(crate) facet: usize,
+    /// Slot, counted from the instance's first.
+    pub(crate) local: u32,
+}
+
+impl Hit<'_> {
+    /// Index of the triangle of a mesh among the scene's facets.
+    #[inline(always)]
+    fn facet(&self) -> usize {
+        self.instance.first_block as usize * WIDTH + self.local as usize
+    }
 }
 
 impl<'a> Resolver<'a> {
@@ -38,13 +52,12 @@ impl<'a> Resolver<'a> {
             self.find(slot);
         }
         let instance = &self.view.placed[self.placed as usize];
-        let facet = instance.first_block as usize * WIDTH + (slot - instance.first_slot) as usize;
-        Hit { placed: self.placed, instance, facet }
+        Hit { placed: self.placed, instance, local: slot - instance.first_slot }
     }
 
-    /// The instance found last, if all slots are of its triangles; and these.
+    /// The instance found last and the facets from its own on, if it is a mesh and all slots are its own.
     #[inline(always)]
-    pub(crate) fn common_instance<S: Simd>(
+    pub(crate) fn common_mesh<S: Simd>(
         &self,
         simd: S,
         slots: &[u32; WIDTH],
@@ -68,42 +81,61 @@ impl<'a> Resolver<'a> {
         self.slots = self.view.placed[after - 1].first_slot..end;
     }
 
-    /// The triangle of a hit on a mesh.
+    /// The intensity that a lidar reports for a slot's instance.
     #[inline(always)]
-    pub(crate) fn facet(&self, hit: &Hit<'_>) -> &'a Facet {
-        &self.view.scene.facets[hit.facet]
+    pub(crate) fn laser_retro(&mut self, slot: u32) -> f32 {
+        let hit = self.hit(slot);
+        self.view.scene.instances[hit.instance.instance as usize].laser_retro
     }
 
-    /// The corners of a triangle that was hit, in its mesh.
-    pub(crate) fn corners(&self, hit: &Hit<'_>) -> [DVec3; 3] {
-        let block = &self.view.scene.blocks[hit.facet / WIDTH];
-        let lane = hit.facet % WIDTH;
-        block.corners.map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()))
+    /// Which triangle of its mesh or height field was hit, in the order of its maker; 0 for other shapes.
+    #[inline(always)]
+    pub(crate) fn triangle(&self, hit: &Hit<'_>) -> u32 {
+        match hit.instance.kind {
+            KIND_MESH => self.view.scene.facets[hit.facet()].triangle,
+            KIND_HEIGHT_FIELD => {
+                let block = self.view.height_grid(hit.instance).block(hit.local / WIDTH as u32);
+                block.triangle[hit.local as usize % WIDTH]
+            }
+            _ => 0,
+        }
+    }
+
+    /// Unit normal of the triangle that was hit, in the frame; 0 for shapes without triangles.
+    #[inline(always)]
+    pub(crate) fn triangle_normal(&self, hit: &Hit<'_>) -> [f32; 3] {
+        match hit.instance.kind {
+            KIND_MESH => hit.instance.normal_in_frame(self.view.scene.facets[hit.facet()].normal),
+            KIND_HEIGHT_FIELD => {
+                let [a, b, c] = self.corners(hit);
+                let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+                hit.instance.normal_in_frame(normal.to_array())
+            }
+            _ => [0.0; 3],
+        }
+    }
+
+    /// The corners of the triangle that was hit, in its instance.
+    fn corners(&self, hit: &Hit<'_>) -> [DVec3; 3] {
+        self.view.corners(hit.instance, hit.local)
     }
 
     /// Whether a ray runs so nearly along the triangle that it hits that single precision is not enough.
     #[inline(always)]
     pub(crate) fn grazes(&self, hit: &Hit<'_>, direction: [f32; 3]) -> bool {
-        if hit.instance.kind != KIND_MESH {
-            return false;
-        }
-        let [x, y, z] = hit.instance.normal_in_frame(self.facet(hit).normal);
+        let [x, y, z] = self.triangle_normal(hit);
         let sine = (x * direction[0] + y * direction[1]) + z * direction[2];
         sine * sine < 1.0 / GRAZING_SQUARED
     }
 
-    /// t of a ray from the frame's origin on the plane of a triangle, in double precision; `otherwise` for other
-    /// shapes, whose t is exact already.
-    pub(crate) fn exact(&self, hit: &Hit<'_>, direction: DVec3, otherwise: f64) -> f64 {
-        if hit.instance.kind != KIND_MESH {
-            return otherwise;
-        }
+    /// t of a ray from the frame's origin on the plane of the triangle that it hits, in double precision.
+    pub(crate) fn exact(&self, hit: &Hit<'_>, direction: DVec3, rough: f64) -> f64 {
         let [a, b, c] = self.corners(hit);
         let normal = (b - a).cross(c - a);
         let direction = hit.instance.vector_in_instance(direction);
         let origin = DVec3::from_array(hit.instance.origin_in_instance);
         let t = normal.dot(a - origin) / normal.dot(direction);
         // A ray along the plane has no better answer.
-        if t.is_finite() && t > 0.0 { t } else { otherwise }
+        if t.is_finite() && t > 0.0 { t } else { rough }
     }
 }

@@ -3,12 +3,12 @@
 //! A packet sees few instances, so its surfaces are worked out instance by instance, for all lanes at once; each
 //! lane keeps those of its own.
 
-use super::frame::{Frame, Placed};
 use super::packet::Packet;
-use super::traverse::triangle_corners;
+use super::view::{Placed, View};
+use crate::scene::tree::WIDTH;
 use crate::scene::{
-    HeightGrid, KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD,
-    KIND_MESH, KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
+    KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH,
+    KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
 };
 use crate::simd::{LANES, Lanes, sqrt};
 use core::f64::consts::{PI, TAU};
@@ -21,7 +21,7 @@ pub(crate) struct PixelSteps {
     pub(crate) down: DVec3,
 }
 
-/// Lane by lane, in the frame. Where nothing was hit the normal is 0, and the rest undetermined.
+/// Lane by lane, in the view. Where nothing was hit the normal is 0, and the rest undetermined.
 pub(crate) struct Surfaces {
     pub(crate) point: [Lanes<f64>; 3],
     /// Unit, outwards.
@@ -56,18 +56,12 @@ impl Surfaces {
 
     /// Fills in the lanes that have hit `placed`; what belongs to a texture only if there are `steps`.
     #[inline(always)]
-    pub(crate) fn add(
-        &mut self,
-        frame: &Frame<'_>,
-        packet: &Packet,
-        placed: u32,
-        steps: Option<&PixelSteps>,
-    ) {
+    pub(crate) fn add(&mut self, view: &View<'_>, packet: &Packet, placed: u32, steps: Option<&PixelSteps>) {
         if let Some(steps) = steps {
-            self.add_kind::<true>(frame, packet, placed, steps);
+            self.add_kind::<true>(view, packet, placed, steps);
         } else {
             self.add_kind::<false>(
-                frame,
+                view,
                 packet,
                 placed,
                 &PixelSteps { right: DVec3::ZERO, down: DVec3::ZERO },
@@ -78,13 +72,13 @@ impl Surfaces {
     #[inline(always)]
     fn add_kind<const TEXTURED: bool>(
         &mut self,
-        frame: &Frame<'_>,
+        view: &View<'_>,
         packet: &Packet,
         index: u32,
         steps: &PixelSteps,
     ) {
-        let instance = frame.instance(index);
-        let placed = &frame.placed[index as usize];
+        let instance = view.instance(index);
+        let placed = &view.placed[index as usize];
         let [a, b, c] = instance.size;
         match instance.kind {
             KIND_BOX => self.add_lanes::<TEXTURED>(
@@ -156,35 +150,20 @@ impl Surfaces {
                     around::<TEXTURED>(point, radial / a, [-b - a, b + a])
                 },
             ),
-            KIND_HEIGHT_FIELD => {
-                let scene = &frame.scene;
-                let field = &scene.height_fields[instance.mesh as usize];
-                let grid = HeightGrid::new(field, scene.heights, scene.extents);
-                self.add_lanes::<TEXTURED>(
-                    packet,
-                    index,
-                    placed,
-                    steps,
-                    #[inline(always)]
-                    |lane, point| {
-                        // Other lanes may have hit the triangle of something else.
-                        let triangle = if packet.placed[lane] == index { packet.triangle[lane] } else { 0 };
-                        on_height_field(&grid, triangle, point)
-                    },
-                );
-            }
-            KIND_MESH => self.add_lanes::<TEXTURED>(
+            KIND_HEIGHT_FIELD | KIND_MESH => self.add_lanes::<TEXTURED>(
                 packet,
                 index,
                 placed,
                 steps,
                 #[inline(always)]
                 |lane, point| {
-                    // Other lanes may have hit the triangle of another mesh.
-                    if packet.placed[lane] == index {
-                        on_triangle::<TEXTURED>(frame, packet.triangle[lane], instance.mesh, point)
-                    } else {
+                    // Other lanes may have hit the triangle of something else.
+                    if packet.placed[lane] != index {
                         flat(DVec3::Z, point, [DVec3::ZERO; 2])
+                    } else if instance.kind == KIND_MESH {
+                        on_triangle::<TEXTURED>(view, placed, packet.local[lane], point)
+                    } else {
+                        on_height_field(view, placed, packet.local[lane], point)
                     }
                 },
             ),
@@ -354,7 +333,7 @@ fn on_cone<const TEXTURED: bool>(point: DVec3, radius: f64, half_length: f64) ->
     if point.z + half_length < below_side { base } else { side }
 }
 
-/// As the unit ball in its own stretched frame.
+/// As the unit ball in its own stretched view.
 #[inline(always)]
 fn on_ellipsoid<const TEXTURED: bool>(point: DVec3, radii: DVec3) -> Surface {
     let inverse = DVec3::new(1.0 / radii.x, 1.0 / radii.y, 1.0 / radii.z);
@@ -383,17 +362,17 @@ fn around<const TEXTURED: bool>(point: DVec3, normal: DVec3, [low, high]: [f64; 
     }
 }
 
-fn on_height_field(grid: &HeightGrid<'_>, triangle: u32, point: DVec3) -> Surface {
-    let [a, b, c] = grid.triangle(triangle).map(|corner| DVec3::from_array(corner.map(f64::from)));
-    let [x, y] = grid.field().size();
+fn on_height_field(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> Surface {
+    let [a, b, c] = view.corners(placed, local);
+    let [x, y] = view.height_grid(placed).field().size();
     let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
     flat(normal, point, [DVec3::X / x, DVec3::Y / y])
 }
 
-fn on_triangle<const TEXTURED: bool>(frame: &Frame<'_>, triangle: u32, mesh: u32, point: DVec3) -> Surface {
-    let scene = &frame.scene;
-    let mesh = &scene.meshes[mesh as usize];
-    let [a, b, c] = triangle_corners(frame, mesh, triangle);
+fn on_triangle<const TEXTURED: bool>(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> Surface {
+    let scene = &view.scene;
+    let mesh = &scene.meshes[placed.mesh as usize];
+    let [a, b, c] = view.corners(placed, local);
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(ac);
     let squared = normal.length_squared();
@@ -403,7 +382,8 @@ fn on_triangle<const TEXTURED: bool>(frame: &Frame<'_>, triangle: u32, mesh: u32
     // Barycentric coordinates of b and c are linear in the point; these are their gradients.
     let (to_b, to_c) = (ac.cross(normal) / squared, normal.cross(ab) / squared);
     let (beta, gamma) = (to_b.dot(point - a), to_c.dot(point - a));
-    let uvs = scene.triangles[triangle as usize]
+    let triangle = scene.facets[placed.first_block as usize * WIDTH + local as usize].triangle;
+    let uvs = scene.triangles[(mesh.first_triangle + triangle) as usize]
         .map(|vertex| scene.uvs[(mesh.first_vertex + vertex) as usize].map(f64::from));
     let mut surface =
         Surface { normal: normal.normalize_or(DVec3::Z), uv: [0.0; 2], uv_gradient: [DVec3::ZERO; 2] };

@@ -2,15 +2,12 @@
 
 use crate::pose::Pose;
 use crate::scene::tree::{LEAF, NONE, WIDTH, WideNode};
-use crate::scene::{Aabb, Instance, KIND_MESH, Scene};
+use crate::scene::{Aabb, HeightGrid, Instance, KIND_HEIGHT_FIELD, KIND_MESH, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 
 /// Levels of the tree over the instances, at most: 16⁸ = 2³².
 pub(crate) const MAX_DEPTH: usize = 8;
-
-/// Beyond that many metres from the sensor nothing is looked for: what makes an infinite plane finite.
-const HORIZON_M: f32 = 1e9;
 
 /// Takes points of an instance, in single precision, to the axes of the sensor.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -43,8 +40,8 @@ pub struct Placed {
     /// Columns: the instance's axes in the frame, scale included.
     pub(crate) axes: [[f64; 3]; 3],
     pub(crate) translation: [f64; 3],
-    /// Columns of the inverse: from the frame to the instance.
-    pub(crate) inverse_axes: [[f64; 3]; 3],
+    /// Rows of the inverse: from the frame to the instance.
+    pub(crate) inverse: [[f64; 3]; 3],
     /// The frame's origin in the instance.
     pub(crate) origin_in_instance: [f64; 3],
     pub(crate) to_sensor: ToSensor,
@@ -56,6 +53,9 @@ pub struct Placed {
     pub(crate) first_slot: u32,
     pub(crate) first_node: u32,
     pub(crate) first_block: u32,
+    /// Which mesh or height field.
+    pub(crate) mesh: u32,
+    reserved: u32,
     /// 1 if its scale mirrors it.
     pub(crate) mirrored: u32,
     /// 1 if normals change their length on the way to the frame.
@@ -83,7 +83,8 @@ impl Placed {
 
     /// A direction of the frame in the instance.
     pub(crate) fn vector_in_instance(&self, vector: DVec3) -> DVec3 {
-        DMat3::from_cols_array_2d(&self.inverse_axes) * vector
+        let [x, y, z] = self.inverse.map(|row| DVec3::from_array(row).dot(vector));
+        DVec3::new(x, y, z)
     }
 }
 
@@ -96,6 +97,7 @@ pub(crate) struct View<'a> {
     pub(crate) nodes: &'a [WideNode],
     /// From the frame to the axes of the sensor.
     pub(crate) sensor_from_frame: ToSensor,
+    pub(crate) sensor_from_world: DMat3,
     /// Position of the frame's origin in the world.
     pub(crate) origin_in_world: DVec3,
 }
@@ -135,29 +137,32 @@ impl<'a> View<'a> {
             if instance.visibility & visibility == 0 {
                 continue;
             }
-            let axes = instance.world_from_instance.rotation_matrix();
+            let axes = instance.scaled_axes();
             let translation = instance.world_from_instance.translation() - origin_in_world;
-            let inverse = axes.inverse();
+            let inverse = instance.inverse_scaled_axes();
             let origin = inverse * -translation;
             let mesh = (instance.kind == KIND_MESH).then(|| &scene.meshes[instance.mesh as usize]);
+            let turned = axes != DMat3::IDENTITY;
             placed[count] = Placed {
                 axes: axes.to_cols_array_2d(),
                 translation: translation.to_array(),
-                inverse_axes: inverse.to_cols_array_2d(),
+                inverse: inverse.transpose().to_cols_array_2d(),
                 origin_in_instance: origin.to_array(),
                 to_sensor: ToSensor::new(&(sensor_from_world * axes), origin),
                 instance: index as u32,
                 kind: instance.kind,
                 first_slot: slots,
                 first_node: mesh.map_or(0, |mesh| mesh.first_node),
+                mesh: instance.mesh,
+                reserved: 0,
                 first_block: mesh.map_or(0, |mesh| mesh.first_block),
                 mirrored: u32::from(axes.determinant() < 0.0),
                 normal_rows: inverse.as_mat3().to_cols_array_2d(),
-                scaled: 0,
-                turned: u32::from(axes != DMat3::IDENTITY),
+                scaled: u32::from(instance.scale != [1.0; 3]),
+                turned: u32::from(turned),
             };
             bounds[count] = bounds_in_frame(scene, instance, &axes, translation);
-            slots += mesh.map_or(1, |mesh| mesh.blocks * WIDTH as u32);
+            slots += scene.slots(instance);
             count += 1;
         }
         let used = build_top(&bounds[..count], &mut order[..count], nodes);
@@ -166,12 +171,42 @@ impl<'a> View<'a> {
             placed: &placed[..count],
             nodes: &nodes[..used],
             sensor_from_frame: ToSensor::new(&sensor_from_world, DVec3::ZERO),
+            sensor_from_world,
             origin_in_world,
         }
     }
 
     pub(crate) fn instance(&self, placed: u32) -> &'a Instance {
         &self.scene.instances[self.placed[placed as usize].instance as usize]
+    }
+
+    /// Rows of the matrix from the sensor's axes to those of an instance.
+    pub(crate) fn rows_from_sensor(&self, placed: &Placed) -> [[f64; 3]; 3] {
+        placed.inverse.map(|row| (self.sensor_from_world * DVec3::from_array(row)).to_array())
+    }
+
+    /// The tree of a height field.
+    #[inline(always)]
+    pub(crate) fn height_grid(&self, placed: &Placed) -> HeightGrid<'a> {
+        let field = &self.scene.height_fields[placed.mesh as usize];
+        HeightGrid::new(field, self.scene.heights, self.scene.extents)
+    }
+
+    /// The corners of a triangle of an instance, in its frame, by its slot from the instance's first.
+    pub(crate) fn corners(&self, placed: &Placed, local: u32) -> [DVec3; 3] {
+        let (block, lane) = (local / WIDTH as u32, local as usize % WIDTH);
+        let corner =
+            |[x, y, z]: [[f32; WIDTH]; 3]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into());
+        if placed.kind == KIND_HEIGHT_FIELD {
+            self.height_grid(placed).block(block).corners.map(corner)
+        } else {
+            self.scene.blocks[(placed.first_block + block) as usize].corners.map(corner)
+        }
+    }
+
+    /// A point of the world in the frame.
+    pub(crate) fn point_in_frame(&self, point_in_world: [f64; 3]) -> DVec3 {
+        DVec3::from_array(point_in_world) - self.origin_in_world
     }
 }
 
@@ -180,12 +215,7 @@ fn bounds_in_frame(scene: &Scene<'_>, instance: &Instance, axes: &DMat3, transla
     let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let centre = *axes * centre + translation;
     let reach = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
-    let mut bounds = Aabb::from_f64((centre - reach).to_array(), (centre + reach).to_array());
-    for axis in 0..3 {
-        bounds.min[axis] = bounds.min[axis].clamp(-HORIZON_M, HORIZON_M);
-        bounds.max[axis] = bounds.max[axis].clamp(-HORIZON_M, HORIZON_M);
-    }
-    bounds
+    Aabb::from_f64((centre - reach).to_array(), (centre + reach).to_array())
 }
 
 /// Builds the tree over the boxes, sixteen neighbours on a Morton curve at a time, and returns its nodes.
@@ -260,4 +290,13 @@ fn spread(bits: u32) -> u32 {
     x = (x | x << 8) & 0x0300_f00f;
     x = (x | x << 4) & 0x030c_30c3;
     (x | x << 2) & 0x0924_9249
+}
+
+/// Where a frame is taken from, and what makes its noise its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Capture {
+    /// Pose of the sensor at the moment of capture.
+    pub world_from_sensor: Pose,
+    /// Number of the frame; noise is a function of seed, sensor, frame and sample.
+    pub frame: u64,
 }

@@ -96,7 +96,12 @@ pub(crate) fn depth_frame(scene: &Scene<'_>, config: DepthCameraConfig, pose: Po
     let camera = DepthCamera::new(config).expect("a valid camera");
     let mut depth = vec![0.0; camera.pixels()];
     let output = DepthFrame { depth_32fc1: Some(&mut depth), ..DepthFrame::default() };
-    camera.sense(scene, &capture(pose, frame), &mut WorkspaceBuf::for_scene(scene).lend(), output);
+    camera.sense(
+        scene,
+        &capture(pose, frame),
+        &mut WorkspaceBuf::default().lend(scene, camera.rays()),
+        output,
+    );
     depth
 }
 
@@ -115,9 +120,9 @@ pub(crate) fn picture_with(
 ) -> Vec<u8> {
     let camera = Camera::new(config).expect("a valid camera");
     let mut pixels = vec![0; camera.frame_len()];
-    let mut workspace = WorkspaceBuf::for_scene(scene);
+    let mut workspace = WorkspaceBuf::default();
     workspace.execution = execution;
-    camera.sense(scene, &capture(pose, frame), &mut workspace.lend(), &mut pixels);
+    camera.sense(scene, &capture(pose, frame), &mut workspace.lend(scene, camera.rays()), &mut pixels);
     pixels
 }
 
@@ -135,8 +140,14 @@ pub(crate) fn scan_frame(
 ) -> (Vec<f32>, Vec<f32>) {
     let lidar = Lidar::new(config).expect("a valid lidar");
     let (mut ranges, mut intensities) = (vec![0.0; lidar.beams()], vec![0.0; lidar.beams()]);
-    let mut workspace = WorkspaceBuf::for_scene(scene);
-    lidar.sense(scene, &capture(pose, frame), &mut workspace.lend(), &mut ranges, &mut intensities);
+    let mut workspace = WorkspaceBuf::default();
+    lidar.sense(
+        scene,
+        &capture(pose, frame),
+        &mut workspace.lend(scene, lidar.rays()),
+        &mut ranges,
+        &mut intensities,
+    );
     (ranges, intensities)
 }
 

@@ -15,6 +15,15 @@ const HALVE_FROM_DEPTH: u32 = 32;
 #[cfg(feature = "rayon")]
 const PARALLEL_FROM: usize = 4096;
 
+/// What is the same for all sets.
+#[derive(Clone, Copy)]
+struct How<S> {
+    simd: S,
+    quality: Quality,
+    #[cfg_attr(not(feature = "rayon"), allow(dead_code, reason = "threads come with rayon"))]
+    execution: Execution,
+}
+
 /// A set of primitives with what its parent found out about it.
 #[derive(Clone, Copy)]
 struct Set {
@@ -36,17 +45,16 @@ pub(super) fn build<S: Simd>(
     nodes: &mut [Scratch],
     budget: usize,
 ) {
+    let how = How { simd, quality, execution };
     let (bounds, centres) = bounds_of(simd, items);
     let set = Set { bounds, centres, budget, depth: 0 };
-    build_set(simd, quality, execution, items, nodes, 0, 0, set);
+    build_set(how, items, nodes, 0, 0, set);
 }
 
 /// `first`: the scene-wide index of the first item. `base`: that of the first node.
 #[cfg_attr(not(feature = "rayon"), allow(clippy::only_used_in_recursion, reason = "threads come with rayon"))]
 fn build_set<S: Simd>(
-    simd: S,
-    quality: Quality,
-    execution: Execution,
+    how: How<S>,
     items: &mut [Scratch],
     nodes: &mut [Scratch],
     first: usize,
@@ -57,26 +65,27 @@ fn build_set<S: Simd>(
         nodes[0] = set.bounds.with_tags(first as u32, items.len() as u32);
         return;
     }
-    let (count, left, right) = split(simd, quality, items, &set);
+    let (count, left, right) = split(how, items, &set);
     let left_nodes = 2 * left.budget - 1;
     nodes[0] = set.bounds.with_tags((base + 1 + left_nodes) as u32, 0);
     let (left_items, right_items) = items.split_at_mut(count);
     let (left_part, right_part) = nodes[1..].split_at_mut(left_nodes);
     let (right_first, right_base) = (first + count, base + 1 + left_nodes);
     #[cfg(feature = "rayon")]
-    if execution.parallel && left_items.len() + right_items.len() >= PARALLEL_FROM {
+    if how.execution.parallel && left_items.len() + right_items.len() >= PARALLEL_FROM {
         rayon::join(
-            || build_set(simd, quality, execution, left_items, left_part, first, base + 1, left),
-            || build_set(simd, quality, execution, right_items, right_part, right_first, right_base, right),
+            || build_set(how, left_items, left_part, first, base + 1, left),
+            || build_set(how, right_items, right_part, right_first, right_base, right),
         );
         return;
     }
-    build_set(simd, quality, execution, left_items, left_part, first, base + 1, left);
-    build_set(simd, quality, execution, right_items, right_part, right_first, right_base, right);
+    build_set(how, left_items, left_part, first, base + 1, left);
+    build_set(how, right_items, right_part, right_first, right_base, right);
 }
 
 /// Sorts the items into two sides. How many are on the left, and both sides.
-fn split<S: Simd>(simd: S, quality: Quality, items: &mut [Scratch], set: &Set) -> (usize, Set, Set) {
+fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> (usize, Set, Set) {
+    let How { simd, quality, .. } = how;
     simd.vectorize(
         #[inline(always)]
         || {

@@ -1,10 +1,11 @@
 //! Where to cut a set of boxes: the surface area heuristic over bins of their centres.
 //!
-//! Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007), with the cost of a side in
+//! Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007), with the size of a side in
 //! *blocks* of sixteen triangles, as that is what a ray pays for.
 
 use super::bounds::Scratch;
 use crate::scene::tree::WIDTH;
+use crate::simd::sqrt_f32;
 use fearless_simd::{Simd, SimdBase, f32x4, f32x8};
 
 /// Bins on each axis.
@@ -74,6 +75,18 @@ pub(super) fn blocks(count: usize) -> usize {
     count.div_ceil(WIDTH)
 }
 
+/// What a set counts for beside its surface: its blocks to the power of ¾.
+///
+/// The heuristic takes a set for a leaf that is not cut any more. But its blocks will each have a part of its
+/// surface only, so a power of 1 overrates large sets. Measured at [`Quality::High`](super::Quality::High), the boxes
+/// that a random ray meets in a room, a warehouse, a noisy ball and a terrain are 8, 4, 1 and 0 % fewer with ¾ than
+/// with 1; with ½, more again in the warehouse, and leaves are emptier.
+#[inline(always)]
+pub(super) fn weight(count: usize) -> f32 {
+    let blocks = blocks(count) as f32;
+    sqrt_f32(blocks * sqrt_f32(blocks))
+}
+
 /// The cheapest cut of `items` whose sides fit in `budget` blocks, or none. `centres` are the bounds of
 /// [`Scratch::centre`] of all.
 #[inline(always)]
@@ -135,7 +148,7 @@ pub(super) fn find_cut<S: Simd>(simd: S, items: &[Scratch], centres: &Scratch, b
         for bin in (1..BINS).rev() {
             joined = joined.min(f32x8::from_slice(simd, &bins[axis][bin].lanes));
             count += counts[axis][bin] as usize;
-            right_cost[bin] = Scratch { lanes: joined.into() }.area() * blocks(count) as f32;
+            right_cost[bin] = Scratch { lanes: joined.into() }.area() * weight(count);
         }
         let mut joined = f32x8::splat(simd, f32::INFINITY);
         let mut count = 0;
@@ -146,7 +159,7 @@ pub(super) fn find_cut<S: Simd>(simd: S, items: &[Scratch], centres: &Scratch, b
             if count == 0 || rest == 0 || blocks(count) + blocks(rest) > budget {
                 continue;
             }
-            let cost = Scratch { lanes: joined.into() }.area() * blocks(count) as f32 + right_cost[bin + 1];
+            let cost = Scratch { lanes: joined.into() }.area() * weight(count) + right_cost[bin + 1];
             // Among equals the more even one, or flat sets would become lists.
             let skew = count.abs_diff(rest);
             if cost < best_cost || (cost == best_cost && skew < best_skew) {

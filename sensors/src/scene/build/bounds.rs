@@ -87,12 +87,14 @@ impl Scratch {
     }
 }
 
+/// Vertices that are checked at a time.
+const CHUNK: usize = 1024;
+
 /// Every vertex is finite and within [`MAX_COORDINATE`].
 pub(in crate::scene) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), SceneError> {
     // Without an early way out within a chunk, so that it is done in vectors.
     let inside = |x: &f32| x.abs() <= MAX_COORDINATE;
     let faulty = |chunk: &[[f32; 3]]| !chunk.as_flattened().iter().fold(true, |all, x| all & inside(x));
-    const CHUNK: usize = 1024;
     let Some(chunk) = positions.chunks(CHUNK).position(faulty) else {
         return Ok(());
     };
@@ -112,9 +114,9 @@ pub(in crate::scene) fn corners(
     triangles: &[[u32; 3]],
     index: usize,
 ) -> Result<[[f32; 3]; 3], SceneError> {
-    let corner = |vertex: u32| positions.get(vertex as usize).copied();
-    match triangles[index].map(corner) {
-        [Some(a), Some(b), Some(c)] => Ok([a, b, c]),
+    let [a, b, c] = triangles[index];
+    match (positions.get(a as usize), positions.get(b as usize), positions.get(c as usize)) {
+        (Some(&a), Some(&b), Some(&c)) => Ok([a, b, c]),
         _ => Err(SceneError::BadTriangle(index)),
     }
 }

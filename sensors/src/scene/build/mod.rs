@@ -12,12 +12,15 @@ mod bins;
 mod bounds;
 mod collapse;
 mod cut;
+mod facets;
 #[cfg(feature = "alloc")]
 mod owned;
 mod refit;
 mod sweep;
 
 pub use bounds::{MAX_COORDINATE, Scratch};
+pub(super) use bounds::{check_vertices, corners};
+pub use facets::fill_facets;
 #[cfg(feature = "alloc")]
 pub use owned::Tree;
 pub use refit::refit;

@@ -1,9 +1,9 @@
 //! A tree that owns its memory.
 
-use super::{Quality, Scratch, plan, refit, scratch_len};
+use super::{Quality, Scratch, fill_facets, plan, refit, scratch_len};
 use crate::Execution;
-use crate::scene::SceneError;
-use crate::scene::tree::{TriangleBlock, WideNode};
+use crate::scene::{SceneError, TreeFault, validate_scratch_len, validate_tree};
+use crate::scene::tree::{Facet, TriangleBlock, WIDTH, WideNode};
 use alloc::vec::Vec;
 use bytemuck::allocation::zeroed_vec;
 
@@ -55,5 +55,30 @@ impl Tree {
         execution: Execution,
     ) -> Result<(), SceneError> {
         refit(positions, triangles, execution, &mut self.nodes, &mut self.blocks)
+    }
+
+    /// As [`validate_tree`].
+    ///
+    /// # Errors
+    /// As [`validate_tree`].
+    pub fn validate(&self, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), TreeFault> {
+        let words = validate_scratch_len(triangles.len(), self.nodes.len(), self.blocks.len());
+        validate_tree(positions, triangles, &self.nodes, &self.blocks, &mut zeroed_vec(words))
+    }
+
+    /// Corners of the box that holds the mesh; both 0 for a mesh without triangles.
+    pub fn bounds(&self) -> [[f32; 3]; 2] {
+        // Unused lanes repeat the last child's box.
+        let root = &self.nodes[0];
+        let least = |values: &[f32; WIDTH]| values.iter().copied().fold(f32::INFINITY, f32::min);
+        let most = |values: &[f32; WIDTH]| values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        [root.min.each_ref().map(least), root.max.each_ref().map(most)]
+    }
+
+    /// What is known of the triangles besides their corners, sixteen for each block.
+    pub fn facets(&self) -> Vec<Facet> {
+        let mut facets = zeroed_vec(self.blocks.len() * WIDTH);
+        fill_facets(&self.blocks, &mut facets);
+        facets
     }
 }

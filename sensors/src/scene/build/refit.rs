@@ -109,8 +109,9 @@ fn refit_block<S: Simd>(
         let triangle = if block.triangle[lane] == NONE {
             filler
         } else {
-            match vertices[lane].map(|vertex| positions.get(vertex as usize)) {
-                [Some(a), Some(b), Some(c)] => [*a, *b, *c],
+            let [a, b, c] = vertices[lane];
+            match (positions.get(a as usize), positions.get(b as usize), positions.get(c as usize)) {
+                (Some(&a), Some(&b), Some(&c)) => [a, b, c],
                 _ => return Err(SceneError::BadTriangle(block.triangle[lane] as usize)),
             }
         };

@@ -1,7 +1,7 @@
 //! Small sets: every cut between two neighbours on an axis is tried, where bins would miss most multiples of
 //! sixteen.
 
-use super::bins::blocks;
+use super::bins::{blocks, weight};
 use super::bounds::Scratch;
 use fearless_simd::{Simd, SimdBase, f32x8};
 
@@ -34,13 +34,13 @@ pub(super) fn sweep<S: Simd>(simd: S, items: &mut [Scratch], budget: usize) -> O
         let mut joined = empty;
         for i in (1..count).rev() {
             joined = joined.min(at(i));
-            right_cost[i] = Scratch { lanes: joined.into() }.area() * blocks(count - i) as f32;
+            right_cost[i] = Scratch { lanes: joined.into() }.area() * weight(count - i);
         }
         let mut joined = empty;
         let mut better = false;
         for left in 1..count {
             joined = joined.min(at(left - 1));
-            let cost = Scratch { lanes: joined.into() }.area() * blocks(left) as f32 + right_cost[left];
+            let cost = Scratch { lanes: joined.into() }.area() * weight(left) + right_cost[left];
             let skew = left.abs_diff(count - left);
             let fits = blocks(left) + blocks(count - left) <= budget;
             if fits && (cost < best_cost || (cost == best_cost && skew < best_skew)) {

@@ -23,10 +23,16 @@ impl Fan {
         Self { width: width as i32, height: height as i32, shift_x, shift_y }
     }
 
+    /// The grid in square blocks, whatever its size.
+    pub(crate) const fn square(width: u32, height: u32) -> Self {
+        Self { width: width as i32, height: height as i32, shift_x: 2, shift_y: 2 }
+    }
+
     /// Cache lines that the tables of any grid of so many rays take.
     pub(crate) const fn most_table_lines(rays: usize) -> usize {
-        // Of a single row: 2 cosines and sines a column, 2 a block, and those of one row.
-        rays.div_ceil(WIDTH) * 2 + rays.div_ceil(WIDTH * WIDTH) * 2 + rays.div_ceil(WIDTH) * 2 + 16
+        // Of a single row or column, which take most: 10 lines for sixteen columns, 11 for a block of a row, and
+        // a few for what is filled up to whole lines.
+        rays.div_ceil(WIDTH) * 12 + 16
     }
 
     /// Blocks across.

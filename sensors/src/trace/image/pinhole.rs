@@ -4,6 +4,7 @@
 use super::fan::Fan;
 use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, max, min, whole};
 use crate::lens::Pinhole;
+use crate::scene::tree::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
 use glam::DVec3;
 
@@ -29,7 +30,7 @@ pub(crate) struct PinholeFan {
 
 impl PinholeFan {
     pub(crate) fn new(lens: &Pinhole) -> Self {
-        let fan = Fan::new(lens.width, lens.height);
+        let fan = Fan::square(lens.width, lens.height);
         Self {
             fan,
             lens: *lens,
@@ -88,6 +89,18 @@ impl Projection for PinholeFan {
     fn direction(&self, column: i32, row: i32) -> DVec3 {
         let left = (self.lens.cx - f64::from(column)) / self.lens.fx;
         DVec3::new(1.0, left, (self.lens.cy - f64::from(row)) / self.lens.fy)
+    }
+
+    #[inline(always)]
+    fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
+        let mut directions = [[1.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]];
+        for lane in 0..WIDTH {
+            let (x, y) = self.fan.lane_position(lane);
+            let (column, row) = ((column << self.fan.shift_x) + x, (row << self.fan.shift_y) + y);
+            directions[1][lane] = (self.lens.cx - column as f64) / self.lens.fx;
+            directions[2][lane] = (self.lens.cy - row as f64) / self.lens.fy;
+        }
+        directions
     }
 
     #[inline(always)]

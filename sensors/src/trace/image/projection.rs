@@ -1,6 +1,7 @@
 //! Where on the grid of rays something may be seen.
 
 use super::fan::Fan;
+use crate::scene::tree::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, i32x16, mask32x16};
 use glam::DVec3;
 
@@ -36,6 +37,9 @@ pub(crate) trait Projection: Copy {
 
     /// The direction of a ray to the last bit, in units of t.
     fn direction(&self, column: i32, row: i32) -> DVec3;
+
+    /// Directions of the rays of a block to the last bit, in units of t: all x, all y, all z.
+    fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3];
 
     /// Directions of the rays of a block, of length 1.
     fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S>;

@@ -1,21 +1,92 @@
-//! Shapes that are not made of triangles.
+//! Shapes that are not made of triangles: exact, in double precision, block by block.
+
 use super::projection::Projection;
 use super::target::Target;
 use super::triangles::Rules;
+use crate::scene::tree::WIDTH;
+use crate::trace::packet::Faces;
+use crate::trace::shapes::match_solid;
 use crate::trace::view::View;
-use fearless_simd::Simd;
+use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
 
-#[allow(clippy::too_many_arguments)]
+/// The part of the grid on which a shape may be seen.
+pub(super) struct Part {
+    /// First and last column and row; columns may run past the last one on a ring.
+    pub(super) columns: [u16; 2],
+    pub(super) rows: [u16; 2],
+    /// Bound of 1/t from above.
+    pub(super) nearest: f32,
+}
+
+/// Draws an instance of a solid.
 #[inline(always)]
 pub(super) fn draw<S: Simd, P: Projection>(
-    _simd: S,
-    _view: &View<'_>,
-    _projection: P,
-    _target: &mut Target<'_>,
-    _rules: Rules,
-    _placed: u32,
-    _columns: [i32; 2],
-    _rows: [i32; 2],
-    _nearest: f32,
+    simd: S,
+    view: &View<'_>,
+    projection: P,
+    target: &mut Target<'_>,
+    rules: Rules,
+    index: u32,
+    part: Part,
 ) {
+    let placed = &view.placed[index as usize];
+    let instance = view.instance(index);
+    let fan = *projection.fan();
+    let blocks_across = fan.blocks_across();
+    // From the sensor's axes to the instance's.
+    let rows = view.rows_from_sensor(placed);
+    let origin = placed.origin_in_instance;
+    let both = rules.faces == Faces::Both;
+    let [first, last] = part.columns.map(i32::from);
+    let pieces = if last < fan.width {
+        [[first, last], [1, 0]]
+    } else {
+        [[first, fan.width - 1], [0, last - fan.width]]
+    };
+    let block_rows = (part.rows[0] >> fan.shift_y) as usize..=(part.rows[1] >> fan.shift_y) as usize;
+    for [first, last] in pieces {
+        if first > last {
+            continue;
+        }
+        for row in block_rows.clone() {
+            for column in (first >> fan.shift_x) as usize..=(last >> fan.shift_x) as usize {
+                let block = (row - rules.first_block_row) * blocks_across + column;
+                if target.farthest[block] >= part.nearest {
+                    continue;
+                }
+                let directions = projection.exact_block(column, row);
+                let mut local = [[0.0; WIDTH]; 3];
+                for axis in 0..3 {
+                    let [x, y, z] = rows[axis];
+                    for lane in 0..WIDTH {
+                        local[axis][lane] =
+                            x * directions[0][lane] + y * directions[1][lane] + z * directions[2][lane];
+                    }
+                }
+                let mut inverse = [0.0_f32; WIDTH];
+                match_solid!(
+                    instance,
+                    inside => for lane in 0..WIDTH {
+                        let direction = [local[0][lane], local[1][lane], local[2][lane]];
+                        inverse[lane] = (1.0 / inside(origin, direction).first(rules.near, both)) as f32;
+                    },
+                    _ => {}
+                );
+                commit(simd, target, block, placed.first_slot, &inverse);
+            }
+        }
+    }
+}
+
+/// Takes what is nearer than what was there.
+#[inline(always)]
+fn commit<S: Simd>(simd: S, target: &mut Target<'_>, block: usize, slot: u32, inverse: &[f32; WIDTH]) {
+    let inverse = f32x16::load_array_ref(simd, inverse);
+    let so_far = f32x16::load_array_ref(simd, &target.inverse[block]);
+    let hit = inverse.simd_gt(so_far);
+    let nearest = hit.select(inverse, so_far);
+    nearest.store_array(&mut target.inverse[block]);
+    let slots = u32x16::load_array_ref(simd, &target.slot[block]);
+    hit.select(u32x16::splat(simd, slot), slots).store_array(&mut target.slot[block]);
+    target.farthest[block] = simd.reduce_min_f32x16(nearest);
 }

@@ -17,8 +17,9 @@ const TINY: f32 = 1e-12;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SphericalFan<'a> {
     fan: Fan,
-    azimuth: Steps,
-    elevation: Steps,
+    /// Cosine and sine of each column's azimuth and each row's elevation, exactly.
+    azimuths: &'a [[f64; 2]],
+    elevations: &'a [[f64; 2]],
     /// First and last row to draw.
     rows: [i32; 2],
     /// Of azimuths, column by column, filled up to whole blocks.
@@ -56,7 +57,12 @@ impl<'a> SphericalFan<'a> {
     pub(crate) const fn table_len(fan: &Fan) -> usize {
         let columns = (fan.width as usize).div_ceil(WIDTH);
         let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
-        2 * columns + 2 * fan.blocks_down() + 2 * middles + (2 * fan.blocks_down()).div_ceil(WIDTH)
+        2 * columns
+            + 2 * fan.blocks_down()
+            + 2 * middles
+            + (2 * fan.blocks_down()).div_ceil(WIDTH)
+            + (4 * columns * WIDTH).div_ceil(WIDTH)
+            + (4 * fan.blocks_down() * WIDTH).div_ceil(WIDTH)
     }
 
     /// Fills the tables.
@@ -70,10 +76,15 @@ impl<'a> SphericalFan<'a> {
         let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
         let (cos_middle, rest) = rest.split_at_mut(middles);
         let (sin_middle, rest) = rest.split_at_mut(middles);
-        let levels = &mut rest.as_flattened_mut().as_chunks_mut::<2>().0[..fan.blocks_down()];
+        let (levels, rest) = rest.split_at_mut((2 * fan.blocks_down()).div_ceil(WIDTH));
+        let levels = &mut levels.as_flattened_mut().as_chunks_mut::<2>().0[..fan.blocks_down()];
+        let (azimuths, rest) = rest.split_at_mut(4 * columns);
+        let azimuths: &mut [[f64; 2]] = bytemuck::cast_slice_mut(azimuths);
+        let elevations: &mut [[f64; 2]] = bytemuck::cast_slice_mut(&mut rest[..4 * fan.blocks_down()]);
         for block in 0..columns {
             for lane in 0..WIDTH {
                 let (sin, cos) = sin_cos(azimuth.first + azimuth.step * (block * WIDTH + lane) as f64);
+                azimuths[block * WIDTH + lane] = [cos, sin];
                 cos_azimuth[block][lane] = cos as f32;
                 sin_azimuth[block][lane] = sin as f32;
             }
@@ -82,6 +93,7 @@ impl<'a> SphericalFan<'a> {
             for lane in 0..WIDTH {
                 let row = (block << fan.shift_y) + fan.lane_position(lane).1;
                 let (sin, cos) = sin_cos(elevation.first + elevation.step * row as f64);
+                elevations[row] = [cos, sin];
                 cos_elevation[block][lane] = cos as f32;
                 sin_elevation[block][lane] = sin as f32;
             }
@@ -107,8 +119,8 @@ impl<'a> SphericalFan<'a> {
         let turn = core::f64::consts::TAU / step(azimuth).abs();
         Self {
             fan,
-            azimuth,
-            elevation,
+            azimuths,
+            elevations,
             rows: [0, fan.height - 1],
             cos_azimuth: cos_azimuth.as_flattened(),
             sin_azimuth: sin_azimuth.as_flattened(),
@@ -236,9 +248,23 @@ impl Projection for SphericalFan<'_> {
     }
 
     fn direction(&self, column: i32, row: i32) -> DVec3 {
-        let (sin, cos) = sin_cos(self.azimuth.first + self.azimuth.step * f64::from(column));
-        let (up, level) = sin_cos(self.elevation.first + self.elevation.step * f64::from(row));
+        let ([cos, sin], [level, up]) = (self.azimuths[column as usize], self.elevations[row as usize]);
         DVec3::new(cos * level, sin * level, up)
+    }
+
+    #[inline(always)]
+    fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
+        let mut directions = [[0.0; WIDTH]; 3];
+        for lane in 0..WIDTH {
+            let (x, y) = self.fan.lane_position(lane);
+            let column = ((column << self.fan.shift_x) + x).min(self.fan.width as usize - 1);
+            let row = ((row << self.fan.shift_y) + y).min(self.fan.height as usize - 1);
+            let ([cos, sin], [level, up]) = (self.azimuths[column], self.elevations[row]);
+            directions[0][lane] = cos * level;
+            directions[1][lane] = sin * level;
+            directions[2][lane] = up;
+        }
+        directions
     }
 
     #[inline(always)]

@@ -64,6 +64,8 @@ pub(super) struct Rules {
     pub(super) mirrored: bool,
     /// 1/t of the nearest that counts.
     pub(super) inverse_near: f32,
+    /// And t itself.
+    pub(super) near: f64,
     /// First row of blocks of the target.
     pub(super) first_block_row: usize,
 }

@@ -1,11 +1,11 @@
 //! Once through the trees, front to back.
 
 use super::projection::{Points, Projection, max};
-use super::solid;
+use super::solid::{self, Part};
 use super::target::Target;
 use super::triangles::{self, Leaf, Rules};
-use crate::scene::KIND_MESH;
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
 use crate::trace::packet::Faces;
 use crate::trace::view::{ToSensor, View};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
@@ -14,7 +14,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 const TOP: u32 = u32::MAX;
 
 /// More than the deepest trees leave waiting: fifteen siblings a level.
-const STACK: usize = 15 * (crate::scene::tree::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
+const STACK: usize = 15 * (crate::scene::build::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
 
 /// A subtree to visit.
 #[derive(Clone, Copy)]
@@ -38,7 +38,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
     projection: P,
     rows: [i32; 2],
     faces: Faces,
-    inverse_near: f32,
+    range: [f64; 2],
     target: &mut Target<'_>,
 ) {
     let fan = *projection.fan();
@@ -58,25 +58,31 @@ pub(crate) fn walk<S: Simd, P: Projection>(
         if hidden(simd, projection, target, first_block_row, &entry) {
             continue;
         }
-        let rules = Rules { faces, mirrored: false, inverse_near, first_block_row };
-        let (node, to_sensor, placed) = if entry.placed == TOP {
-            if entry.child & LEAF == 0 {
-                (&view.nodes[entry.child as usize], &view.sensor_from_frame, TOP)
-            } else {
-                let index = entry.child & !LEAF;
-                let placed = &view.placed[index as usize];
-                if placed.kind != KIND_MESH {
-                    let (columns, rows) = (entry.columns.map(i32::from), entry.rows.map(i32::from));
-                    solid::draw(simd, view, projection, target, rules, index, columns, rows, entry.nearest);
-                    continue;
-                }
-                (&view.scene.nodes[placed.first_node as usize], &placed.to_sensor, index)
-            }
+        let rules = Rules {
+            faces,
+            mirrored: false,
+            inverse_near: (1.0 / range[0]) as f32,
+            near: range[0],
+            first_block_row,
+        };
+        let made;
+        let (node, to_sensor, placed) = if entry.placed == TOP && entry.child & LEAF == 0 {
+            (&view.nodes[entry.child as usize], &view.sensor_from_frame, TOP)
         } else {
-            let placed = &view.placed[entry.placed as usize];
-            if entry.child & LEAF != 0 {
-                let leaf = entry.child & !LEAF;
-                let block = &view.scene.blocks[(placed.first_block + leaf) as usize];
+            // A leaf of the top tree stands for the root of an instance's.
+            let (index, child) =
+                if entry.placed == TOP { (entry.child & !LEAF, 0) } else { (entry.placed, entry.child) };
+            let placed = &view.placed[index as usize];
+            let is_leaf = child & LEAF != 0;
+            if is_leaf {
+                let made;
+                let leaf = child & !LEAF;
+                let block = if placed.kind == KIND_MESH {
+                    &view.scene.blocks[(placed.first_block + leaf) as usize]
+                } else {
+                    made = view.height_grid(placed).block(leaf);
+                    &made
+                };
                 let leaf = Leaf {
                     corners: corners_in_sensor(simd, block, &placed.to_sensor),
                     first_slot: placed.first_slot + leaf * WIDTH as u32,
@@ -88,7 +94,19 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                 triangles::draw(simd, projection, target, rules, &leaf);
                 continue;
             }
-            (&view.scene.nodes[(placed.first_node + entry.child) as usize], &placed.to_sensor, entry.placed)
+            let node = match placed.kind {
+                KIND_MESH => &view.scene.nodes[(placed.first_node + child) as usize],
+                KIND_HEIGHT_FIELD => {
+                    made = view.height_grid(placed).node(child);
+                    &made
+                }
+                _ => {
+                    let part = Part { columns: entry.columns, rows: entry.rows, nearest: entry.nearest };
+                    solid::draw(simd, view, projection, target, rules, index, part);
+                    continue;
+                }
+            };
+            (node, &placed.to_sensor, index)
         };
         waiting = push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting);
     }

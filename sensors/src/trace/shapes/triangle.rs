@@ -3,29 +3,30 @@
 
 use super::LocalRays;
 use crate::simd::LANES;
-use crate::trace::packet::{Faces, Packet};
+use crate::trace::packet::Packet;
 use glam::DVec3;
 
-/// Tests one triangle of the scene, given its corners in the mesh's frame.
+/// From which side a triangle may be hit; its corners run counter-clockwise seen from the front.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    Front,
+    Back,
+    Both,
+}
+
+/// Tests one triangle, given its corners in the frame of the rays.
 #[inline(always)]
-pub(crate) fn intersect(
-    rays: &LocalRays,
-    corners: [DVec3; 3],
-    packet: &mut Packet,
-    faces: Faces,
-    placed: u32,
-    triangle: u32,
-) {
+pub(crate) fn intersect(rays: &LocalRays, corners: [DVec3; 3], packet: &mut Packet, side: Side, placed: u32) {
     if packet.shared_origin {
         let origin = DVec3::new(rays.origin[0][0], rays.origin[1][0], rays.origin[2][0]);
         let edges = Edges::seen_from(origin, corners);
         for lane in 0..LANES {
-            test(&edges, rays, lane, packet, faces, placed, triangle);
+            test(&edges, rays, lane, packet, side, placed);
         }
     } else {
         for lane in 0..LANES {
             let origin = DVec3::new(rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]);
-            test(&Edges::seen_from(origin, corners), rays, lane, packet, faces, placed, triangle);
+            test(&Edges::seen_from(origin, corners), rays, lane, packet, side, placed);
         }
     }
 }
@@ -49,23 +50,14 @@ impl Edges {
 }
 
 #[inline(always)]
-fn test(
-    edges: &Edges,
-    rays: &LocalRays,
-    lane: usize,
-    packet: &mut Packet,
-    faces: Faces,
-    placed: u32,
-    triangle: u32,
-) {
+fn test(edges: &Edges, rays: &LocalRays, lane: usize, packet: &mut Packet, side: Side, placed: u32) {
     let [dx, dy, dz] = [rays.direction[0][lane], rays.direction[1][lane], rays.direction[2][lane]];
     let along = |v: DVec3| dx * v.x + dy * v.y + dz * v.z;
     let (ab, bc, ca) = (along(edges.ab), along(edges.bc), along(edges.ca));
-    let front = ab <= 0.0 && bc <= 0.0 && ca <= 0.0;
-    let back = faces == Faces::Both && ab >= 0.0 && bc >= 0.0 && ca >= 0.0;
+    let front = side != Side::Back && ab <= 0.0 && bc <= 0.0 && ca <= 0.0;
+    let back = side != Side::Front && ab >= 0.0 && bc >= 0.0 && ca >= 0.0;
     let t = edges.distance / along(edges.normal);
     let hit = (front || back) && t >= packet.t_min && t < packet.t[lane];
     packet.t[lane] = if hit { t } else { packet.t[lane] };
     packet.placed[lane] = if hit { placed } else { packet.placed[lane] };
-    packet.triangle[lane] = if hit { triangle } else { packet.triangle[lane] };
 }

@@ -1,0 +1,172 @@
+//! What stands between a lamp and what it shines on: any hit of 64 rays.
+
+use super::packet::{Faces, MISS, Packet, PacketBounds};
+use super::shapes::{LocalRays, commit, match_solid, triangle};
+use super::view::{Placed, View};
+use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
+use crate::scene::build::MAX_DEPTH;
+use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::simd::LANES;
+use fearless_simd::Simd;
+use glam::DVec3;
+
+/// Finds for every lane whether anything is hit at all; `placed` is [`MISS`] where not. Which of several hits
+/// is named is not specified. The placed instance `left_out` is passed over.
+pub(crate) fn occluded<S: Simd>(simd: S, view: &View<'_>, packet: &mut Packet, faces: Faces, left_out: u32) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
+            walk(
+                simd,
+                #[inline(always)]
+                |node| view.nodes[node as usize],
+                &bounds,
+                packet.farthest() as f32,
+                #[inline(always)]
+                |index| {
+                    if index != left_out {
+                        intersect_instance(simd, view, index, packet, faces);
+                        retire_hits(packet);
+                    }
+                    packet.farthest() as f32
+                },
+            );
+        },
+    );
+}
+
+/// Lanes that have hit something need no more.
+#[inline(always)]
+fn retire_hits(packet: &mut Packet) {
+    for lane in 0..LANES {
+        packet.t[lane] = if packet.placed[lane] == MISS { packet.t[lane] } else { f64::NEG_INFINITY };
+    }
+}
+
+/// Visits the leaves that the packet may meet. `visit` returns the farthest t that still matters, −∞ for none.
+#[inline(always)]
+fn walk<S: Simd>(
+    simd: S,
+    node: impl Fn(u32) -> WideNode,
+    bounds: &PacketBounds,
+    mut farthest: f32,
+    mut visit: impl FnMut(u32) -> f32,
+) {
+    let mut stack = [(0_u32, 0.0_f32); 15 * MAX_DEPTH + 2];
+    let mut waiting = 1;
+    while waiting > 0 {
+        waiting -= 1;
+        let (child, enter) = stack[waiting];
+        if enter > farthest {
+            continue;
+        }
+        if child & LEAF != 0 {
+            farthest = visit(child & !LEAF);
+            continue;
+        }
+        let node = node(child);
+        let (mut lanes, enter) = bounds.enter(simd, &node, farthest);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+            lanes &= lanes - 1;
+            stack[waiting] = (node.child[lane], enter[lane]);
+            waiting += 1;
+        }
+    }
+}
+
+#[inline(always)]
+fn intersect_instance<S: Simd>(simd: S, view: &View<'_>, index: u32, packet: &mut Packet, faces: Faces) {
+    let placed = &view.placed[index as usize];
+    let rays = local_rays(placed, packet);
+    match_solid!(
+        view.instance(index),
+        inside => commit(&rays, packet, faces, index, inside),
+        _ => walk_triangles(simd, view, placed, &rays, packet, faces, index)
+    );
+}
+
+#[inline(always)]
+fn local_rays(placed: &Placed, packet: &Packet) -> LocalRays {
+    let mut rays = LocalRays { origin: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3] };
+    for axis in 0..3 {
+        let [x, y, z] = placed.inverse[axis];
+        let [tx, ty, tz] = placed.translation;
+        let origin = |lane: usize| {
+            x * (packet.origin[0][lane] - tx)
+                + y * (packet.origin[1][lane] - ty)
+                + z * (packet.origin[2][lane] - tz)
+        };
+        if packet.shared_origin {
+            rays.origin[axis] = [origin(0); LANES];
+        } else {
+            for lane in 0..LANES {
+                rays.origin[axis][lane] = origin(lane);
+            }
+        }
+        for lane in 0..LANES {
+            rays.direction[axis][lane] =
+                x * packet.direction[0][lane] + y * packet.direction[1][lane] + z * packet.direction[2][lane];
+        }
+    }
+    rays
+}
+
+fn walk_triangles<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    placed: &Placed,
+    rays: &LocalRays,
+    packet: &mut Packet,
+    faces: Faces,
+    index: u32,
+) {
+    let faces = match faces {
+        Faces::Both => triangle::Side::Both,
+        Faces::Front if placed.mirrored == 0 => triangle::Side::Front,
+        Faces::Front => triangle::Side::Back,
+    };
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let bounds = PacketBounds::new(&rays.origin, &rays.direction, packet);
+            let farthest = packet.farthest() as f32;
+            let draw = |block: &TriangleBlock, packet: &mut Packet| {
+                for lane in 0..WIDTH {
+                    let corners = block
+                        .corners
+                        .each_ref()
+                        .map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()));
+                    triangle::intersect(rays, corners, packet, faces, index);
+                }
+                retire_hits(packet);
+                packet.farthest() as f32
+            };
+            match placed.kind {
+                KIND_MESH => walk(
+                    simd,
+                    #[inline(always)]
+                    |node| view.scene.nodes[(placed.first_node + node) as usize],
+                    &bounds,
+                    farthest,
+                    #[inline(always)]
+                    |leaf| draw(&view.scene.blocks[(placed.first_block + leaf) as usize], packet),
+                ),
+                KIND_HEIGHT_FIELD => {
+                    let grid = view.height_grid(placed);
+                    walk(
+                        simd,
+                        #[inline(always)]
+                        |node| grid.node(node),
+                        &bounds,
+                        farthest,
+                        #[inline(always)]
+                        |leaf| draw(&grid.block(leaf), packet),
+                    );
+                }
+                _ => {}
+            }
+        },
+    );
+}

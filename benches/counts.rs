@@ -91,8 +91,10 @@ fn room_view() -> RoomView {
     let scene = tag_room::scene(&tag_room::room());
     let camera = Camera::new(CameraConfig { height: 16, ..tag_room::camera_config(0.007) });
     let camera = camera.expect("in range");
-    let mut workspace = WorkspaceBuf::for_scene(&scene.scene());
+    let mut workspace = WorkspaceBuf::default();
     workspace.execution = execution(simd());
+    let rays = camera.rays();
+    let _ = workspace.lend(&scene.scene(), rays); // allocates
     let pixels = vec![0; camera.frame_len()];
     (scene, camera, workspace, pixels)
 }
@@ -101,7 +103,8 @@ fn room_view() -> RoomView {
 #[library_benchmark(config = limit("tag_room_rows"), setup = room_view)]
 fn tag_room_rows((scene, camera, mut workspace, mut pixels): RoomView) -> RoomView {
     let capture = Capture { world_from_sensor: tag_room::across(), frame: 0 };
-    camera.sense(&scene.scene(), black_box(&capture), &mut workspace.lend(), &mut pixels);
+    let lent = &mut workspace.lend(&scene.scene(), camera.rays());
+    camera.sense(&scene.scene(), black_box(&capture), lent, &mut pixels);
     (scene, camera, workspace, pixels)
 }
 

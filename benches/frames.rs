@@ -30,7 +30,7 @@ fn frames(criterion: &mut Criterion) {
                     &capture,
                     &mut workspace.lend(&scene, camera.rays()),
                     black_box(&mut pixels),
-                )
+                );
             });
         });
     }
@@ -69,7 +69,7 @@ fn frames(criterion: &mut Criterion) {
                 &mut workspace.lend(&scene, lidar.rays()),
                 black_box(&mut ranges),
                 &mut [],
-            )
+            );
         });
     });
 }

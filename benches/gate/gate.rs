@@ -82,9 +82,8 @@ impl<'a> Gate<'a> {
             let theirs = Side { call: &mut *theirs, work: theirs_work };
             let measured = measure(entry.clock, self.options.rounds(), ours, theirs);
             let verdict = judge(measured.ratio, recorded, self.tolerance);
-            let keep = |(kept, _): (Measured, Verdict)| match self.options.record {
-                true => measured.ratio < kept.ratio,
-                false => measured.ratio > kept.ratio,
+            let keep = |(kept, _): (Measured, Verdict)| {
+                if self.options.record { measured.ratio < kept.ratio } else { measured.ratio > kept.ratio }
             };
             if kept.is_none_or(keep) {
                 kept = Some((measured, verdict));

@@ -16,15 +16,6 @@ impl Built {
         Self(TriMesh::new(vertices, mesh.triangles.clone()).expect("a mesh with triangles"))
     }
 
-    /// Moves the vertices and refits the tree.
-    pub fn refit(&mut self, vertices: &[[f32; 3]]) {
-        self.0.update_vertices(|old| {
-            for (old, new) in old.iter_mut().zip(vertices) {
-                *old = Vector::from_array(*new);
-            }
-        });
-    }
-
     /// Casts the chosen rays; `distances` gets one a ray, infinite for a miss.
     pub fn cast(&self, rays: &RaySet, chosen: impl Iterator<Item = usize>, distances: &mut Vec<f32>) {
         distances.clear();

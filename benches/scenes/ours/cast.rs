@@ -4,11 +4,8 @@ use super::super::rays::{RaySet, Source};
 use super::Built;
 use belvedere_sensors::lens::Pinhole;
 use belvedere_sensors::scene::visibility;
-use belvedere_sensors::trace::{
-    CacheLine, Faces, Hits, NewWorkspace, RayGrid, SphericalGrid, cast_grid, workspace_len,
-};
+use belvedere_sensors::trace::{Faces, Hits, RayGrid, SphericalGrid, WorkspaceBuf, cast_grid};
 use belvedere_sensors::{Execution, Pose};
-use bytemuck::Zeroable as _;
 use core::f64::consts::PI;
 
 /// What a cast answers.
@@ -24,8 +21,7 @@ pub enum Wanted {
 pub struct Caster {
     grid: RayGrid,
     world_from_sensor: Pose,
-    execution: Execution,
-    memory: Vec<CacheLine>,
+    workspace: WorkspaceBuf,
     distances: Vec<f32>,
     normals: Vec<[f32; 3]>,
     triangles: Vec<u32>,
@@ -52,12 +48,13 @@ impl Caster {
             }
             Source::Random => return None,
         };
+        let mut workspace = WorkspaceBuf::default();
+        workspace.execution = execution;
         let details = if wanted == Wanted::All { rays.len() } else { 0 };
         Some(Self {
             grid,
             world_from_sensor,
-            execution,
-            memory: vec![CacheLine::zeroed(); workspace_len(1, grid.rays())],
+            workspace,
             distances: vec![0.0; rays.len()],
             normals: vec![[0.0; 3]; details],
             triangles: vec![0; details],
@@ -73,14 +70,15 @@ impl Caster {
             primitive: details.then_some(&mut self.triangles),
             ..Hits::default()
         };
+        let scene = built.builder.scene();
         cast_grid(
-            &built.builder.scene(),
+            &scene,
             &self.world_from_sensor,
             &self.grid,
             [0.0, f64::INFINITY],
             visibility::VISUAL,
             Faces::Both,
-            &mut NewWorkspace { buffer: &mut self.memory, execution: self.execution },
+            &mut self.workspace.lend(&scene, self.grid.rays()),
             hits,
         );
         &self.distances

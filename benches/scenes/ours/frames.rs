@@ -36,10 +36,10 @@ impl DepthFrames {
     /// Takes the next frame.
     pub fn sense(&mut self, built: &Built) {
         let scene = built.builder.scene();
-        self.workspace.fit(&scene);
         self.capture.frame += 1;
         let output = DepthFrame { depth_32fc1: Some(&mut self.depths), ..DepthFrame::default() };
-        self.camera.sense(&scene, &self.capture, &mut self.workspace.lend(), output);
+        let workspace = &mut self.workspace.lend(&scene, self.camera.rays());
+        self.camera.sense(&scene, &self.capture, workspace, output);
     }
 }
 
@@ -66,7 +66,7 @@ impl Moving {
         };
         let mut add = || builder.add_instance(&instance).expect("our own instance");
         let boxes = (0..count).map(|_| add()).collect();
-        let mut workspace = WorkspaceBuf::for_scene(&builder.scene());
+        let mut workspace = WorkspaceBuf::default();
         workspace.execution = execution(level);
         Self { builder, boxes, workspace, lidar: lidar(Beams::ONE, Beams::ONE) }
     }
@@ -78,7 +78,9 @@ impl Moving {
         }
         let capture = Capture { world_from_sensor: Pose::IDENTITY, frame: 0 };
         let mut range = [0.0];
-        self.lidar.sense(&self.builder.scene(), &capture, &mut self.workspace.lend(), &mut range, &mut []);
+        let scene = self.builder.scene();
+        let workspace = &mut self.workspace.lend(&scene, self.lidar.rays());
+        self.lidar.sense(&scene, &capture, workspace, &mut range, &mut []);
         std::hint::black_box(range);
     }
 }

@@ -49,4 +49,3 @@ pub struct Facet {
 }
 
 const _: () = assert!(size_of::<WideNode>() == 448 && size_of::<TriangleBlock>() == 640);
-

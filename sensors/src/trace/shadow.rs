@@ -3,8 +3,8 @@
 use super::packet::{Faces, MISS, Packet, PacketBounds};
 use super::shapes::{LocalRays, commit, match_solid, triangle};
 use super::view::{Placed, View};
-use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
 use crate::scene::build::MAX_DEPTH;
+use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
 use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
 use crate::simd::LANES;
 use fearless_simd::Simd;

@@ -2,8 +2,8 @@
 
 use super::{Quality, Scratch, fill_facets, plan, refit, scratch_len};
 use crate::Execution;
-use crate::scene::{SceneError, TreeFault, validate_scratch_len, validate_tree};
 use crate::scene::tree::{Facet, TriangleBlock, WIDTH, WideNode};
+use crate::scene::{SceneError, TreeFault, validate_scratch_len, validate_tree};
 use alloc::vec::Vec;
 use bytemuck::allocation::zeroed_vec;
 

@@ -62,7 +62,7 @@ fn build(gate: &mut Gate<'_>, level: Level) {
     }
 }
 
-/// A frame of 500 boxes that all moved, up to the first ray.
+/// A frame of 500 boxes that all moved, up to the first rays.
 fn moving_instances(gate: &mut Gate<'_>, level: Level) {
     if !gate.options.wants(GROUP, "moving_500") {
         return;

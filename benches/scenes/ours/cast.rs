@@ -11,7 +11,7 @@ use core::f64::consts::PI;
 /// What a cast answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wanted {
-    /// The distance alone.
+    /// The distance alone, of outsides: what a depth camera traces.
     Distance,
     /// Distance, unit normal and triangle.
     All,
@@ -77,7 +77,7 @@ impl Caster {
             &self.grid,
             [0.0, f64::INFINITY],
             visibility::VISUAL,
-            Faces::Both,
+            if details { Faces::Both } else { Faces::Front },
             &mut self.workspace.lend(&scene, self.grid.rays()),
             hits,
         );

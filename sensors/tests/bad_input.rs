@@ -7,8 +7,8 @@ use belvedere_sensors::camera::{Camera, CameraConfig};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
 use belvedere_sensors::scene::{
-    InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, MeshId, SceneBuilder,
-    SceneError, Shape, TextureId, visibility,
+    HeightFieldId, InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, MeshId,
+    SceneBuilder, SceneError, Shape, TextureId, visibility,
 };
 use belvedere_sensors::trace::{Capture, WorkspaceBuf};
 use common::{CAMERA, DEPTH_CAMERA, LIDAR, add_grey};
@@ -41,6 +41,7 @@ fn shape() -> impl Strategy<Value = Shape> {
         uniform3(number()).prop_map(|radii| Shape::Ellipsoid { radii }),
         (number(), number()).prop_map(|(radius, length)| Shape::Cone { radius, length }),
         (0_u32..4).prop_map(|mesh| Shape::Mesh(MeshId(mesh))),
+        (0_u32..2).prop_map(|field| Shape::HeightField(HeightFieldId(field))),
     ]
 }
 
@@ -113,6 +114,7 @@ proptest! {
         texture in (0_u32..70, 0_u32..5, 0_usize..350),
         material in (uniform3(single()), single(), single(), prop::option::of(0_u32..2)),
         meshes in vec(mesh(), 0..4),
+        terrain in (0_u32..9, 0_u32..9, number(), vec(single(), 0..40)),
         instances in vec((shape(), pose(), uniform3(number()), 0_u32..2, single()), 0..8),
         lights in vec(light(), 0..3),
         moved in (0_u32..9, pose()),
@@ -132,6 +134,13 @@ proptest! {
         for (positions, uvs, triangles) in &meshes {
             let _ = builder.add_mesh(positions, uvs, triangles);
         }
+        let (rows, columns, length, heights) = terrain;
+        let _ = builder.add_height_field(rows, columns, [length, 1.0], &heights);
+        let flat = vec![0.5; (rows * columns) as usize];
+        prop_assert_eq!(
+            builder.add_height_field(rows, columns, [2.0, 1.0], &flat).is_ok(),
+            rows >= 2 && columns >= 2
+        );
         for (shape, world_from_instance, scale, material, laser_retro) in instances {
             let visibility = visibility::VISUAL | visibility::COLLISION;
             let material = MaterialId(material);

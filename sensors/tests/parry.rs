@@ -13,7 +13,7 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 use parry3d::math::Pose as Pose32;
 use parry3d::shape as single;
 use parry3d_f64::math::Pose as Pose64;
-use parry3d_f64::query::{Ray, RayCast};
+use parry3d_f64::query::Ray;
 use parry3d_f64::shape as double;
 
 /// A range may lie anywhere between those of the shape when it is larger and smaller by this part: at edges and
@@ -55,7 +55,9 @@ fn cases() -> Vec<Case> {
     let pose = Pose32::from_parts(v(0.25, -0.5, 0.125), turned);
     let pose64 = Pose64::from_parts(d(pose.translation), pose.rotation.as_dquat().normalize());
     let aside = v(-0.5, 0.25, 0.0);
+    let (terrain, terrain64) = terrains();
     vec![
+        case("HeightField", terrain, terrain64),
         case("Ball", single::Ball::new(0.625), double::Ball::new(0.625)),
         case(
             "Cuboid",
@@ -221,22 +223,20 @@ fn as_parry3d_finds() {
     }
 }
 
-/// A terrain of parry3d's in both precisions.
-fn terrains() -> (single::HeightField, double::HeightField) {
+/// A terrain of parry3d's, and its triangles in double precision: its own walk over the cells misses some hits, that
+/// over the mesh does not.
+fn terrains() -> (single::HeightField, double::TriMesh) {
     let (rows, columns) = (13, 22);
     let height = |k: usize| ((k as f32 * 0.618).fract() * 64.0).round() / 64.0;
     let heights: Vec<f32> = (0..rows * columns).map(height).collect();
     let heights64 = heights.iter().map(|height| f64::from(*height)).collect();
-    (
-        single::HeightField::new(
-            parry3d::utils::Array2::new(rows, columns, heights),
-            Vec3::new(4.0, 0.5, 2.0),
-        ),
-        double::HeightField::new(
-            parry3d_f64::utils::Array2::new(rows, columns, heights64),
-            DVec3::new(4.0, 0.5, 2.0),
-        ),
-    )
+    let (heights, heights64) = (
+        parry3d::utils::Array2::new(rows, columns, heights),
+        parry3d_f64::utils::Array2::new(rows, columns, heights64),
+    );
+    let size = Vec3::new(4.0, 0.5, 2.0);
+    let (vertices, triangles) = double::HeightField::new(heights64, size.as_dvec3()).to_trimesh();
+    (single::HeightField::new(heights, size), double::TriMesh::new(vertices, triangles).unwrap())
 }
 
 #[test]
@@ -248,9 +248,6 @@ fn terrain_as_parry3d_finds() {
     let Kind::HeightField(field) = part.shape else { panic!("{:?}", part.shape) };
     let scene = builder.scene();
     let grid = scene.height_field(field).unwrap();
-    // Its own walk over the cells misses some hits, those of its mesh of the same triangles does not.
-    let (vertices, triangles) = double.to_trimesh();
-    let double = double::TriMesh::new(vertices, triangles).unwrap();
     let mut scatter = Scatter(3);
     let (mut hits, mut edges) = (0, 0);
     for number in 0..20_000 {

@@ -135,7 +135,7 @@ fn with_grid(rows: u32, columns: u32, test: impl FnOnce(HeightGrid<'_>, &[f32]))
     let mut extents = vec![[f32::NAN; 2]; HeightField::extents_len(rows, columns)];
     let field = HeightField::build(rows, columns, [3.0, 2.0], &heights, &mut extents).unwrap();
     assert!(extents.iter().flatten().all(|height| height.is_finite()), "all extents are filled");
-    test(HeightGrid::new(&field, &heights, &extents), &heights);
+    test(HeightGrid::new(&field, &heights, &extents).unwrap(), &heights);
 }
 
 /// Where the corner of a height stands, from the description.
@@ -338,4 +338,202 @@ fn faulty_height_fields() {
     let second = builder.add_height_field(3, 2, size, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
     let scene = builder.scene();
     assert_eq!(scene.height_field(second).unwrap().bounds(), [[-0.5, -1.0, 1.0], [0.5, 1.0, 6.0]]);
+}
+
+#[test]
+fn stored_height_fields_are_validated() {
+    use bytemuck::{bytes_of, pod_read_unaligned};
+    for [rows, columns] in GRIDS {
+        let heights = terrain(rows, columns);
+        let mut extents = vec![[0.0; 2]; HeightField::extents_len(rows, columns)];
+        let field = HeightField::build(rows, columns, [3.0, 2.0], &heights, &mut extents).unwrap();
+        assert_eq!(field.validate(&heights, &extents), Ok(()));
+        assert!(HeightGrid::new(&field, &heights[1..], &extents).is_none());
+        assert!(matches!(
+            field.validate(&heights[1..], &extents),
+            Err(SceneError::BufferTooSmall { buffer: "heights", .. })
+        ));
+        for node in 0..extents.len() {
+            let mut wrong = extents.clone();
+            wrong[node][1] += 1.0;
+            assert!(matches!(field.validate(&heights, &wrong), Err(SceneError::BadTree(_))), "node {node}");
+        }
+        // Whatever byte is wrong: an error, or a field that differs in nothing that matters.
+        for byte in 0..size_of::<HeightField>() {
+            for flip in [1_u8, 0x80, 0xff] {
+                let mut bytes = bytes_of(&field).to_vec();
+                bytes[byte] ^= flip;
+                let wrong: HeightField = pod_read_unaligned(&bytes);
+                assert!(wrong.validate(&heights, &extents).is_err(), "byte {byte} ^ {flip}");
+            }
+        }
+    }
+}
+
+/// A cube of 1 m as a mesh.
+fn cube() -> (Vec<[f32; 3]>, [[u32; 3]; 12]) {
+    let corner = |i: u32| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 0.5 } else { -0.5 });
+    let faces = [
+        [[1, 3, 7], [1, 7, 5], [0, 4, 6], [0, 6, 2]],
+        [[2, 6, 7], [2, 7, 3], [0, 1, 5], [0, 5, 4]],
+        [[4, 5, 7], [4, 7, 6], [0, 2, 3], [0, 3, 1]],
+    ];
+    ((0..8).map(corner).collect(), core::array::from_fn(|i| faces[i / 4][i % 4]))
+}
+
+/// A lit picture of one instance with a texture.
+fn lit_picture(config: &InstanceConfig, repeat: [f32; 2], view: Pose) -> Vec<u8> {
+    let mut builder = SceneBuilder::new();
+    // Smooth, so that a rounding error stays a small difference.
+    let ramp = |i: u32| if i < 32 { i * 8 } else { (63 - i) * 8 };
+    let texels: Vec<[u8; 4]> = (0..64 * 64)
+        .map(|i| [ramp(i % 64) as u8, ramp(i / 64) as u8, ((i % 64 + i / 64) * 2) as u8, 255])
+        .collect();
+    let texture = Some(builder.add_texture(64, 64, &texels).unwrap());
+    let material =
+        MaterialConfig { texture, texture_repeat: repeat, ambient: [0.3; 3], ..MaterialConfig::default() };
+    let material = builder.add_material(&material).unwrap();
+    let (corners, faces) = cube();
+    let uvs: Vec<[f32; 2]> = corners.iter().map(|[x, y, z]| [x + 0.3 * z, y - 0.2 * z]).collect();
+    builder.add_mesh(&corners, &uvs, &faces).unwrap();
+    builder.add_light(&belvedere_sensors::scene::LightConfig {
+        kind: belvedere_sensors::scene::LightKind::Directional { direction: [-0.5, -0.7, -0.6] },
+        diffuse: [0.8; 3],
+        range_m: f32::INFINITY,
+        attenuation: [1.0, 0.0, 0.0],
+        cast_shadows: false,
+    });
+    builder.add_instance(&InstanceConfig { material, ..*config }).unwrap();
+    let camera = belvedere_sensors::camera::CameraConfig { width: 160, height: 120, ..CAMERA };
+    common::picture(&builder.scene(), camera, view)
+}
+
+#[test]
+fn a_scaled_shape_looks_like_one_of_that_size() {
+    let mesh = Shape::Mesh(belvedere_sensors::scene::MeshId(0));
+    let unit = [1.0; 3];
+    let once = [1.0; 2];
+    // One shape, its scale and the repetition of its texture, and another that looks like it.
+    let pairs = [
+        (Shape::Box { size: unit }, [0.8, 0.5, 1.2], once, Shape::Box { size: [0.8, 0.5, 1.2] }, unit, once),
+        (
+            Shape::Rectangle { size: [1.0; 2] },
+            [1.4, 0.9, 3.0],
+            once,
+            Shape::Rectangle { size: [1.4, 0.9] },
+            unit,
+            once,
+        ),
+        (Shape::Sphere { radius: 0.5 }, [1.2; 3], once, Shape::Sphere { radius: 0.6 }, unit, once),
+        (
+            Shape::Sphere { radius: 0.5 },
+            [1.2, 0.6, 0.8],
+            once,
+            Shape::Ellipsoid { radii: [0.6, 0.3, 0.4] },
+            unit,
+            once,
+        ),
+        (
+            Shape::Cylinder { radius: 0.5, length: 1.0 },
+            [0.6, 0.6, 1.4],
+            once,
+            Shape::Cylinder { radius: 0.3, length: 1.4 },
+            unit,
+            once,
+        ),
+        (
+            Shape::Cone { radius: 0.5, length: 1.0 },
+            [0.8, 0.8, 1.3],
+            once,
+            Shape::Cone { radius: 0.4, length: 1.3 },
+            unit,
+            once,
+        ),
+        (
+            Shape::Capsule { radius: 0.2, length: 0.5 },
+            [1.5; 3],
+            once,
+            Shape::Capsule { radius: 0.3, length: 0.75 },
+            unit,
+            once,
+        ),
+        (Shape::Plane, [0.5, 0.25, 2.0], once, Shape::Plane, unit, [2.0, 4.0]),
+        (Shape::Plane, unit, once, Shape::Rectangle { size: [4e3; 2] }, unit, [4e3; 2]),
+        // Mirrored twice is half a turn; what is outside stays outside.
+        (mesh, [-1.0, -1.0, 1.0], once, mesh, [-1.0, -1.0, 1.0], once),
+    ];
+    let pose = Pose::from_xyz_rpy(DVec3::new(0.3, -0.2, 0.4), DVec3::new(0.5, -0.3, 1.1));
+    for (number, (shape, scale, repeat, other, other_scale, other_repeat)) in pairs.into_iter().enumerate() {
+        let turn = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::Z * core::f64::consts::PI);
+        for eye in [DVec3::new(1.2, 0.9, 0.7), DVec3::new(-0.5, -1.0, 1.1)] {
+            let view = look_at(pose.translation() + eye * 1.2, pose.translation(), 0.4);
+            let config = |shape, scale, world_from_instance| InstanceConfig {
+                shape,
+                scale,
+                world_from_instance,
+                ..Default::default()
+            };
+            let one = lit_picture(&config(shape, scale, pose), repeat, view);
+            let two = if number == 9 {
+                lit_picture(&config(mesh, unit, pose * turn), once, view)
+            } else {
+                lit_picture(&config(other, other_scale, pose), other_repeat, view)
+            };
+            assert!(one.chunks(3).filter(|pixel| *pixel != [0; 3]).count() > 500, "{shape:?} is seen");
+            let differ = one.iter().zip(&two).filter(|(a, b)| a.abs_diff(**b) > 3).count();
+            assert!(
+                differ <= one.len() / 300,
+                "{shape:?} × {scale:?}: {differ} of {} bytes differ",
+                one.len()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_mirrored_mesh_is_not_inside_out() {
+    let view = look_at(DVec3::new(1.2, 0.9, 0.7) * 1.5, DVec3::ZERO, 0.2);
+    let (corners, faces) = cube();
+    for scale in [[1.0, 0.5, 0.75], [-1.0, 0.5, 0.75], [1.0, -0.5, -0.75], [-1.0, -0.5, -0.75]] {
+        let mut builder = SceneBuilder::new();
+        let material = builder.add_material(&MaterialConfig::default()).unwrap();
+        let mesh = builder.add_mesh(&corners, &[], &faces).unwrap();
+        let look = |shape| InstanceConfig { shape, scale, material, ..Default::default() };
+        let id = builder.add_instance(&look(Shape::Mesh(mesh))).unwrap();
+        let of_mesh = depth_image(&builder.scene(), DEPTH_CAMERA, view);
+        builder.set_instance(id, &look(Shape::Box { size: [1.0; 3] })).unwrap();
+        let of_box = depth_image(&builder.scene(), DEPTH_CAMERA, view);
+        let differ = of_mesh.iter().zip(&of_box).filter(|(a, b)| a != b && (**a - **b).abs() > 1e-5).count();
+        assert!(differ < 20 && of_box.iter().filter(|depth| depth.is_finite()).count() > 10_000, "{differ}");
+    }
+}
+
+#[test]
+fn same_bits_at_every_level() {
+    use belvedere_sensors::Execution;
+    use belvedere_sensors::simd::Level;
+    let mut builder = SceneBuilder::new();
+    common::scenery(&mut builder);
+    let material = belvedere_sensors::scene::MaterialId(1);
+    for (number, shape) in SHAPES.into_iter().chain([Shape::Plane]).enumerate() {
+        let across = number as f64 * 0.7 - 2.4;
+        let pose = Pose::from_xyz_rpy(DVec3::new(0.5, across, 0.5), DVec3::new(0.3 * across, 0.2, across));
+        let scale = if number % 2 == 0 { [0.9, -0.6, 1.1] } else { [1.0; 3] };
+        let config =
+            InstanceConfig { shape, world_from_instance: pose, scale, material, ..Default::default() };
+        builder.add_instance(&config).unwrap();
+    }
+    let scene = builder.scene();
+    let view = look_at(DVec3::new(-3.2, 0.3, 1.4), DVec3::ZERO, 0.1);
+    let camera = belvedere_sensors::camera::CameraConfig { width: 333, height: 245, ..CAMERA };
+    let at = |level| common::picture_with(&scene, camera, view, 7, Execution { level, ..Default::default() });
+    let expected = at(Level::baseline());
+    assert!(expected.iter().filter(|value| **value > 0).count() > expected.len() / 2);
+    let best = Level::new();
+    let mut levels = vec![best];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(best.as_sse4_2().map(Level::Sse4_2).into_iter().chain(best.as_avx2().map(Level::Avx2)));
+    for level in levels {
+        assert!(at(level) == expected, "{level:?} differs");
+    }
 }

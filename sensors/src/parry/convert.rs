@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use core::f64::consts::FRAC_1_SQRT_2;
 use glam::{DMat3, DQuat, DVec3};
 use parry3d::math::Vector;
-use parry3d::shape::{Capsule, HalfSpace, HeightField, TypedShape};
+use parry3d::shape::{Capsule, HalfSpace, HeightField, HeightFieldCellStatus, TypedShape};
 
 /// Turns z to parry3d's y, and y to its −z.
 const Y_FROM_Z: DQuat = DQuat::from_xyzw(-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2);
@@ -163,13 +163,13 @@ impl Converter<'_> {
         triangles: &[[u32; 3]],
         outer_from_shape: Pose,
     ) -> Result<(), ParryError> {
-        let positions: Vec<[f32; 3]> = vertices.iter().map(|vertex| vertex.to_array()).collect();
+        let positions: Vec<[f32; 3]> = vertices.iter().map(Vector::to_array).collect();
         let mesh = self.builder.add_mesh(&positions, &[], triangles)?;
         self.place(name, Shape::Mesh(mesh), outer_from_shape, DVec3::ONE)
     }
 
     fn height_field(&mut self, field: &HeightField, outer_from_shape: Pose) -> Result<(), ParryError> {
-        let regular = Default::default();
+        let regular = HeightFieldCellStatus::default();
         if field.cells_statuses().data().iter().any(|status| *status != regular) {
             let (vertices, triangles) = field.to_trimesh();
             return self.mesh("HeightField", &vertices, &triangles, outer_from_shape);

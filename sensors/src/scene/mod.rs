@@ -124,7 +124,7 @@ impl<'a> Scene<'a> {
             [mesh.min, mesh.max]
         } else {
             let field = &self.height_fields[instance.mesh as usize];
-            HeightGrid::new(field, self.heights, self.extents).bounds()
+            HeightGrid::of(field, self.heights, self.extents).bounds()
         };
         corners.map(|corner| DVec3::from_array(corner.map(f64::from)))
     }

@@ -4,6 +4,7 @@
 //! lane keeps those of its own.
 
 use super::packet::Packet;
+use super::shapes::surface::{Surface, flat, solid_surface};
 use super::view::{Placed, View};
 use crate::scene::tree::WIDTH;
 use crate::scene::{
@@ -11,7 +12,6 @@ use crate::scene::{
     KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
 };
 use crate::simd::{LANES, Lanes, sqrt};
-use core::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 /// How a ray's direction changes from one pixel to the next, along a row and down a column.
@@ -79,77 +79,27 @@ impl Surfaces {
     ) {
         let instance = view.instance(index);
         let placed = &view.placed[index as usize];
-        let [a, b, c] = instance.size;
+        macro_rules! solid {
+            ($kind:expr) => {
+                self.add_lanes::<TEXTURED>(
+                    packet,
+                    index,
+                    placed,
+                    steps,
+                    #[inline(always)]
+                    |_, point| solid_surface::<TEXTURED>($kind, instance.size, point),
+                )
+            };
+        }
         match instance.kind {
-            KIND_BOX => self.add_lanes::<TEXTURED>(
-                packet,
-                index,
-                placed,
-                steps,
-                #[inline(always)]
-                |_, point| on_box(point, DVec3::new(a, b, c)),
-            ),
-            KIND_RECTANGLE => self.add_lanes::<TEXTURED>(
-                packet,
-                index,
-                placed,
-                steps,
-                #[inline(always)]
-                |_, point| flat(DVec3::Z, point, [DVec3::X / (2.0 * a), DVec3::Y / (2.0 * b)]),
-            ),
-            KIND_PLANE => self.add_lanes::<TEXTURED>(
-                packet,
-                index,
-                placed,
-                steps,
-                #[inline(always)]
-                |_, point| Surface { uv: [point.x, point.y], ..flat(DVec3::Z, point, [DVec3::X, DVec3::Y]) },
-            ),
-            KIND_ELLIPSOID => self.add_lanes::<TEXTURED>(
-                packet,
-                index,
-                placed,
-                steps,
-                #[inline(always)]
-                |_, point| on_ellipsoid::<TEXTURED>(point, DVec3::new(a, b, c)),
-            ),
-            KIND_CONE => self.add_lanes::<TEXTURED>(
-                packet,
-                index,
-                placed,
-                steps,
-                #[inline(always)]
-                |_, point| on_cone::<TEXTURED>(point, a, b),
-            ),
-            KIND_SPHERE => self.add_lanes::<TEXTURED>(
-                packet,
-                index,
-                placed,
-                steps,
-                #[inline(always)]
-                |_, point| around::<TEXTURED>(point, point / a, [-a, a]),
-            ),
-            KIND_CYLINDER => self.add_lanes::<TEXTURED>(
-                packet,
-                index,
-                placed,
-                steps,
-                #[inline(always)]
-                |_, point| on_cylinder::<TEXTURED>(point, a, b),
-            ),
-            KIND_CAPSULE => self.add_lanes::<TEXTURED>(
-                packet,
-                index,
-                placed,
-                steps,
-                #[inline(always)]
-                |_, point| {
-                    let above = if point.z > b { point.z - b } else { 0.0 };
-                    let below = if point.z < -b { point.z + b } else { 0.0 };
-                    let radial = DVec3::new(point.x, point.y, above + below);
-                    around::<TEXTURED>(point, radial / a, [-b - a, b + a])
-                },
-            ),
+            KIND_BOX => solid!(KIND_BOX),
+            KIND_RECTANGLE => solid!(KIND_RECTANGLE),
+            KIND_SPHERE => solid!(KIND_SPHERE),
+            KIND_CYLINDER => solid!(KIND_CYLINDER),
+            KIND_CAPSULE => solid!(KIND_CAPSULE),
+            KIND_PLANE => solid!(KIND_PLANE),
+            KIND_ELLIPSOID => solid!(KIND_ELLIPSOID),
+            KIND_CONE => solid!(KIND_CONE),
             KIND_HEIGHT_FIELD | KIND_MESH => self.add_lanes::<TEXTURED>(
                 packet,
                 index,
@@ -263,102 +213,6 @@ impl Surfaces {
                 }
             }
         }
-    }
-}
-
-/// A point of a surface, in the axes of its instance.
-#[derive(Clone, Copy)]
-struct Surface {
-    /// Outwards; of whatever length above 0.
-    normal: DVec3,
-    /// Texture coordinates.
-    uv: [f64; 2],
-    /// Change of u and of v per metre along each axis.
-    uv_gradient: [DVec3; 2],
-}
-
-/// A flat face centred on the origin of u and v, which run from 0 to 1 over it.
-#[inline(always)]
-fn flat(normal: DVec3, point: DVec3, uv_gradient: [DVec3; 2]) -> Surface {
-    let [u, v] = uv_gradient;
-    Surface { normal, uv: [u.dot(point) + 0.5, v.dot(point) + 0.5], uv_gradient }
-}
-
-#[inline(always)]
-fn on_box(point: DVec3, half: DVec3) -> Surface {
-    // The face is the one that the point is nearest to.
-    let depth = half - point.abs();
-    let on_x = depth.x <= depth.y && depth.x <= depth.z;
-    let on_y = !on_x && depth.y <= depth.z;
-    let on_z = !on_x && !on_y;
-    let across = if on_x {
-        point.x
-    } else if on_y {
-        point.y
-    } else {
-        point.z
-    };
-    let sign = if across < 0.0 { -1.0 } else { 1.0 };
-    let when = |face: bool, value: f64| if face { value } else { 0.0 };
-    let normal = DVec3::new(when(on_x, sign), when(on_y, sign), when(on_z, sign));
-    let right = DVec3::new(when(on_y, -sign) + when(on_z, 1.0), when(on_x, sign), 0.0);
-    let up = DVec3::new(0.0, when(on_z, sign), when(!on_z, 1.0));
-    let per_metre = DVec3::new(0.5 / half.x, 0.5 / half.y, 0.5 / half.z);
-    flat(normal, point, [right * per_metre, up * per_metre])
-}
-
-#[inline(always)]
-fn on_cylinder<const TEXTURED: bool>(point: DVec3, radius: f64, half_length: f64) -> Surface {
-    let sign = if point.z < 0.0 { -1.0 } else { 1.0 };
-    let to_axis = sqrt(point.x * point.x + point.y * point.y);
-    let per_metre = 0.5 / radius;
-    let end = flat(DVec3::Z * sign, point, [DVec3::X * per_metre, DVec3::Y * (sign * per_metre)]);
-    let radial = DVec3::new(point.x, point.y, 0.0);
-    let side = around::<TEXTURED>(point, radial / radius, [-half_length, half_length]);
-    if half_length - point.z * sign < radius - to_axis { end } else { side }
-}
-
-#[inline(always)]
-fn on_cone<const TEXTURED: bool>(point: DVec3, radius: f64, half_length: f64) -> Surface {
-    let to_axis = sqrt(point.x * point.x + point.y * point.y);
-    // The side's normal goes outwards by the length while it goes up by the radius.
-    let (out, up) = (2.0 * half_length, radius);
-    let slant = sqrt(out * out + up * up);
-    let ahead = if to_axis > 0.0 { out / (slant * to_axis) } else { 0.0 };
-    let normal = DVec3::new(point.x * ahead, point.y * ahead, up / slant);
-    let side = around::<TEXTURED>(point, normal, [-half_length, half_length]);
-    let per_metre = 0.5 / radius;
-    let base = flat(DVec3::NEG_Z, point, [DVec3::X * per_metre, DVec3::NEG_Y * per_metre]);
-    let below_side = ((half_length - point.z) * up - to_axis * out) / slant;
-    if point.z + half_length < below_side { base } else { side }
-}
-
-/// As the unit ball in its own stretched view.
-#[inline(always)]
-fn on_ellipsoid<const TEXTURED: bool>(point: DVec3, radii: DVec3) -> Surface {
-    let inverse = DVec3::new(1.0 / radii.x, 1.0 / radii.y, 1.0 / radii.z);
-    let stretched = point * inverse;
-    let mut surface = around::<TEXTURED>(stretched, stretched, [-1.0, 1.0]);
-    surface.normal *= inverse;
-    surface.uv_gradient = surface.uv_gradient.map(|gradient| gradient * inverse);
-    surface
-}
-
-/// A surface of revolution: u once around from −x, v along z.
-#[inline(always)]
-fn around<const TEXTURED: bool>(point: DVec3, normal: DVec3, [low, high]: [f64; 2]) -> Surface {
-    if !TEXTURED {
-        return Surface { normal, uv: [0.0; 2], uv_gradient: [DVec3::ZERO; 2] };
-    }
-    let squared = point.x * point.x + point.y * point.y;
-    // At the very poles u changes without limit.
-    let least = 1e-12 * (high - low) * (high - low);
-    let per_turn = 1.0 / (if squared > least { squared } else { least } * TAU);
-    let along = 1.0 / (high - low);
-    Surface {
-        normal,
-        uv: [(libm::atan2(point.y, point.x) + PI) / TAU, (point.z - low) * along],
-        uv_gradient: [DVec3::new(-point.y * per_turn, point.x * per_turn, 0.0), DVec3::Z * along],
     }
 }
 

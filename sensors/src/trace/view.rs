@@ -189,7 +189,7 @@ impl<'a> View<'a> {
     #[inline(always)]
     pub(crate) fn height_grid(&self, placed: &Placed) -> HeightGrid<'a> {
         let field = &self.scene.height_fields[placed.mesh as usize];
-        HeightGrid::new(field, self.scene.heights, self.scene.extents)
+        HeightGrid::of(field, self.scene.heights, self.scene.extents)
     }
 
     /// The corners of a triangle of an instance, in its frame, by its slot from the instance's first.

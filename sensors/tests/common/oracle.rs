@@ -176,10 +176,14 @@ fn mantle(ray: &Ray, radius: f64, length: f64) -> Vec<Candidate> {
     // Where the ray passes the ball around the cone; beyond it there is nothing to find.
     let ends = ball(ray, DVec3::ZERO, radius.max(length));
     let [(start, _), (end, _)] = ends[..] else { return vec![] };
+    let rises = |t: f64| {
+        let p = ray.at(t);
+        p.x * ray.direction.x + p.y * ray.direction.y + slope * ray.direction.z * p.x.hypot(p.y) > 0.0
+    };
     let (mut low, mut high) = (start, end);
-    for _ in 0..90 {
-        let third = (high - low) / 3.0;
-        if outside(low + third) < outside(high - third) { high -= third } else { low += third }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if rises(middle) { high = middle } else { low = middle }
     }
     let least = low;
     if outside(least) > 0.0 {
@@ -190,7 +194,7 @@ fn mantle(ray: &Ray, radius: f64, length: f64) -> Vec<Candidate> {
         .filter(|far| outside(*far) > 0.0)
         .map(|far| {
             let (mut inner, mut outer) = (least, far);
-            for _ in 0..90 {
+            for _ in 0..60 {
                 let middle = 0.5 * (inner + outer);
                 if outside(middle) > 0.0 { outer = middle } else { inner = middle }
             }

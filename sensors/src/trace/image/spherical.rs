@@ -176,7 +176,10 @@ impl<'a> SphericalFan<'a> {
         } else {
             // From both ends at once: all of it, which is rare.
             let begin = both.select(zero, comes_round.select(zero, first));
-            let end = both.select(last_column, comes_round.select(last - turn, min(last, last_column)));
+            let end = both.select(
+                last_column,
+                comes_round.select(min(last - turn, last_column), min(last, last_column)),
+            );
             (simd.ceil_f32x16(begin), simd.floor_f32x16(end))
         };
         let all_round = all_round | length.simd_ge(turn - 1.0);

@@ -3,8 +3,10 @@
 //! In a frame that is stretched to the unit cone ρ ≤ w, 0 ≤ w ≤ 1, w downwards from the apex, a ray is inside
 //! the endless double cone where A·t² + 2·B·t + C ≤ 0; the slab of w picks the lower nappe.
 
+use super::surface::{Surface, around, flat};
 use super::{Inside, dot};
 use crate::simd::sqrt;
+use glam::DVec3;
 
 /// Takes the reciprocals of the base's radius and of the length.
 #[inline(always)]
@@ -43,4 +45,20 @@ pub(crate) fn inside(
     // A steep ray always passes the double cone's outside; only rounding, at the apex, denies it.
     let lower = double.when(steep || discriminant >= 0.0).intersection(Inside::slab(below_middle, dw, 0.5));
     Inside { enter: lower.enter + middle, exit: lower.exit + middle }
+}
+
+/// Takes the base's radius and half the length.
+#[inline(always)]
+pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [radius, half_length]: [f64; 2]) -> Surface {
+    let to_axis = sqrt(point.x * point.x + point.y * point.y);
+    // The side's normal goes outwards by the length while it goes up by the radius.
+    let (out, up) = (2.0 * half_length, radius);
+    let slant = sqrt(out * out + up * up);
+    let ahead = if to_axis > 0.0 { out / (slant * to_axis) } else { 0.0 };
+    let normal = DVec3::new(point.x * ahead, point.y * ahead, up / slant);
+    let side = around::<TEXTURED>(point, normal, [-half_length, half_length]);
+    let per_metre = 0.5 / radius;
+    let base = flat(DVec3::NEG_Z, point, [DVec3::X * per_metre, DVec3::NEG_Y * per_metre]);
+    let below_side = ((half_length - point.z) * up - to_axis * out) / slant;
+    if point.z + half_length < below_side { base } else { side }
 }

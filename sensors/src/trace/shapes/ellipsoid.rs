@@ -1,10 +1,25 @@
 //! Ellipsoids along the axes: the unit ball in a frame that is stretched to it.
 
 use super::Inside;
+use super::surface::{Surface, around};
+use glam::DVec3;
 
 /// Takes the reciprocals of the radii.
 #[inline(always)]
 pub(crate) fn inside([x, y, z]: [f64; 3], [dx, dy, dz]: [f64; 3], inverse_radii: [f64; 3]) -> Inside {
     let [a, b, c] = inverse_radii;
     Inside::ball([x * a, y * b, z * c], [dx * a, dy * b, dz * c], 1.0)
+}
+
+/// Takes the radii; as the unit ball in its own stretched frame.
+#[inline(always)]
+pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [a, b, c]: [f64; 3]) -> Surface {
+    let inverse = DVec3::new(1.0 / a, 1.0 / b, 1.0 / c);
+    let stretched = point * inverse;
+    let surface = around::<TEXTURED>(stretched, stretched, [-1.0, 1.0]);
+    Surface {
+        normal: surface.normal * inverse,
+        uv_gradient: surface.uv_gradient.map(|gradient| gradient * inverse),
+        ..surface
+    }
 }

@@ -1,4 +1,4 @@
-//! One shape a file: where a ray meets it.
+//! One shape a file: where a ray meets it, and what it shows there.
 //!
 //! Kernels work on one ray in the shape's own frame, in f64, which leaves errors far below what an f32 result
 //! shows even for grazing rays. Each is a pure function without branches, so that a loop over lanes around it
@@ -16,7 +16,11 @@ pub(crate) mod ellipsoid;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
 pub(crate) mod sphere;
+pub(crate) mod surface;
 pub(crate) mod triangle;
+
+#[cfg(test)]
+mod tests;
 
 use super::packet::{Faces, Packet};
 use crate::simd::{LANES, Lanes, sqrt};

@@ -1,0 +1,214 @@
+//! Nodes and leaves of a height field's tree, made when they are visited.
+
+use super::{FAN, HeightField, LEAF_COLUMNS, LEAF_ROWS, leaves, level_size};
+use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+
+/// Heights along a row and rows of heights in a full leaf.
+const WIDE: usize = LEAF_COLUMNS as usize + 1;
+const HIGH: usize = LEAF_ROWS as usize + 1;
+
+/// Corners of the even and the odd triangle of a cell, as steps down and to the right from its first height;
+/// counter-clockwise seen from above.
+const CUT: [[[usize; 2]; 3]; 2] = [[[0, 0], [1, 0], [0, 1]], [[1, 0], [1, 1], [0, 1]]];
+
+/// A height field and its data: the tree that is walked.
+#[derive(Debug, Clone, Copy)]
+pub struct HeightGrid<'a> {
+    pub(super) field: HeightField,
+    pub(super) heights: &'a [f32],
+    pub(super) extents: &'a [[f32; 2]],
+}
+
+impl<'a> HeightGrid<'a> {
+    /// Of a field and the slices that it was built from; none if they are shorter than that.
+    pub fn new(field: &HeightField, heights: &'a [f32], extents: &'a [[f32; 2]]) -> Option<Self> {
+        let enough = heights.len() >= field.first_height as usize + field.heights()
+            && extents.len()
+                >= field.first_extent as usize + HeightField::extents_len(field.rows, field.columns);
+        enough.then(|| Self::of(field, heights, extents))
+    }
+
+    /// Of a field and the slices of the whole scene that it lies in.
+    #[inline(always)]
+    pub(crate) fn of(field: &HeightField, heights: &'a [f32], extents: &'a [[f32; 2]]) -> Self {
+        Self {
+            field: *field,
+            heights: &heights[field.first_height as usize..],
+            extents: &extents[field.first_extent as usize..],
+        }
+    }
+
+    /// Its measures.
+    pub fn field(&self) -> &HeightField {
+        &self.field
+    }
+
+    /// Lower and upper corner of the box that holds it.
+    pub fn bounds(&self) -> [[f32; 3]; 2] {
+        let field = &self.field;
+        let [low, high] = self.extents[0];
+        [
+            [field.x_at(0), field.y_at(field.rows - 1), low],
+            [field.x_at(field.columns - 1), field.y_at(0), high],
+        ]
+    }
+
+    /// A node of the tree. The root is node 0; children are numbered as those of a mesh's tree are, so that
+    /// leaves are the indices of [`HeightGrid::block`] with [`LEAF`] set.
+    ///
+    /// # Panics
+    /// For a node that is no child of another.
+    #[inline(always)]
+    pub fn node(&self, node: u32) -> WideNode {
+        let field = &self.field;
+        let leaves = leaves(field.rows, field.columns);
+        // Which level, and where in it: levels come one after the other, the root's first.
+        let (mut level, mut first) = (field.levels, 0);
+        let mut size = [1, 1];
+        while node - first >= size[0] * size[1] && level > 1 {
+            first += size[0] * size[1];
+            level -= 1;
+            size = level_size(leaves, level);
+        }
+        let first_child = first + size[0] * size[1];
+        let children = level_size(leaves, level - 1);
+        let column = FAN * ((node - first) % size[0]);
+        let row = FAN * ((node - first) / size[0]);
+
+        let shift = 2 * (level - 1);
+        let mut x = [0.0; FAN as usize + 1];
+        let mut y = [0.0; FAN as usize + 1];
+        for edge in 0..=FAN {
+            let end = |start: u32, cells: u32, last: u32| {
+                ((u64::from(start + edge) << shift) * u64::from(cells)).min(u64::from(last)) as u32
+            };
+            x[edge as usize] = field.x_at(end(column, LEAF_COLUMNS, field.columns - 1));
+            y[edge as usize] = field.y_at(end(row, LEAF_ROWS, field.rows - 1));
+        }
+
+        // All sixteen, repeating the last row and column where there are fewer: without a branch.
+        let mut wide = WideNode { min: [[0.0; WIDTH]; 3], max: [[0.0; WIDTH]; 3], child: [NONE; WIDTH] };
+        let flag = if level == 1 { LEAF } else { first_child };
+        for j in 0..FAN as usize {
+            let row = (row + j as u32).min(children[1] - 1);
+            for i in 0..FAN as usize {
+                let lane = j * FAN as usize + i;
+                let child = row * children[0] + (column + i as u32).min(children[0] - 1);
+                let [low, high] = self.extents[(first_child + child) as usize];
+                (wide.min[0][lane], wide.max[0][lane]) = (x[i], x[i + 1]);
+                (wide.min[1][lane], wide.max[1][lane]) = (y[j + 1], y[j]);
+                (wide.min[2][lane], wide.max[2][lane]) = (low, high);
+                wide.child[lane] = flag + child;
+            }
+        }
+        let (across, down) = (children[0] - column, children[1] - row);
+        if across < FAN || down < FAN {
+            trim_node(&mut wide, across.min(FAN) as usize, down.min(FAN) as usize);
+        }
+        wide
+    }
+
+    /// A leaf of the tree: the triangles of 4 × 2 cells.
+    ///
+    /// # Panics
+    /// For a block that is not one of [`HeightField::blocks`].
+    #[inline(always)]
+    pub fn block(&self, block: u32) -> TriangleBlock {
+        let field = &self.field;
+        let [blocks_x, _] = leaves(field.rows, field.columns);
+        let column = LEAF_COLUMNS * (block % blocks_x);
+        let row = LEAF_ROWS * (block / blocks_x);
+
+        let mut x = [0.0; WIDE];
+        let mut y = [0.0; HIGH];
+        let mut z = [[0.0; WIDE]; HIGH];
+        for i in 0..WIDE {
+            x[i] = field.x_at((column + i as u32).min(field.columns - 1));
+        }
+        for j in 0..HIGH {
+            let row = (row + j as u32).min(field.rows - 1);
+            y[j] = field.y_at(row);
+            for i in 0..WIDE {
+                z[j][i] = self.height(row, (column + i as u32).min(field.columns - 1));
+            }
+        }
+
+        let mut wide = TriangleBlock { corners: [[[0.0; WIDTH]; 3]; 3], triangle: [NONE; WIDTH] };
+        let cells = field.columns - 1;
+        for corner in 0..3 {
+            for lane in 0..WIDTH {
+                let (j, i) = (lane / 2 / LEAF_COLUMNS as usize, lane / 2 % LEAF_COLUMNS as usize);
+                let [down, right] = CUT[lane % 2][corner];
+                wide.corners[corner][0][lane] = x[i + right];
+                wide.corners[corner][1][lane] = y[j + down];
+                wide.corners[corner][2][lane] = z[j + down][i + right];
+            }
+        }
+        for lane in 0..WIDTH as u32 {
+            let cell = (row + lane / 2 / LEAF_COLUMNS) * cells + column + lane / 2 % LEAF_COLUMNS;
+            wide.triangle[lane as usize] = 2 * cell + lane % 2;
+        }
+        let (across, down) = (cells - column, field.rows - 1 - row);
+        if across < LEAF_COLUMNS || down < LEAF_ROWS {
+            trim_block(&mut wide, across.min(LEAF_COLUMNS) as usize, down.min(LEAF_ROWS) as usize);
+        }
+        wide
+    }
+
+    /// Corners of a triangle, bit for bit those of its block.
+    ///
+    /// # Panics
+    /// For a triangle that is not one of [`HeightField::triangles`].
+    #[inline(always)]
+    pub fn triangle(&self, triangle: u32) -> [[f32; 3]; 3] {
+        let cells = self.field.columns - 1;
+        let (row, column) = (triangle / 2 / cells, triangle / 2 % cells);
+        CUT[(triangle % 2) as usize].map(|[down, right]| {
+            let (row, column) = (row + down as u32, column + right as u32);
+            [self.field.x_at(column), self.field.y_at(row), self.height(row, column)]
+        })
+    }
+
+    #[inline(always)]
+    fn height(&self, row: u32, column: u32) -> f32 {
+        self.heights[row as usize * self.field.columns as usize + column as usize]
+    }
+}
+
+/// Keeps the first columns and rows of children, and fills the lanes behind them as unused.
+#[cold]
+fn trim_node(wide: &mut WideNode, across: usize, down: usize) {
+    let used = across * down;
+    for lane in 0..WIDTH {
+        let kept = lane.min(used - 1);
+        let from = kept / across * FAN as usize + kept % across;
+        for axis in 0..3 {
+            wide.min[axis][lane] = wide.min[axis][from];
+            wide.max[axis][lane] = wide.max[axis][from];
+        }
+        wide.child[lane] = if lane < used { wide.child[from] } else { NONE };
+    }
+}
+
+/// The same of a leaf's cells, of two triangles each.
+#[cold]
+fn trim_block(wide: &mut TriangleBlock, across: usize, down: usize) {
+    let used = 2 * across * down;
+    for lane in 0..used {
+        let from = 2 * (lane / 2 / across * LEAF_COLUMNS as usize + lane / 2 % across) + lane % 2;
+        for corner in 0..3 {
+            for axis in 0..3 {
+                wide.corners[corner][axis][lane] = wide.corners[corner][axis][from];
+            }
+        }
+        wide.triangle[lane] = wide.triangle[from];
+    }
+    for lane in used..WIDTH {
+        for corner in 0..3 {
+            for axis in 0..3 {
+                wide.corners[corner][axis][lane] = wide.corners[0][axis][used - 1];
+            }
+        }
+        wide.triangle[lane] = NONE;
+    }
+}

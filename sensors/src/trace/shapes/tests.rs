@@ -1,0 +1,134 @@
+//! Kernels where they are weakest, one ray at a time.
+
+use super::{Inside, match_solid};
+use crate::scene::{Instance, InstanceConfig, Shape};
+
+const SHAPES: [Shape; 8] = [
+    Shape::Box { size: [1.0, 1.5, 2.0] },
+    Shape::Rectangle { size: [1.0, 1.5] },
+    Shape::Plane,
+    Shape::Sphere { radius: 1.0 },
+    Shape::Ellipsoid { radii: [0.5, 0.75, 1.0] },
+    Shape::Cylinder { radius: 0.5, length: 2.0 },
+    Shape::Capsule { radius: 0.5, length: 1.0 },
+    Shape::Cone { radius: 0.5, length: 2.0 },
+];
+
+fn inside(shape: Shape, origin: [f64; 3], direction: [f64; 3]) -> Inside {
+    let instance = Instance::new(&InstanceConfig { shape, ..Default::default() }).unwrap();
+    match_solid!(instance, inside => inside(origin, direction), _ => unreachable!())
+}
+
+fn first(shape: Shape, origin: [f64; 3], direction: [f64; 3], both: bool) -> f64 {
+    inside(shape, origin, direction).first(0.0, both)
+}
+
+#[test]
+fn down_the_axis() {
+    // All of them reach up to z = 1, or are flat.
+    for shape in SHAPES {
+        let flat = matches!(shape, Shape::Rectangle { .. } | Shape::Plane);
+        let (top, bottom) = if flat { (0.0, f64::INFINITY) } else { (1.0, -1.0) };
+        let t = first(shape, [0.0, 0.0, 5.0], [0.0, 0.0, -1.0], false);
+        assert!((t - (5.0 - top)).abs() < 1e-15, "{shape:?}: {t}");
+        let t = first(shape, [0.0, 0.0, 0.5], [0.0, 0.0, -2.0], true);
+        let expected = if flat { 0.25 } else { (0.5 - bottom) / 2.0 };
+        assert!((t - expected).abs() < 1e-15, "{shape:?} from within: {t}");
+        let t = first(shape, [0.0, 0.0, 0.5], [0.0, 0.0, -2.0], false);
+        assert_eq!(t, if flat { 0.25 } else { f64::INFINITY }, "{shape:?}: only from outside");
+    }
+}
+
+#[test]
+fn away_from_it() {
+    for shape in SHAPES {
+        for direction in [[0.0, 0.0, 1.0], [0.1, -0.2, 3.0], [1e-300, 0.0, 1.0]] {
+            assert_eq!(first(shape, [0.0, 0.0, 5.0], direction, true), f64::INFINITY, "{shape:?}");
+        }
+        // Beside it, along each axis and in between: exact zeros among the components.
+        for direction in
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [-0.0, -0.0, 1.0]]
+        {
+            let origin = [2.0, 3.0, 4.0];
+            assert_eq!(first(shape, origin, direction, true), f64::INFINITY, "{shape:?} {direction:?}");
+        }
+    }
+}
+
+#[test]
+fn from_the_surface_itself() {
+    // The top, looking down: t = 0, from outside.
+    for shape in SHAPES {
+        let flat = matches!(shape, Shape::Rectangle { .. } | Shape::Plane);
+        let top = if flat { 0.0 } else { 1.0 };
+        let t = first(shape, [0.0, 0.0, top], [0.0, 0.0, -1.0], false);
+        assert_eq!(t, 0.0, "{shape:?}");
+        // … and along it: no ray lies in a surface for long, whatever the answer is it is a number.
+        for direction in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]] {
+            let t = first(shape, [0.0, 0.0, top], direction, true);
+            assert!(!t.is_nan(), "{shape:?} {direction:?}");
+        }
+    }
+    // Along the side of a cone, which is all the surface there is: a = 0 in its equation.
+    let t = first(SHAPES[7], [0.5, 0.0, -1.0], [-0.5, 0.0, 2.0], true);
+    assert!(!t.is_nan());
+    // In the plane of a rectangle or an endless plane: a miss.
+    for shape in [SHAPES[1], SHAPES[2]] {
+        assert_eq!(first(shape, [0.0; 3], [1.0, 0.0, 0.0], true), f64::INFINITY);
+        assert_eq!(first(shape, [0.0, 0.0, -1.0], [1.0, 0.5, 0.0], true), f64::INFINITY);
+    }
+}
+
+#[test]
+fn both_ends_lie_on_the_surface() {
+    let mut state = 5_u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    // Signed distance from the surface, or something alike: below 0 inside.
+    let level = |shape: Shape, [x, y, z]: [f64; 3]| match shape {
+        Shape::Box { size: [a, b, c] } => (x.abs() - a / 2.0).max(y.abs() - b / 2.0).max(z.abs() - c / 2.0),
+        Shape::Plane => z,
+        Shape::Sphere { radius } => x.hypot(y).hypot(z) - radius,
+        Shape::Ellipsoid { radii: [a, b, c] } => (x / a).hypot(y / b).hypot(z / c) - 1.0,
+        Shape::Cylinder { radius, length } => (x.hypot(y) - radius).max(z.abs() - length / 2.0),
+        Shape::Capsule { radius, length } => x.hypot(y).hypot((z.abs() - length / 2.0).max(0.0)) - radius,
+        Shape::Cone { radius, length } => {
+            (x.hypot(y) - radius * (0.5 - z / length)).max(z.abs() - length / 2.0)
+        }
+        _ => unreachable!(),
+    };
+    for shape in SHAPES.into_iter().filter(|shape| !matches!(shape, Shape::Rectangle { .. })) {
+        let (mut hits, mut worst) = (0, 0.0_f64);
+        for number in 0..50_000 {
+            // From near and from very far.
+            let far = [1.0, 10.0, 1e4, 1e6][number % 4];
+            let origin = [next() * far, next() * far, next() * far];
+            let target = [next() * 2.0, next() * 2.0, next() * 2.5];
+            let direction: [f64; 3] = core::array::from_fn(|axis| target[axis] - origin[axis]);
+            let at = |t: f64| core::array::from_fn(|axis| origin[axis] + t * direction[axis]);
+            let Inside { enter, exit } = inside(shape, origin, direction);
+            let rounding = 1e-14 * (1.0 + far);
+            if enter <= exit {
+                hits += 1;
+                for end in [enter, exit].into_iter().filter(|end| end.is_finite()) {
+                    let off = level(shape, at(end)).abs();
+                    worst = worst.max(off / rounding);
+                    assert!(off < rounding * 10.0, "{shape:?} from {origin:?}: {off:e} off the surface");
+                }
+                let middle =
+                    if enter.is_finite() && exit.is_finite() { 0.5 * (enter + exit) } else { continue };
+                assert!(level(shape, at(middle)) < rounding, "{shape:?} from {origin:?}: not inside");
+            } else {
+                // Nowhere along the ray is it inside: neither at the target nor at the point next to the centre.
+                let dd: f64 = direction.iter().map(|x| x * x).sum();
+                let od: f64 = origin.iter().zip(direction).map(|(a, b)| a * b).sum();
+                for t in [1.0, -od / dd] {
+                    assert!(level(shape, at(t)) > -rounding, "{shape:?} from {origin:?}: missed");
+                }
+            }
+        }
+        assert!(hits > 5_000, "{shape:?}: {hits} hits, {worst} roundings off at most");
+    }
+}

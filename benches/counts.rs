@@ -1,0 +1,113 @@
+//! Instructions, counted by callgrind: no noise, so a few per cent more is a fact. See `benches/README.md`.
+//!
+//! Valgrind runs AVX2 at most, so the level is forced to it: the counts are those of the AVX2 kernels.
+
+#![allow(missing_docs, reason = "the macros of gungraun write items of their own")]
+#![allow(unreachable_pub, reason = "the modules of a program, which exports nothing")]
+
+#[allow(dead_code, reason = "the gate writes them")]
+mod budgets;
+mod scenes;
+mod tag_room;
+
+use belvedere::world::scene::WorldScene;
+use belvedere_sensors::camera::{Camera, CameraConfig};
+use belvedere_sensors::noise::{Stream, fill_standard_normal_with};
+use belvedere_sensors::simd::{Level, best_level};
+use belvedere_sensors::trace::{Capture, WorkspaceBuf};
+use gungraun::{
+    Callgrind, CallgrindMetrics, EventKind, LibraryBenchmarkConfig, OutputFormat, library_benchmark,
+    library_benchmark_group, main,
+};
+use scenes::ours::{Built, Caster, Tree, Wanted, execution};
+use scenes::{Mesh, RaySet, Scene, level};
+use std::hint::black_box;
+
+/// The level whose counts are recorded.
+const LEVEL: &str = "avx2";
+/// How many per cent more instructions than recorded are let through.
+const TOLERANCE_PERCENT: u64 = 5;
+
+fn simd() -> Level {
+    level::named(LEVEL).unwrap_or_else(best_level)
+}
+
+/// Holds a benchmark to its record, on machines that have the level.
+fn limit(name: &str) -> LibraryBenchmarkConfig {
+    let mut callgrind = Callgrind::with_args(["--cache-sim=no"]);
+    callgrind.format([CallgrindMetrics::SingleEvent(EventKind::Ir)]);
+    let budgets = budgets::Budgets::read().unwrap_or_else(|message| panic!("{message}"));
+    if let (Some(recorded), Some(_)) = (budgets.instructions.get(name), level::named(LEVEL)) {
+        callgrind.hard_limits([(EventKind::Ir, recorded + recorded * TOLERANCE_PERCENT / 100)]);
+    }
+    let mut config = LibraryBenchmarkConfig::default();
+    config.tool(callgrind).output_format(OutputFormat::default().truncate_description(Some(0)));
+    config
+}
+
+fn cast(rays: &str) -> (Built, Caster) {
+    let scene = Scene::new("S1");
+    let rays = RaySet::new(rays, &scene).first(20_000);
+    let caster = Caster::new(&rays, execution(simd()), Wanted::All);
+    (Built::new(&scene.mesh), caster.expect("rays that are cast"))
+}
+
+fn room_mesh() -> Mesh {
+    Scene::new("S1").mesh
+}
+
+fn room_camera() -> (Built, Caster) {
+    cast("R1")
+}
+
+fn zeros() -> Vec<f32> {
+    vec![0.0; 16_384]
+}
+
+// The tree over the room, 2,112 triangles.
+#[library_benchmark(config = limit("build_S1"), setup = room_mesh)]
+fn build_s1(mesh: Mesh) -> Tree {
+    Tree::new(black_box(&mesh), simd())
+}
+
+// A camera's 307,200 rays in the room.
+#[library_benchmark(config = limit("trace_S1_R1"), setup = room_camera)]
+fn trace_s1_r1((built, mut caster): (Built, Caster)) -> (Built, Caster) {
+    black_box(caster.cast(black_box(&built)));
+    (built, caster)
+}
+
+// 16,384 normal numbers.
+#[library_benchmark(config = limit("noise"), setup = zeros)]
+fn noise(mut normals: Vec<f32>) -> Vec<f32> {
+    let stream = Stream { seed: 1, sensor: 2, frame: 3, channel: 4 };
+    fill_standard_normal_with(simd(), black_box(&stream), 0, &mut normals);
+    normals
+}
+
+type RoomView = (WorldScene, Camera, WorkspaceBuf, Vec<u8>);
+
+fn room_view() -> RoomView {
+    let scene = tag_room::scene(&tag_room::room());
+    let camera = Camera::new(CameraConfig { height: 16, ..tag_room::camera_config(0.007) });
+    let camera = camera.expect("in range");
+    let mut workspace = WorkspaceBuf::default();
+    workspace.execution = execution(simd());
+    let rays = camera.rays();
+    let _ = workspace.lend(&scene.scene(), rays); // allocates
+    let pixels = vec![0; camera.frame_len()];
+    (scene, camera, workspace, pixels)
+}
+
+// Sixteen rows of the robot's colour picture, with textures, shadows and noise.
+#[library_benchmark(config = limit("tag_room_rows"), setup = room_view)]
+fn tag_room_rows((scene, camera, mut workspace, mut pixels): RoomView) -> RoomView {
+    let capture = Capture { world_from_sensor: tag_room::across(), frame: 0 };
+    let lent = &mut workspace.lend(&scene.scene(), camera.rays());
+    camera.sense(&scene.scene(), black_box(&capture), lent, &mut pixels);
+    (scene, camera, workspace, pixels)
+}
+
+library_benchmark_group!(name = counts, benchmarks = [build_s1, trace_s1_r1, noise, tag_room_rows]);
+
+main!(library_benchmark_groups = counts);

@@ -1,0 +1,159 @@
+//! What is more than a cast: builds, moving scenes, whole frames, several threads.
+
+use super::clock::Clock;
+use super::gate::{Entry, Gate, Unit};
+use super::idle;
+use crate::scenes::moving::{self, MovingBoxes};
+use crate::scenes::{RaySet, Scene, ours, peer};
+use crate::tag_room;
+use belvedere_sensors::Execution;
+use belvedere_sensors::camera::Camera;
+use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::simd::Level;
+use belvedere_sensors::trace::{Capture, WorkspaceBuf};
+use std::hint::black_box;
+
+/// The group of these entries.
+const GROUP: &str = "frames";
+
+/// Measures them.
+pub fn run(gate: &mut Gate<'_>, level: Level) {
+    build(gate, level);
+    moving_instances(gate, level);
+    depth_frame(gate, level, "S1", "depth_S1");
+    depth_frame(gate, level, "S3", "depth_S3");
+    two_threads(gate, level);
+    tag_room_rgb(gate, level);
+}
+
+fn entry<'a>(name: &'a str, peer: &'a str, clock: Clock) -> Entry<'a> {
+    Entry { group: GROUP, name, unit: Unit::Time, peer, clock }
+}
+
+/// From triangle soup in memory to ready, and with all vertices moved. Beside both stands a build, as
+/// parry3d's refit was seen to take from 29 to 49 ms.
+fn build(gate: &mut Gate<'_>, level: Level) {
+    let [build, refit] = ["build_S3", "refit_S3"].map(|name| gate.options.wants(GROUP, name));
+    if !build && !refit {
+        return;
+    }
+    let mesh = Scene::new("S3").mesh;
+    if build {
+        gate.run(
+            entry("build_S3", "parry3d", Clock::Thread),
+            (&mut || drop(black_box(ours::Tree::new(&mesh, level))), 1.0),
+            (&mut || drop(black_box(peer::Built::new(&mesh))), 1.0),
+        );
+    }
+    if refit {
+        let mut ours = ours::Tree::new(&mesh, level);
+        let moved: Vec<_> = mesh.vertices.iter().map(|[x, y, z]| [x + 0.01, *y, z + 0.01 * x]).collect();
+        let turns = [&mesh.vertices, &moved];
+        let mut turn = 0;
+        let mut refit = || {
+            turn += 1;
+            ours.refit(turns[turn % 2], &mesh.triangles, level);
+        };
+        gate.run(
+            entry("refit_S3", "a build by parry3d", Clock::Thread),
+            (&mut refit, 1.0),
+            (&mut || drop(black_box(peer::Built::new(&mesh))), 1.0),
+        );
+    }
+}
+
+/// A frame of 500 boxes that all moved, up to the first rays.
+fn moving_instances(gate: &mut Gate<'_>, level: Level) {
+    if !gate.options.wants(GROUP, "moving_500") {
+        return;
+    }
+    let mut ours = ours::Moving::new(moving::COUNT, level);
+    let mut theirs = peer::Moving::new(moving::COUNT);
+    let (mut our_boxes, mut their_boxes) = (MovingBoxes::new(), MovingBoxes::new());
+    gate.run(
+        entry("moving_500", "parry3d", Clock::Thread),
+        (&mut || ours.frame(our_boxes.step()), 1.0),
+        (&mut || theirs.frame(their_boxes.step()), 1.0),
+    );
+}
+
+/// Trace, noise and encoding of a depth camera over the trace of the same rays alone.
+fn depth_frame(gate: &mut Gate<'_>, level: Level, scene: &str, name: &str) {
+    if !gate.options.wants(GROUP, name) {
+        return;
+    }
+    let scene = Scene::new(scene);
+    let rays = RaySet::new("R1", &scene);
+    let built = ours::Built::new(&scene.mesh);
+    let noise = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).expect("in range");
+    let execution = ours::execution(level);
+    let mut whole = ours::DepthFrames::new(&rays, noise, execution);
+    let Some(mut trace) = ours::Caster::new(&rays, execution, ours::Wanted::Distance) else { return };
+    gate.run(
+        entry(name, "its trace alone", Clock::Thread),
+        (&mut || whole.sense(&built), 1.0),
+        (
+            &mut || {
+                black_box(trace.cast(&built));
+            },
+            1.0,
+        ),
+    );
+}
+
+/// A machine with less to spare says nothing about two threads.
+const IDLE_CORES: f64 = 1.9;
+
+/// The same frame on two threads and on one.
+fn two_threads(gate: &mut Gate<'_>, level: Level) {
+    if !gate.options.wants(GROUP, "two_threads") {
+        return;
+    }
+    let cores = idle::cores();
+    if cores < IDLE_CORES {
+        gate.leave_out(GROUP, "two_threads", &format!("only {cores:.1} cores are idle"));
+        return;
+    }
+    let scene = Scene::new("S3");
+    let rays = RaySet::new("R1", &scene);
+    let built = ours::Built::new(&scene.mesh);
+    let one = ours::execution(level);
+    let both = Execution { parallel: true, ..one };
+    let mut one = ours::DepthFrames::new(&rays, GaussianNoise::NONE, one);
+    let mut both = ours::DepthFrames::new(&rays, GaussianNoise::NONE, both);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
+    gate.run(
+        entry("two_threads", "one thread", Clock::Wall),
+        (&mut || pool.install(|| both.sense(&built)), 1.0),
+        (&mut || one.sense(&built), 1.0),
+    );
+}
+
+/// The robot's colour camera, with textures, shadows and noise, beside parry3d's depth of the same view.
+fn tag_room_rgb(gate: &mut Gate<'_>, level: Level) {
+    if !gate.options.wants(GROUP, "tag_room_rgb") {
+        return;
+    }
+    let world = tag_room::room();
+    let scene = tag_room::scene(&world);
+    let scene = scene.scene();
+    let mut workspace = WorkspaceBuf::default();
+    workspace.execution = ours::execution(level);
+    let camera = Camera::new(tag_room::camera_config(0.007)).expect("in range");
+    let mut pixels = vec![0; camera.frame_len()];
+    let capture = Capture { world_from_sensor: tag_room::across(), frame: 0 };
+
+    let mut sense = || {
+        let workspace = &mut workspace.lend(&scene, camera.rays());
+        camera.sense(&scene, &capture, workspace, black_box(&mut pixels));
+    };
+
+    let shapes = tag_room::compound(&world);
+    let depth = tag_room::depth_camera();
+    let mut depths = vec![0.0; depth.pixels()];
+    gate.run(
+        entry("tag_room_rgb", "depth by parry3d", Clock::Thread),
+        (&mut sense, 1.0),
+        (&mut || tag_room::cast_each(&shapes, &depth, &tag_room::across(), black_box(&mut depths)), 1.0),
+    );
+}

@@ -1,0 +1,98 @@
+//! Ray sets and their answers.
+
+use super::super::rays::{RaySet, Source};
+use super::Built;
+use belvedere_sensors::lens::Pinhole;
+use belvedere_sensors::scene::visibility;
+use belvedere_sensors::trace::{Faces, Hits, RayGrid, SphericalGrid, WorkspaceBuf, cast_grid};
+use belvedere_sensors::{Execution, Pose};
+use core::f64::consts::PI;
+
+/// What a cast answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    /// The distance alone, of outsides: what a depth camera traces.
+    Distance,
+    /// Distance, unit normal and triangle.
+    All,
+}
+
+/// A ray set ready to be cast, with the memory for its answers.
+pub struct Caster {
+    grid: RayGrid,
+    world_from_sensor: Pose,
+    workspace: WorkspaceBuf,
+    distances: Vec<f32>,
+    normals: Vec<[f32; 3]>,
+    triangles: Vec<u32>,
+}
+
+impl Caster {
+    /// None for rays that nothing casts yet.
+    pub fn new(rays: &RaySet, execution: Execution, wanted: Wanted) -> Option<Self> {
+        let (grid, world_from_sensor) = match &rays.source {
+            Source::Pinhole { world_from_sensor, focal_px } => {
+                (RayGrid::Pinhole(lens(rays, *focal_px)), *world_from_sensor)
+            }
+            Source::Rings { world_from_sensor, elevations_rad } => {
+                let azimuth_step_rad = -2.0 * PI / rays.width as f64;
+                let grid = SphericalGrid {
+                    columns: rays.width as u32,
+                    rows: rays.height as u32,
+                    first_azimuth_rad: 0.5 * azimuth_step_rad,
+                    azimuth_step_rad,
+                    first_elevation_rad: elevations_rad[0],
+                    elevation_step_rad: elevations_rad.get(1).map_or(0.0, |next| next - elevations_rad[0]),
+                };
+                (RayGrid::Spherical(grid), *world_from_sensor)
+            }
+            Source::Random => return None,
+        };
+        let mut workspace = WorkspaceBuf::default();
+        workspace.execution = execution;
+        let details = if wanted == Wanted::All { rays.len() } else { 0 };
+        Some(Self {
+            grid,
+            world_from_sensor,
+            workspace,
+            distances: vec![0.0; rays.len()],
+            normals: vec![[0.0; 3]; details],
+            triangles: vec![0; details],
+        })
+    }
+
+    /// Casts them all; the distances, infinite for misses.
+    pub fn cast(&mut self, built: &Built) -> &[f32] {
+        let details = !self.normals.is_empty();
+        let hits = Hits {
+            distance: Some(&mut self.distances),
+            normal: details.then_some(&mut self.normals),
+            primitive: details.then_some(&mut self.triangles),
+            ..Hits::default()
+        };
+        let scene = built.builder.scene();
+        cast_grid(
+            &scene,
+            &self.world_from_sensor,
+            &self.grid,
+            [0.0, f64::INFINITY],
+            visibility::VISUAL,
+            if details { Faces::Both } else { Faces::Front },
+            &mut self.workspace.lend(&scene, self.grid.rays()),
+            hits,
+        );
+        &self.distances
+    }
+}
+
+/// Pixel centres are integers to us, and halves in the ray sets: the middle is the same.
+fn lens(rays: &RaySet, focal_px: f64) -> Pinhole {
+    Pinhole {
+        width: rays.width as u32,
+        height: rays.height as u32,
+        fx: focal_px,
+        fy: focal_px,
+        cx: (rays.width as f64 - 1.0) * 0.5,
+        cy: (rays.height as f64 - 1.0) * 0.5,
+    }
+}

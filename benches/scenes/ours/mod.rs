@@ -1,0 +1,57 @@
+//! Belvedere's side: the only place here that knows the tracing interface.
+
+mod cast;
+mod frames;
+
+pub use cast::{Caster, Wanted};
+pub use frames::{DepthFrames, Moving};
+
+use super::Mesh;
+use belvedere_sensors::scene::build::{Quality, Tree as WideTree};
+use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape, visibility};
+use belvedere_sensors::simd::Level;
+use belvedere_sensors::{Execution, Pose};
+
+/// One thread at that level.
+pub fn execution(level: Level) -> Execution {
+    Execution { level, ..Execution::default() }
+}
+
+/// The tree of a mesh alone.
+pub struct Tree(WideTree);
+
+impl Tree {
+    pub fn new(mesh: &Mesh, level: Level) -> Self {
+        let tree = WideTree::build(&mesh.vertices, &mesh.triangles, Quality::High, execution(level));
+        Self(tree.expect("our own mesh"))
+    }
+
+    /// Follows vertices that moved.
+    pub fn refit(&mut self, vertices: &[[f32; 3]], triangles: &[[u32; 3]], level: Level) {
+        self.0.refit(vertices, triangles, execution(level)).expect("our own mesh");
+    }
+}
+
+/// A scene of one mesh.
+pub struct Built {
+    builder: SceneBuilder,
+}
+
+impl Built {
+    /// Builds its tree.
+    pub fn new(mesh: &Mesh) -> Self {
+        let mut builder = SceneBuilder::new();
+        let material = builder.add_material(&MaterialConfig::default()).expect("a plain material");
+        let mesh = builder.add_mesh(&mesh.vertices, &[], &mesh.triangles).expect("our own mesh");
+        let instance = InstanceConfig {
+            shape: Shape::Mesh(mesh),
+            world_from_instance: Pose::IDENTITY,
+            scale: [1.0; 3],
+            material,
+            visibility: visibility::VISUAL | visibility::COLLISION,
+            laser_retro: 0.0,
+        };
+        builder.add_instance(&instance).expect("our own instance");
+        Self { builder }
+    }
+}

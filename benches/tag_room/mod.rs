@@ -1,0 +1,116 @@
+//! The tag-ceiling room: what the sensors of the articles' robot see in it, here and in parry3d.
+
+#![allow(dead_code, reason = "each target that includes this module uses a part of it")]
+#![allow(unreachable_pub, reason = "a module of several targets, none of which exports it")]
+
+use belvedere::description::Diagnostics;
+use belvedere::description::model::{Geometry, World};
+use belvedere::description::package::PackagePath;
+use belvedere::description::world::load_world;
+use belvedere::world::physics::Physics;
+use belvedere::world::scene::WorldScene;
+use belvedere_sensors::Pose;
+use belvedere_sensors::camera::{CameraConfig, PixelFormat};
+use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, OutOfRange};
+use belvedere_sensors::noise::GaussianNoise;
+use glam::DVec3;
+use parry3d::math::Pose as ParryPose;
+use parry3d::query::{Ray, RayCast as _};
+use parry3d::shape::{Ball, Compound, Cuboid, Cylinder, SharedShape};
+use std::f64::consts::FRAC_PI_2;
+
+/// The world's description.
+pub fn room() -> World {
+    let mut diagnostics = Diagnostics::default();
+    load_world("tag_ceiling", &PackagePath::new([], None), false, &mut diagnostics)
+        .expect("our own world loads")
+}
+
+/// What sensors see of it.
+pub fn scene(world: &World) -> WorldScene {
+    let physics = Physics::new(world, &[]).expect("our own world runs");
+    WorldScene::new(world, &[], &physics).expect("our own world shows")
+}
+
+/// The robot's camera, with noise of so much of a colour value.
+pub fn camera_config(stddev: f32) -> CameraConfig {
+    CameraConfig {
+        width: 640,
+        height: 480,
+        horizontal_fov_rad: 1.396_263_4,
+        format: PixelFormat::Rgb8,
+        near_m: 0.02,
+        far_m: 300.0,
+        noise: GaussianNoise::new(0.0, stddev, 0.0, 0.0, 0.0).expect("in range"),
+        seed: 1,
+        sensor: 0,
+    }
+}
+
+/// Looks straight up from where the robot's camera is.
+pub fn up() -> Pose {
+    Pose::from_xyz_rpy(DVec3::new(0.3, -0.2, 0.36), DVec3::new(0.0, -FRAC_PI_2, 0.0))
+}
+
+/// Looks across the room.
+pub fn across() -> Pose {
+    Pose::from_xyz_rpy(DVec3::new(-1.5, 0.4, 0.6), DVec3::new(0.0, 0.1, 0.3))
+}
+
+/// Its depth camera.
+pub fn depth_camera() -> DepthCamera {
+    DepthCamera::new(DepthCameraConfig {
+        camera: camera_config(0.0),
+        min_depth_m: 0.1,
+        max_depth_m: 20.0,
+        out_of_range: OutOfRange::Infinite,
+        noise: GaussianNoise::NONE,
+    })
+    .expect("in range")
+}
+
+/// What the cameras see, as parry3d has it.
+pub fn compound(world: &World) -> Compound {
+    let mut parts = Vec::new();
+    for model in &world.models {
+        for link in &model.links {
+            for visual in &link.visuals {
+                let pose = model.world_from_model * link.model_from_link * visual.link_from_visual;
+                let (shape, turn) = match visual.geometry {
+                    Geometry::Box { size } => {
+                        (SharedShape::new(Cuboid::new((size * 0.5).as_vec3())), Pose::IDENTITY)
+                    }
+                    Geometry::Sphere { radius } => {
+                        (SharedShape::new(Ball::new(radius as f32)), Pose::IDENTITY)
+                    }
+                    // parry's lies along y.
+                    Geometry::Cylinder { radius, length } => (
+                        SharedShape::new(Cylinder::new(length as f32 * 0.5, radius as f32)),
+                        Pose::from_xyz_rpy(DVec3::ZERO, DVec3::new(FRAC_PI_2, 0.0, 0.0)),
+                    ),
+                    _ => continue,
+                };
+                let pose = pose * turn;
+                parts.push((
+                    ParryPose::from_parts(pose.translation().as_vec3(), pose.rotation().as_quat()),
+                    shape,
+                ));
+            }
+        }
+    }
+    Compound::new(parts)
+}
+
+/// The depth camera's rays through parry3d, one by one.
+pub fn cast_each(shapes: &Compound, depth: &DepthCamera, world_from_sensor: &Pose, depths: &mut [f32]) {
+    let lens = depth.camera().lens();
+    let origin = world_from_sensor.translation().as_vec3();
+    for (index, depth) in depths.iter_mut().enumerate() {
+        let pixel = [index % lens.width as usize, index / lens.width as usize].map(|at| at as f64);
+        let optical = lens.unproject(pixel);
+        let ray = world_from_sensor.transform_vector(DVec3::new(1.0, -optical.x, -optical.y)).as_vec3();
+        *depth = shapes
+            .cast_ray(&ParryPose::IDENTITY, &Ray::new(origin, ray), 20.0, true)
+            .unwrap_or(f32::INFINITY);
+    }
+}

@@ -72,7 +72,7 @@ impl Shader {
                 || {
                     surfaces.add(view, packet, placed, textured.then_some(steps));
                     if textured {
-                        texture::sample_lanes(scene, material, surfaces, lanes, texture);
+                        texture::sample_lanes(simd, scene, material, surfaces, lanes, texture);
                     } else {
                         *texture = [[1.0; LANES]; 3];
                     }

@@ -216,7 +216,7 @@ impl BandWork<Rows<'_>> for Painter<'_> {
                 take_tile(band, &mut resolver, &axes, [column, row], &mut packet);
                 shader.shade(simd, band.view, &packet, &steps, &mut colours);
                 camera.add_noise(capture.frame, (row * tiles + column) as u32, &mut colours);
-                pixel::write_tile(&colours, camera.config.format, column * TILE_WIDTH, pixels, stride);
+                pixel::write_tile(simd, &colours, camera.config.format, column * TILE_WIDTH, pixels, stride);
             }
         }
     }

@@ -138,30 +138,26 @@ impl DepthCamera {
     #[inline(always)]
     fn depths(&self, truth: &Lanes<f32>, frame: u64, tile: u32) -> Lanes<f32> {
         let config = &self.config;
-        let mut normals = [0.0; LANES];
+        let mut noisy = *truth;
         if !config.noise.is_none() {
             let CameraConfig { seed, sensor, .. } = config.camera;
-            normals = normals64(&Stream { seed, sensor, frame, channel: DEPTH_CHANNEL }, 4 * tile);
+            let normals = normals64(&Stream { seed, sensor, frame, channel: DEPTH_CHANNEL }, 4 * tile);
+            config.noise.apply_all(&mut noisy, self.bias, &normals);
         }
         let (min, max) = (config.min_depth_m as f32, config.max_depth_m as f32);
         let mut depths = [0.0; LANES];
         for lane in 0..LANES {
             let truth = truth[lane];
-            let noisy = config.noise.apply(truth, self.bias, normals[lane]);
-            depths[lane] = if truth >= max || truth == f32::INFINITY {
-                f32::INFINITY
-            } else if truth <= min {
-                f32::NEG_INFINITY
-            } else {
-                noisy
-            };
+            let near = if truth <= min { f32::NEG_INFINITY } else { noisy[lane] };
+            depths[lane] = if truth >= max { f32::INFINITY } else { near };
         }
         depths
     }
 
     #[inline(always)]
-    fn write_tile(
+    fn write_tile<S: Simd>(
         &self,
+        simd: S,
         depths: &Lanes<f32>,
         colours: &Colours,
         [column, row]: [usize; 2],
@@ -173,8 +169,16 @@ impl DepthCamera {
         if let Some(depth) = &mut output.depth_32fc1 {
             let nan = self.config.out_of_range == OutOfRange::Nan;
             for (line, depths) in depth.chunks_mut(width).zip(tile_rows()) {
-                for (pixel, &depth) in line[first..].iter_mut().zip(depths) {
-                    *pixel = if nan && !depth.is_finite() { f32::NAN } else { depth };
+                let across = TILE_WIDTH.min(line.len() - first);
+                let line = &mut line[first..first + across];
+                match <&mut [f32; TILE_WIDTH]>::try_from(&mut *line) {
+                    Ok(line) => *line = *depths,
+                    Err(_) => line.copy_from_slice(&depths[..across]),
+                }
+                if nan {
+                    for depth in line {
+                        *depth = if depth.is_finite() { *depth } else { f32::NAN };
+                    }
                 }
             }
         }
@@ -187,7 +191,14 @@ impl DepthCamera {
             }
         }
         if let Some(colour) = &mut output.colour {
-            pixel::write_tile(colours, self.config.camera.format, first, colour, self.camera.row_stride());
+            pixel::write_tile(
+                simd,
+                colours,
+                self.config.camera.format,
+                first,
+                colour,
+                self.camera.row_stride(),
+            );
         }
         if let Some(points) = &mut output.points {
             let lines = points.chunks_mut(width * POINT_STEP);
@@ -252,7 +263,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 }
                 let truth = measure.tile(simd, band, &mut resolver, [column, row]);
                 let depths = camera.depths(&truth, capture.frame, tile);
-                camera.write_tile(&depths, &colours, [column, row], &mut rows.output);
+                camera.write_tile(simd, &depths, &colours, [column, row], &mut rows.output);
             }
         }
     }

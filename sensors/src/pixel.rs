@@ -1,9 +1,11 @@
 //! Encoding of colours into bytes, with the noise of a camera.
 
 use crate::noise::GaussianNoise;
+use crate::scene::tree::WIDTH;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
 use crate::trace::tile::{TILE_HEIGHT, TILE_WIDTH};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, u32x16};
 
 /// Layout of a colour pixel in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,9 +33,7 @@ impl PixelFormat {
 #[inline(always)]
 pub(crate) fn add_noise(colours: &mut Colours, noise: &GaussianNoise, bias: f32, normals: &Lanes<f32>) {
     for channel in colours {
-        for lane in 0..LANES {
-            channel[lane] = noise.apply(channel[lane], bias, normals[lane]);
-        }
+        noise.apply_all(channel, bias, normals);
     }
 }
 
@@ -44,38 +44,65 @@ pub(crate) fn to_byte(value: f32) -> u8 {
     (value * 255.0 + 0.5) as u8
 }
 
+/// [`to_byte`] of sixteen values.
+#[inline(always)]
+fn to_byte_each<S: Simd>(simd: S, values: f32x16<S>) -> u32x16<S> {
+    let scaled = values * 255.0 + 0.5;
+    // NaN is not greater than 0 and becomes it.
+    let zero = f32x16::splat(simd, 0.0);
+    let scaled = scaled.simd_gt(zero).select(scaled, zero);
+    let most = f32x16::splat(simd, 255.0);
+    scaled.simd_lt(most).select(scaled, most).to_int()
+}
+
+/// Three channels, the first in the lowest byte.
+#[inline(always)]
+fn to_bytes<S: Simd>(simd: S, first: f32x16<S>, second: f32x16<S>, third: f32x16<S>) -> u32x16<S> {
+    let [first, second, third] =
+        [to_byte_each(simd, first), to_byte_each(simd, second), to_byte_each(simd, third)];
+    first | (second << 8) | (third << 16)
+}
+
 /// Writes a tile's colours into the rows of a picture, from pixel column `column` on.
 #[inline(always)]
-pub(crate) fn write_tile(
+pub(crate) fn write_tile<S: Simd>(
+    simd: S,
     colours: &Colours,
     format: PixelFormat,
     column: usize,
     rows: &mut [u8],
     row_stride: usize,
 ) {
-    let mut bytes = [[0; LANES]; 3];
     let [red, green, blue] = colours;
-    for lane in 0..LANES {
-        let grey = 0.299 * red[lane] + 0.587 * green[lane] + 0.114 * blue[lane];
-        let (first, last) = match format {
-            PixelFormat::Rgb8 => (red[lane], blue[lane]),
-            PixelFormat::Bgr8 => (blue[lane], red[lane]),
-            PixelFormat::Mono8 => (grey, grey),
+    // Each pixel's bytes, the first lowest.
+    let mut packed = [0_u32; LANES];
+    for first in (0..LANES).step_by(WIDTH) {
+        let sixteen = |channel: &Lanes<f32>| {
+            let mut values = [0.0; WIDTH];
+            values.copy_from_slice(&channel[first..first + WIDTH]);
+            f32x16::load_array(simd, values)
         };
-        bytes[0][lane] = to_byte(first);
-        bytes[1][lane] = to_byte(green[lane]);
-        bytes[2][lane] = to_byte(last);
+        let (red, green, blue) = (sixteen(red), sixteen(green), sixteen(blue));
+        let bytes = match format {
+            PixelFormat::Rgb8 => to_bytes(simd, red, green, blue),
+            PixelFormat::Bgr8 => to_bytes(simd, blue, green, red),
+            PixelFormat::Mono8 => to_byte_each(simd, red * 0.299 + green * 0.587 + blue * 0.114),
+        };
+        let mut values = [0; WIDTH];
+        bytes.store_array(&mut values);
+        packed[first..first + WIDTH].copy_from_slice(&values);
     }
     for (y, row) in rows.chunks_mut(row_stride).take(TILE_HEIGHT).enumerate() {
         let row = &mut row[column * format.bytes()..];
         let lanes = y * TILE_WIDTH..(y + 1) * TILE_WIDTH;
         if format == PixelFormat::Mono8 {
-            for (pixel, byte) in row.iter_mut().zip(&bytes[0][lanes]) {
-                *pixel = *byte;
+            for (pixel, packed) in row.iter_mut().zip(&packed[lanes]) {
+                *pixel = *packed as u8;
             }
         } else {
-            for (pixel, lane) in row.as_chunks_mut::<3>().0.iter_mut().zip(lanes) {
-                *pixel = [bytes[0][lane], bytes[1][lane], bytes[2][lane]];
+            for (pixel, packed) in row.as_chunks_mut::<3>().0.iter_mut().zip(&packed[lanes]) {
+                let [first, second, third, _] = packed.to_le_bytes();
+                *pixel = [first, second, third];
             }
         }
     }

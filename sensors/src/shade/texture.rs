@@ -259,11 +259,7 @@ impl<S: Simd> LaneLevels<'_, S> {
 
 /// The two texels out of `size` whose centres lie around each coordinate, and how far it is from the first.
 #[inline(always)]
-fn neighbours<S: Simd>(
-    simd: S,
-    coordinate: f32x16<S>,
-    size: u32x16<S>,
-) -> (u32x16<S>, u32x16<S>, f32x16<S>) {
+fn neighbours<S: Simd>(simd: S, coordinate: f32x16<S>, size: u32x16<S>) -> (u32x16<S>, u32x16<S>, f32x16<S>) {
     let zero = f32x16::splat(simd, 0.0);
     let one = u32x16::splat(simd, 1);
     let part = coordinate - coordinate.floor();

@@ -11,7 +11,7 @@ use crate::scene::{
     KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH,
     KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
 };
-use crate::simd::{LANES, Lanes, sqrt};
+use crate::simd::{LANES, Lanes, sqrt_f32};
 use glam::DVec3;
 
 /// How a ray's direction changes from one pixel to the next, along a row and down a column.
@@ -146,41 +146,42 @@ impl Surfaces {
                     + z * (self.point[2][lane] - tz);
             }
         }
-        let mut normal = [[0.0; LANES]; 3];
+        // Points and texture coordinates are in double precision, directions and differences in single.
+        let mut normal = [[0.0_f32; LANES]; 3];
         let mut uv = [[0.0; LANES]; 2];
-        let mut gradient = [[[0.0; LANES]; 3]; 2];
+        let mut gradient = [[[0.0_f32; LANES]; 3]; 2];
         for lane in 0..LANES {
             let surface = surface(lane, DVec3::new(point[0][lane], point[1][lane], point[2][lane]));
             for axis in 0..3 {
-                normal[axis][lane] = surface.normal[axis];
+                normal[axis][lane] = surface.normal[axis] as f32;
             }
             if TEXTURED {
                 for axis in 0..2 {
                     uv[axis][lane] = surface.uv[axis];
-                    gradient[axis][0][lane] = surface.uv_gradient[axis].x;
-                    gradient[axis][1][lane] = surface.uv_gradient[axis].y;
-                    gradient[axis][2][lane] = surface.uv_gradient[axis].z;
+                    gradient[axis][0][lane] = surface.uv_gradient[axis].x as f32;
+                    gradient[axis][1][lane] = surface.uv_gradient[axis].y as f32;
+                    gradient[axis][2][lane] = surface.uv_gradient[axis].z as f32;
                 }
             }
         }
         // Normals go by the inverse transpose, and are unit ones again afterwards.
         let mut turned = [[0.0; LANES]; 3];
         for axis in 0..3 {
-            let [x, y, z] = inverse.map(|row| row[axis]);
+            let [x, y, z] = inverse.map(|row| row[axis] as f32);
             for lane in 0..LANES {
                 turned[axis][lane] = x * normal[0][lane] + y * normal[1][lane] + z * normal[2][lane];
             }
         }
-        let mut length = [0.0; LANES];
+        let mut per_length = [0.0; LANES];
         for lane in 0..LANES {
             let [x, y, z] = [turned[0][lane], turned[1][lane], turned[2][lane]];
-            length[lane] = sqrt(x * x + y * y + z * z);
+            per_length[lane] = 1.0 / sqrt_f32(x * x + y * y + z * z);
         }
         for axis in 0..3 {
             for lane in 0..LANES {
-                let unit = turned[axis][lane] / length[lane];
+                let unit = turned[axis][lane] * per_length[lane];
                 let old = self.normal[axis][lane];
-                self.normal[axis][lane] = if mine(lane) { unit as f32 } else { old };
+                self.normal[axis][lane] = if mine(lane) { unit } else { old };
             }
         }
         if !TEXTURED {
@@ -193,15 +194,31 @@ impl Surfaces {
         }
         // The pixel's footprint: how far the hit moves on the surface's plane from one pixel to the next
         // (Igehy 1999, "Tracing ray differentials").
+        let mut direction = [[0.0; LANES]; 3];
+        for axis in 0..3 {
+            let [x, y, z] = inverse[axis].as_vec3().to_array();
+            for lane in 0..LANES {
+                let world = [0, 1, 2].map(|axis| packet.direction[axis][lane] as f32);
+                direction[axis][lane] = x * world[0] + y * world[1] + z * world[2];
+            }
+        }
+        let mut per_approach = [0.0; LANES];
+        for lane in 0..LANES {
+            let approach = normal[0][lane] * direction[0][lane]
+                + normal[1][lane] * direction[1][lane]
+                + normal[2][lane] * direction[2][lane];
+            per_approach[lane] = 1.0 / approach;
+        }
         for (side, step) in [to_local(steps.right), to_local(steps.down)].into_iter().enumerate() {
+            let [x, y, z] = step.as_vec3().to_array();
             let mut moved = [[0.0; LANES]; 3];
             for lane in 0..LANES {
-                let direction = to_local(packet.direction_of(lane));
-                let normal = DVec3::new(normal[0][lane], normal[1][lane], normal[2][lane]);
-                let along = (step - direction * (normal.dot(step) / normal.dot(direction))) * packet.t[lane];
-                moved[0][lane] = along.x;
-                moved[1][lane] = along.y;
-                moved[2][lane] = along.z;
+                let across = normal[0][lane] * x + normal[1][lane] * y + normal[2][lane] * z;
+                let back = across * per_approach[lane];
+                let t = packet.t[lane] as f32;
+                moved[0][lane] = (x - direction[0][lane] * back) * t;
+                moved[1][lane] = (y - direction[1][lane] * back) * t;
+                moved[2][lane] = (z - direction[2][lane] * back) * t;
             }
             for axis in 0..2 {
                 let [x, y, z] = &gradient[axis];
@@ -209,7 +226,7 @@ impl Surfaces {
                     let change =
                         x[lane] * moved[0][lane] + y[lane] * moved[1][lane] + z[lane] * moved[2][lane];
                     let old = self.footprint[side][axis][lane];
-                    self.footprint[side][axis][lane] = if mine(lane) { change as f32 } else { old };
+                    self.footprint[side][axis][lane] = if mine(lane) { change } else { old };
                 }
             }
         }

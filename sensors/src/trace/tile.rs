@@ -5,7 +5,7 @@ use super::image::{GRAZING, NO_HIT, Projection};
 use super::packet::{MISS, Packet};
 use super::resolve::Resolver;
 use crate::scene::tree::WIDTH;
-use crate::simd::LANES;
+use crate::simd::{LANES, Lanes};
 use glam::DMat3;
 
 /// Pixels across a tile.
@@ -35,20 +35,36 @@ pub(crate) fn take_tile<P: Projection>(
         let block = first_row * fan.blocks_across() + column;
         let directions = band.projection.exact_block(column, block_row);
         let (slots, inverse) = (&band.target.slot[block], &band.target.inverse[block]);
-        for lane in 0..WIDTH {
-            let to = (lane / 4) * TILE_WIDTH + part * 4 + lane % 4;
-            for axis in 0..3 {
-                packet.direction[axis][to] = axes.x_axis[axis] * directions[0][lane]
+        // Worked out in a row, then put in their places four at a time.
+        let place = |values: &[f64; WIDTH], lanes: &mut Lanes<f64>| {
+            for line in 0..TILE_HEIGHT {
+                let first = line * TILE_WIDTH + part * 4;
+                lanes[first..first + 4].copy_from_slice(&values[line * 4..line * 4 + 4]);
+            }
+        };
+        for axis in 0..3 {
+            let mut turned = [0.0; WIDTH];
+            for lane in 0..WIDTH {
+                turned[lane] = axes.x_axis[axis] * directions[0][lane]
                     + axes.y_axis[axis] * directions[1][lane]
                     + axes.z_axis[axis] * directions[2][lane];
             }
+            place(&turned, &mut packet.direction[axis]);
+        }
+        let mut t = [0.0; WIDTH];
+        for lane in 0..WIDTH {
+            let hit = 1.0 / f64::from(inverse[lane]);
+            t[lane] = if slots[lane] == NO_HIT { f64::INFINITY } else { hit };
+        }
+        place(&t, &mut packet.t);
+        for lane in 0..WIDTH {
+            let to = (lane / 4) * TILE_WIDTH + part * 4 + lane % 4;
             if slots[lane] == NO_HIT {
                 continue;
             }
             let hit = resolver.hit(slots[lane]);
             packet.placed[to] = hit.placed;
             packet.local[to] = hit.local;
-            packet.t[to] = 1.0 / f64::from(inverse[lane]);
             if slots[lane] & GRAZING != 0 {
                 let direction = packet.direction_of(to);
                 let unit = direction.normalize().as_vec3().to_array();

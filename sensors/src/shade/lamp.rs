@@ -26,31 +26,38 @@ impl Shader {
         let Self { surfaces, albedo, shadow_rays, .. } = self;
         let parallel = light.kind == LIGHT_DIRECTIONAL;
         let mut brightness = [0.0; LANES];
-        simd.vectorize(
+        let left_out = simd.vectorize(
             #[inline(always)]
-            || match light.kind {
-                LIGHT_DIRECTIONAL => shine_parallel(light, surfaces, &mut brightness),
-                LIGHT_SPOT => shine_from::<true>(view, light, surfaces, &mut brightness),
-                _ => shine_from::<false>(view, light, surfaces, &mut brightness),
+            || {
+                match light.kind {
+                    LIGHT_DIRECTIONAL => shine_parallel(light, surfaces, &mut brightness),
+                    LIGHT_SPOT => shine_from::<true>(view, light, surfaces, &mut brightness),
+                    _ => shine_from::<false>(view, light, surfaces, &mut brightness),
+                }
+                let mut brightest = 0.0_f32;
+                for lane in 0..LANES {
+                    let one = brightness[lane];
+                    brightest = if one > brightest { one } else { brightest };
+                }
+                if brightest == 0.0 {
+                    return None;
+                }
+                if light.cast_shadows == 0 {
+                    return Some(MISS);
+                }
+                if parallel {
+                    aim_against(light, surfaces, &brightness, shadow_rays);
+                } else {
+                    aim_from(view, light, surfaces, &brightness, shadow_rays);
+                }
+                Some(only_convex(view, &brightness, hit))
             },
         );
-        if brightness.iter().all(|brightness| *brightness == 0.0) {
-            return;
-        }
+        let Some(left_out) = left_out else { return };
         if light.cast_shadows != 0 {
-            simd.vectorize(
-                #[inline(always)]
-                || {
-                    if parallel {
-                        aim_against(light, surfaces, &brightness, shadow_rays);
-                    } else {
-                        aim_from(view, light, surfaces, &brightness, shadow_rays);
-                    }
-                },
-            );
             // Front faces only: the bulb around a lamp does not keep its light in.
-            let faces = if parallel { Faces::Both } else { Faces::Front };
-            occluded(simd, view, shadow_rays, faces, only_convex(view, &brightness, hit));
+            let (faces, t_max) = if parallel { (Faces::Both, f32::INFINITY) } else { (Faces::Front, 1.0) };
+            occluded(simd, view, shadow_rays, faces, t_max, left_out);
         }
         simd.vectorize(
             #[inline(always)]
@@ -73,17 +80,16 @@ impl Shader {
 }
 
 /// The convex instance that all lit lanes lie on, if so: it cannot stand in its own light.
+#[inline(always)]
 fn only_convex(view: &View<'_>, brightness: &Lanes<f32>, hit: &Lanes<u32>) -> u32 {
-    let mut only = MISS;
+    // All are the same where the least and the greatest are.
+    let (mut least, mut greatest) = (MISS, 0);
     for lane in 0..LANES {
-        if brightness[lane] > 0.0 && hit[lane] != only {
-            if only != MISS {
-                return MISS;
-            }
-            only = hit[lane];
-        }
+        let lit = brightness[lane] > 0.0;
+        least = least.min(if lit { hit[lane] } else { MISS });
+        greatest = greatest.max(if lit { hit[lane] } else { 0 });
     }
-    if only != MISS && view.instance(only).is_convex() { only } else { MISS }
+    if least == greatest && view.instance(least).is_convex() { least } else { MISS }
 }
 
 /// Light from a point, in a cone if it is a spot.

@@ -1,6 +1,6 @@
 //! 64 rays that are traced together, and the bounds that let whole subtrees be skipped for all of them.
 
-use crate::scene::tree::{NONE, WIDTH, WideNode};
+use crate::scene::tree::{NONE, WideNode};
 use crate::simd::{LANES, Lanes};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 
@@ -54,14 +54,14 @@ impl Packet {
         glam::DVec3::new(self.direction[0][lane], self.direction[1][lane], self.direction[2][lane])
     }
 
-    /// The largest t of any lane: nothing beyond it matters to the packet.
+    /// Whether some lane takes part.
     #[inline(always)]
-    pub(crate) fn farthest(&self) -> f64 {
-        let mut nearness = [0.0; LANES];
+    pub(crate) fn is_active(&self) -> bool {
+        let mut active = false;
         for lane in 0..LANES {
-            nearness[lane] = -self.t[lane];
+            active |= self.t[lane] > f64::NEG_INFINITY;
         }
-        -least(nearness)
+        active
     }
 }
 
@@ -105,9 +105,9 @@ impl PacketBounds {
         bounds
     }
 
-    /// Children of a node that some ray may meet before `t_max`, a bit for each, and lower bounds of t where.
+    /// Children of a node that some ray may meet before `t_max`, a bit for each.
     #[inline(always)]
-    pub(crate) fn enter<S: Simd>(&self, simd: S, node: &WideNode, t_max: f32) -> (u64, [f32; WIDTH]) {
+    pub(crate) fn enter<S: Simd>(&self, simd: S, node: &WideNode, t_max: f32) -> u64 {
         let mut enter = f32x16::splat(simd, self.t_min);
         let mut exit = f32x16::splat(simd, t_max);
         for axis in 0..3 {
@@ -128,27 +128,27 @@ impl PacketBounds {
             exit = far.simd_lt(exit).select(far, exit);
         }
         let there = u32x16::load_array_ref(simd, &node.child).simd_ne(u32x16::splat(simd, NONE));
-        let mut entries = [0.0; WIDTH];
-        enter.store_array(&mut entries);
-        ((enter.simd_le(exit) & there).to_bitmask(), entries)
+        (enter.simd_le(exit) & there).to_bitmask()
     }
 }
 
+/// Least and most of the lanes that take part, rounded to single precision.
 #[inline(always)]
 fn interval(values: &Lanes<f64>, t: &Lanes<f64>) -> [f64; 2] {
     let mut up = [0.0; LANES];
     let mut down = [0.0; LANES];
     for lane in 0..LANES {
         let active = t[lane] > f64::NEG_INFINITY;
-        up[lane] = if active { values[lane] } else { f64::INFINITY };
-        down[lane] = if active { -values[lane] } else { f64::INFINITY };
+        let value = values[lane] as f32;
+        up[lane] = if active { value } else { f32::INFINITY };
+        down[lane] = if active { -value } else { f32::INFINITY };
     }
-    [least(up), -least(down)]
+    [least(up), -least(down)].map(f64::from)
 }
 
 /// The least of all lanes, by halves: a chain of dependent compares would take longer.
 #[inline(always)]
-fn least(mut values: Lanes<f64>) -> f64 {
+fn least(mut values: Lanes<f32>) -> f32 {
     let mut half = LANES / 2;
     while half > 0 {
         for lane in 0..half {

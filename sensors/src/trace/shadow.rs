@@ -11,8 +11,15 @@ use fearless_simd::Simd;
 use glam::DVec3;
 
 /// Finds for every lane whether anything is hit at all; `placed` is [`MISS`] where not. Which of several hits
-/// is named is not specified. The placed instance `left_out` is passed over.
-pub(crate) fn occluded<S: Simd>(simd: S, view: &View<'_>, packet: &mut Packet, faces: Faces, left_out: u32) {
+/// is named is not specified. The placed instance `left_out` is passed over. No lane goes beyond `t_max`.
+pub(crate) fn occluded<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    packet: &mut Packet,
+    faces: Faces,
+    t_max: f32,
+    left_out: u32,
+) {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -22,14 +29,15 @@ pub(crate) fn occluded<S: Simd>(simd: S, view: &View<'_>, packet: &mut Packet, f
                 #[inline(always)]
                 |node| view.nodes[node as usize],
                 &bounds,
-                packet.farthest() as f32,
+                t_max,
                 #[inline(always)]
                 |index| {
-                    if index != left_out {
-                        intersect_instance(simd, view, index, packet, faces);
-                        retire_hits(packet);
+                    if index == left_out {
+                        return true;
                     }
-                    packet.farthest() as f32
+                    intersect_instance(simd, view, index, packet, faces, t_max);
+                    retire_hits(packet);
+                    packet.is_active()
                 },
             );
         },
@@ -44,46 +52,52 @@ fn retire_hits(packet: &mut Packet) {
     }
 }
 
-/// Visits the leaves that the packet may meet. `visit` returns the farthest t that still matters, −∞ for none.
+/// Visits the leaves that the packet may meet before `t_max`, until `visit` returns that no lane is left.
 #[inline(always)]
 fn walk<S: Simd>(
     simd: S,
     node: impl Fn(u32) -> WideNode,
     bounds: &PacketBounds,
-    mut farthest: f32,
-    mut visit: impl FnMut(u32) -> f32,
+    t_max: f32,
+    mut visit: impl FnMut(u32) -> bool,
 ) {
-    let mut stack = [(0_u32, 0.0_f32); 15 * MAX_DEPTH + 2];
+    let mut stack = [0_u32; 15 * MAX_DEPTH + 2];
     let mut waiting = 1;
     while waiting > 0 {
         waiting -= 1;
-        let (child, enter) = stack[waiting];
-        if enter > farthest {
-            continue;
-        }
+        let child = stack[waiting];
         if child & LEAF != 0 {
-            farthest = visit(child & !LEAF);
+            if !visit(child & !LEAF) {
+                return;
+            }
             continue;
         }
         let node = node(child);
-        let (mut lanes, enter) = bounds.enter(simd, &node, farthest);
+        let mut lanes = bounds.enter(simd, &node, t_max);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
             lanes &= lanes - 1;
-            stack[waiting] = (node.child[lane], enter[lane]);
+            stack[waiting] = node.child[lane];
             waiting += 1;
         }
     }
 }
 
 #[inline(always)]
-fn intersect_instance<S: Simd>(simd: S, view: &View<'_>, index: u32, packet: &mut Packet, faces: Faces) {
+fn intersect_instance<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    index: u32,
+    packet: &mut Packet,
+    faces: Faces,
+    t_max: f32,
+) {
     let placed = &view.placed[index as usize];
     let rays = local_rays(placed, packet);
     match_solid!(
         view.instance(index),
         inside => commit(&rays, packet, faces, index, inside),
-        _ => walk_triangles(simd, view, placed, &rays, packet, faces, index)
+        _ => walk_triangles(simd, view, placed, &rays, packet, (faces, t_max), index)
     );
 }
 
@@ -119,7 +133,7 @@ fn walk_triangles<S: Simd>(
     placed: &Placed,
     rays: &LocalRays,
     packet: &mut Packet,
-    faces: Faces,
+    (faces, t_max): (Faces, f32),
     index: u32,
 ) {
     let faces = match faces {
@@ -131,7 +145,6 @@ fn walk_triangles<S: Simd>(
         #[inline(always)]
         || {
             let bounds = PacketBounds::new(&rays.origin, &rays.direction, packet);
-            let farthest = packet.farthest() as f32;
             let draw = |block: &TriangleBlock, packet: &mut Packet| {
                 for lane in 0..WIDTH {
                     let corners = block
@@ -141,7 +154,7 @@ fn walk_triangles<S: Simd>(
                     triangle::intersect(rays, corners, packet, faces, index);
                 }
                 retire_hits(packet);
-                packet.farthest() as f32
+                packet.is_active()
             };
             match placed.kind {
                 KIND_MESH => walk(
@@ -149,7 +162,7 @@ fn walk_triangles<S: Simd>(
                     #[inline(always)]
                     |node| view.scene.nodes[(placed.first_node + node) as usize],
                     &bounds,
-                    farthest,
+                    t_max,
                     #[inline(always)]
                     |leaf| draw(&view.scene.blocks[(placed.first_block + leaf) as usize], packet),
                 ),
@@ -160,7 +173,7 @@ fn walk_triangles<S: Simd>(
                         #[inline(always)]
                         |node| grid.node(node),
                         &bounds,
-                        farthest,
+                        t_max,
                         #[inline(always)]
                         |leaf| draw(&grid.block(leaf), packet),
                     );

@@ -198,8 +198,9 @@ impl Surfaces {
         for axis in 0..3 {
             let [x, y, z] = inverse[axis].as_vec3().to_array();
             for lane in 0..LANES {
-                let world = [0, 1, 2].map(|axis| packet.direction[axis][lane] as f32);
-                direction[axis][lane] = x * world[0] + y * world[1] + z * world[2];
+                direction[axis][lane] = x * packet.direction[0][lane] as f32
+                    + y * packet.direction[1][lane] as f32
+                    + z * packet.direction[2][lane] as f32;
             }
         }
         let mut per_approach = [0.0; LANES];

@@ -138,7 +138,7 @@ impl Taps {
             }
             let counts_on = f32x16::splat(simd, index as f32).simd_lt(counts);
             for channel in 0..3 {
-                sum[channel] = sum[channel] + counts_on.select(colour[channel], zero);
+                sum[channel] += counts_on.select(colour[channel], zero);
             }
         }
         let scale = f32x16::splat(simd, 1.0) / (counts * 255.0);

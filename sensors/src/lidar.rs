@@ -4,7 +4,7 @@ use crate::execution::SplitRows;
 use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::scene::{Scene, visibility};
 use crate::simd::LANES;
-use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
+use crate::trace::grid::{Band, BandWork, Sight, trace_spherical};
 use crate::trace::image::{NO_HIT, Projection};
 use crate::trace::measure::Measure;
 use crate::trace::packet::Faces;
@@ -180,7 +180,7 @@ impl Lidar {
         let rows_in_block = 1 << RayGrid::Spherical(grid).fan().shift_y;
         let lines = Lines { ranges, intensities, samples, rows_in_block };
         let scanner = Scanner { lidar: self, capture };
-        trace_grid(&view, &RayGrid::Spherical(grid), &sight, execution, &mut memory, lines, &scanner);
+        trace_spherical(&view, &grid, &sight, execution, &mut memory, lines, &scanner);
     }
 
     /// Rays that a [`Workspace`] must have room for.

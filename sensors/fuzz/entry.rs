@@ -114,7 +114,7 @@ fn cast(scene: &Scene<'_>, mut bytes: Bytes<'_>) {
     }
     let (mut origins, mut directions, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
     while !bytes.0.is_empty() && origins.len() < MOST_RAYS {
-        let wild = bytes.u8() % 4 == 0;
+        let wild = bytes.u8().is_multiple_of(4);
         let mut vector = || [(); 3].map(|()| if wild { bytes.f32() } else { bytes.metres() });
         origins.push(vector());
         directions.push(vector());

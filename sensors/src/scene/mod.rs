@@ -20,6 +20,8 @@
 //! shape: an instance's scale stretches the texture with it. Around an ellipsoid, u is the angle of (x/a, y/b).
 
 mod aabb;
+#[cfg(feature = "alloc")]
+mod baked;
 pub mod build;
 mod height_field;
 mod instance;
@@ -46,6 +48,8 @@ pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
 
 pub use validate::{TreeFault, validate_scratch_len, validate_tree};
 
+#[cfg(feature = "alloc")]
+pub use baked::BakedError;
 #[cfg(feature = "alloc")]
 pub use builder::SceneBuilder;
 

@@ -1,6 +1,7 @@
 //! Casting whole grids of rays, for those who want hits rather than a sensor's frame.
 
 use super::grid::{Band, BandWork, RayGrid, Sight, trace_grid};
+use super::hit_point::{HitPoints, block_index, has_solids};
 use super::image::{NO_HIT, Projection};
 use super::measure::Measure;
 use super::memory::Workspace;
@@ -72,7 +73,10 @@ pub fn cast_grid(
         execution,
         &mut memory,
         output,
-        &Cast { rays: Measure::new(world_from_sensor) },
+        &Cast {
+            rays: Measure::new(world_from_sensor),
+            points: HitPoints::new(world_from_sensor, range[0], faces),
+        },
     );
 }
 
@@ -111,6 +115,7 @@ impl SplitRows for Rows<'_> {
 
 struct Cast {
     rays: Measure,
+    points: HitPoints,
 }
 
 impl BandWork<Rows<'_>> for Cast {
@@ -141,6 +146,22 @@ impl BandWork<Rows<'_>> for Cast {
                     }
                 },
             );
+        }
+        // What depends on where a ray meets its surface, and not on which it is alone.
+        if let Some(normal) = hits.normal.as_deref_mut()
+            && has_solids(band.view)
+        {
+            for_each_block(band, |place, block| {
+                let (slots, normals) = self.points.solid_normals(band, &mut resolver, block);
+                place.write_where(&normals, &slots, normal);
+            });
+        }
+        if let Some(barycentrics) = hits.barycentrics.as_deref_mut() {
+            for_each_block(band, |place, block| {
+                let weights = self.points.barycentrics(band, &mut resolver, block);
+                let slots = &band.target.slot[block_index(band, block)];
+                place.write_where(&weights, slots, barycentrics);
+            });
         }
     }
 }

@@ -7,6 +7,7 @@
 
 mod cast;
 pub(crate) mod grid;
+pub(crate) mod hit_point;
 pub(crate) mod image;
 pub(crate) mod measure;
 pub(crate) mod memory;

@@ -1,6 +1,8 @@
 //! What the tests of the sensors share.
 #![allow(dead_code, reason = "each test uses its part")]
 
+pub(crate) mod brute;
+pub(crate) mod exactness;
 pub(crate) mod oracle;
 
 use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat};

@@ -425,6 +425,12 @@ impl Projection for SphericalFan<'_> {
         let never = mask32x16::splat(simd, false);
         let mut close = self.rectangles(simd, azimuth, [from, to], elevation, never, valid);
         if (valid & !small).any_true() {
+            // Rounding may have put a corner that lies on the vertical axis beside it.
+            let slack = farthest * 1e-6;
+            let (mut low, mut high) = (low, high);
+            for axis in 0..2 {
+                (low[axis], high[axis]) = (low[axis] - slack, high[axis] + slack);
+            }
             let loose = self.bound_boxes(simd, &low, &high);
             close.first_column = small.select(close.first_column, loose.first_column);
             close.last_column = small.select(close.last_column, loose.last_column);

@@ -1,0 +1,213 @@
+//! Scenes as bytes: written once, then sensed as they lie in a file that is read or mapped, with nothing built.
+//!
+//! ```text
+//! line 0       header: magic, version, number of sections, length of all, environment
+//! lines 1 … 4  table: offset in bytes and number of elements of each section
+//! lines 5 …    sections, each from the beginning of a cache line on, in the order of the table
+//! ```
+//!
+//! Numbers are little-endian; the magic number tells a machine with another byte order that it cannot use them.
+//! Whoever wrote the bytes, [`Scene::from_baked`] checks all that tracing relies on.
+
+mod check;
+mod error;
+
+pub use error::BakedError;
+
+use super::tree::{Facet, TriangleBlock, WideNode};
+use super::{Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneBuilder, Texture};
+use crate::trace::CacheLine;
+use alloc::vec::Vec;
+use bytemuck::{Pod, Zeroable};
+
+/// `BLVDRSCN`, read as a little-endian number.
+const MAGIC: u64 = u64::from_le_bytes(*b"BLVDRSCN");
+/// Of the layout of all elements.
+const VERSION: u32 = 1;
+const LINE: usize = size_of::<CacheLine>();
+
+/// What the sections hold, in their order.
+const SECTIONS: [(&str, usize); 14] = [
+    ("instances", size_of::<Instance>()),
+    ("meshes", size_of::<Mesh>()),
+    ("uvs", size_of::<[f32; 2]>()),
+    ("triangles", size_of::<[u32; 3]>()),
+    ("nodes", size_of::<WideNode>()),
+    ("blocks", size_of::<TriangleBlock>()),
+    ("facets", size_of::<Facet>()),
+    ("height_fields", size_of::<HeightField>()),
+    ("heights", size_of::<f32>()),
+    ("extents", size_of::<[f32; 2]>()),
+    ("materials", size_of::<Material>()),
+    ("textures", size_of::<Texture>()),
+    ("texels", size_of::<[u8; 4]>()),
+    ("lights", size_of::<Light>()),
+];
+
+/// The first line.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Header {
+    magic: u64,
+    version: u32,
+    sections: u32,
+    /// Of all, in bytes.
+    length: u64,
+    ambient: [f32; 3],
+    background: [f32; 3],
+    reserved: [u32; 4],
+}
+
+const _: () = assert!(size_of::<Header>() == LINE);
+
+/// Where a section lies.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Section {
+    /// In bytes from the beginning.
+    offset: u64,
+    /// Of elements.
+    count: u64,
+}
+
+/// Bytes of header and table, in whole lines.
+const fn head_len() -> usize {
+    (LINE + SECTIONS.len() * size_of::<Section>()).next_multiple_of(LINE)
+}
+
+impl SceneBuilder {
+    /// Writes the scene as bytes from which [`Scene::from_baked`] lends it again.
+    /// `bytemuck::cast_slice` gives the bytes to write to a file.
+    ///
+    /// ```
+    /// use belvedere_sensors::scene::*;
+    /// let mut builder = SceneBuilder::new();
+    /// let material = builder.add_material(&MaterialConfig::default())?;
+    /// builder.add_instance(&InstanceConfig { material, ..Default::default() })?;
+    /// let baked = builder.bake();
+    /// let scene = Scene::from_baked(bytemuck::cast_slice(&baked)).unwrap();
+    /// assert_eq!(scene.instances().len(), 1);
+    /// # Ok::<(), SceneError>(())
+    /// ```
+    pub fn bake(&self) -> Vec<CacheLine> {
+        let scene = self.scene();
+        let sections: [&[u8]; SECTIONS.len()] = [
+            bytemuck::cast_slice(scene.instances),
+            bytemuck::cast_slice(scene.meshes),
+            bytemuck::cast_slice(scene.uvs),
+            bytemuck::cast_slice(scene.triangles),
+            bytemuck::cast_slice(scene.nodes),
+            bytemuck::cast_slice(scene.blocks),
+            bytemuck::cast_slice(scene.facets),
+            bytemuck::cast_slice(scene.height_fields),
+            bytemuck::cast_slice(scene.heights),
+            bytemuck::cast_slice(scene.extents),
+            bytemuck::cast_slice(scene.materials),
+            bytemuck::cast_slice(scene.textures),
+            bytemuck::cast_slice(scene.texels),
+            bytemuck::cast_slice(scene.lights),
+        ];
+        let mut table = [Section::zeroed(); SECTIONS.len()];
+        let mut length = head_len();
+        for ((entry, bytes), (_, size)) in table.iter_mut().zip(sections).zip(SECTIONS) {
+            *entry = Section { offset: length as u64, count: (bytes.len() / size) as u64 };
+            length += bytes.len().next_multiple_of(LINE);
+        }
+        let header = Header {
+            magic: MAGIC,
+            version: VERSION,
+            sections: SECTIONS.len() as u32,
+            length: length as u64,
+            ambient: scene.environment.ambient,
+            background: scene.environment.background,
+            reserved: [0; 4],
+        };
+        let mut lines: Vec<CacheLine> = bytemuck::allocation::zeroed_vec(length / LINE);
+        let all: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
+        all[..LINE].copy_from_slice(bytemuck::bytes_of(&header));
+        let table_bytes: &[u8] = bytemuck::cast_slice(&table);
+        all[LINE..][..table_bytes.len()].copy_from_slice(table_bytes);
+        for (entry, bytes) in table.iter().zip(sections) {
+            all[entry.offset as usize..][..bytes.len()].copy_from_slice(bytes);
+        }
+        lines
+    }
+}
+
+impl<'a> Scene<'a> {
+    /// The scene that [`SceneBuilder::bake`] wrote. The bytes must begin at a multiple of 64, as every mapped file
+    /// and every slice of [`CacheLine`]s does; the scene borrows them as they lie.
+    ///
+    /// Everything is checked: a scene that is returned can be sensed whoever wrote it, at a cost in proportion to
+    /// its length.
+    ///
+    /// # Errors
+    /// [`BakedError`] names the section, the element and what is wrong with it.
+    pub fn from_baked(bytes: &'a [u8]) -> Result<Self, BakedError> {
+        if !(bytes.as_ptr() as usize).is_multiple_of(LINE) {
+            return Err(BakedError::Misaligned);
+        }
+        if bytes.len() < head_len() {
+            return Err(BakedError::Length { have: bytes.len() as u64, need: head_len() as u64 });
+        }
+        let header: &Header = bytemuck::from_bytes(&bytes[..LINE]);
+        if header.magic != MAGIC {
+            return Err(BakedError::NotAScene { magic: header.magic });
+        }
+        if header.version != VERSION || header.sections as usize != SECTIONS.len() {
+            return Err(BakedError::Version { found: header.version, known: VERSION });
+        }
+        if header.length != bytes.len() as u64 {
+            return Err(BakedError::Length { have: bytes.len() as u64, need: header.length });
+        }
+        let table: &[Section] = bytemuck::cast_slice(&bytes[LINE..][..SECTIONS.len() * size_of::<Section>()]);
+        let mut sections: [&'a [u8]; SECTIONS.len()] = [&[]; SECTIONS.len()];
+        let mut end = head_len() as u64;
+        for ((entry, bytes_of), (name, size)) in table.iter().zip(&mut sections).zip(SECTIONS) {
+            let fault = BakedError::Section { section: name, offset: entry.offset, count: entry.count };
+            // One after the other, so that no two overlap.
+            if entry.offset != end {
+                return Err(fault);
+            }
+            let length = entry.count.checked_mul(size as u64).ok_or(fault)?;
+            let next = length.checked_add(entry.offset).and_then(|next| next.checked_next_multiple_of(64));
+            end = next.filter(|&next| next <= bytes.len() as u64).ok_or(fault)?;
+            *bytes_of = &bytes[entry.offset as usize..][..length as usize];
+        }
+        let [
+            instances,
+            meshes,
+            uvs,
+            triangles,
+            nodes,
+            blocks,
+            facets,
+            height_fields,
+            heights,
+            extents,
+            materials,
+            textures,
+            texels,
+            lights,
+        ] = sections;
+        let scene = Self {
+            instances: bytemuck::cast_slice(instances),
+            meshes: bytemuck::cast_slice(meshes),
+            uvs: bytemuck::cast_slice(uvs),
+            triangles: bytemuck::cast_slice(triangles),
+            nodes: bytemuck::cast_slice(nodes),
+            blocks: bytemuck::cast_slice(blocks),
+            facets: bytemuck::cast_slice(facets),
+            height_fields: bytemuck::cast_slice(height_fields),
+            heights: bytemuck::cast_slice(heights),
+            extents: bytemuck::cast_slice(extents),
+            materials: bytemuck::cast_slice(materials),
+            textures: bytemuck::cast_slice(textures),
+            texels: bytemuck::cast_slice(texels),
+            lights: bytemuck::cast_slice(lights),
+            environment: Environment { ambient: header.ambient, background: header.background },
+        };
+        check::scene(&scene)?;
+        Ok(scene)
+    }
+}

@@ -1,0 +1,118 @@
+//! What may be wrong with a baked scene.
+
+use crate::scene::{SceneError, TreeFault};
+
+/// Why bytes are not a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum BakedError {
+    /// The bytes do not begin at a multiple of 64.
+    Misaligned,
+    /// They do not begin as a baked scene does, or come from a machine of another byte order.
+    NotAScene {
+        /// The number that they begin with.
+        magic: u64,
+    },
+    /// Another version of this library wrote them.
+    Version {
+        /// Theirs.
+        found: u32,
+        /// The one that can be read.
+        known: u32,
+    },
+    /// There are fewer bytes, or more, than there should be.
+    Length {
+        /// Bytes that there are.
+        have: u64,
+        /// Bytes that there should be.
+        need: u64,
+    },
+    /// A section does not begin where the one before ends, or ends behind the last byte.
+    Section {
+        /// Which.
+        section: &'static str,
+        /// Where it is said to begin, in bytes.
+        offset: u64,
+        /// How many elements it is said to have.
+        count: u64,
+    },
+    /// Two sections do not go together.
+    Count {
+        /// Which has a wrong number of elements.
+        section: &'static str,
+        /// Those that it has.
+        have: u64,
+        /// Those that it should have.
+        need: u64,
+    },
+    /// A value that cannot be.
+    Value {
+        /// Which section.
+        section: &'static str,
+        /// Which element of it.
+        element: usize,
+        /// Which part of the element.
+        field: &'static str,
+        /// The value; the first bad one of several.
+        value: f64,
+    },
+    /// The tree of a mesh.
+    Tree {
+        /// Which mesh.
+        mesh: usize,
+        /// What is wrong with its tree.
+        fault: TreeFault,
+    },
+    /// A height field.
+    HeightField {
+        /// Which.
+        element: usize,
+        /// What is wrong with it.
+        error: SceneError,
+    },
+    /// More triangles in all instances together than 31 bits count.
+    TooManyTriangles,
+}
+
+impl core::fmt::Display for BakedError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Misaligned => f.write_str("a baked scene must lie at a multiple of 64 bytes in memory"),
+            Self::NotAScene { magic } => write!(
+                f,
+                "these bytes begin with {magic:#018x}, not as a baked scene of this machine's byte order does"
+            ),
+            Self::Version { found, known } => {
+                write!(
+                    f,
+                    "the baked scene is of version {found}, and only {known} can be read: bake it again"
+                )
+            }
+            Self::Length { have, need } => {
+                write!(f, "the baked scene has {have} bytes, and should have {need}: was it cut off?")
+            }
+            Self::Section { section, offset, count } => write!(
+                f,
+                "section `{section}` of the baked scene cannot lie at byte {offset} with {count} elements"
+            ),
+            Self::Count { section, have, need } => write!(
+                f,
+                "section `{section}` of the baked scene has {have} elements, and the others call for {need}"
+            ),
+            Self::Value { section, element, field, value } => {
+                write!(f, "element {element} of section `{section}`: {field} cannot be {value}")
+            }
+            Self::Tree { mesh, fault } => {
+                write!(f, "the tree of element {mesh} of section `meshes`: {fault}")
+            }
+            Self::HeightField { element, error } => {
+                write!(f, "element {element} of section `height_fields`: {error}")
+            }
+            Self::TooManyTriangles => {
+                f.write_str("the instances of the baked scene have more triangles than 31 bits count")
+            }
+        }
+    }
+}
+
+impl core::error::Error for BakedError {}

@@ -1,0 +1,290 @@
+//! Where rays first meet instances, the slow way: every triangle and every solid, in f64.
+
+use super::oracle::{Ray, first_hit_scaled};
+use belvedere_sensors::Pose;
+use belvedere_sensors::scene::{InstanceConfig, MaterialId, SceneBuilder, Shape};
+use glam::DVec3;
+
+/// How near to an edge, in parts of the way there, a ray may count either way.
+pub(crate) const EDGE: f64 = 1e-6;
+/// How far distances may be from the oracle's, in parts of them.
+pub(crate) const DISTANCE: f64 = 1e-5;
+
+/// One instance as the oracle sees it.
+struct Body {
+    shape: Shape,
+    pose: Pose,
+    scale: DVec3,
+    /// Corners in the world, less the instance's position; outwards by winding, also if it is mirrored.
+    triangles: Vec<[DVec3; 3]>,
+}
+
+/// A scene twice: for the library, and for the oracle.
+#[derive(Default)]
+pub(crate) struct Pair {
+    pub(crate) builder: SceneBuilder,
+    bodies: Vec<Body>,
+    /// Of meshes and height fields that were added.
+    soups: Vec<(Shape, Vec<[DVec3; 3]>)>,
+}
+
+/// A ray may hit this.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    t: f64,
+    instance: u32,
+    primitive: u32,
+    sure: bool,
+}
+
+/// What is known of the comparisons so far.
+#[derive(Default, Debug)]
+pub(crate) struct Tally {
+    pub(crate) rays: usize,
+    pub(crate) hits: usize,
+    /// Rays for which an edge was within [`EDGE`].
+    pub(crate) doubtful: usize,
+    pub(crate) worst: f64,
+}
+
+/// What the library says of a ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    pub(crate) distance: f32,
+    pub(crate) instance: u32,
+    pub(crate) primitive: u32,
+    pub(crate) barycentrics: [f32; 2],
+    pub(crate) normal: [f32; 3],
+}
+
+fn wide(v: [f32; 3]) -> DVec3 {
+    DVec3::new(v[0].into(), v[1].into(), v[2].into())
+}
+
+impl Pair {
+    pub(crate) fn new() -> Self {
+        let mut pair = Self::default();
+        pair.builder.add_material(&belvedere_sensors::scene::MaterialConfig::default()).unwrap();
+        pair
+    }
+
+    pub(crate) fn mesh(&mut self, vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Shape {
+        let shape = Shape::Mesh(self.builder.add_mesh(vertices, &[], triangles).unwrap());
+        let soup = triangles.iter().map(|triangle| triangle.map(|v| wide(vertices[v as usize]))).collect();
+        self.soups.push((shape, soup));
+        shape
+    }
+
+    pub(crate) fn height_field(&mut self, rows: u32, columns: u32, size: [f64; 2], heights: &[f32]) -> Shape {
+        let id = self.builder.add_height_field(rows, columns, size, heights).unwrap();
+        let scene = self.builder.scene();
+        let grid = scene.height_field(id).unwrap();
+        let soup = (0..grid.field().triangles()).map(|t| grid.triangle(t).map(wide)).collect();
+        self.soups.push((Shape::HeightField(id), soup));
+        Shape::HeightField(id)
+    }
+
+    pub(crate) fn add(&mut self, shape: Shape, pose: Pose, scale: [f64; 3]) {
+        let config = InstanceConfig {
+            shape,
+            world_from_instance: pose,
+            scale,
+            material: MaterialId(0),
+            ..Default::default()
+        };
+        self.builder.add_instance(&config).unwrap();
+        let scale = DVec3::from_array(scale);
+        let soup = self.soups.iter().find(|(of, _)| *of == shape).map_or(&[][..], |(_, soup)| soup);
+        let mirrored = scale.x * scale.y * scale.z < 0.0;
+        let triangles = soup
+            .iter()
+            .map(|corners| {
+                let [a, b, c] = corners.map(|corner| pose.rotation() * (corner * scale));
+                if mirrored { [a, c, b] } else { [a, b, c] }
+            })
+            .collect();
+        self.bodies.push(Body { shape, pose, scale, triangles });
+    }
+
+    /// All that a ray may hit. `origin` and `offset` together are where it starts; t is in units of `direction`.
+    fn candidates(
+        &self,
+        origin: DVec3,
+        offset: DVec3,
+        direction: DVec3,
+        range: [f64; 2],
+        both: bool,
+    ) -> Vec<Candidate> {
+        let mut found = Vec::new();
+        for (instance, body) in self.bodies.iter().enumerate() {
+            let instance = instance as u32;
+            let from_body = (origin - body.pose.translation()) + offset;
+            if matches!(body.shape, Shape::Mesh(_) | Shape::HeightField(_)) {
+                for (primitive, corners) in body.triangles.iter().enumerate() {
+                    if let Some((t, sure)) = triangle(corners, from_body, direction, range, both) {
+                        found.push(Candidate { t, instance, primitive: primitive as u32, sure });
+                    }
+                }
+            } else {
+                found.extend(solid(body, from_body, direction, range, both).map(|(t, sure)| Candidate {
+                    t,
+                    instance,
+                    primitive: 0,
+                    sure,
+                }));
+            }
+        }
+        found
+    }
+
+    /// Holds what the library found against what there is. `per_t` is the distance for each t.
+    #[allow(clippy::too_many_arguments, reason = "each is one thing the verdict depends on")]
+    pub(crate) fn check(
+        &self,
+        what: &str,
+        (origin, offset, direction): (DVec3, DVec3, DVec3),
+        range: [f64; 2],
+        both: bool,
+        found: &Found,
+        per_t: f64,
+        tally: &mut Tally,
+    ) {
+        let mut candidates = self.candidates(origin, offset, direction, range, both);
+        candidates.sort_by(|a, b| a.t.total_cmp(&b.t));
+        let sure = candidates.iter().position(|candidate| candidate.sure);
+        // Nothing behind the first sure hit counts, but what is as near within the tolerance does.
+        let limit = sure.map_or(f64::INFINITY, |at| candidates[at].t * (1.0 + DISTANCE));
+        let possible: Vec<_> = candidates.iter().filter(|candidate| candidate.t <= limit).collect();
+        tally.rays += 1;
+        let context = || {
+            format!(
+                "{what}: from {origin} + {offset} along {direction}: {found:?}, and there is {possible:?}"
+            )
+        };
+        let ambiguous = sure.is_none_or(|at| candidates[..=at].iter().any(|candidate| !candidate.sure));
+        if found.distance == f32::INFINITY {
+            assert!(sure.is_none(), "missed: {}", context());
+            assert!(found.instance == u32::MAX && found.primitive == u32::MAX, "{}", context());
+            tally.doubtful += usize::from(!possible.is_empty());
+            return;
+        }
+        tally.hits += 1;
+        tally.doubtful += usize::from(ambiguous);
+        let off = |candidate: &Candidate| (f64::from(found.distance) / (candidate.t * per_t) - 1.0).abs();
+        let own = possible
+            .iter()
+            .filter(|candidate| {
+                candidate.instance == found.instance && candidate.primitive == found.primitive
+            })
+            .map(|candidate| off(candidate))
+            .fold(f64::INFINITY, f64::min);
+        assert!(own <= DISTANCE, "{own:e} off: {}", context());
+        tally.worst = tally.worst.max(own);
+        let body = &self.bodies[found.instance as usize];
+        if let Some(corners) = body.triangles.get(found.primitive as usize) {
+            check_point(
+                body,
+                corners,
+                (origin - body.pose.translation()) + offset,
+                direction,
+                found,
+                &context,
+            );
+        }
+        let length = wide(found.normal).length();
+        assert!((length - 1.0).abs() < 1e-6, "normal of length {length}: {}", context());
+    }
+}
+
+/// Barycentrics and normal of a hit on a triangle.
+fn check_point(
+    body: &Body,
+    &[a, b, c]: &[DVec3; 3],
+    origin: DVec3,
+    direction: DVec3,
+    found: &Found,
+    context: &impl Fn() -> String,
+) {
+    let mirrored = body.scale.x * body.scale.y * body.scale.z < 0.0;
+    let normal = (b - a).cross(c - a);
+    let unit = normal.normalize();
+    // Where the sides are nearly parallel, the normal is what the rounding of the corners makes it.
+    let sharp = normal.length() / ((b - a).length() * (c - a).length()).max((c - b).length_squared());
+    if sharp > 1e-3 {
+        assert!((wide(found.normal) - unit).length() < 1e-5, "normal, not {unit}: {}", context());
+    }
+    let [second, third] = found.barycentrics.map(f64::from);
+    let (b, c) = if mirrored { (c, b) } else { (b, c) };
+    let point = a + (b - a) * second + (c - a) * third;
+    // How far the point lies beside the ray, against how far f32 weights can tell.
+    let beside = (point - origin).cross(direction.normalize()).length();
+    let size = (b - a).length().max((c - a).length());
+    let way = (point - origin).length();
+    assert!(beside <= 1e-5 * size + EDGE * way, "{beside:e} beside the ray: {}", context());
+}
+
+/// t, and whether the ray surely hits; none if it surely misses.
+fn triangle(
+    corners: &[DVec3; 3],
+    origin: DVec3,
+    direction: DVec3,
+    range: [f64; 2],
+    both: bool,
+) -> Option<(f64, bool)> {
+    let [a, b, c] = corners.map(|corner| corner - origin);
+    let normal = (b - a).cross(c - a);
+    let slope = normal.dot(direction);
+    if slope == 0.0 || (!both && slope > 0.0) {
+        return None;
+    }
+    let t = normal.dot(a) / slope;
+    if !within(t, range)? {
+        // Which of the ends it is does not matter: either is doubtful.
+        return inside(&[a, b, c], direction, slope).map(|_| (t, false));
+    }
+    inside(&[a, b, c], direction, slope).map(|sure| (t, sure))
+}
+
+/// Whether t surely lies in the range; none if it surely does not.
+fn within(t: f64, [near, far]: [f64; 2]) -> Option<bool> {
+    if t.is_nan() || t <= 0.0 || t < near * (1.0 - EDGE) || t > far * (1.0 + EDGE) {
+        return None;
+    }
+    Some(t >= near * (1.0 + EDGE) && t <= far * (1.0 - EDGE))
+}
+
+/// Whether a ray from 0 surely passes between the edges: the sines of its angles to the planes through 0 and them.
+fn inside(corners: &[DVec3; 3], direction: DVec3, slope: f64) -> Option<bool> {
+    let side = if slope < 0.0 { -1.0 } else { 1.0 };
+    let mut sure = true;
+    for edge in 0..3 {
+        let (p, q) = (corners[edge], corners[(edge + 1) % 3]);
+        // (p + q) × (q − p) / 2 loses less than p × q where both are near each other.
+        let plane = (p + q).cross(q - p) * 0.5;
+        let sine = side * plane.dot(direction) / (plane.length() * direction.length());
+        if sine < -EDGE {
+            return None;
+        }
+        // An edge through the origin has no plane: NaN is not sure.
+        sure &= sine > EDGE;
+    }
+    Some(sure)
+}
+
+/// The same of a solid: sure if rays a little to all sides agree.
+fn solid(body: &Body, origin: DVec3, direction: DVec3, range: [f64; 2], both: bool) -> Option<(f64, bool)> {
+    let pose = Pose::new(DVec3::ZERO, body.pose.rotation());
+    let hit = |direction: DVec3| {
+        first_hit_scaled(&body.shape, &pose, body.scale, &Ray { origin, direction }, range[0], both)
+            .filter(|&t| t <= range[1] && t > 0.0)
+    };
+    let (u, v) = direction.normalize().any_orthonormal_pair();
+    let beside = [u, -u, v, -v].map(|side| hit(direction + side * (EDGE * direction.length())));
+    match hit(direction) {
+        Some(t) => {
+            let same = |other: &Option<f64>| other.is_some_and(|other| (other / t - 1.0).abs() < 1e-2);
+            Some((t, beside.iter().all(same)))
+        }
+        None => beside.iter().flatten().next().map(|&t| (t, false)),
+    }
+}

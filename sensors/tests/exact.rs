@@ -1,0 +1,193 @@
+//! Every ray against a scalar oracle in f64, over scenes that are hard to trace.
+//!
+//! Not held to it, because single precision does not reach it: distances to triangles more than a hundred times as
+//! long as wide, single rays at meshes whose vertices lie 100 km from the mesh's origin, and triangles in whose
+//! plane the sensor itself lies.
+
+mod common;
+
+use belvedere_sensors::Pose;
+use belvedere_sensors::lens::Pinhole;
+use belvedere_sensors::scene::visibility::VISUAL;
+use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays};
+use belvedere_sensors::trace::{Faces, Hits, RayGrid, SphericalGrid, WorkspaceBuf, cast_grid};
+use common::brute::{Found, Pair, Tally};
+use common::exactness::{Dice, Scenario, scenarios, stands};
+use core::f64::consts::{FRAC_PI_2, TAU};
+use glam::DVec3;
+
+/// Outputs of a cast.
+struct Answers {
+    distance: Vec<f32>,
+    normal: Vec<[f32; 3]>,
+    instance: Vec<u32>,
+    primitive: Vec<u32>,
+    barycentrics: Vec<[f32; 2]>,
+}
+
+impl Answers {
+    fn new(rays: usize) -> Self {
+        Self {
+            distance: vec![f32::NAN; rays],
+            normal: vec![[f32::NAN; 3]; rays],
+            instance: vec![7; rays],
+            primitive: vec![7; rays],
+            barycentrics: vec![[f32::NAN; 2]; rays],
+        }
+    }
+
+    fn hits(&mut self) -> Hits<'_> {
+        Hits {
+            distance: Some(&mut self.distance),
+            normal: Some(&mut self.normal),
+            instance: Some(&mut self.instance),
+            primitive: Some(&mut self.primitive),
+            barycentrics: Some(&mut self.barycentrics),
+        }
+    }
+
+    fn of(&self, ray: usize) -> Found {
+        Found {
+            distance: self.distance[ray],
+            normal: self.normal[ray],
+            instance: self.instance[ray],
+            primitive: self.primitive[ray],
+            barycentrics: self.barycentrics[ray],
+        }
+    }
+}
+
+/// A camera, a lidar that closes to a ring, and one with poles and single steps.
+fn grids() -> [RayGrid; 3] {
+    let spherical = |columns, rows, azimuth: [f64; 2], elevation: [f64; 2]| {
+        RayGrid::Spherical(SphericalGrid {
+            columns,
+            rows,
+            first_azimuth_rad: azimuth[0],
+            azimuth_step_rad: azimuth[1],
+            first_elevation_rad: elevation[0],
+            elevation_step_rad: elevation[1],
+        })
+    };
+    [
+        RayGrid::Pinhole(Pinhole::from_fov(71, 53, 1.5)),
+        spherical(96, 33, [-3.0, TAU / 96.0], [FRAC_PI_2, -FRAC_PI_2 / 16.0]),
+        spherical(250, 5, [1.0, -0.013], [-0.4, 0.17]),
+    ]
+}
+
+/// Direction of a ray as the grids' documentation has it, in the axes of the sensor.
+fn direction(grid: &RayGrid, column: usize, row: usize) -> DVec3 {
+    let (column, row) = (column as f64, row as f64);
+    match grid {
+        RayGrid::Pinhole(lens) => {
+            let optical = lens.unproject([column, row]);
+            DVec3::new(optical.z, -optical.x, -optical.y)
+        }
+        RayGrid::Spherical(grid) => {
+            let (sin, cos) = (grid.first_azimuth_rad + column * grid.azimuth_step_rad).sin_cos();
+            let (up, level) = (grid.first_elevation_rad + row * grid.elevation_step_rad).sin_cos();
+            DVec3::new(cos * level, sin * level, up)
+        }
+    }
+}
+
+fn check_grid(
+    scenario: &Scenario,
+    grid: &RayGrid,
+    pose: &Pose,
+    range: [f64; 2],
+    faces: Faces,
+    tally: &mut Tally,
+) {
+    let pair: &Pair = &scenario.pair;
+    let scene = pair.builder.scene();
+    let [width, height] = grid.size();
+    let mut answers = Answers::new(width * height);
+    let mut workspace = WorkspaceBuf::default();
+    let mut workspace = workspace.lend(&scene, grid.rays());
+    cast_grid(&scene, pose, grid, range, VISUAL, faces, &mut workspace, answers.hits());
+    for row in 0..height {
+        for column in 0..width {
+            let direction = direction(grid, column, row);
+            let ray = (pose.translation(), DVec3::ZERO, pose.rotation() * direction);
+            let what = format!("{}, {grid:?}, ray ({column}, {row})", scenario.name);
+            let found = answers.of(row * width + column);
+            pair.check(&what, ray, range, faces == Faces::Both, &found, direction.length(), tally);
+        }
+    }
+}
+
+#[test]
+fn grids_agree_with_the_oracle() {
+    let mut all = Tally::default();
+    for scenario in &scenarios() {
+        let mut tally = Tally::default();
+        for pose in stands(scenario) {
+            for grid in grids() {
+                // Metres.
+                let range = [1e-3 * scenario.size, 1e3 * scenario.size];
+                for faces in [Faces::Front, Faces::Both] {
+                    check_grid(scenario, &grid, &pose, range, faces, &mut tally);
+                }
+            }
+        }
+        println!("{}: {tally:?}", scenario.name);
+        all.rays += tally.rays;
+        all.hits += tally.hits;
+        all.doubtful += tally.doubtful;
+        all.worst = all.worst.max(tally.worst);
+    }
+    println!("all: {all:?}");
+}
+
+/// Rays of all kinds: along axes and diagonals, from within and without, and at random.
+fn assorted(scenario: &Scenario, count: usize) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+    let mut dice = Dice(21);
+    let axes = [DVec3::X, DVec3::NEG_Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.0, -1.0, 1.0)];
+    (0..count)
+        .map(|index| {
+            let origin = dice.cube() * [0.1, 2.0, 6.0][index % 3] * scenario.size;
+            let direction = match index % 4 {
+                0 => axes[index / 4 % 5] * [1.0, -1.0][index / 20 % 2],
+                1 => -origin / scenario.size + dice.cube() * 0.5,
+                _ => dice.cube(),
+            };
+            (origin.as_vec3().to_array(), direction.as_vec3().to_array())
+        })
+        .unzip()
+}
+
+#[test]
+fn single_rays_agree_with_the_oracle() {
+    let wide = |v: [f32; 3]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+    let mut all = Tally::default();
+    // Origins of single rays are rounded to f32 in the frame of the mesh.
+    for scenario in scenarios().iter().filter(|scenario| !scenario.name.starts_with("vertices")) {
+        let (origins, directions) = assorted(scenario, 6000);
+        let scene = scenario.pair.builder.scene();
+        let ranges = vec![[(1e-3 * scenario.size) as f32, f32::INFINITY]; origins.len()];
+        let rays = Rays { origins: &origins, directions: &directions, ranges: Some(&ranges) };
+        let mut workspace = WorkspaceBuf::default();
+        for faces in [Faces::Front, Faces::Both] {
+            let mut answers = Answers::new(origins.len());
+            let mut occluded = vec![false; origins.len()];
+            let mut workspace = workspace.lend(&scene, 0);
+            cast_rays(&scene, scenario.centre, &rays, VISUAL, faces, &mut workspace, answers.hits());
+            occluded_rays(&scene, scenario.centre, &rays, VISUAL, faces, &mut workspace, &mut occluded);
+            for (index, &occluded) in occluded.iter().enumerate() {
+                let ray = (scenario.centre, wide(origins[index]), wide(directions[index]));
+                let range = ranges[index].map(f64::from);
+                let found = answers.of(index);
+                let what = format!("{}, ray {index}", scenario.name);
+                scenario.pair.check(&what, ray, range, faces == Faces::Both, &found, 1.0, &mut all);
+                assert_eq!(
+                    occluded,
+                    found.distance.is_finite(),
+                    "{what} of {faces:?}: any hit and nearest hit"
+                );
+            }
+        }
+    }
+    println!("all: {all:?}");
+}

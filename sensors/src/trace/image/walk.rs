@@ -2,6 +2,7 @@
 
 use super::projection::{Points, Projection, max};
 use super::solid::{self, Part};
+use super::strip;
 use super::target::Target;
 use super::triangles::{self, Leaf, Rules};
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
@@ -91,7 +92,11 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                     nearest: entry.nearest,
                 };
                 let rules = Rules { mirrored: placed.mirrored != 0, ..rules };
-                triangles::draw(simd, projection, target, rules, &leaf);
+                if strip::suits(&projection, &leaf) {
+                    strip::draw(simd, projection, target, rules, &leaf);
+                } else {
+                    triangles::draw(simd, projection, target, rules, &leaf);
+                }
                 continue;
             }
             let node = match placed.kind {

@@ -79,7 +79,6 @@ impl<'a> MeshScene<'a> {
         Scene {
             instances: &self.instances,
             meshes: &self.meshes,
-            vertices: &[],
             uvs: &[],
             // Only textures ask for these, and there is none.
             triangles: &[],

@@ -122,7 +122,7 @@ impl<'a> SphericalFan<'a> {
             },
         );
         elevation.fill(
-            elevations.len() / WIDTH,
+            (fan.blocks_down() << fan.shift_y).div_ceil(WIDTH),
             #[inline(always)]
             |block, cos, sin| {
                 for lane in 0..WIDTH {
@@ -443,10 +443,7 @@ impl Projection for SphericalFan<'_> {
         let behind = high[0].simd_lt(zero);
         let clockwise = [
             left.select(high[0], right.select(low[0], ahead.select(low[0], high[0]))),
-            left.select(
-                behind.select(high[1], low[1]),
-                right.select(ahead.select(low[1], high[1]), ahead.select(low[1], high[1])),
-            ),
+            left.select(behind.select(high[1], low[1]), ahead.select(low[1], high[1])),
         ];
         let counter = [
             left.select(low[0], right.select(high[0], ahead.select(low[0], high[0]))),
@@ -533,7 +530,7 @@ impl Projection for SphericalFan<'_> {
     }
 
     #[inline(always)]
-    fn most_over_strip<S: Simd>(&self, simd: S, planes: &Planes<S>, column: usize, row: usize) -> f32x16<S> {
+    fn most_over_strip<S: Simd>(&self, _simd: S, planes: &Planes<S>, column: usize, row: usize) -> f32x16<S> {
         // With δ from the middle, plane · direction = along · cos δ + across · sin δ + what z gives.
         let [level, up] = self.levels[row];
         let (cos, sin) = (self.cos_middle[column] * level, self.sin_middle[column] * level);
@@ -541,7 +538,6 @@ impl Projection for SphericalFan<'_> {
         let across = planes[1] * cos - planes[0] * sin;
         let [cos_arc, sin_arc] = self.arc;
         let rounding = ((planes[0].abs() + planes[1].abs()) + planes[2].abs()) * 4e-6;
-        (max(along, along * cos_arc) + across.abs() * sin_arc)
-            + (planes[2] * up + max(rounding, f32x16::splat(simd, f32::MIN_POSITIVE)))
+        (max(along, along * cos_arc) + across.abs() * sin_arc) + (planes[2] * up + rounding)
     }
 }

@@ -4,27 +4,46 @@
 //! block, all but a few of the sixteen triangles are dropped at once, and each of these meets the sixteen rays
 //! at once. No triangle needs a rectangle of its own.
 
+use super::fan::Fan;
 use super::projection::{Planes, Projection, min};
 use super::target::Target;
 use super::triangles::{Leaf, Rules, inside, set_up, splat};
 use crate::scene::tree::WIDTH;
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, u32x16};
 
 /// Leaves over fewer rays are better tested ray by ray …
 const FEWEST_RAYS: i32 = 4;
 /// … and those over more blocks triangle by triangle, each with a rectangle of its own.
 const MOST_BLOCKS: usize = 24;
 
+/// Columns of a strip.
+const COLUMNS: [i32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
 /// Whether a leaf is one for [`draw`].
 #[inline(always)]
 pub(super) fn suits<S: Simd, P: Projection>(projection: &P, leaf: &Leaf<S>) -> bool {
     let fan = projection.fan();
-    if !P::HAS_STRIPS || fan.shift_y != 0 {
+    if !is_one::<P>(fan) {
         return false;
     }
     let (across, rows) = (leaf.columns[1] - leaf.columns[0] + 1, leaf.rows[1] - leaf.rows[0] + 1);
     let blocks = ((leaf.columns[1] >> fan.shift_x) - (leaf.columns[0] >> fan.shift_x) + 1) * rows;
     across * rows >= FEWEST_RAYS && blocks as usize <= MOST_BLOCKS
+}
+
+/// Whether the blocks of a grid are strips: sixteen rays of a row.
+#[inline(always)]
+pub(super) fn is_one<P: Projection>(fan: &Fan) -> bool {
+    P::HAS_STRIPS && fan.shift_y == 0
+}
+
+/// The least 1/t of those rays of a strip that lie in the columns from the first to the last of `columns`.
+#[inline(always)]
+pub(super) fn farthest<S: Simd>(simd: S, inverse: &[f32; WIDTH], columns: [i32; 2], strip: usize) -> f32 {
+    let here = i32x16::load_array_ref(simd, &COLUMNS) + (strip * WIDTH) as i32;
+    let asked = here.simd_ge(i32x16::splat(simd, columns[0])) & here.simd_le(i32x16::splat(simd, columns[1]));
+    let inverse = f32x16::load_array_ref(simd, inverse);
+    simd.reduce_min_f32x16(asked.select(inverse, f32x16::splat(simd, f32::MAX)))
 }
 
 /// Draws a leaf into the target.
@@ -67,7 +86,10 @@ pub(super) fn draw<S: Simd, P: Projection>(
             }
             for column in (first >> fan.shift_x) as usize..=(last >> fan.shift_x) as usize {
                 let block = start + column;
-                let farthest = target.farthest[block];
+                if target.farthest[block] >= leaf.nearest {
+                    continue;
+                }
+                let farthest = farthest(simd, &target.inverse[block], [first, last], column);
                 if farthest >= leaf.nearest {
                     continue;
                 }

@@ -191,6 +191,7 @@ fn hidden<S: Simd, P: Projection>(
         if first > last {
             continue;
         }
+        let rays = [first, last];
         let (first, last) = ((first >> fan.shift_x) as usize, (last >> fan.shift_x) as usize);
         for row in rows.clone() {
             let start = (row - first_block_row) * blocks_across;
@@ -201,8 +202,16 @@ fn hidden<S: Simd, P: Projection>(
                 if last - column < WIDTH - 1 {
                     lanes &= (2 << (last - column)) - 1;
                 }
-                if lanes != 0 {
-                    return false;
+                while lanes != 0 {
+                    let column = column + lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    // Of a strip, it is worth asking for the rays in question: it is sixteen columns wide.
+                    if !strip::is_one::<P>(fan)
+                        || strip::farthest(simd, &target.inverse[start + column], rays, column)
+                            < entry.nearest
+                    {
+                        return false;
+                    }
                 }
                 column += WIDTH;
             }

@@ -12,7 +12,7 @@ use crate::trace::packet::Faces;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
 
 /// Grid rectangles of up to that many rays are tested ray by ray against all sixteen triangles.
-const FEW_RAYS: i32 = 12;
+const FEW_RAYS: i32 = 48;
 /// Triangles whose rectangle holds up to that many rays are drawn side by side, each in its lane …
 const TINY_TRIANGLE: i32 = 12;
 /// … if there are at least that many of them.

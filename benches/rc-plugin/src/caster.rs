@@ -162,7 +162,7 @@ impl Caster {
                         other_normal,
                         other_primitive,
                         half,
-                    )
+                    );
                 },
             );
             return;

@@ -105,13 +105,13 @@ unsafe extern "C" fn rc_refit(handle: *mut c_void, verts: *const [f32; 3]) -> c_
 /// Casts rays.
 ///
 /// # Safety
-/// `handle` came from [`rc_build`]; `rays` and `hits` point to structs whose pointers are valid for `count`
+/// `handle` came from [`rc_build`] and is not in use elsewhere; `rays` and `hits` point to structs whose pointers are valid for `count`
 /// elements, and the results overlap nothing.
 // SAFETY: as for `rc_count`.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn rc_cast(handle: *mut c_void, rays: *const Rays, hits: *mut Hits, threads: c_int) {
     // SAFETY: the three pointers are valid, says the caller.
-    let (caster, rays, hits) = unsafe { (handle.cast::<Caster>().as_ref(), rays.as_ref(), hits.as_ref()) };
+    let (caster, rays, hits) = unsafe { (handle.cast::<Caster>().as_mut(), rays.as_ref(), hits.as_ref()) };
     let (Some(caster), Some(rays), Some(hits)) = (caster, rays, hits) else { return };
     // SAFETY: valid for `count` elements, says the caller.
     let (origins, directions) = unsafe { (elements(rays.org, rays.count), elements(rays.dir, rays.count)) };
@@ -123,7 +123,8 @@ unsafe extern "C" fn rc_cast(handle: *mut c_void, rays: *const Rays, hits: *mut 
     // SAFETY: as above.
     let primitive = unsafe { elements_mut(hits.prim, rays.count) };
     if rays.count > 0 {
-        caster.cast(origins, directions, t, normal, primitive, threads.max(1) as usize);
+        let rows = [rays.width as usize, rays.height as usize];
+        caster.cast(rows, origins, directions, t, normal, primitive, threads.max(1) as usize);
     }
 }
 

@@ -1,21 +1,26 @@
 //! One mesh, ready to be cast at.
 
 use crate::memory::Array;
+use crate::sensor::Sensors;
 use belvedere_sensors::Execution;
+use belvedere_sensors::scene::MeshScene;
 use belvedere_sensors::scene::build::{self, Quality, Scratch};
-use belvedere_sensors::scene::tree::{TriangleBlock, WideNode};
+use belvedere_sensors::scene::tree::{Facet, TriangleBlock, WIDTH, WideNode};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::rays::{Rays, Tree, cast_mesh};
-use belvedere_sensors::trace::{Faces, Hits};
+use belvedere_sensors::trace::{CacheLine, Faces, Hits, Workspace, cast_grid, workspace_len};
 
 /// A mesh and its tree.
 pub(crate) struct Caster {
     triangles: Vec<[u32; 3]>,
     nodes: Array<WideNode>,
     blocks: Array<TriangleBlock>,
+    facets: Array<Facet>,
     /// How many of each are in use.
     size: build::TreeSize,
     execution: Execution,
+    sensors: Sensors,
+    workspace: Array<CacheLine>,
 }
 
 /// The level that the environment asks for, else the best.
@@ -56,7 +61,11 @@ impl Caster {
                 nodes.as_mut_slice(),
                 blocks.as_mut_slice(),
             )?;
-            Ok(Self { triangles: triangles.to_vec(), nodes, blocks, size, execution })
+            let mut facets = Array::new(size.blocks * WIDTH)?;
+            build::fill_facets(&blocks.as_slice()[..size.blocks], facets.as_mut_slice());
+            let triangles = triangles.to_vec();
+            let (sensors, workspace) = (Sensors::default(), Array::new(0)?);
+            Ok(Self { triangles, nodes, blocks, facets, size, execution, sensors, workspace })
         };
         made().inspect_err(|error| eprintln!("belvedere: {error}")).ok()
     }
@@ -64,14 +73,10 @@ impl Caster {
     /// Takes moved vertices; whether it could.
     pub(crate) fn refit(&mut self, positions: &[[f32; 3]]) -> bool {
         let (nodes, blocks) = (self.nodes.as_mut_slice(), self.blocks.as_mut_slice());
-        build::refit(
-            positions,
-            &self.triangles,
-            self.execution,
-            &mut nodes[..self.size.nodes],
-            &mut blocks[..self.size.blocks],
-        )
-        .is_ok()
+        let (nodes, blocks) = (&mut nodes[..self.size.nodes], &mut blocks[..self.size.blocks]);
+        let done = build::refit(positions, &self.triangles, self.execution, nodes, blocks).is_ok();
+        build::fill_facets(blocks, self.facets.as_mut_slice());
+        done
     }
 
     /// How many vertices the mesh has at least.
@@ -79,8 +84,57 @@ impl Caster {
         self.triangles.iter().flatten().max().map_or(0, |&last| last as usize + 1)
     }
 
-    /// Casts the rays, on so many threads.
+    /// Casts the rays, which lie in rows ([across, down]), on so many threads.
+    #[allow(clippy::too_many_arguments, reason = "what the benchmark gives, and where answers go")]
     pub(crate) fn cast(
+        &mut self,
+        rows: [usize; 2],
+        origins: &[[f32; 3]],
+        directions: &[[f32; 3]],
+        t: &mut [f32],
+        normal: &mut [[f32; 3]],
+        primitive: &mut [u32],
+        threads: usize,
+    ) {
+        let shared = if origins.len() == 1 { self.sensors.find(rows, directions) } else { None };
+        let Some(sensor) = shared else {
+            self.cast_rays(origins, directions, t, normal, primitive, threads);
+            return;
+        };
+        let scene = MeshScene::new(
+            &self.nodes.as_slice()[..self.size.nodes],
+            &self.blocks.as_slice()[..self.size.blocks],
+            self.facets.as_slice(),
+        );
+        let Ok(scene) = scene.inspect_err(|error| eprintln!("belvedere: {error}")) else { return };
+        let need = workspace_len(1, sensor.grid.rays());
+        if self.workspace.as_slice().len() < need {
+            match Array::new(need) {
+                Ok(workspace) => self.workspace = workspace,
+                Err(error) => {
+                    eprintln!("belvedere: {error}");
+                    return;
+                }
+            }
+        }
+        let execution = Execution { parallel: threads > 1, ..self.execution };
+        let mut workspace = Workspace { buffer: self.workspace.as_mut_slice(), execution };
+        let hits =
+            Hits { distance: Some(t), normal: Some(normal), primitive: Some(primitive), ..Hits::default() };
+        cast_grid(
+            &scene.scene(),
+            &sensor.pose(origins[0]),
+            &sensor.grid,
+            [0.0, f64::INFINITY],
+            u32::MAX,
+            Faces::Both,
+            &mut workspace,
+            hits,
+        );
+    }
+
+    /// Casts rays of which nothing is known.
+    fn cast_rays(
         &self,
         origins: &[[f32; 3]],
         directions: &[[f32; 3]],
@@ -99,8 +153,17 @@ impl Caster {
             let (primitive, other_primitive) = primitive.split_at_mut(middle);
             let half = threads / 2;
             rayon::join(
-                || self.cast(origins, directions, t, normal, primitive, half),
-                || self.cast(other_origins, other_directions, other_t, other_normal, other_primitive, half),
+                || self.cast_rays(origins, directions, t, normal, primitive, half),
+                || {
+                    self.cast_rays(
+                        other_origins,
+                        other_directions,
+                        other_t,
+                        other_normal,
+                        other_primitive,
+                        half,
+                    );
+                },
             );
             return;
         }

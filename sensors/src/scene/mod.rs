@@ -26,6 +26,7 @@ pub mod build;
 mod height_field;
 mod instance;
 mod material;
+mod single;
 mod texture;
 pub mod tree;
 mod validate;
@@ -44,6 +45,7 @@ pub(crate) use instance::{
 };
 pub use material::{Environment, Light, LightConfig, LightKind, Material, MaterialConfig};
 pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
+pub use single::MeshScene;
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
 
 pub use validate::{TreeFault, validate_scratch_len, validate_tree};

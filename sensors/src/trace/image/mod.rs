@@ -15,6 +15,7 @@ mod pinhole;
 mod projection;
 mod solid;
 mod spherical;
+mod strip;
 mod target;
 mod triangles;
 mod walk;

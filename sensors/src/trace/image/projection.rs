@@ -30,6 +30,9 @@ pub(crate) trait Projection: Copy {
     /// What [`Projection::block`] gives: directions of sixteen rays.
     type Directions<S: Simd>: Copy;
 
+    /// Whether [`Projection::most_over_strip`] tells blocks apart.
+    const HAS_STRIPS: bool = false;
+
     fn fan(&self) -> &Fan;
 
     /// The same, for drawing the rows from the first to the last of `rows` only.
@@ -75,6 +78,18 @@ pub(crate) trait Projection: Copy {
 
     /// A bound from above of plane · direction over the rays of the sixteen blocks from `column` on.
     fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S>;
+
+    /// Bounds from above of sixteen planes · direction over the rays of one block, which lie in one row.
+    #[inline(always)]
+    fn most_over_strip<S: Simd>(
+        &self,
+        simd: S,
+        _planes: &Planes<S>,
+        _column: usize,
+        _row: usize,
+    ) -> f32x16<S> {
+        f32x16::splat(simd, f32::MAX)
+    }
 }
 
 /// Lower and upper bounds of three points, coordinate by coordinate.

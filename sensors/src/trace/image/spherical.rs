@@ -35,6 +35,8 @@ pub(crate) struct SphericalFan<'a> {
     levels: &'a [[f32; 2]],
     /// No direction of a block is farther from that of its middle.
     radius: f32,
+    /// Over the azimuths of a block, from that of its middle: the least cosine and the greatest sine.
+    arc: [f32; 2],
     first_azimuth: f32,
     columns_per_radian: f32,
     first_elevation: f32,
@@ -50,6 +52,33 @@ pub(crate) struct SphericalFan<'a> {
 pub(crate) struct Steps {
     pub(crate) first: f64,
     pub(crate) step: f64,
+}
+
+impl Steps {
+    /// The angles of the middles of blocks of 2^`shift` columns or rows, which lie `half` a block from the first.
+    #[inline(always)]
+    fn of_blocks(self, half: f64, shift: u32) -> Self {
+        Self { first: self.first + self.step * half, step: self.step * f64::from(1 << shift) }
+    }
+
+    /// Calls `take` with the cosines and sines of each sixteen angles. Those of the first sixteen steps turn the
+    /// first angle of each sixteen: a few products, where sine and cosine are dozens of them.
+    #[inline(always)]
+    fn fill(self, sixteens: usize, mut take: impl FnMut(usize, [f64; WIDTH], [f64; WIDTH])) {
+        let (mut cos_step, mut sin_step) = ([0.0; WIDTH], [0.0; WIDTH]);
+        for lane in 0..WIDTH {
+            (sin_step[lane], cos_step[lane]) = sin_cos(self.step * lane as f64);
+        }
+        for block in 0..sixteens {
+            let (sin, cos) = sin_cos(self.first + self.step * (block * WIDTH) as f64);
+            let (mut cosines, mut sines) = ([0.0; WIDTH], [0.0; WIDTH]);
+            for lane in 0..WIDTH {
+                cosines[lane] = cos * cos_step[lane] - sin * sin_step[lane];
+                sines[lane] = sin * cos_step[lane] + cos * sin_step[lane];
+            }
+            take(block, cosines, sines);
+        }
+    }
 }
 
 impl<'a> SphericalFan<'a> {
@@ -81,38 +110,58 @@ impl<'a> SphericalFan<'a> {
         let (azimuths, rest) = rest.split_at_mut(4 * columns);
         let azimuths: &mut [[f64; 2]] = bytemuck::cast_slice_mut(azimuths);
         let elevations: &mut [[f64; 2]] = bytemuck::cast_slice_mut(&mut rest[..4 * fan.blocks_down()]);
-        for block in 0..columns {
-            for lane in 0..WIDTH {
-                let (sin, cos) = sin_cos(azimuth.first + azimuth.step * (block * WIDTH + lane) as f64);
-                azimuths[block * WIDTH + lane] = [cos, sin];
-                cos_azimuth[block][lane] = cos as f32;
-                sin_azimuth[block][lane] = sin as f32;
-            }
-        }
+        azimuth.fill(
+            columns,
+            #[inline(always)]
+            |block, cos, sin| {
+                for lane in 0..WIDTH {
+                    azimuths[block * WIDTH + lane] = [cos[lane], sin[lane]];
+                    cos_azimuth[block][lane] = cos[lane] as f32;
+                    sin_azimuth[block][lane] = sin[lane] as f32;
+                }
+            },
+        );
+        elevation.fill(
+            (fan.blocks_down() << fan.shift_y).div_ceil(WIDTH),
+            #[inline(always)]
+            |block, cos, sin| {
+                for lane in 0..WIDTH {
+                    elevations[block * WIDTH + lane] = [cos[lane], sin[lane]];
+                }
+            },
+        );
         for block in 0..fan.blocks_down() {
             for lane in 0..WIDTH {
-                let row = (block << fan.shift_y) + fan.lane_position(lane).1;
-                let (sin, cos) = sin_cos(elevation.first + elevation.step * row as f64);
-                elevations[row] = [cos, sin];
+                let [cos, sin] = elevations[(block << fan.shift_y) + fan.lane_position(lane).1];
                 cos_elevation[block][lane] = cos as f32;
                 sin_elevation[block][lane] = sin as f32;
             }
         }
         let half = [((1 << fan.shift_x) - 1) as f64 * 0.5, ((1 << fan.shift_y) - 1) as f64 * 0.5];
-        for block in 0..middles {
-            for lane in 0..WIDTH {
-                let column = ((block * WIDTH + lane) << fan.shift_x) as f64 + half[0];
-                let (sin, cos) = sin_cos(azimuth.first + azimuth.step * column);
-                cos_middle[block][lane] = cos as f32;
-                sin_middle[block][lane] = sin as f32;
-            }
-        }
-        for (block, level) in levels.iter_mut().enumerate() {
-            let row = (block << fan.shift_y) as f64 + half[1];
-            let (sin, cos) = sin_cos(elevation.first + elevation.step * row);
-            *level = [cos as f32, sin as f32];
-        }
+        azimuth.of_blocks(half[0], fan.shift_x).fill(
+            middles,
+            #[inline(always)]
+            |block, cos, sin| {
+                cos_middle[block] = cos.map(|cos| cos as f32);
+                sin_middle[block] = sin.map(|sin| sin as f32);
+            },
+        );
+        elevation.of_blocks(half[1], fan.shift_y).fill(
+            levels.len().div_ceil(WIDTH),
+            #[inline(always)]
+            |block, cos, sin| {
+                for (lane, level) in levels[block * WIDTH..].iter_mut().take(WIDTH).enumerate() {
+                    *level = [cos[lane] as f32, sin[lane] as f32];
+                }
+            },
+        );
         let reach = [half[0] * azimuth.step, half[1] * elevation.step];
+        let arc = if reach[0].abs() <= core::f64::consts::FRAC_PI_2 {
+            let (sin, cos) = sin_cos(reach[0].abs());
+            [cos as f32, sin as f32]
+        } else {
+            [-1.0, 1.0]
+        };
         let radius = sqrt(reach[0] * reach[0] + reach[1] * reach[1]);
         // A single column or row has no step; any will do.
         let step = |steps: Steps| if steps.step == 0.0 { 1e-3 } else { steps.step };
@@ -130,6 +179,7 @@ impl<'a> SphericalFan<'a> {
             sin_middle: sin_middle.as_flattened(),
             levels,
             radius: radius as f32 * 1.0001 + 2e-6,
+            arc,
             first_azimuth: azimuth.first as f32,
             columns_per_radian: (1.0 / step(azimuth)) as f32,
             first_elevation: elevation.first as f32,
@@ -137,6 +187,33 @@ impl<'a> SphericalFan<'a> {
             turn: turn as f32,
             ring: (turn - f64::from(fan.width)).abs() < 1e-6,
         }
+    }
+
+    /// Intervals of elevation that hold boxes which lie so far up from the sensor and so far from its axis, and
+    /// which of the boxes have a ray at their height at all.
+    #[inline(always)]
+    fn elevations_of_boxes<S: Simd>(
+        &self,
+        simd: S,
+        low: f32x16<S>,
+        high: f32x16<S>,
+        nearest: f32x16<S>,
+        farthest: f32x16<S>,
+    ) -> ([f32x16<S>; 2], mask32x16<S>) {
+        let [cos, sin] = self.levels[0];
+        if self.fan.height == 1 && cos > 0.01 {
+            // One row is a cone around the axis: how far below and above it is the box?
+            let (top, bottom) = if sin > 0.0 { (nearest, farthest) } else { (farthest, nearest) };
+            let slack = (magnitude(low, high) + farthest) * 1e-5;
+            let some = (low * cos - bottom * sin).simd_le(slack) & (high * cos - top * sin).simd_ge(-slack);
+            return ([f32x16::splat(simd, self.first_elevation); 2], some);
+        }
+        let zero = f32x16::splat(simd, 0.0);
+        let elevation = [
+            atan2(low, low.simd_lt(zero).select(nearest, farthest)),
+            atan2(high, high.simd_gt(zero).select(nearest, farthest)),
+        ];
+        (elevation, mask32x16::splat(simd, true))
     }
 
     /// From intervals of elevation and of azimuth (its middle, and how far to both sides) to rays.
@@ -248,6 +325,8 @@ fn atan2<S: Simd>(y: f32x16<S>, x: f32x16<S>) -> f32x16<S> {
 impl Projection for SphericalFan<'_> {
     type Directions<S: Simd> = [f32x16<S>; 3];
 
+    const HAS_STRIPS: bool = true;
+
     #[inline(always)]
     fn fan(&self) -> &Fan {
         &self.fan
@@ -357,24 +436,29 @@ impl Projection for SphericalFan<'_> {
         let nearest = (x * x + y * y).sqrt();
         let (x, y) = (magnitude(low[0], high[0]), magnitude(low[1], high[1]));
         let farthest = (x * x + y * y).sqrt();
-        let elevation = [
-            atan2(low[2], low[2].simd_lt(zero).select(nearest, farthest)),
-            atan2(high[2], high[2].simd_gt(zero).select(nearest, farthest)),
+        let (elevation, candidates) = self.elevations_of_boxes(simd, low[2], high[2], nearest, farthest);
+        // Seen from above, a box that is not around the axis lies between two of its corners.
+        let (left, right) = (low[1].simd_gt(zero), high[1].simd_lt(zero));
+        let ahead = low[0].simd_gt(zero);
+        let behind = high[0].simd_lt(zero);
+        let clockwise = [
+            left.select(high[0], right.select(low[0], ahead.select(low[0], high[0]))),
+            left.select(behind.select(high[1], low[1]), ahead.select(low[1], high[1])),
         ];
-        // Azimuths of the four corners from that of the middle.
-        let (x, y) = ((low[0] + high[0]) * 0.5, (low[1] + high[1]) * 0.5);
-        let middle = atan2(y, x);
-        let (mut from, mut to) = (f32x16::splat(simd, TAU), f32x16::splat(simd, -TAU));
-        for (corner_x, corner_y) in
-            [(low[0], low[1]), (high[0], low[1]), (low[0], high[1]), (high[0], high[1])]
-        {
-            let angle = atan2(x * corner_y - y * corner_x, x * corner_x + y * corner_y);
-            from = min(from, angle);
-            to = max(to, angle);
-        }
+        let counter = [
+            left.select(low[0], right.select(high[0], ahead.select(low[0], high[0]))),
+            left.select(
+                ahead.select(high[1], low[1]),
+                right.select(behind.select(low[1], high[1]), ahead.select(high[1], low[1])),
+            ),
+        ];
+        let from = atan2(clockwise[1], clockwise[0]);
+        let cross = clockwise[0] * counter[1] - clockwise[1] * counter[0];
+        let dot = clockwise[0] * counter[0] + clockwise[1] * counter[1];
+        let length = atan2(max(cross, zero), dot);
         let all_round =
             low[0].simd_le(zero) & high[0].simd_ge(zero) & low[1].simd_le(zero) & high[1].simd_ge(zero);
-        self.rectangles(simd, middle, [from, to], elevation, all_round, mask32x16::splat(simd, true))
+        self.rectangles(simd, from, [zero, length], elevation, all_round, candidates)
     }
 
     #[inline(always)]
@@ -449,5 +533,17 @@ impl Projection for SphericalFan<'_> {
         let length = sqrt_f32(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
         (cos * (plane[0] * cos_level) + sin * (plane[1] * cos_level))
             + (plane[2] * sin_level + length * self.radius)
+    }
+
+    #[inline(always)]
+    fn most_over_strip<S: Simd>(&self, _simd: S, planes: &Planes<S>, column: usize, row: usize) -> f32x16<S> {
+        // With δ from the middle, plane · direction = along · cos δ + across · sin δ + what z gives.
+        let [level, up] = self.levels[row];
+        let (cos, sin) = (self.cos_middle[column] * level, self.sin_middle[column] * level);
+        let along = planes[0] * cos + planes[1] * sin;
+        let across = planes[1] * cos - planes[0] * sin;
+        let [cos_arc, sin_arc] = self.arc;
+        let rounding = ((planes[0].abs() + planes[1].abs()) + planes[2].abs()) * 4e-6;
+        (max(along, along * cos_arc) + across.abs() * sin_arc) + (planes[2] * up + rounding)
     }
 }

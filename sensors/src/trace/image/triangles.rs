@@ -23,13 +23,13 @@ const FEW_BLOCKS: usize = 6;
 const LANE_NUMBERS: [u32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Sixteen triangles, set up to be tested.
-struct Setup<S: Simd> {
+pub(super) struct Setup<S: Simd> {
     /// Edge planes, positive inside.
-    edges: [Planes<S>; 3],
+    pub(super) edges: [Planes<S>; 3],
     /// Plane of 1/t.
-    inverse: Planes<S>,
-    valid: mask32x16<S>,
-    slots: u32x16<S>,
+    pub(super) inverse: Planes<S>,
+    pub(super) valid: mask32x16<S>,
+    pub(super) slots: u32x16<S>,
 }
 
 /// What a drawing loop needs of one of sixteen triangles.
@@ -98,7 +98,7 @@ fn edge<S: Simd>(a: &Points<S>, b: &Points<S>, sign: f32x16<S>) -> Planes<S> {
 }
 
 #[inline(always)]
-fn set_up<S: Simd>(simd: S, leaf: &Leaf<S>, rules: Rules) -> Setup<S> {
+pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<S>, rules: Rules) -> Setup<S> {
     let [a, b, c] = &leaf.corners;
     let normal = cross(&sub(b, a), &sub(c, a));
     let volume = (a[0] * normal[0] + a[1] * normal[1]) + a[2] * normal[2];
@@ -189,7 +189,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
 
 /// The lanes where a ray is inside all three edges and its 1/t counts.
 #[inline(always)]
-fn inside<S: Simd, P: Projection>(
+pub(super) fn inside<S: Simd, P: Projection>(
     edges: &[Planes<S>; 3],
     inverse: &Planes<S>,
     directions: &P::Directions<S>,
@@ -428,6 +428,6 @@ fn draw_block<S: Simd, P: Projection>(
 }
 
 #[inline(always)]
-fn splat<S: Simd>(simd: S, plane: &[f32; 3]) -> Planes<S> {
+pub(super) fn splat<S: Simd>(simd: S, plane: &[f32; 3]) -> Planes<S> {
     [f32x16::splat(simd, plane[0]), f32x16::splat(simd, plane[1]), f32x16::splat(simd, plane[2])]
 }

@@ -2,6 +2,7 @@
 
 use super::projection::{Points, Projection, max};
 use super::solid::{self, Part};
+use super::strip;
 use super::target::Target;
 use super::triangles::{self, Leaf, Rules};
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
@@ -92,7 +93,11 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                     nearest: entry.nearest,
                 };
                 let rules = Rules { mirrored: placed.mirrored != 0, ..rules };
-                triangles::draw(simd, projection, target, rules, &leaf);
+                if strip::suits(&projection, &leaf) {
+                    strip::draw(simd, projection, target, rules, &leaf);
+                } else {
+                    triangles::draw(simd, projection, target, rules, &leaf);
+                }
                 continue;
             }
             let node = match placed.kind {
@@ -186,6 +191,7 @@ fn hidden<S: Simd, P: Projection>(
         if first > last {
             continue;
         }
+        let rays = [first, last];
         let (first, last) = ((first >> fan.shift_x) as usize, (last >> fan.shift_x) as usize);
         for row in rows.clone() {
             let start = (row - first_block_row) * blocks_across;
@@ -196,8 +202,16 @@ fn hidden<S: Simd, P: Projection>(
                 if last - column < WIDTH - 1 {
                     lanes &= (2 << (last - column)) - 1;
                 }
-                if lanes != 0 {
-                    return false;
+                while lanes != 0 {
+                    let column = column + lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    // Of a strip, it is worth asking for the rays in question: it is sixteen columns wide.
+                    if !strip::is_one::<P>(fan)
+                        || strip::farthest(simd, &target.inverse[start + column], rays, column)
+                            < entry.nearest
+                    {
+                        return false;
+                    }
                 }
                 column += WIDTH;
             }

@@ -1,0 +1,98 @@
+//! One mesh as a scene of its own, over memory of the caller's.
+
+use super::instance::{Instance, InstanceConfig, MeshId, Shape};
+use super::material::{Environment, Material, MaterialConfig};
+use super::tree::{Facet, TriangleBlock, WIDTH, WideNode};
+use super::{Mesh, Scene, SceneError};
+
+/// A mesh that stands at the world's origin, seen by all sensors, in the default material. Nothing is copied, so
+/// making one takes no time: for who keeps trees in memory of his own and casts rays at one of them.
+///
+/// ```
+/// use belvedere_sensors::scene::build::{Quality, Tree};
+/// use belvedere_sensors::{Execution, scene::MeshScene};
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let tree = Tree::build(&corners, &[[0, 1, 2]], Quality::High, Execution::default())?;
+/// let facets = tree.facets();
+/// let mesh = MeshScene::new(&tree.nodes, &tree.blocks, &facets)?;
+/// assert_eq!(mesh.scene().instances().len(), 1);
+/// # Ok::<(), belvedere_sensors::scene::SceneError>(())
+/// ```
+#[derive(Debug)]
+pub struct MeshScene<'a> {
+    meshes: [Mesh; 1],
+    instances: [Instance; 1],
+    materials: [Material; 1],
+    nodes: &'a [WideNode],
+    blocks: &'a [TriangleBlock],
+    facets: &'a [Facet],
+}
+
+impl<'a> MeshScene<'a> {
+    /// Takes a tree as [`build`](super::build::build) writes it, with its
+    /// [facets](super::build::fill_facets). A tree from elsewhere is for [`validate_tree`](super::validate_tree)
+    /// to check first: a bad one makes tracing miss triangles, or panic.
+    ///
+    /// # Errors
+    /// [`SceneError::BadTree`] without a root, [`SceneError::BufferTooSmall`] when there are not sixteen facets
+    /// for each block, [`SceneError::TooMany`] for more than 2²⁷ blocks.
+    pub fn new(
+        nodes: &'a [WideNode],
+        blocks: &'a [TriangleBlock],
+        facets: &'a [Facet],
+    ) -> Result<Self, SceneError> {
+        let root = nodes.first().ok_or(SceneError::BadTree(0))?;
+        if blocks.len() >= (1 << 31) / WIDTH || nodes.len() > u32::MAX as usize {
+            return Err(SceneError::TooMany);
+        }
+        let need = blocks.len() * WIDTH;
+        if facets.len() < need {
+            return Err(SceneError::BufferTooSmall { buffer: "facets", have: facets.len(), need });
+        }
+        let mesh = Mesh {
+            first_vertex: 0,
+            vertices: 0,
+            first_triangle: 0,
+            triangles: 0,
+            first_node: 0,
+            nodes: nodes.len() as u32,
+            first_block: 0,
+            blocks: blocks.len() as u32,
+            // Unused lanes repeat the last child's box.
+            min: root.min.map(|axis| axis.into_iter().fold(f32::INFINITY, f32::min)),
+            max: root.max.map(|axis| axis.into_iter().fold(f32::NEG_INFINITY, f32::max)),
+        };
+        let instance =
+            Instance::new(&InstanceConfig { shape: Shape::Mesh(MeshId(0)), ..Default::default() })?;
+        Ok(Self {
+            meshes: [mesh],
+            instances: [instance],
+            materials: [Material::new(&MaterialConfig::default())],
+            nodes,
+            blocks,
+            facets,
+        })
+    }
+
+    /// Lends the scene to sensors.
+    pub fn scene(&self) -> Scene<'_> {
+        Scene {
+            instances: &self.instances,
+            meshes: &self.meshes,
+            uvs: &[],
+            // Only textures ask for these, and there is none.
+            triangles: &[],
+            nodes: self.nodes,
+            blocks: self.blocks,
+            facets: self.facets,
+            height_fields: &[],
+            heights: &[],
+            extents: &[],
+            materials: &self.materials,
+            textures: &[],
+            texels: &[],
+            lights: &[],
+            environment: Environment::default(),
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Sixteen triangles against the blocks of a grid of few rows, where a block is sixteen rays of one row.
+//!
+//! Such rays lie in a narrow arc, so a plane's least and greatest value over them is known closely: block by
+//! block, all but a few of the sixteen triangles are dropped at once, and each of these meets the sixteen rays
+//! at once. No triangle needs a rectangle of its own.
+
+use super::fan::Fan;
+use super::projection::{Planes, Projection, min};
+use super::target::Target;
+use super::triangles::{Leaf, Rules, inside, set_up, splat};
+use crate::scene::tree::WIDTH;
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, u32x16};
+
+/// Leaves over fewer rays are better tested ray by ray …
+const FEWEST_RAYS: i32 = 4;
+/// … and those over more blocks triangle by triangle, each with a rectangle of its own.
+const MOST_BLOCKS: usize = 24;
+
+/// Columns of a strip.
+const COLUMNS: [i32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
+/// Whether a leaf is one for [`draw`].
+#[inline(always)]
+pub(super) fn suits<S: Simd, P: Projection>(projection: &P, leaf: &Leaf<S>) -> bool {
+    let fan = projection.fan();
+    if !is_one::<P>(fan) {
+        return false;
+    }
+    let (across, rows) = (leaf.columns[1] - leaf.columns[0] + 1, leaf.rows[1] - leaf.rows[0] + 1);
+    let blocks = ((leaf.columns[1] >> fan.shift_x) - (leaf.columns[0] >> fan.shift_x) + 1) * rows;
+    across * rows >= FEWEST_RAYS && blocks as usize <= MOST_BLOCKS
+}
+
+/// Whether the blocks of a grid are strips: sixteen rays of a row.
+#[inline(always)]
+pub(super) fn is_one<P: Projection>(fan: &Fan) -> bool {
+    P::HAS_STRIPS && fan.shift_y == 0
+}
+
+/// The least 1/t of those rays of a strip that lie in the columns from the first to the last of `columns`.
+#[inline(always)]
+pub(super) fn farthest<S: Simd>(simd: S, inverse: &[f32; WIDTH], columns: [i32; 2], strip: usize) -> f32 {
+    let here = i32x16::load_array_ref(simd, &COLUMNS) + (strip * WIDTH) as i32;
+    let asked = here.simd_ge(i32x16::splat(simd, columns[0])) & here.simd_le(i32x16::splat(simd, columns[1]));
+    let inverse = f32x16::load_array_ref(simd, inverse);
+    simd.reduce_min_f32x16(asked.select(inverse, f32x16::splat(simd, f32::MAX)))
+}
+
+/// Draws a leaf into the target.
+#[inline(always)]
+pub(super) fn draw<S: Simd, P: Projection>(
+    simd: S,
+    projection: P,
+    target: &mut Target<'_>,
+    rules: Rules,
+    leaf: &Leaf<S>,
+) {
+    let setup = set_up(simd, leaf, rules);
+    if !setup.valid.any_true() {
+        return;
+    }
+    let [a, b, c] = &setup.edges;
+    let planes = [a, b, c, &setup.inverse];
+    let mut spilled = [[[0.0; WIDTH]; 3]; 4];
+    for plane in 0..4 {
+        for axis in 0..3 {
+            planes[plane][axis].store_array(&mut spilled[plane][axis]);
+        }
+    }
+    let mut triangle_slots = [0; WIDTH];
+    setup.slots.store_array(&mut triangle_slots);
+    let fan = projection.fan();
+    let blocks_across = fan.blocks_across();
+    // A ring's rectangle may run over its end.
+    let [first, last] = leaf.columns;
+    let pieces = if last < fan.width {
+        [[first, last], [1, 0]]
+    } else {
+        [[first, fan.width - 1], [0, last - fan.width]]
+    };
+    for row in leaf.rows[0] as usize..=leaf.rows[1] as usize {
+        let start = (row - rules.first_block_row) * blocks_across;
+        for [first, last] in pieces {
+            if first > last {
+                continue;
+            }
+            for column in (first >> fan.shift_x) as usize..=(last >> fan.shift_x) as usize {
+                let block = start + column;
+                if target.farthest[block] >= leaf.nearest {
+                    continue;
+                }
+                let farthest = farthest(simd, &target.inverse[block], [first, last], column);
+                if farthest >= leaf.nearest {
+                    continue;
+                }
+                let most = |plane: &Planes<S>| projection.most_over_strip(simd, plane, column, row);
+                let reached = min(min(most(a), most(b)), most(c)).simd_ge(f32x16::splat(simd, 0.0))
+                    & most(&setup.inverse).simd_gt(f32x16::splat(simd, farthest))
+                    & setup.valid;
+                let mut lanes = reached.to_bitmask();
+                if lanes == 0 {
+                    continue;
+                }
+                let directions = projection.block(simd, column, row);
+                let mut nearest = f32x16::load_array_ref(simd, &target.inverse[block]);
+                let mut slots = u32x16::load_array_ref(simd, &target.slot[block]);
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+                    lanes &= lanes - 1;
+                    let plane = |plane: usize| {
+                        let [x, y, z] = &spilled[plane];
+                        splat(simd, &[x[lane], y[lane], z[lane]])
+                    };
+                    let edges = [plane(0), plane(1), plane(2)];
+                    let (hit, inverse) = inside::<S, P>(&edges, &plane(3), &directions, rules.inverse_near);
+                    let hit = hit & inverse.simd_gt(nearest);
+                    nearest = hit.select(inverse, nearest);
+                    slots = hit.select(u32x16::splat(simd, triangle_slots[lane]), slots);
+                }
+                nearest.store_array(&mut target.inverse[block]);
+                slots.store_array(&mut target.slot[block]);
+                target.farthest[block] = simd.reduce_min_f32x16(nearest);
+            }
+        }
+    }
+}

@@ -48,7 +48,7 @@ impl Simulation {
         let robots = vec![running];
         let scene = WorldScene::new(world, &models, &physics)?;
         let commands = node.command_subscriber(&StreamSpec::velocity_command("/cmd_vel"))?;
-        let rig = Rig::open(node, &models, &robots, &physics, &scene, options)?;
+        let rig = Rig::open(node, &models, &robots, &physics, options)?;
         Ok(Self { physics, robots, scene, rig, drive, commands, commanded_ns: None })
     }
 

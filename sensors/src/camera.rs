@@ -8,7 +8,7 @@ pub use crate::pixel::PixelFormat;
 use crate::scene::{Scene, visibility};
 use crate::shade::{Colours, Shader};
 use crate::simd::LANES;
-use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
+use crate::trace::grid::{Band, BandWork, Sight, trace_pinhole};
 use crate::trace::image::Projection;
 use crate::trace::packet::{Faces, Packet};
 use crate::trace::resolve::Resolver;
@@ -158,13 +158,12 @@ impl Camera {
     ) {
         assert_eq!(pixels.len(), self.frame_len(), "the buffer must hold exactly one picture");
         let execution = workspace.execution;
-        let grid = self.grid();
         let mut memory = workspace.cut(scene, self.rays());
         let instances = scene.instances().len();
         let view = View::new(scene, &capture.world_from_sensor, visibility::VISUAL, memory.view(instances));
         let rows = Rows { pixels, bytes: self.row_stride() * TILE_HEIGHT };
         let painter = Painter { camera: self, capture };
-        trace_grid(&view, &grid, &self.sight(), execution, &mut memory, rows, &painter);
+        trace_pinhole(&view, &self.lens, &self.sight(), execution, &mut memory, rows, &painter);
     }
 
     /// Rays that a [`Workspace`] must have room for.

@@ -7,7 +7,7 @@ use crate::pixel::{self, to_byte};
 use crate::scene::{Scene, visibility};
 use crate::shade::{Colours, Shader};
 use crate::simd::{LANES, Lanes};
-use crate::trace::grid::{Band, BandWork, trace_grid};
+use crate::trace::grid::{Band, BandWork, trace_pinhole};
 use crate::trace::image::Projection;
 use crate::trace::measure::Measure;
 use crate::trace::packet::Packet;
@@ -125,8 +125,9 @@ impl DepthCamera {
             width: self.config.camera.width as usize,
             colour_stride: self.camera.row_stride(),
         };
-        let (grid, sight) = (self.camera.grid(), self.camera.sight());
-        trace_grid(&view, &grid, &sight, execution, &mut memory, rows, &Measurer { camera: self, capture });
+        let (lens, sight) = (self.camera.lens(), self.camera.sight());
+        let measurer = Measurer { camera: self, capture };
+        trace_pinhole(&view, lens, &sight, execution, &mut memory, rows, &measurer);
     }
 
     /// Rays that a [`Workspace`] must have room for.

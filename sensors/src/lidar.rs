@@ -4,7 +4,7 @@ use crate::execution::SplitRows;
 use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::scene::{Scene, visibility};
 use crate::simd::LANES;
-use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
+use crate::trace::grid::{Band, BandWork, Sight, trace_spherical};
 use crate::trace::image::{NO_HIT, Projection};
 use crate::trace::measure::Measure;
 use crate::trace::packet::Faces;
@@ -177,10 +177,10 @@ impl Lidar {
         };
         let sight = Sight { faces: Faces::Both, range: [nearest, self.config.range_max_m] };
         let samples = self.config.horizontal.samples as usize;
-        let lines_in_block = 1 << RayGrid::Spherical(grid).fan().shift_y;
-        let lines = Lines { ranges, intensities, samples, lines_in_block };
+        let rows_in_block = 1 << RayGrid::Spherical(grid).fan().shift_y;
+        let lines = Lines { ranges, intensities, samples, rows_in_block };
         let scanner = Scanner { lidar: self, capture };
-        trace_grid(&view, &RayGrid::Spherical(grid), &sight, execution, &mut memory, lines, &scanner);
+        trace_spherical(&view, &grid, &sight, execution, &mut memory, lines, &scanner);
     }
 
     /// Rays that a [`Workspace`] must have room for.
@@ -272,18 +272,18 @@ struct Lines<'a> {
     ranges: &'a mut [f32],
     intensities: &'a mut [f32],
     samples: usize,
-    lines_in_block: usize,
+    rows_in_block: usize,
 }
 
 impl SplitRows for Lines<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
-        let Self { samples, lines_in_block, .. } = self;
-        let at = rows * lines_in_block * samples;
+        let Self { samples, rows_in_block, .. } = self;
+        let at = rows * rows_in_block * samples;
         let (ranges, ranges_rest) = self.ranges.split_at_mut(at);
         let (intensities, intensities_rest) = self.intensities.split_at_mut(at.min(self.intensities.len()));
         (
-            Self { ranges, intensities, samples, lines_in_block },
-            Self { ranges: ranges_rest, intensities: intensities_rest, samples, lines_in_block },
+            Self { ranges, intensities, samples, rows_in_block },
+            Self { ranges: ranges_rest, intensities: intensities_rest, samples, rows_in_block },
         )
     }
 }

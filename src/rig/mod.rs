@@ -148,7 +148,6 @@ impl Rig {
         models: &[Model],
         robots: &[Robot],
         physics: &Physics,
-        scene: &WorldScene,
         options: &RigOptions,
     ) -> Result<Self, RigError> {
         let mut workspace = WorkspaceBuf::default();

@@ -31,7 +31,6 @@ use alloc::vec::Vec;
 pub struct SceneBuilder {
     instances: Vec<Instance>,
     meshes: Vec<Mesh>,
-    vertices: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     triangles: Vec<[u32; 3]>,
     nodes: Vec<WideNode>,
@@ -105,7 +104,7 @@ impl SceneBuilder {
         let tree = Tree::build(positions, triangles, Quality::High, Execution::default())?;
         let bounds = tree.bounds();
         let mesh = Mesh {
-            first_vertex: index(self.vertices.len())?,
+            first_vertex: index(self.uvs.len())?,
             vertices: index(positions.len())?,
             first_triangle: index(self.triangles.len())?,
             triangles: index(triangles.len())?,
@@ -116,15 +115,15 @@ impl SceneBuilder {
             min: bounds[0],
             max: bounds[1],
         };
-        index(self.vertices.len() + positions.len())?;
+        let vertices = self.uvs.len() + positions.len();
+        index(vertices)?;
         index((self.blocks.len() + tree.blocks.len()) * WIDTH)?;
         self.nodes.extend_from_slice(&tree.nodes);
         self.blocks.extend_from_slice(&tree.blocks);
         self.facets.extend_from_slice(&tree.facets());
         self.triangles.extend_from_slice(triangles);
-        self.vertices.extend_from_slice(positions);
         self.uvs.extend_from_slice(uvs);
-        self.uvs.resize(self.vertices.len(), [0.0; 2]);
+        self.uvs.resize(vertices, [0.0; 2]);
         self.meshes.push(mesh);
         Ok(MeshId(index(self.meshes.len() - 1)?))
     }
@@ -241,7 +240,6 @@ impl SceneBuilder {
         Scene {
             instances: &self.instances,
             meshes: &self.meshes,
-            vertices: &self.vertices,
             uvs: &self.uvs,
             triangles: &self.triangles,
             nodes: &self.nodes,

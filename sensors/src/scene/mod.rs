@@ -74,8 +74,7 @@ pub struct Mesh {
 pub struct Scene<'a> {
     pub(crate) instances: &'a [Instance],
     pub(crate) meshes: &'a [Mesh],
-    pub(crate) vertices: &'a [[f32; 3]],
-    /// As many as vertices; (0, 0) for meshes without.
+    /// As many as the meshes have vertices; (0, 0) for meshes without.
     pub(crate) uvs: &'a [[f32; 2]],
     /// Vertex indices relative to the mesh's first, in the order of the mesh's maker.
     pub(crate) triangles: &'a [[u32; 3]],

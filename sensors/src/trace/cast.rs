@@ -84,7 +84,7 @@ struct Rows<'a> {
 
 impl SplitRows for Rows<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
-        fn cut<'a, T>(values: Option<&'a mut [T]>, at: usize) -> (Option<&'a mut [T]>, Option<&'a mut [T]>) {
+        fn cut<T>(values: Option<&mut [T]>, at: usize) -> (Option<&mut [T]>, Option<&mut [T]>) {
             values.map_or((None, None), |values| {
                 let (first, second) = values.split_at_mut(at.min(values.len()));
                 (Some(first), Some(second))

@@ -125,24 +125,46 @@ pub(crate) fn trace_grid<O: SplitRows, W: BandWork<O>>(
     work: &W,
 ) {
     match grid {
-        RayGrid::Pinhole(lens) => {
-            trace_bands(view, PinholeFan::new(lens), sight, execution, memory, output, work);
-        }
-        RayGrid::Spherical(grid) => {
-            let fan = Fan::new(grid.columns, grid.rows);
-            let azimuth = Steps { first: grid.first_azimuth_rad, step: grid.azimuth_step_rad };
-            let elevation = Steps { first: grid.first_elevation_rad, step: grid.elevation_step_rad };
-            let tables = memory.take(SphericalFan::table_len(&fan));
-            let projection = dispatch!(execution.level, simd => simd.vectorize(
-                #[inline(always)]
-                || SphericalFan::new(fan, azimuth, elevation, tables)
-            ));
-            trace_bands(view, projection, sight, execution, memory, output, work);
-        }
+        RayGrid::Pinhole(lens) => trace_pinhole(view, lens, sight, execution, memory, output, work),
+        RayGrid::Spherical(grid) => trace_spherical(view, grid, sight, execution, memory, output, work),
         RayGrid::Table(table) => {
             trace_bands(view, TableFan::new(table), sight, execution, memory, output, work);
         }
     }
+}
+
+/// Traces all pixels of a pinhole camera.
+pub(crate) fn trace_pinhole<O: SplitRows, W: BandWork<O>>(
+    view: &View<'_>,
+    lens: &Pinhole,
+    sight: &Sight,
+    execution: Execution,
+    memory: &mut Cutter<'_>,
+    output: O,
+    work: &W,
+) {
+    trace_bands(view, PinholeFan::new(lens), sight, execution, memory, output, work);
+}
+
+/// Traces all beams of a spinning lidar.
+pub(crate) fn trace_spherical<O: SplitRows, W: BandWork<O>>(
+    view: &View<'_>,
+    grid: &SphericalGrid,
+    sight: &Sight,
+    execution: Execution,
+    memory: &mut Cutter<'_>,
+    output: O,
+    work: &W,
+) {
+    let fan = Fan::new(grid.columns, grid.rows);
+    let azimuth = Steps { first: grid.first_azimuth_rad, step: grid.azimuth_step_rad };
+    let elevation = Steps { first: grid.first_elevation_rad, step: grid.elevation_step_rad };
+    let tables = memory.take(SphericalFan::table_len(&fan));
+    let projection = dispatch!(execution.level, simd => simd.vectorize(
+        #[inline(always)]
+        || SphericalFan::new(fan, azimuth, elevation, tables)
+    ));
+    trace_bands(view, projection, sight, execution, memory, output, work);
 }
 
 fn trace_bands<P: Projection + Sync, O: SplitRows, W: BandWork<O>>(
@@ -178,15 +200,31 @@ fn trace_bands<P: Projection + Sync, O: SplitRows, W: BandWork<O>>(
             farthest: &mut output.farthest[..blocks + WIDTH],
         };
         let projection = projection.with_rows(rows);
-        dispatch!(execution.level, simd => simd.vectorize(
-            #[inline(always)]
-            || {
-                target.clear(inverse_far);
-                walk(simd, view, projection, rows, sight.faces, sight.range, &mut target);
-                work.finish(simd, &Band { view, projection, rows, target }, output.output);
-            }
-        ));
+        dispatch!(execution.level, simd => {
+            target.clear(inverse_far);
+            draw(simd, view, projection, rows, sight, &mut target);
+            let band = Band { view, projection, rows, target };
+            simd.vectorize(
+                #[inline(always)]
+                || work.finish(simd, &band, output.output),
+            );
+        });
     });
+}
+
+/// [`walk`], compiled once for each kind of grid and SIMD level, whatever is done with the band afterwards.
+fn draw<S: Simd, P: Projection>(
+    simd: S,
+    view: &View<'_>,
+    projection: P,
+    rows: [i32; 2],
+    sight: &Sight,
+    target: &mut Target<'_>,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || walk(simd, view, projection, rows, sight.faces, sight.range, target),
+    );
 }
 
 /// A part of the memory and of the output, cut between bands.

@@ -29,21 +29,26 @@ pub(crate) struct Place {
     across: usize,
     down: usize,
     shift_x: u32,
+    /// It is 4×4, and wholly in the grid.
+    is_square: bool,
 }
 
 impl Place {
     #[inline(always)]
     pub(crate) fn new(fan: &Fan, rows: [i32; 2], block_column: usize, block_row: usize) -> Self {
         let (column, row) = (block_column << fan.shift_x, block_row << fan.shift_y);
+        let across = (1 << fan.shift_x).min(fan.width as usize - column);
+        let down = (1 << fan.shift_y).min(rows[1] as usize + 1 - row);
         Self {
             block: (block_row - (rows[0] >> fan.shift_y) as usize) * fan.blocks_across() + block_column,
             width: fan.width as usize,
             column,
             row,
             first_row: rows[0] as usize,
-            across: (1 << fan.shift_x).min(fan.width as usize - column),
-            down: (1 << fan.shift_y).min(rows[1] as usize + 1 - row),
+            across,
+            down,
             shift_x: fan.shift_x,
+            is_square: across == 4 && down == 4,
         }
     }
 
@@ -60,16 +65,37 @@ impl Place {
         (self.row - self.first_row + line) * self.width + self.column
     }
 
+    /// Writes a value for each ray of the block.
     #[inline(always)]
     pub(crate) fn write<T: Copy>(&self, values: &[T; WIDTH], output: &mut [T]) {
-        for line in 0..self.down {
-            let values = &values[line << self.shift_x..];
-            let output = &mut output[self.index(line)..];
-            // Of known length they are single moves.
-            match self.across {
-                4 => output[..4].copy_from_slice(&values[..4]),
-                16 => output[..16].copy_from_slice(&values[..16]),
-                across => output[..across].copy_from_slice(&values[..across]),
+        self.write_lines(
+            output,
+            #[inline(always)]
+            |line, output: &mut [T; 4]| output.copy_from_slice(&values[line * 4..line * 4 + 4]),
+            #[inline(always)]
+            |line, output| output.copy_from_slice(&values[line << self.shift_x..][..output.len()]),
+        );
+    }
+
+    /// Calls `four` for each line of a whole block of 4×4, whose length is known, so that a line is a single move;
+    /// `some` for those of others.
+    #[inline(always)]
+    fn write_lines<T>(
+        &self,
+        output: &mut [T],
+        four: impl Fn(usize, &mut [T; 4]),
+        some: impl Fn(usize, &mut [T]),
+    ) {
+        let first = self.index(0);
+        if self.is_square {
+            for line in 0..4 {
+                if let Some(output) = output[first + line * self.width..].first_chunk_mut() {
+                    four(line, output);
+                }
+            }
+        } else {
+            for line in 0..self.down {
+                some(line, &mut output[first + line * self.width..][..self.across]);
             }
         }
     }
@@ -86,26 +112,28 @@ impl Place {
     /// Fills the block with one normal, given four times.
     #[inline(always)]
     pub(crate) fn write_normals(&self, four: &[f32; 12], output: &mut [[f32; 3]]) {
-        for line in 0..self.down {
-            let output = output[self.index(line)..][..self.across].as_flattened_mut();
-            for output in output.chunks_mut(12) {
-                match <&mut [f32; 12]>::try_from(&mut *output) {
-                    Ok(output) => *output = *four,
-                    Err(_) => output.copy_from_slice(&four[..output.len()]),
+        self.write_lines(
+            output,
+            #[inline(always)]
+            |_, output: &mut [[f32; 3]; 4]| output.as_flattened_mut().copy_from_slice(four),
+            #[inline(always)]
+            |_, output| {
+                for output in output.as_flattened_mut().chunks_mut(12) {
+                    output.copy_from_slice(&four[..output.len()]);
                 }
-            }
-        }
+            },
+        );
     }
 
+    /// Fills the block with one value.
     #[inline(always)]
     pub(crate) fn fill<T: Copy>(&self, value: T, output: &mut [T]) {
-        for line in 0..self.down {
-            let output = &mut output[self.index(line)..];
-            match self.across {
-                4 => output[..4].copy_from_slice(&[value; 4]),
-                16 => output[..16].copy_from_slice(&[value; 16]),
-                across => output[..across].fill(value),
-            }
-        }
+        self.write_lines(
+            output,
+            #[inline(always)]
+            |_, output: &mut [T; 4]| *output = [value; 4],
+            #[inline(always)]
+            |_, output| output.fill(value),
+        );
     }
 }

@@ -36,7 +36,7 @@ impl ToSensor {
 /// in f64, so a robot 100 km from the world's origin sees what it sees at it.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub struct Placed {
+pub(crate) struct Placed {
     /// Columns: the instance's axes in the frame, scale included.
     pub(crate) axes: [[f64; 3]; 3],
     pub(crate) translation: [f64; 3],

@@ -13,6 +13,14 @@ const TINY: f32 = 1e-12;
 /// Rays to each side of a projection that rounding may have moved out of it.
 const MARGIN: f32 = 0.02;
 
+/// Columns and rows of the lanes within a block: 4×4, 16×1.
+const ACROSS: [[f32; 16]; 2] = [
+    [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0],
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0],
+];
+const DOWN: [[f32; 16]; 2] =
+    [[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0], [0.0; 16]];
+
 /// A pinhole camera.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PinholeFan {
@@ -118,12 +126,6 @@ impl Projection for PinholeFan {
 
     #[inline(always)]
     fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S> {
-        const ACROSS: [[f32; 16]; 2] = [
-            [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0],
-            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0],
-        ];
-        const DOWN: [[f32; 16]; 2] =
-            [[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0], [0.0; 16]];
         let shape = usize::from(self.fan.shift_y == 0);
         let first_column = (column << self.fan.shift_x) as f32;
         let first_row = (row << self.fan.shift_y) as f32;
@@ -186,7 +188,7 @@ impl Projection for PinholeFan {
         let tiny = f32x16::splat(simd, TINY);
         if (valid & low[0].simd_le(tiny)).any_true() {
             let mut rectangles = self.bound_boxes(simd, &low, &high);
-            rectangles.some = rectangles.some & valid;
+            rectangles.some &= valid;
             return (rectangles, self.inverse_of_boxes(simd, &low, &high));
         }
         // All in front of the camera: the corners' own projections bound them closely.
@@ -210,12 +212,10 @@ impl Projection for PinholeFan {
         // Half of a block's extent in y and z, and the middle of each block.
         let (half_x, half_y) =
             (((1 << self.fan.shift_x) - 1) as f32 * 0.5, ((1 << self.fan.shift_y) - 1) as f32 * 0.5);
-        const STEPS: [f32; 16] =
-            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
         let step = (1 << self.fan.shift_x) as f32;
         let first = (column << self.fan.shift_x) as f32 + half_x;
         let middle = (row << self.fan.shift_y) as f32 + half_y;
-        let left = (f32x16::splat(simd, self.cx - first) - f32x16::load_array_ref(simd, &STEPS) * step)
+        let left = (f32x16::splat(simd, self.cx - first) - f32x16::load_array_ref(simd, &ACROSS[1]) * step)
             * self.per_fx;
         let up = (self.cy - middle) * self.per_fy;
         let spread = (plane[1].abs() * (half_x + MARGIN)) * self.per_fx

@@ -27,7 +27,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     target: &mut Target<'_>,
     rules: Rules,
     index: u32,
-    part: Part,
+    part: &Part,
 ) {
     let placed = &view.placed[index as usize];
     let instance = view.instance(index);

@@ -12,7 +12,7 @@ use crate::trace::packet::Faces;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
 
 /// Grid rectangles of up to that many rays are tested ray by ray against all sixteen triangles.
-const FEW_RAYS: i32 = 12;
+const FEW_RAYS: i32 = 48;
 /// Triangles whose rectangle holds up to that many rays are drawn side by side, each in its lane …
 const TINY_TRIANGLE: i32 = 12;
 /// … if there are at least that many of them.
@@ -153,7 +153,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
         & area.simd_le(i32x16::splat(simd, TINY_TRIANGLE))
         & rectangles.last_column.simd_lt(i32x16::splat(simd, width));
     if tiny.to_bitmask().count_ones() >= TINY_TRIANGLES {
-        rest = rest & !tiny;
+        rest &= !tiny;
         draw_tiny(simd, projection, target, rules, &setup, &rectangles, tiny, area);
         if !rest.any_true() {
             return;
@@ -289,11 +289,11 @@ fn draw_tiny<S: Simd, P: Projection>(
             }
         }
         // On to the next ray: to the right, then down.
-        columns = columns + 1;
+        columns += 1;
         let past = columns.simd_gt(rectangles.last_column);
         columns = past.select(rectangles.first_column, columns);
         rows = past.select(rows + 1, rows);
-        drawing = drawing & rows.simd_le(rectangles.last_row);
+        drawing &= rows.simd_le(rectangles.last_row);
     }
     if touched == 0 {
         return;

@@ -31,6 +31,7 @@ struct Entry {
 }
 
 /// Draws what a view shows into the rows of `target`, whose first block row is `first_block_row`.
+#[allow(clippy::large_stack_arrays, reason = "26 KiB, once a band: a heap there may not be")]
 #[inline(always)]
 pub(crate) fn walk<S: Simd, P: Projection>(
     simd: S,
@@ -102,7 +103,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                 }
                 _ => {
                     let part = Part { columns: entry.columns, rows: entry.rows, nearest: entry.nearest };
-                    solid::draw(simd, view, projection, target, rules, index, part);
+                    solid::draw(simd, view, projection, target, rules, index, &part);
                     continue;
                 }
             };

@@ -119,7 +119,8 @@ fn tables_of_rays_do_not_allocate() {
     let mut workspace = WorkspaceBuf::default();
     workspace.lend(&scene, 2 * directions.len());
     let calls = allocations(|| {
-        let grid = RayGrid::Table(RayTable::build(width, height, &directions, &mut buffer).unwrap());
+        let table = RayTable::build(width, height, &directions, &mut buffer).unwrap();
+        let grid = RayGrid::Table(&table);
         cast_grid(
             &scene,
             &Pose::IDENTITY,

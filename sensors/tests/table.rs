@@ -203,7 +203,7 @@ fn close(a: f32, b: f32, tolerance: f32) -> bool {
 /// within 1e-6 of the ray. Returns how many hit anything.
 fn same_as_each(name: &str, scene: &Scene<'_>, eye: DVec3, directions: &Directions) -> usize {
     let (found, traced) = directions.table(|table| {
-        let found = cast(scene, &Pose::from_translation(eye), &RayGrid::Table(*table), Execution::default());
+        let found = cast(scene, &Pose::from_translation(eye), &RayGrid::Table(table), Execution::default());
         let rays =
             (0..directions.height).flat_map(|row| (0..directions.width).map(move |column| (column, row)));
         (found, rays.map(|(column, row)| table.direction(column, row)).collect::<Vec<_>>())
@@ -251,7 +251,7 @@ fn same_as_grid(name: &str, grid: &RayGrid<'_>, directions: &Directions) {
         let pose = Pose::from_xyz_rpy(eye, DVec3::new(0.1, 0.2, -2.0) * index as f64);
         let expected = cast(&scene, &pose, grid, Execution::default());
         let found =
-            directions.table(|table| cast(&scene, &pose, &RayGrid::Table(*table), Execution::default()));
+            directions.table(|table| cast(&scene, &pose, &RayGrid::Table(table), Execution::default()));
         let rays = found.distance.len();
         let (mut hits, mut other, mut farther) = (0, 0, 0);
         for ray in 0..rays {
@@ -422,18 +422,14 @@ fn the_same_bytes() {
     {
         use belvedere_sensors::simd::Level;
         let best = Level::new();
-        let at = |level| {
-            let mut execution = Execution::default();
-            execution.level = level;
-            execution
-        };
         let levels = [
             best.as_sse2().map(Level::Sse2),
             best.as_sse4_2().map(Level::Sse4_2),
             best.as_avx2().map(Level::Avx2),
             best.as_avx512().map(Level::Avx512),
         ];
-        executions.extend(levels.into_iter().flatten().map(|level| at(level)));
+        executions
+            .extend(levels.into_iter().flatten().map(|level| Execution { level, ..Execution::default() }));
     }
     #[cfg(feature = "rayon")]
     executions.push(Execution::parallel());
@@ -443,7 +439,7 @@ fn the_same_bytes() {
         [fisheye(300), vlp_32c(2000, true), pinhole(&Pinhole::from_fov(321, 243, 1.1)).turned(some_turn())];
     for (index, directions) in tables.iter().enumerate() {
         directions.table(|table| {
-            let cast = |execution| cast(&builder.scene(), &pose, &RayGrid::Table(*table), execution);
+            let cast = |execution| cast(&builder.scene(), &pose, &RayGrid::Table(table), execution);
             let expected = cast(executions[0]);
             for execution in &executions {
                 assert!(cast(*execution) == expected, "table {index} differs with {execution:?}");

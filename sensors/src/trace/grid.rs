@@ -17,7 +17,7 @@ pub enum RayGrid<'a> {
     /// Columns by azimuth around z from +x, rows by elevation, both in equal steps.
     Spherical(SphericalGrid),
     /// Any directions, from a table.
-    Table(RayTable<'a>),
+    Table(&'a RayTable<'a>),
 }
 
 /// The rays of a spinning lidar. Angles in radians; azimuth is counter-clockwise seen from +z, elevation up.

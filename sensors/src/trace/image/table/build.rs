@@ -25,7 +25,7 @@ const LENGTH_TOLERANCE: f64 = 1e-4;
 /// let mut buffer = vec![bytemuck::Zeroable::zeroed(); RayTable::required_len(2, 1)];
 /// let table = RayTable::build(2, 1, &directions, &mut buffer)?;
 /// assert_eq!(table.direction(1, 0), directions[1]);
-/// let grid = RayGrid::Table(table);
+/// let grid = RayGrid::Table(&table);
 /// assert_eq!(grid.size(), [2, 1]);
 /// # Ok::<(), belvedere_sensors::trace::TableError>(())
 /// ```

@@ -171,7 +171,7 @@ impl Camera {
         self.grid().rays()
     }
 
-    pub(crate) fn grid(&self) -> RayGrid {
+    pub(crate) fn grid(&self) -> RayGrid<'static> {
         RayGrid::Pinhole(self.lens)
     }
 

@@ -6,8 +6,8 @@ use belvedere_sensors::Pose;
 use belvedere_sensors::camera::Camera;
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::lidar::Lidar;
-use belvedere_sensors::scene::SceneBuilder;
-use belvedere_sensors::trace::{Capture, WorkspaceBuf};
+use belvedere_sensors::scene::{SceneBuilder, visibility};
+use belvedere_sensors::trace::{CacheLine, Capture, Faces, Hits, RayGrid, RayTable, WorkspaceBuf, cast_grid};
 use common::{CAMERA, DEPTH_CAMERA, LIDAR, scenery};
 use core::cell::Cell;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -102,4 +102,36 @@ fn sensing_does_not_allocate() {
         });
         assert_eq!(calls, 0, "frame {frame}");
     }
+}
+
+#[test]
+fn tables_of_rays_do_not_allocate() {
+    let mut builder = SceneBuilder::new();
+    scenery(&mut builder);
+    let scene = builder.scene();
+    let (width, height) = (90, 60);
+    let directions: Vec<_> = (0..width * height)
+        .map(|ray| glam::Vec3::new(0.2, (ray % width) as f32 - 44.5, (ray / width) as f32 - 29.5))
+        .map(|direction| direction.normalize().to_array())
+        .collect();
+    let mut buffer = vec![<CacheLine as bytemuck::Zeroable>::zeroed(); RayTable::required_len(width, height)];
+    let mut distances = vec![0.0; directions.len()];
+    let mut workspace = WorkspaceBuf::default();
+    workspace.lend(&scene, 2 * directions.len());
+    let calls = allocations(|| {
+        let table = RayTable::build(width, height, &directions, &mut buffer).unwrap();
+        let grid = RayGrid::Table(&table);
+        cast_grid(
+            &scene,
+            &Pose::IDENTITY,
+            &grid,
+            [0.0, f64::INFINITY],
+            visibility::VISUAL,
+            Faces::Both,
+            &mut workspace.lend(&scene, grid.rays()),
+            Hits { distance: Some(&mut distances), ..Hits::default() },
+        );
+    });
+    assert_eq!(calls, 0);
+    assert!(distances.iter().any(|distance| distance.is_finite()));
 }

@@ -19,7 +19,7 @@ pub enum Wanted {
 
 /// A ray set ready to be cast, with the memory for its answers.
 pub struct Caster {
-    grid: RayGrid,
+    grid: RayGrid<'static>,
     world_from_sensor: Pose,
     workspace: WorkspaceBuf,
     distances: Vec<f32>,

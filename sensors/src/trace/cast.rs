@@ -41,7 +41,7 @@ pub struct Hits<'a> {
 pub fn cast_grid(
     scene: &Scene<'_>,
     world_from_sensor: &Pose,
-    grid: &RayGrid,
+    grid: &RayGrid<'_>,
     range: [f64; 2],
     visibility: u32,
     faces: Faces,

@@ -1,6 +1,6 @@
 //! Frames of rays from one point, band by band.
 
-use super::image::{Fan, PinholeFan, Projection, SphericalFan, Steps, Target, walk};
+use super::image::{Fan, PinholeFan, Projection, RayTable, SphericalFan, Steps, TableFan, Target, walk};
 use super::memory::Cutter;
 use super::packet::Faces;
 use super::view::View;
@@ -11,11 +11,13 @@ use fearless_simd::{Simd, dispatch};
 
 /// Directions of rays from a sensor, which looks along +x, y is left, z is up; row after row.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum RayGrid {
+pub enum RayGrid<'a> {
     /// Pixels of a camera.
     Pinhole(Pinhole),
     /// Columns by azimuth around z from +x, rows by elevation, both in equal steps.
     Spherical(SphericalGrid),
+    /// Any directions, from a table.
+    Table(&'a RayTable<'a>),
 }
 
 /// The rays of a spinning lidar. Angles in radians; azimuth is counter-clockwise seen from +z, elevation up.
@@ -35,7 +37,7 @@ pub struct SphericalGrid {
     pub elevation_step_rad: f64,
 }
 
-impl RayGrid {
+impl RayGrid<'_> {
     /// Rays across and down.
     pub fn size(&self) -> [usize; 2] {
         let fan = self.fan();
@@ -52,6 +54,7 @@ impl RayGrid {
         match self {
             Self::Pinhole(lens) => Fan::square(lens.width, lens.height),
             Self::Spherical(grid) => Fan::new(grid.columns, grid.rows),
+            Self::Table(table) => table.fan(),
         }
     }
 }
@@ -114,7 +117,7 @@ impl<P: Projection> Band<'_, P> {
 /// Traces all rays of a grid and hands each band to `work`.
 pub(crate) fn trace_grid<O: SplitRows, W: BandWork<O>>(
     view: &View<'_>,
-    grid: &RayGrid,
+    grid: &RayGrid<'_>,
     sight: &Sight,
     execution: Execution,
     memory: &mut Cutter<'_>,
@@ -124,6 +127,9 @@ pub(crate) fn trace_grid<O: SplitRows, W: BandWork<O>>(
     match grid {
         RayGrid::Pinhole(lens) => trace_pinhole(view, lens, sight, execution, memory, output, work),
         RayGrid::Spherical(grid) => trace_spherical(view, grid, sight, execution, memory, output, work),
+        RayGrid::Table(table) => {
+            trace_bands(view, TableFan::new(table), sight, execution, memory, output, work);
+        }
     }
 }
 

@@ -23,6 +23,7 @@ pub(crate) mod view;
 
 pub use cast::{Hits, cast_grid};
 pub use grid::{RayGrid, SphericalGrid};
+pub use image::{RayTable, TableError};
 #[cfg(feature = "alloc")]
 pub use memory::WorkspaceBuf;
 pub use memory::{CacheLine, Workspace, workspace_len};

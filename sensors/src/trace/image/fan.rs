@@ -30,9 +30,9 @@ impl Fan {
 
     /// Cache lines that the tables of any grid of so many rays take.
     pub(crate) const fn most_table_lines(rays: usize) -> usize {
-        // Of a single row or column, which take most: 10 lines for sixteen columns, 11 for a block of a row, and
-        // a few for what is filled up to whole lines.
-        rays.div_ceil(WIDTH) * 12 + 16
+        // Of a single row or column, which take most: a little more than 6 lines for each sixteen columns and for
+        // each row of blocks, and a few for what is filled up to whole lines.
+        rays.div_ceil(WIDTH) * 7 + 16
     }
 
     /// Blocks across.

@@ -1,0 +1,178 @@
+//! Rays in any directions: those of a distorted lens or a fisheye, or of a lidar with uneven rings.
+//!
+//! Directions are read from the table, block by block. What bounds need is a [`chart`](chart::Chart) on which
+//! columns and rows rise about evenly, and two [look-ups](look_up::LookUp) from it to columns and rows.
+
+mod build;
+mod chart;
+mod layout;
+mod look_up;
+
+pub use build::{RayTable, TableError};
+
+use super::fan::Fan;
+use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, max};
+use crate::scene::tree::WIDTH;
+use crate::simd::sqrt_f32;
+use chart::{Kind, Windows};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, i32x16, mask32x16};
+use glam::DVec3;
+
+/// Nearer than that in metres, ranges are not told apart when something is projected.
+const TINY: f32 = 1e-12;
+
+/// A table of rays, and the rows of it to draw.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TableFan<'a> {
+    fan: Fan,
+    table: RayTable<'a>,
+    /// First and last row to draw.
+    rows: [i32; 2],
+}
+
+impl<'a> TableFan<'a> {
+    pub(crate) fn new(table: &RayTable<'a>) -> Self {
+        let fan = table.fan();
+        Self { fan, table: *table, rows: [0, fan.height - 1] }
+    }
+
+    /// Index of a ray's block, and its lane. Lanes that are done stand past the end; any ray will do for them.
+    #[inline(always)]
+    fn place(&self, column: i32, row: i32) -> (usize, usize) {
+        let column = column.min(self.fan.width - 1);
+        let row = row.min(self.fan.height - 1);
+        let block = (row >> self.fan.shift_y) as usize * self.fan.blocks_across()
+            + (column >> self.fan.shift_x) as usize;
+        (block, self.fan.lane(column, row))
+    }
+
+    /// From windows of the chart to rays.
+    #[inline(always)]
+    fn rectangles<S: Simd>(&self, simd: S, windows: &Windows<S>) -> Rectangles<S> {
+        let table = &self.table;
+        let [first_column, last_column] = if table.chart.kind == Kind::Cylindrical {
+            table.columns.look_up_round(simd, windows.u, self.fan.width, table.ring)
+        } else {
+            table.columns.look_up(simd, windows.u)
+        };
+        let [first_row, last_row] = table.rows.look_up(simd, windows.v);
+        let [least, most] = self.rows.map(|row| i32x16::splat(simd, row));
+        let first_row = first_row.simd_lt(least).select(least, first_row);
+        let last_row = last_row.simd_gt(most).select(most, last_row);
+        let some = windows.some & first_column.simd_le(last_column) & first_row.simd_le(last_row);
+        Rectangles { first_column, last_column, first_row, last_row, some }
+    }
+}
+
+/// Distance of 0 from an interval: 0 inside.
+#[inline(always)]
+fn outside<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
+    max(max(low, -high), f32x16::splat(low.simd, 0.0))
+}
+
+impl Projection for TableFan<'_> {
+    type Directions<S: Simd> = [f32x16<S>; 3];
+
+    #[inline(always)]
+    fn fan(&self) -> &Fan {
+        &self.fan
+    }
+
+    #[inline(always)]
+    fn with_rows(self, rows: [i32; 2]) -> Self {
+        Self { rows, ..self }
+    }
+
+    fn direction(&self, column: i32, row: i32) -> DVec3 {
+        let (block, lane) = self.place(column, row);
+        let [x, y, z] = &self.table.directions[block];
+        DVec3::new(x[lane].into(), y[lane].into(), z[lane].into())
+    }
+
+    #[inline(always)]
+    fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
+        let block = &self.table.directions[row * self.fan.blocks_across() + column];
+        block.map(|values| values.map(f64::from))
+    }
+
+    #[inline(always)]
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        self.block(simd, column, row)
+    }
+
+    #[inline(always)]
+    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, _column: usize, _row: usize) -> f32x16<S> {
+        f32x16::splat(simd, 1.0) / inverse
+    }
+
+    #[inline(always)]
+    fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S> {
+        let [x, y, z] = &self.table.directions[row * self.fan.blocks_across() + column];
+        [f32x16::load_array_ref(simd, x), f32x16::load_array_ref(simd, y), f32x16::load_array_ref(simd, z)]
+    }
+
+    #[inline(always)]
+    fn rays<S: Simd>(&self, simd: S, columns: i32x16<S>, rows: i32x16<S>) -> Self::Directions<S> {
+        let (mut at_column, mut at_row) = ([0_i32; WIDTH], [0_i32; WIDTH]);
+        columns.store_array(&mut at_column);
+        rows.store_array(&mut at_row);
+        let mut values = [[0.0_f32; WIDTH]; 3];
+        for lane in 0..WIDTH {
+            let (block, place) = self.place(at_column[lane], at_row[lane]);
+            let [x, y, z] = &self.table.directions[block];
+            values[0][lane] = x[place];
+            values[1][lane] = y[place];
+            values[2][lane] = z[place];
+        }
+        [
+            f32x16::load_array_ref(simd, &values[0]),
+            f32x16::load_array_ref(simd, &values[1]),
+            f32x16::load_array_ref(simd, &values[2]),
+        ]
+    }
+
+    #[inline(always)]
+    fn ray<S: Simd>(&self, simd: S, column: i32, row: i32) -> Self::Directions<S> {
+        let (block, lane) = self.place(column, row);
+        let [x, y, z] = &self.table.directions[block];
+        [f32x16::splat(simd, x[lane]), f32x16::splat(simd, y[lane]), f32x16::splat(simd, z[lane])]
+    }
+
+    #[inline(always)]
+    fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S> {
+        (plane[0] * directions[0] + plane[1] * directions[1]) + plane[2] * directions[2]
+    }
+
+    #[inline(always)]
+    fn inverse_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
+        let [x, y, z] = [outside(low[0], high[0]), outside(low[1], high[1]), outside(low[2], high[2])];
+        let distance = ((x * x + y * y) + z * z).sqrt();
+        f32x16::splat(simd, 1.0001) / max(distance, f32x16::splat(simd, TINY))
+    }
+
+    #[inline(always)]
+    fn bound_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> Rectangles<S> {
+        self.rectangles(simd, &self.table.chart.windows_of_boxes(simd, low, high))
+    }
+
+    #[inline(always)]
+    fn bound_triangles<S: Simd>(
+        &self,
+        simd: S,
+        corners: &[Points<S>; 3],
+        valid: mask32x16<S>,
+    ) -> (Rectangles<S>, f32x16<S>) {
+        let (low, high) = bounds_of(corners);
+        let windows = self.table.chart.windows_of_triangles(simd, corners, valid);
+        (self.rectangles(simd, &windows), self.inverse_of_boxes(simd, &low, &high))
+    }
+
+    #[inline(always)]
+    fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S> {
+        let first = row * self.fan.blocks_across() + column;
+        let sixteen = |values: &[f32]| f32x16::from_slice(simd, &values[first..][..WIDTH]);
+        let [x, y, z] = self.table.middles.map(sixteen);
+        let length = sqrt_f32((plane[0] * plane[0] + plane[1] * plane[1]) + plane[2] * plane[2]);
+        ((x * plane[0] + y * plane[1]) + z * plane[2]) + sixteen(self.table.radii) * length
+    }
+}

@@ -1,0 +1,183 @@
+//! Which chart suits a table.
+
+use super::chart::{Chart, Kind, TURN};
+use crate::scene::tree::WIDTH;
+use crate::simd::sqrt;
+use crate::trace::image::Fan;
+use glam::{DMat3, DVec3};
+
+/// Cosine of the greatest angle to the axis of a perspective chart: 65°.
+const COS_PERSPECTIVE: f64 = 0.4226;
+/// And of a stereographic one: 150°.
+const COS_STEREOGRAPHIC: f64 = -0.866;
+/// An axis whose cosine to one of the sensor's is greater is taken to be that one.
+const COS_SAME: f64 = 0.999_99;
+
+/// A chart, and how columns run on it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
+    pub(super) chart: Chart,
+    /// The columns close to a ring.
+    pub(super) ring: bool,
+}
+
+impl Layout {
+    /// The number of a column at a coordinate: on a ring, those that lie beyond the seam count on.
+    pub(super) fn column(&self, rays: &Grid<'_>, column: i32, u: f32) -> i32 {
+        if !self.ring {
+            return column;
+        }
+        let width = rays.fan.width;
+        // Within an eighth of a turn of where the column is.
+        let about = (u / TURN + 0.5) * width as f32 - 0.5;
+        let turns = libm::roundf((about - column as f32) / width as f32);
+        column + turns as i32 * width
+    }
+}
+
+/// The directions of a table.
+pub(super) struct Grid<'a> {
+    pub(super) fan: Fan,
+    pub(super) blocks: &'a [[[f32; WIDTH]; 3]],
+}
+
+impl Grid<'_> {
+    pub(super) fn direction(&self, column: i32, row: i32) -> DVec3 {
+        let fan = &self.fan;
+        let block = (row >> fan.shift_y) as usize * fan.blocks_across() + (column >> fan.shift_x) as usize;
+        let ([x, y, z], lane) = (&self.blocks[block], fan.lane(column, row));
+        DVec3::new(x[lane].into(), y[lane].into(), z[lane].into())
+    }
+
+    /// Calls `work` with column, row and direction of each ray.
+    pub(super) fn for_each(&self, mut work: impl FnMut(i32, i32, DVec3)) {
+        for row in 0..self.fan.height {
+            for column in 0..self.fan.width {
+                work(column, row, self.direction(column, row));
+            }
+        }
+    }
+
+    /// The axis for charts that look ahead, if no direction is farther from it than that: the sensor's own
+    /// that is nearest to the middle, if it will do, as the sensor's boxes lie along it.
+    fn axis_ahead(&self, cosine: f64) -> Option<DVec3> {
+        let mut sum = DVec3::ZERO;
+        self.for_each(|_, _, direction| sum += direction);
+        let near = |axis: DVec3| {
+            let mut least = f64::INFINITY;
+            self.for_each(|_, _, direction| least = least.min(direction.dot(axis)));
+            least >= cosine
+        };
+        [nearest_axis(sum), unit(sum)?].into_iter().find(|axis| near(*axis))
+    }
+
+    pub(super) fn perspective(&self) -> Option<Layout> {
+        Some(self.ahead(Kind::Perspective, self.axis_ahead(COS_PERSPECTIVE)?))
+    }
+
+    pub(super) fn stereographic(&self) -> Option<Layout> {
+        Some(self.ahead(Kind::Stereographic, self.axis_ahead(COS_STEREOGRAPHIC)?))
+    }
+
+    /// A chart around an axis, turned so that columns go along its first coordinate.
+    fn ahead(&self, kind: Kind, axis: DVec3) -> Layout {
+        let [across, down] = self.steps().map(|step| step - axis * axis.dot(step));
+        let along_column = unit(down).map(|down| down.cross(axis));
+        let u = unit(across).or(along_column).unwrap_or_else(|| axis.any_orthonormal_vector());
+        let straight = settled(u);
+        let u = if straight.dot(axis) == 0.0 { straight } else { u };
+        let v = axis.cross(u);
+        let v = if v.dot(down) < 0.0 { -v } else { v };
+        Layout { chart: Chart::new(kind, [axis, u, v]), ring: false }
+    }
+
+    /// From the first to the last column, summed over rows, and from the first to the last row.
+    fn steps(&self) -> [DVec3; 2] {
+        let [right, bottom] = [self.fan.width - 1, self.fan.height - 1];
+        let across = (0..=bottom).map(|row| self.direction(right, row) - self.direction(0, row)).sum();
+        let down = (0..=right).map(|column| self.direction(column, bottom) - self.direction(column, 0)).sum();
+        [across, down]
+    }
+
+    /// A chart around the axis that rows go round.
+    pub(super) fn cylindrical(&self) -> Layout {
+        let (width, height) = (self.fan.width, self.fan.height);
+        // Steps along rows are across the axis: that in which they are least.
+        let mut steps = DMat3::ZERO;
+        for row in 0..height {
+            for column in 1..width {
+                let step = self.direction(column, row) - self.direction(column - 1, row);
+                steps += DMat3::from_cols(step * step.x, step * step.y, step * step.z);
+            }
+        }
+        let axis = settled(least_axis(&steps));
+        let axis = if axis.dot(self.steps()[1]) < 0.0 { -axis } else { axis };
+        // The seam is opposite to the middle, between two columns.
+        let (mut middle, mut turn) = (DVec3::ZERO, 0.0);
+        for row in 0..height {
+            middle += self.direction((width - 1) / 2, row) + self.direction(width / 2, row);
+            for column in 1..width {
+                turn += self.direction(column - 1, row).cross(self.direction(column, row)).dot(axis);
+            }
+        }
+        let across = |direction: DVec3| unit(direction - axis * axis.dot(direction));
+        let ahead = across(middle).unwrap_or_else(|| axis.any_orthonormal_vector());
+        let left = axis.cross(ahead);
+        let left = if turn < 0.0 { -left } else { left };
+        let chart = Chart::new(Kind::Cylindrical, [ahead, left, axis]);
+        let ends = [0, width - 1].map(|column| across(self.direction(column, height / 2)));
+        let ring = match ends {
+            // Closer than two and a half columns of a whole turn.
+            [Some(first), Some(last)] => {
+                let most = 2.5 * core::f64::consts::TAU / f64::from(width);
+                width >= 16 && first.dot(last) > 1.0 - 0.5 * most * most
+            }
+            _ => false,
+        };
+        Layout { chart, ring }
+    }
+}
+
+/// The unit vector in that direction, if there is any.
+fn unit(vector: DVec3) -> Option<DVec3> {
+    let length = sqrt(vector.length_squared());
+    (length > 1e-6).then(|| vector / length)
+}
+
+/// The axis of the sensor that a vector is nearest to.
+fn nearest_axis(vector: DVec3) -> DVec3 {
+    let size = vector.abs();
+    let axis = if size.x >= size.y && size.x >= size.z {
+        DVec3::X
+    } else if size.y >= size.z {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    };
+    if axis.dot(vector) < 0.0 { -axis } else { axis }
+}
+
+/// Normalised; one of the sensor's axes, if it is one but for rounding.
+fn settled(vector: DVec3) -> DVec3 {
+    let nearest = nearest_axis(vector);
+    let vector = unit(vector).unwrap_or(nearest);
+    if vector.dot(nearest) > COS_SAME { nearest } else { vector }
+}
+
+/// The axis along which a sum of squares is least: an eigenvector, by squaring its complement to the trace over
+/// and over.
+fn least_axis(squares: &DMat3) -> DVec3 {
+    let trace = |matrix: &DMat3| matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z;
+    let mut power = DMat3::IDENTITY * (trace(squares) + 1e-30) - *squares;
+    for _ in 0..24 {
+        power *= 1.0 / trace(&power);
+        power *= power;
+    }
+    let mut axis = power.z_axis;
+    for other in [power.x_axis, power.y_axis] {
+        if other.length_squared() > axis.length_squared() * 1.01 {
+            axis = other;
+        }
+    }
+    axis
+}

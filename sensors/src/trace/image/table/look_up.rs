@@ -1,0 +1,152 @@
+//! From a coordinate of a chart to the columns or rows that have rays there.
+
+use super::chart::TURN;
+use crate::scene::tree::WIDTH;
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16};
+
+/// The least and the greatest column (or row) from and up to each of the cells into which a coordinate is cut.
+///
+/// As columns rise with the coordinate, that is all there is to know; if they do not, bounds are loose, and hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LookUp<'a> {
+    /// Where the cells begin.
+    start: f32,
+    cells_per_unit: f32,
+    /// The least in this cell and the later ones; one entry more, for what lies past the last.
+    first: &'a [i16],
+    /// The greatest in the cells before this one; one entry more, too.
+    last: &'a [i16],
+}
+
+/// Cells for a grid of that many columns (or rows).
+pub(super) const fn cells(count: usize) -> usize {
+    4 * count + 252
+}
+
+/// A [`LookUp`] that is being filled.
+pub(super) struct Filling<'a> {
+    start: f32,
+    cells_per_unit: f32,
+    first: &'a mut [i16],
+    last: &'a mut [i16],
+}
+
+impl<'a> Filling<'a> {
+    /// Empty, for coordinates in the interval.
+    pub(super) fn new([least, most]: [f32; 2], first: &'a mut [i16], last: &'a mut [i16]) -> Self {
+        // Apart from each other where there is but one.
+        const PAD: f32 = 1e-4;
+        first.fill(i16::MAX);
+        last.fill(i16::MIN);
+        let cells = (first.len() - 1) as f32;
+        Self { start: least - PAD, cells_per_unit: (cells - 0.5) / ((most - least) + 2.0 * PAD), first, last }
+    }
+
+    /// A ray of that column (or row) is there.
+    pub(super) fn add(&mut self, coordinate: f32, number: i32) {
+        let cell = ((coordinate - self.start) * self.cells_per_unit) as usize;
+        let cell = cell.min(self.first.len() - 2);
+        let number = number as i16;
+        self.first[cell] = self.first[cell].min(number);
+        self.last[cell + 1] = self.last[cell + 1].max(number);
+    }
+
+    /// Once all have been added.
+    pub(super) fn finish(self) -> LookUp<'a> {
+        for cell in (1..self.first.len()).rev() {
+            self.first[cell - 1] = self.first[cell - 1].min(self.first[cell]);
+            let cell = self.last.len() - cell;
+            self.last[cell] = self.last[cell].max(self.last[cell - 1]);
+        }
+        let Self { start, cells_per_unit, first, last } = self;
+        LookUp { start, cells_per_unit, first, last }
+    }
+}
+
+impl LookUp<'_> {
+    /// How many columns or rows a cell holds on average.
+    pub(super) fn looseness(&self) -> f64 {
+        let cells = self.first.len() - 1;
+        let width = |cell: usize| (i32::from(self.last[cell + 1]) - i32::from(self.first[cell]) + 1).max(0);
+        (0..cells).map(|cell| f64::from(width(cell))).sum::<f64>() / cells as f64
+    }
+
+    #[inline(always)]
+    fn cells<S: Simd>(&self, simd: S, coordinates: f32x16<S>, least: f32) -> [i32; WIDTH] {
+        let (least, most) =
+            (f32x16::splat(simd, least), f32x16::splat(simd, least + (self.first.len() - 1) as f32));
+        let cells = simd.floor_f32x16((coordinates - self.start) * self.cells_per_unit);
+        let cells = cells.simd_gt(least).select(cells, least);
+        let cells = cells.simd_lt(most).select(cells, most);
+        let mut array = [0; WIDTH];
+        simd.cvt_i32_f32x16(cells).store_array(&mut array);
+        array
+    }
+
+    /// First of sixteen intervals that begin there.
+    #[inline(always)]
+    fn first_from<S: Simd>(&self, simd: S, from: f32x16<S>) -> i32x16<S> {
+        let cells = self.cells(simd, from, 0.0);
+        let mut numbers = [0; WIDTH];
+        for lane in 0..WIDTH {
+            numbers[lane] = i32::from(self.first[cells[lane] as usize]);
+        }
+        i32x16::load_array_ref(simd, &numbers)
+    }
+
+    /// Last of sixteen intervals that end there.
+    #[inline(always)]
+    fn last_to<S: Simd>(&self, simd: S, to: f32x16<S>) -> i32x16<S> {
+        let cells = self.cells(simd, to, -1.0);
+        let mut numbers = [0; WIDTH];
+        for lane in 0..WIDTH {
+            numbers[lane] = i32::from(self.last[(cells[lane] + 1) as usize]);
+        }
+        i32x16::load_array_ref(simd, &numbers)
+    }
+
+    /// First and last column (or row) in sixteen intervals; first > last where there is none.
+    #[inline(always)]
+    pub(super) fn look_up<S: Simd>(&self, simd: S, [from, to]: [f32x16<S>; 2]) -> [i32x16<S>; 2] {
+        [self.first_from(simd, from), self.last_to(simd, to)]
+    }
+
+    /// The same for intervals of azimuth, which may go on past the seam, where columns count on from `width` if
+    /// they close to a ring, and else from 0 again.
+    #[inline(always)]
+    pub(super) fn look_up_round<S: Simd>(
+        &self,
+        simd: S,
+        [from, to]: [f32x16<S>; 2],
+        width: i32,
+        ring: bool,
+    ) -> [i32x16<S>; 2] {
+        let [mut first, mut last] = self.look_up(simd, [from, to]);
+        let over_seam = to.simd_gt(f32x16::splat(simd, TURN * 0.5));
+        if over_seam.any_true() {
+            let on = if ring { width } else { 0 };
+            let least = f32x16::splat(simd, -TURN);
+            let [again_first, again_last] = self.look_up(simd, [least, to - TURN]);
+            let least = over_seam & (again_first + on).simd_lt(first);
+            first = least.select(again_first + on, first);
+            let most = over_seam & (again_last + on).simd_gt(last);
+            last = most.select(again_last + on, last);
+        }
+        if !ring {
+            return [first, last];
+        }
+        // Numbers of a ring's columns run from −width to 3 × width: back to where the first is a column.
+        let width = i32x16::splat(simd, width);
+        let all = (last - first + 1).simd_ge(width);
+        for _ in 0..2 {
+            let over = first.simd_ge(width) & first.simd_le(last);
+            first = over.select(first - width, first);
+            last = over.select(last - width, last);
+        }
+        let zero = i32x16::splat(simd, 0);
+        let under = first.simd_lt(zero);
+        first = under.select(first + width, first);
+        last = under.select(last + width, last);
+        [all.select(zero, first), all.select(width - 1, last)]
+    }
+}

@@ -14,7 +14,7 @@ const TOLERANCE: f64 = 3e-7;
 /// A grid of rays, and how it is turned in the world.
 #[derive(Clone, Copy)]
 pub(crate) struct Sensor {
-    pub(crate) grid: RayGrid,
+    pub(crate) grid: RayGrid<'static>,
     world_from_sensor: DMat3,
 }
 

@@ -46,6 +46,8 @@ impl Sensor {
                 let (up, level) = (grid.first_elevation_rad + grid.elevation_step_rad * row).sin_cos();
                 DVec3::new(cos * level, sin * level, up)
             }
+            // Nothing is fitted by a table.
+            RayGrid::Table(_) => return DVec3::ZERO,
         };
         self.world_from_sensor * in_sensor
     }

@@ -121,15 +121,12 @@ impl<'a> SphericalFan<'a> {
                 }
             },
         );
-        elevation.fill(
-            (fan.blocks_down() << fan.shift_y).div_ceil(WIDTH),
-            #[inline(always)]
-            |block, cos, sin| {
-                for lane in 0..WIDTH {
-                    elevations[block * WIDTH + lane] = [cos[lane], sin[lane]];
-                }
-            },
-        );
+        // One by one: there are few, and at a pole the sign of a cosine must be right, or the ray is none of its
+        // column's.
+        for (row, angles) in elevations[..fan.blocks_down() << fan.shift_y].iter_mut().enumerate() {
+            let (sin, cos) = sin_cos(elevation.first + elevation.step * row as f64);
+            *angles = [cos, sin];
+        }
         for block in 0..fan.blocks_down() {
             for lane in 0..WIDTH {
                 let [cos, sin] = elevations[(block << fan.shift_y) + fan.lane_position(lane).1];

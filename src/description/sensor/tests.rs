@@ -111,14 +111,14 @@ fn every_wrong_value_gives_one_error_that_names_it() {
             "<update_rate> of sensor 'c' is -5",
         ),
         (scan("<samples>0</samples>"), "<samples> of sensor 'r' is 0"),
-        (scan("<samples>100001</samples>"), "<samples> of sensor 'r' is 100001"),
+        (scan("<samples>32768</samples>"), "<samples> of sensor 'r' is 32768"),
         (scan("<min_angle>1</min_angle><max_angle>-1</max_angle>"), "is 1 and <max_angle> is -1"),
         ("<sensor name='r' type='ray'/>".into(), "<min> 0 and <max> 0"),
         (
             ray(
-                "<scan><horizontal><samples>100000</samples></horizontal><vertical><samples>200</samples></vertical></scan>",
+                "<scan><horizontal><samples>30000</samples></horizontal><vertical><samples>700</samples></vertical></scan>",
             ),
-            "100000 × 200 = 20000000 beams",
+            "30000 × 700 = 21000000 beams",
         ),
         ("<sensor type='camera'/>".into(), "<sensor> has no name"),
     ];

@@ -13,6 +13,7 @@
 pub(crate) mod fan;
 mod pinhole;
 mod projection;
+mod sharp;
 mod solid;
 mod spherical;
 mod strip;
@@ -27,5 +28,5 @@ pub(crate) use projection::Projection;
 pub(crate) use spherical::{SphericalFan, Steps};
 pub(crate) use table::TableFan;
 pub use table::{RayTable, TableError};
-pub(crate) use target::{GRAZING, GRAZING_SQUARED, NO_HIT, Target};
+pub(crate) use target::{NO_HIT, Target};
 pub(crate) use walk::walk;

@@ -6,6 +6,7 @@
 
 use super::fan::Fan;
 use super::projection::{Planes, Projection, min};
+use super::sharp::Blurred;
 use super::target::Target;
 use super::triangles::{Leaf, Rules, inside, set_up, splat};
 use crate::scene::tree::WIDTH;
@@ -21,7 +22,7 @@ const COLUMNS: [i32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
 
 /// Whether a leaf is one for [`draw`].
 #[inline(always)]
-pub(super) fn suits<S: Simd, P: Projection>(projection: &P, leaf: &Leaf<S>) -> bool {
+pub(super) fn suits<S: Simd, P: Projection>(projection: &P, leaf: &Leaf<'_, S>) -> bool {
     let fan = projection.fan();
     if !is_one::<P>(fan) {
         return false;
@@ -53,7 +54,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    leaf: &Leaf<S>,
+    leaf: &Leaf<'_, S>,
 ) {
     let setup = set_up(simd, leaf, rules);
     if !setup.valid.any_true() {
@@ -69,6 +70,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     }
     let mut triangle_slots = [0; WIDTH];
     setup.slots.store_array(&mut triangle_slots);
+    let blurred = setup.blurred.to_bitmask();
     let fan = projection.fan();
     let blocks_across = fan.blocks_across();
     // A ring's rectangle may run over its end.
@@ -112,8 +114,15 @@ pub(super) fn draw<S: Simd, P: Projection>(
                         splat(simd, &[x[lane], y[lane], z[lane]])
                     };
                     let edges = [plane(0), plane(1), plane(2)];
-                    let (hit, inverse) = inside::<S, P>(&edges, &plane(3), &directions, rules.inverse_near);
-                    let hit = hit & inverse.simd_gt(nearest);
+                    let (inside, mut inverse) = inside::<S, P>(&edges, &plane(3), &directions);
+                    if blurred & 1 << lane != 0 {
+                        let [x, y, z] = &spilled[3];
+                        inverse = Blurred::new(&projection, &leaf.source, lane, [x[lane], y[lane], z[lane]])
+                            .sharpen_block(simd, &projection, [column, row], inside, inverse);
+                    }
+                    let hit = inside
+                        & inverse.simd_le(f32x16::splat(simd, rules.inverse_near))
+                        & inverse.simd_gt(nearest);
                     nearest = hit.select(inverse, nearest);
                     slots = hit.select(u32x16::splat(simd, triangle_slots[lane]), slots);
                 }

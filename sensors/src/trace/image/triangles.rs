@@ -6,7 +6,8 @@
 //! on the same side as the triangle, and there 1/t = n·d / n·a.
 
 use super::projection::{Planes, Points, Projection, Rectangles, max, min};
-use super::target::{GRAZING, GRAZING_SQUARED, Target};
+use super::sharp::{BLURRED_SQUARED, Blurred, PlaneArrays, Source, grazing_limit};
+use super::target::Target;
 use crate::scene::tree::WIDTH;
 use crate::trace::packet::Faces;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
@@ -29,6 +30,8 @@ pub(super) struct Setup<S: Simd> {
     /// Plane of 1/t.
     pub(super) inverse: Planes<S>,
     pub(super) valid: mask32x16<S>,
+    /// Those that a ray may graze.
+    pub(super) blurred: mask32x16<S>,
     pub(super) slots: u32x16<S>,
 }
 
@@ -44,7 +47,8 @@ struct Spilled {
 }
 
 /// A leaf to draw.
-pub(super) struct Leaf<S: Simd> {
+pub(super) struct Leaf<'a, S: Simd> {
+    pub(super) source: Source<'a>,
     /// Corners in the sensor's frame.
     pub(super) corners: [Points<S>; 3],
     /// Slot of the first triangle; the others follow.
@@ -98,28 +102,75 @@ fn edge<S: Simd>(a: &Points<S>, b: &Points<S>, sign: f32x16<S>) -> Planes<S> {
 }
 
 #[inline(always)]
-pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<S>, rules: Rules) -> Setup<S> {
+pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<'_, S>, rules: Rules) -> Setup<S> {
     let [a, b, c] = &leaf.corners;
-    let normal = cross(&sub(b, a), &sub(c, a));
+    let (ab, ac) = (sub(b, a), sub(c, a));
+    let normal = cross(&ab, &ac);
     let volume = (a[0] * normal[0] + a[1] * normal[1]) + a[2] * normal[2];
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let (behind, front) = (volume.simd_gt(zero), volume.simd_lt(zero));
+    let sign = behind.select(one, -one);
+    let per_volume = one / volume;
+    let inverse = scale(&normal, per_volume);
+    let slots = u32x16::load_array_ref(simd, &LANE_NUMBERS) + leaf.first_slot;
+    let edges = [edge(b, c, sign), edge(c, a, sign), edge(a, b, sign)];
+    // Errors of 1/t: that of the corners, |corner| at most, by the distance of the plane, 1/|inverse|; and that of
+    // the normal, |ab|·|ac|, over the extent of the triangle.
+    let (ab, ac) = (square(&ab), square(&ac));
+    let extent = max(ab, ac);
+    let limit = f32x16::splat(simd, BLURRED_SQUARED);
+    let away = square(a);
+    let is_steep = ((away + extent) * square(&inverse)).simd_le(limit);
+    let is_fat = (((ab * per_volume) * (ac * per_volume)) * extent).simd_le(limit);
+    // 0 by 0 compares as false.
+    let blurred = ab.simd_gt(zero) & ac.simd_gt(zero) & !(is_steep & is_fat);
+    let mut setup = Setup { edges, inverse, valid: behind, blurred, slots };
+    // What is small for its distance is blurred along grazing rays only.
+    let again = blurred & !(is_fat & (extent * 4.0).simd_lt(away));
+    let sides = if again.any_true() {
+        sharpen(simd, leaf, &mut setup, again, [behind, front])
+    } else {
+        [behind, front]
+    };
+    let [behind, front] = sides;
     // Seen edge on, a triangle covers nothing.
-    let valid = match (rules.faces, rules.mirrored) {
+    setup.valid = match (rules.faces, rules.mirrored) {
         (Faces::Both, _) => behind | front,
         (Faces::Front, false) => front,
         (Faces::Front, true) => behind,
     };
-    let sign = behind.select(one, -one);
-    let inverse = scale(&normal, one / volume);
-    // 1/t = inverse · direction. Where it is small against both, the ray runs along the plane, and rounding
-    // shows; |corner|² bounds t² on the triangle.
-    let steepest = (inverse[0] * inverse[0] + inverse[1] * inverse[1]) + inverse[2] * inverse[2];
-    let farthest = max(max(square(a), square(b)), square(c));
-    let grazing = (steepest * farthest).simd_gt(f32x16::splat(simd, GRAZING_SQUARED));
-    let slots = u32x16::load_array_ref(simd, &LANE_NUMBERS) + leaf.first_slot;
-    let slots = grazing.select(slots | u32x16::splat(simd, GRAZING), slots);
-    Setup { edges: [edge(b, c, sign), edge(c, a, sign), edge(a, b, sign)], inverse, valid, slots }
+    setup
+}
+
+/// Makes the planes of the triangles in `lanes` again, and tells which are seen from behind and from the front.
+#[inline(always)]
+fn sharpen<S: Simd>(
+    simd: S,
+    leaf: &Leaf<'_, S>,
+    setup: &mut Setup<S>,
+    lanes: mask32x16<S>,
+    [behind, front]: [mask32x16<S>; 2],
+) -> [mask32x16<S>; 2] {
+    let mut planes = PlaneArrays {
+        edges: [[[0.0; WIDTH]; 3]; 3],
+        inverse: [[0.0; WIDTH]; 3],
+        behind: behind.to_bitmask(),
+        front: front.to_bitmask(),
+    };
+    for axis in 0..3 {
+        for edge in 0..3 {
+            setup.edges[edge][axis].store_array(&mut planes.edges[edge][axis]);
+        }
+        setup.inverse[axis].store_array(&mut planes.inverse[axis]);
+    }
+    leaf.source.sharpen(lanes.to_bitmask(), &mut planes);
+    for axis in 0..3 {
+        for edge in 0..3 {
+            setup.edges[edge][axis] = f32x16::load_array_ref(simd, &planes.edges[edge][axis]);
+        }
+        setup.inverse[axis] = f32x16::load_array_ref(simd, &planes.inverse[axis]);
+    }
+    [mask32x16::from_bitmask(simd, planes.behind), mask32x16::from_bitmask(simd, planes.front)]
 }
 
 /// Draws a leaf into the target.
@@ -129,7 +180,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    leaf: &Leaf<S>,
+    leaf: &Leaf<'_, S>,
 ) {
     let setup = set_up(simd, leaf, rules);
     if !setup.valid.any_true() {
@@ -154,7 +205,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
         & rectangles.last_column.simd_lt(i32x16::splat(simd, width));
     if tiny.to_bitmask().count_ones() >= TINY_TRIANGLES {
         rest &= !tiny;
-        draw_tiny(simd, projection, target, rules, &setup, &rectangles, tiny, area);
+        draw_tiny(simd, projection, target, rules, leaf, &setup, &rectangles, tiny, area);
         if !rest.any_true() {
             return;
         }
@@ -173,36 +224,44 @@ pub(super) fn draw<S: Simd, P: Projection>(
         setup.edges[2][axis].store_array(&mut spilled.edges[2][axis]);
         setup.inverse[axis].store_array(&mut spilled.inverse[axis]);
     }
-    min(nearest, f32x16::splat(simd, leaf.nearest)).store_array(&mut spilled.nearest);
+    let most = f32x16::splat(simd, leaf.nearest);
+    setup.blurred.select(most, min(nearest, most)).store_array(&mut spilled.nearest);
     setup.slots.store_array(&mut spilled.slots);
     rectangles.first_column.store_array(&mut spilled.columns[0]);
     rectangles.last_column.store_array(&mut spilled.columns[1]);
     rectangles.first_row.store_array(&mut spilled.rows[0]);
     rectangles.last_row.store_array(&mut spilled.rows[1]);
-    let mut lanes = rest.to_bitmask();
+    let (mut lanes, blurred) = (rest.to_bitmask(), setup.blurred.to_bitmask());
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
         lanes &= lanes - 1;
-        draw_one(simd, projection, target, rules, spilled.slots[lane], &spilled, lane);
+        let blurred = (blurred & 1 << lane != 0).then(|| {
+            let [x, y, z] = &spilled.inverse;
+            Blurred::new(&projection, &leaf.source, lane, [x[lane], y[lane], z[lane]])
+        });
+        draw_one(simd, projection, target, rules, blurred, &spilled, lane);
     }
 }
 
-/// The lanes where a ray is inside all three edges and its 1/t counts.
+/// The lanes where a ray is inside all three edges, and 1/t.
 #[inline(always)]
 pub(super) fn inside<S: Simd, P: Projection>(
     edges: &[Planes<S>; 3],
     inverse: &Planes<S>,
     directions: &P::Directions<S>,
-    inverse_near: f32,
 ) -> (mask32x16<S>, f32x16<S>) {
     let u = P::dot(&edges[0], directions);
     let v = P::dot(&edges[1], directions);
     let w = P::dot(&edges[2], directions);
     let inverse = P::dot(inverse, directions);
-    let simd = inverse.simd;
-    let hit = min(min(u, v), w).simd_ge(f32x16::splat(simd, 0.0))
-        & inverse.simd_le(f32x16::splat(simd, inverse_near));
-    (hit, inverse)
+    (min(min(u, v), w).simd_ge(f32x16::splat(inverse.simd, 0.0)), inverse)
+}
+
+/// (1/t)² of each triangle below which a ray grazes it; 0 of those that none grazes.
+#[inline(always)]
+fn grazing_limits<S: Simd, P: Projection>(simd: S, projection: &P, setup: &Setup<S>) -> f32x16<S> {
+    let limits = square(&setup.inverse) * grazing_limit(projection);
+    setup.blurred.select(limits, f32x16::splat(simd, 0.0))
 }
 
 /// Each ray against all sixteen triangles.
@@ -212,11 +271,13 @@ fn draw_few_rays<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    leaf: &Leaf<S>,
+    leaf: &Leaf<'_, S>,
     setup: &Setup<S>,
 ) {
     let fan = projection.fan();
     let blocks_across = fan.blocks_across();
+    let may_graze = setup.blurred.any_true();
+    let limits = grazing_limits(simd, &projection, setup);
     for row in leaf.rows[0]..=leaf.rows[1] {
         let block_row = (row >> fan.shift_y) as usize - rules.first_block_row;
         for column in leaf.columns[0]..=leaf.columns[1] {
@@ -228,9 +289,16 @@ fn draw_few_rays<S: Simd, P: Projection>(
                 continue;
             }
             let directions = projection.ray(simd, column, row);
-            let (hit, inverse) =
-                inside::<S, P>(&setup.edges, &setup.inverse, &directions, rules.inverse_near);
-            let hit = hit & setup.valid & inverse.simd_gt(f32x16::splat(simd, so_far));
+            let (inside, mut inverse) = inside::<S, P>(&setup.edges, &setup.inverse, &directions);
+            let inside = inside & setup.valid;
+            if may_graze {
+                let grazing = inside & (inverse * inverse).simd_lt(limits);
+                inverse =
+                    leaf.source.sharpen_lanes(simd, grazing, inverse, |_| projection.direction(column, row));
+            }
+            let hit = inside
+                & inverse.simd_le(f32x16::splat(simd, rules.inverse_near))
+                & inverse.simd_gt(f32x16::splat(simd, so_far));
             if hit.any_true() {
                 let candidates = hit.select(inverse, f32x16::splat(simd, 0.0));
                 let nearest = simd.reduce_max_f32x16(candidates);
@@ -251,6 +319,7 @@ fn draw_tiny<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
+    leaf: &Leaf<'_, S>,
     setup: &Setup<S>,
     rectangles: &Rectangles<S>,
     tiny: mask32x16<S>,
@@ -266,10 +335,21 @@ fn draw_tiny<S: Simd, P: Projection>(
     let mut slots = [0; WIDTH];
     setup.slots.store_array(&mut slots);
     let (mut at_column, mut at_row, mut at_inverse) = ([0_i32; WIDTH], [0_i32; WIDTH], [0.0_f32; WIDTH]);
+    let may_graze = (setup.blurred & tiny).any_true();
+    let limits = grazing_limits(simd, &projection, setup);
     for _ in 0..steps {
         let directions = projection.rays(simd, columns, rows);
-        let (hit, inverse) = inside::<S, P>(&setup.edges, &setup.inverse, &directions, rules.inverse_near);
-        let mut hits = (hit & drawing).to_bitmask();
+        let (inside, mut inverse) = inside::<S, P>(&setup.edges, &setup.inverse, &directions);
+        let inside = inside & drawing;
+        if may_graze {
+            columns.store_array(&mut at_column);
+            rows.store_array(&mut at_row);
+            let grazing = inside & (inverse * inverse).simd_lt(limits);
+            let direction = |lane: usize| projection.direction(at_column[lane], at_row[lane]);
+            inverse = leaf.source.sharpen_lanes(simd, grazing, inverse, direction);
+        }
+        let hit = inside & inverse.simd_le(f32x16::splat(simd, rules.inverse_near));
+        let mut hits = hit.to_bitmask();
         touched |= hits;
         if hits != 0 {
             columns.store_array(&mut at_column);
@@ -322,13 +402,13 @@ fn draw_one<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    slot: u32,
+    mut blurred: Option<Blurred<'_>>,
     spilled: &Spilled,
     lane: usize,
 ) {
     let fan = projection.fan();
     let blocks_across = fan.blocks_across();
-    let nearest = spilled.nearest[lane];
+    let (nearest, slot) = (spilled.nearest[lane], spilled.slots[lane]);
     let [first, last] = [spilled.columns[0][lane], spilled.columns[1][lane]];
     let block_rows =
         (spilled.rows[0][lane] >> fan.shift_y) as usize..=(spilled.rows[1][lane] >> fan.shift_y) as usize;
@@ -357,6 +437,7 @@ fn draw_one<S: Simd, P: Projection>(
                             projection,
                             target,
                             rules,
+                            &mut blurred,
                             slot,
                             &edges,
                             &inverse,
@@ -388,6 +469,7 @@ fn draw_one<S: Simd, P: Projection>(
                         projection,
                         target,
                         rules,
+                        &mut blurred,
                         slot,
                         &edges,
                         &inverse,
@@ -409,6 +491,7 @@ fn draw_block<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
+    blurred: &mut Option<Blurred<'_>>,
     slot: u32,
     edges: &[[f32; 3]; 3],
     inverse: &[f32; 3],
@@ -417,9 +500,12 @@ fn draw_block<S: Simd, P: Projection>(
 ) {
     let directions = projection.block(simd, column, row);
     let edges = [splat(simd, &edges[0]), splat(simd, &edges[1]), splat(simd, &edges[2])];
-    let (hit, inverse) = inside::<S, P>(&edges, &splat(simd, inverse), &directions, rules.inverse_near);
+    let (inside, mut inverse) = inside::<S, P>(&edges, &splat(simd, inverse), &directions);
+    if let Some(blurred) = blurred {
+        inverse = blurred.sharpen_block(simd, &projection, [column, row], inside, inverse);
+    }
     let so_far = f32x16::load_array_ref(simd, &target.inverse[block]);
-    let hit = hit & inverse.simd_gt(so_far);
+    let hit = inside & inverse.simd_le(f32x16::splat(simd, rules.inverse_near)) & inverse.simd_gt(so_far);
     let nearest = hit.select(inverse, so_far);
     nearest.store_array(&mut target.inverse[block]);
     let slots = u32x16::load_array_ref(simd, &target.slot[block]);

@@ -69,11 +69,26 @@ impl Settled {
             self.widened(simd, bundle, 1, first),
             self.widened(simd, bundle, 2, first),
         ];
-        let direction = [
-            load(simd, &bundle.direction[0], first).widen(),
-            load(simd, &bundle.direction[1], first).widen(),
-            load(simd, &bundle.direction[2], first).widen(),
-        ];
+        let widened = |values: &[PerRay<f32>; 3]| {
+            [
+                load(simd, &values[0], first).widen(),
+                load(simd, &values[1], first).widen(),
+                load(simd, &values[2], first).widen(),
+            ]
+        };
+        let mut direction = widened(&bundle.direction);
+        let mut corners = corners;
+        if bundle.is_far {
+            let (origin_low, direction_low) = (widened(&bundle.origin_low), widened(&bundle.direction_low));
+            for axis in 0..3 {
+                direction[axis].0 += direction_low[axis].0;
+                direction[axis].1 += direction_low[axis].1;
+                for corner in &mut corners {
+                    corner[axis].0 -= origin_low[axis].0;
+                    corner[axis].1 -= origin_low[axis].1;
+                }
+            }
+        }
         self.compute_eight(simd, [low(corners[0]), low(corners[1]), low(corners[2])], low(direction), first);
         self.compute_eight(
             simd,

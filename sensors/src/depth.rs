@@ -9,7 +9,7 @@ use crate::shade::{Colours, Shader};
 use crate::simd::{LANES, Lanes};
 use crate::trace::grid::{Band, BandWork, trace_pinhole};
 use crate::trace::image::Projection;
-use crate::trace::measure::measure_tile;
+use crate::trace::measure::Measure;
 use crate::trace::packet::Packet;
 use crate::trace::resolve::Resolver;
 use crate::trace::tile::{TILE_HEIGHT, TILE_WIDTH, take_tile};
@@ -242,6 +242,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
         let lens = camera.camera.lens();
         let axes = capture.world_from_sensor.rotation_matrix();
         let steps = lens.pixel_steps(&capture.world_from_sensor);
+        let measure = Measure::new(&capture.world_from_sensor);
         let wants_colour = rows.output.colour.is_some() || rows.output.points.is_some();
         let mut resolver = Resolver::new(band.view);
         let mut packet = Packet::new();
@@ -261,7 +262,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                     shader.shade(simd, band.view, &packet, &steps, &mut colours);
                     camera.camera.add_noise(capture.frame, tile, &mut colours);
                 }
-                let truth = measure_tile(simd, band, [column, row]);
+                let truth = measure.tile(simd, band, &mut resolver, [column, row]);
                 let depths = camera.depths(&truth, capture.frame, tile);
                 camera.write_tile(simd, &depths, &colours, [column, row], &mut rows.output);
             }

@@ -6,7 +6,7 @@ use crate::scene::{Scene, visibility};
 use crate::simd::LANES;
 use crate::trace::grid::{Band, BandWork, Sight, trace_spherical};
 use crate::trace::image::{NO_HIT, Projection};
-use crate::trace::measure::measure_block;
+use crate::trace::measure::Measure;
 use crate::trace::packet::Faces;
 use crate::trace::place::for_each_block;
 use crate::trace::resolve::Resolver;
@@ -240,12 +240,13 @@ impl BandWork<Lines<'_>> for Scanner<'_> {
     #[inline(always)]
     fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, lines: Lines<'_>) {
         let Lines { ranges, intensities, samples, .. } = lines;
+        let measure = Measure::new(&self.capture.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
         for_each_block(
             band,
             #[inline(always)]
             |place, block| {
-                place.write(&measure_block::<S, P, false>(simd, band, block), ranges);
+                place.write(&measure.block::<S, P, false>(simd, band, &mut resolver, block), ranges);
                 if !intensities.is_empty() {
                     let retro = band.target.slot[place.block]
                         .map(|slot| if slot == NO_HIT { 0.0 } else { resolver.laser_retro(slot) });

@@ -7,6 +7,7 @@ use belvedere_sensors::lens::Pinhole;
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays};
 use belvedere_sensors::trace::{Faces, Hits, RayGrid, SphericalGrid, WorkspaceBuf, cast_grid};
+use common::adversary;
 use common::brute::{Found, Pair, Tally};
 use common::exactness::{Dice, Scenario, scenarios, stands};
 use core::f64::consts::{FRAC_PI_2, TAU};
@@ -213,4 +214,64 @@ fn origins_on_surfaces_see_what_is_beyond() {
         }
     }
     println!("all: {tally:?}");
+}
+
+/// Scenes of each kind.
+const SEEDS: u64 = 40;
+
+#[test]
+fn random_scenes_agree_with_the_oracle() {
+    for kind in adversary::KINDS {
+        let (mut grids, mut singles) = (Tally::default(), Tally::default());
+        for seed in 0..SEEDS {
+            let mut dice = Dice(seed * 1000 + kind as u64);
+            let (scenario, poses) = adversary::scene(&mut dice, kind);
+            for pose in &poses {
+                let faces = if dice.roll() < 0.5 { Faces::Front } else { Faces::Both };
+                let lens = Pinhole::from_fov(27, 21, 0.2 + 2.0 * dice.roll());
+                let lidar = SphericalGrid {
+                    columns: 40,
+                    rows: 12,
+                    first_azimuth_rad: dice.roll() * TAU,
+                    azimuth_step_rad: TAU / 40.0,
+                    first_elevation_rad: -1.2,
+                    elevation_step_rad: 0.21,
+                };
+                let range = [1e-3 * scenario.size, 1e3 * scenario.size];
+                for grid in [RayGrid::Pinhole(lens), RayGrid::Spherical(lidar)] {
+                    check_grid(&scenario, &grid, pose, range, faces, &mut grids);
+                }
+                check_rays(&scenario, pose.translation(), &mut dice, faces, &mut singles);
+            }
+        }
+        println!("{kind:?}: grids {grids:?}, single rays {singles:?}");
+    }
+}
+
+/// Rays to all sides from around a place.
+fn check_rays(scenario: &Scenario, place: DVec3, dice: &mut Dice, faces: Faces, tally: &mut Tally) {
+    let wide = |v: [f32; 3]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+    let (origins, directions): (Vec<_>, Vec<_>) = (0..300)
+        .map(|index| {
+            let origin = if index % 3 == 0 { dice.cube() * scenario.size } else { DVec3::ZERO };
+            (origin.as_vec3().to_array(), dice.cube().as_vec3().to_array())
+        })
+        .unzip();
+    let scene = scenario.pair.builder.scene();
+    let range = [(1e-3 * scenario.size) as f32, f32::INFINITY];
+    let ranges = vec![range; origins.len()];
+    let rays = Rays { origins: &origins, directions: &directions, ranges: Some(&ranges) };
+    let mut workspace = WorkspaceBuf::default();
+    let mut workspace = workspace.lend(&scene, 0);
+    let mut answers = Answers::new(origins.len());
+    let mut occluded = vec![false; origins.len()];
+    cast_rays(&scene, place, &rays, VISUAL, faces, &mut workspace, answers.hits());
+    occluded_rays(&scene, place, &rays, VISUAL, faces, &mut workspace, &mut occluded);
+    for (index, &occluded) in occluded.iter().enumerate() {
+        let ray = (place, wide(origins[index]), wide(directions[index]));
+        let found = answers.of(index);
+        let what = format!("{}, single ray {index}", scenario.name);
+        scenario.pair.check(&what, ray, range.map(f64::from), faces == Faces::Both, &found, 1.0, tally);
+        assert_eq!(occluded, found.distance.is_finite(), "{what} of {faces:?}: any hit and nearest hit");
+    }
 }

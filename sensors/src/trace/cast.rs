@@ -3,7 +3,7 @@
 use super::grid::{Band, BandWork, RayGrid, Sight, trace_grid};
 use super::hit_point::{HitPoints, block_index, has_solids};
 use super::image::{NO_HIT, Projection};
-use super::measure::measure_block;
+use super::measure::Measure;
 use super::memory::Workspace;
 use super::packet::Faces;
 use super::place::{Place, for_each_block};
@@ -73,7 +73,10 @@ pub fn cast_grid(
         execution,
         &mut memory,
         output,
-        &Cast { points: HitPoints::new(world_from_sensor, range[0], faces) },
+        &Cast {
+            rays: Measure::new(world_from_sensor),
+            points: HitPoints::new(world_from_sensor, range[0], faces),
+        },
     );
 }
 
@@ -111,6 +114,7 @@ impl SplitRows for Rows<'_> {
 }
 
 struct Cast {
+    rays: Measure,
     points: HitPoints,
 }
 
@@ -125,7 +129,7 @@ impl BandWork<Rows<'_>> for Cast {
                 band,
                 #[inline(always)]
                 |place, block| {
-                    place.write(&measure_block::<S, P, false>(simd, band, block), distance);
+                    place.write(&self.rays.block::<S, P, false>(simd, band, &mut resolver, block), distance);
                 },
             );
         }

@@ -49,6 +49,11 @@ impl Packet {
         }
     }
 
+    #[inline(always)]
+    pub(crate) fn direction_of(&self, lane: usize) -> glam::DVec3 {
+        glam::DVec3::new(self.direction[0][lane], self.direction[1][lane], self.direction[2][lane])
+    }
+
     /// Whether some lane takes part.
     #[inline(always)]
     pub(crate) fn is_active(&self) -> bool {

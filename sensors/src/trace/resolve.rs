@@ -1,6 +1,6 @@
 //! From the slot of a hit back to what was hit.
 
-use super::image::NO_HIT;
+use super::image::{GRAZING, GRAZING_SQUARED, NO_HIT};
 use super::view::{Placed, View};
 use crate::scene::tree::{Facet, WIDTH};
 use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
@@ -18,7 +18,7 @@ pub(crate) struct Resolver<'a> {
 /// A slot, counted from its instance's first.
 #[inline(always)]
 pub(crate) fn local_slot(slot: u32, instance: &Placed) -> u32 {
-    slot - instance.first_slot
+    (slot & !GRAZING) - instance.first_slot
 }
 
 /// What a slot stands for.
@@ -47,6 +47,7 @@ impl<'a> Resolver<'a> {
     /// The hit of a slot, which is not [`NO_HIT`].
     #[inline(always)]
     pub(crate) fn hit(&mut self, slot: u32) -> Hit<'a> {
+        let slot = slot & !GRAZING;
         if !self.slots.contains(&slot) {
             self.find(slot);
         }
@@ -61,7 +62,7 @@ impl<'a> Resolver<'a> {
         simd: S,
         slots: &[u32; WIDTH],
     ) -> Option<(&'a Placed, &'a [Facet])> {
-        let slots = u32x16::load_array_ref(simd, slots);
+        let slots = u32x16::load_array_ref(simd, slots) & u32x16::splat(simd, !GRAZING);
         let own = slots.simd_ge(u32x16::splat(simd, self.slots.start))
             & slots.simd_lt(u32x16::splat(simd, self.slots.end));
         if !own.all_true() {
@@ -76,7 +77,7 @@ impl<'a> Resolver<'a> {
     fn find(&mut self, slot: u32) {
         let after = self.view.placed.partition_point(|placed| placed.first_slot <= slot);
         self.placed = after as u32 - 1;
-        let end = self.view.placed.get(after).map_or(NO_HIT, |next| next.first_slot);
+        let end = self.view.placed.get(after).map_or(NO_HIT & !GRAZING, |next| next.first_slot);
         self.slots = self.view.placed[after - 1].first_slot..end;
     }
 
@@ -117,6 +118,14 @@ impl<'a> Resolver<'a> {
     /// The corners of the triangle that was hit, in its instance.
     fn corners(&self, hit: &Hit<'_>) -> [DVec3; 3] {
         self.view.corners(hit.instance, hit.local)
+    }
+
+    /// Whether a ray runs so nearly along the triangle that it hits that single precision is not enough.
+    #[inline(always)]
+    pub(crate) fn grazes(&self, hit: &Hit<'_>, direction: [f32; 3]) -> bool {
+        let [x, y, z] = self.triangle_normal(hit);
+        let sine = (x * direction[0] + y * direction[1]) + z * direction[2];
+        sine * sine < 1.0 / GRAZING_SQUARED
     }
 
     /// t of a ray from the frame's origin on the plane of the triangle that it hits, in double precision.

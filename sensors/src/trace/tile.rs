@@ -1,7 +1,7 @@
 //! Sixty-four neighbouring rays of a traced band, as the sensors work on them: tiles of 16 × 4 pixels.
 
 use super::grid::Band;
-use super::image::{NO_HIT, Projection};
+use super::image::{GRAZING, NO_HIT, Projection};
 use super::packet::{MISS, Packet};
 use super::resolve::Resolver;
 use crate::scene::tree::WIDTH;
@@ -65,6 +65,13 @@ pub(crate) fn take_tile<P: Projection>(
             let hit = resolver.hit(slots[lane]);
             packet.placed[to] = hit.placed;
             packet.local[to] = hit.local;
+            if slots[lane] & GRAZING != 0 {
+                let direction = packet.direction_of(to);
+                let unit = direction.normalize().as_vec3().to_array();
+                if resolver.grazes(&hit, unit) {
+                    packet.t[to] = resolver.exact(&hit, direction, packet.t[to]);
+                }
+            }
         }
     }
 }

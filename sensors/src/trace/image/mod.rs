@@ -28,5 +28,5 @@ pub(crate) use projection::Projection;
 pub(crate) use spherical::{SphericalFan, Steps};
 pub(crate) use table::TableFan;
 pub use table::{RayTable, TableError};
-pub(crate) use target::{NO_HIT, Target};
+pub(crate) use target::{GRAZING, GRAZING_SQUARED, NO_HIT, Target};
 pub(crate) use walk::walk;

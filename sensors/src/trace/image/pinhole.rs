@@ -32,8 +32,6 @@ pub(crate) struct PinholeFan {
     cy: f32,
     per_fx: f32,
     per_fy: f32,
-    /// Of the directions, those of the corners.
-    longest_squared: f32,
     /// First and last row to draw.
     rows: [i32; 2],
 }
@@ -41,13 +39,8 @@ pub(crate) struct PinholeFan {
 impl PinholeFan {
     pub(crate) fn new(lens: &Pinhole) -> Self {
         let fan = Fan::square(lens.width, lens.height);
-        let steepest = |centre: f64, count: u32, focal: f64| {
-            (centre.abs().max((f64::from(count) - 1.0 - centre).abs()) / focal) as f32
-        };
-        let (y, z) = (steepest(lens.cx, lens.width, lens.fx), steepest(lens.cy, lens.height, lens.fy));
         Self {
             fan,
-            longest_squared: 1.0 + y * y + z * z,
             lens: *lens,
             fx: lens.fx as f32,
             fy: lens.fy as f32,
@@ -101,11 +94,6 @@ impl Projection for PinholeFan {
         Self { rows, ..self }
     }
 
-    #[inline(always)]
-    fn longest_squared(&self) -> f32 {
-        self.longest_squared
-    }
-
     fn direction(&self, column: i32, row: i32) -> DVec3 {
         let left = (self.lens.cx - f64::from(column)) / self.lens.fx;
         DVec3::new(1.0, left, (self.lens.cy - f64::from(row)) / self.lens.fy)
@@ -121,6 +109,13 @@ impl Projection for PinholeFan {
             directions[2][lane] = (self.lens.cy - row as f64) / self.lens.fy;
         }
         directions
+    }
+
+    #[inline(always)]
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        let [y, z] = self.block(simd, column, row);
+        let shorter = f32x16::splat(simd, 1.0) / ((y * y + z * z) + 1.0).sqrt();
+        [shorter, y * shorter, z * shorter]
     }
 
     #[inline(always)]

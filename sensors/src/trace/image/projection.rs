@@ -44,11 +44,8 @@ pub(crate) trait Projection: Copy {
     /// Directions of the rays of a block to the last bit, in units of t: all x, all y, all z.
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3];
 
-    /// No direction's length, squared, is greater.
-    #[inline(always)]
-    fn longest_squared(&self) -> f32 {
-        1.0
-    }
+    /// Directions of the rays of a block, of length 1.
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S>;
 
     /// Distances along the rays of a block, in metres, from 1/t.
     fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, column: usize, row: usize) -> f32x16<S>;

@@ -6,9 +6,8 @@
 
 use super::fan::Fan;
 use super::projection::{Planes, Projection, min};
-use super::sharp::Blurred;
 use super::target::Target;
-use super::triangles::{Leaf, Rules, inside, set_up, splat};
+use super::triangles::{Leaf, Rules, draw_blurred, inside, set_up, splat};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, u32x16};
 
@@ -57,6 +56,9 @@ pub(super) fn draw<S: Simd, P: Projection>(
     leaf: &Leaf<'_, S>,
 ) {
     let setup = set_up(simd, leaf, rules);
+    if setup.blurred.any_true() {
+        draw_blurred(simd, projection, target, rules, *leaf, setup);
+    }
     if !setup.valid.any_true() {
         return;
     }
@@ -70,7 +72,6 @@ pub(super) fn draw<S: Simd, P: Projection>(
     }
     let mut triangle_slots = [0; WIDTH];
     setup.slots.store_array(&mut triangle_slots);
-    let blurred = setup.blurred.to_bitmask();
     let fan = projection.fan();
     let blocks_across = fan.blocks_across();
     // A ring's rectangle may run over its end.
@@ -114,15 +115,8 @@ pub(super) fn draw<S: Simd, P: Projection>(
                         splat(simd, &[x[lane], y[lane], z[lane]])
                     };
                     let edges = [plane(0), plane(1), plane(2)];
-                    let (inside, mut inverse) = inside::<S, P>(&edges, &plane(3), &directions);
-                    if blurred & 1 << lane != 0 {
-                        let [x, y, z] = &spilled[3];
-                        inverse = Blurred::new(&projection, &leaf.source, lane, [x[lane], y[lane], z[lane]])
-                            .sharpen_block(simd, &projection, [column, row], inside, inverse);
-                    }
-                    let hit = inside
-                        & inverse.simd_le(f32x16::splat(simd, rules.inverse_near))
-                        & inverse.simd_gt(nearest);
+                    let (hit, inverse) = inside::<S, P>(&edges, &plane(3), &directions, rules.inverse_near);
+                    let hit = hit & inverse.simd_gt(nearest);
                     nearest = hit.select(inverse, nearest);
                     slots = hit.select(u32x16::splat(simd, triangle_slots[lane]), slots);
                 }

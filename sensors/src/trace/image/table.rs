@@ -96,6 +96,11 @@ impl Projection for TableFan<'_> {
     }
 
     #[inline(always)]
+    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        self.block(simd, column, row)
+    }
+
+    #[inline(always)]
     fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, _column: usize, _row: usize) -> f32x16<S> {
         f32x16::splat(simd, 1.0) / inverse
     }

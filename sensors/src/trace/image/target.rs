@@ -5,6 +5,13 @@ use crate::scene::tree::WIDTH;
 /// No slot: the ray has hit nothing.
 pub(crate) const NO_HIT: u32 = u32::MAX;
 
+/// Set in the slot of a hit on a triangle that is seen edge-on somewhere: 1/t in single precision is not exact
+/// enough there. Slots themselves are less.
+pub(crate) const GRAZING: u32 = 1 << 31;
+
+/// (1 / sine of the angle between ray and plane)² from which on a hit is recomputed in double precision: 1.8°.
+pub(crate) const GRAZING_SQUARED: f32 = 1000.0;
+
 /// The nearest hits of a band of blocks, in the caller's memory.
 pub(crate) struct Target<'a> {
     /// 1/t of each ray's nearest hit; where nothing is hit, 1/t of the farthest that counts, 0 for no limit.

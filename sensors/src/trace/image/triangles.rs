@@ -6,8 +6,8 @@
 //! on the same side as the triangle, and there 1/t = n·d / n·a.
 
 use super::projection::{Planes, Points, Projection, Rectangles, max, min};
-use super::sharp::{BLURRED_SQUARED, Blurred, PlaneArrays, Source, grazing_limit};
-use super::target::Target;
+use super::sharp::{BLURRED_SQUARED, PlaneArrays, Source, THIN_SQUARED};
+use super::target::{GRAZING, Target};
 use crate::scene::tree::WIDTH;
 use crate::trace::packet::Faces;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
@@ -24,14 +24,18 @@ const FEW_BLOCKS: usize = 6;
 const LANE_NUMBERS: [u32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Sixteen triangles, set up to be tested.
+#[derive(Clone, Copy)]
 pub(super) struct Setup<S: Simd> {
     /// Edge planes, positive inside.
     pub(super) edges: [Planes<S>; 3],
     /// Plane of 1/t.
     pub(super) inverse: Planes<S>,
+    /// Those to be drawn.
     pub(super) valid: mask32x16<S>,
-    /// Those that a ray may graze.
+    /// Those to be drawn by [`draw_blurred`], as their planes are not exact enough.
     pub(super) blurred: mask32x16<S>,
+    /// Those that have the sensor behind them, and in front.
+    sides: [mask32x16<S>; 2],
     pub(super) slots: u32x16<S>,
 }
 
@@ -47,6 +51,7 @@ struct Spilled {
 }
 
 /// A leaf to draw.
+#[derive(Clone, Copy)]
 pub(super) struct Leaf<'a, S: Simd> {
     pub(super) source: Source<'a>,
     /// Corners in the sensor's frame.
@@ -101,61 +106,119 @@ fn edge<S: Simd>(a: &Points<S>, b: &Points<S>, sign: f32x16<S>) -> Planes<S> {
     cross(&sum, &scale(&sub(b, a), sign))
 }
 
+/// Planes of sixteen triangles.
+#[derive(Clone, Copy)]
+struct TrianglePlane<S: Simd> {
+    /// Six times that of the tetrahedron of triangle and sensor; positive if the sensor is behind.
+    volume: f32x16<S>,
+    /// Plane of 1/t.
+    inverse: Planes<S>,
+    /// The rounding of the normal is of no account.
+    fat: mask32x16<S>,
+}
+
+impl<S: Simd> TrianglePlane<S> {
+    /// Of triangles with corner `a` and two sides, whose squares are given, as is that of the longest side.
+    #[inline(always)]
+    fn new(a: &Points<S>, [p, q]: [&Points<S>; 2], squares: [f32x16<S>; 2], extent: f32x16<S>) -> Self {
+        let normal = cross(p, q);
+        let volume = (a[0] * normal[0] + a[1] * normal[1]) + a[2] * normal[2];
+        let per_volume = f32x16::splat(volume.simd, 1.0) / volume;
+        let lost = (squares[0] * per_volume) * (squares[1] * per_volume) * extent;
+        let fat = lost.simd_le(f32x16::splat(volume.simd, THIN_SQUARED));
+        Self { volume, inverse: scale(&normal, per_volume), fat }
+    }
+}
+
 #[inline(always)]
 pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<'_, S>, rules: Rules) -> Setup<S> {
     let [a, b, c] = &leaf.corners;
     let (ab, ac) = (sub(b, a), sub(c, a));
-    let normal = cross(&ab, &ac);
-    let volume = (a[0] * normal[0] + a[1] * normal[1]) + a[2] * normal[2];
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let (behind, front) = (volume.simd_gt(zero), volume.simd_lt(zero));
-    let sign = behind.select(one, -one);
-    let per_volume = one / volume;
-    let inverse = scale(&normal, per_volume);
-    let slots = u32x16::load_array_ref(simd, &LANE_NUMBERS) + leaf.first_slot;
-    let edges = [edge(b, c, sign), edge(c, a, sign), edge(a, b, sign)];
-    // Errors of 1/t: that of the corners, |corner| at most, by the distance of the plane, 1/|inverse|; and that of
-    // the normal, |ab|·|ac|, over the extent of the triangle.
-    let (ab, ac) = (square(&ab), square(&ac));
-    let extent = max(ab, ac);
-    let limit = f32x16::splat(simd, BLURRED_SQUARED);
+    let squares = [square(&ab), square(&ac)];
+    let mut extent = max(squares[0], squares[1]);
+    let mut plane = TrianglePlane::new(a, [&ab, &ac], squares, extent);
+    let is_solid = extent.simd_gt(zero);
+    if (is_solid & !plane.fat).any_true() {
+        // The shorter two sides lose less, unless all three are long for the triangle's height.
+        let bc = sub(c, b);
+        let [ab_squared, ac_squared] = squares;
+        let bc_squared = square(&bc);
+        let ab_is_longest = ab_squared.simd_gt(ac_squared) & ab_squared.simd_gt(bc_squared);
+        let bc_is_longest = bc_squared.simd_ge(ab_squared) & bc_squared.simd_gt(ac_squared);
+        let mut sides = [ab, bc];
+        for axis in 0..3 {
+            sides[0][axis] = ab_is_longest.select(ac[axis], ab[axis]);
+            sides[1][axis] = bc_is_longest.select(ac[axis], bc[axis]);
+        }
+        let squares =
+            [ab_is_longest.select(ac_squared, ab_squared), bc_is_longest.select(ac_squared, bc_squared)];
+        extent = max(extent, bc_squared);
+        plane = TrianglePlane::new(a, [&sides[0], &sides[1]], squares, extent);
+    }
+    let TrianglePlane { volume, inverse, fat } = plane;
+    let sides = [volume.simd_gt(zero), volume.simd_lt(zero)];
+    let sign = sides[0].select(one, -one);
+    // 1/|inverse| is the distance of the plane. What is farther at some corner, by much, may be grazed by a ray;
+    // and what is large besides has no exact plane. Nor has what is so thin that its normal is mostly rounding.
     let away = square(a);
-    let is_steep = ((away + extent) * square(&inverse)).simd_le(limit);
-    let is_fat = (((ab * per_volume) * (ac * per_volume)) * extent).simd_le(limit);
-    // 0 by 0 compares as false.
-    let blurred = ab.simd_gt(zero) & ac.simd_gt(zero) & !(is_steep & is_fat);
-    let mut setup = Setup { edges, inverse, valid: behind, blurred, slots };
-    // What is small for its distance is blurred along grazing rays only.
-    let again = blurred & !(is_fat & (extent * 4.0).simd_lt(away));
-    let sides = if again.any_true() {
-        sharpen(simd, leaf, &mut setup, again, [behind, front])
-    } else {
-        [behind, front]
-    };
-    let [behind, front] = sides;
-    // Seen edge on, a triangle covers nothing.
-    setup.valid = match (rules.faces, rules.mirrored) {
+    let steep = ((away + extent) * square(&inverse)).simd_le(f32x16::splat(simd, BLURRED_SQUARED));
+    let small = (extent * 4.0).simd_lt(away);
+    // Comparisons say no to 0 by 0, and to what has no extent they say no as well.
+    let blurred = is_solid & !(fat & (steep | small));
+    let slots = u32x16::load_array_ref(simd, &LANE_NUMBERS) + leaf.first_slot;
+    let slots = steep.select(slots, slots | u32x16::splat(simd, GRAZING));
+    Setup {
+        edges: [edge(b, c, sign), edge(c, a, sign), edge(a, b, sign)],
+        inverse,
+        valid: facing(rules, sides) & !blurred,
+        blurred,
+        sides,
+        slots,
+    }
+}
+
+/// Those that are seen from the side that counts. Seen edge on, a triangle covers nothing.
+#[inline(always)]
+fn facing<S: Simd>(rules: Rules, [behind, front]: [mask32x16<S>; 2]) -> mask32x16<S> {
+    match (rules.faces, rules.mirrored) {
         (Faces::Both, _) => behind | front,
         (Faces::Front, false) => front,
         (Faces::Front, true) => behind,
-    };
-    setup
+    }
 }
 
-/// Makes the planes of the triangles in `lanes` again, and tells which are seen from behind and from the front.
-#[inline(always)]
-fn sharpen<S: Simd>(
+/// Draws the blurred triangles of a leaf, from planes in double precision. By itself, and with copies of all, so that
+/// the usual way has what it needs in registers.
+#[cold]
+#[inline(never)]
+pub(super) fn draw_blurred<S: Simd, P: Projection>(
     simd: S,
-    leaf: &Leaf<'_, S>,
-    setup: &mut Setup<S>,
-    lanes: mask32x16<S>,
-    [behind, front]: [mask32x16<S>; 2],
-) -> [mask32x16<S>; 2] {
+    projection: P,
+    target: &mut Target<'_>,
+    rules: Rules,
+    leaf: Leaf<'_, S>,
+    mut setup: Setup<S>,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            sharpen(simd, &leaf.source, rules, &mut setup);
+            let (mut rectangles, _) = projection.bound_triangles(simd, &leaf.corners, setup.valid);
+            rectangles.some &= setup.valid;
+            let nearest = f32x16::splat(simd, leaf.nearest);
+            draw_each(simd, projection, target, rules, &setup, &rectangles, nearest);
+        },
+    );
+}
+
+/// Makes the planes of the blurred triangles again, and leaves those valid that face the sensor.
+#[inline(always)]
+fn sharpen<S: Simd>(simd: S, source: &Source<'_>, rules: Rules, setup: &mut Setup<S>) {
     let mut planes = PlaneArrays {
         edges: [[[0.0; WIDTH]; 3]; 3],
         inverse: [[0.0; WIDTH]; 3],
-        behind: behind.to_bitmask(),
-        front: front.to_bitmask(),
+        sides: [setup.sides[0].to_bitmask(), setup.sides[1].to_bitmask()],
     };
     for axis in 0..3 {
         for edge in 0..3 {
@@ -163,14 +226,16 @@ fn sharpen<S: Simd>(
         }
         setup.inverse[axis].store_array(&mut planes.inverse[axis]);
     }
-    leaf.source.sharpen(lanes.to_bitmask(), &mut planes);
+    source.sharpen(setup.blurred.to_bitmask(), &mut planes);
     for axis in 0..3 {
         for edge in 0..3 {
             setup.edges[edge][axis] = f32x16::load_array_ref(simd, &planes.edges[edge][axis]);
         }
         setup.inverse[axis] = f32x16::load_array_ref(simd, &planes.inverse[axis]);
     }
-    [mask32x16::from_bitmask(simd, planes.behind), mask32x16::from_bitmask(simd, planes.front)]
+    let [behind, front] = planes.sides;
+    let sides = [mask32x16::from_bitmask(simd, behind), mask32x16::from_bitmask(simd, front)];
+    setup.valid = facing(rules, sides) & setup.blurred;
 }
 
 /// Draws a leaf into the target.
@@ -183,6 +248,9 @@ pub(super) fn draw<S: Simd, P: Projection>(
     leaf: &Leaf<'_, S>,
 ) {
     let setup = set_up(simd, leaf, rules);
+    if setup.blurred.any_true() {
+        draw_blurred(simd, projection, target, rules, *leaf, setup);
+    }
     if !setup.valid.any_true() {
         return;
     }
@@ -191,7 +259,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
         draw_few_rays(simd, projection, target, rules, leaf, &setup);
         return;
     }
-    let (rectangles, nearest) = projection.bound_triangles(simd, &leaf.corners, setup.valid);
+    let (mut rectangles, nearest) = projection.bound_triangles(simd, &leaf.corners, setup.valid);
     let mut rest = setup.valid & rectangles.some;
     if !rest.any_true() {
         return;
@@ -205,11 +273,27 @@ pub(super) fn draw<S: Simd, P: Projection>(
         & rectangles.last_column.simd_lt(i32x16::splat(simd, width));
     if tiny.to_bitmask().count_ones() >= TINY_TRIANGLES {
         rest &= !tiny;
-        draw_tiny(simd, projection, target, rules, leaf, &setup, &rectangles, tiny, area);
+        draw_tiny(simd, projection, target, rules, &setup, &rectangles, tiny, area);
         if !rest.any_true() {
             return;
         }
     }
+    rectangles.some = rest;
+    let nearest = min(nearest, f32x16::splat(simd, leaf.nearest));
+    draw_each(simd, projection, target, rules, &setup, &rectangles, nearest);
+}
+
+/// One triangle after the other, those of `some` of the rectangles. `nearest` are bounds of 1/t from above.
+#[inline(always)]
+fn draw_each<S: Simd, P: Projection>(
+    simd: S,
+    projection: P,
+    target: &mut Target<'_>,
+    rules: Rules,
+    setup: &Setup<S>,
+    rectangles: &Rectangles<S>,
+    nearest: f32x16<S>,
+) {
     let mut spilled = Spilled {
         edges: [[[0.0; WIDTH]; 3]; 3],
         inverse: [[0.0; WIDTH]; 3],
@@ -224,44 +308,36 @@ pub(super) fn draw<S: Simd, P: Projection>(
         setup.edges[2][axis].store_array(&mut spilled.edges[2][axis]);
         setup.inverse[axis].store_array(&mut spilled.inverse[axis]);
     }
-    let most = f32x16::splat(simd, leaf.nearest);
-    setup.blurred.select(most, min(nearest, most)).store_array(&mut spilled.nearest);
+    nearest.store_array(&mut spilled.nearest);
     setup.slots.store_array(&mut spilled.slots);
     rectangles.first_column.store_array(&mut spilled.columns[0]);
     rectangles.last_column.store_array(&mut spilled.columns[1]);
     rectangles.first_row.store_array(&mut spilled.rows[0]);
     rectangles.last_row.store_array(&mut spilled.rows[1]);
-    let (mut lanes, blurred) = (rest.to_bitmask(), setup.blurred.to_bitmask());
+    let mut lanes = rectangles.some.to_bitmask();
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
         lanes &= lanes - 1;
-        let blurred = (blurred & 1 << lane != 0).then(|| {
-            let [x, y, z] = &spilled.inverse;
-            Blurred::new(&projection, &leaf.source, lane, [x[lane], y[lane], z[lane]])
-        });
-        draw_one(simd, projection, target, rules, blurred, &spilled, lane);
+        draw_one(simd, projection, target, rules, spilled.slots[lane], &spilled, lane);
     }
 }
 
-/// The lanes where a ray is inside all three edges, and 1/t.
+/// The lanes where a ray is inside all three edges and its 1/t counts.
 #[inline(always)]
 pub(super) fn inside<S: Simd, P: Projection>(
     edges: &[Planes<S>; 3],
     inverse: &Planes<S>,
     directions: &P::Directions<S>,
+    inverse_near: f32,
 ) -> (mask32x16<S>, f32x16<S>) {
     let u = P::dot(&edges[0], directions);
     let v = P::dot(&edges[1], directions);
     let w = P::dot(&edges[2], directions);
     let inverse = P::dot(inverse, directions);
-    (min(min(u, v), w).simd_ge(f32x16::splat(inverse.simd, 0.0)), inverse)
-}
-
-/// (1/t)² of each triangle below which a ray grazes it; 0 of those that none grazes.
-#[inline(always)]
-fn grazing_limits<S: Simd, P: Projection>(simd: S, projection: &P, setup: &Setup<S>) -> f32x16<S> {
-    let limits = square(&setup.inverse) * grazing_limit(projection);
-    setup.blurred.select(limits, f32x16::splat(simd, 0.0))
+    let simd = inverse.simd;
+    let hit = min(min(u, v), w).simd_ge(f32x16::splat(simd, 0.0))
+        & inverse.simd_le(f32x16::splat(simd, inverse_near));
+    (hit, inverse)
 }
 
 /// Each ray against all sixteen triangles.
@@ -276,8 +352,6 @@ fn draw_few_rays<S: Simd, P: Projection>(
 ) {
     let fan = projection.fan();
     let blocks_across = fan.blocks_across();
-    let may_graze = setup.blurred.any_true();
-    let limits = grazing_limits(simd, &projection, setup);
     for row in leaf.rows[0]..=leaf.rows[1] {
         let block_row = (row >> fan.shift_y) as usize - rules.first_block_row;
         for column in leaf.columns[0]..=leaf.columns[1] {
@@ -289,16 +363,9 @@ fn draw_few_rays<S: Simd, P: Projection>(
                 continue;
             }
             let directions = projection.ray(simd, column, row);
-            let (inside, mut inverse) = inside::<S, P>(&setup.edges, &setup.inverse, &directions);
-            let inside = inside & setup.valid;
-            if may_graze {
-                let grazing = inside & (inverse * inverse).simd_lt(limits);
-                inverse =
-                    leaf.source.sharpen_lanes(simd, grazing, inverse, |_| projection.direction(column, row));
-            }
-            let hit = inside
-                & inverse.simd_le(f32x16::splat(simd, rules.inverse_near))
-                & inverse.simd_gt(f32x16::splat(simd, so_far));
+            let (hit, inverse) =
+                inside::<S, P>(&setup.edges, &setup.inverse, &directions, rules.inverse_near);
+            let hit = hit & setup.valid & inverse.simd_gt(f32x16::splat(simd, so_far));
             if hit.any_true() {
                 let candidates = hit.select(inverse, f32x16::splat(simd, 0.0));
                 let nearest = simd.reduce_max_f32x16(candidates);
@@ -319,7 +386,6 @@ fn draw_tiny<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    leaf: &Leaf<'_, S>,
     setup: &Setup<S>,
     rectangles: &Rectangles<S>,
     tiny: mask32x16<S>,
@@ -335,21 +401,10 @@ fn draw_tiny<S: Simd, P: Projection>(
     let mut slots = [0; WIDTH];
     setup.slots.store_array(&mut slots);
     let (mut at_column, mut at_row, mut at_inverse) = ([0_i32; WIDTH], [0_i32; WIDTH], [0.0_f32; WIDTH]);
-    let may_graze = (setup.blurred & tiny).any_true();
-    let limits = grazing_limits(simd, &projection, setup);
     for _ in 0..steps {
         let directions = projection.rays(simd, columns, rows);
-        let (inside, mut inverse) = inside::<S, P>(&setup.edges, &setup.inverse, &directions);
-        let inside = inside & drawing;
-        if may_graze {
-            columns.store_array(&mut at_column);
-            rows.store_array(&mut at_row);
-            let grazing = inside & (inverse * inverse).simd_lt(limits);
-            let direction = |lane: usize| projection.direction(at_column[lane], at_row[lane]);
-            inverse = leaf.source.sharpen_lanes(simd, grazing, inverse, direction);
-        }
-        let hit = inside & inverse.simd_le(f32x16::splat(simd, rules.inverse_near));
-        let mut hits = hit.to_bitmask();
+        let (hit, inverse) = inside::<S, P>(&setup.edges, &setup.inverse, &directions, rules.inverse_near);
+        let mut hits = (hit & drawing).to_bitmask();
         touched |= hits;
         if hits != 0 {
             columns.store_array(&mut at_column);
@@ -402,13 +457,13 @@ fn draw_one<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    mut blurred: Option<Blurred<'_>>,
+    slot: u32,
     spilled: &Spilled,
     lane: usize,
 ) {
     let fan = projection.fan();
     let blocks_across = fan.blocks_across();
-    let (nearest, slot) = (spilled.nearest[lane], spilled.slots[lane]);
+    let nearest = spilled.nearest[lane];
     let [first, last] = [spilled.columns[0][lane], spilled.columns[1][lane]];
     let block_rows =
         (spilled.rows[0][lane] >> fan.shift_y) as usize..=(spilled.rows[1][lane] >> fan.shift_y) as usize;
@@ -437,7 +492,6 @@ fn draw_one<S: Simd, P: Projection>(
                             projection,
                             target,
                             rules,
-                            &mut blurred,
                             slot,
                             &edges,
                             &inverse,
@@ -469,7 +523,6 @@ fn draw_one<S: Simd, P: Projection>(
                         projection,
                         target,
                         rules,
-                        &mut blurred,
                         slot,
                         &edges,
                         &inverse,
@@ -491,7 +544,6 @@ fn draw_block<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    blurred: &mut Option<Blurred<'_>>,
     slot: u32,
     edges: &[[f32; 3]; 3],
     inverse: &[f32; 3],
@@ -500,12 +552,9 @@ fn draw_block<S: Simd, P: Projection>(
 ) {
     let directions = projection.block(simd, column, row);
     let edges = [splat(simd, &edges[0]), splat(simd, &edges[1]), splat(simd, &edges[2])];
-    let (inside, mut inverse) = inside::<S, P>(&edges, &splat(simd, inverse), &directions);
-    if let Some(blurred) = blurred {
-        inverse = blurred.sharpen_block(simd, &projection, [column, row], inside, inverse);
-    }
+    let (hit, inverse) = inside::<S, P>(&edges, &splat(simd, inverse), &directions, rules.inverse_near);
     let so_far = f32x16::load_array_ref(simd, &target.inverse[block]);
-    let hit = inside & inverse.simd_le(f32x16::splat(simd, rules.inverse_near)) & inverse.simd_gt(so_far);
+    let hit = hit & inverse.simd_gt(so_far);
     let nearest = hit.select(inverse, so_far);
     nearest.store_array(&mut target.inverse[block]);
     let slots = u32x16::load_array_ref(simd, &target.slot[block]);

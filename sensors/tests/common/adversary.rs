@@ -53,7 +53,28 @@ fn soup(dice: &mut Dice, kind: Kind, size: f64) -> Soup {
 }
 
 /// A scene, and poses of sensors in it.
-pub(crate) fn scene(dice: &mut Dice, kind: Kind) -> (Scenario, Vec<Pose>) {
+pub(crate) struct Hard {
+    pub(crate) kind: Kind,
+    pub(crate) scenario: Scenario,
+    pub(crate) poses: Vec<Pose>,
+    /// Of all triangles, in the world.
+    pub(crate) corners: Vec<[DVec3; 3]>,
+}
+
+/// A point of a triangle as likely as one next to an edge, so near that half of them are within a ten thousandth of the
+/// way from `place`.
+pub(crate) fn aim(dice: &mut Dice, [a, b, c]: [DVec3; 3], place: DVec3) -> DVec3 {
+    let (u, v) = (dice.roll(), dice.roll());
+    if dice.roll() < 0.5 {
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        return a + (b - a) * u + (c - a) * v;
+    }
+    let at = a + (b - a) * u;
+    at + dice.cube() * (magnitude(dice, -5.7, -2.0) * (at - place).length())
+}
+
+/// Makes a scene.
+pub(crate) fn scene(dice: &mut Dice, kind: Kind) -> Hard {
     let size = magnitude(dice, -6.0, 4.0);
     let (vertices, triangles) = soup(dice, kind, size);
     let mut pair = Pair::new();
@@ -87,5 +108,6 @@ pub(crate) fn scene(dice: &mut Dice, kind: Kind) -> (Scenario, Vec<Pose>) {
             Pose::from_xyz_rpy(on_plane + away, dice.turn())
         })
         .collect();
-    (Scenario { name: "random", pair, centre, size }, poses)
+    let corners = (0..30).map(|triangle| [0, 1, 2].map(|vertex| corner(3 * triangle + vertex))).collect();
+    Hard { kind, scenario: Scenario { name: "random", pair, centre, size }, poses, corners }
 }

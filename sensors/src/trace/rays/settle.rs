@@ -52,6 +52,13 @@ impl Settled {
         }
     }
 
+    /// Sine of the angle between a ray and the plane that it hits, times a length in [1, 2√3).
+    #[inline(always)]
+    pub(super) fn sine(&self, bundle: &Bundle, id: usize) -> f64 {
+        let along = |axis: usize| self.normal[axis][id] * f64::from(bundle.direction[axis][id]);
+        (along(0) + along(1) + along(2)) * self.per_length[id]
+    }
+
     /// Works out the normal of another triangle for a ray.
     pub(super) fn take_normal(&mut self, tree: Tree<'_>, id: usize, slot: u32) {
         let Some(block) = tree.blocks.get(slot as usize / WIDTH) else { return };

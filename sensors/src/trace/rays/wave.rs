@@ -28,6 +28,9 @@ const LEVELS: usize = 16;
 /// By how much of t a hit in single precision may be too near and still nothing that matters lie before it.
 pub(super) const AGREES: f32 = 1.0 + f32::from_bits((127 - 17) << 23); // 1 + 2⁻¹⁷
 
+/// Sine of the angle between a ray and a plane below which any hit is looked for in double precision.
+const LEAST_SINE: f64 = 1e-4;
+
 /// One value for each child of a node or triangle of a leaf.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
@@ -133,6 +136,20 @@ impl Wave {
     #[inline(always)]
     pub(super) fn any_hits<S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
         self.walk::<true, S>(simd, tree, count, cull_back);
+        self.settled.compute(simd, tree, &self.bundle, count);
+        for id in 0..count.min(RAYS) {
+            if self.bundle.hit[id][0] != NONE {
+                // Out of range after all, or a ray along the plane: single precision may have found it anywhere.
+                let t = self.settled.t[id];
+                let sure = t >= f64::from(self.bundle.range[0][id])
+                    && t <= f64::from(self.bundle.range[1][id])
+                    && self.settled.sine(&self.bundle, id).abs() > LEAST_SINE;
+                if !sure {
+                    self.bundle.hit[id][0] = NONE;
+                    self.alone.push_if(id, true);
+                }
+            }
+        }
         for index in 0..self.alone.length.min(RAYS) {
             let id = usize::from(self.alone.ids[index]) % RAYS;
             if self.bundle.hit[id][0] == NONE {

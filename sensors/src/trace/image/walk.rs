@@ -228,8 +228,7 @@ fn hidden<S: Simd, P: Projection>(
                     lanes &= lanes - 1;
                     // Of a strip, it is worth asking for the rays in question: it is sixteen columns wide.
                     if !strip::is_one::<P>(fan)
-                        || strip::farthest(simd, &target.inverse[start + column], rays, column)
-                            < entry.nearest
+                        || strip::shows(simd, &target.inverse[start + column], rays, column, entry.nearest)
                     {
                         return false;
                     }

@@ -62,7 +62,7 @@ impl Caster {
                 blocks.as_mut_slice(),
             )?;
             let mut facets = Array::new(size.blocks * WIDTH)?;
-            build::fill_facets(&blocks.as_slice()[..size.blocks], facets.as_mut_slice());
+            build::fill_facets(&blocks.as_slice()[..size.blocks], execution, facets.as_mut_slice());
             let triangles = triangles.to_vec();
             let (sensors, workspace) = (Sensors::default(), Array::new(0)?);
             Ok(Self { triangles, nodes, blocks, facets, size, execution, sensors, workspace })
@@ -75,7 +75,7 @@ impl Caster {
         let (nodes, blocks) = (self.nodes.as_mut_slice(), self.blocks.as_mut_slice());
         let (nodes, blocks) = (&mut nodes[..self.size.nodes], &mut blocks[..self.size.blocks]);
         let done = build::refit(positions, &self.triangles, self.execution, nodes, blocks).is_ok();
-        build::fill_facets(blocks, self.facets.as_mut_slice());
+        build::fill_facets(blocks, self.execution, self.facets.as_mut_slice());
         done
     }
 

@@ -3,6 +3,7 @@
 use super::Quality;
 use super::bins::{blocks, find_cut};
 use super::bounds::Scratch;
+use super::sixteen::bounds_of;
 use super::sweep::{SWEEP, sweep};
 use crate::Execution;
 use crate::scene::tree::WIDTH;
@@ -46,7 +47,10 @@ pub(super) fn build<S: Simd>(
     budget: usize,
 ) {
     let how = How { simd, quality, execution };
-    let (bounds, centres) = bounds_of(simd, items);
+    let (bounds, centres) = simd.vectorize(
+        #[inline(always)]
+        || bounds_of(simd, items),
+    );
     let set = Set { bounds, centres, budget, depth: 0 };
     build_set(how, items, nodes, 0, 0, set);
 }
@@ -93,10 +97,11 @@ fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> (usize, Set,
             let (count, [left, right], [left_centres, right_centres]) = if set.depth >= HALVE_FROM_DEPTH {
                 halve(simd, items, &set.centres)
             } else if quality == Quality::High && items.len() <= SWEEP {
-                match sweep(simd, items, set.budget) {
-                    Some((count, sides)) => {
-                        let centres = |items: &[Scratch]| bounds_of(simd, items).1;
-                        (count, sides, [centres(&items[..count]), centres(&items[count..])])
+                match sweep(simd, items, &set.centres, set.budget) {
+                    Some(count) => {
+                        let (left, left_centres) = bounds_of(simd, &items[..count]);
+                        let (right, right_centres) = bounds_of(simd, &items[count..]);
+                        (count, [left, right], [left_centres, right_centres])
                     }
                     None => halve(simd, items, &set.centres),
                 }
@@ -143,21 +148,4 @@ fn halve<S: Simd>(simd: S, items: &mut [Scratch], centres: &Scratch) -> (usize, 
     let (left, left_centres) = bounds_of(simd, &items[..count]);
     let (right, right_centres) = bounds_of(simd, &items[count..]);
     (count, [left, right], [left_centres, right_centres])
-}
-
-/// The box of all, and that of their centres.
-#[inline(always)]
-fn bounds_of<S: Simd>(simd: S, items: &[Scratch]) -> (Scratch, Scratch) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let mut bounds = Scratch::EMPTY;
-            let mut centres = Scratch::EMPTY;
-            for item in items {
-                bounds.join(item);
-                centres.join(&item.centre());
-            }
-            (bounds, centres)
-        },
-    )
 }

@@ -16,6 +16,7 @@ mod facets;
 #[cfg(feature = "alloc")]
 mod owned;
 mod refit;
+mod sixteen;
 mod sweep;
 
 pub use bounds::{MAX_COORDINATE, Scratch};

@@ -10,6 +10,9 @@ pub const MAX_COORDINATE: f32 = 1e12;
 /// Added to tags: as floats they are not subnormal then, which some processors are slow at.
 const TAG: u32 = 1 << 23;
 
+/// Added to counts: about 1 as a float, so that sums and differences with a tag are not subnormal either.
+const COUNT: u32 = 127 << 23;
+
 /// One unit of the builder's working memory: a box and two tags.
 ///
 /// Lanes 0–2 are the lower corner and lanes 4–6 the upper corner *negated*, so that one minimum of eight lanes
@@ -68,13 +71,13 @@ impl Scratch {
     /// A binary node: how many primitives a leaf has, 0 for an inner node.
     #[inline(always)]
     pub(super) fn count(&self) -> u32 {
-        self.lanes[7].to_bits().wrapping_sub(TAG)
+        self.lanes[7].to_bits().wrapping_sub(COUNT)
     }
 
     #[inline(always)]
     pub(super) fn with_tags(mut self, tag: u32, count: u32) -> Self {
         self.lanes[3] = f32::from_bits(tag.wrapping_add(TAG));
-        self.lanes[7] = f32::from_bits(count.wrapping_add(TAG));
+        self.lanes[7] = f32::from_bits(count.wrapping_add(COUNT));
         self
     }
 

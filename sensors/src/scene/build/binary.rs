@@ -3,7 +3,7 @@
 use super::Quality;
 use super::bins::{blocks, find_cut};
 use super::bounds::Scratch;
-use super::sixteen::bounds_of;
+use super::sixteen::{Power, bounds_of};
 use super::sweep::{SWEEP, sweep};
 use crate::Execution;
 use crate::scene::tree::WIDTH;
@@ -21,6 +21,7 @@ const PARALLEL_FROM: usize = 4096;
 struct How<S> {
     simd: S,
     quality: Quality,
+    power: Power,
     #[cfg_attr(not(feature = "rayon"), allow(dead_code, reason = "threads come with rayon"))]
     execution: Execution,
 }
@@ -29,7 +30,7 @@ struct How<S> {
 #[derive(Clone, Copy)]
 struct Set {
     bounds: Scratch,
-    /// Bounds of [`Scratch::centre`].
+    /// Bounds of [`centre`](super::sixteen::centre).
     centres: Scratch,
     /// Blocks that it may use.
     budget: usize,
@@ -41,12 +42,13 @@ struct Set {
 pub(super) fn build<S: Simd>(
     simd: S,
     quality: Quality,
+    power: Power,
     execution: Execution,
     items: &mut [Scratch],
     nodes: &mut [Scratch],
     budget: usize,
 ) {
-    let how = How { simd, quality, execution };
+    let how = How { simd, quality, power, execution };
     let (bounds, centres) = simd.vectorize(
         #[inline(always)]
         || bounds_of(simd, items),
@@ -89,7 +91,7 @@ fn build_set<S: Simd>(
 
 /// Sorts the items into two sides. How many are on the left, and both sides.
 fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> (usize, Set, Set) {
-    let How { simd, quality, .. } = how;
+    let How { simd, quality, power, .. } = how;
     simd.vectorize(
         #[inline(always)]
         || {
@@ -97,7 +99,7 @@ fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> (usize, Set,
             let (count, [left, right], [left_centres, right_centres]) = if set.depth >= HALVE_FROM_DEPTH {
                 halve(simd, items, &set.centres)
             } else if quality == Quality::High && items.len() <= SWEEP {
-                match sweep(simd, items, &set.centres, set.budget) {
+                match sweep(simd, power, items, &set.centres, set.budget) {
                     Some(count) => {
                         let (left, left_centres) = bounds_of(simd, &items[..count]);
                         let (right, right_centres) = bounds_of(simd, &items[count..]);
@@ -106,7 +108,7 @@ fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> (usize, Set,
                     None => halve(simd, items, &set.centres),
                 }
             } else {
-                match find_cut(simd, items, &set.centres, set.budget) {
+                match find_cut(simd, power, items, &set.centres, set.budget) {
                     Some(cut) => {
                         let centres = cut.plane.partition(simd, items);
                         (cut.left_count, [cut.left, cut.right], centres)

@@ -4,7 +4,7 @@
 //! *blocks* of sixteen triangles, as that is what a ray pays for.
 
 use super::bounds::Scratch;
-use super::sixteen::{Cheapest, Points, lengths, weights};
+use super::sixteen::{Cheapest, Points, Power, lengths};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x4, f32x8, u32x16};
 
@@ -76,9 +76,15 @@ pub(super) fn blocks(count: usize) -> usize {
 }
 
 /// The cheapest cut of `items` whose sides fit in `budget` blocks, or none. `centres` are the bounds of
-/// [`Scratch::centre`] of all.
+/// [`centre`](super::sixteen::centre) of all.
 #[inline(always)]
-pub(super) fn find_cut<S: Simd>(simd: S, items: &[Scratch], centres: &Scratch, budget: usize) -> Option<Cut> {
+pub(super) fn find_cut<S: Simd>(
+    simd: S,
+    power: Power,
+    items: &[Scratch],
+    centres: &Scratch,
+    budget: usize,
+) -> Option<Cut> {
     // Step 1: scales from centres to bins; an axis without extent, or one too short to divide by, gets all into
     // its first bin.
     let c = &centres.lanes;
@@ -144,8 +150,8 @@ pub(super) fn find_cut<S: Simd>(simd: S, items: &[Scratch], centres: &Scratch, b
         }
         let left_count = u32x16::from_slice(simd, &left_counts[axis]);
         let right_count = u32x16::splat(simd, items.len() as u32) - left_count;
-        let costs =
-            left.areas(simd) * weights(simd, left_count) + right.areas(simd) * weights(simd, right_count);
+        let costs = left.areas(simd) * power.weights(simd, left_count)
+            + right.areas(simd) * power.weights(simd, right_count);
         best.compare(simd, (axis, 0), costs, left_count, items.len(), budget);
     }
 

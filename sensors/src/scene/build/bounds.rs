@@ -36,13 +36,6 @@ impl Scratch {
         Self { lanes: [a, b, c, 0.0, d, e, f, 0.0] }
     }
 
-    #[inline(always)]
-    pub(super) fn join(&mut self, other: &Self) {
-        for (lane, &x) in self.lanes.iter_mut().zip(&other.lanes) {
-            *lane = if x < *lane { x } else { *lane };
-        }
-    }
-
     /// Half of the surface.
     #[inline(always)]
     pub(super) fn area(&self) -> f32 {
@@ -79,14 +72,6 @@ impl Scratch {
         self.lanes[3] = f32::from_bits(tag.wrapping_add(TAG));
         self.lanes[7] = f32::from_bits(count.wrapping_add(COUNT));
         self
-    }
-
-    /// Twice the centre and its negation: joined, they are the bounds of the centres.
-    #[inline(always)]
-    pub(super) fn centre(&self) -> Self {
-        let l = &self.lanes;
-        let [x, y, z] = [l[0] - l[4], l[1] - l[5], l[2] - l[6]];
-        Self { lanes: [x, y, z, 0.0, 0.0 - x, 0.0 - y, 0.0 - z, 0.0] }
     }
 }
 

@@ -2,7 +2,7 @@
 //! sixteen.
 
 use super::bounds::Scratch;
-use super::sixteen::{Cheapest, Points, centre, lengths, numbers, weights};
+use super::sixteen::{Cheapest, Points, Power, centre, lengths, numbers};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x8, f32x16, prelude::*, u32x16};
 
@@ -22,10 +22,11 @@ const ROUND: f32 = 8_388_608.0;
 const STEPS: f32 = 4_194_303.0;
 
 /// Sorts `items`, at least 2 and at most [`SWEEP`], along the axis of the cheapest cut that fits in `budget`
-/// blocks. How many are on the left; none if no cut fits. `centres` are the bounds of [`Scratch::centre`] of all.
+/// blocks. How many are on the left; none if no cut fits. `centres` are the bounds of [`centre`](super::sixteen::centre) of all.
 #[inline(always)]
 pub(super) fn sweep<S: Simd>(
     simd: S,
+    power: Power,
     items: &mut [Scratch],
     centres: &Scratch,
     budget: usize,
@@ -54,7 +55,7 @@ pub(super) fn sweep<S: Simd>(
             ((place << SWEEP.ilog2()) | positions).store_slice(&mut keys[axis][vector]);
         }
         let rest = u32x16::splat(simd, count as u32) - positions;
-        both_weights[vector] = [weights(simd, positions), weights(simd, rest)];
+        both_weights[vector] = [power.weights(simd, positions), power.weights(simd, rest)];
     }
 
     // Step 2: the cuts of each axis, by how many they leave on the left.

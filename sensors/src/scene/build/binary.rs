@@ -12,6 +12,10 @@ use fearless_simd::Simd;
 /// From this depth on sets are halved, whatever it costs, so that the depth of every tree is bounded.
 const HALVE_FROM_DEPTH: u32 = 32;
 
+/// A set that fits in one block is cut all the same where both sides together have less than this part of its
+/// surface. Random rays in a room and a warehouse are 2 to 3 % faster for it; with 0.9, leaves are emptier.
+const WORTHWHILE: f32 = 0.7;
+
 /// Sets below this are not worth handing to another thread.
 #[cfg(feature = "rayon")]
 const PARALLEL_FROM: usize = 4096;
@@ -67,11 +71,10 @@ fn build_set<S: Simd>(
     base: usize,
     set: Set,
 ) {
-    if items.len() <= WIDTH {
+    let Some((count, left, right)) = split(how, items, &set) else {
         nodes[0] = set.bounds.with_tags(first as u32, items.len() as u32);
         return;
-    }
-    let (count, left, right) = split(how, items, &set);
+    };
     let left_nodes = 2 * left.budget - 1;
     nodes[0] = set.bounds.with_tags((base + 1 + left_nodes) as u32, 0);
     let (left_items, right_items) = items.split_at_mut(count);
@@ -89,9 +92,13 @@ fn build_set<S: Simd>(
     build_set(how, right_items, right_part, right_first, right_base, right);
 }
 
-/// Sorts the items into two sides. How many are on the left, and both sides.
-fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> (usize, Set, Set) {
+/// Sorts the items into two sides. How many are on the left, and both sides; none if they are better one leaf.
+fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> Option<(usize, Set, Set)> {
     let How { simd, quality, power, .. } = how;
+    let fits = items.len() <= WIDTH;
+    if fits && (set.budget == 1 || quality == Quality::Fast || set.depth >= HALVE_FROM_DEPTH) {
+        return None;
+    }
     simd.vectorize(
         #[inline(always)]
         || {
@@ -99,12 +106,14 @@ fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> (usize, Set,
             let (count, [left, right], [left_centres, right_centres]) = if set.depth >= HALVE_FROM_DEPTH {
                 halve(simd, items, &set.centres)
             } else if quality == Quality::High && items.len() <= SWEEP {
-                match sweep(simd, power, items, &set.centres, set.budget) {
+                let limit = if fits { WORTHWHILE * set.bounds.area() } else { f32::INFINITY };
+                match sweep(simd, power, items, &set.centres, set.budget, limit) {
                     Some(count) => {
                         let (left, left_centres) = bounds_of(simd, &items[..count]);
                         let (right, right_centres) = bounds_of(simd, &items[count..]);
                         (count, [left, right], [left_centres, right_centres])
                     }
+                    None if fits => return None,
                     None => halve(simd, items, &set.centres),
                 }
             } else {
@@ -117,11 +126,11 @@ fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> (usize, Set,
                 }
             };
             let (left_budget, right_budget) = share(set.budget, count, items.len() - count);
-            (
+            Some((
                 count,
                 Set { bounds: left, centres: left_centres, budget: left_budget, depth },
                 Set { bounds: right, centres: right_centres, budget: right_budget, depth },
-            )
+            ))
         },
     )
 }
@@ -130,8 +139,7 @@ fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> (usize, Set,
 fn share(budget: usize, left: usize, right: usize) -> (usize, usize) {
     let spare = budget - blocks(left) - blocks(right);
     let extra = (spare as u64 * left as u64 / (left + right) as u64) as usize;
-    let left_budget = if left <= WIDTH { 1 } else { blocks(left) + extra };
-    (left_budget, if right <= WIDTH { 1 } else { blocks(right) + spare - extra })
+    (blocks(left) + extra, blocks(right) + spare - extra)
 }
 
 /// Halves by rank along the longest axis of the centres, at a multiple of a block.

@@ -129,7 +129,7 @@ pub(super) fn find_cut<S: Simd>(
     let Bins { bounds: bins, counts } = bins.joined(simd, &odd_bins);
 
     // Step 3: the cuts of each axis, by their last bin on the left.
-    let mut best = Cheapest::NONE;
+    let mut best = Cheapest::below(f32::INFINITY);
     let mut left_counts = [[0; BINS]; 3];
     let empty = f32x8::splat(simd, f32::INFINITY);
     for axis in 0..3 {

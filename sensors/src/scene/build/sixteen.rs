@@ -121,10 +121,13 @@ pub(super) struct Cheapest {
 }
 
 impl Cheapest {
-    pub(super) const NONE: Self = Self { cost: f32::INFINITY, skew: u32::MAX, axis: 0, cut: 0 };
+    /// None so far; what is found must cost less than `limit`.
+    pub(super) fn below(limit: f32) -> Self {
+        Self { cost: limit, skew: 0, axis: usize::MAX, cut: 0 }
+    }
 
     pub(super) fn found(self) -> Option<Self> {
-        (self.cost < f32::INFINITY).then_some(self)
+        (self.axis != usize::MAX).then_some(self)
     }
 
     /// Takes the cheapest of sixteen cuts of `count` primitives, `first` the number of the first, if it is cheaper

@@ -21,8 +21,8 @@ const ROUND: f32 = 8_388_608.0;
 /// Centres are sorted by so many steps of an axis.
 const STEPS: f32 = 4_194_303.0;
 
-/// Sorts `items`, at least 2 and at most [`SWEEP`], along the axis of the cheapest cut that fits in `budget`
-/// blocks. How many are on the left; none if no cut fits. `centres` are the bounds of [`centre`](super::sixteen::centre) of all.
+/// Sorts `items`, at most [`SWEEP`], along the axis of the cheapest cut that fits in `budget`
+/// blocks and costs less than `limit`. How many are on the left; none if there is no such cut. `centres` are the bounds of [`centre`](super::sixteen::centre) of all.
 #[inline(always)]
 pub(super) fn sweep<S: Simd>(
     simd: S,
@@ -30,6 +30,7 @@ pub(super) fn sweep<S: Simd>(
     items: &mut [Scratch],
     centres: &Scratch,
     budget: usize,
+    limit: f32,
 ) -> Option<usize> {
     let count = items.len();
     let vectors = count.div_ceil(WIDTH);
@@ -60,7 +61,7 @@ pub(super) fn sweep<S: Simd>(
 
     // Step 2: the cuts of each axis, by how many they leave on the left.
     let mut orders = [[0; SWEEP]; 3];
-    let mut best = Cheapest::NONE;
+    let mut best = Cheapest::below(limit);
     let empty = f32x8::splat(simd, f32::INFINITY);
     for axis in 0..3 {
         let order = &mut orders[axis];

@@ -2,12 +2,12 @@
 
 use super::Quality;
 use super::bins::{blocks, find_cut};
-use super::bounds::Scratch;
-use super::sixteen::{Power, bounds_of};
+use super::bounds::{Scratch, centre};
+use super::cost::Power;
 use super::sweep::{SWEEP, sweep};
 use crate::Execution;
 use crate::scene::tree::WIDTH;
-use fearless_simd::Simd;
+use fearless_simd::{Simd, SimdBase, f32x4, f32x8};
 
 /// From this depth on sets are halved, whatever it costs, so that the depth of every tree is bounded.
 const HALVE_FROM_DEPTH: u32 = 32;
@@ -34,7 +34,7 @@ struct How<S> {
 #[derive(Clone, Copy)]
 struct Set {
     bounds: Scratch,
-    /// Bounds of [`centre`](super::sixteen::centre).
+    /// Bounds of [`centre`].
     centres: Scratch,
     /// Blocks that it may use.
     budget: usize,
@@ -158,4 +158,19 @@ fn halve<S: Simd>(simd: S, items: &mut [Scratch], centres: &Scratch) -> (usize, 
     let (left, left_centres) = bounds_of(simd, &items[..count]);
     let (right, right_centres) = bounds_of(simd, &items[count..]);
     (count, [left, right], [left_centres, right_centres])
+}
+
+/// The box of all, and that of their [`centre`]s.
+#[inline(always)]
+fn bounds_of<S: Simd>(simd: S, items: &[Scratch]) -> (Scratch, Scratch) {
+    let zero = f32x4::splat(simd, 0.0);
+    let mut bounds = f32x8::splat(simd, f32::INFINITY);
+    let mut centres = bounds;
+    for item in items {
+        let item = f32x8::from_slice(simd, &item.lanes);
+        let centre = centre(simd, item);
+        bounds = bounds.min(item);
+        centres = centres.min(simd.combine_f32x4(centre, zero - centre));
+    }
+    (Scratch { lanes: bounds.into() }, Scratch { lanes: centres.into() })
 }

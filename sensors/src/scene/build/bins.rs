@@ -3,8 +3,8 @@
 //! Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007), with the size of a side in
 //! *blocks* of sixteen triangles, as that is what a ray pays for.
 
-use super::bounds::Scratch;
-use super::sixteen::{Cheapest, Points, Power, lengths};
+use super::bounds::{Scratch, centre};
+use super::cost::{Cheapest, Points, Power, lengths};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x4, f32x8, u32x16};
 
@@ -53,8 +53,7 @@ impl Plane {
         for i in 0..items.len() {
             let item = items[i];
             let is_left = self.is_left(&item);
-            let (lower, upper) = simd.split_f32x8(f32x8::from_slice(simd, &item.lanes));
-            let centre = lower - upper;
+            let centre = centre(simd, f32x8::from_slice(simd, &item.lanes));
             let centre = simd.combine_f32x4(centre, zero - centre);
             // ∞ on the side it does not belong to, 0 on the other.
             let infinity = f32::INFINITY.to_bits();
@@ -76,7 +75,7 @@ pub(super) fn blocks(count: usize) -> usize {
 }
 
 /// The cheapest cut of `items` whose sides fit in `budget` blocks, or none. `centres` are the bounds of
-/// [`centre`](super::sixteen::centre) of all.
+/// [`centre`] of all.
 #[inline(always)]
 pub(super) fn find_cut<S: Simd>(
     simd: S,
@@ -104,8 +103,7 @@ pub(super) fn find_cut<S: Simd>(
     let zero = f32x4::splat(simd, 0.0);
     let round = f32x4::splat(simd, ROUND);
     let place = |bounds: f32x8<S>| -> [f32; 4] {
-        let (lower, upper) = simd.split_f32x8(bounds);
-        (((lower - upper - origins) * scales - half).max(zero) + round).into()
+        (((centre(simd, bounds) - origins) * scales - half).max(zero) + round).into()
     };
     let mut bins = Bins::EMPTY;
     let mut odd_bins = Bins::EMPTY;

@@ -2,6 +2,7 @@
 
 use crate::scene::SceneError;
 use bytemuck::{Pod, Zeroable};
+use fearless_simd::{Simd, f32x4, f32x8};
 
 /// Vertices farther than this from the origin of their mesh are refused, in metres: products of three lengths
 /// must stay in the range of f32.
@@ -73,6 +74,13 @@ impl Scratch {
         self.lanes[7] = f32::from_bits(count.wrapping_add(COUNT));
         self
     }
+}
+
+/// Twice the centre of a box.
+#[inline(always)]
+pub(super) fn centre<S: Simd>(simd: S, bounds: f32x8<S>) -> f32x4<S> {
+    let (lower, upper) = simd.split_f32x8(bounds);
+    lower - upper
 }
 
 /// Vertices that are checked at a time.

@@ -4,7 +4,8 @@ use crate::Execution;
 use crate::scene::tree::{Facet, TriangleBlock, WIDTH};
 use fearless_simd::{Simd, SimdBase, dispatch, f32x16, f64x8, prelude::*};
 
-/// Works out the facets of blocks, sixteen for each.
+/// Works out the facets of blocks, sixteen for each. (Within [`refit`](super::refit), block by block, it is no faster:
+/// that waits for memory, and this would come between.)
 ///
 /// # Panics
 /// When there are not sixteen facets for each block.

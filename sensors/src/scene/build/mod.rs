@@ -11,12 +11,12 @@ mod binary;
 mod bins;
 mod bounds;
 mod collapse;
+mod cost;
 mod cut;
 mod facets;
 #[cfg(feature = "alloc")]
 mod owned;
 mod refit;
-mod sixteen;
 mod sweep;
 
 pub use bounds::{MAX_COORDINATE, Scratch};
@@ -30,8 +30,8 @@ use super::SceneError;
 use super::tree::{NONE, TriangleBlock, WIDTH, WideNode};
 use crate::Execution;
 use bytemuck::Zeroable;
+use cost::Power;
 use fearless_simd::dispatch;
-use sixteen::Power;
 
 /// No path from the root of a tree to a node has more nodes than this; a stack of `MAX_DEPTH * 15 + 1` nodes is
 /// always enough to walk it.

@@ -1,12 +1,12 @@
 //! Small sets: every cut between two neighbours on an axis is tried, where bins would miss most multiples of
 //! sixteen.
 
-use super::bounds::Scratch;
-use super::sixteen::{Cheapest, Points, Power, centre, lengths, numbers};
+use super::bounds::{Scratch, centre};
+use super::cost::{Cheapest, Points, Power, lengths, numbers};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x8, f32x16, prelude::*, u32x16};
 
-/// Sets up to this size are swept.
+/// Sets up to this size are swept. With 128, leaves are 2 % fuller, but rays meet no fewer boxes.
 pub(super) const SWEEP: usize = 64;
 
 /// Vectors that hold a number for each primitive.
@@ -21,8 +21,9 @@ const ROUND: f32 = 8_388_608.0;
 /// Centres are sorted by so many steps of an axis.
 const STEPS: f32 = 4_194_303.0;
 
-/// Sorts `items`, at most [`SWEEP`], along the axis of the cheapest cut that fits in `budget`
-/// blocks and costs less than `limit`. How many are on the left; none if there is no such cut. `centres` are the bounds of [`centre`](super::sixteen::centre) of all.
+/// Sorts `items`, at most [`SWEEP`], along the axis of the cheapest cut that fits in `budget` blocks and costs less
+/// than `limit`. How many are on the left; none if there is no such cut. `centres` are the bounds of [`centre`] of
+/// all.
 #[inline(always)]
 pub(super) fn sweep<S: Simd>(
     simd: S,
@@ -38,7 +39,7 @@ pub(super) fn sweep<S: Simd>(
     // Step 1: keys to sort by.
     let mut points = [Points::ZERO; VECTORS];
     for (i, item) in items.iter().enumerate() {
-        points[i / WIDTH].0[i % WIDTH] = centre(simd, f32x8::from_slice(simd, &item.lanes));
+        points[i / WIDTH].0[i % WIDTH] = centre(simd, f32x8::from_slice(simd, &item.lanes)).into();
     }
     let mut keys: [Numbers; 3] = [[[0; WIDTH]; VECTORS]; 3];
     let mut both_weights = [[f32x16::splat(simd, 0.0); 2]; VECTORS];

@@ -13,6 +13,7 @@ pub(crate) mod measure;
 pub(crate) mod memory;
 pub(crate) mod packet;
 pub(crate) mod place;
+pub(crate) mod prefetch;
 pub mod rays;
 pub(crate) mod resolve;
 pub(crate) mod shadow;

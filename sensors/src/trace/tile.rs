@@ -19,7 +19,7 @@ pub(crate) const TILE_WIDTH: usize = WIDTH;
 /// Pixels down a tile.
 pub(crate) const TILE_HEIGHT: usize = LANES / TILE_WIDTH;
 /// Blocks of 4 × 4 in a tile.
-const BLOCKS: usize = TILE_WIDTH / 4;
+pub(super) const BLOCKS: usize = TILE_WIDTH / 4;
 
 /// The rays of a camera in the axes of the world.
 pub(crate) struct CameraRays {
@@ -58,7 +58,6 @@ impl CameraRays {
     }
 }
 
-/// Row `row` of four blocks side by side.
 #[inline(always)]
 fn across_u32<S: Simd>(simd: S, blocks: &[&[u32; WIDTH]; BLOCKS], row: usize) -> u32x16<S> {
     let [a, b, c, d] = blocks;
@@ -68,8 +67,9 @@ fn across_u32<S: Simd>(simd: S, blocks: &[&[u32; WIDTH]; BLOCKS], row: usize) ->
     left.combine(right)
 }
 
+/// Row `row` of four blocks side by side.
 #[inline(always)]
-fn across_f32<S: Simd>(simd: S, blocks: &[&[f32; WIDTH]; BLOCKS], row: usize) -> f32x16<S> {
+pub(super) fn across_f32<S: Simd>(simd: S, blocks: &[&[f32; WIDTH]; BLOCKS], row: usize) -> f32x16<S> {
     let [a, b, c, d] = blocks;
     let part = row * 4..row * 4 + 4;
     let left = f32x4::from_slice(simd, &a[part.clone()]).combine(f32x4::from_slice(simd, &b[part.clone()]));

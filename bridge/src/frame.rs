@@ -1,17 +1,22 @@
 //! [`Frame`]: a frame where it lies, checked before it is believed.
 
-use std::fmt;
+use std::{fmt, sync::Arc};
 
 use crate::{FrameError, FrameHeader, FrameView, Node, clock, node::Ipc, payload::Message};
 
+/// The end of a stream that samples come through.
+pub(crate) type FramePort = iceoryx2::port::subscriber::Subscriber<Ipc, [u8], FrameHeader>;
 pub(crate) type Sample = iceoryx2::sample::Sample<Ipc, [u8], FrameHeader>;
 
 /// A received frame: shared memory that stays as it is until this is dropped.
 ///
 /// Its header has passed [`FrameHeader::check`], so that rows and structs lie within the payload.
 pub struct Frame {
-    // Before the node: fields are dropped in this order.
+    // Before port and node: fields are dropped in this order.
     sample: Sample,
+    /// When a port closes, iceoryx2's publisher takes back all that went through it and writes into it again, held or
+    /// not. So a port stays open as long as any of its frames.
+    _port: Arc<FramePort>,
     missed: u64,
     restarted: bool,
     from_history: bool,
@@ -21,6 +26,7 @@ pub struct Frame {
 impl Frame {
     pub(crate) fn new(
         sample: Sample,
+        port: Arc<FramePort>,
         missed: u64,
         restarted: bool,
         connected_mono_ns: u64,
@@ -29,7 +35,7 @@ impl Frame {
         let header = sample.user_header();
         header.check(sample.payload().len())?;
         let from_history = header.publish_mono_ns < connected_mono_ns;
-        Ok(Self { sample, missed, restarted, from_history, _node: node })
+        Ok(Self { sample, _port: port, missed, restarted, from_history, _node: node })
     }
 
     /// What the payload is.

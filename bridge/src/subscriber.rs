@@ -2,22 +2,19 @@
 
 use std::{
     fmt,
+    sync::Arc,
     time::{Duration, Instant},
 };
 
 use iceoryx2::{
-    port::{
-        ReceiveError,
-        listener::Listener,
-        subscriber::{Subscriber as Port, SubscriberCreateError},
-    },
+    port::{ReceiveError, listener::Listener, subscriber::SubscriberCreateError},
     service::port_factory::PortFactory as _,
 };
 
 use crate::{
-    Error, Frame, FrameHeader, Node, StreamSpec, clock,
+    Error, Frame, Node, StreamSpec, clock,
     domain::canonical_topic,
-    frame::Sample,
+    frame::{FramePort, Sample},
     node::Ipc,
     stream::{self, Events, Frames, Opened},
 };
@@ -55,7 +52,8 @@ pub struct Subscriber {
 
 /// Ports before their services: fields are dropped in this order.
 struct Connection {
-    port: Port<Ipc, [u8], FrameHeader>,
+    /// Shared with the frames that came through it, see [`Frame`].
+    port: Arc<FramePort>,
     listener: Listener<Ipc>,
     frames: Frames,
     _events: Events,
@@ -156,7 +154,7 @@ impl Subscriber {
             self.watch_publisher();
             return Ok(None);
         };
-        self.accept(sample).map(Some)
+        self.accept(sample)
     }
 
     /// The newest frame that waits, if any, dropping those before it (they count as missed); never sleeps.
@@ -193,7 +191,7 @@ impl Subscriber {
                 None => break,
             }
         }
-        self.accept(newest).map(Some)
+        self.accept(newest)
     }
 
     fn has_frames(&self) -> Result<bool, Error> {
@@ -217,7 +215,8 @@ impl Subscriber {
     }
 
     /// Checks a frame and compares it with the one before.
-    fn accept(&mut self, sample: Sample) -> Result<Frame, Error> {
+    fn accept(&mut self, sample: Sample) -> Result<Option<Frame>, Error> {
+        let Some(connection) = &self.connection else { return Ok(None) };
         self.last_sign_of_life = Instant::now();
         let header = sample.user_header();
         let now = FrameId { session: header.session, seq: header.seq };
@@ -229,8 +228,9 @@ impl Subscriber {
             None => (0, false),
         };
         self.missed_total = self.missed_total.saturating_add(missed);
-        let since_mono_ns = self.connection.as_ref().map_or(0, |connection| connection.since_mono_ns);
-        Frame::new(sample, missed, restarted, since_mono_ns, self.node.clone())
+        let port = connection.port.clone();
+        Frame::new(sample, port, missed, restarted, connection.since_mono_ns, self.node.clone())
+            .map(Some)
             .map_err(|error| Error::Frame { topic: self.topic.clone(), error })
     }
 
@@ -279,8 +279,13 @@ impl Subscriber {
             }
             error => Error::transport(format!("subscribing to {}", self.topic), error),
         })?;
-        self.connection =
-            Some(Connection { port, listener, frames, _events: events, since_mono_ns: clock::mono_ns() });
+        self.connection = Some(Connection {
+            port: Arc::new(port),
+            listener,
+            frames,
+            _events: events,
+            since_mono_ns: clock::mono_ns(),
+        });
         Ok(())
     }
 

@@ -118,6 +118,22 @@ fn a_held_frame_stays_as_it_was() {
 }
 
 #[test]
+fn a_held_frame_stays_as_it_was_when_its_subscriber_closes() {
+    let node = node("closed");
+    let publisher = node.publisher(&image_spec("image")).unwrap();
+    let mut subscriber = node.subscriber("image").unwrap();
+    assert!(!subscriber.wait(SHORT).unwrap());
+    send(&publisher, 1);
+    let held = subscriber.take().unwrap().unwrap();
+    drop(subscriber);
+    // More than the publisher's pool holds.
+    for value in 2..100 {
+        send(&publisher, value);
+    }
+    assert_eq!(held.payload(), [1; 64 * 48]);
+}
+
+#[test]
 fn a_late_subscriber_gets_the_last_frame() {
     let node = node("late");
     let spec = StreamSpec::structs("tf_static", Kind::StaticTransforms, 4);

@@ -16,6 +16,7 @@ pub(crate) mod memory;
 mod occluders;
 pub(crate) mod packet;
 pub(crate) mod place;
+pub(crate) mod prefetch;
 pub mod rays;
 pub(crate) mod resolve;
 pub(crate) mod shadow;

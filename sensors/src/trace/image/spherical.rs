@@ -527,6 +527,7 @@ impl Projection for SphericalFan<'_> {
         let cos = f32x16::from_slice(simd, &self.cos_middle[column..][..WIDTH]);
         let sin = f32x16::from_slice(simd, &self.sin_middle[column..][..WIDTH]);
         let [cos_level, sin_level] = self.levels[row];
+        // Of a strip, the closer bound of `most_over_strip` costs more than it saves: S1/R3 10 % slower.
         let length = sqrt_f32(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
         (cos * (plane[0] * cos_level) + sin * (plane[1] * cos_level))
             + (plane[2] * sin_level + length * self.radius)

@@ -8,6 +8,7 @@ use super::triangles::{self, Leaf, Rules};
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
 use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
 use crate::trace::packet::Faces;
+use crate::trace::prefetch::prefetch;
 use crate::trace::view::{ToSensor, View};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 
@@ -59,6 +60,9 @@ pub(crate) fn walk<S: Simd, P: Projection>(
         let entry = stack[waiting];
         if hidden(simd, projection, target, first_block_row, &entry) {
             continue;
+        }
+        if waiting > 0 {
+            fetch(view, &stack[waiting - 1]);
         }
         let rules = Rules {
             faces,
@@ -115,6 +119,23 @@ pub(crate) fn walk<S: Simd, P: Projection>(
             (node, &placed.to_sensor, index)
         };
         waiting = push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting);
+    }
+}
+
+/// Has what an entry will need brought into the cache.
+#[inline(always)]
+fn fetch(view: &View<'_>, entry: &Entry) {
+    if entry.placed == TOP {
+        return;
+    }
+    let placed = &view.placed[entry.placed as usize];
+    if placed.kind != KIND_MESH {
+        return;
+    }
+    if entry.child & LEAF != 0 {
+        prefetch(view.scene.blocks, placed.first_block + (entry.child & !LEAF));
+    } else {
+        prefetch(view.scene.nodes, placed.first_node + entry.child);
     }
 }
 
@@ -207,8 +228,7 @@ fn hidden<S: Simd, P: Projection>(
                     lanes &= lanes - 1;
                     // Of a strip, it is worth asking for the rays in question: it is sixteen columns wide.
                     if !strip::is_one::<P>(fan)
-                        || strip::farthest(simd, &target.inverse[start + column], rays, column)
-                            < entry.nearest
+                        || strip::shows(simd, &target.inverse[start + column], rays, column, entry.nearest)
                     {
                         return false;
                     }

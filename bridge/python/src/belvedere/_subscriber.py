@@ -1,0 +1,236 @@
+"""The reading end of a stream, through all that happens to its publisher."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from typing import TYPE_CHECKING, Any
+
+import iceoryx2 as iox2
+
+from belvedere import _transport
+from belvedere._errors import BridgeError, LimitError, StreamTimeoutError
+from belvedere._frame import Frame
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import TracebackType
+
+    from typing_extensions import Self
+
+#: Seconds between two looks for a stream that is not there.
+SEARCH_INTERVAL = 0.02
+#: Seconds that a wait sleeps at most before it looks whether the publisher is still there.
+WATCH_INTERVAL = 0.1
+#: After so many seconds of silence the publisher may have been killed: see who is dead.
+SUSPICIOUS_SILENCE = 1.0
+
+
+class _Connection:
+    """The ports of a stream that is there.
+
+    When a port closes, iceoryx2's publisher takes back all that went through it and writes into it again, held or
+    not. So the ports stay open as long as the subscriber or any frame refers to them.
+    """
+
+    def __init__(self, node: Any, topic: str) -> None:
+        self.frames, events = _transport.open_stream(node, topic)
+        if self.publishers == 0:
+            # What other subscribers are about to let go.
+            raise _transport.NotThere
+        # The listener first: who is seen as a subscriber is then sure to be woken.
+        self.listener = events.listener_builder().create()
+        settings = self.frames.static_config
+        history = min(settings.history_size, settings.subscriber_max_buffer_size)
+        try:
+            self.port = self.frames.subscriber_builder().history_request(history).create()
+        except iox2.SubscriberCreateError as error:
+            if "ExceedsMaxSupportedSubscribers" in str(error):
+                raise LimitError(
+                    f"{topic} has its {settings.max_subscribers} subscribers already: close one"
+                ) from error
+            raise BridgeError(f"subscribing to {topic}: {error}") from error
+        self.since_mono_ns = time.clock_gettime_ns(time.CLOCK_MONOTONIC)
+
+    @property
+    def publishers(self) -> int:
+        return int(self.frames.dynamic_config.number_of_publishers)
+
+    def __del__(self) -> None:
+        for port in ("port", "listener"):
+            if hasattr(self, port):
+                getattr(self, port).delete()
+
+
+class Subscriber:
+    """The reading end of a stream, made by ``Node.subscribe``.
+
+    It can be made before the stream exists, and it outlives the publisher: when that ends, or is killed, and starts
+    again, it goes on with the new one. A reader that is slower than the publisher loses the oldest of its own
+    waiting frames and slows nobody; ``Frame.missed`` tells how many.
+    """
+
+    def __init__(self, node: Any, topic: str) -> None:
+        self._node = node
+        self._topic = topic
+        self._connection: _Connection | None = None
+        self._next_search = 0.0
+        self._last: tuple[int, int] | None = None
+        self._missed_total = 0
+        self._last_sign_of_life = self._last_clean_up = time.monotonic()
+
+    @property
+    def topic(self) -> str:
+        """The topic without a leading slash."""
+        return self._topic
+
+    @property
+    def publishers(self) -> int:
+        """Publishers now: 0 before the first, and after the last has ended or was found dead."""
+        return self._connection.publishers if self._connection else 0
+
+    @property
+    def missed_total(self) -> int:
+        """Frames that were sent and never taken, over this subscriber's life."""
+        return self._missed_total
+
+    @property
+    def silence(self) -> float:
+        """Seconds since the last frame, or since the subscriber was made: the sign that a stream has stopped."""
+        return time.monotonic() - self._last_sign_of_life
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Sleep until there is a frame to take; False when ``timeout`` seconds have passed without one.
+
+        Raises:
+            IncompatibleError: the stream is there and cannot be read by this version.
+            LimitError: all places of the stream are taken.
+
+        """
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while True:
+            self._search()
+            if self._connection and self._connection.port.has_samples():
+                return True
+            self._watch_publisher()
+            left = WATCH_INTERVAL if deadline is None else min(deadline - time.monotonic(), WATCH_INTERVAL)
+            if left <= 0:
+                return False
+            if self._connection:
+                self._connection.listener.timed_wait(iox2.Duration.from_secs_f64(left))
+            else:
+                time.sleep(min(left, SEARCH_INTERVAL))
+
+    def take(self) -> Frame | None:
+        """Return the oldest frame that waits, if any; never sleeps.
+
+        Raises:
+            LimitError: too many frames are held.
+            BadFrameError: the frame must not be read, and was dropped.
+            IncompatibleError: as for ``wait``.
+
+        """
+        self._search()
+        sample = self._receive()
+        if sample is None:
+            self._watch_publisher()
+            return None
+        return self._accept(sample)
+
+    def take_newest(self) -> Frame | None:
+        """Return the newest frame that waits, if any, and drop those before it, which count as missed."""
+        newest = self.take()
+        while newest is not None and self._connection and self._connection.port.has_samples():
+            # Before the next is taken: the other place may be that of the frame that the caller still holds.
+            newest.release()
+            frame = self.take()
+            if frame is None:
+                break
+            frame.missed += newest.missed + 1
+            frame.restarted |= newest.restarted
+            self._missed_total += 1
+            newest = frame
+        return newest
+
+    def frames(self, timeout: float | None = None, *, newest: bool = False) -> Iterator[Frame]:
+        """Go through the frames as they come, each in turn or only the ``newest`` of those that wait.
+
+        A frame is released when the variables that hold it or its arrays are gone, in a loop thus one turn later.
+
+        Raises:
+            StreamTimeoutError: no frame has come for ``timeout`` seconds.
+
+        """
+        while True:
+            if not self.wait(timeout):
+                raise StreamTimeoutError(
+                    f"no frame of {self._topic} for {timeout} s; publishers: {self.publishers}"
+                )
+            frame = self.take_newest() if newest else self.take()
+            if frame is not None:
+                yield frame
+                # Not held here while the next is taken.
+                del frame
+
+    def close(self) -> None:
+        """End the subscription; frames that are held stay valid."""
+        self._connection = None
+        self._next_search = float("inf")
+
+    def __enter__(self) -> Self:
+        """Return the subscriber itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close it."""
+        self.close()
+
+    def _receive(self) -> Any:
+        if self._connection is None:
+            return None
+        try:
+            return self._connection.port.receive()
+        except iox2.ReceiveError as error:
+            if "ExceedsMaxBorrows" in str(error):
+                held = self._connection.frames.static_config.subscriber_max_borrowed_samples
+                raise LimitError(
+                    f"{held} frames of {self._topic} are held: release one, or copy() what is needed"
+                ) from error
+            raise BridgeError(f"receiving {self._topic}: {error}") from error
+
+    def _accept(self, sample: Any) -> Frame:
+        self._last_sign_of_life = time.monotonic()
+        since = self._connection.since_mono_ns if self._connection else 0
+        frame = Frame(sample, self._connection, missed=0, restarted=False, from_history=False)
+        frame.from_history = int(frame.header["publish_mono_ns"]) < since
+        if self._last is not None:
+            session, seq = self._last
+            frame.restarted = frame.session != session
+            if not frame.restarted:
+                frame.missed = max(0, frame.seq - seq - 1)
+        self._last = (frame.session, frame.seq)
+        self._missed_total += frame.missed
+        return frame
+
+    def _search(self) -> None:
+        if self._connection is None and time.monotonic() >= self._next_search:
+            self._next_search = time.monotonic() + SEARCH_INTERVAL
+            with contextlib.suppress(_transport.NotThere):
+                self._connection = _Connection(self._node, self._topic)
+
+    def _watch_publisher(self) -> None:
+        """Let go of a stream whose publisher has gone, so that the next one finds nothing of the old."""
+        if self._connection is None:
+            return
+        now = time.monotonic()
+        if min(self.silence, now - self._last_clean_up) > SUSPICIOUS_SILENCE:
+            self._last_clean_up = now
+            self._node.try_cleanup_dead_nodes()
+        # In this order: a publisher's last frame is there before it is gone.
+        if self._connection.publishers == 0 and not self._connection.port.has_samples():
+            self._connection = None

@@ -1,0 +1,187 @@
+"""Frames of a live simulator."""
+
+from __future__ import annotations
+
+import gc
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+import belvedere
+from belvedere import Encoding
+
+if TYPE_CHECKING:
+    from conftest import Simulator
+
+TOPICS = {
+    "camera_info": ("camera_info", "struct", 30.0),
+    "clock": ("clock", "struct", 100.0),
+    "cmd_vel": ("velocity_command", "struct", None),
+    "image_raw": ("image", "rgb8", 30.0),
+    "joint_states": ("joint_states", "struct", 50.0),
+    "odom": ("odometry", "struct", 50.0),
+    "scan": ("laser_scan", "ranges_f32", 5.5),
+    "tf": ("transforms", "struct", 50.0),
+    "tf_static": ("static_transforms", "struct", None),
+}
+
+
+def first(node: belvedere.Node, topic: str) -> belvedere.Frame:
+    with node.subscribe(topic) as subscriber:
+        return next(subscriber.frames(timeout=30))
+
+
+def test_all_streams_are_listed_and_read(node: belvedere.Node) -> None:
+    first(node, "image_raw")
+    listed = {stream.topic: (stream.kind, stream.encoding, stream.rate_hz) for stream in node.streams()}
+    assert listed == TOPICS
+    for topic, (kind, _, _) in TOPICS.items():
+        if kind != "velocity_command":
+            frame = first(node, topic)
+            assert frame.kind.name.lower() == kind
+            assert frame.array.size > 0
+            assert not frame.array.flags.writeable
+
+
+def test_an_image_is_a_view_of_shared_memory(node: belvedere.Node) -> None:
+    with first(node, "/image_raw") as frame:
+        image = frame.array
+        assert (image.shape, image.dtype) == ((480, 640, 3), np.uint8)
+        assert frame.encoding == Encoding.RGB8
+        assert frame.frame_id == "base_camera_link"
+        assert frame.intrinsics.fx == pytest.approx(frame.intrinsics.fy)
+        assert (frame.intrinsics.cx, frame.intrinsics.cy) == (319.5, 239.5)
+        address = image.__array_interface__["data"][0]
+        assert address % 64 == 0
+        assert address == frame.array.__array_interface__["data"][0]
+        mapped = next(
+            line
+            for line in Path("/proc/self/maps").read_text().splitlines()
+            if int(line.split("-")[0], 16) <= address < int(line.split("-")[1].split()[0], 16)
+        )
+        assert "/dev/shm/" in mapped
+        assert mapped.split()[1] == "r--s"
+        assert np.unique(image).size > 10
+        del image
+    with pytest.raises(belvedere.ReleasedError):
+        _ = frame.array
+
+
+def test_an_array_that_outlives_its_block_is_an_error_and_stays_readable(node: belvedere.Node) -> None:
+    frame = first(node, "image_raw")
+    with pytest.raises(belvedere.FrameInUseError, match="copy"), frame:
+        row = frame.array[240]
+    before = row.copy()
+    time.sleep(0.3)
+    assert (row == before).all()
+
+
+def test_too_many_frames_held_is_said_and_cured(node: belvedere.Node) -> None:
+    with node.subscribe("image_raw") as subscriber:
+        held = []
+        with pytest.raises(belvedere.LimitError, match="2 frames of image_raw are held"):
+            held.extend(subscriber.frames(timeout=30))
+        assert len(held) == 2
+        held.clear()
+        gc.collect()
+        assert next(subscriber.frames(timeout=30)).width == 640
+
+
+def test_each_frame_comes_once_and_in_order(node: belvedere.Node) -> None:
+    with node.subscribe("odom") as subscriber:
+        frames = subscriber.frames(timeout=30)
+        last = next(frames)
+        for _ in range(40):
+            frame = next(frames)
+            assert frame.seq == last.seq + 1 + frame.missed
+            assert frame.stamp_ns > last.stamp_ns
+            last = frame
+
+
+def test_the_newest_leaves_out_what_waits(node: belvedere.Node) -> None:
+    with node.subscribe("odom") as subscriber:
+        assert subscriber.wait(30)
+        for taken, frame in enumerate(subscriber.frames(timeout=30, newest=True)):
+            if taken == 1:
+                assert frame.missed >= 5
+                break
+            time.sleep(0.5)
+        assert subscriber.missed_total >= 5
+
+
+def test_a_command_moves_the_robot(node: belvedere.Node) -> None:
+    commands = node.velocity_publisher("/cmd_vel")
+    assert commands.wait(30)
+    with commands, node.subscribe("odom") as subscriber:
+        start = next(subscriber.frames(timeout=30)).array[0]["position"].copy()
+        frames = subscriber.frames(timeout=30)
+        for _ in range(50):
+            frame = next(frames)
+            assert commands.send(forward=0.3)
+        moved = np.linalg.norm(frame.array[0]["position"] - start)
+        assert 0.1 < moved < 1.0
+        assert frame.array[0]["linear"][0] == pytest.approx(0.3, abs=0.05)
+
+
+def test_a_killed_simulator_is_followed_to_its_next_life(simulator: Simulator, node: belvedere.Node) -> None:
+    with node.subscribe("image_raw") as subscriber:
+        frames = subscriber.frames(timeout=30)
+        session = next(frames).session
+        simulator.stop(signal.SIGKILL)
+        simulator.start()
+        for frame in frames:
+            if frame.session != session:
+                assert frame.restarted
+                break
+        assert next(frames).session != session
+
+
+def test_nothing_there_is_a_timeout(node: belvedere.Node) -> None:
+    with node.subscribe("nothing/of/this") as subscriber:
+        assert not subscriber.wait(0.1)
+        assert subscriber.take() is None
+        with pytest.raises(belvedere.StreamTimeoutError, match=r"nothing/of/this for 0.1 s; publishers: 0"):
+            next(subscriber.frames(timeout=0.1))
+
+
+@pytest.mark.parametrize("name", ["", "a b", "a//b", "a/", "//a", "ä"])
+def test_names_that_cannot_be(node: belvedere.Node, name: str) -> None:
+    with pytest.raises(belvedere.InvalidNameError):
+        node.subscribe(name)
+    with pytest.raises(belvedere.InvalidNameError):
+        belvedere.Node(domain=name)
+
+
+def test_the_first_program_runs(simulator: Simulator) -> None:
+    readme = (Path(__file__).parents[1] / "README.md").read_text()
+    program = readme.split("```python\n")[1].split("```")[0]
+    assert program.count("\n") < 30
+    run = subprocess.run(
+        [sys.executable, "-c", program],
+        env={"BELVEDERE_DOMAIN": simulator.domain, "PATH": "/usr/bin:/bin"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert "(480, 640, 3)" in run.stdout
+
+
+def test_the_plain_wheel_reads_a_stream_too(simulator: Simulator) -> None:
+    readme = (Path(__file__).parents[1] / "README.md").read_text()
+    program = readme.split("```python\n")[2].split("```")[0]
+    assert "import belvedere" not in program
+    run = subprocess.run(
+        [sys.executable, "-c", program, simulator.domain],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert "640 x 480" in run.stdout

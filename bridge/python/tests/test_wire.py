@@ -1,0 +1,114 @@
+"""The layout against WIRE.md, and headers that lie."""
+
+from __future__ import annotations
+
+import random
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from belvedere import BadFrameError, Encoding, Kind, wire
+
+WIRE_MD = Path(__file__).parents[2] / "WIRE.md"
+
+
+def good_header() -> np.ndarray:
+    header = np.zeros((), wire.HEADER)
+    header["magic"], header["header_len"], header["schema"] = wire.MAGIC, wire.HEADER_LEN, wire.SCHEMA
+    header["kind"], header["encoding"] = Kind.IMAGE, Encoding.RGB8
+    header["width"], header["height"], header["row_stride"], header["elem_stride"] = 4, 3, 12, 3
+    header["payload_len"] = 36
+    return header
+
+
+def test_every_offset_is_that_of_wire_md() -> None:
+    text = WIRE_MD.read_text()
+    table = text[text.index("## Header: 256 bytes") : text.index("### Block of image")]
+    rows = re.findall(r"^\| (\d+) \| (?:[uf]\d+(?:\[\d+\])?|\d+ bytes) \| (\w+) \|", table, re.MULTILINE)
+    assert len(rows) == 19
+    assert [(name, int(offset)) for offset, name in rows] == [
+        (name, wire.HEADER.fields[name][1]) for name in wire.HEADER.names
+    ]
+    assert wire.HEADER.itemsize == 256
+    sizes = {
+        "CameraInfo": Kind.CAMERA_INFO,
+        "Odometry": Kind.ODOMETRY,
+        "Transform": Kind.TRANSFORMS,
+        "JointState": Kind.JOINT_STATES,
+        "Clock": Kind.CLOCK,
+        "VelocityCommand": Kind.VELOCITY_COMMAND,
+    }
+    for name, kind in sizes.items():
+        found = re.search(rf"\*\*{name}\*\*, (\d+) bytes: (.*?)(?:\n\n|\Z)", text, re.DOTALL)
+        assert found is not None
+        assert wire.STRUCTS[kind].itemsize == int(found[1])
+        named = dict(re.findall(r"[uf]\d+(?:\[\d+\])? ([a-z_]+) (\d+)", found[2]))
+        assert named
+        for field, offset in named.items():
+            assert wire.STRUCTS[kind].fields[field][1] == int(offset), (name, field)
+
+
+def test_numbers_and_names_are_those_of_wire_md() -> None:
+    text = WIRE_MD.read_text()
+    kinds = text[text.index("## Kinds") : text.index("## Encodings")]
+    encodings = text[text.index("## Encodings") : text.index("## Structs")]
+    for table, enum in ((kinds, Kind), (encodings, Encoding)):
+        rows = {int(number): name for number, name in re.findall(r"^\| (\d+) \| (\w+) \|", table, re.MULTILINE)}
+        names = {"F32C1": "32fc1", "U16C1": "16uc1"}
+        assert rows == {member.value: names.get(member.name, member.name.lower()) for member in enum}
+
+
+def test_a_good_header_passes() -> None:
+    wire.check(good_header()[()], 36)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "says"),
+    [
+        ("magic", 1, "magic"),
+        ("schema", 2, "schema is 2"),
+        ("header_len", 128, "header_len is 128"),
+        ("payload_len", 37, "payload_len is 37, but 36"),
+        ("width", 5, "row_stride"),
+        ("height", 4, "byte 48 of a payload of 36"),
+        ("row_stride", 2**32 - 1, "byte"),
+        ("elem_stride", 2, "elem_stride 2"),
+        ("flags", 1, "byte 72"),
+    ],
+)
+def test_each_wrong_field_is_named(field: str, value: int, says: str) -> None:
+    header = good_header()
+    header[field] = value
+    with pytest.raises(BadFrameError, match=says):
+        wire.check(header[()], 36)
+
+
+def test_no_header_leads_outside_the_payload() -> None:
+    draw = random.Random(1)
+    memory = np.zeros(4096, "u1")
+    passed = 0
+    for _ in range(20_000):
+        header = good_header()
+        for field in draw.sample(["flags", "width", "height", "row_stride", "elem_stride", "payload_len"], 3):
+            bits = draw.choice([2, 4, 8, 12, 31, 32])
+            header[field] = draw.getrandbits(bits)
+        header["kind"], header["encoding"] = draw.randrange(14), draw.randrange(10)
+        try:
+            wire.check(header[()], memory.size)
+        except BadFrameError:
+            continue
+        if not header["width"] or not header["height"]:
+            continue
+        element = wire.element(int(header["kind"]), int(header["encoding"]))
+        size = element.itemsize if element is not None else 1
+        planes = 2 if int(header["flags"]) & 1 else 1
+        last = (
+            (planes * int(header["height"]) - 1) * int(header["row_stride"])
+            + (int(header["width"]) - 1) * int(header["elem_stride"])
+            + size
+        )
+        assert last <= int(header["payload_len"]) <= memory.size
+        passed += 1
+    assert passed > 100

@@ -555,6 +555,11 @@ fn draw_block<S: Simd, P: Projection>(
     let (hit, inverse) = inside::<S, P>(&edges, &splat(simd, inverse), &directions, rules.inverse_near);
     let so_far = f32x16::load_array_ref(simd, &target.inverse[block]);
     let hit = hit & inverse.simd_gt(so_far);
+    // A lidar's blocks span wide angles, and many are not hit after all (S1/R3 5 % faster, R4 3 %); a camera's are
+    // nearly always (S3/R1 10 % slower).
+    if P::HAS_STRIPS && !hit.any_true() {
+        return;
+    }
     let nearest = hit.select(inverse, so_far);
     nearest.store_array(&mut target.inverse[block]);
     let slots = u32x16::load_array_ref(simd, &target.slot[block]);

@@ -49,7 +49,7 @@ fn cast(rays: &str) -> (Built, Caster) {
     let scene = Scene::new("S1");
     let rays = RaySet::new(rays, &scene).first(20_000);
     let caster = Caster::new(&rays, execution(simd()), Wanted::All);
-    (Built::new(&scene.mesh), caster.expect("rays that are cast"))
+    (Built::new(&scene.mesh), caster)
 }
 
 fn room_mesh() -> Mesh {
@@ -58,6 +58,10 @@ fn room_mesh() -> Mesh {
 
 fn room_camera() -> (Built, Caster) {
     cast("R1")
+}
+
+fn room_rays() -> (Built, Caster) {
+    cast("R5")
 }
 
 fn zeros() -> Vec<f32> {
@@ -73,6 +77,13 @@ fn build_s1(mesh: Mesh) -> Tree {
 // A camera's 307,200 rays in the room.
 #[library_benchmark(config = limit("trace_S1_R1"), setup = room_camera)]
 fn trace_s1_r1((built, mut caster): (Built, Caster)) -> (Built, Caster) {
+    black_box(caster.cast(black_box(&built)));
+    (built, caster)
+}
+
+// 20,000 rays that have nothing in common.
+#[library_benchmark(config = limit("trace_S1_R5"), setup = room_rays)]
+fn trace_s1_r5((built, mut caster): (Built, Caster)) -> (Built, Caster) {
     black_box(caster.cast(black_box(&built)));
     (built, caster)
 }
@@ -108,6 +119,9 @@ fn tag_room_rows((scene, camera, mut workspace, mut pixels): RoomView) -> RoomVi
     (scene, camera, workspace, pixels)
 }
 
-library_benchmark_group!(name = counts, benchmarks = [build_s1, trace_s1_r1, noise, tag_room_rows]);
+library_benchmark_group!(
+    name = counts,
+    benchmarks = [build_s1, trace_s1_r1, trace_s1_r5, noise, tag_room_rows]
+);
 
 main!(library_benchmark_groups = counts);

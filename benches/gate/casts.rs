@@ -8,6 +8,8 @@ use std::hint::black_box;
 
 /// parry3d casts about as many rays of a set a call; their rate is what counts.
 const PEER_RAYS: usize = 30_000;
+/// Of `R5`: what matters of a million is cast as fast a hundred thousand at a time.
+const OUR_RANDOM_RAYS: usize = 100_000;
 
 /// Measures the ray sets of a scene.
 pub fn run(gate: &mut Gate<'_>, scene: &str, level: Level) -> Result<(), String> {
@@ -18,11 +20,8 @@ pub fn run(gate: &mut Gate<'_>, scene: &str, level: Level) -> Result<(), String>
     let ours = ours::Built::new(&scene.mesh);
     let theirs = peer::Built::new(&scene.mesh);
     for name in RAYS.into_iter().filter(|rays| gate.options.wants(scene.name, rays)) {
-        let rays = RaySet::new(name, scene);
-        let Some(mut caster) = ours::Caster::new(&rays, ours::execution(level), ours::Wanted::All) else {
-            gate.leave_out(scene.name, name, "nothing casts such rays yet");
-            continue;
-        };
+        let rays = RaySet::new(name, scene).first(OUR_RANDOM_RAYS);
+        let mut caster = ours::Caster::new(&rays, ours::execution(level), ours::Wanted::All);
         let chosen = chosen(&rays);
         let mut distances = Vec::with_capacity(chosen.len());
         let entry =

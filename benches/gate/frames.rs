@@ -88,7 +88,7 @@ fn depth_frame(gate: &mut Gate<'_>, level: Level, scene: &str, name: &str) {
     let noise = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).expect("in range");
     let execution = ours::execution(level);
     let mut whole = ours::DepthFrames::new(&rays, noise, execution);
-    let Some(mut trace) = ours::Caster::new(&rays, execution, ours::Wanted::Distance) else { return };
+    let mut trace = ours::Caster::new(&rays, execution, ours::Wanted::Distance);
     gate.run(
         entry(name, "its trace alone", Clock::Thread),
         (&mut || whole.sense(&built), 1.0),

@@ -10,9 +10,9 @@ use crate::shade::{Colours, Shader};
 use crate::simd::LANES;
 use crate::trace::grid::{Band, BandWork, Sight, trace_pinhole};
 use crate::trace::image::Projection;
-use crate::trace::packet::{Faces, Packet};
+use crate::trace::packet::Faces;
 use crate::trace::resolve::Resolver;
-use crate::trace::tile::{TILE_HEIGHT, TILE_WIDTH, take_tile};
+use crate::trace::tile::{CameraRays, TILE_HEIGHT, TILE_WIDTH, Tile};
 use crate::trace::view::View;
 use crate::trace::{Capture, RayGrid, Workspace};
 use fearless_simd::Simd;
@@ -202,18 +202,17 @@ impl BandWork<Rows<'_>> for Painter<'_> {
     #[inline(always)]
     fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, output: Rows<'_>) {
         let Self { camera, capture } = self;
-        let axes = capture.world_from_sensor.rotation_matrix();
-        let steps = camera.lens.pixel_steps(&capture.world_from_sensor);
+        let rays = CameraRays::new(&camera.lens, &capture.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
-        let mut packet = Packet::new();
+        let mut tile = Tile::new();
         let mut shader = Shader::new();
         let mut colours = [[0.0; LANES]; 3];
         let tiles = camera.lens.tiles()[0];
         let stride = camera.row_stride();
         for (row, pixels) in band.block_rows().zip(output.pixels.chunks_mut(output.bytes)) {
             for column in 0..tiles {
-                take_tile(band, &mut resolver, &axes, [column, row], &mut packet);
-                shader.shade(simd, band.view, &packet, &steps, &mut colours);
+                tile.take(simd, band, &mut resolver, &rays, [column, row]);
+                shader.shade(simd, band.view, &tile, &rays, &mut colours);
                 camera.add_noise(capture.frame, (row * tiles + column) as u32, &mut colours);
                 pixel::write_tile(simd, &colours, camera.config.format, column * TILE_WIDTH, pixels, stride);
             }

@@ -10,9 +10,8 @@ use crate::simd::{LANES, Lanes};
 use crate::trace::grid::{Band, BandWork, trace_pinhole};
 use crate::trace::image::Projection;
 use crate::trace::measure::Measure;
-use crate::trace::packet::Packet;
 use crate::trace::resolve::Resolver;
-use crate::trace::tile::{TILE_HEIGHT, TILE_WIDTH, take_tile};
+use crate::trace::tile::{CameraRays, TILE_HEIGHT, TILE_WIDTH, Tile};
 use crate::trace::view::View;
 use crate::trace::{Capture, Workspace};
 use fearless_simd::Simd;
@@ -240,12 +239,11 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
     fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, rows: Rows<'_>) {
         let Self { camera, capture } = self;
         let lens = camera.camera.lens();
-        let axes = capture.world_from_sensor.rotation_matrix();
-        let steps = lens.pixel_steps(&capture.world_from_sensor);
+        let rays = CameraRays::new(lens, &capture.world_from_sensor);
         let measure = Measure::new(&capture.world_from_sensor);
         let wants_colour = rows.output.colour.is_some() || rows.output.points.is_some();
         let mut resolver = Resolver::new(band.view);
-        let mut packet = Packet::new();
+        let mut seen = Tile::new();
         let mut shader = Shader::new();
         let mut colours = [[0.0; LANES]; 3];
         let tiles = lens.tiles()[0];
@@ -258,8 +256,8 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
             for column in 0..tiles {
                 let tile = (row * tiles + column) as u32;
                 if wants_colour {
-                    take_tile(band, &mut resolver, &axes, [column, row], &mut packet);
-                    shader.shade(simd, band.view, &packet, &steps, &mut colours);
+                    seen.take(simd, band, &mut resolver, &rays, [column, row]);
+                    shader.shade(simd, band.view, &seen, &rays, &mut colours);
                     camera.camera.add_noise(capture.frame, tile, &mut colours);
                 }
                 let truth = measure.tile(simd, band, &mut resolver, [column, row]);

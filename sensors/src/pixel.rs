@@ -100,10 +100,25 @@ pub(crate) fn write_tile<S: Simd>(
                 *pixel = *packed as u8;
             }
         } else {
-            for (pixel, packed) in row.as_chunks_mut::<3>().0.iter_mut().zip(&packed[lanes]) {
-                let [first, second, third, _] = packed.to_le_bytes();
-                *pixel = [first, second, third];
-            }
+            write_pixels(&packed[lanes], row);
         }
+    }
+}
+
+/// Pixels of three bytes, four at a time in three words.
+#[inline(always)]
+fn write_pixels(packed: &[u32], row: &mut [u8]) {
+    let (fours, rest) = row.as_chunks_mut::<12>();
+    let written = fours.len().min(packed.len() / 4);
+    for (bytes, [a, b, c, d]) in fours.iter_mut().zip(packed.as_chunks::<4>().0) {
+        let words = [a | b << 24, b >> 8 | c << 16, c >> 16 | d << 8];
+        for (bytes, word) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(words) {
+            *bytes = word.to_le_bytes();
+        }
+    }
+    // The last ones of a row whose length is no multiple of four.
+    for (pixel, packed) in rest.as_chunks_mut::<3>().0.iter_mut().zip(&packed[4 * written..]) {
+        let [first, second, third, _] = packed.to_le_bytes();
+        *pixel = [first, second, third];
     }
 }

@@ -5,6 +5,7 @@
 //! is chosen once a frame. As no operation is fused or approximated, every level gives the same bits.
 
 pub use fearless_simd::Level;
+use fearless_simd::{Simd, SimdBase, f32x16};
 
 /// Rays in a packet: a tile of 16 × 4 pixels, or 64 consecutive beams.
 pub const LANES: usize = 64;
@@ -18,6 +19,18 @@ pub fn best_level() -> Level {
     return Level::new();
     #[cfg(not(feature = "std"))]
     return Level::baseline();
+}
+
+/// Sixteen of the lanes, from lane 16·`row` on.
+#[inline(always)]
+pub(crate) fn load_row<S: Simd>(simd: S, lanes: &Lanes<f32>, row: usize) -> f32x16<S> {
+    f32x16::load_array_ref(simd, &lanes.as_chunks().0[row])
+}
+
+/// Puts sixteen values where [`load_row`] finds them.
+#[inline(always)]
+pub(crate) fn store_row<S: Simd>(values: f32x16<S>, lanes: &mut Lanes<f32>, row: usize) {
+    values.store_array(&mut lanes.as_chunks_mut().0[row]);
 }
 
 /// √, correctly rounded everywhere.

@@ -108,11 +108,11 @@ fn fnv(bytes: &[u8]) -> u64 {
 #[test]
 fn every_machine() {
     let expected: [(&str, u64); 6] = [
-        ("rgb8", 0x04af_e784_4b97_39eb),
-        ("mono8", 0x3220_3ec4_1a5c_90d7),
+        ("rgb8", 0xb76f_385e_c290_95fe),
+        ("mono8", 0x44d6_5f69_18fd_2d53),
         ("32fc1", 0x1eaa_a1f9_865b_f6ba),
         ("16uc1", 0x6088_fc64_b70d_22a5),
-        ("points", 0x3105_14c4_3127_85a2),
+        ("points", 0x67e3_5664_bdaa_7f69),
         ("ranges", 0x0603_6eae_d035_e755),
     ];
     let found: Vec<_> =

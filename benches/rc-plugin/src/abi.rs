@@ -97,8 +97,8 @@ unsafe extern "C" fn rc_build(_caster: c_int, mesh: *const Mesh, threads: c_int)
 unsafe extern "C" fn rc_refit(handle: *mut c_void, verts: *const [f32; 3]) -> c_int {
     // SAFETY: `handle` is a `Caster` that nobody else uses, says the caller.
     let Some(caster) = (unsafe { handle.cast::<Caster>().as_mut() }) else { return 0 };
-    // SAFETY: no more vertices are read than triangles name, all of which are there, says the caller.
-    let positions = unsafe { elements(verts, caster.vertices() as u64) };
+    // SAFETY: there are as many vertices as when it was built, says the caller.
+    let positions = unsafe { elements(verts, caster.vertices as u64) };
     c_int::from(caster.refit(positions))
 }
 

@@ -13,6 +13,8 @@ use belvedere_sensors::trace::{CacheLine, Faces, Hits, Workspace, cast_grid, wor
 /// A mesh and its tree.
 pub(crate) struct Caster {
     triangles: Vec<[u32; 3]>,
+    /// Of the mesh that was given.
+    pub(crate) vertices: usize,
     nodes: Array<WideNode>,
     blocks: Array<TriangleBlock>,
     facets: Array<Facet>,
@@ -62,10 +64,11 @@ impl Caster {
                 blocks.as_mut_slice(),
             )?;
             let mut facets = Array::new(size.blocks * WIDTH)?;
-            build::fill_facets(&blocks.as_slice()[..size.blocks], facets.as_mut_slice());
+            build::fill_facets(&blocks.as_slice()[..size.blocks], execution, facets.as_mut_slice());
             let triangles = triangles.to_vec();
             let (sensors, workspace) = (Sensors::default(), Array::new(0)?);
-            Ok(Self { triangles, nodes, blocks, facets, size, execution, sensors, workspace })
+            let vertices = positions.len();
+            Ok(Self { triangles, vertices, nodes, blocks, facets, size, execution, sensors, workspace })
         };
         made().inspect_err(|error| eprintln!("belvedere: {error}")).ok()
     }
@@ -75,13 +78,8 @@ impl Caster {
         let (nodes, blocks) = (self.nodes.as_mut_slice(), self.blocks.as_mut_slice());
         let (nodes, blocks) = (&mut nodes[..self.size.nodes], &mut blocks[..self.size.blocks]);
         let done = build::refit(positions, &self.triangles, self.execution, nodes, blocks).is_ok();
-        build::fill_facets(blocks, self.facets.as_mut_slice());
+        build::fill_facets(blocks, self.execution, self.facets.as_mut_slice());
         done
-    }
-
-    /// How many vertices the mesh has at least.
-    pub(crate) fn vertices(&self) -> usize {
-        self.triangles.iter().flatten().max().map_or(0, |&last| last as usize + 1)
     }
 
     /// Casts the rays, which lie in rows ([across, down]), on so many threads.

@@ -4,9 +4,11 @@ use super::super::rays::{RaySet, Source};
 use super::Built;
 use belvedere_sensors::lens::Pinhole;
 use belvedere_sensors::scene::visibility;
+use belvedere_sensors::trace::rays::{Rays, cast_rays};
 use belvedere_sensors::trace::{Faces, Hits, RayGrid, SphericalGrid, WorkspaceBuf, cast_grid};
 use belvedere_sensors::{Execution, Pose};
 use core::f64::consts::PI;
+use glam::DVec3;
 
 /// What a cast answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,20 +21,26 @@ pub enum Wanted {
 
 /// A ray set ready to be cast, with the memory for its answers.
 pub struct Caster {
-    grid: RayGrid<'static>,
-    world_from_sensor: Pose,
+    work: Work,
     workspace: WorkspaceBuf,
     distances: Vec<f32>,
     normals: Vec<[f32; 3]>,
     triangles: Vec<u32>,
 }
 
+/// What is cast.
+enum Work {
+    /// The frame of a sensor.
+    Grid(RayGrid<'static>, Pose),
+    /// Rays of which nothing is known.
+    Single { origins: Vec<[f32; 3]>, directions: Vec<[f32; 3]> },
+}
+
 impl Caster {
-    /// None for rays that nothing casts yet.
-    pub fn new(rays: &RaySet, execution: Execution, wanted: Wanted) -> Option<Self> {
-        let (grid, world_from_sensor) = match &rays.source {
+    pub fn new(rays: &RaySet, execution: Execution, wanted: Wanted) -> Self {
+        let work = match &rays.source {
             Source::Pinhole { world_from_sensor, focal_px } => {
-                (RayGrid::Pinhole(lens(rays, *focal_px)), *world_from_sensor)
+                Work::Grid(RayGrid::Pinhole(lens(rays, *focal_px)), *world_from_sensor)
             }
             Source::Rings { world_from_sensor, elevations_rad } => {
                 let azimuth_step_rad = -2.0 * PI / rays.width as f64;
@@ -44,21 +52,22 @@ impl Caster {
                     first_elevation_rad: elevations_rad[0],
                     elevation_step_rad: elevations_rad.get(1).map_or(0.0, |next| next - elevations_rad[0]),
                 };
-                (RayGrid::Spherical(grid), *world_from_sensor)
+                Work::Grid(RayGrid::Spherical(grid), *world_from_sensor)
             }
-            Source::Random => return None,
+            Source::Random => {
+                Work::Single { origins: rays.origins.clone(), directions: rays.directions.clone() }
+            }
         };
         let mut workspace = WorkspaceBuf::default();
         workspace.execution = execution;
         let details = if wanted == Wanted::All { rays.len() } else { 0 };
-        Some(Self {
-            grid,
-            world_from_sensor,
+        Self {
+            work,
             workspace,
             distances: vec![0.0; rays.len()],
             normals: vec![[0.0; 3]; details],
             triangles: vec![0; details],
-        })
+        }
     }
 
     /// Casts them all; the distances, infinite for misses.
@@ -71,16 +80,28 @@ impl Caster {
             ..Hits::default()
         };
         let scene = built.builder.scene();
-        cast_grid(
-            &scene,
-            &self.world_from_sensor,
-            &self.grid,
-            [0.0, f64::INFINITY],
-            visibility::VISUAL,
-            if details { Faces::Both } else { Faces::Front },
-            &mut self.workspace.lend(&scene, self.grid.rays()),
-            hits,
-        );
+        let faces = if details { Faces::Both } else { Faces::Front };
+        match &self.work {
+            Work::Grid(grid, world_from_sensor) => cast_grid(
+                &scene,
+                world_from_sensor,
+                grid,
+                [0.0, f64::INFINITY],
+                visibility::VISUAL,
+                faces,
+                &mut self.workspace.lend(&scene, grid.rays()),
+                hits,
+            ),
+            Work::Single { origins, directions } => cast_rays(
+                &scene,
+                DVec3::ZERO,
+                &Rays { origins, directions, ranges: None },
+                visibility::VISUAL,
+                faces,
+                &mut self.workspace.lend(&scene, 0),
+                hits,
+            ),
+        }
         &self.distances
     }
 }

@@ -7,8 +7,6 @@
 //!
 //! Pixel centres are integers: pixel (0, 0) looks along ((0 − cx)/fx, (0 − cy)/fy, 1) in the optical frame.
 
-use crate::pose::Pose;
-use crate::trace::surface::PixelSteps;
 use crate::trace::tile::{TILE_HEIGHT, TILE_WIDTH};
 use glam::DVec3;
 
@@ -69,12 +67,6 @@ impl Pinhole {
     /// Tiles across and down.
     pub(crate) fn tiles(&self) -> [usize; 2] {
         [(self.width as usize).div_ceil(TILE_WIDTH), (self.height as usize).div_ceil(TILE_HEIGHT)]
-    }
-
-    /// How a ray's direction changes from pixel to pixel, in the axes of the world.
-    pub(crate) fn pixel_steps(&self, world_from_sensor: &Pose) -> PixelSteps {
-        let axes = world_from_sensor.rotation_matrix();
-        PixelSteps { right: axes.y_axis * (-1.0 / self.fx), down: axes.z_axis * (-1.0 / self.fy) }
     }
 }
 

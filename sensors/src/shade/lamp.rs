@@ -1,184 +1,128 @@
 //! What one lamp adds, with its shadows.
 
 use super::{Colours, Shader};
+use crate::scene::tree::WIDTH;
 use crate::scene::{LIGHT_DIRECTIONAL, LIGHT_SPOT, Light};
-use crate::simd::{LANES, Lanes, sqrt_f32};
-use crate::trace::packet::{Faces, MISS, Packet};
-use crate::trace::shadow::occluded;
-use crate::trace::surface::Surfaces;
+use crate::simd::{LANES, Lanes, load_row, store_row};
+use crate::trace::tile::Tile;
 use crate::trace::view::View;
-use fearless_simd::Simd;
-
-/// Shadow rays stop this part of the way before the surface that they are to light, and parallel ones start
-/// this many metres above it.
-const SHADOW_BIAS: f64 = 1e-6;
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
+use glam::DVec3;
 
 impl Shader {
-    /// Adds the lamp's light to the colours of the lanes that it reaches; `hit` names their instances.
+    /// Adds the lamp's light to the colours of the lanes that it reaches. Lamps are numbered.
     pub(super) fn add_lamp<S: Simd>(
         &mut self,
         simd: S,
         view: &View<'_>,
-        light: &Light,
-        hit: &Lanes<u32>,
+        (number, light): (usize, &Light),
+        tile: &Tile,
         colours: &mut Colours,
     ) {
-        let Self { surfaces, albedo, shadow_rays, .. } = self;
+        let Self { surfaces, albedo, shadows, .. } = self;
         let parallel = light.kind == LIGHT_DIRECTIONAL;
+        let position = view.point_in_frame(light.position);
         let mut brightness = [0.0; LANES];
-        let left_out = simd.vectorize(
-            #[inline(always)]
-            || {
-                match light.kind {
-                    LIGHT_DIRECTIONAL => shine_parallel(light, surfaces, &mut brightness),
-                    LIGHT_SPOT => shine_from::<true>(view, light, surfaces, &mut brightness),
-                    _ => shine_from::<false>(view, light, surfaces, &mut brightness),
-                }
-                let mut brightest = 0.0_f32;
-                for lane in 0..LANES {
-                    let one = brightness[lane];
-                    brightest = if one > brightest { one } else { brightest };
-                }
-                if brightest == 0.0 {
-                    return None;
-                }
-                if light.cast_shadows == 0 {
-                    return Some(MISS);
-                }
-                if parallel {
-                    aim_against(light, surfaces, &brightness, shadow_rays);
-                } else {
-                    aim_from(view, light, surfaces, &brightness, shadow_rays);
-                }
-                Some(only_convex(view, &brightness, hit))
-            },
-        );
-        let Some(left_out) = left_out else { return };
-        if light.cast_shadows != 0 {
-            // Front faces only: the bulb around a lamp does not keep its light in.
-            let (faces, t_max) = if parallel { (Faces::Both, f32::INFINITY) } else { (Faces::Front, 1.0) };
-            occluded(simd, view, shadow_rays, faces, t_max, left_out);
-        }
+        let mut lit = 0;
         simd.vectorize(
             #[inline(always)]
             || {
-                if light.cast_shadows != 0 {
-                    for lane in 0..LANES {
-                        let lit = shadow_rays.placed[lane] == MISS;
-                        brightness[lane] = if lit { brightness[lane] } else { 0.0 };
-                    }
-                }
-                for channel in 0..3 {
-                    let diffuse = light.diffuse[channel];
-                    for lane in 0..LANES {
-                        colours[channel][lane] += albedo[channel][lane] * diffuse * brightness[lane];
-                    }
+                for row in 0..LANES / WIDTH {
+                    let normal = row_of(simd, &surfaces.normal, row);
+                    let gain = if parallel {
+                        dot(simd, &normal, &DVec3::from_array(light.direction)) * -1.0
+                    } else {
+                        shine_from(simd, light, position, normal, row_of(simd, &tile.point, row))
+                    };
+                    // A NaN, from a lamp that lies in the surface, lights nothing.
+                    let on = gain.simd_gt(0.0);
+                    store_row(on.select(gain, f32x16::splat(simd, 0.0)), &mut brightness, row);
+                    lit |= on.to_bitmask() << (row * WIDTH);
                 }
             },
+        );
+        lit &= tile.hits;
+        if lit == 0 {
+            return;
+        }
+        let dark = match (light.cast_shadows != 0, parallel) {
+            (false, _) => 0,
+            (true, false) => shadows.of_lamp(simd, view, tile, (number, position), lit),
+            (true, true) => shadows.of_parallel(simd, view, tile, -DVec3::from_array(light.direction), lit),
+        };
+        let lit = lit & !dark;
+        simd.vectorize(
+            #[inline(always)]
+            || add_light(simd, light, albedo, &brightness, lit, colours),
         );
     }
 }
 
-/// The convex instance that all lit lanes lie on, if so: it cannot stand in its own light.
 #[inline(always)]
-fn only_convex(view: &View<'_>, brightness: &Lanes<f32>, hit: &Lanes<u32>) -> u32 {
-    // All are the same where the least and the greatest are.
-    let (mut least, mut greatest) = (MISS, 0);
-    for lane in 0..LANES {
-        let lit = brightness[lane] > 0.0;
-        least = least.min(if lit { hit[lane] } else { MISS });
-        greatest = greatest.max(if lit { hit[lane] } else { 0 });
+fn add_light<S: Simd>(
+    simd: S,
+    light: &Light,
+    albedo: &Colours,
+    brightness: &Lanes<f32>,
+    lit: u64,
+    colours: &mut Colours,
+) {
+    for row in 0..LANES / WIDTH {
+        let on: mask32x16<S> = simd.from_bitmask_mask32x16(lit >> (row * WIDTH) & 0xffff);
+        let brightness = on.select(load_row(simd, brightness, row), f32x16::splat(simd, 0.0));
+        for channel in 0..3 {
+            let added = (load_row(simd, &albedo[channel], row) * light.diffuse[channel]) * brightness;
+            store_row(load_row(simd, &colours[channel], row) + added, &mut colours[channel], row);
+        }
     }
-    if least == greatest && view.instance(least).is_convex() { least } else { MISS }
+}
+
+#[inline(always)]
+fn row_of<S: Simd>(simd: S, vectors: &[Lanes<f32>; 3], row: usize) -> [f32x16<S>; 3] {
+    [load_row(simd, &vectors[0], row), load_row(simd, &vectors[1], row), load_row(simd, &vectors[2], row)]
+}
+
+#[inline(always)]
+fn dot<S: Simd>(_simd: S, vectors: &[f32x16<S>; 3], with: &DVec3) -> f32x16<S> {
+    let [x, y, z] = vectors;
+    (*x * with.x as f32 + *y * with.y as f32) + *z * with.z as f32
 }
 
 /// Light from a point, in a cone if it is a spot.
 #[inline(always)]
-fn shine_from<const SPOT: bool>(
-    view: &View<'_>,
+fn shine_from<S: Simd>(
+    simd: S,
     light: &Light,
-    surfaces: &Surfaces,
-    brightness: &mut Lanes<f32>,
-) {
-    let position = view.point_in_frame(light.position);
-    let axis = light.direction.map(|x| x as f32);
-    let Surfaces { point, normal, .. } = surfaces;
-    for lane in 0..LANES {
-        let x = (position.x - point[0][lane]) as f32;
-        let y = (position.y - point[1][lane]) as f32;
-        let z = (position.z - point[2][lane]) as f32;
-        let distance = sqrt_f32(x * x + y * y + z * z);
-        let facing = (normal[0][lane] * x + normal[1][lane] * y + normal[2][lane] * z) / distance;
-        let mut gain = attenuation(light, distance);
-        if SPOT {
-            gain *= cone(light, -(axis[0] * x + axis[1] * y + axis[2] * z) / distance);
-        }
-        // A NaN, from a lamp that lies in the surface, lights nothing.
-        brightness[lane] = if facing > 0.0 && gain > 0.0 { facing * gain } else { 0.0 };
-    }
-}
+    position: DVec3,
+    normal: [f32x16<S>; 3],
+    point: [f32x16<S>; 3],
+) -> f32x16<S> {
+    let one = f32x16::splat(simd, 1.0);
+    let x = f32x16::splat(simd, position.x as f32) - point[0];
+    let y = f32x16::splat(simd, position.y as f32) - point[1];
+    let z = f32x16::splat(simd, position.z as f32) - point[2];
+    let distance = ((x * x + y * y) + z * z).sqrt();
+    let per_distance = one / distance;
+    let facing = ((normal[0] * x + normal[1] * y) + normal[2] * z) * per_distance;
 
-/// The same light everywhere.
-#[inline(always)]
-fn shine_parallel(light: &Light, surfaces: &Surfaces, brightness: &mut Lanes<f32>) {
-    let [x, y, z] = light.direction.map(|x| x as f32);
-    let normal = &surfaces.normal;
-    for lane in 0..LANES {
-        let facing = -(normal[0][lane] * x + normal[1][lane] * y + normal[2][lane] * z);
-        brightness[lane] = if facing > 0.0 { facing } else { 0.0 };
-    }
-}
-
-#[inline(always)]
-fn attenuation(light: &Light, distance: f32) -> f32 {
     let [constant, linear, quadratic] = light.attenuation;
-    let loss = constant + linear * distance + quadratic * (distance * distance);
-    let gain = 1.0 / if loss > 1.0 { loss } else { 1.0 };
-    if distance > light.range_m { 0.0 } else { gain }
+    let loss = distance * linear + (distance * distance) * quadratic + constant;
+    let lossy = loss.simd_gt(1.0);
+    let mut gain = if lossy.any_true() { lossy.select(one / loss, one) } else { one };
+    gain = distance.simd_gt(light.range_m).select(f32x16::splat(simd, 0.0), gain);
+    if light.kind == LIGHT_SPOT {
+        let along = dot(simd, &[x, y, z], &DVec3::from_array(light.direction));
+        gain *= cone(simd, light, along * per_distance * -1.0);
+    }
+    let zero = f32x16::splat(simd, 0.0);
+    (facing.simd_gt(zero) & gain.simd_gt(zero)).select(facing * gain, zero)
 }
 
 /// Full inside the inner cone, none outside the outer, linear in the cosine between.
 #[inline(always)]
-fn cone(light: &Light, cos_angle: f32) -> f32 {
+fn cone<S: Simd>(simd: S, light: &Light, cos_angle: f32x16<S>) -> f32x16<S> {
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let between = (cos_angle - light.cos_outer) / (light.cos_inner - light.cos_outer);
-    if cos_angle >= light.cos_inner {
-        1.0
-    } else if cos_angle <= light.cos_outer {
-        0.0
-    } else {
-        between
-    }
-}
-
-/// Shadow rays from the lamp to the lit surfaces, so that they share its origin and stay together.
-#[inline(always)]
-fn aim_from(view: &View<'_>, light: &Light, surfaces: &Surfaces, brightness: &Lanes<f32>, rays: &mut Packet) {
-    let position = view.point_in_frame(light.position);
-    for axis in 0..3 {
-        rays.origin[axis] = [position[axis]; LANES];
-        for lane in 0..LANES {
-            rays.direction[axis][lane] = surfaces.point[axis][lane] - position[axis];
-        }
-    }
-    rays.shared_origin = true;
-    aim(0.0, 1.0 - SHADOW_BIAS, brightness, rays);
-}
-
-/// Shadow rays from the lit surfaces against the direction of parallel light.
-#[inline(always)]
-fn aim_against(light: &Light, surfaces: &Surfaces, brightness: &Lanes<f32>, rays: &mut Packet) {
-    rays.origin = surfaces.point;
-    rays.direction = light.direction.map(|component| [-component; LANES]);
-    rays.shared_origin = false;
-    aim(SHADOW_BIAS, f64::INFINITY, brightness, rays);
-}
-
-/// Only lit lanes take part.
-#[inline(always)]
-fn aim(t_min: f64, t_max: f64, brightness: &Lanes<f32>, rays: &mut Packet) {
-    rays.t_min = t_min;
-    rays.placed = [MISS; LANES];
-    for lane in 0..LANES {
-        rays.t[lane] = if brightness[lane] > 0.0 { t_max } else { f64::NEG_INFINITY };
-    }
+    let outside = cos_angle.simd_le(light.cos_outer).select(zero, between);
+    cos_angle.simd_ge(light.cos_inner).select(one, outside)
 }

@@ -2,126 +2,172 @@
 //!
 //! colour = emissive + texture · (ambient · ambient light + Σ diffuse · lamp · max(0, n·l) · attenuation ·
 //! shadow), in the space of the files' colours without gamma, as Gazebo classic renders.
+//!
+//! A tile sees few instances. One after the other gives its lanes their normals and their albedo, sixteen at a time;
+//! then come the lamps, for all lanes at once.
 
 mod lamp;
 mod texture;
 
-use crate::scene::{Material, NO_TEXTURE};
-use crate::simd::{LANES, Lanes};
-use crate::trace::packet::{MISS, Packet};
-use crate::trace::surface::{PixelSteps, Surfaces};
+use crate::scene::NO_TEXTURE;
+use crate::scene::tree::WIDTH;
+use crate::simd::{LANES, Lanes, load_row, store_row};
+use crate::trace::face::{Face, faces, has_flat_faces};
+use crate::trace::packet::MISS;
+use crate::trace::shadow::Shadows;
+use crate::trace::surface::{Footprint, Surfaces};
+use crate::trace::tile::{CameraRays, Tile};
 use crate::trace::view::View;
-use fearless_simd::Simd;
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
+use texture::Sampler;
+
+/// Rows of a tile.
+const ROWS: usize = LANES / WIDTH;
 
 /// A colour per lane: all reds, all greens, all blues.
 pub(crate) type Colours = [Lanes<f32>; 3];
 
-/// What shading a packet works on; kept from packet to packet.
+/// What shading a tile works on; kept from tile to tile.
 pub(crate) struct Shader {
     surfaces: Surfaces,
-    /// Of one instance; 1 without a texture.
-    texture: Colours,
+    /// The flat face met last: instance and number, and what is known of it.
+    face_of: (u32, u32),
+    face: Face,
+    sampler: Sampler,
     /// Diffuse colour times texture; black where nothing was hit.
     albedo: Colours,
-    /// From a lamp.
-    shadow_rays: Packet,
+    shadows: Shadows,
 }
 
 impl Shader {
     pub(crate) const fn new() -> Self {
         Self {
             surfaces: Surfaces::new(),
-            texture: [[1.0; LANES]; 3],
+            face_of: (MISS, 0),
+            face: Face::NONE,
+            sampler: Sampler::new(),
             albedo: [[0.0; LANES]; 3],
-            shadow_rays: Packet::new(),
+            shadows: Shadows::new(),
         }
     }
 
-    /// Colours of a traced packet; the background where nothing was hit.
+    /// Colours of a traced tile; the background where nothing was hit.
     pub(crate) fn shade<S: Simd>(
         &mut self,
         simd: S,
         view: &View<'_>,
-        packet: &Packet,
-        steps: &PixelSteps,
+        tile: &Tile,
+        rays: &CameraRays,
         colours: &mut Colours,
     ) {
-        let scene = &view.scene;
-        let Self { surfaces, texture, albedo, .. } = self;
-        *colours = scene.environment.background.map(|background| [background; LANES]);
-        let mut rest = lanes_where(simd, &packet.placed, |placed| placed != MISS);
-        if rest == 0 {
-            return;
-        }
         simd.vectorize(
             #[inline(always)]
             || {
-                surfaces.start(packet);
-                *albedo = [[0.0; LANES]; 3];
+                let all = !0;
+                if tile.hits != all {
+                    for channel in 0..3 {
+                        colours[channel] = [view.scene.environment.background[channel]; LANES];
+                    }
+                    self.albedo = [[0.0; LANES]; 3];
+                    self.surfaces.normal = [[0.0; LANES]; 3];
+                }
+                let mut rest = tile.hits;
+                while rest != 0 {
+                    let placed = tile.placed[rest.trailing_zeros() as usize % LANES];
+                    let lanes = tile.lanes_of(simd, placed) & rest;
+                    rest &= !lanes;
+                    self.add_instance(simd, view, tile, rays, (placed, lanes), colours);
+                }
             },
         );
-        // One instance after the other, all its lanes at once.
-        while rest != 0 {
-            let placed = packet.placed[rest.trailing_zeros() as usize];
-            let lanes = lanes_where(simd, &packet.placed, |other| other == placed);
-            rest &= !lanes;
-            let material = &scene.materials[view.instance(placed).material as usize];
-            let textured = material.texture != NO_TEXTURE;
-            simd.vectorize(
-                #[inline(always)]
-                || {
-                    surfaces.add(view, packet, placed, textured.then_some(steps));
-                    if textured {
-                        texture::sample_lanes(simd, scene, material, surfaces, lanes, texture);
-                    } else {
-                        *texture = [[1.0; LANES]; 3];
-                    }
-                    let ambient = scene.environment.ambient;
-                    paint(material, ambient, &packet.placed, placed, texture, albedo, colours);
-                },
-            );
-        }
-        for light in scene.lights {
-            self.add_lamp(simd, view, light, &packet.placed, colours);
-        }
-    }
-}
-
-/// A bit for each lane whose value passes the test.
-#[inline(always)]
-fn lanes_where<S: Simd>(simd: S, values: &Lanes<u32>, test: impl Fn(u32) -> bool) -> u64 {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let mut lanes = 0;
-            for lane in 0..LANES {
-                lanes |= u64::from(test(values[lane])) << lane;
+        if tile.hits != 0 {
+            for (number, light) in view.scene.lights.iter().enumerate() {
+                self.add_lamp(simd, view, (number, light), tile, colours);
             }
-            lanes
-        },
-    )
-}
-
-/// The part of the colours that needs no lamp, on the lanes that have hit `placed`.
-#[inline(always)]
-fn paint(
-    material: &Material,
-    ambient_light: [f32; 3],
-    hit: &Lanes<u32>,
-    placed: u32,
-    texture: &Colours,
-    albedo: &mut Colours,
-    colours: &mut Colours,
-) {
-    for channel in 0..3 {
-        let ambient = material.ambient[channel] * ambient_light[channel];
-        let (diffuse, emissive) = (material.diffuse[channel], material.emissive[channel]);
-        for lane in 0..LANES {
-            let mine = hit[lane] == placed;
-            let texture = texture[channel][lane];
-            let colour = emissive + ambient * texture;
-            albedo[channel][lane] = if mine { diffuse * texture } else { albedo[channel][lane] };
-            colours[channel][lane] = if mine { colour } else { colours[channel][lane] };
         }
     }
+
+    /// Normals and albedo of the lanes that have hit an instance, and the part of their colours that needs no lamp.
+    #[inline(always)]
+    fn add_instance<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &View<'_>,
+        tile: &Tile,
+        rays: &CameraRays,
+        (placed, lanes): (u32, u64),
+        colours: &mut Colours,
+    ) {
+        let scene = &view.scene;
+        let instance = view.instance(placed);
+        let material = &scene.materials[instance.material as usize];
+        let textured = material.texture != NO_TEXTURE;
+        let repeat = material.texture_repeat;
+
+        // Step 1: normals, and what the pixels cover of the texture.
+        let mut footprints = [Footprint::nothing(simd); ROWS];
+        if has_flat_faces(instance) {
+            let faces = faces(simd, view, tile, placed, lanes);
+            let mut rest = lanes;
+            while rest != 0 {
+                let number = faces[rest.trailing_zeros() as usize % LANES];
+                if self.face_of != (placed, number) {
+                    self.face_of = (placed, number);
+                    self.face = Face::new(instance, &view.placed[placed as usize], number, repeat, rays);
+                }
+                let face = &self.face;
+                for row in 0..ROWS {
+                    let found = u32x16::load_array_ref(simd, &faces.as_chunks().0[row]);
+                    let mine = lanes_in(simd, rest, row) & found.simd_eq(number);
+                    rest &= !(mine.to_bitmask() << (row * WIDTH));
+                    for axis in 0..3 {
+                        let normal = f32x16::splat(simd, face.normal[axis]);
+                        store_where(simd, mine, normal, &mut self.surfaces.normal[axis], row);
+                    }
+                    if textured && mine.any_true() {
+                        footprints[row].take(mine, &face.footprint(simd, tile, row));
+                    }
+                }
+            }
+        } else {
+            self.surfaces.add(view, tile, placed, textured.then_some(repeat), rays);
+            for row in 0..ROWS {
+                footprints[row] = self.surfaces.footprint(simd, row);
+            }
+        }
+
+        // Step 2: colours.
+        if textured {
+            self.sampler.turn_to(scene, material.texture);
+        }
+        for row in 0..ROWS {
+            let mine = lanes_in(simd, lanes, row);
+            if !mine.any_true() {
+                continue;
+            }
+            let mut texture = [f32x16::splat(simd, 1.0); 3];
+            if textured {
+                texture = self.sampler.sample(simd, scene, &footprints[row], mine);
+            }
+            for channel in 0..3 {
+                let ambient = material.ambient[channel] * scene.environment.ambient[channel];
+                let colour = texture[channel] * ambient + material.emissive[channel];
+                store_where(simd, mine, colour, &mut colours[channel], row);
+                let albedo = texture[channel] * material.diffuse[channel];
+                store_where(simd, mine, albedo, &mut self.albedo[channel], row);
+            }
+        }
+    }
+}
+
+/// Those lanes of a row whose bits are set.
+#[inline(always)]
+fn lanes_in<S: Simd>(simd: S, lanes: u64, row: usize) -> mask32x16<S> {
+    simd.from_bitmask_mask32x16(lanes >> (row * WIDTH) & 0xffff)
+}
+
+/// Puts values into those lanes of a row that are `mine`.
+#[inline(always)]
+fn store_where<S: Simd>(simd: S, mine: mask32x16<S>, values: f32x16<S>, lanes: &mut Lanes<f32>, row: usize) {
+    store_row(mine.select(values, load_row(simd, lanes, row)), lanes, row);
 }

@@ -3,10 +3,10 @@
 use super::grid::Band;
 use super::image::{GRAZING, NO_HIT, Projection};
 use super::resolve::Resolver;
-use super::tile::{TILE_HEIGHT, TILE_WIDTH};
+use super::tile::{BLOCKS, TILE_HEIGHT, across_f32};
 use crate::pose::Pose;
 use crate::scene::tree::WIDTH;
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, store_row};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DMat3;
 
@@ -82,17 +82,15 @@ impl Measure {
         resolver: &mut Resolver<'_>,
         [tile_column, row]: [usize; 2],
     ) -> Lanes<f32> {
-        let mut depths = [f32::INFINITY; LANES];
-        for part in 0..TILE_WIDTH / 4 {
-            let column = tile_column * (TILE_WIDTH / 4) + part;
-            if column >= band.projection.fan().blocks_across() {
-                break;
-            }
-            let block = self.block::<S, P, true>(simd, band, resolver, [column, row]);
-            for line in 0..TILE_HEIGHT {
-                let first = line * TILE_WIDTH + part * 4;
-                depths[first..first + 4].copy_from_slice(&block[line * 4..line * 4 + 4]);
-            }
+        let mut blocks = [[f32::INFINITY; WIDTH]; BLOCKS];
+        let first = tile_column * BLOCKS;
+        for part in 0..BLOCKS.min(band.projection.fan().blocks_across() - first) {
+            blocks[part] = self.block::<S, P, true>(simd, band, resolver, [first + part, row]);
+        }
+        // Moved in registers: what is stored in parts and then loaded as a whole waits for the memory.
+        let mut depths = [0.0; LANES];
+        for row in 0..TILE_HEIGHT {
+            store_row(across_f32(simd, &blocks.each_ref(), row), &mut depths, row);
         }
         depths
     }

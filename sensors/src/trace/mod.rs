@@ -5,12 +5,15 @@
 //! which share an origin. Shadow rays go through the same trees 64 at a time, with interval bounds: a subtree
 //! that none can meet is left out for all.
 
+mod any_hit;
 mod cast;
+pub(crate) mod face;
 pub(crate) mod grid;
 pub(crate) mod hit_point;
 pub(crate) mod image;
 pub(crate) mod measure;
 pub(crate) mod memory;
+mod occluders;
 pub(crate) mod packet;
 pub(crate) mod place;
 pub(crate) mod prefetch;

@@ -1,4 +1,4 @@
-//! 64 rays that are traced together, and the bounds that let whole subtrees be skipped for all of them.
+//! 64 rays that look for shadows together, and the bounds that let whole subtrees be skipped for all of them.
 
 use crate::scene::tree::{NONE, WideNode};
 use crate::simd::{LANES, Lanes};
@@ -31,8 +31,6 @@ pub(crate) struct Packet {
     pub(crate) t: Lanes<f64>,
     /// Index into the frame's placed instances, or [`MISS`].
     pub(crate) placed: Lanes<u32>,
-    /// Of meshes and height fields, which triangle: its slot from the instance's first.
-    pub(crate) local: Lanes<u32>,
 }
 
 impl Packet {
@@ -45,13 +43,7 @@ impl Packet {
             t_min: 0.0,
             t: [f64::NEG_INFINITY; LANES],
             placed: [MISS; LANES],
-            local: [0; LANES],
         }
-    }
-
-    #[inline(always)]
-    pub(crate) fn direction_of(&self, lane: usize) -> glam::DVec3 {
-        glam::DVec3::new(self.direction[0][lane], self.direction[1][lane], self.direction[2][lane])
     }
 
     /// Whether some lane takes part.
@@ -84,17 +76,28 @@ impl PacketBounds {
     /// Bounds over the lanes of the packet that take part, given their rays in the frame of the tree.
     #[inline(always)]
     pub(crate) fn new(origin: &[Lanes<f64>; 3], direction: &[Lanes<f64>; 3], packet: &Packet) -> Self {
+        let (mut origins, mut directions) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
+        for axis in 0..3 {
+            origins[axis] =
+                if packet.shared_origin { [origin[axis][0]; 2] } else { interval(&origin[axis], &packet.t) };
+            directions[axis] = interval(&direction[axis], &packet.t);
+        }
+        Self::of_intervals(origins, directions, packet.t_min)
+    }
+
+    /// Bounds of all rays whose origin and direction lie in the intervals.
+    #[inline(always)]
+    pub(crate) fn of_intervals(origin: [[f64; 2]; 3], direction: [[f64; 2]; 3], t_min: f64) -> Self {
         let mut bounds = Self {
             origin: [[0.0; 2]; 3],
             inverse: [[f32::NEG_INFINITY, f32::INFINITY]; 3],
             ascending: [true; 3],
-            t_min: packet.t_min as f32,
+            t_min: t_min as f32,
         };
         for axis in 0..3 {
-            let [low, high] =
-                if packet.shared_origin { [origin[axis][0]; 2] } else { interval(&origin[axis], &packet.t) };
+            let [low, high] = origin[axis];
             bounds.origin[axis] = [(low - low.abs() * MARGIN) as f32, (high + high.abs() * MARGIN) as f32];
-            let [low, high] = interval(&direction[axis], &packet.t);
+            let [low, high] = direction[axis];
             if low > 0.0 || high < 0.0 {
                 let (least, most) = (1.0 / high, 1.0 / low);
                 bounds.inverse[axis] =

@@ -55,6 +55,12 @@ impl<'a> Resolver<'a> {
         Hit { placed: self.placed, instance, local: slot - instance.first_slot }
     }
 
+    /// The slots of the instance found last.
+    #[inline(always)]
+    pub(crate) fn slots(&self) -> core::ops::Range<u32> {
+        self.slots.clone()
+    }
+
     /// The instance found last and the facets from its own on, if it is a mesh and all slots are its own.
     #[inline(always)]
     pub(crate) fn common_mesh<S: Simd>(

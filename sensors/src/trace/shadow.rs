@@ -1,185 +1,243 @@
-//! What stands between a lamp and what it shines on: any hit of 64 rays.
+//! What stands between a lamp and what it shines on: any hit of the 64 rays of a tile.
+//!
+//! Of the instances, few lie between a lamp and a tile. The [`occluders`](super::occluders) of each lamp remember those
+//! for the neighbourhood of the last tile, so that the tree over the instances is seldom walked. Boxes, of which rooms
+//! are built, are tested in single precision; the rest in double.
 
-use super::packet::{Faces, MISS, Packet, PacketBounds};
-use super::shapes::{LocalRays, commit, match_solid, triangle};
-use super::view::{Placed, View};
-use crate::scene::build::MAX_DEPTH;
-use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
-use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
-use crate::simd::LANES;
-use fearless_simd::Simd;
+use super::any_hit::{activate, hit_lanes, intersect_instance, walk};
+use super::occluders::Occluders;
+use super::packet::{Faces, Packet, PacketBounds};
+use super::tile::Tile;
+use super::view::View;
+use crate::scene::KIND_BOX;
+use crate::scene::tree::WIDTH;
+use crate::simd::{LANES, load_row};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 use glam::DVec3;
 
-/// Finds for every lane whether anything is hit at all; `placed` is [`MISS`] where not. Which of several hits
-/// is named is not specified. The placed instance `left_out` is passed over. No lane goes beyond `t_max`.
-pub(crate) fn occluded<S: Simd>(
-    simd: S,
-    view: &View<'_>,
-    packet: &mut Packet,
-    faces: Faces,
-    t_max: f32,
-    left_out: u32,
-) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
-            walk(
-                simd,
-                #[inline(always)]
-                |node| view.nodes[node as usize],
-                &bounds,
-                t_max,
-                #[inline(always)]
-                |index| {
-                    if index == left_out {
-                        return true;
+/// Shadow rays stop this part of the way before the surface that they are to light.
+const SHADOW_BIAS: f32 = 1e-5;
+/// Parallel ones start this many metres above it, and as much again for each metre that it is away from the sensor.
+const PARALLEL_BIAS: f64 = 1e-6;
+
+/// Lamps whose occluders are remembered; others look for them anew for every tile.
+const REMEMBERED: usize = 4;
+
+/// What looking for shadows works on; kept from tile to tile of a frame.
+pub(crate) struct Shadows {
+    occluders: [Occluders; REMEMBERED],
+    /// Rays in double precision.
+    packet: Packet,
+}
+
+impl Shadows {
+    pub(crate) const fn new() -> Self {
+        Self { occluders: [const { Occluders::new() }; REMEMBERED], packet: Packet::new() }
+    }
+
+    /// Which of the lanes that are `lit` a lamp does not reach. Its outside casts shadows: the bulb around a lamp does
+    /// not keep its light in.
+    #[inline(always)]
+    pub(crate) fn of_lamp<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &View<'_>,
+        tile: &Tile,
+        (lamp, position): (usize, DVec3),
+        lit: u64,
+    ) -> u64 {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let Self { occluders, packet } = self;
+                let bounds = from_lamp(position, &tile.bounds);
+                let mut rays = ShadowRays { view, tile, packet, position, lit, dark: 0, is_aimed: false };
+                if let Some(occluders) = occluders.get_mut(lamp)
+                    && occluders.cover(simd, view, position, &tile.bounds)
+                {
+                    let node = occluders.node();
+                    let mut lanes = bounds.enter(simd, node, 1.0);
+                    while lanes != 0 {
+                        let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+                        lanes &= lanes - 1;
+                        if !rays.meet(simd, node.child[lane]) {
+                            break;
+                        }
                     }
-                    intersect_instance(simd, view, index, packet, faces, t_max);
-                    retire_hits(packet);
-                    packet.is_active()
-                },
-            );
-        },
-    );
-}
-
-/// Lanes that have hit something need no more.
-#[inline(always)]
-fn retire_hits(packet: &mut Packet) {
-    for lane in 0..LANES {
-        packet.t[lane] = if packet.placed[lane] == MISS { packet.t[lane] } else { f64::NEG_INFINITY };
-    }
-}
-
-/// Visits the leaves that the packet may meet before `t_max`, until `visit` returns that no lane is left.
-#[inline(always)]
-fn walk<S: Simd>(
-    simd: S,
-    node: impl Fn(u32) -> WideNode,
-    bounds: &PacketBounds,
-    t_max: f32,
-    mut visit: impl FnMut(u32) -> bool,
-) {
-    let mut stack = [0_u32; 15 * MAX_DEPTH + 2];
-    let mut waiting = 1;
-    while waiting > 0 {
-        waiting -= 1;
-        let child = stack[waiting];
-        if child & LEAF != 0 {
-            if !visit(child & !LEAF) {
-                return;
-            }
-            continue;
-        }
-        let node = node(child);
-        let mut lanes = bounds.enter(simd, &node, t_max);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
-            lanes &= lanes - 1;
-            stack[waiting] = node.child[lane];
-            waiting += 1;
-        }
-    }
-}
-
-#[inline(always)]
-fn intersect_instance<S: Simd>(
-    simd: S,
-    view: &View<'_>,
-    index: u32,
-    packet: &mut Packet,
-    faces: Faces,
-    t_max: f32,
-) {
-    let placed = &view.placed[index as usize];
-    let rays = local_rays(placed, packet);
-    match_solid!(
-        view.instance(index),
-        inside => commit(&rays, packet, faces, index, inside),
-        _ => walk_triangles(simd, view, placed, &rays, packet, (faces, t_max), index)
-    );
-}
-
-#[inline(always)]
-fn local_rays(placed: &Placed, packet: &Packet) -> LocalRays {
-    let mut rays = LocalRays { origin: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3] };
-    for axis in 0..3 {
-        let [x, y, z] = placed.inverse[axis];
-        let [tx, ty, tz] = placed.translation;
-        let origin = |lane: usize| {
-            x * (packet.origin[0][lane] - tx)
-                + y * (packet.origin[1][lane] - ty)
-                + z * (packet.origin[2][lane] - tz)
-        };
-        if packet.shared_origin {
-            rays.origin[axis] = [origin(0); LANES];
-        } else {
-            for lane in 0..LANES {
-                rays.origin[axis][lane] = origin(lane);
-            }
-        }
-        for lane in 0..LANES {
-            rays.direction[axis][lane] =
-                x * packet.direction[0][lane] + y * packet.direction[1][lane] + z * packet.direction[2][lane];
-        }
-    }
-    rays
-}
-
-fn walk_triangles<S: Simd>(
-    simd: S,
-    view: &View<'_>,
-    placed: &Placed,
-    rays: &LocalRays,
-    packet: &mut Packet,
-    (faces, t_max): (Faces, f32),
-    index: u32,
-) {
-    let faces = match faces {
-        Faces::Both => triangle::Side::Both,
-        Faces::Front if placed.mirrored == 0 => triangle::Side::Front,
-        Faces::Front => triangle::Side::Back,
-    };
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let bounds = PacketBounds::new(&rays.origin, &rays.direction, packet);
-            let draw = |block: &TriangleBlock, packet: &mut Packet| {
-                for lane in 0..WIDTH {
-                    let corners = block
-                        .corners
-                        .each_ref()
-                        .map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()));
-                    triangle::intersect(rays, corners, packet, faces, index);
-                }
-                retire_hits(packet);
-                packet.is_active()
-            };
-            match placed.kind {
-                KIND_MESH => walk(
-                    simd,
-                    #[inline(always)]
-                    |node| view.scene.nodes[(placed.first_node + node) as usize],
-                    &bounds,
-                    t_max,
-                    #[inline(always)]
-                    |leaf| draw(&view.scene.blocks[(placed.first_block + leaf) as usize], packet),
-                ),
-                KIND_HEIGHT_FIELD => {
-                    let grid = view.height_grid(placed);
+                } else {
                     walk(
                         simd,
                         #[inline(always)]
-                        |node| grid.node(node),
+                        |node| &view.nodes[node as usize],
                         &bounds,
-                        t_max,
+                        1.0,
                         #[inline(always)]
-                        |leaf| draw(&grid.block(leaf), packet),
+                        |index| rays.meet(simd, index),
                     );
                 }
-                _ => {}
+                rays.dark
+            },
+        )
+    }
+
+    /// Which of the lanes that are `lit` parallel light does not reach. Both sides cast shadows.
+    pub(crate) fn of_parallel<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &View<'_>,
+        tile: &Tile,
+        towards: DVec3,
+        lit: u64,
+    ) -> u64 {
+        let packet = &mut self.packet;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut farthest = 0.0_f64;
+                for axis in 0..3 {
+                    let [low, high] = tile.bounds[axis];
+                    farthest = farthest.max(f64::from(low.abs())).max(f64::from(high.abs()));
+                    for lane in 0..LANES {
+                        packet.origin[axis][lane] = f64::from(tile.point[axis][lane]);
+                    }
+                    packet.direction[axis] = [towards[axis]; LANES];
+                }
+                packet.shared_origin = false;
+                packet.t_min = PARALLEL_BIAS * (1.0 + farthest);
+                activate(packet, lit, f64::INFINITY);
+                let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
+                let mut dark = 0;
+                walk(
+                    simd,
+                    #[inline(always)]
+                    |node| &view.nodes[node as usize],
+                    &bounds,
+                    f32::INFINITY,
+                    #[inline(always)]
+                    |index| {
+                        let active = lit & !dark & !own_lanes(simd, view, tile, index);
+                        if active != 0 {
+                            activate(packet, active, f64::INFINITY);
+                            intersect_instance(simd, view, index, packet, Faces::Both, f32::INFINITY);
+                            dark |= hit_lanes(packet);
+                        }
+                        dark != lit
+                    },
+                );
+                dark
+            },
+        )
+    }
+}
+
+/// Bounds of rays from a lamp that end at points within `bounds`, at t = 1.
+#[inline(always)]
+pub(super) fn from_lamp(position: DVec3, bounds: &[[f32; 2]; 3]) -> PacketBounds {
+    let (mut origin, mut direction) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
+    for axis in 0..3 {
+        let [low, high] = bounds[axis];
+        origin[axis] = [position[axis]; 2];
+        direction[axis] = [f64::from(low) - position[axis], f64::from(high) - position[axis]];
+    }
+    PacketBounds::of_intervals(origin, direction, 0.0)
+}
+
+/// The lanes that lie on an instance, if it cannot stand in its own light.
+#[inline(always)]
+fn own_lanes<S: Simd>(simd: S, view: &View<'_>, tile: &Tile, index: u32) -> u64 {
+    if view.instance(index).is_convex() { tile.lanes_of(simd, index) } else { 0 }
+}
+
+/// Rays from a lamp to the points of a tile.
+struct ShadowRays<'a> {
+    view: &'a View<'a>,
+    tile: &'a Tile,
+    packet: &'a mut Packet,
+    position: DVec3,
+    lit: u64,
+    /// Those that do not arrive.
+    dark: u64,
+    /// Whether the packet holds these rays.
+    is_aimed: bool,
+}
+
+impl ShadowRays<'_> {
+    /// Stops those rays that an instance is in the way of; whether any is left.
+    #[inline(always)]
+    fn meet<S: Simd>(&mut self, simd: S, index: u32) -> bool {
+        let active = self.lit & !self.dark & !own_lanes(simd, self.view, self.tile, index);
+        if active != 0 {
+            self.dark |= if self.view.instance(index).kind == KIND_BOX {
+                self.meet_box(simd, index, active)
+            } else {
+                self.meet_other(simd, index, active)
+            };
+        }
+        self.dark != self.lit
+    }
+
+    /// Slabs, as [`super::shapes::cuboid`], in single precision.
+    #[inline(always)]
+    fn meet_box<S: Simd>(&self, simd: S, index: u32, active: u64) -> u64 {
+        let placed = &self.view.placed[index as usize];
+        let half = self.view.instance(index).size;
+        // Distances from the lamp are rounded after the subtraction.
+        let inverse = placed.inverse.map(DVec3::from_array);
+        let lamp = self.position - DVec3::from_array(placed.translation);
+        let (mut to_low, mut to_high, mut rows) = ([0.0; 3], [0.0; 3], [[0.0; 3]; 3]);
+        for axis in 0..3 {
+            let at = inverse[axis].dot(lamp);
+            (to_low[axis], to_high[axis]) = ((-half[axis] - at) as f32, (half[axis] - at) as f32);
+            rows[axis] = inverse[axis].as_vec3().to_array();
+        }
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        let mut dark = 0;
+        for row in 0..LANES / WIDTH {
+            if (active >> (row * WIDTH)) as u16 == 0 {
+                continue;
             }
-        },
-    );
+            let mut direction = [zero; 3];
+            for axis in 0..3 {
+                direction[axis] = load_row(simd, &self.tile.point[axis], row) - self.position[axis] as f32;
+            }
+            let mut enter = f32x16::splat(simd, f32::NEG_INFINITY);
+            let mut exit = f32x16::splat(simd, f32::INFINITY);
+            for axis in 0..3 {
+                let [x, y, z] = rows[axis];
+                let per_step = one / ((direction[0] * x + direction[1] * y) + direction[2] * z);
+                let (a, b) = (per_step * to_low[axis], per_step * to_high[axis]);
+                let ascending = a.simd_lt(b);
+                let (near, far) = (ascending.select(a, b), ascending.select(b, a));
+                enter = near.simd_gt(enter).select(near, enter);
+                exit = far.simd_lt(exit).select(far, exit);
+            }
+            let hit = enter.simd_le(exit) & enter.simd_ge(zero) & enter.simd_lt(1.0 - SHADOW_BIAS);
+            dark |= hit.to_bitmask() << (row * WIDTH);
+        }
+        dark & active
+    }
+
+    fn meet_other<S: Simd>(&mut self, simd: S, index: u32, active: u64) -> u64 {
+        let Self { view, tile, position, .. } = *self;
+        let packet = &mut *self.packet;
+        let aim = !core::mem::replace(&mut self.is_aimed, true);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                if aim {
+                    for axis in 0..3 {
+                        packet.origin[axis] = [position[axis]; LANES];
+                        for lane in 0..LANES {
+                            packet.direction[axis][lane] = f64::from(tile.point[axis][lane]) - position[axis];
+                        }
+                    }
+                    packet.shared_origin = true;
+                    packet.t_min = 0.0;
+                }
+                activate(packet, active, 1.0 - f64::from(SHADOW_BIAS));
+                intersect_instance(simd, view, index, packet, Faces::Front, 1.0);
+                hit_lanes(packet)
+            },
+        )
+    }
 }

@@ -1,71 +1,92 @@
-//! The surfaces where the rays of a packet have hit: points, normals, and what a pixel covers of a texture.
+//! The surfaces where the rays of a tile have hit: normals, and what a pixel covers of a texture. Flat faces have a
+//! short cut of their own, [`super::face`].
 //!
-//! A packet sees few instances, so its surfaces are worked out instance by instance, for all lanes at once; each
-//! lane keeps those of its own.
+//! A tile sees few instances, so its surfaces are worked out instance by instance, for all lanes at once; each lane
+//! keeps those of its own.
 
-use super::packet::Packet;
 use super::shapes::surface::{Surface, flat, solid_surface};
+use super::tile::{CameraRays, Tile};
 use super::view::{Placed, View};
 use crate::scene::tree::WIDTH;
 use crate::scene::{
-    KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH,
-    KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
+    KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH, KIND_SPHERE,
 };
-use crate::simd::{LANES, Lanes, sqrt_f32};
+use crate::simd::{LANES, Lanes, floor, load_row, sqrt_f32};
+use fearless_simd::{Select, Simd, SimdBase, f32x16, mask32x16};
 use glam::DVec3;
 
-/// How a ray's direction changes from one pixel to the next, along a row and down a column.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PixelSteps {
-    pub(crate) right: DVec3,
-    pub(crate) down: DVec3,
+/// What the pixels of a row cover of a texture, in its coordinates, repetitions included.
+#[derive(Clone, Copy)]
+pub(crate) struct Footprint<S: Simd> {
+    /// The middle, less whole repetitions.
+    pub(crate) uv: [f32x16<S>; 2],
+    /// Change of u and v to the next pixel along the row, and to that down the column.
+    pub(crate) steps: [[f32x16<S>; 2]; 2],
+}
+
+impl<S: Simd> Footprint<S> {
+    /// Points at the origin.
+    #[inline(always)]
+    pub(crate) fn nothing(simd: S) -> Self {
+        let zero = f32x16::splat(simd, 0.0);
+        Self { uv: [zero; 2], steps: [[zero; 2]; 2] }
+    }
+
+    /// Takes those lanes of another that are `mine`.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, mine: mask32x16<S>, other: &Self) {
+        for axis in 0..2 {
+            self.uv[axis] = mine.select(other.uv[axis], self.uv[axis]);
+            for side in 0..2 {
+                self.steps[side][axis] = mine.select(other.steps[side][axis], self.steps[side][axis]);
+            }
+        }
+    }
 }
 
 /// Lane by lane, in the view. Where nothing was hit the normal is 0, and the rest undetermined.
 pub(crate) struct Surfaces {
-    pub(crate) point: [Lanes<f64>; 3],
     /// Unit, outwards.
     pub(crate) normal: [Lanes<f32>; 3],
-    /// Texture coordinates, before the material's repetition. Only on textured instances, as the next.
-    pub(crate) uv: [Lanes<f64>; 2],
+    /// Texture coordinates, repeated as the material says, less whole repetitions. Only on textured instances, as the
+    /// next.
+    uv: [Lanes<f32>; 2],
     /// Change of u and v to the next pixel along the row, and to that down the column.
-    pub(crate) footprint: [[Lanes<f32>; 2]; 2],
+    footprint: [[Lanes<f32>; 2]; 2],
 }
 
 impl Surfaces {
     pub(crate) const fn new() -> Self {
-        Self {
-            point: [[0.0; LANES]; 3],
-            normal: [[0.0; LANES]; 3],
-            uv: [[0.0; LANES]; 2],
-            footprint: [[[0.0; LANES]; 2]; 2],
+        Self { normal: [[0.0; LANES]; 3], uv: [[0.0; LANES]; 2], footprint: [[[0.0; LANES]; 2]; 2] }
+    }
+
+    /// Of a row of sixteen lanes.
+    #[inline(always)]
+    pub(crate) fn footprint<S: Simd>(&self, simd: S, row: usize) -> Footprint<S> {
+        let [[right_u, right_v], [down_u, down_v]] = &self.footprint;
+        Footprint {
+            uv: [load_row(simd, &self.uv[0], row), load_row(simd, &self.uv[1], row)],
+            steps: [
+                [load_row(simd, right_u, row), load_row(simd, right_v, row)],
+                [load_row(simd, down_u, row), load_row(simd, down_v, row)],
+            ],
         }
     }
 
-    /// Takes the points where the packet has hit; the rest is for [`Surfaces::add`].
+    /// Fills in the lanes that have hit `placed`; what belongs to a texture only if it is repeated so often.
     #[inline(always)]
-    pub(crate) fn start(&mut self, packet: &Packet) {
-        self.normal = [[0.0; LANES]; 3];
-        for axis in 0..3 {
-            for lane in 0..LANES {
-                self.point[axis][lane] =
-                    packet.origin[axis][lane] + packet.t[lane] * packet.direction[axis][lane];
-            }
-        }
-    }
-
-    /// Fills in the lanes that have hit `placed`; what belongs to a texture only if there are `steps`.
-    #[inline(always)]
-    pub(crate) fn add(&mut self, view: &View<'_>, packet: &Packet, placed: u32, steps: Option<&PixelSteps>) {
-        if let Some(steps) = steps {
-            self.add_kind::<true>(view, packet, placed, steps);
+    pub(crate) fn add(
+        &mut self,
+        view: &View<'_>,
+        tile: &Tile,
+        placed: u32,
+        repeat: Option<[f32; 2]>,
+        rays: &CameraRays,
+    ) {
+        if let Some(repeat) = repeat {
+            self.add_kind::<true>(view, tile, placed, repeat, rays);
         } else {
-            self.add_kind::<false>(
-                view,
-                packet,
-                placed,
-                &PixelSteps { right: DVec3::ZERO, down: DVec3::ZERO },
-            );
+            self.add_kind::<false>(view, tile, placed, [1.0; 2], rays);
         }
     }
 
@@ -73,47 +94,45 @@ impl Surfaces {
     fn add_kind<const TEXTURED: bool>(
         &mut self,
         view: &View<'_>,
-        packet: &Packet,
+        tile: &Tile,
         index: u32,
-        steps: &PixelSteps,
+        repeat: [f32; 2],
+        rays: &CameraRays,
     ) {
         let instance = view.instance(index);
         let placed = &view.placed[index as usize];
         macro_rules! solid {
             ($kind:expr) => {
                 self.add_lanes::<TEXTURED>(
-                    packet,
+                    tile,
                     index,
                     placed,
-                    steps,
+                    (repeat, rays),
                     #[inline(always)]
                     |_, point| solid_surface::<TEXTURED>($kind, instance.size, point),
                 )
             };
         }
         match instance.kind {
-            KIND_BOX => solid!(KIND_BOX),
-            KIND_RECTANGLE => solid!(KIND_RECTANGLE),
             KIND_SPHERE => solid!(KIND_SPHERE),
             KIND_CYLINDER => solid!(KIND_CYLINDER),
             KIND_CAPSULE => solid!(KIND_CAPSULE),
-            KIND_PLANE => solid!(KIND_PLANE),
             KIND_ELLIPSOID => solid!(KIND_ELLIPSOID),
             KIND_CONE => solid!(KIND_CONE),
             KIND_HEIGHT_FIELD | KIND_MESH => self.add_lanes::<TEXTURED>(
-                packet,
+                tile,
                 index,
                 placed,
-                steps,
+                (repeat, rays),
                 #[inline(always)]
                 |lane, point| {
                     // Other lanes may have hit the triangle of something else.
-                    if packet.placed[lane] != index {
+                    if tile.placed[lane] != index {
                         flat(DVec3::Z, point, [DVec3::ZERO; 2])
                     } else if instance.kind == KIND_MESH {
-                        on_triangle::<TEXTURED>(view, placed, packet.local[lane], point)
+                        on_triangle::<TEXTURED>(view, placed, tile.local[lane], point)
                     } else {
-                        on_height_field(view, placed, packet.local[lane], point)
+                        on_height_field(view, placed, tile.local[lane], point)
                     }
                 },
             ),
@@ -125,15 +144,15 @@ impl Surfaces {
     #[inline(always)]
     fn add_lanes<const TEXTURED: bool>(
         &mut self,
-        packet: &Packet,
+        tile: &Tile,
         index: u32,
         placed: &Placed,
-        steps: &PixelSteps,
+        (repeat, rays): ([f32; 2], &CameraRays),
         surface: impl Fn(usize, DVec3) -> Surface,
     ) {
         let inverse = placed.inverse.map(DVec3::from_array);
         let to_local = |v: DVec3| DVec3::new(inverse[0].dot(v), inverse[1].dot(v), inverse[2].dot(v));
-        let mine = |lane: usize| packet.placed[lane] == index;
+        let mine = |lane: usize| tile.placed[lane] == index;
 
         // One array a loop, and local arrays between them: what may overlap in memory is not vectorised.
         let mut point = [[0.0; LANES]; 3];
@@ -141,9 +160,9 @@ impl Surfaces {
             let [x, y, z] = placed.inverse[axis];
             let [tx, ty, tz] = placed.translation;
             for lane in 0..LANES {
-                point[axis][lane] = x * (self.point[0][lane] - tx)
-                    + y * (self.point[1][lane] - ty)
-                    + z * (self.point[2][lane] - tz);
+                point[axis][lane] = x * (f64::from(tile.point[0][lane]) - tx)
+                    + y * (f64::from(tile.point[1][lane]) - ty)
+                    + z * (f64::from(tile.point[2][lane]) - tz);
             }
         }
         // Points and texture coordinates are in double precision, directions and differences in single.
@@ -188,8 +207,12 @@ impl Surfaces {
             return;
         }
         for axis in 0..2 {
+            // Whole repetitions are taken away in f64: the rest keeps its digits in f32.
+            let repeat = f64::from(repeat[axis]);
             for lane in 0..LANES {
-                self.uv[axis][lane] = if mine(lane) { uv[axis][lane] } else { self.uv[axis][lane] };
+                let coordinate = uv[axis][lane] * repeat;
+                let rest = (coordinate - floor(coordinate)) as f32;
+                self.uv[axis][lane] = if mine(lane) { rest } else { self.uv[axis][lane] };
             }
         }
         // The pixel's footprint: how far the hit moves on the surface's plane from one pixel to the next
@@ -198,9 +221,8 @@ impl Surfaces {
         for axis in 0..3 {
             let [x, y, z] = inverse[axis].as_vec3().to_array();
             for lane in 0..LANES {
-                direction[axis][lane] = x * packet.direction[0][lane] as f32
-                    + y * packet.direction[1][lane] as f32
-                    + z * packet.direction[2][lane] as f32;
+                direction[axis][lane] =
+                    x * tile.direction[0][lane] + y * tile.direction[1][lane] + z * tile.direction[2][lane];
             }
         }
         let mut per_approach = [0.0; LANES];
@@ -210,13 +232,13 @@ impl Surfaces {
                 + normal[2][lane] * direction[2][lane];
             per_approach[lane] = 1.0 / approach;
         }
-        for (side, step) in [to_local(steps.right), to_local(steps.down)].into_iter().enumerate() {
-            let [x, y, z] = step.as_vec3().to_array();
+        for (side, step) in rays.steps.into_iter().enumerate() {
+            let [x, y, z] = to_local(step).as_vec3().to_array();
             let mut moved = [[0.0; LANES]; 3];
             for lane in 0..LANES {
                 let across = normal[0][lane] * x + normal[1][lane] * y + normal[2][lane] * z;
                 let back = across * per_approach[lane];
-                let t = packet.t[lane] as f32;
+                let t = tile.depth[lane];
                 moved[0][lane] = (x - direction[0][lane] * back) * t;
                 moved[1][lane] = (y - direction[1][lane] * back) * t;
                 moved[2][lane] = (z - direction[2][lane] * back) * t;
@@ -225,7 +247,8 @@ impl Surfaces {
                 let [x, y, z] = &gradient[axis];
                 for lane in 0..LANES {
                     let change =
-                        x[lane] * moved[0][lane] + y[lane] * moved[1][lane] + z[lane] * moved[2][lane];
+                        (x[lane] * moved[0][lane] + y[lane] * moved[1][lane] + z[lane] * moved[2][lane])
+                            * repeat[axis];
                     let old = self.footprint[side][axis][lane];
                     self.footprint[side][axis][lane] = if mine(lane) { change } else { old };
                 }

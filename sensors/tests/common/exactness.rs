@@ -71,7 +71,7 @@ fn moved((vertices, triangles): Soup, scale: f32, by: [f32; 3]) -> Soup {
     (vertices.into_iter().map(at).collect(), triangles)
 }
 
-/// Triangles of all shapes: fair ones, splinters, and ones without area.
+/// Triangles of all shapes: fair ones, needles, and ones without area.
 fn splinters(dice: &mut Dice, count: usize) -> Soup {
     let mut vertices: Vec<[f32; 3]> = Vec::new();
     for index in 0..count {
@@ -79,8 +79,8 @@ fn splinters(dice: &mut Dice, count: usize) -> Soup {
         let along = dice.cube();
         let across = dice.cube();
         let (b, c) = match index % 6 {
-            0 => (a + along, a + along + across * 0.1),
-            1 => (a + along, a + along * 0.5 + across * 0.1),
+            0 => (a + along, a + along + across * 1e-4),
+            1 => (a + along, a + along * 0.5 + across * 1e-3),
             2 => (a + along, a + along),
             3 => (a + along * 0.5, a + along),
             4 => (a, a),

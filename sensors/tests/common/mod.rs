@@ -1,6 +1,7 @@
 //! What the tests of the sensors share.
 #![allow(dead_code, reason = "each test uses its part")]
 
+pub(crate) mod adversary;
 pub(crate) mod brute;
 pub(crate) mod exactness;
 pub(crate) mod oracle;

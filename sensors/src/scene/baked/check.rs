@@ -1,6 +1,7 @@
 //! Whether the sections of a baked scene are a scene.
 
 use super::BakedError;
+use crate::Execution;
 use crate::scene::build::{MAX_COORDINATE, fill_facets};
 use crate::scene::material::LIGHT_SPOT;
 use crate::scene::texture::{mip_levels, mip_texels};
@@ -146,9 +147,10 @@ fn take_corners(blocks: &[TriangleBlock], triangles: &[[u32; 3]], positions: &mu
 
 /// Facets follow from blocks, to the last bit.
 fn facets(scene: &Scene<'_>) -> Result<(), BakedError> {
+    let execution = Execution::default();
     let mut expected = [Facet::zeroed(); WIDTH];
     for (index, block) in scene.blocks.iter().enumerate() {
-        fill_facets(core::slice::from_ref(block), &mut expected);
+        fill_facets(core::slice::from_ref(block), execution, &mut expected);
         let held = &scene.facets[index * WIDTH..][..WIDTH];
         for (lane, (held, expected)) in held.iter().zip(&expected).enumerate() {
             let element = Element::of("facets", index * WIDTH + lane);

@@ -3,13 +3,13 @@
 //! Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007), with the size of a side in
 //! *blocks* of sixteen triangles, as that is what a ray pays for.
 
-use super::bounds::Scratch;
+use super::bounds::{Scratch, centre};
+use super::cost::{Cheapest, Points, Power, lengths};
 use crate::scene::tree::WIDTH;
-use crate::simd::sqrt_f32;
-use fearless_simd::{Simd, SimdBase, f32x4, f32x8};
+use fearless_simd::{Simd, SimdBase, f32x4, f32x8, u32x16};
 
-/// Bins on each axis.
-const BINS: usize = 16;
+/// Bins on each axis: a vector of them.
+const BINS: usize = WIDTH;
 
 /// 2²³: adding it rounds a small f32 to a whole number, in the low bits.
 const ROUND: f32 = 8_388_608.0;
@@ -53,8 +53,7 @@ impl Plane {
         for i in 0..items.len() {
             let item = items[i];
             let is_left = self.is_left(&item);
-            let (lower, upper) = simd.split_f32x8(f32x8::from_slice(simd, &item.lanes));
-            let centre = lower - upper;
+            let centre = centre(simd, f32x8::from_slice(simd, &item.lanes));
             let centre = simd.combine_f32x4(centre, zero - centre);
             // ∞ on the side it does not belong to, 0 on the other.
             let infinity = f32::INFINITY.to_bits();
@@ -75,22 +74,16 @@ pub(super) fn blocks(count: usize) -> usize {
     count.div_ceil(WIDTH)
 }
 
-/// What a set counts for beside its surface: its blocks to the power of ¾.
-///
-/// The heuristic takes a set for a leaf that is not cut any more. But its blocks will each have a part of its
-/// surface only, so a power of 1 overrates large sets. Measured at [`Quality::High`](super::Quality::High), the boxes
-/// that a random ray meets in a room, a warehouse, a noisy ball and a terrain are 8, 4, 1 and 0 % fewer with ¾ than
-/// with 1; with ½, more again in the warehouse, and leaves are emptier.
-#[inline(always)]
-pub(super) fn weight(count: usize) -> f32 {
-    let blocks = blocks(count) as f32;
-    sqrt_f32(blocks * sqrt_f32(blocks))
-}
-
 /// The cheapest cut of `items` whose sides fit in `budget` blocks, or none. `centres` are the bounds of
-/// [`Scratch::centre`] of all.
+/// [`centre`] of all.
 #[inline(always)]
-pub(super) fn find_cut<S: Simd>(simd: S, items: &[Scratch], centres: &Scratch, budget: usize) -> Option<Cut> {
+pub(super) fn find_cut<S: Simd>(
+    simd: S,
+    power: Power,
+    items: &[Scratch],
+    centres: &Scratch,
+    budget: usize,
+) -> Option<Cut> {
     // Step 1: scales from centres to bins; an axis without extent, or one too short to divide by, gets all into
     // its first bin.
     let c = &centres.lanes;
@@ -110,8 +103,7 @@ pub(super) fn find_cut<S: Simd>(simd: S, items: &[Scratch], centres: &Scratch, b
     let zero = f32x4::splat(simd, 0.0);
     let round = f32x4::splat(simd, ROUND);
     let place = |bounds: f32x8<S>| -> [f32; 4] {
-        let (lower, upper) = simd.split_f32x8(bounds);
-        (((lower - upper - origins) * scales - half).max(zero) + round).into()
+        (((centre(simd, bounds) - origins) * scales - half).max(zero) + round).into()
     };
     let mut bins = Bins::EMPTY;
     let mut odd_bins = Bins::EMPTY;
@@ -134,56 +126,47 @@ pub(super) fn find_cut<S: Simd>(simd: S, items: &[Scratch], centres: &Scratch, b
     }
     let Bins { bounds: bins, counts } = bins.joined(simd, &odd_bins);
 
-    // Step 3: sweep from both ends.
-    let mut best_cost = f32::INFINITY;
-    let mut best_skew = usize::MAX;
-    let mut best = None;
+    // Step 3: the cuts of each axis, by their last bin on the left.
+    let mut best = Cheapest::below(f32::INFINITY);
+    let mut left_counts = [[0; BINS]; 3];
+    let empty = f32x8::splat(simd, f32::INFINITY);
     for axis in 0..3 {
         if scale[axis] == 0.0 {
             continue;
         }
-        let mut right_cost = [0.0; BINS];
-        let mut joined = f32x8::splat(simd, f32::INFINITY);
-        let mut count = 0;
-        for bin in (1..BINS).rev() {
-            joined = joined.min(f32x8::from_slice(simd, &bins[axis][bin].lanes));
-            count += counts[axis][bin] as usize;
-            right_cost[bin] = Scratch { lanes: joined.into() }.area() * weight(count);
+        let at = |bin: usize| f32x8::from_slice(simd, &bins[axis][bin].lanes);
+        let (mut left, mut right) = (Points::ZERO, Points::ZERO);
+        let (mut low, mut high) = (empty, empty);
+        let mut left_count = 0;
+        for bin in 0..BINS {
+            low = low.min(at(bin));
+            left.0[bin] = lengths(simd, low);
+            left_count += counts[axis][bin];
+            left_counts[axis][bin] = left_count;
+            right.0[BINS - 1 - bin] = lengths(simd, high);
+            high = high.min(at(BINS - 1 - bin));
         }
-        let mut joined = f32x8::splat(simd, f32::INFINITY);
-        let mut count = 0;
-        for bin in 0..BINS - 1 {
-            joined = joined.min(f32x8::from_slice(simd, &bins[axis][bin].lanes));
-            count += counts[axis][bin] as usize;
-            let rest = items.len() - count;
-            if count == 0 || rest == 0 || blocks(count) + blocks(rest) > budget {
-                continue;
-            }
-            let cost = Scratch { lanes: joined.into() }.area() * weight(count) + right_cost[bin + 1];
-            // Among equals the more even one, or flat sets would become lists.
-            let skew = count.abs_diff(rest);
-            if cost < best_cost || (cost == best_cost && skew < best_skew) {
-                best_cost = cost;
-                best_skew = skew;
-                best = Some((axis, bin, count));
-            }
-        }
+        let left_count = u32x16::from_slice(simd, &left_counts[axis]);
+        let right_count = u32x16::splat(simd, items.len() as u32) - left_count;
+        let costs = left.areas(simd) * power.weights(simd, left_count)
+            + right.areas(simd) * power.weights(simd, right_count);
+        best.compare(simd, (axis, 0), costs, left_count, items.len(), budget);
     }
 
     // Step 4: what lies on both sides of the best.
-    let (axis, last, left_count) = best?;
+    let Cheapest { axis, cut, .. } = best.found()?;
     let union = |bins: &[Scratch]| {
-        let mut all = Scratch::EMPTY;
+        let mut all = empty;
         for bin in bins {
-            all.join(bin);
+            all = all.min(f32x8::from_slice(simd, &bin.lanes));
         }
-        all
+        Scratch { lanes: all.into() }
     };
     Some(Cut {
-        plane: Plane { axis, origin: origin[axis], scale: scale[axis], last: last as f32 + ROUND },
-        left_count,
-        left: union(&bins[axis][..=last]),
-        right: union(&bins[axis][last + 1..]),
+        plane: Plane { axis, origin: origin[axis], scale: scale[axis], last: cut as f32 + ROUND },
+        left_count: left_counts[axis][cut] as usize,
+        left: union(&bins[axis][..=cut]),
+        right: union(&bins[axis][cut + 1..]),
     })
 }
 

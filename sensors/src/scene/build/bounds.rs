@@ -2,6 +2,7 @@
 
 use crate::scene::SceneError;
 use bytemuck::{Pod, Zeroable};
+use fearless_simd::{Simd, f32x4, f32x8};
 
 /// Vertices farther than this from the origin of their mesh are refused, in metres: products of three lengths
 /// must stay in the range of f32.
@@ -9,6 +10,9 @@ pub const MAX_COORDINATE: f32 = 1e12;
 
 /// Added to tags: as floats they are not subnormal then, which some processors are slow at.
 const TAG: u32 = 1 << 23;
+
+/// Added to counts: about 1 as a float, so that sums and differences with a tag are not subnormal either.
+const COUNT: u32 = 127 << 23;
 
 /// One unit of the builder's working memory: a box and two tags.
 ///
@@ -31,13 +35,6 @@ impl Scratch {
         let [a, b, c] = min.map(|x| 0.0 + x);
         let [d, e, f] = max.map(|x| 0.0 - x);
         Self { lanes: [a, b, c, 0.0, d, e, f, 0.0] }
-    }
-
-    #[inline(always)]
-    pub(super) fn join(&mut self, other: &Self) {
-        for (lane, &x) in self.lanes.iter_mut().zip(&other.lanes) {
-            *lane = if x < *lane { x } else { *lane };
-        }
     }
 
     /// Half of the surface.
@@ -68,23 +65,22 @@ impl Scratch {
     /// A binary node: how many primitives a leaf has, 0 for an inner node.
     #[inline(always)]
     pub(super) fn count(&self) -> u32 {
-        self.lanes[7].to_bits().wrapping_sub(TAG)
+        self.lanes[7].to_bits().wrapping_sub(COUNT)
     }
 
     #[inline(always)]
     pub(super) fn with_tags(mut self, tag: u32, count: u32) -> Self {
         self.lanes[3] = f32::from_bits(tag.wrapping_add(TAG));
-        self.lanes[7] = f32::from_bits(count.wrapping_add(TAG));
+        self.lanes[7] = f32::from_bits(count.wrapping_add(COUNT));
         self
     }
+}
 
-    /// Twice the centre and its negation: joined, they are the bounds of the centres.
-    #[inline(always)]
-    pub(super) fn centre(&self) -> Self {
-        let l = &self.lanes;
-        let [x, y, z] = [l[0] - l[4], l[1] - l[5], l[2] - l[6]];
-        Self { lanes: [x, y, z, 0.0, 0.0 - x, 0.0 - y, 0.0 - z, 0.0] }
-    }
+/// Twice the centre of a box.
+#[inline(always)]
+pub(super) fn centre<S: Simd>(simd: S, bounds: f32x8<S>) -> f32x4<S> {
+    let (lower, upper) = simd.split_f32x8(bounds);
+    lower - upper
 }
 
 /// Vertices that are checked at a time.

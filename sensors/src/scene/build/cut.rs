@@ -19,22 +19,25 @@ fn share(ways: u64, lanes: usize) -> usize {
 }
 
 /// Writes `ways` for the subtree of each inner node: as many as binary nodes. What is there for others is left.
-pub(super) fn choose(binary: &[Scratch], ways: &mut [u64]) {
+/// The sum of the surfaces of wide nodes and leaves: how many boxes a ray meets, but for a factor.
+pub(super) fn choose(binary: &[Scratch], ways: &mut [u64]) -> f32 {
     // Too little to change what is best, but it makes the fewest nodes the best among equals, such as the nodes of
     // a mesh that lies on a line.
     let area = binary[0].area();
     let tiny = if area > 0.0 { area * 1e-7 } else { 1.0 };
-    subtree(binary, ways, 0, tiny);
+    let (costs, leaves) = subtree(binary, ways, 0, tiny);
+    costs[0] + leaves
 }
 
-/// `tiny` is added to each surface. As deep as the binary tree, so its depth is bounded.
-fn subtree(binary: &[Scratch], ways: &mut [u64], index: usize, tiny: f32) -> Costs {
+/// Costs of the wide nodes, and the surfaces of the leaves. `tiny` is added to each surface of the former. As deep as
+/// the binary tree, so its depth is bounded.
+fn subtree(binary: &[Scratch], ways: &mut [u64], index: usize, tiny: f32) -> (Costs, f32) {
     let node = &binary[index];
     if node.count() > 0 {
-        return [0.0; WIDTH - 1];
+        return ([0.0; WIDTH - 1], node.area());
     }
-    let left = subtree(binary, ways, index + 1, tiny);
-    let right = subtree(binary, ways, node.tag() as usize, tiny);
+    let (left, left_leaves) = subtree(binary, ways, index + 1, tiny);
+    let (right, right_leaves) = subtree(binary, ways, node.tag() as usize, tiny);
     let mut chosen = 0;
     let mut split = [0.0; WIDTH + 1];
     for lanes in 2..=WIDTH {
@@ -60,7 +63,7 @@ fn subtree(binary: &[Scratch], ways: &mut [u64], index: usize, tiny: f32) -> Cos
         }
     }
     ways[index] = chosen;
-    costs
+    (costs, left_leaves + right_leaves)
 }
 
 /// The children of the wide node that is made of an inner binary node, in the order of the binary tree, so that

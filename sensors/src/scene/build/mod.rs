@@ -11,6 +11,7 @@ mod binary;
 mod bins;
 mod bounds;
 mod collapse;
+mod cost;
 mod cut;
 mod facets;
 #[cfg(feature = "alloc")]
@@ -29,6 +30,7 @@ use super::SceneError;
 use super::tree::{NONE, TriangleBlock, WIDTH, WideNode};
 use crate::Execution;
 use bytemuck::Zeroable;
+use cost::Power;
 use fearless_simd::dispatch;
 
 /// No path from the root of a tree to a node has more nodes than this; a stack of `MAX_DEPTH * 15 + 1` nodes is
@@ -44,6 +46,10 @@ pub enum Quality {
     #[default]
     High,
 }
+
+/// Meshes up to this size are built with several weights, and the best tree is kept: half a millisecond more per
+/// thousand triangles.
+const TRIED: usize = 16_384;
 
 /// How many nodes and blocks a tree has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,13 +132,29 @@ pub fn plan<'a>(
     let (items, rest) = scratch.split_at_mut(triangles.len());
     let (binary, rest) = rest.split_at_mut(2 * most.blocks);
     let ways: &mut [u64] = bytemuck::cast_slice_mut(rest);
-    for (index, item) in items.iter_mut().enumerate() {
-        *item = bounds::bounds_of(bounds::corners(positions, triangles, index)?).with_tags(index as u32, 0);
-    }
+    let mut make = |power| {
+        for (index, item) in items.iter_mut().enumerate() {
+            let corners = bounds::corners(positions, triangles, index)?;
+            *item = bounds::bounds_of(corners).with_tags(index as u32, 0);
+        }
+        dispatch!(execution.level, simd => {
+            binary::build(simd, quality, power, execution, items, binary, most.blocks);
+        });
+        Ok(cut::choose(binary, ways))
+    };
     let mut size = TreeSize { nodes: 1, blocks: 0 };
-    if !items.is_empty() {
-        dispatch!(execution.level, simd => binary::build(simd, quality, execution, items, binary, most.blocks));
-        cut::choose(binary, ways);
+    if !triangles.is_empty() {
+        if quality == Quality::High && triangles.len() <= TRIED {
+            // Which power is best for a small mesh is luck, and all three are soon tried.
+            let costs = [make(Power::One)?, make(Power::Half)?, make(Power::ThreeQuarters)?];
+            if costs[1] < costs[2] && costs[1] <= costs[0] {
+                make(Power::Half)?;
+            } else if costs[0] < costs[2] {
+                make(Power::One)?;
+            }
+        } else {
+            make(Power::ThreeQuarters)?;
+        }
         size = collapse::measure(binary, ways);
     }
     Ok(Plan { positions, triangles, items, binary, ways, size })

@@ -78,7 +78,7 @@ impl Tree {
     /// What is known of the triangles besides their corners, sixteen for each block.
     pub fn facets(&self) -> Vec<Facet> {
         let mut facets = zeroed_vec(self.blocks.len() * WIDTH);
-        fill_facets(&self.blocks, &mut facets);
+        fill_facets(&self.blocks, Execution::default(), &mut facets);
         facets
     }
 }

@@ -121,7 +121,10 @@ fn refit_block<S: Simd>(
     let [a, b, c] = &block.corners;
     let mut bounds = ([0.0; 3], [0.0; 3]);
     for axis in 0..3 {
-        let [a, b, c] = [a, b, c].map(|corner| f32x16::from_slice(simd, &corner[axis]));
+        // Without `map`: it is not always inlined, and then each call stores its vectors.
+        let a = f32x16::from_slice(simd, &a[axis]);
+        let b = f32x16::from_slice(simd, &b[axis]);
+        let c = f32x16::from_slice(simd, &c[axis]);
         bounds.0[axis] = least(a.min(b).min(c));
         bounds.1[axis] = greatest(a.max(b).max(c));
     }
@@ -131,10 +134,12 @@ fn refit_block<S: Simd>(
 /// Box of the children of a node.
 #[inline(always)]
 fn node_bounds<S: Simd>(simd: S, node: &WideNode) -> ([f32; 3], [f32; 3]) {
-    (
-        node.min.map(|axis| least(f32x16::from_slice(simd, &axis))),
-        node.max.map(|axis| greatest(f32x16::from_slice(simd, &axis))),
-    )
+    let mut bounds = ([0.0; 3], [0.0; 3]);
+    for axis in 0..3 {
+        bounds.0[axis] = least(f32x16::from_slice(simd, &node.min[axis]));
+        bounds.1[axis] = greatest(f32x16::from_slice(simd, &node.max[axis]));
+    }
+    bounds
 }
 
 /// Never −0, as the builder has it: levels may differ in which of two zeros is the smaller.

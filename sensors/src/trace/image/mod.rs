@@ -13,6 +13,7 @@
 pub(crate) mod fan;
 mod pinhole;
 mod projection;
+mod sharp;
 mod solid;
 mod spherical;
 mod strip;

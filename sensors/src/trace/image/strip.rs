@@ -7,7 +7,7 @@
 use super::fan::Fan;
 use super::projection::{Planes, Projection, min};
 use super::target::Target;
-use super::triangles::{Leaf, Rules, inside, set_up, splat};
+use super::triangles::{Leaf, Rules, draw_blurred, inside, set_up, splat};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
 
@@ -21,7 +21,7 @@ const COLUMNS: [i32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
 
 /// Whether a leaf is one for [`draw`].
 #[inline(always)]
-pub(super) fn suits<S: Simd, P: Projection>(projection: &P, leaf: &Leaf<S>) -> bool {
+pub(super) fn suits<S: Simd, P: Projection>(projection: &P, leaf: &Leaf<'_, S>) -> bool {
     let fan = projection.fan();
     if !is_one::<P>(fan) {
         return false;
@@ -64,10 +64,13 @@ pub(super) fn draw<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    leaf: &Leaf<S>,
+    leaf: &Leaf<'_, S>,
 ) {
     // Dropping triangles that miss the rows' cones before they are set up costs more than it saves: 20 % slower.
     let setup = set_up(simd, leaf, rules);
+    if setup.blurred.any_true() {
+        draw_blurred(simd, projection, target, rules, *leaf, setup);
+    }
     if !setup.valid.any_true() {
         return;
     }

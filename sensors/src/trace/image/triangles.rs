@@ -6,7 +6,8 @@
 //! on the same side as the triangle, and there 1/t = n·d / n·a.
 
 use super::projection::{Planes, Points, Projection, Rectangles, max, min};
-use super::target::{GRAZING, GRAZING_SQUARED, Target};
+use super::sharp::{BLURRED_SQUARED, PlaneArrays, Source, THIN_SQUARED};
+use super::target::{GRAZING, Target};
 use crate::scene::tree::WIDTH;
 use crate::trace::packet::Faces;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
@@ -23,12 +24,18 @@ const FEW_BLOCKS: usize = 6;
 const LANE_NUMBERS: [u32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Sixteen triangles, set up to be tested.
+#[derive(Clone, Copy)]
 pub(super) struct Setup<S: Simd> {
     /// Edge planes, positive inside.
     pub(super) edges: [Planes<S>; 3],
     /// Plane of 1/t.
     pub(super) inverse: Planes<S>,
+    /// Those to be drawn.
     pub(super) valid: mask32x16<S>,
+    /// Those to be drawn by [`draw_blurred`], as their planes are not exact enough.
+    pub(super) blurred: mask32x16<S>,
+    /// Those that have the sensor behind them, and in front.
+    sides: [mask32x16<S>; 2],
     pub(super) slots: u32x16<S>,
 }
 
@@ -44,7 +51,9 @@ struct Spilled {
 }
 
 /// A leaf to draw.
-pub(super) struct Leaf<S: Simd> {
+#[derive(Clone, Copy)]
+pub(super) struct Leaf<'a, S: Simd> {
+    pub(super) source: Source<'a>,
     /// Corners in the sensor's frame.
     pub(super) corners: [Points<S>; 3],
     /// Slot of the first triangle; the others follow.
@@ -97,29 +106,136 @@ fn edge<S: Simd>(a: &Points<S>, b: &Points<S>, sign: f32x16<S>) -> Planes<S> {
     cross(&sum, &scale(&sub(b, a), sign))
 }
 
+/// Planes of sixteen triangles.
+#[derive(Clone, Copy)]
+struct TrianglePlane<S: Simd> {
+    /// Six times that of the tetrahedron of triangle and sensor; positive if the sensor is behind.
+    volume: f32x16<S>,
+    /// Plane of 1/t.
+    inverse: Planes<S>,
+    /// The rounding of the normal is of no account.
+    fat: mask32x16<S>,
+}
+
+impl<S: Simd> TrianglePlane<S> {
+    /// Of triangles with corner `a` and two sides, whose squares are given, as is that of the longest side.
+    #[inline(always)]
+    fn new(a: &Points<S>, [p, q]: [&Points<S>; 2], squares: [f32x16<S>; 2], extent: f32x16<S>) -> Self {
+        let normal = cross(p, q);
+        let volume = (a[0] * normal[0] + a[1] * normal[1]) + a[2] * normal[2];
+        let per_volume = f32x16::splat(volume.simd, 1.0) / volume;
+        let lost = (squares[0] * per_volume) * (squares[1] * per_volume) * extent;
+        let fat = lost.simd_le(f32x16::splat(volume.simd, THIN_SQUARED));
+        Self { volume, inverse: scale(&normal, per_volume), fat }
+    }
+}
+
 #[inline(always)]
-pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<S>, rules: Rules) -> Setup<S> {
+pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<'_, S>, rules: Rules) -> Setup<S> {
     let [a, b, c] = &leaf.corners;
-    let normal = cross(&sub(b, a), &sub(c, a));
-    let volume = (a[0] * normal[0] + a[1] * normal[1]) + a[2] * normal[2];
+    let (ab, ac) = (sub(b, a), sub(c, a));
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let (behind, front) = (volume.simd_gt(zero), volume.simd_lt(zero));
-    // Seen edge on, a triangle covers nothing.
-    let valid = match (rules.faces, rules.mirrored) {
+    let squares = [square(&ab), square(&ac)];
+    let mut extent = max(squares[0], squares[1]);
+    let mut plane = TrianglePlane::new(a, [&ab, &ac], squares, extent);
+    let is_solid = extent.simd_gt(zero);
+    if (is_solid & !plane.fat).any_true() {
+        // The shorter two sides lose less, unless all three are long for the triangle's height.
+        let bc = sub(c, b);
+        let [ab_squared, ac_squared] = squares;
+        let bc_squared = square(&bc);
+        let ab_is_longest = ab_squared.simd_gt(ac_squared) & ab_squared.simd_gt(bc_squared);
+        let bc_is_longest = bc_squared.simd_ge(ab_squared) & bc_squared.simd_gt(ac_squared);
+        let mut sides = [ab, bc];
+        for axis in 0..3 {
+            sides[0][axis] = ab_is_longest.select(ac[axis], ab[axis]);
+            sides[1][axis] = bc_is_longest.select(ac[axis], bc[axis]);
+        }
+        let squares =
+            [ab_is_longest.select(ac_squared, ab_squared), bc_is_longest.select(ac_squared, bc_squared)];
+        extent = max(extent, bc_squared);
+        plane = TrianglePlane::new(a, [&sides[0], &sides[1]], squares, extent);
+    }
+    let TrianglePlane { volume, inverse, fat } = plane;
+    let sides = [volume.simd_gt(zero), volume.simd_lt(zero)];
+    let sign = sides[0].select(one, -one);
+    // 1/|inverse| is the distance of the plane. What is farther at some corner, by much, may be grazed by a ray;
+    // and what is large besides has no exact plane. Nor has what is so thin that its normal is mostly rounding.
+    let away = square(a);
+    let steep = ((away + extent) * square(&inverse)).simd_le(f32x16::splat(simd, BLURRED_SQUARED));
+    let small = (extent * 4.0).simd_lt(away);
+    // Comparisons say no to 0 by 0, and to what has no extent they say no as well.
+    let blurred = is_solid & !(fat & (steep | small));
+    let slots = u32x16::load_array_ref(simd, &LANE_NUMBERS) + leaf.first_slot;
+    let slots = steep.select(slots, slots | u32x16::splat(simd, GRAZING));
+    Setup {
+        edges: [edge(b, c, sign), edge(c, a, sign), edge(a, b, sign)],
+        inverse,
+        valid: facing(rules, sides) & !blurred,
+        blurred,
+        sides,
+        slots,
+    }
+}
+
+/// Those that are seen from the side that counts. Seen edge on, a triangle covers nothing.
+#[inline(always)]
+fn facing<S: Simd>(rules: Rules, [behind, front]: [mask32x16<S>; 2]) -> mask32x16<S> {
+    match (rules.faces, rules.mirrored) {
         (Faces::Both, _) => behind | front,
         (Faces::Front, false) => front,
         (Faces::Front, true) => behind,
+    }
+}
+
+/// Draws the blurred triangles of a leaf, from planes in double precision. By itself, and with copies of all, so that
+/// the usual way has what it needs in registers.
+#[cold]
+#[inline(never)]
+pub(super) fn draw_blurred<S: Simd, P: Projection>(
+    simd: S,
+    projection: P,
+    target: &mut Target<'_>,
+    rules: Rules,
+    leaf: Leaf<'_, S>,
+    mut setup: Setup<S>,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            sharpen(simd, &leaf.source, rules, &mut setup);
+            let (mut rectangles, _) = projection.bound_triangles(simd, &leaf.corners, setup.valid);
+            rectangles.some &= setup.valid;
+            let nearest = f32x16::splat(simd, leaf.nearest);
+            draw_each(simd, projection, target, rules, &setup, &rectangles, nearest);
+        },
+    );
+}
+
+/// Makes the planes of the blurred triangles again, and leaves those valid that face the sensor.
+#[inline(always)]
+fn sharpen<S: Simd>(simd: S, source: &Source<'_>, rules: Rules, setup: &mut Setup<S>) {
+    let mut planes = PlaneArrays {
+        edges: [[[0.0; WIDTH]; 3]; 3],
+        inverse: [[0.0; WIDTH]; 3],
+        sides: [setup.sides[0].to_bitmask(), setup.sides[1].to_bitmask()],
     };
-    let sign = behind.select(one, -one);
-    let inverse = scale(&normal, one / volume);
-    // 1/t = inverse · direction. Where it is small against both, the ray runs along the plane, and rounding
-    // shows; |corner|² bounds t² on the triangle.
-    let steepest = (inverse[0] * inverse[0] + inverse[1] * inverse[1]) + inverse[2] * inverse[2];
-    let farthest = max(max(square(a), square(b)), square(c));
-    let grazing = (steepest * farthest).simd_gt(f32x16::splat(simd, GRAZING_SQUARED));
-    let slots = u32x16::load_array_ref(simd, &LANE_NUMBERS) + leaf.first_slot;
-    let slots = grazing.select(slots | u32x16::splat(simd, GRAZING), slots);
-    Setup { edges: [edge(b, c, sign), edge(c, a, sign), edge(a, b, sign)], inverse, valid, slots }
+    for axis in 0..3 {
+        for edge in 0..3 {
+            setup.edges[edge][axis].store_array(&mut planes.edges[edge][axis]);
+        }
+        setup.inverse[axis].store_array(&mut planes.inverse[axis]);
+    }
+    source.sharpen(setup.blurred.to_bitmask(), &mut planes);
+    for axis in 0..3 {
+        for edge in 0..3 {
+            setup.edges[edge][axis] = f32x16::load_array_ref(simd, &planes.edges[edge][axis]);
+        }
+        setup.inverse[axis] = f32x16::load_array_ref(simd, &planes.inverse[axis]);
+    }
+    let [behind, front] = planes.sides;
+    let sides = [mask32x16::from_bitmask(simd, behind), mask32x16::from_bitmask(simd, front)];
+    setup.valid = facing(rules, sides) & setup.blurred;
 }
 
 /// Draws a leaf into the target.
@@ -129,9 +245,12 @@ pub(super) fn draw<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    leaf: &Leaf<S>,
+    leaf: &Leaf<'_, S>,
 ) {
     let setup = set_up(simd, leaf, rules);
+    if setup.blurred.any_true() {
+        draw_blurred(simd, projection, target, rules, *leaf, setup);
+    }
     if !setup.valid.any_true() {
         return;
     }
@@ -140,7 +259,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
         draw_few_rays(simd, projection, target, rules, leaf, &setup);
         return;
     }
-    let (rectangles, nearest) = projection.bound_triangles(simd, &leaf.corners, setup.valid);
+    let (mut rectangles, nearest) = projection.bound_triangles(simd, &leaf.corners, setup.valid);
     let mut rest = setup.valid & rectangles.some;
     if !rest.any_true() {
         return;
@@ -159,6 +278,22 @@ pub(super) fn draw<S: Simd, P: Projection>(
             return;
         }
     }
+    rectangles.some = rest;
+    let nearest = min(nearest, f32x16::splat(simd, leaf.nearest));
+    draw_each(simd, projection, target, rules, &setup, &rectangles, nearest);
+}
+
+/// One triangle after the other, those of `some` of the rectangles. `nearest` are bounds of 1/t from above.
+#[inline(always)]
+fn draw_each<S: Simd, P: Projection>(
+    simd: S,
+    projection: P,
+    target: &mut Target<'_>,
+    rules: Rules,
+    setup: &Setup<S>,
+    rectangles: &Rectangles<S>,
+    nearest: f32x16<S>,
+) {
     let mut spilled = Spilled {
         edges: [[[0.0; WIDTH]; 3]; 3],
         inverse: [[0.0; WIDTH]; 3],
@@ -173,13 +308,13 @@ pub(super) fn draw<S: Simd, P: Projection>(
         setup.edges[2][axis].store_array(&mut spilled.edges[2][axis]);
         setup.inverse[axis].store_array(&mut spilled.inverse[axis]);
     }
-    min(nearest, f32x16::splat(simd, leaf.nearest)).store_array(&mut spilled.nearest);
+    nearest.store_array(&mut spilled.nearest);
     setup.slots.store_array(&mut spilled.slots);
     rectangles.first_column.store_array(&mut spilled.columns[0]);
     rectangles.last_column.store_array(&mut spilled.columns[1]);
     rectangles.first_row.store_array(&mut spilled.rows[0]);
     rectangles.last_row.store_array(&mut spilled.rows[1]);
-    let mut lanes = rest.to_bitmask();
+    let mut lanes = rectangles.some.to_bitmask();
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
         lanes &= lanes - 1;
@@ -212,7 +347,7 @@ fn draw_few_rays<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    leaf: &Leaf<S>,
+    leaf: &Leaf<'_, S>,
     setup: &Setup<S>,
 ) {
     let fan = projection.fan();

@@ -1,6 +1,7 @@
 //! Once through the trees, front to back.
 
 use super::projection::{Points, Projection, max};
+use super::sharp::Source;
 use super::solid::{self, Part};
 use super::strip;
 use super::target::Target;
@@ -90,6 +91,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                     &made
                 };
                 let leaf = Leaf {
+                    source: Source { view, placed, block },
                     corners: corners_in_sensor(simd, block, &placed.to_sensor),
                     first_slot: placed.first_slot + leaf * WIDTH as u32,
                     columns: entry.columns.map(i32::from),

@@ -26,7 +26,11 @@ pub(super) fn meet_lane<S: Simd>(
     let axes = [rays.axes[0][id] as usize, rays.axes[1][id] as usize, rays.axes[2][id] as usize];
     let origin = [rays.sheared_origin[0][id], rays.sheared_origin[1][id], rays.sheared_origin[2][id]];
     let shear = [rays.shear[0][id], rays.shear[1][id], rays.shear[2][id]];
-    meet(simd, block, axes, origin, shear, [rays.least[id], rays.t[id] * SLACK], cull_back)
+    let low = rays.is_far.then(|| {
+        [rays.sheared_origin_low[0][id], rays.sheared_origin_low[1][id], rays.sheared_origin_low[2][id]]
+    });
+    let range = [rays.least[id], rays.t[id] * SLACK + rays.doubt];
+    meet(simd, block, axes, [origin, low.unwrap_or_default()], low.is_some(), shear, range, cull_back)
 }
 
 /// The triangles that the ray meets up to about t = `limit`, as a mask, and the t of each; +∞ for the others.
@@ -40,25 +44,42 @@ pub(super) fn meet_all<S: Simd>(
 ) -> (f32x16<S>, u32) {
     let axes = [usize::from(ray.axes[0]), usize::from(ray.axes[1]), usize::from(ray.axes[2])];
     let origin = [ray.origin[axes[0] % 3], ray.origin[axes[1] % 3], ray.origin[axes[2] % 3]];
-    let t = meet(simd, block, axes, origin, ray.shear, [ray.least, limit], cull_back);
+    let low = [ray.origin_low[axes[0] % 3], ray.origin_low[axes[1] % 3], ray.origin_low[axes[2] % 3]];
+    let is_far = ray.origin_low != [0.0; 3];
+    let t = meet(simd, block, axes, [origin, low], is_far, ray.shear, [ray.least, limit], cull_back);
     (t, t.simd_lt(f32x16::splat(simd, f32::INFINITY)).to_bitmask() as u32 & 0xffff)
 }
 
-/// t of the triangles that a ray meets within a range; +∞ for the others.
+/// t of the triangles that a ray meets within a range; +∞ for the others. The origin comes in two parts, the
+/// second of which counts if the ray `is_far` from the origin of the mesh.
+#[allow(clippy::too_many_arguments, reason = "what a ray is made of")]
 #[inline(always)]
 fn meet<S: Simd>(
     simd: S,
     block: &TriangleBlock,
     axes: [usize; 3],
-    origin: [f32; 3],
+    origin: [[f32; 3]; 2],
+    is_far: bool,
     shear: [f32; 3],
     range: [f32; 2],
     cull_back: bool,
 ) -> f32x16<S> {
     let zero = f32x16::splat(simd, 0.0);
-    let [ax, ay, az] = sheared(simd, &block.corners[0], axes, origin, shear);
-    let [bx, by, bz] = sheared(simd, &block.corners[1], axes, origin, shear);
-    let [cx, cy, cz] = sheared(simd, &block.corners[2], axes, origin, shear);
+    let mut corners = [
+        from_origin(simd, &block.corners[0], axes, origin[0]),
+        from_origin(simd, &block.corners[1], axes, origin[0]),
+        from_origin(simd, &block.corners[2], axes, origin[0]),
+    ];
+    if is_far {
+        for corner in &mut corners {
+            for axis in 0..3 {
+                corner[axis] -= origin[1][axis];
+            }
+        }
+    }
+    let [ax, ay, az] = sheared(corners[0], shear);
+    let [bx, by, bz] = sheared(corners[1], shear);
+    let [cx, cy, cz] = sheared(corners[2], shear);
     let u = cx * by - cy * bx;
     let v = ax * cy - ay * cx;
     let w = bx * ay - by * ax;
@@ -74,19 +95,25 @@ fn meet<S: Simd>(
     (inside & within).select(t, f32x16::splat(simd, f32::INFINITY))
 }
 
-/// One corner of each triangle, relative to the ray's origin, in the space in which the ray runs along z.
+/// One corner of each triangle, relative to the ray's origin, along the ray's axes.
 #[inline(always)]
-fn sheared<S: Simd>(
+fn from_origin<S: Simd>(
     simd: S,
     corner: &[[f32; WIDTH]; 3],
     axes: [usize; 3],
     origin: [f32; 3],
-    shear: [f32; 3],
 ) -> [f32x16<S>; 3] {
-    let along_x = f32x16::load_array_ref(simd, &corner[axes[0]]) - origin[0];
-    let along_y = f32x16::load_array_ref(simd, &corner[axes[1]]) - origin[1];
-    let along_z = f32x16::load_array_ref(simd, &corner[axes[2]]) - origin[2];
-    [along_x - along_z * shear[0], along_y - along_z * shear[1], along_z]
+    [
+        f32x16::load_array_ref(simd, &corner[axes[0]]) - origin[0],
+        f32x16::load_array_ref(simd, &corner[axes[1]]) - origin[1],
+        f32x16::load_array_ref(simd, &corner[axes[2]]) - origin[2],
+    ]
+}
+
+/// The same in the space in which the ray runs along z.
+#[inline(always)]
+fn sheared<S: Simd>([x, y, z]: [f32x16<S>; 3], shear: [f32; 3]) -> [f32x16<S>; 3] {
+    [x - z * shear[0], y - z * shear[1], z]
 }
 
 /// Offers each triangle of the mask, at its exact distance, as the nearest hit.
@@ -107,12 +134,11 @@ pub(super) fn exact_distance(block: &TriangleBlock, lane: usize, ray: &Ray) -> f
     let mut relative = [[0.0; 3]; 3];
     for corner in 0..3 {
         for axis in 0..3 {
-            relative[corner][axis] =
-                f64::from(block.corners[corner][axis][lane]) - f64::from(ray.origin[axis]);
+            relative[corner][axis] = f64::from(block.corners[corner][axis][lane]) - ray.exact[0][axis];
         }
     }
     let [a, b, c] = relative;
-    let direction = [f64::from(ray.direction[0]), f64::from(ray.direction[1]), f64::from(ray.direction[2])];
+    let direction = ray.exact[1];
     let normal = cross(minus(b, a), minus(c, a));
     let t = dot(normal, a) / dot(normal, direction);
     let z = usize::from(ray.axes[2]) % 3;

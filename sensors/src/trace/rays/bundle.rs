@@ -1,9 +1,10 @@
 //! Up to 64 rays made ready together, as structures of arrays.
 
-use super::ray::{ORIGIN_PAD, ORIGIN_PAD_AT_ZERO, Ray, TINY};
+use super::ray::{ORIGIN_PAD, ORIGIN_PAD_AT_ZERO, Ray, TINY, low_part};
 use super::scene::FrameRay;
 use crate::scene::tree::{NONE, WIDTH};
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
+use glam::DVec3;
 
 /// Rays under way together.
 pub(super) const RAYS: usize = 64;
@@ -17,6 +18,12 @@ pub(super) struct Bundle {
     pub(super) origin: [PerRay<f32>; 3],
     /// As given, then scaled.
     pub(super) direction: [PerRay<f32>; 3],
+    /// What rounding left of both, if anything: `is_far` tells.
+    pub(super) origin_low: [PerRay<f32>; 3],
+    pub(super) direction_low: [PerRay<f32>; 3],
+    pub(super) is_far: bool,
+    /// How wrong t may be in single precision, besides a share of it.
+    pub(super) doubt: f32,
     pub(super) inverse: [PerRay<f32>; 3],
     pub(super) near_origin: [PerRay<f32>; 3],
     pub(super) far_origin: [PerRay<f32>; 3],
@@ -25,6 +32,7 @@ pub(super) struct Bundle {
     pub(super) axes: [PerRay<u32>; 3],
     /// The origin along `axes`.
     pub(super) sheared_origin: [PerRay<f32>; 3],
+    pub(super) sheared_origin_low: [PerRay<f32>; 3],
     pub(super) shear: [PerRay<f32>; 3],
     pub(super) least: PerRay<f32>,
     pub(super) range: [PerRay<f32>; 2],
@@ -41,12 +49,17 @@ impl Bundle {
         Self {
             origin: NO,
             direction: NO,
+            origin_low: NO,
+            direction_low: NO,
+            is_far: false,
+            doubt: 0.0,
             inverse: NO,
             near_origin: NO,
             far_origin: NO,
             backwards: [[0; RAYS]; 3],
             axes: [[0; RAYS]; 3],
             sheared_origin: NO,
+            sheared_origin_low: NO,
             shear: NO,
             least: [0.0; RAYS],
             range: [[0.0; RAYS]; 2],
@@ -69,14 +82,26 @@ impl Bundle {
         }
     }
 
+    /// The same for a ray in double precision, after [`Bundle::set`]. If it is used for one ray, it must be for all.
+    pub(super) fn set_low(&mut self, id: usize, origin: DVec3, direction: DVec3) {
+        let id = id % RAYS;
+        for axis in 0..3 {
+            self.origin_low[axis][id] = low_part(origin[axis]);
+            self.direction_low[axis][id] = low_part(direction[axis]);
+        }
+        self.is_far = true;
+    }
+
     /// Ray `index` by itself.
-    pub(super) fn ray(&self, index: usize, doubt: f32) -> Ray {
-        let of = |all: &[PerRay<f32>; 3]| [all[0][index], all[1][index], all[2][index]];
+    pub(super) fn ray(&self, index: usize) -> Ray {
+        let of = |high: &[PerRay<f32>; 3], low: &[PerRay<f32>; 3]| {
+            [0, 1, 2].map(|axis| f64::from(high[axis][index]) + f64::from(low[axis][index]))
+        };
         let mut ray = Ray::new(
-            of(&self.origin),
-            of(&self.direction),
+            of(&self.origin, &self.origin_low),
+            of(&self.direction, &self.direction_low),
             [self.range[0][index], self.range[1][index]],
-            doubt,
+            self.doubt,
         );
         // The direction was scaled before.
         ray.unit *= self.unit[index];
@@ -85,16 +110,18 @@ impl Bundle {
 
     /// Works out everything from `origin`, `direction` (not scaled yet) and `range` for the first `count` rays.
     #[inline(always)]
+    /// `doubt` is how wrong t may be in single precision, besides a share of it.
     pub(super) fn prepare<S: Simd>(&mut self, simd: S, count: usize, doubt: f32) {
+        self.doubt = doubt;
         let mut first = 0;
         while first < count {
-            self.prepare_sixteen(simd, first, doubt);
+            self.prepare_sixteen(simd, first);
             first += WIDTH;
         }
     }
 
     #[inline(always)]
-    fn prepare_sixteen<S: Simd>(&mut self, simd: S, first: usize, doubt: f32) {
+    fn prepare_sixteen<S: Simd>(&mut self, simd: S, first: usize) {
         let given = [
             load(simd, &self.direction[0], first),
             load(simd, &self.direction[1], first),
@@ -142,6 +169,15 @@ impl Bundle {
             store(origin[axis], &mut self.sheared_origin[axis], first);
             store_u32(axes[axis].bitcast(), &mut self.axes[axis], first);
         }
+        if self.is_far {
+            let low = |axis: usize| load(simd, &self.origin_low[axis], first);
+            let low = swapped(rotated([low(0), low(1), low(2)]));
+            for axis in 0..3 {
+                store(low[axis], &mut self.sheared_origin_low[axis], first);
+                let d = load(simd, &self.direction_low[axis], first) * scale;
+                store(d, &mut self.direction_low[axis], first);
+            }
+        }
         let per_z = f32x16::splat(simd, 1.0) / direction[2];
         store(direction[0] / direction[2], &mut self.shear[0], first);
         store(direction[1] / direction[2], &mut self.shear[1], first);
@@ -150,7 +186,7 @@ impl Bundle {
         let to = load(simd, &self.range[1], first) / scale;
         store(from, &mut self.range[0], first);
         store(to, &mut self.range[1], first);
-        store(from - doubt, &mut self.least, first);
+        store(from - self.doubt, &mut self.least, first);
         store(to, &mut self.t, first);
         store(scale, &mut self.unit, first);
         for ray in first..first + WIDTH {

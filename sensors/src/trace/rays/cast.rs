@@ -179,22 +179,19 @@ fn cast_chunk<S: Simd>(
             for id in 0..count.next_multiple_of(WIDTH) {
                 // Lanes that are left over repeat the last ray.
                 let ray = rays.get(first + id.min(count - 1));
-                let ray = if only.is_turned() || only.translation != [0.0; 3] {
+                if only.is_turned() || only.translation != [0.0; 3] {
                     let [origin, direction] = in_instance(only, &ray);
-                    FrameRay {
-                        origin: origin.as_vec3().to_array(),
-                        direction: direction.as_vec3().to_array(),
-                        ..ray
-                    }
+                    let (high, along) = (origin.as_vec3().to_array(), direction.as_vec3().to_array());
+                    wave.bundle.set(id, &FrameRay { origin: high, direction: along, ..ray });
+                    wave.bundle.set_low(id, origin, direction);
                 } else {
-                    ray
-                };
-                wave.bundle.set(id, &ray);
+                    wave.bundle.set(id, &ray);
+                }
             }
             wave.bundle.prepare(simd, count, doubt);
             match &mut output {
                 Output::Hits(hits) => {
-                    wave.nearest_hits(simd, tree, count, faces == Faces::Front, doubt);
+                    wave.nearest_hits(simd, tree, count, faces == Faces::Front);
                     for id in 0..count {
                         store_mesh_hit(
                             view,
@@ -209,7 +206,7 @@ fn cast_chunk<S: Simd>(
                     }
                 }
                 Output::Occluded(occluded) => {
-                    wave.any_hits(simd, tree, count, faces == Faces::Front, doubt);
+                    wave.any_hits(simd, tree, count, faces == Faces::Front);
                     for id in 0..count {
                         occluded[first + id - range.start] = wave.bundle.hit[id][0] != NONE;
                     }
@@ -309,8 +306,8 @@ fn store(view: &View<'_>, ray: &FrameRay, hit: &SceneHit, at: usize, hits: &mut 
 /// One mesh in its own frame, as a view with one instance would show it: for those who have trees, and no scene.
 pub fn cast_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &mut Hits<'_>) {
     rays.check();
-    dispatch!(level, simd => each_bundle(simd, tree, rays, #[inline(always)] |wave, first, count, doubt| {
-        wave.nearest_hits(simd, tree, count, faces == Faces::Front, doubt);
+    dispatch!(level, simd => each_bundle(simd, tree, rays, #[inline(always)] |wave, first, count| {
+        wave.nearest_hits(simd, tree, count, faces == Faces::Front);
         for id in 0..count {
             store_in_mesh(tree, wave, id, first + id, hits);
         }
@@ -320,8 +317,8 @@ pub fn cast_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hi
 /// Tells which of the rays hit anything of one mesh, in its own frame.
 pub fn occluded_by_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, occluded: &mut [bool]) {
     rays.check();
-    dispatch!(level, simd => each_bundle(simd, tree, rays, #[inline(always)] |wave, first, count, doubt| {
-        wave.any_hits(simd, tree, count, faces == Faces::Front, doubt);
+    dispatch!(level, simd => each_bundle(simd, tree, rays, #[inline(always)] |wave, first, count| {
+        wave.any_hits(simd, tree, count, faces == Faces::Front);
         for id in 0..count {
             occluded[first + id] = wave.bundle.hit[id][0] != NONE;
         }
@@ -333,7 +330,7 @@ fn each_bundle<S: Simd>(
     simd: S,
     tree: Tree<'_>,
     rays: &Rays<'_>,
-    mut work: impl FnMut(&mut Wave, usize, usize, f32),
+    mut work: impl FnMut(&mut Wave, usize, usize),
 ) {
     let doubt = doubt_of(tree.nodes.first());
     let mut wave = Wave::new();
@@ -344,7 +341,7 @@ fn each_bundle<S: Simd>(
             wave.bundle.set(id, &rays.get(first + id.min(count - 1)));
         }
         wave.bundle.prepare(simd, count, doubt);
-        work(&mut wave, first, count, doubt);
+        work(&mut wave, first, count);
         first += count;
     }
 }

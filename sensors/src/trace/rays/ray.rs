@@ -16,10 +16,12 @@ pub(super) const ORIGIN_PAD_AT_ZERO: f32 = f32::from_bits((127 - 60) << 23); // 
 /// of the scaled direction's length.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ray {
-    /// Where the ray starts, metres.
+    /// Where the ray starts, metres, rounded …
     pub(crate) origin: [f32; 3],
-    /// Scaled direction.
-    pub(crate) direction: [f32; 3],
+    /// … and what rounding left: of use far from the origin of the mesh.
+    pub(super) origin_low: [f32; 3],
+    /// Where it starts, and its scaled direction, as they are.
+    pub(super) exact: [[f64; 3]; 2],
     /// Reciprocals of the direction's components, those of 0 replaced by ±2¹⁰⁰.
     pub(super) inverse: [f32; 3],
     /// Origin for the near planes of boxes, moved so that rounding never lets a box be missed.
@@ -34,6 +36,8 @@ pub(crate) struct Ray {
     pub(super) shear: [f32; 3],
     /// In single precision, hits from here on are worth a second look.
     pub(super) least: f32,
+    /// How wrong t may be in single precision, besides a share of it.
+    pub(super) doubt: f32,
     /// Least and greatest t that count.
     pub(crate) range: [f32; 2],
     /// Multiply t by this for units of the direction that was given.
@@ -44,7 +48,10 @@ impl Ray {
     /// A ray from `origin` along `direction` (finite, not 0), for t within `range` in units of the direction's
     /// length. `doubt` is how wrong t may be in single precision, near 0: a share of the size of the mesh.
     #[inline(always)]
-    pub(crate) fn new(origin: [f32; 3], direction: [f32; 3], range: [f32; 2], doubt: f32) -> Self {
+    pub(crate) fn new(origin: [f64; 3], direction: [f64; 3], range: [f32; 2], doubt: f32) -> Self {
+        let exact = [origin, direction];
+        let (origin, direction) = (origin.map(|x| x as f32), direction.map(|x| x as f32));
+        let origin_low = [0, 1, 2].map(|axis| low_part(exact[0][axis]));
         let size = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
         let (mut z, mut largest) = if size[0] > size[1] { (0, size[0]) } else { (1, size[1]) };
         if size[2] >= largest {
@@ -73,7 +80,8 @@ impl Ray {
         let shear = [direction[x] / direction[z], direction[y] / direction[z], inverse[z]];
         Self {
             origin,
-            direction,
+            origin_low,
+            exact: [exact[0], exact[1].map(|x| x * f64::from(scale))],
             inverse,
             near_origin,
             far_origin,
@@ -81,10 +89,17 @@ impl Ray {
             axes: [x as u8, y as u8, z as u8],
             shear,
             least: range[0] / scale - doubt,
+            doubt,
             range: [range[0] / scale, range[1] / scale],
             unit: scale,
         }
     }
+}
+
+/// What is left of a number when it has been rounded to single precision.
+#[inline(always)]
+pub(super) fn low_part(x: f64) -> f32 {
+    (x - f64::from(x as f32)) as f32
 }
 
 /// The nearest hit so far.

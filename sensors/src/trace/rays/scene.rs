@@ -4,10 +4,10 @@
 //! instance's own frame: through a mesh's tree or a height field's, or to the kernel of a solid. If all there is
 //! is one mesh, 64 rays at a time go straight through its tree.
 
+use super::doubt_of;
 use super::ray::{Nearest, Ray};
 use super::walk::{Stack, Tree, children_of, nearest_in_tree};
-use super::{block, doubt_of};
-use crate::scene::tree::{NONE, WIDTH};
+use crate::scene::tree::NONE;
 use crate::scene::{HeightGrid, KIND_HEIGHT_FIELD, KIND_MESH};
 use crate::trace::Faces;
 use crate::trace::shapes::match_solid;
@@ -78,7 +78,7 @@ pub(crate) fn hit_in_view<const ANY: bool, S: Simd>(
     stacks: &mut Stacks,
 ) -> SceneHit {
     let mut hit = SceneHit { t: f64::INFINITY, placed: NONE, slot: NONE };
-    let frame_ray = Ray::new(ray.origin, ray.direction, ray.range, 0.0);
+    let frame_ray = Ray::new(ray.origin.map(f64::from), ray.direction.map(f64::from), ray.range, 0.0);
     let top = Tree { nodes: view.nodes, blocks: &[] };
     let below = &mut stacks.triangles;
     children_of(
@@ -122,25 +122,18 @@ fn hit_instance<S: Simd>(
             // No farther than the hit so far, but for what rounding to single precision may hide.
             let limit = (hit.t * (1.0 + 1e-6)) as f32;
             let range = [ray.range[0], if limit < ray.range[1] { limit } else { ray.range[1] }];
-            let (origin32, direction32) = (origin.as_vec3().to_array(), direction.as_vec3().to_array());
+            let (origin, direction) = (origin.to_array(), direction.to_array());
             if instance.kind == KIND_MESH {
                 let tree = mesh_tree(view, placed);
-                let local = Ray::new(origin32, direction32, range, doubt_of(tree.nodes.first()));
+                let local = Ray::new(origin, direction, range, doubt_of(tree.nodes.first()));
                 let nearest = nearest_of(simd, tree, &local, faces, stack);
-                match tree.blocks.get(nearest.slot as usize / WIDTH) {
-                    Some(block) => (settled(block, &nearest, &local, origin, direction), nearest.slot),
-                    None => return,
-                }
+                (nearest.t * f64::from(local.unit), nearest.slot)
             } else if instance.kind == KIND_HEIGHT_FIELD {
                 let field = &view.scene.height_fields[instance.mesh as usize];
                 let grid = HeightGrid::of(field, view.scene.heights, view.scene.extents);
-                let local = Ray::new(origin32, direction32, range, doubt_of(Some(&grid.node(0))));
+                let local = Ray::new(origin, direction, range, doubt_of(Some(&grid.node(0))));
                 let nearest = nearest_of(simd, &grid, &local, faces, stack);
-                if nearest.slot == NONE {
-                    return;
-                }
-                let block = grid.block(nearest.slot / WIDTH as u32);
-                (settled(&block, &nearest, &local, origin, direction), nearest.slot)
+                (nearest.t * f64::from(local.unit), nearest.slot)
             } else {
                 return;
             }
@@ -164,21 +157,4 @@ fn nearest_of<S: Simd>(
     let mut nearest = Nearest::none(ray);
     nearest_in_tree(simd, tree, ray, faces == Faces::Front, stack, &mut nearest);
     nearest
-}
-
-/// t on the plane of the triangle, with the ray not rounded to single precision; that of the rounded ray where
-/// it runs too nearly along the plane for that.
-fn settled(
-    block: &crate::scene::tree::TriangleBlock,
-    nearest: &Nearest,
-    ray: &Ray,
-    origin: DVec3,
-    direction: DVec3,
-) -> f64 {
-    let rough = nearest.t * f64::from(ray.unit);
-    let lane = nearest.slot as usize % WIDTH;
-    let normal = DVec3::from_array(block::normal(block, lane));
-    let corner = [0, 1, 2].map(|axis| f64::from(block.corners[0][axis][lane]));
-    let t = normal.dot(DVec3::from_array(corner) - origin) / normal.dot(direction);
-    if (t - rough).abs() <= 1e-5 * rough { t } else { rough }
 }

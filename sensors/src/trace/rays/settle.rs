@@ -52,6 +52,13 @@ impl Settled {
         }
     }
 
+    /// Sine of the angle between a ray and the plane that it hits, times a length in [1, 2√3).
+    #[inline(always)]
+    pub(super) fn sine(&self, bundle: &Bundle, id: usize) -> f64 {
+        let along = |axis: usize| self.normal[axis][id] * f64::from(bundle.direction[axis][id]);
+        (along(0) + along(1) + along(2)) * self.per_length[id]
+    }
+
     /// Works out the normal of another triangle for a ray.
     pub(super) fn take_normal(&mut self, tree: Tree<'_>, id: usize, slot: u32) {
         let Some(block) = tree.blocks.get(slot as usize / WIDTH) else { return };
@@ -69,11 +76,26 @@ impl Settled {
             self.widened(simd, bundle, 1, first),
             self.widened(simd, bundle, 2, first),
         ];
-        let direction = [
-            load(simd, &bundle.direction[0], first).widen(),
-            load(simd, &bundle.direction[1], first).widen(),
-            load(simd, &bundle.direction[2], first).widen(),
-        ];
+        let widened = |values: &[PerRay<f32>; 3]| {
+            [
+                load(simd, &values[0], first).widen(),
+                load(simd, &values[1], first).widen(),
+                load(simd, &values[2], first).widen(),
+            ]
+        };
+        let mut direction = widened(&bundle.direction);
+        let mut corners = corners;
+        if bundle.is_far {
+            let (origin_low, direction_low) = (widened(&bundle.origin_low), widened(&bundle.direction_low));
+            for axis in 0..3 {
+                direction[axis].0 += direction_low[axis].0;
+                direction[axis].1 += direction_low[axis].1;
+                for corner in &mut corners {
+                    corner[axis].0 -= origin_low[axis].0;
+                    corner[axis].1 -= origin_low[axis].1;
+                }
+            }
+        }
         self.compute_eight(simd, [low(corners[0]), low(corners[1]), low(corners[2])], low(direction), first);
         self.compute_eight(
             simd,

@@ -101,7 +101,8 @@ pub(crate) fn nearest_in_tree<S: Simd>(
         |index| {
             if let Some(block) = tree.block(index) {
                 let block = block.borrow();
-                let (_, mask) = block::meet_all(simd, block, ray, nearest.limit * SLACK, cull_back);
+                let (_, mask) =
+                    block::meet_all(simd, block, ray, nearest.limit * SLACK + ray.doubt, cull_back);
                 block::offer(block, index, mask, ray, nearest);
             }
             nearest.limit

@@ -28,6 +28,9 @@ const LEVELS: usize = 16;
 /// By how much of t a hit in single precision may be too near and still nothing that matters lie before it.
 pub(super) const AGREES: f32 = 1.0 + f32::from_bits((127 - 17) << 23); // 1 + 2⁻¹⁷
 
+/// Sine of the angle between a ray and a plane below which any hit is looked for in double precision.
+const LEAST_SINE: f64 = 1e-4;
+
 /// One value for each child of a node or triangle of a leaf.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
@@ -108,22 +111,15 @@ impl Wave {
 
     /// Finds the nearest hits of the first `count` rays of the bundle, which has been prepared.
     #[inline(always)]
-    pub(super) fn nearest_hits<S: Simd>(
-        &mut self,
-        simd: S,
-        tree: Tree<'_>,
-        count: usize,
-        cull_back: bool,
-        doubt: f32,
-    ) {
+    pub(super) fn nearest_hits<S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
         self.walk::<false, S>(simd, tree, count, cull_back);
         self.settled.compute(simd, tree, &self.bundle, count);
         for id in 0..count.min(RAYS) {
             if self.bundle.hit[id][0] != NONE {
                 let t = self.settled.t[id];
                 // A hair more than single precision said, or far less, or out of range, or NaN.
-                let agree = t <= f64::from(self.bundle.t[id] * AGREES)
-                    && t >= f64::from(self.bundle.t[id] / SLACK)
+                let agree = t <= f64::from(self.bundle.t[id] * AGREES + self.bundle.doubt)
+                    && t >= f64::from(self.bundle.t[id] / SLACK - self.bundle.doubt)
                     && t >= f64::from(self.bundle.range[0][id])
                     && t <= f64::from(self.bundle.range[1][id]);
                 self.alone.push_if(id, !agree);
@@ -131,26 +127,33 @@ impl Wave {
         }
         for index in 0..self.alone.length.min(RAYS) {
             let id = usize::from(self.alone.ids[index]) % RAYS;
-            self.walk_alone(simd, tree, id, cull_back, doubt);
+            self.walk_alone(simd, tree, id, cull_back);
         }
     }
 
     /// Finds for each of the first `count` rays of the bundle, which has been prepared, whether it hits anything:
     /// its slot is then that of some triangle that it hits.
     #[inline(always)]
-    pub(super) fn any_hits<S: Simd>(
-        &mut self,
-        simd: S,
-        tree: Tree<'_>,
-        count: usize,
-        cull_back: bool,
-        doubt: f32,
-    ) {
+    pub(super) fn any_hits<S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
         self.walk::<true, S>(simd, tree, count, cull_back);
+        self.settled.compute(simd, tree, &self.bundle, count);
+        for id in 0..count.min(RAYS) {
+            if self.bundle.hit[id][0] != NONE {
+                // Out of range after all, or a ray along the plane: single precision may have found it anywhere.
+                let t = self.settled.t[id];
+                let sure = t >= f64::from(self.bundle.range[0][id])
+                    && t <= f64::from(self.bundle.range[1][id])
+                    && self.settled.sine(&self.bundle, id).abs() > LEAST_SINE;
+                if !sure {
+                    self.bundle.hit[id][0] = NONE;
+                    self.alone.push_if(id, true);
+                }
+            }
+        }
         for index in 0..self.alone.length.min(RAYS) {
             let id = usize::from(self.alone.ids[index]) % RAYS;
             if self.bundle.hit[id][0] == NONE {
-                self.walk_alone(simd, tree, id, cull_back, doubt);
+                self.walk_alone(simd, tree, id, cull_back);
             }
         }
     }
@@ -192,8 +195,8 @@ impl Wave {
     }
 
     #[inline(always)]
-    fn walk_alone<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool, doubt: f32) {
-        let ray = self.bundle.ray(id, doubt);
+    fn walk_alone<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool) {
+        let ray = self.bundle.ray(id);
         let mut nearest = Nearest::none(&ray);
         nearest_in_tree(simd, tree, &ray, cull_back, &mut self.stack, &mut nearest);
         self.bundle.hit[id][0] = nearest.slot;
@@ -207,7 +210,8 @@ impl Wave {
         let Some(node) = tree.nodes.get(self.child[id] as usize) else { return };
         let depth = self.depth[id] as usize;
         let frame = &mut self.frames[depth % LEVELS][id];
-        let (near, any) = node::enter(simd, node, &self.bundle, id, self.bundle.t[id] * AGREES);
+        let (near, any) =
+            node::enter(simd, node, &self.bundle, id, self.bundle.t[id] * AGREES + self.bundle.doubt);
         near.store_array(&mut frame.near.0);
         frame.child.0 = node.child;
         self.depth[id] = depth as u32 + u32::from(any);
@@ -227,10 +231,11 @@ impl Wave {
         let t = f32x16::load_array_ref(simd, &self.leaf[id].0);
         let least = t.reduce_min();
         // Of those within the slack, the first; should it not be the only one, they are compared.
-        let near = t.simd_le(f32x16::splat(simd, least * SLACK)).to_bitmask() as u32 & 0xffff;
+        let limit = least * SLACK + self.bundle.doubt;
+        let near = t.simd_le(f32x16::splat(simd, limit)).to_bitmask() as u32 & 0xffff;
         let before = self.bundle.t[id];
         let hit = least < f32::INFINITY;
-        if hit & ((near & near.wrapping_sub(1) != 0) | (least * SLACK >= before)) {
+        if hit & ((near & near.wrapping_sub(1) != 0) | (limit >= before)) {
             self.compare(&tree, id, near);
             return;
         }
@@ -245,7 +250,7 @@ impl Wave {
         let t = f32x16::load_array_ref(simd, &self.leaf[id].0);
         let (from, to) = (self.bundle.range[0][id], self.bundle.range[1][id]);
         // Beyond doubt: further inside the range than single precision may be wrong.
-        let to = if to < f32::MAX { to / SLACK } else { f32::MAX };
+        let to = if to < f32::MAX { to / SLACK - self.bundle.doubt } else { f32::MAX };
         let sure = t.simd_gt(f32x16::splat(simd, from + (from - self.bundle.least[id])))
             & t.simd_lt(f32x16::splat(simd, to));
         let sure = sure.to_bitmask() as u32 & 0xffff;
@@ -264,7 +269,7 @@ impl Wave {
     /// Takes the nearest child that waits, of the deepest node, and queues the ray for it.
     #[inline(always)]
     fn next_child<S: Simd>(&mut self, simd: S, id: usize, nodes: &mut Queue, leaves: &mut Queue) {
-        let limit = self.bundle.t[id] * AGREES;
+        let limit = self.bundle.t[id] * AGREES + self.bundle.doubt;
         let limit = if limit < f32::MAX { limit } else { f32::MAX };
         let mut depth = self.depth[id] as usize;
         if depth >= LEVELS {
@@ -296,7 +301,7 @@ impl Wave {
     #[inline(never)]
     fn compare(&mut self, tree: &Tree<'_>, id: usize, mask: u32) {
         let index = self.child[id] & !LEAF;
-        let ray = self.bundle.ray(id, 0.0);
+        let ray = self.bundle.ray(id);
         let mut nearest = Nearest::none(&ray);
         let hit = self.bundle.hit[id][0];
         if let Some(block) = tree.blocks.get(hit as usize / WIDTH) {

@@ -1,0 +1,172 @@
+//! Whether anything is hit by the rays of a packet, in double precision. Which of several hits is found is not
+//! specified.
+
+use super::packet::{Faces, MISS, Packet, PacketBounds};
+use super::shapes::{LocalRays, commit, match_solid, triangle};
+use super::view::{Placed, View};
+use crate::scene::build::MAX_DEPTH;
+use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
+use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::simd::LANES;
+use core::borrow::Borrow;
+use fearless_simd::Simd;
+use glam::DVec3;
+
+/// Only the lanes whose bits are set take part, up to `t_max`.
+#[inline(always)]
+pub(super) fn activate(packet: &mut Packet, lanes: u64, t_max: f64) {
+    packet.placed = [MISS; LANES];
+    for lane in 0..LANES {
+        packet.t[lane] = if lanes >> lane & 1 != 0 { t_max } else { f64::NEG_INFINITY };
+    }
+}
+
+#[inline(always)]
+pub(super) fn hit_lanes(packet: &Packet) -> u64 {
+    let mut lanes = 0;
+    for lane in 0..LANES {
+        lanes |= u64::from(packet.placed[lane] != MISS) << lane;
+    }
+    lanes
+}
+
+/// Lanes that have hit something need no more.
+#[inline(always)]
+fn retire_hits(packet: &mut Packet) {
+    for lane in 0..LANES {
+        packet.t[lane] = if packet.placed[lane] == MISS { packet.t[lane] } else { f64::NEG_INFINITY };
+    }
+}
+
+/// Visits the leaves that the packet may meet before `t_max`, until `visit` returns that no lane is left.
+#[inline(always)]
+pub(super) fn walk<S: Simd, N: Borrow<WideNode>>(
+    simd: S,
+    node: impl Fn(u32) -> N,
+    bounds: &PacketBounds,
+    t_max: f32,
+    mut visit: impl FnMut(u32) -> bool,
+) {
+    let mut stack = [0_u32; 15 * MAX_DEPTH + 2];
+    let mut waiting = 1;
+    while waiting > 0 {
+        waiting -= 1;
+        let child = stack[waiting];
+        if child & LEAF != 0 {
+            if !visit(child & !LEAF) {
+                return;
+            }
+            continue;
+        }
+        let node = node(child);
+        let node = node.borrow();
+        let mut lanes = bounds.enter(simd, node, t_max);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+            lanes &= lanes - 1;
+            stack[waiting] = node.child[lane];
+            waiting += 1;
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn intersect_instance<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    index: u32,
+    packet: &mut Packet,
+    faces: Faces,
+    t_max: f32,
+) {
+    let placed = &view.placed[index as usize];
+    let rays = local_rays(placed, packet);
+    match_solid!(
+        view.instance(index),
+        inside => commit(&rays, packet, faces, index, inside),
+        _ => walk_triangles(simd, view, placed, &rays, packet, (faces, t_max), index)
+    );
+}
+
+#[inline(always)]
+fn local_rays(placed: &Placed, packet: &Packet) -> LocalRays {
+    let mut rays = LocalRays { origin: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3] };
+    for axis in 0..3 {
+        let [x, y, z] = placed.inverse[axis];
+        let [tx, ty, tz] = placed.translation;
+        let origin = |lane: usize| {
+            x * (packet.origin[0][lane] - tx)
+                + y * (packet.origin[1][lane] - ty)
+                + z * (packet.origin[2][lane] - tz)
+        };
+        if packet.shared_origin {
+            rays.origin[axis] = [origin(0); LANES];
+        } else {
+            for lane in 0..LANES {
+                rays.origin[axis][lane] = origin(lane);
+            }
+        }
+        for lane in 0..LANES {
+            rays.direction[axis][lane] =
+                x * packet.direction[0][lane] + y * packet.direction[1][lane] + z * packet.direction[2][lane];
+        }
+    }
+    rays
+}
+
+fn walk_triangles<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    placed: &Placed,
+    rays: &LocalRays,
+    packet: &mut Packet,
+    (faces, t_max): (Faces, f32),
+    index: u32,
+) {
+    let faces = match faces {
+        Faces::Both => triangle::Side::Both,
+        Faces::Front if placed.mirrored == 0 => triangle::Side::Front,
+        Faces::Front => triangle::Side::Back,
+    };
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let bounds = PacketBounds::new(&rays.origin, &rays.direction, packet);
+            let draw = |block: &TriangleBlock, packet: &mut Packet| {
+                for lane in 0..WIDTH {
+                    let corners = block
+                        .corners
+                        .each_ref()
+                        .map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()));
+                    triangle::intersect(rays, corners, packet, faces, index);
+                }
+                retire_hits(packet);
+                packet.is_active()
+            };
+            match placed.kind {
+                KIND_MESH => walk(
+                    simd,
+                    #[inline(always)]
+                    |node| &view.scene.nodes[(placed.first_node + node) as usize],
+                    &bounds,
+                    t_max,
+                    #[inline(always)]
+                    |leaf| draw(&view.scene.blocks[(placed.first_block + leaf) as usize], packet),
+                ),
+                KIND_HEIGHT_FIELD => {
+                    let grid = view.height_grid(placed);
+                    walk(
+                        simd,
+                        #[inline(always)]
+                        |node| grid.node(node),
+                        &bounds,
+                        t_max,
+                        #[inline(always)]
+                        |leaf| draw(&grid.block(leaf), packet),
+                    );
+                }
+                _ => {}
+            }
+        },
+    );
+}

@@ -1,0 +1,161 @@
+//! Flat faces: of boxes, rectangles and planes.
+//!
+//! On a plane, texture coordinates are linear in the point, and the normal is the same everywhere. So all that wants
+//! double precision is worked out once a face, at the sensor; what is left for the rays is in proportion to the
+//! distance from there, and single precision is enough.
+
+use super::shapes::surface::solid_surface;
+use super::surface::Footprint;
+use super::tile::{CameraRays, Tile};
+use super::view::{Placed, View};
+use crate::scene::tree::WIDTH;
+use crate::scene::{Instance, KIND_BOX, KIND_PLANE, KIND_RECTANGLE};
+use crate::simd::{LANES, Lanes, floor, load_row};
+use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
+use glam::DVec3;
+
+/// Whether an instance has nothing but flat faces, and few of them.
+pub(crate) fn has_flat_faces(instance: &Instance) -> bool {
+    matches!(instance.kind, KIND_BOX | KIND_RECTANGLE | KIND_PLANE)
+}
+
+/// A face, in the axes of the world around the sensor.
+pub(crate) struct Face {
+    /// Unit, outwards.
+    pub(crate) normal: [f32; 3],
+    /// Texture coordinates below the sensor, less whole repetitions.
+    uv: [f32; 2],
+    /// Change of u and of v per metre.
+    gradient: [[f32; 3]; 2],
+    /// For the ray of the next pixel along the row, and of that down the column: how the ray's approach to the face
+    /// changes, and u and v at depth 1.
+    approach: [f32; 2],
+    change: [[f32; 2]; 2],
+}
+
+impl Face {
+    /// Of nothing.
+    pub(crate) const NONE: Self = Self {
+        normal: [0.0; 3],
+        uv: [0.0; 2],
+        gradient: [[0.0; 3]; 2],
+        approach: [0.0; 2],
+        change: [[0.0; 2]; 2],
+    };
+
+    /// Face `face` of an instance, as [`faces`] counts them.
+    #[inline(always)]
+    pub(crate) fn new(
+        instance: &Instance,
+        placed: &Placed,
+        face: u32,
+        repeat: [f32; 2],
+        rays: &CameraRays,
+    ) -> Self {
+        // Any point of the face will do.
+        let mut point = DVec3::ZERO;
+        if instance.kind == KIND_BOX {
+            let axis = (face / 2) as usize % 3;
+            point[axis] = if face.is_multiple_of(2) { instance.size[axis] } else { -instance.size[axis] };
+        }
+        let surface = solid_surface::<true>(instance.kind, instance.size, point);
+        let inverse = placed.inverse.map(DVec3::from_array);
+        // Normals and gradients go by the inverse transpose.
+        let in_frame = |v: DVec3| inverse[0] * v.x + inverse[1] * v.y + inverse[2] * v.z;
+        let normal = in_frame(surface.normal).normalize_or_zero();
+        let below = DVec3::from_array(placed.origin_in_instance) - point;
+        let mut face = Self {
+            normal: normal.as_vec3().to_array(),
+            uv: [0.0; 2],
+            gradient: [[0.0; 3]; 2],
+            approach: rays.steps.map(|step| normal.dot(step) as f32),
+            change: [[0.0; 2]; 2],
+        };
+        for axis in 0..2 {
+            let repeat = f64::from(repeat[axis]);
+            let uv = (surface.uv[axis] + surface.uv_gradient[axis].dot(below)) * repeat;
+            let gradient = in_frame(surface.uv_gradient[axis]) * repeat;
+            face.uv[axis] = (uv - floor(uv)) as f32;
+            face.gradient[axis] = gradient.as_vec3().to_array();
+            for (change, step) in face.change.iter_mut().zip(&rays.steps) {
+                change[axis] = gradient.dot(*step) as f32;
+            }
+        }
+        face
+    }
+
+    /// What the pixels of a row cover of the texture: how far the hit moves on the face from one to the next
+    /// (Igehy 1999, "Tracing ray differentials").
+    #[inline(always)]
+    pub(crate) fn footprint<S: Simd>(&self, simd: S, tile: &Tile, row: usize) -> Footprint<S> {
+        let depth = load_row(simd, &tile.depth, row);
+        let moved = [
+            along(simd, &self.gradient[0], &tile.point, row),
+            along(simd, &self.gradient[1], &tile.point, row),
+        ];
+        let per_approach = f32x16::splat(simd, 1.0) / along(simd, &self.normal, &tile.direction, row);
+        let mut steps = [[depth; 2]; 2];
+        for side in 0..2 {
+            let back = per_approach * self.approach[side];
+            for axis in 0..2 {
+                steps[side][axis] = depth * self.change[side][axis] - moved[axis] * back;
+            }
+        }
+        Footprint { uv: [moved[0] + self.uv[0], moved[1] + self.uv[1]], steps }
+    }
+}
+
+/// Dot products of a vector with those of a row.
+#[inline(always)]
+fn along<S: Simd>(simd: S, vector: &[f32; 3], with: &[Lanes<f32>; 3], row: usize) -> f32x16<S> {
+    let [x, y, z] = *vector;
+    (load_row(simd, &with[0], row) * x + load_row(simd, &with[1], row) * y)
+        + load_row(simd, &with[2], row) * z
+}
+
+/// Which face of its box each ray of the tile has hit: twice the axis of the face, and 1 more if the face looks to the
+/// axis's negative end. 0 for shapes of one face.
+#[inline(always)]
+pub(crate) fn faces<S: Simd>(simd: S, view: &View<'_>, tile: &Tile, placed: u32, lanes: u64) -> Lanes<u32> {
+    let instance = view.instance(placed);
+    let placed = &view.placed[placed as usize];
+    if instance.kind != KIND_BOX {
+        return [0; LANES];
+    }
+    // A face is seen from outside only: one face of three at the most, and of walls just the one.
+    let (mut seen, mut first) = (0, 0);
+    let mut visible = [None; 3];
+    for axis in 0..3 {
+        let (half, origin) = (instance.size[axis], placed.origin_in_instance[axis]);
+        let negative = origin < 0.0;
+        if origin.abs() > half {
+            // The distance from the sensor is rounded after the subtraction: however large the box, what is near the
+            // sensor is told apart.
+            let to_face = if negative { -half - origin } else { half - origin };
+            (seen, first) = (seen + 1, 2 * axis as u32 + u32::from(negative));
+            visible[axis] = Some((first, to_face as f32));
+        }
+    }
+    if seen <= 1 {
+        return [first; LANES];
+    }
+    let mut faces = [0; LANES];
+    for row in 0..LANES / WIDTH {
+        if (lanes >> (row * WIDTH)) as u16 == 0 {
+            continue;
+        }
+        // The face is the one that the point is nearest to.
+        let mut nearest = f32x16::splat(simd, f32::INFINITY);
+        let mut face = u32x16::splat(simd, first);
+        for axis in 0..3 {
+            let Some((number, to_face)) = visible[axis] else { continue };
+            let to_axis = DVec3::from_array(placed.inverse[axis]).as_vec3().to_array();
+            let distance = (along(simd, &to_axis, &tile.point, row) - to_face).abs();
+            let nearer = distance.simd_lt(nearest);
+            nearest = nearer.select(distance, nearest);
+            face = nearer.select(u32x16::splat(simd, number), face);
+        }
+        face.store_array(&mut faces.as_chunks_mut().0[row]);
+    }
+    faces
+}

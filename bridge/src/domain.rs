@@ -30,6 +30,17 @@ impl Domain {
         if usable { Ok(Self(name.to_owned())) } else { Err(Error::InvalidDomain(name.to_owned())) }
     }
 
+    /// The domain that the environment variable `BELVEDERE_DOMAIN` names, else the default one.
+    ///
+    /// # Errors
+    /// [`Error::InvalidDomain`] when the variable holds what cannot be one.
+    pub fn from_env() -> Result<Self, Error> {
+        match std::env::var_os("BELVEDERE_DOMAIN") {
+            Some(name) if !name.is_empty() => Self::new(&name.to_string_lossy()),
+            _ => Ok(Self::default()),
+        }
+    }
+
     /// Its name.
     #[must_use]
     pub fn as_str(&self) -> &str {

@@ -328,12 +328,10 @@ const char *bv_version(void);
 // CLOCK_MONOTONIC in nanoseconds: compare with publish_mono_ns of a header.
 uint64_t bv_mono_ns(void);
 
-// Joins a domain (NULL: "default") under a name for listings. Close it with bv_node_close; what was made from it
-// stays usable after that.
+// Joins a domain (NULL: that of the environment variable BELVEDERE_DOMAIN, else "default") under a name for
+// listings. Close it with bv_node_close; what was made from it stays usable after that.
 // Requires: The texts are NUL-terminated or NULL; `out` can be written.
-bv_status bv_node_open(const char *domain,
-                       const char *name,
-                       struct bv_node **out);
+bv_status bv_node_open(const char *domain, const char *name, struct bv_node **out);
 
 // Leaves the domain; NULL is ignored.
 // Requires: `node` came from bv_node_open and is not used afterwards.

@@ -30,8 +30,8 @@ pub struct StreamInfo {
     pub encoding: u16,
 }
 
-/// Joins a domain (NULL: "default") under a name for listings. Close it with bv_node_close; what was made from it
-/// stays usable after that.
+/// Joins a domain (NULL: that of the environment variable BELVEDERE_DOMAIN, else "default") under a name for
+/// listings. Close it with bv_node_close; what was made from it stays usable after that.
 ///
 /// # Safety
 /// The texts are NUL-terminated or NULL; `out` can be written.
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn bv_node_open(
 ) -> Status {
     guard(|| {
         let domain = if domain.is_null() {
-            Domain::default()
+            Domain::from_env()?
         } else {
             // SAFETY: a NUL-terminated text by this function's contract.
             Domain::new(unsafe { str_arg(domain, "domain") }?)?

@@ -194,9 +194,10 @@ private:
 /// Membership of a domain; what was made from it outlives it.
 class Node {
 public:
-    explicit Node(const std::string& domain = "default", const std::string& name = "belvedere-cpp") {
+    /// Without a domain it is that of the environment variable BELVEDERE_DOMAIN, else "default".
+    explicit Node(const std::string& domain = {}, const std::string& name = "belvedere-cpp") {
         bv_node* node = nullptr;
-        detail::check(bv_node_open(domain.c_str(), name.c_str(), &node));
+        detail::check(bv_node_open(domain.empty() ? nullptr : domain.c_str(), name.c_str(), &node));
         handle_.reset(node);
     }
     /// Follows a stream, whether it exists already or not.

@@ -1,0 +1,18 @@
+#include <belvedere.hpp>
+#include <iostream>
+
+int main() try {
+    belvedere::Node node;
+    belvedere::Subscriber camera = node.subscribe("image_raw");
+    for (int count = 0; count < 10 && camera.wait(std::chrono::seconds(5));) {
+        if (auto frame = camera.take()) {
+            auto pixels = frame->row<std::uint8_t>(0);  // where the simulator wrote them
+            std::cout << frame->header().width << " x " << frame->header().height << ", first pixel "
+                      << +pixels[0] << ' ' << +pixels[1] << ' ' << +pixels[2] << '\n';
+            ++count;
+        }
+    }
+} catch (const belvedere::Error& error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+}

@@ -1,3 +1,5 @@
+//! Ten pictures of a running simulator.
+
 use belvedere_bridge::{Domain, Node};
 use std::time::Duration;
 

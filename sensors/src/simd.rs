@@ -1,7 +1,7 @@
 //! The SIMD level token and the packets that kernels work on.
 //!
 //! Kernels are plain loops over fixed-size arrays of [`LANES`] values, written with + − × ÷ √ and compares
-//! only. [`Simd::vectorize`](fearless_simd::Simd::vectorize) compiles each for every instruction set; the level
+//! only. [`Simd::vectorize`] compiles each for every instruction set; the level
 //! is chosen once a frame. As no operation is fused or approximated, every level gives the same bits.
 
 pub use fearless_simd::Level;

@@ -7,6 +7,7 @@
 
 use crate::scene::tree::{TriangleBlock, WIDTH};
 use crate::trace::view::{Placed, View};
+use fearless_simd::{Simd, mask32x16};
 use glam::{DMat3, DVec3};
 
 /// (Distance of the farthest corner from the sensor / that of the plane)² from which on a triangle that is large
@@ -37,8 +38,19 @@ pub(super) struct PlaneArrays {
     pub(super) sides: [u64; 2],
 }
 
+impl PlaneArrays {
+    /// `sides` as masks.
+    #[inline(always)]
+    pub(super) fn sides_of<S: Simd>(&self, simd: S) -> [mask32x16<S>; 2] {
+        let [behind, front] = self.sides;
+        [simd.from_bitmask_mask32x16(behind), simd.from_bitmask_mask32x16(front)]
+    }
+}
+
 impl Source<'_> {
     /// Makes the planes of the triangles in `lanes` again.
+    #[cold]
+    #[inline(never)]
     pub(super) fn sharpen(&self, mut lanes: u64, planes: &mut PlaneArrays) {
         let sensor_from_instance = self.view.sensor_from_world * DMat3::from_cols_array_2d(&self.placed.axes);
         let origin = DVec3::from_array(self.placed.origin_in_instance);

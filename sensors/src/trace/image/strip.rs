@@ -7,7 +7,7 @@
 use super::fan::Fan;
 use super::projection::{Planes, Projection, min};
 use super::target::Target;
-use super::triangles::{Leaf, Rules, draw_blurred, inside, set_up, splat};
+use super::triangles::{Leaf, Rules, facing, inside, set_up, splat};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
 
@@ -68,19 +68,14 @@ pub(super) fn draw<S: Simd, P: Projection>(
 ) {
     // Dropping triangles that miss the rows' cones before they are set up costs more than it saves: 20 % slower.
     let setup = set_up(simd, leaf, rules);
-    if setup.blurred.any_true() {
-        draw_blurred(simd, projection, target, rules, *leaf, setup);
-    }
-    if !setup.valid.any_true() {
+    if !(setup.valid | setup.blurred).any_true() {
         return;
     }
-    let [a, b, c] = &setup.edges;
-    let planes = [a, b, c, &setup.inverse];
-    let mut spilled = [[[0.0; WIDTH]; 3]; 4];
-    for plane in 0..4 {
-        for axis in 0..3 {
-            planes[plane][axis].store_array(&mut spilled[plane][axis]);
-        }
+    let mut planes = setup.spill();
+    let mut valid = setup.valid;
+    if setup.blurred.any_true() {
+        leaf.source.sharpen(setup.blurred.to_bitmask(), &mut planes);
+        valid |= facing(rules, planes.sides_of(simd)) & setup.blurred;
     }
     let mut triangle_slots = [0; WIDTH];
     setup.slots.store_array(&mut triangle_slots);
@@ -110,10 +105,11 @@ pub(super) fn draw<S: Simd, P: Projection>(
                 if farthest >= leaf.nearest {
                     continue;
                 }
-                let most = |plane: &Planes<S>| projection.most_over_strip(simd, plane, column, row);
+                let most = |plane| projection.most_over_strip(simd, &load(simd, plane), column, row);
+                let [a, b, c] = &planes.edges;
                 let reached = min(min(most(a), most(b)), most(c)).simd_ge(f32x16::splat(simd, 0.0))
-                    & most(&setup.inverse).simd_gt(f32x16::splat(simd, farthest))
-                    & setup.valid;
+                    & most(&planes.inverse).simd_gt(f32x16::splat(simd, farthest))
+                    & valid;
                 let mut lanes = reached.to_bitmask();
                 if lanes == 0 {
                     continue;
@@ -124,12 +120,10 @@ pub(super) fn draw<S: Simd, P: Projection>(
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
                     lanes &= lanes - 1;
-                    let plane = |plane: usize| {
-                        let [x, y, z] = &spilled[plane];
-                        splat(simd, &[x[lane], y[lane], z[lane]])
-                    };
-                    let edges = [plane(0), plane(1), plane(2)];
-                    let (hit, inverse) = inside::<S, P>(&edges, &plane(3), &directions, rules.inverse_near);
+                    let plane = |[x, y, z]: &[[f32; WIDTH]; 3]| splat(simd, &[x[lane], y[lane], z[lane]]);
+                    let edges = [plane(a), plane(b), plane(c)];
+                    let (hit, inverse) =
+                        inside::<S, P>(&edges, &plane(&planes.inverse), &directions, rules.inverse_near);
                     let hit = hit & inverse.simd_gt(nearest);
                     nearest = hit.select(inverse, nearest);
                     slots = hit.select(u32x16::splat(simd, triangle_slots[lane]), slots);
@@ -140,4 +134,13 @@ pub(super) fn draw<S: Simd, P: Projection>(
             }
         }
     }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, plane: &[[f32; WIDTH]; 3]) -> Planes<S> {
+    [
+        f32x16::load_array_ref(simd, &plane[0]),
+        f32x16::load_array_ref(simd, &plane[1]),
+        f32x16::load_array_ref(simd, &plane[2]),
+    ]
 }

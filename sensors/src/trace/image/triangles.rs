@@ -39,6 +39,25 @@ pub(super) struct Setup<S: Simd> {
     pub(super) slots: u32x16<S>,
 }
 
+impl<S: Simd> Setup<S> {
+    /// The planes, triangle by triangle.
+    #[inline(always)]
+    pub(super) fn spill(&self) -> PlaneArrays {
+        let mut planes = PlaneArrays {
+            edges: [[[0.0; WIDTH]; 3]; 3],
+            inverse: [[0.0; WIDTH]; 3],
+            sides: [self.sides[0].to_bitmask(), self.sides[1].to_bitmask()],
+        };
+        for axis in 0..3 {
+            for edge in 0..3 {
+                self.edges[edge][axis].store_array(&mut planes.edges[edge][axis]);
+            }
+            self.inverse[axis].store_array(&mut planes.inverse[axis]);
+        }
+        planes
+    }
+}
+
 /// What a drawing loop needs of one of sixteen triangles.
 struct Spilled {
     edges: [[[f32; WIDTH]; 3]; 3],
@@ -180,7 +199,7 @@ pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<'_, S>, rules: Rules) -> Setu
 
 /// Those that are seen from the side that counts. Seen edge on, a triangle covers nothing.
 #[inline(always)]
-fn facing<S: Simd>(rules: Rules, [behind, front]: [mask32x16<S>; 2]) -> mask32x16<S> {
+pub(super) fn facing<S: Simd>(rules: Rules, [behind, front]: [mask32x16<S>; 2]) -> mask32x16<S> {
     match (rules.faces, rules.mirrored) {
         (Faces::Both, _) => behind | front,
         (Faces::Front, false) => front,
@@ -215,17 +234,7 @@ pub(super) fn draw_blurred<S: Simd, P: Projection>(
 /// Makes the planes of the blurred triangles again, and leaves those valid that face the sensor.
 #[inline(always)]
 fn sharpen<S: Simd>(simd: S, source: &Source<'_>, rules: Rules, setup: &mut Setup<S>) {
-    let mut planes = PlaneArrays {
-        edges: [[[0.0; WIDTH]; 3]; 3],
-        inverse: [[0.0; WIDTH]; 3],
-        sides: [setup.sides[0].to_bitmask(), setup.sides[1].to_bitmask()],
-    };
-    for axis in 0..3 {
-        for edge in 0..3 {
-            setup.edges[edge][axis].store_array(&mut planes.edges[edge][axis]);
-        }
-        setup.inverse[axis].store_array(&mut planes.inverse[axis]);
-    }
+    let mut planes = setup.spill();
     source.sharpen(setup.blurred.to_bitmask(), &mut planes);
     for axis in 0..3 {
         for edge in 0..3 {
@@ -233,9 +242,7 @@ fn sharpen<S: Simd>(simd: S, source: &Source<'_>, rules: Rules, setup: &mut Setu
         }
         setup.inverse[axis] = f32x16::load_array_ref(simd, &planes.inverse[axis]);
     }
-    let [behind, front] = planes.sides;
-    let sides = [mask32x16::from_bitmask(simd, behind), mask32x16::from_bitmask(simd, front)];
-    setup.valid = facing(rules, sides) & setup.blurred;
+    setup.valid = facing(rules, planes.sides_of(simd)) & setup.blurred;
 }
 
 /// Draws a leaf into the target.

@@ -150,6 +150,13 @@ def test_nothing_there_is_a_timeout(node: belvedere.Node) -> None:
             next(subscriber.frames(timeout=0.1))
 
 
+def test_a_closed_node_says_so(simulator: Simulator) -> None:
+    node = belvedere.Node(domain=simulator.domain)
+    node.close()
+    with pytest.raises(belvedere.BridgeError, match="closed"):
+        node.subscribe("image_raw")
+
+
 @pytest.mark.parametrize("name", ["", "a b", "a//b", "a/", "//a", "ä"])
 def test_names_that_cannot_be(node: belvedere.Node, name: str) -> None:
     with pytest.raises(belvedere.InvalidNameError):

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import iceoryx2 as iox2
 
 from belvedere import _transport
+from belvedere._closing import Closing
+from belvedere._errors import BridgeError
 from belvedere._subscriber import Subscriber
 from belvedere._velocity import VelocityPublisher
-
-if TYPE_CHECKING:
-    from types import TracebackType
-
-    from typing_extensions import Self
 
 
 class StreamInfo(NamedTuple):
@@ -27,7 +24,7 @@ class StreamInfo(NamedTuple):
     frame_id: str | None
 
 
-class Node:
+class Node(Closing):
     """Membership of a domain, which is one simulation's name for all that it shares.
 
     If ``domain`` is None it is that of the environment variable ``BELVEDERE_DOMAIN``, else ``default``. ``name`` is
@@ -36,7 +33,7 @@ class Node:
 
     def __init__(self, name: str = "python", domain: str | None = None) -> None:
         self._domain = domain if domain is not None else os.environ.get("BELVEDERE_DOMAIN") or "default"
-        self._node = _transport.open_node(self._domain, name)
+        self._node: Any = _transport.open_node(self._domain, name)
 
     @property
     def domain(self) -> str:
@@ -45,16 +42,16 @@ class Node:
 
     def subscribe(self, topic: str) -> Subscriber:
         """Follow a stream, whether it exists already or not. A leading slash is ignored."""
-        return Subscriber(self._node, _transport.topic_of(topic))
+        return Subscriber(self._joined(), _transport.topic_of(topic))
 
     def velocity_publisher(self, topic: str = "cmd_vel") -> VelocityPublisher:
         """Open a velocity command stream for sending; several processes may."""
-        return VelocityPublisher(self._node, _transport.topic_of(topic))
+        return VelocityPublisher(self._joined(), _transport.topic_of(topic))
 
     def streams(self) -> list[StreamInfo]:
         """List what is there in the domain, by topic."""
         found = {}
-        for service in iox2.Service.list(self._node.config, iox2.ServiceType.Ipc):
+        for service in iox2.Service.list(self._joined().config, iox2.ServiceType.Ipc):
             topic = _transport.topic_of_service(service.name().to_string())
             if topic is None or service.messaging_pattern() != iox2.MessagingPattern.PublishSubscribe:
                 continue
@@ -71,15 +68,11 @@ class Node:
             )
         return [found[topic] for topic in sorted(found)]
 
-    def __enter__(self) -> Self:
-        """Return the node itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
         """Leave the domain, as far as subscribers and publishers made from it are closed."""
-        del self._node
+        self._node = None
+
+    def _joined(self) -> Any:
+        if self._node is None:
+            raise BridgeError("the node was closed: open another")
+        return self._node

@@ -9,14 +9,12 @@ from typing import TYPE_CHECKING, Any
 import iceoryx2 as iox2
 
 from belvedere import _transport
+from belvedere._closing import Closing
 from belvedere._errors import BridgeError, LimitError, StreamTimeoutError
 from belvedere._frame import Frame
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from types import TracebackType
-
-    from typing_extensions import Self
 
 #: Seconds between two looks for a stream that is not there.
 SEARCH_INTERVAL = 0.02
@@ -62,7 +60,7 @@ class _Connection:
                 getattr(self, port).delete()
 
 
-class Subscriber:
+class Subscriber(Closing):
     """The reading end of a stream, made by ``Node.subscribe``.
 
     It can be made before the stream exists, and it outlives the publisher: when that ends, or is killed, and starts
@@ -176,19 +174,6 @@ class Subscriber:
         """End the subscription; frames that are held stay valid."""
         self._connection = None
         self._next_search = float("inf")
-
-    def __enter__(self) -> Self:
-        """Return the subscriber itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Close it."""
-        self.close()
 
     def _receive(self) -> Any:
         if self._connection is None:

@@ -11,13 +11,11 @@ import iceoryx2 as iox2
 import numpy as np
 
 from belvedere import _transport, wire
+from belvedere._closing import Closing
 from belvedere._errors import BridgeError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from types import TracebackType
-
-    from typing_extensions import Self
 
 _COMMAND = wire.STRUCTS[wire.Kind.VELOCITY_COMMAND]
 
@@ -42,7 +40,7 @@ class _Ports:
         self.notifier.delete()
 
 
-class VelocityPublisher:
+class VelocityPublisher(Closing):
     """Sends wanted velocities; made by ``Node.velocity_publisher``. The robot stops when none comes for a while."""
 
     def __init__(self, node: Any, topic: str) -> None:
@@ -136,16 +134,3 @@ class VelocityPublisher:
                 return None
             self._ports = ports
         return self._ports
-
-    def __enter__(self) -> Self:
-        """Return the publisher itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Close it."""
-        self.close()

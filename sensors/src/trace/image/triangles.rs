@@ -32,7 +32,7 @@ pub(super) struct Setup<S: Simd> {
     pub(super) inverse: Planes<S>,
     /// Those to be drawn.
     pub(super) valid: mask32x16<S>,
-    /// Those to be drawn by [`draw_blurred`], as their planes are not exact enough.
+    /// Those whose planes are not exact enough: they are to be made again first, see `sharp`.
     pub(super) blurred: mask32x16<S>,
     /// Those that have the sensor behind them, and in front.
     sides: [mask32x16<S>; 2],

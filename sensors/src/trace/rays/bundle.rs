@@ -109,8 +109,8 @@ impl Bundle {
     }
 
     /// Works out everything from `origin`, `direction` (not scaled yet) and `range` for the first `count` rays.
-    #[inline(always)]
     /// `doubt` is how wrong t may be in single precision, besides a share of it.
+    #[inline(always)]
     pub(super) fn prepare<S: Simd>(&mut self, simd: S, count: usize, doubt: f32) {
         self.doubt = doubt;
         let mut first = 0;

@@ -130,6 +130,7 @@ impl Node {
     /// Removes what killed processes of the domain have left; done on opening, and by subscribers in silence.
     pub fn clean_up_dead(&self) {
         self.iox().try_cleanup_dead_nodes();
+        remove_remnants(self.config(), self.domain());
     }
 
     pub(crate) fn iox(&self) -> &IoxNode<Ipc> {

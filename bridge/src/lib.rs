@@ -91,6 +91,7 @@ mod node;
 pub mod payload;
 mod publisher;
 mod readiness;
+mod remnants;
 mod stream;
 mod subscriber;
 mod synchronizer;

@@ -11,13 +11,15 @@ use std::{
 };
 
 use iceoryx2::{
-    node::{Node as IoxNode, NodeCreationFailure, NodeState, NodeView as _},
+    node::{Node as IoxNode, NodeCreationFailure, NodeState},
     prelude::{
         CallbackProgression, Config, LogLevel, NodeBuilder, NodeName, SignalHandlingMode, ipc_threadsafe,
     },
 };
 
-use crate::{Domain, Error, Publisher, StreamInfo, StreamSpec, Subscriber, domain::canonical_topic, stream};
+use crate::{
+    Domain, Error, Publisher, StreamInfo, StreamSpec, Subscriber, domain::canonical_topic, remnants, stream,
+};
 
 /// The iceoryx2 variant: ports may move between threads, and it interoperates with `ipc::Service`.
 pub(crate) type Ipc = ipc_threadsafe::Service;
@@ -83,6 +85,7 @@ impl Node {
                 Err(error) => return Err(Error::transport(format!("joining domain \"{domain}\""), error)),
             }
         };
+        remnants::remove(&config, domain);
         let shared = Shared { iox: Some(iox), config, domain: domain.clone(), pool_bytes: AtomicU64::new(0) };
         Ok(Self { shared: Arc::new(shared) })
     }
@@ -130,7 +133,7 @@ impl Node {
     /// Removes what killed processes of the domain have left; done on opening, and by subscribers in silence.
     pub fn clean_up_dead(&self) {
         self.iox().try_cleanup_dead_nodes();
-        remove_remnants(self.config(), self.domain());
+        remnants::remove(self.config(), self.domain());
     }
 
     pub(crate) fn iox(&self) -> &IoxNode<Ipc> {
@@ -195,7 +198,7 @@ fn writable_root(config: &Config) -> bool {
 /// Removes what iceoryx2 keeps after the last node of a domain: its node counter, and the directories that all
 /// domains share if nobody is left in any of them.
 fn remove_traces(config: &Config, domain: &Domain) -> std::io::Result<()> {
-    remove_remnants(config, domain);
+    remnants::remove(config, domain);
     let mut others = false;
     let listed = IoxNode::<Ipc>::list(config, |state| {
         others |= !matches!(state, NodeState::Dead(_));
@@ -218,41 +221,4 @@ fn remove_traces(config: &Config, domain: &Domain) -> std::io::Result<()> {
     fs::remove_dir(config.global.node_dir().to_string())?;
     fs::remove_dir(config.global.service_dir().to_string())?;
     fs::remove_dir(root)
-}
-
-/// Removes nodes whose cleaning iceoryx2 could not finish.
-///
-/// A process killed while it creates a port leaves a half-made tag. iceoryx2 does not see that file, removes the
-/// node's description, fails to remove the directory, and from then on looks for the node under the default prefix,
-/// since the right one stood in the description: in another domain than the default it would stay for ever. All that
-/// mattered of such a node (its places in streams, its memory) has been released before.
-fn remove_remnants(config: &Config, domain: &Domain) {
-    let mut ids = Vec::new();
-    let _ = IoxNode::<Ipc>::list(config, |state| {
-        // A living node has its description before it can be seen.
-        if let NodeState::Dead(node) = &state
-            && node.details().is_none()
-        {
-            ids.push(node.id().value().to_string());
-        }
-        CallbackProgression::Continue
-    });
-    let nodes = config.global.node_dir().to_string();
-    let nodes = Path::new(&nodes);
-    for id in ids {
-        // Failures mean that another process is just doing the same.
-        let own = nodes.join(&id);
-        remove_files(&own, &domain.prefix());
-        let _ = fs::remove_dir(own);
-        remove_files(nodes, &format!("{}{id}.", domain.prefix()));
-    }
-}
-
-/// Removes the files of a directory whose names begin so.
-fn remove_files(directory: &Path, prefix: &str) {
-    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
-        if entry.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()) {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
 }

@@ -130,6 +130,10 @@ impl Process {
                 return words.map(|word| word.parse().unwrap()).collect();
             }
         }
+        if std::env::var_os("BRIDGE_TEST_HALT").is_some() {
+            eprintln!("halted: {}", self.child.id());
+            std::thread::sleep(Duration::from_secs(3600));
+        }
         panic!("process {} did not report \"{what}\" in {timeout:?}", self.child.id());
     }
 

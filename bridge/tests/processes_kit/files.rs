@@ -34,21 +34,21 @@ impl TestDomain {
         Self { domain, nodes: BTreeSet::new() }
     }
 
+    /// A look at a domain that is somebody else's.
+    pub fn pools_of(domain: &Domain) -> Vec<PathBuf> {
+        let mut files = files(domain);
+        files.retain(|path| path.extension().is_some_and(|extension| extension == "data"));
+        files
+    }
+
     /// Every file whose name begins with the domain's prefix.
     pub fn files(&self) -> Vec<PathBuf> {
-        let mut found = Vec::new();
-        for root in ROOTS {
-            walk(Path::new(root), &self.domain.prefix(), &mut found);
-        }
-        found.sort();
-        found
+        files(&self.domain)
     }
 
     /// Its data segments.
     pub fn pools(&self) -> Vec<PathBuf> {
-        let mut files = self.files();
-        files.retain(|path| path.extension().is_some_and(|extension| extension == "data"));
-        files
+        Self::pools_of(&self.domain)
     }
 
     /// Identifiers of its nodes, dead or alive.
@@ -111,6 +111,15 @@ impl Drop for TestDomain {
             let _ = fs::remove_dir(Path::new(NODES).join(id));
         }
     }
+}
+
+fn files(domain: &Domain) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for root in ROOTS {
+        walk(Path::new(root), &domain.prefix(), &mut found);
+    }
+    found.sort();
+    found
 }
 
 fn walk(directory: &Path, prefix: &str, found: &mut Vec<PathBuf>) {

@@ -9,7 +9,8 @@
 //! - *half a node*: a description without a monitor, or a monitor whose files are not all there, or that has not got its
 //!   final permissions. iceoryx2 takes it for one that is just being made, for ever;
 //! - *a listener's socket and counters*, of a process killed before it had entered the listener into its stream: the
-//!   tag is removed, these are not.
+//!   tag is removed, these are not;
+//! - *a connection* of two ports of which one was killed while it was made, and the other has gone since.
 //!
 //! All that matters to others of such a node (its places in streams, its memory) has been released before.
 
@@ -20,60 +21,33 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iceoryx2::{
-    node::{Node, NodeState, NodeView as _},
-    prelude::{CallbackProgression, Config},
-};
+use iceoryx2::{node::NodeView as _, prelude::Config};
 
-use crate::{Domain, clock, node::Ipc};
+use crate::{
+    clock,
+    places::{Places, SHM, entries},
+    remains::dead_nodes,
+};
 
 /// Longer than it takes any living process to make a node, a socket or a segment complete.
 const MAKING_NS: u64 = 1_000_000_000;
 /// The permissions of a monitor's context until the monitor is complete, in iceoryx2 0.10.
 const MONITOR_IN_THE_MAKING: u32 = 0o200;
 
-/// Removes what is left of `domain` by processes that are no more. Failures mean that another process is just doing
-/// the same.
-pub(crate) fn remove(config: &Config, domain: &Domain) {
-    let directories = Directories::of(config, domain);
-    directories.remove_dead_without_description(config);
-    directories.remove_half_made();
-    directories.remove_untagged_listeners();
+/// Removes what is left of the domain by processes that are no more. Failures mean that another process is just doing
+/// the same, or that it is another user's.
+pub(crate) fn remove(config: &Config, places: &Places) {
+    // A living node has its description before it can be seen.
+    for dead in dead_nodes(config).iter().filter(|dead| dead.details().is_none()) {
+        places.remove_node(&dead.id().value().to_string());
+    }
+    places.remove_half_made_nodes();
+    places.remove_ownerless();
 }
 
-struct Directories {
-    prefix: String,
-    root: PathBuf,
-    nodes: PathBuf,
-}
-
-impl Directories {
-    fn of(config: &Config, domain: &Domain) -> Self {
-        Self {
-            prefix: domain.prefix(),
-            root: config.global.root_path().to_string().into(),
-            nodes: config.global.node_dir().to_string().into(),
-        }
-    }
-
-    fn remove_dead_without_description(&self, config: &Config) {
-        let mut ids = Vec::new();
-        let _ = Node::<Ipc>::list(config, |state| {
-            // A living node has its description before it can be seen.
-            if let NodeState::Dead(node) = &state
-                && node.details().is_none()
-            {
-                ids.push(node.id().value().to_string());
-            }
-            CallbackProgression::Continue
-        });
-        for id in ids {
-            self.remove_node(&id);
-        }
-    }
-
+impl Places {
     /// Looks at names and permissions only: opening and closing a monitor would undo its lock if it were our own.
-    fn remove_half_made(&self) {
+    fn remove_half_made_nodes(&self) {
         let description = format!("{}node.details", self.prefix);
         let mut ids: HashSet<_> =
             names(&self.nodes).filter(|id| self.nodes.join(id).join(&description).exists()).collect();
@@ -103,29 +77,33 @@ impl Directories {
         remove_files(&self.nodes, &format!("{}{id}.", self.prefix));
     }
 
-    /// Sockets are `PREFIX ID.event` beside the nodes, counters `PREFIX HASH_ID.event_mgmt` in shared memory.
-    fn remove_untagged_listeners(&self) {
-        let shm = Path::new("/dev/shm");
-        let id_of = |name: &str, suffix| {
-            let id = name.strip_prefix(&self.prefix)?.strip_suffix(suffix)?;
-            let id = id.rsplit_once('_').map_or(id, |(_, id)| id);
-            born_long_ago(id).then(|| id.to_owned())
+    /// A listener has a socket `PREFIX ID.event` beside the nodes and counters `PREFIX HASH_ID.event_mgmt` in shared
+    /// memory; a publisher and a subscriber have `PREFIX HASH_ID_ID.connection` in common, which stays legitimately
+    /// while one of them lives.
+    fn remove_ownerless(&self) {
+        let ids_of = |path: &Path| -> Option<Vec<String>> {
+            let name = path.file_name()?.to_str()?.strip_prefix(&self.prefix)?;
+            let (stem, kind) = name.split_once('.')?;
+            let ids = match kind {
+                "event" => stem,
+                "event_mgmt" | "connection" => stem.split_once('_')?.1,
+                _ => return None,
+            };
+            Some(ids.split('_').map(str::to_owned).collect())
         };
-        let mut found = Vec::new();
-        for (directory, suffix) in [(self.root.as_path(), ".event"), (shm, ".event_mgmt")] {
-            for name in names(directory) {
-                if let Some(id) = id_of(&name, suffix) {
-                    found.push((directory.join(name), id));
-                }
-            }
-        }
+        let found: Vec<(PathBuf, Vec<String>)> = [self.root.as_path(), Path::new(SHM)]
+            .into_iter()
+            .flat_map(entries)
+            .filter_map(|path| ids_of(&path).map(|ids| (path, ids)))
+            .filter(|(_, ids)| ids.iter().all(|id| born_long_ago(id)))
+            .collect();
         if found.is_empty() {
             return;
         }
         // Looked at after the files: what has its tag now had it then.
         let tagged = self.tagged_ports();
-        for (path, id) in found {
-            if !tagged.contains(&id) {
+        for (path, ids) in found {
+            if !ids.iter().any(|id| tagged.contains(id)) {
                 let _ = fs::remove_file(path);
             }
         }

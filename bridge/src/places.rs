@@ -1,0 +1,168 @@
+//! [`Places`]: where a domain's files lie.
+
+use std::{
+    fs,
+    os::unix::fs::{DirBuilderExt as _, MetadataExt as _},
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use iceoryx2::prelude::Config;
+use rustix::fs::{FlockOperation, Mode, OFlags};
+
+use crate::{Domain, Error, Group, group::user};
+
+/// Where pools, connections and the books of streams lie: POSIX shared memory, as Linux shows it.
+pub(crate) const SHM: &str = "/dev/shm";
+
+/// The directories that hold a domain's files, and what the names of these begin with.
+#[derive(Clone, Debug)]
+pub(crate) struct Places {
+    /// Of each file's name but those of the directories of nodes.
+    pub(crate) prefix: String,
+    /// Sockets to wake listeners with; and the next two.
+    pub(crate) root: PathBuf,
+    /// A lock that lives as long as the process for each node, and a directory of its tags.
+    pub(crate) nodes: PathBuf,
+    /// How each stream was made.
+    pub(crate) services: PathBuf,
+}
+
+impl Places {
+    pub(crate) fn new(domain: &Domain, config: &Config) -> Self {
+        Self {
+            prefix: domain.prefix(),
+            root: PathBuf::from(config.global.root_path().to_string()),
+            nodes: PathBuf::from(config.global.node_dir().to_string()),
+            services: PathBuf::from(config.global.service_dir().to_string()),
+        }
+    }
+
+    /// Every file of the domain, with those of its nodes' directories.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        let mut files = Vec::new();
+        for directory in [Path::new(SHM), &self.root, &self.services, &self.nodes] {
+            files.extend(entries(directory).filter(|path| self.has_prefix(path)));
+        }
+        for directory in entries(&self.nodes) {
+            if directory.is_dir() {
+                files.extend(entries(&directory).filter(|path| self.has_prefix(path)));
+            }
+        }
+        files
+    }
+
+    /// Whether a file's name is one of the domain's.
+    pub(crate) fn has_prefix(&self, path: &Path) -> bool {
+        path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(self.prefix.as_bytes()))
+    }
+
+    /// The first file or directory in the way: one that another user owns, and that is not open to the group.
+    ///
+    /// Root could use the files of a domain without a group; but what root then makes, their owner could not.
+    pub(crate) fn foreign(&self, group: Option<&Group>) -> Option<(PathBuf, u32)> {
+        let own = rustix::process::geteuid().as_raw();
+        let in_the_way = |path: &PathBuf| {
+            // Links count themselves, not what they point to: it is their owner who may exchange them.
+            let found = fs::symlink_metadata(path).ok()?;
+            let is_shared =
+                group.is_some_and(|group| found.gid() == group.gid() && found.mode() & 0o040 != 0);
+            (found.uid() != own && !is_shared).then(|| (path.clone(), found.uid()))
+        };
+        // An administrator may have opened the directories to everyone.
+        let is_closed =
+            |path: &&PathBuf| own == 0 || rustix::fs::access(*path, rustix::fs::Access::WRITE_OK).is_err();
+        [&self.root, &self.services, &self.nodes]
+            .into_iter()
+            .filter(is_closed)
+            .find_map(in_the_way)
+            .or_else(|| self.files().iter().find_map(in_the_way))
+    }
+
+    /// Closes the one file that iceoryx2 makes open to all: who can write it could cut it under a process that is
+    /// just counting in it.
+    pub(crate) fn close_to_others(&self) {
+        for path in entries(Path::new(SHM)) {
+            if self.has_prefix(&path) && path.extension().is_some_and(|kind| kind == "global_mgmt") {
+                // Not through a link: others can make files there.
+                let flags = OFlags::RDWR | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+                if let Ok(file) = rustix::fs::open(&path, flags, Mode::empty()) {
+                    let _ = rustix::fs::fchmod(file, Mode::RUSR | Mode::WUSR);
+                }
+            }
+        }
+    }
+
+    /// Removes the directories that all domains share, if nothing is in them.
+    pub(crate) fn remove_empty_directories(&self) -> std::io::Result<()> {
+        fs::remove_dir(&self.nodes)?;
+        fs::remove_dir(&self.services)?;
+        fs::remove_dir(&self.root)
+    }
+
+    /// Makes the root directory if it is not there, and locks it against other processes of ours that join or
+    /// leave, so that none takes what another is just making for remains. `None` when it cannot be had in time: the
+    /// lock helps, but nobody must be stopped by a process that hangs with it.
+    pub(crate) fn lock(&self) -> Option<Lock> {
+        let deadline = Instant::now() + Duration::from_secs(2);
+        while Instant::now() < deadline {
+            let _ = fs::DirBuilder::new().mode(0o750).create(&self.root);
+            let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+            let directory = rustix::fs::open(&self.root, flags, Mode::empty()).ok()?;
+            if rustix::fs::flock(&directory, FlockOperation::NonBlockingLockExclusive).is_ok() {
+                let locked = rustix::fs::fstat(&directory).ok()?;
+                // Who held it before may have removed the directory.
+                if fs::metadata(&self.root).is_ok_and(|now| now.ino() == locked.st_ino) {
+                    return Some(Lock { _directory: directory });
+                }
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        None
+    }
+}
+
+/// Held until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Lock {
+    _directory: std::os::fd::OwnedFd,
+}
+
+/// The paths in a directory; none when it cannot be read.
+pub(crate) fn entries(directory: &Path) -> impl Iterator<Item = PathBuf> {
+    fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.path())
+}
+
+/// What to say when something was refused: whose file is in the way, if one is.
+pub(crate) fn refused(domain: &Domain, places: &Places, what: &str) -> Error {
+    match places.foreign(domain.group()) {
+        Some((path, uid)) => foreign(domain, places, path, uid),
+        None => Error::Permission {
+            path: places.root.clone(),
+            owner: user(rustix::process::geteuid().as_raw()),
+            remedy: format!(
+                "{what} was refused; check the permissions of the files \"{}*\" there and in {SHM}",
+                places.prefix
+            ),
+        },
+    }
+}
+
+/// The error for a file of another user.
+pub(crate) fn foreign(domain: &Domain, places: &Places, path: PathBuf, uid: u32) -> Error {
+    let owner = user(uid);
+    let remove = if path.is_dir() { "sudo rm -r" } else { "sudo rm" };
+    let other_domain =
+        if places.has_prefix(&path) { "choose another domain (--domain, BELVEDERE_DOMAIN); " } else { "" };
+    let remedy = match domain.group() {
+        Some(group) => format!(
+            "it is not open to the group {name}; its owner must run with BELVEDERE_GROUP={name}, or remove it",
+            name = group.name()
+        ),
+        None => format!(
+            "all processes of domain \"{domain}\" must run as one user: run as {owner}; {other_domain}share the domain with a group (BELVEDERE_GROUP on both sides); or, when nothing of it runs any more: {remove} {path}",
+            path = path.display()
+        ),
+    };
+    Error::Permission { path, owner, remedy }
+}

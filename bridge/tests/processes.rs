@@ -94,7 +94,7 @@ fn what_a_killed_process_left_goes_with_the_next_start() {
 
 #[test]
 fn a_domain_in_use_by_another_process_is_refused() {
-    let mut domain = TestDomain::new("used");
+    let domain = TestDomain::new("used");
     let node = Node::open(&domain, "test").unwrap();
     let _publisher = Process::start(&domain, "publish", &[]);
     let mut subscriber = node.subscriber("camera/image_raw").unwrap();

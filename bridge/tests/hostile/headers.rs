@@ -6,7 +6,7 @@ use bytemuck::Zeroable as _;
 use crate::processes_kit::Random;
 
 /// The largest payload that goes with them.
-pub const PAYLOAD_LEN: usize = 4096;
+pub(crate) const PAYLOAD_LEN: usize = 4096;
 
 const KINDS: [u16; 15] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, u16::MAX];
 const ENCODINGS: [u16; 11] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, u16::MAX];
@@ -41,9 +41,9 @@ const AVAILABLE: [usize; 6] = [0, 1, 64, 1000, 4095, PAYLOAD_LEN];
 const BYTES: [u8; 4] = [0, 0x80, 0xc3, 0xff];
 
 /// A header, and how many bytes of payload come with it.
-pub struct Case {
-    pub header: FrameHeader,
-    pub available: usize,
+pub(crate) struct Case {
+    pub(crate) header: FrameHeader,
+    pub(crate) available: usize,
 }
 
 /// An honest header of 4 × 3 elements.
@@ -56,7 +56,7 @@ fn honest(kind: u16, encoding: u16) -> FrameHeader {
 }
 
 /// Each field alone over its boundary values, for every kind in every encoding.
-pub fn one_field_wrong() -> Vec<Case> {
+pub(crate) fn one_field_wrong() -> Vec<Case> {
     let mut cases = Vec::new();
     for (kind, encoding) in KINDS.into_iter().flat_map(|kind| ENCODINGS.map(|encoding| (kind, encoding))) {
         let honest = honest(kind, encoding);
@@ -104,7 +104,7 @@ pub fn one_field_wrong() -> Vec<Case> {
 }
 
 /// Several fields wrong at once, most so that they nearly fit.
-pub fn at_random(random: &mut Random) -> Case {
+pub(crate) fn at_random(random: &mut Random) -> Case {
     let mut header = honest(random.one_of(&KINDS), random.one_of(&ENCODINGS));
     let available = random.one_of(&AVAILABLE);
     header.payload_len = match random.below(4) {
@@ -145,7 +145,7 @@ fn text_of(byte: u8) -> Text<64> {
 }
 
 /// Whether a reader may believe the header: WIRE.md's paragraph, in numbers that cannot overflow.
-pub fn is_acceptable(case: &Case) -> bool {
+pub(crate) fn is_acceptable(case: &Case) -> bool {
     let header = &case.header;
     let element: u128 = match header.encoding {
         1 | 2 => 3,

@@ -18,9 +18,9 @@ use crate::{
     processes_kit::{PATIENCE, Random, Role, TestDomain, report},
 };
 
-pub const TOPIC: &str = "hostile";
+pub(crate) const TOPIC: &str = "hostile";
 /// What the last frame is called, which is honest.
-pub const END: &str = "end";
+pub(crate) const END: &str = "end";
 
 struct Hostile {
     port: Publisher<ipc::Service, [u8], FrameHeader>,
@@ -80,19 +80,22 @@ impl Hostile {
         self.sent += 1;
     }
 
-    /// The honest last frame; then waits until everybody has gone.
+    /// The honest last frame, until everybody has seen it and gone.
     fn end(mut self) {
         let mut header = FrameHeader::new(Kind::Clock, Encoding::Struct);
         header.frame_id = Text::new(END).unwrap();
         header.payload_len = header.set_packed(1, 1) as u64;
-        self.send(&header, &[0; 8]);
-        self.wait_for(|subscribers| subscribers == 0);
+        let deadline = Instant::now() + 3 * PATIENCE;
+        while self.subscribers() > 0 && Instant::now() < deadline {
+            self.send(&header, &[0; 8]);
+            std::thread::sleep(Duration::from_millis(10));
+        }
     }
 }
 
 /// Arguments: how many subscribers to wait for, how many headers at random. Reports how many frames it sent, and how
 /// many of them a reader may believe.
-pub fn attack(role: &Role) {
+pub(crate) fn attack(role: &Role) {
     let mut hostile = Hostile::open(&role.domain, PAYLOAD_LEN, false);
     let mut random = Random::new(5);
     let payload: Vec<u8> = (0..PAYLOAD_LEN).map(|_| random.next() as u8).collect();
@@ -115,7 +118,7 @@ pub fn attack(role: &Role) {
 
 /// Arguments: how many subscribers to wait for, for how many milliseconds. Sends honest pictures, and rewrites their
 /// headers and payloads all the time, through a mapping of its own: the file of the pool.
-pub fn rewrite(role: &Role) {
+pub(crate) fn rewrite(role: &Role) {
     let mut hostile = Hostile::open(&role.domain, PAYLOAD_LEN, true);
     report("ready");
     let expected = role.number(0) as usize;

@@ -2,7 +2,7 @@
 //!
 //! A binary that uses it has one test `other_process`, which does nothing unless [`serve`] finds a role in the
 //! environment. Other processes report to their parent by lines on standard output, see [`report`].
-#![allow(dead_code, unused_imports)] // Every test binary uses a part of it.
+#![allow(dead_code, unused_imports, unreachable_pub)] // Every test binary uses a part of it.
 
 pub mod files;
 pub mod random;
@@ -18,7 +18,7 @@ use std::{
 use belvedere_bridge::{Domain, Frame, Subscriber};
 use rustix::process::{Pid, Signal};
 
-pub use files::TestDomain;
+pub use files::{TestDomain, Usage};
 pub use random::Random;
 
 /// How long a test waits for what must come, however busy the machine is.

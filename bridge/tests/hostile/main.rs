@@ -151,7 +151,24 @@ fn name_of(error: FrameError) -> &'static str {
     }
 }
 
-/// `take_newest` gives what was sent last, whatever its header says of the time.
+#[test]
+fn the_numbers_of_a_refused_frame_are_not_believed() {
+    let mut domain = TestDomain::new("numbers");
+    let mut send = publisher::one_of_three_is_corrupt(&domain);
+    let node = Node::open(&domain, "consumer").unwrap();
+    let mut subscriber = node.subscriber(TOPIC).unwrap();
+    assert!(subscriber.take().unwrap().is_none());
+    (0..3).for_each(|_| send());
+    assert_eq!(subscriber.take().unwrap().unwrap().missed(), 0);
+    let error = subscriber.take().unwrap_err();
+    assert!(matches!(error, Error::Frame { error: FrameError::Magic(0), .. }), "{error}");
+    let frame = subscriber.take().unwrap().unwrap();
+    assert_eq!((frame.missed(), frame.restarted()), (1, false));
+    drop((frame, subscriber, node, send));
+    drop(Node::open(&domain, "last").unwrap());
+    domain.assert_nothing_left();
+}
+
 #[test]
 fn the_domain_of_an_attack_is_usable_afterwards() {
     let mut domain = TestDomain::new("after");

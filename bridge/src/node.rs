@@ -17,7 +17,9 @@ use iceoryx2::{
     },
 };
 
-use crate::{Domain, Error, Publisher, StreamInfo, StreamSpec, Subscriber, domain::canonical_topic, stream};
+use crate::{
+    Domain, Error, Publisher, StreamInfo, StreamSpec, Subscriber, clock, domain::canonical_topic, stream,
+};
 
 /// The iceoryx2 variant: ports may move between threads, and it interoperates with `ipc::Service`.
 pub(crate) type Ipc = ipc_threadsafe::Service;
@@ -39,6 +41,8 @@ struct Shared {
     domain: Domain,
     /// Bytes of all pools that this node has made and not dropped.
     pool_bytes: AtomicU64,
+    /// When it last looked for dead processes.
+    cleaned_mono_ns: AtomicU64,
 }
 
 impl Node {
@@ -83,7 +87,13 @@ impl Node {
                 Err(error) => return Err(Error::transport(format!("joining domain \"{domain}\""), error)),
             }
         };
-        let shared = Shared { iox: Some(iox), config, domain: domain.clone(), pool_bytes: AtomicU64::new(0) };
+        let shared = Shared {
+            iox: Some(iox),
+            config,
+            domain: domain.clone(),
+            pool_bytes: AtomicU64::new(0),
+            cleaned_mono_ns: AtomicU64::new(clock::mono_ns()),
+        };
         Ok(Self { shared: Arc::new(shared) })
     }
 
@@ -129,7 +139,17 @@ impl Node {
 
     /// Removes what killed processes of the domain have left; done on opening, and by subscribers in silence.
     pub fn clean_up_dead(&self) {
+        self.shared.cleaned_mono_ns.store(clock::mono_ns(), Ordering::Relaxed);
         self.iox().try_cleanup_dead_nodes();
+    }
+
+    /// The same, unless it was done within `interval`, for whichever stream: it reads some files for each node of
+    /// every domain of this machine, a millisecond or so.
+    pub(crate) fn clean_up_dead_every(&self, interval: Duration) {
+        let since_ns = clock::mono_ns().saturating_sub(self.shared.cleaned_mono_ns.load(Ordering::Relaxed));
+        if u128::from(since_ns) > interval.as_nanos() {
+            self.clean_up_dead();
+        }
     }
 
     pub(crate) fn iox(&self) -> &IoxNode<Ipc> {

@@ -100,6 +100,7 @@ mod stream;
 mod subscriber;
 mod synchronizer;
 mod text;
+mod versions;
 mod view;
 
 pub use consumer::Consumer;

@@ -194,6 +194,10 @@ fn a_group() {
     bert.says("frame 5");
     anna.says("command 3");
 
+    // Wake-ups come too: a subscriber that only looked ten times a second would miss most.
+    let missed: u32 = bert.says("frame 60 missed").parse().unwrap();
+    assert!(missed < 30, "{missed} missed");
+
     // Who is not of the group: refused with the group, alone without it; and the files are shut.
     let told = attempt("default", CARL, GROUP);
     assert!(
@@ -256,6 +260,19 @@ fn a_group() {
     bert = Actor::start("drive", "default", BERT, GROUP);
     bert.says("ready");
     anna = Actor::start("simulate", "default", ANNA, GROUP);
+    bert.says("frame 5");
+    anna.says("command ");
+    // The consumer made the stream of commands, and is gone when the simulator is killed, which was the last in it.
+    bert.kill();
+    anna.kill();
+    bert = Actor::start("drive", "default", BERT, &[GROUP[0], ("DRIVER_FIRST", "yes")]);
+    bert.says("ready");
+    anna = Actor::start("simulate", "default", ANNA, GROUP);
+    anna.says("command ");
+    assert!(bert.leave().success());
+    anna.kill();
+    anna = Actor::start("simulate", "default", ANNA, GROUP);
+    bert = Actor::start("drive", "default", BERT, GROUP);
     bert.says("frame 5");
     anna.says("command ");
     // Either leaves first.

@@ -3,7 +3,7 @@
 //! A test binary starts itself again: a scenario runs as the test `in_the_world` in a new mount namespace, and starts
 //! its processes as the test `in_a_role`, as whatever user. Users need no entry in `/etc/passwd`: their numbers do.
 
-#![allow(dead_code, reason = "each test binary uses a part of it")]
+#![allow(dead_code, unreachable_pub, reason = "each test binary uses a part of it")]
 
 use std::{
     fs,
@@ -179,6 +179,7 @@ pub fn play() {
     let Ok(role) = std::env::var(ROLE) else { return };
     match role.as_str() {
         "simulate" => simulate(),
+        "simulate_large" => simulate_large(),
         "drive" => drive(),
         "try" => try_everything(),
         _ => panic!("no such role: {role}"),
@@ -222,12 +223,23 @@ fn simulate() {
     }
 }
 
-/// Says how many pictures have come, and sends that number as a command.
+/// Says what becomes of a stream of large pictures.
+fn simulate_large() {
+    let node = Node::open(&Domain::from_env().unwrap(), "simulator").unwrap();
+    match node.publisher(&StreamSpec::new("image_raw", Kind::Image, Encoding::Rgb8, 640 * 480 * 3)) {
+        Ok(_) => println!("\nready"),
+        Err(error) => println!("\nerror {error}"),
+    }
+}
+
+/// Says how many pictures have come and were missed, and sends the former as a command. With `DRIVER_FIRST` it makes
+/// the stream of commands, unless the simulator has.
 fn drive() {
     let left = asked_to_leave();
     let node = Node::open(&Domain::from_env().unwrap(), "driver").unwrap();
     let mut camera = node.subscriber("image_raw").unwrap();
-    let mut driver = None;
+    let commands = || node.publisher(&StreamSpec::velocity_command("cmd_vel")).unwrap();
+    let mut driver = std::env::var_os("DRIVER_FIRST").map(|_| commands());
     let mut count = 0;
     println!("\nready");
     while goes_on(&left) {
@@ -237,9 +249,9 @@ fn drive() {
         if let Some(frame) = camera.take().unwrap() {
             assert_eq!(frame.payload(), [7; LEN]);
             count += 1;
-            println!("frame {count} {}", if frame.restarted() { "restarted" } else { "" });
-            let driver = driver
-                .get_or_insert_with(|| node.publisher(&StreamSpec::velocity_command("cmd_vel")).unwrap());
+            let restarted = if frame.restarted() { "restarted" } else { "" };
+            println!("frame {count} missed {} {restarted}", camera.missed_total());
+            let driver = driver.get_or_insert_with(commands);
             let command = VelocityCommand { linear: [f64::from(count), 0.0, 0.0], angular: [0.0; 3] };
             driver.send_structs(0, &[command]).unwrap();
         }

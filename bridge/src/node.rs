@@ -65,12 +65,10 @@ impl Node {
             .map_err(|error| Error::transport("naming the node", error))?;
         memory::check_room_for_books("a node")?;
         let sharing = domain.group().map(|group| Sharing::start(&domain, group, &places)).transpose()?;
-        if sharing.is_none()
-            && let Some((path, uid)) = places.foreign(None)
-        {
-            return Err(places::foreign(&domain, &places, path, uid));
-        }
         let lock = places.lock();
+        if sharing.is_none() {
+            places.check_own(&domain)?;
+        }
         remains::clear_if_deserted(&config, &places);
         let iox = create(&domain, &config, &places, &name)?;
         match &sharing {

@@ -30,11 +30,13 @@ pub(crate) struct Places {
 
 impl Places {
     pub(crate) fn new(domain: &Domain, config: &Config) -> Self {
+        // Without a slash at the end, which would follow a link.
+        let path = |text: String| Path::new(&text).components().collect();
         Self {
             prefix: domain.prefix(),
-            root: PathBuf::from(config.global.root_path().to_string()),
-            nodes: PathBuf::from(config.global.node_dir().to_string()),
-            services: PathBuf::from(config.global.service_dir().to_string()),
+            root: path(config.global.root_path().to_string()),
+            nodes: path(config.global.node_dir().to_string()),
+            services: path(config.global.service_dir().to_string()),
         }
     }
 
@@ -69,14 +71,42 @@ impl Places {
                 group.is_some_and(|group| found.gid() == group.gid() && found.mode() & 0o040 != 0);
             (found.uid() != own && !is_shared).then(|| (path.clone(), found.uid()))
         };
-        // An administrator may have opened the directories to everyone.
-        let is_closed =
-            |path: &&PathBuf| own == 0 || rustix::fs::access(*path, rustix::fs::Access::WRITE_OK).is_err();
-        [&self.root, &self.services, &self.nodes]
+        self.directories()
             .into_iter()
-            .filter(is_closed)
             .find_map(in_the_way)
             .or_else(|| self.files().iter().find_map(in_the_way))
+    }
+
+    fn directories(&self) -> [&PathBuf; 3] {
+        [&self.root, &self.nodes, &self.services]
+    }
+
+    /// Checks that a domain without a group is this user's alone: files are believed for the directory that they are
+    /// found in.
+    ///
+    /// # Errors
+    /// [`Error::Permission`], [`Error::NotADirectory`].
+    pub(crate) fn check_own(&self, domain: &Domain) -> Result<(), Error> {
+        if let Some((path, uid)) = self.foreign(None) {
+            return Err(foreign(domain, self, path, uid));
+        }
+        for path in self.directories() {
+            match fs::metadata(path) {
+                Ok(found) if !found.is_dir() => return Err(Error::NotADirectory(path.clone())),
+                Ok(found) if found.mode() & 0o022 != 0 => {
+                    return Err(Error::Permission {
+                        path: path.clone(),
+                        owner: user(found.uid()),
+                        remedy: format!(
+                            "others may write in it, and could put files there that this process would believe: chmod 750 {}",
+                            path.display()
+                        ),
+                    });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// Closes the one file that iceoryx2 makes open to all: who can write it could cut it under a process that is
@@ -160,7 +190,7 @@ pub(crate) fn foreign(domain: &Domain, places: &Places, path: PathBuf, uid: u32)
             name = group.name()
         ),
         None => format!(
-            "all processes of domain \"{domain}\" must run as one user: run as {owner}; {other_domain}share the domain with a group (BELVEDERE_GROUP on both sides); or, when nothing of it runs any more: {remove} {path}",
+            "all processes of domain \"{domain}\" must run as one user: run as {owner}; {other_domain}share the domain with a group, or use one of your own (BELVEDERE_GROUP, in every process of the domain); or, when nothing of it runs any more: {remove} {path}",
             path = path.display()
         ),
     };

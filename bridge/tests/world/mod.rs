@@ -143,6 +143,12 @@ impl Actor {
         }
     }
 
+    /// Whether a line with this word has come.
+    pub fn has_said(&mut self, word: &str) -> bool {
+        self.seen.extend(self.lines.try_iter());
+        self.seen.iter().any(|line| line.contains(word))
+    }
+
     /// Forgets what it has said until now.
     pub fn forget(&mut self) {
         while self.lines.try_recv().is_ok() {}

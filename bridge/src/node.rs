@@ -75,7 +75,11 @@ impl Node {
             Some(sharing) => sharing.settle(),
             None => places.close_to_others(),
         }
-        remains::clean_up_dead(&iox, &places, sharing.is_some());
+        if sharing.is_some() {
+            // Without a group, iceoryx2 has just done it.
+            remains::clean_up_dead(&iox, &places, true);
+        }
+        remains::remove_orphans(&config, &places);
         drop(lock);
         let shared =
             Shared { iox: Some(iox), config, domain, places, sharing, pool_bytes: AtomicU64::new(0) };

@@ -108,7 +108,6 @@ pub(crate) fn clean_up_dead(node: &IoxNode<Ipc>, places: &Places, is_shared: boo
             let _ = dead.try_remove_stale_resources();
         }
     }
-    remove_orphans(node.config(), places);
 }
 
 fn dead_nodes(config: &Config) -> Vec<DeadNodeView<Ipc>> {
@@ -145,8 +144,9 @@ fn remove_deserted_services(config: &Config, places: &Places) {
     }
 }
 
-/// Removes this user's files of ports and streams that are no more.
-fn remove_orphans(config: &Config, places: &Places) {
+/// Removes this user's files of ports and streams that are no more: what another user who was the last to let go of
+/// them could not remove, and what was lost between the steps of a kill.
+pub(crate) fn remove_orphans(config: &Config, places: &Places) {
     // In this order: what is made meanwhile is not in the first list.
     let files: Vec<PathBuf> = entries(Path::new(SHM)).filter(|path| places.has_prefix(path)).collect();
     let mut known = port_ids(places);

@@ -32,7 +32,7 @@ pub struct User {
     pub gid: u32,
 }
 
-/// The one who runs the test.
+/// Whoever runs the test; in scenarios with other users it is root.
 pub const ROOT: User = User { uid: 0, gid: 0 };
 
 /// Runs a scenario of this binary's test `in_the_world` in a mount namespace with a `/dev/shm` of so many MiB, and
@@ -85,7 +85,7 @@ pub struct Actor {
 }
 
 impl Actor {
-    /// Starts `role` (see [`play`]) in `domain` as `user`, with more variables of the environment.
+    /// Starts `role` (see [`play`]) in `domain` as `user`, or as this one if that is [`ROOT`], with more variables of the environment.
     pub fn start(role: &str, domain: &str, user: User, env: &[(&str, &str)]) -> Self {
         let program =
             if scenario().is_some() { PathBuf::from(PROGRAM) } else { std::env::current_exe().unwrap() };

@@ -16,7 +16,7 @@ use crate::{
     memory,
     places::{self, Places},
     remains,
-    sharing::Sharing,
+    sharing::{self, Sharing},
     stream,
 };
 
@@ -64,11 +64,11 @@ impl Node {
         let name = NodeName::new(&name.chars().take(100).collect::<String>())
             .map_err(|error| Error::transport("naming the node", error))?;
         memory::check_room_for_books("a node")?;
+        let lock = places.make_and_lock(|| match domain.group() {
+            Some(group) => sharing::make_directories(&places, group),
+            None => places.make_root_alone(&domain),
+        })?;
         let sharing = domain.group().map(|group| Sharing::start(&domain, group, &places)).transpose()?;
-        let lock = places.lock();
-        if sharing.is_none() {
-            places.check_own(&domain)?;
-        }
         remains::clear_if_deserted(&config, &places);
         let iox = create(&domain, &config, &places, &name)?;
         match &sharing {

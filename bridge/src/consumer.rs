@@ -49,11 +49,25 @@ pub(crate) fn consumers(node: &Node, frames: &Frames) -> Vec<(u128, Consumer)> {
         return Vec::new();
     }
     let names = node_names(node);
-    let consumer = |id: UniqueNodeId| Consumer {
+    ports.into_iter().map(|(port, id)| (port, named(&names, id))).collect()
+}
+
+/// Who publishes a stream; nobody's name when nobody does.
+pub(crate) fn publisher(node: &Node, frames: &Frames) -> Consumer {
+    let mut holder = Consumer { name: String::new(), pid: 0 };
+    let names = node_names(node);
+    frames.dynamic_config().list_publishers(|publisher| {
+        holder = named(&names, publisher.node_id);
+        CallbackProgression::Stop
+    });
+    holder
+}
+
+fn named(names: &HashMap<u128, String>, id: UniqueNodeId) -> Consumer {
+    Consumer {
         name: names.get(&id.value()).cloned().unwrap_or_default(),
         pid: id.pid::<Ipc>().map_or(0, |pid| pid.value().cast_unsigned()),
-    };
-    ports.into_iter().map(|(port, id)| (port, consumer(id))).collect()
+    }
 }
 
 fn node_names(node: &Node) -> HashMap<u128, String> {

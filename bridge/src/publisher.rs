@@ -24,7 +24,8 @@ use crate::{
     domain::canonical_topic,
     loan,
     lossless::Queue,
-    node::{Ipc, PoolBooking},
+    memory::{self, Booking, Pool},
+    node::Ipc,
     payload::Message,
     stream::{self, Events, Frames},
 };
@@ -40,7 +41,8 @@ pub struct Publisher {
     notifier: Notifier<Ipc>,
     frames: Frames,
     _events: Events,
-    _pool: PoolBooking,
+    pool: Pool,
+    _booking: Booking,
     node: Node,
     topic: String,
     template: FrameHeader,
@@ -58,7 +60,7 @@ impl Publisher {
         let topic = canonical_topic(&spec.topic)?.to_owned();
         let session = random_session();
         let template = FrameHeader { session, ..spec.header()? };
-        let pool = node.book_pool(&topic, spec.pool_bytes())?;
+        let booking = memory::book(node, &topic, spec.pool_bytes())?;
         let (frames, events) = stream::open_or_create(node, spec)?;
         let queue = spec.lossless.clone().map(|lossless| Arc::new(Queue::new(lossless, node.clone())));
         let mut tried_again = false;
@@ -79,21 +81,25 @@ impl Publisher {
                     node.clean_up_dead();
                 }
                 Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
-                    return Err(Error::DomainInUse { topic, domain: node.domain().clone() });
+                    let holder = consumer::publisher(node, &frames);
+                    return Err(Error::DomainInUse { topic, domain: node.domain().clone(), holder });
                 }
-                Err(error) => return Err(Error::transport(format!("opening {topic} for writing"), error)),
+                Err(error) => return Err(node.failed(format!("opening {topic} for writing"), error)),
             }
         };
+        let pool = Pool::take(node, spec, &topic, port.id().value())?;
         let notifier = events
             .notifier_builder()
             .create()
-            .map_err(|error| Error::transport(format!("opening the events of {topic}"), error))?;
+            .map_err(|error| node.failed(format!("opening the events of {topic}"), error))?;
+        node.settle();
         let publisher = Self {
             port,
             notifier,
             frames,
             _events: events,
-            _pool: pool,
+            pool,
+            _booking: booking,
             node: node.clone(),
             topic,
             template,
@@ -166,8 +172,10 @@ impl Publisher {
     /// Dropping it unsent returns it.
     ///
     /// # Errors
-    /// [`Error::FrameTooLarge`], [`Error::NoFreeFrame`].
+    /// [`Error::FrameTooLarge`], [`Error::NoFreeFrame`]; [`Error::SharedMemoryTooSmall`] when a subscriber has come and
+    /// `/dev/shm` has been filled by others since the start.
     pub fn loan(&self, len: usize) -> Result<LoanedFrame<'_>, Error> {
+        self.pool.take_for(self.known_subscribers.load(Ordering::Relaxed))?;
         let mut sample = loan::loan_bytes(&self.port, len).map_err(|error| match error {
             LoanError::ExceedsMaxLoanSize => {
                 Error::FrameTooLarge { topic: self.topic.clone(), len, max: self.max_payload_len }

@@ -16,6 +16,7 @@ use crate::{
     Error, Frame, Node, StreamSpec, clock,
     domain::canonical_topic,
     frame::{FramePort, Sample},
+    memory,
     node::Ipc,
     readiness::{self, Readiness},
     stream::{self, Events, Frames, Opened},
@@ -322,6 +323,7 @@ impl Subscriber {
     }
 
     fn connect(&mut self) -> Result<(), Error> {
+        memory::check_room_for_books(&self.topic)?;
         let (frames, events) = match &self.owned {
             Some(spec) => stream::open_or_create(&self.node, spec)?,
             None => match stream::open(&self.node, &self.topic)? {
@@ -336,7 +338,12 @@ impl Subscriber {
         let listener = events
             .listener_builder()
             .create()
-            .map_err(|error| Error::transport(format!("opening the events of {}", self.topic), error))?;
+            .map_err(|error| self.node.failed(format!("opening the events of {}", self.topic), error))?;
+        if self.node.is_shared() {
+            // A notifier that was quicker than the opening of the new socket tries again when the listeners change.
+            self.node.settle();
+            drop(events.listener_builder().create());
+        }
         let settings = frames.static_config();
         let history = settings.history_size().min(settings.subscriber_max_buffer_size());
         let create = || frames.subscriber_builder().history_request(history).create();
@@ -352,7 +359,7 @@ impl Subscriber {
             SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
                 Error::TooManySubscribers { topic: self.topic.clone(), max: settings.max_subscribers() }
             }
-            error => Error::transport(format!("subscribing to {}", self.topic), error),
+            error => self.node.failed(format!("subscribing to {}", self.topic), error),
         })?;
         if let Some(readiness) = &self.readiness {
             readiness.follow(&listener).map_err(|error| self.broken(error))?;

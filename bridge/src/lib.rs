@@ -75,7 +75,7 @@
 //! # Layers
 //! [`Text`], [`payload`], [`Kind`], [`Encoding`], [`FrameHeader`]: the bytes. [`Domain`]: names. [`Node`]:
 //! membership. [`StreamSpec`], [`StreamInfo`]: streams. [`Publisher`], [`LoanedFrame`], [`Subscriber`],
-//! [`Frame`], [`FrameView`]: the two ends. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
+//! [`Frame`], [`FrameView`]: the two ends. [`Synchronizer`]: several streams at once. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
 #![deny(unsafe_code)]
 
 pub mod clock;
@@ -88,8 +88,10 @@ mod loan;
 mod node;
 pub mod payload;
 mod publisher;
+mod readiness;
 mod stream;
 mod subscriber;
+mod synchronizer;
 mod text;
 mod view;
 
@@ -102,5 +104,6 @@ pub use node::Node;
 pub use publisher::{LoanedFrame, Publisher};
 pub use stream::{StreamInfo, StreamSpec};
 pub use subscriber::Subscriber;
+pub use synchronizer::Synchronizer;
 pub use text::{Text, TextError};
 pub use view::FrameView;

@@ -81,7 +81,7 @@ def open_stream(node: Any, topic: str) -> tuple[Any, Any]:
         frames = (
             node.service_builder(name).publish_subscribe(iox2.Slice[ctypes.c_uint8]).user_header(FrameHeader).open()
         )
-        return frames, node.service_builder(name).event().open()
+        return frames, node.service_builder(name).event().open_or_create()
     except (iox2.PublishSubscribeOpenError, iox2.EventOpenError) as error:
         text = str(error)
         if any(word in text for word in ("DoesNotExist", "MarkedForDestruction", "HangsInCreation", "Interrupt")):

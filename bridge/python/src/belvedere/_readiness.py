@@ -6,7 +6,7 @@ import contextlib
 import os
 import select
 import threading
-from typing import Any
+from typing import Any, Protocol
 
 import iceoryx2 as iox2
 
@@ -14,6 +14,12 @@ import iceoryx2 as iox2
 SEARCH_INTERVAL = 0.02
 #: Seconds that a wait sleeps at most before it looks whether the publisher is still there.
 WATCH_INTERVAL = 0.1
+
+
+class Listening(Protocol):
+    """What has a listener of iceoryx2."""
+
+    listener: Any
 
 
 class Readiness:
@@ -30,9 +36,9 @@ class Readiness:
         self.ring()
         self._thread.start()
 
-    def follow(self, listener: Any) -> None:
+    def follow(self, connection: Listening | None) -> None:
         """Listen to this one from now on, or to none."""
-        self._state.listener = listener
+        self._state.connection = connection
 
     def ring(self) -> None:
         """Make it readable."""
@@ -66,7 +72,8 @@ class _State:
 
     def __init__(self, fd: int) -> None:
         self.fd = fd
-        self.listener: Any = None
+        #: All of it, since it cannot end while its listener sleeps: the last to let go of it ends it.
+        self.connection: Listening | None = None
         self.closed = False
         self._pause = threading.Event()
 
@@ -74,15 +81,13 @@ class _State:
         """Sleep and ring, until it is closed or the program ends."""
         main = threading.main_thread()
         while not self.closed and main.is_alive():
-            listener = self.listener
-            if listener is None:
+            connection = self.connection
+            if connection is None:
                 self._pause.wait(SEARCH_INTERVAL)
             else:
-                try:
-                    listener.timed_wait(iox2.Duration.from_secs_f64(WATCH_INTERVAL))
-                except iox2.ListenerWaitError:
-                    # Closed while we slept: there is another in a moment, or none.
-                    self._pause.wait(SEARCH_INTERVAL)
-            del listener
+                # Interrupted by a signal: as good a reason to look as any.
+                with contextlib.suppress(iox2.ListenerWaitError):
+                    connection.listener.timed_wait(iox2.Duration.from_secs_f64(WATCH_INTERVAL))
+            del connection
             if not self.closed:
                 os.eventfd_write(self.fd, 1)

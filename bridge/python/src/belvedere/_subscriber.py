@@ -134,7 +134,7 @@ class Subscriber(Closing):
         """
         if self._readiness is None:
             self._readiness = Readiness()
-            self._readiness.follow(self._connection and self._connection.listener)
+            self._readiness.follow(self._connection)
         return self._readiness.fd
 
     async def __aiter__(self) -> AsyncIterator[Frame]:
@@ -256,7 +256,7 @@ class Subscriber(Closing):
             with contextlib.suppress(_transport.NotThere):
                 self._connection = _Connection(self._membership, self._topic)
                 if self._readiness:
-                    self._readiness.follow(self._connection.listener)
+                    self._readiness.follow(self._connection)
 
     def _watch_publisher(self) -> None:
         """Let go of a stream whose publisher has gone, so that the next one finds nothing of the old."""

@@ -146,7 +146,9 @@ fn a_set_may_be_kept_while_the_next_one_comes() {
     let (_node, publishers, mut sets) = trio("sync-hold", Duration::ZERO);
     let mut kept = None;
     for stamp_ns in 0..20 {
-        publishers.iter().for_each(|publisher| send(publisher, stamp_ns));
+        for publisher in &publishers {
+            send(publisher, stamp_ns);
+        }
         assert!(sets.wait(LONG).unwrap());
         let set = sets.take().unwrap().unwrap();
         assert!(set.iter().all(|frame| frame.header().stamp_ns == stamp_ns));
@@ -182,7 +184,9 @@ fn time_that_begins_anew_is_followed() {
     }
     let mut newest = [0; 3];
     for stamp_ns in 0..3 {
-        publishers.iter().for_each(|publisher| send(publisher, stamp_ns));
+        for publisher in &publishers {
+            send(publisher, stamp_ns);
+        }
         // The set of the old time that was complete comes first.
         while sets.wait(Duration::from_millis(50)).unwrap() {
             newest = stamps(&mut sets);

@@ -104,6 +104,8 @@ impl Domain {
             let root = Path::new(root.as_bytes())
                 .map_err(|error| Error::transport("setting the group's directory", error))?;
             config.global.set_root_path(&root);
+            // How long to wait for what another process is just making, and for what it has yet to open to the group.
+            config.global.creation_timeout = Duration::from_millis(500);
             // Each user's processes clean up after that user's: see `remains`.
             config.global.node.cleanup_dead_nodes_on_creation = false;
             config.global.node.cleanup_dead_nodes_on_destruction = false;

@@ -70,6 +70,9 @@ pub enum Error {
         /// What to do.
         remedy: String,
     },
+    /// Something lies where a directory belongs.
+    #[error("{} is in the way: it is not a directory; remove it", .0.display())]
+    NotADirectory(PathBuf),
     /// A group that a domain cannot be shared with.
     #[error("group \"{group}\" cannot share the domain: {reason}")]
     InvalidGroup {

@@ -6,6 +6,7 @@
 
 use std::{
     fs::File,
+    os::unix::fs::MetadataExt as _,
     path::Path,
     sync::atomic::{AtomicU64, Ordering},
 };
@@ -137,7 +138,10 @@ impl Pool {
                 self.subscribers.fetch_max(subscribers, Ordering::Relaxed);
                 Ok(())
             }
-            Err(rustix::io::Errno::NOSPC) => Err(too_small(&self.topic, bytes, free()?)),
+            Err(rustix::io::Errno::NOSPC) => {
+                let taken = self.file.metadata().map_or(0, |metadata| metadata.blocks() * 512);
+                Err(too_small(&self.topic, bytes.saturating_sub(taken), free()?))
+            }
             Err(error) => Err(Error::transport(format!("reserving the pool of {}", self.topic), error)),
         }
     }

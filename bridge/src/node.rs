@@ -1,7 +1,10 @@
 //! [`Node`]: this process's membership of a domain.
 
 use std::{
-    sync::{Arc, atomic::AtomicU64},
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
     time::Duration,
 };
 
@@ -11,12 +14,12 @@ use iceoryx2::{
 };
 
 use crate::{
-    Domain, Error, Publisher, StreamInfo, StreamSpec, Subscriber,
+    Domain, Error, Publisher, StreamInfo, StreamSpec, Subscriber, clock,
     domain::canonical_topic,
     memory,
     places::{self, Places},
     remains,
-    sharing::Sharing,
+    sharing::{self, Sharing},
     stream,
 };
 
@@ -43,6 +46,8 @@ struct Shared {
     sharing: Option<Sharing>,
     /// Bytes of all pools that this node has made and not dropped.
     pool_bytes: AtomicU64,
+    /// When it last looked for dead processes.
+    cleaned_mono_ns: AtomicU64,
 }
 
 impl Node {
@@ -64,23 +69,32 @@ impl Node {
         let name = NodeName::new(&name.chars().take(100).collect::<String>())
             .map_err(|error| Error::transport("naming the node", error))?;
         memory::check_room_for_books("a node")?;
+        let lock = places.make_and_lock(|| match domain.group() {
+            Some(group) => sharing::make_directories(&places, group),
+            None => places.make_root_alone(&domain),
+        })?;
         let sharing = domain.group().map(|group| Sharing::start(&domain, group, &places)).transpose()?;
-        if sharing.is_none()
-            && let Some((path, uid)) = places.foreign(None)
-        {
-            return Err(places::foreign(&domain, &places, path, uid));
-        }
-        let lock = places.lock();
         remains::clear_if_deserted(&config, &places);
         let iox = create(&domain, &config, &places, &name)?;
         match &sharing {
             Some(sharing) => sharing.settle(),
             None => places.close_to_others(),
         }
-        remains::clean_up_dead(&iox, &places, sharing.is_some());
+        if sharing.is_some() {
+            // Without a group, iceoryx2 has just done it.
+            remains::clean_up_dead(&iox, &places, true);
+        }
+        remains::remove_orphans(&config, &places);
         drop(lock);
-        let shared =
-            Shared { iox: Some(iox), config, domain, places, sharing, pool_bytes: AtomicU64::new(0) };
+        let shared = Shared {
+            iox: Some(iox),
+            config,
+            domain,
+            places,
+            sharing,
+            pool_bytes: AtomicU64::new(0),
+            cleaned_mono_ns: AtomicU64::new(clock::mono_ns()),
+        };
         Ok(Self { shared: Arc::new(shared) })
     }
 
@@ -127,6 +141,7 @@ impl Node {
     /// Removes what killed processes of the domain have left; done on opening, and by subscribers in silence. In a
     /// domain that a group shares, each user's processes do so for that user.
     pub fn clean_up_dead(&self) {
+        self.shared.cleaned_mono_ns.store(clock::mono_ns(), Ordering::Relaxed);
         remains::clean_up_dead(self.iox(), self.places(), self.is_shared());
     }
 
@@ -158,6 +173,15 @@ impl Node {
     /// How long a refusal may be that of a file that its maker has not yet opened to the group.
     pub(crate) fn patience(&self) -> Duration {
         if self.is_shared() { Duration::from_millis(500) } else { Duration::ZERO }
+    }
+
+    /// The same, unless it was done within `interval`, for whichever stream: it reads some files for each node of
+    /// every domain of this machine, a millisecond or so.
+    pub(crate) fn clean_up_dead_every(&self, interval: Duration) {
+        let since_ns = clock::mono_ns().saturating_sub(self.shared.cleaned_mono_ns.load(Ordering::Relaxed));
+        if u128::from(since_ns) > interval.as_nanos() {
+            self.clean_up_dead();
+        }
     }
 
     pub(crate) fn iox(&self) -> &IoxNode<Ipc> {

@@ -30,11 +30,13 @@ pub(crate) struct Places {
 
 impl Places {
     pub(crate) fn new(domain: &Domain, config: &Config) -> Self {
+        // Without a slash at the end, which would follow a link.
+        let path = |text: String| Path::new(&text).components().collect();
         Self {
             prefix: domain.prefix(),
-            root: PathBuf::from(config.global.root_path().to_string()),
-            nodes: PathBuf::from(config.global.node_dir().to_string()),
-            services: PathBuf::from(config.global.service_dir().to_string()),
+            root: path(config.global.root_path().to_string()),
+            nodes: path(config.global.node_dir().to_string()),
+            services: path(config.global.service_dir().to_string()),
         }
     }
 
@@ -69,14 +71,44 @@ impl Places {
                 group.is_some_and(|group| found.gid() == group.gid() && found.mode() & 0o040 != 0);
             (found.uid() != own && !is_shared).then(|| (path.clone(), found.uid()))
         };
-        // An administrator may have opened the directories to everyone.
-        let is_closed =
-            |path: &&PathBuf| own == 0 || rustix::fs::access(*path, rustix::fs::Access::WRITE_OK).is_err();
-        [&self.root, &self.services, &self.nodes]
+        self.directories()
             .into_iter()
-            .filter(is_closed)
             .find_map(in_the_way)
             .or_else(|| self.files().iter().find_map(in_the_way))
+    }
+
+    fn directories(&self) -> [&PathBuf; 3] {
+        [&self.root, &self.nodes, &self.services]
+    }
+
+    /// Makes the root directory of a domain without a group, and checks that it and what is in it is this user's alone:
+    /// files are believed for the directory that they are found in.
+    ///
+    /// # Errors
+    /// [`Error::Permission`], [`Error::NotADirectory`].
+    pub(crate) fn make_root_alone(&self, domain: &Domain) -> Result<(), Error> {
+        // A failure is found when the directory is used. iceoryx2 makes the others in it.
+        let _ = fs::DirBuilder::new().mode(0o750).create(&self.root);
+        if let Some((path, uid)) = self.foreign(None) {
+            return Err(foreign(domain, self, path, uid));
+        }
+        for path in self.directories() {
+            match fs::metadata(path) {
+                Ok(found) if !found.is_dir() => return Err(Error::NotADirectory(path.clone())),
+                Ok(found) if found.mode() & 0o022 != 0 => {
+                    return Err(Error::Permission {
+                        path: path.clone(),
+                        owner: user(found.uid()),
+                        remedy: format!(
+                            "others may write in it, and could put files there that this process would believe: chmod 750 {}",
+                            path.display()
+                        ),
+                    });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// Closes the one file that iceoryx2 makes open to all: who can write it could cut it under a process that is
@@ -100,27 +132,51 @@ impl Places {
         fs::remove_dir(&self.root)
     }
 
-    /// Makes the root directory if it is not there, and locks it against other processes of ours that join or
-    /// leave, so that none takes what another is just making for remains. `None` when it cannot be had in time: the
-    /// lock helps, but nobody must be stopped by a process that hangs with it.
-    pub(crate) fn lock(&self) -> Option<Lock> {
-        let deadline = Instant::now() + Duration::from_secs(2);
-        while Instant::now() < deadline {
-            let _ = fs::DirBuilder::new().mode(0o750).create(&self.root);
-            let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
-            let directory = rustix::fs::open(&self.root, flags, Mode::empty()).ok()?;
-            if rustix::fs::flock(&directory, FlockOperation::NonBlockingLockExclusive).is_ok() {
-                let locked = rustix::fs::fstat(&directory).ok()?;
-                // Who held it before may have removed the directory.
-                if fs::metadata(&self.root).is_ok_and(|now| now.ino() == locked.st_ino) {
-                    return Some(Lock { _directory: directory });
-                }
+    /// Makes the directories if they are not there, and locks them.
+    ///
+    /// # Errors
+    /// What `make` finds.
+    pub(crate) fn make_and_lock(&self, make: impl Fn() -> Result<(), Error>) -> Result<Option<Lock>, Error> {
+        // A process that leaves may take them away between the two.
+        for _ in 0..10 {
+            make()?;
+            if let Ok(lock) = self.lock() {
+                return Ok(lock);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Locks the root directory against other processes of ours that join or leave, so that none takes what another is
+    /// just making for remains. `None` when it cannot be had in time: the lock helps, but nobody must be stopped by a
+    /// process that hangs with it.
+    ///
+    /// # Errors
+    /// [`Gone`]: there is no such directory, or not any more.
+    pub(crate) fn lock(&self) -> Result<Option<Lock>, Gone> {
+        let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+        let directory = match rustix::fs::open(&self.root, flags, Mode::empty()) {
+            Err(rustix::io::Errno::NOENT) => return Err(Gone),
+            Err(_) => return Ok(None),
+            Ok(directory) => directory,
+        };
+        let deadline = Instant::now() + Duration::from_millis(500);
+        while rustix::fs::flock(&directory, FlockOperation::NonBlockingLockExclusive).is_err() {
+            if Instant::now() > deadline {
+                return Ok(None);
             }
             std::thread::sleep(Duration::from_millis(2));
         }
-        None
+        // Who held it before may have removed the directory.
+        let locked = rustix::fs::fstat(&directory).map_err(|_| Gone)?;
+        let is_it = fs::metadata(&self.root).is_ok_and(|now| now.ino() == locked.st_ino);
+        if is_it { Ok(Some(Lock { _directory: directory })) } else { Err(Gone) }
     }
 }
+
+/// The root directory is not there (any more).
+#[derive(Debug)]
+pub(crate) struct Gone;
 
 /// Held until it is dropped.
 #[derive(Debug)]
@@ -160,7 +216,7 @@ pub(crate) fn foreign(domain: &Domain, places: &Places, path: PathBuf, uid: u32)
             name = group.name()
         ),
         None => format!(
-            "all processes of domain \"{domain}\" must run as one user: run as {owner}; {other_domain}share the domain with a group (BELVEDERE_GROUP on both sides); or, when nothing of it runs any more: {remove} {path}",
+            "all processes of domain \"{domain}\" must run as one user: run as {owner}; {other_domain}share the domain with a group, or use one of your own (BELVEDERE_GROUP, in every process of the domain); or, when nothing of it runs any more: {remove} {path}",
             path = path.display()
         ),
     };

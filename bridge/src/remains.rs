@@ -25,7 +25,7 @@ use crate::{
     remnants,
 };
 
-/// Younger files may be being made by a process that takes no [lock](Places::lock): another library's.
+/// Younger files may be being made, by a process that takes no [lock](Places::lock): another library's.
 const SETTLED: Duration = Duration::from_secs(1);
 
 /// Empties a domain in which nobody lives, so that iceoryx2 need not make sense of what is left in it: files may have
@@ -35,6 +35,7 @@ pub(crate) fn clear_if_deserted(config: &Config, places: &Places) {
     if files.is_empty() || anybody_lives(config) {
         return;
     }
+    let is_one_starting = files.iter().any(|file| !is_settled(file) && maker_runs(file));
     let mut directories = HashSet::new();
     for file in files {
         if let Some(directory) = file.parent()
@@ -42,7 +43,10 @@ pub(crate) fn clear_if_deserted(config: &Config, places: &Places) {
         {
             directories.insert(directory.to_owned());
         }
-        remove_settled(&file);
+        if !is_one_starting || is_settled(&file) {
+            // Failures: another process does the same, or it is another user's.
+            let _ = fs::remove_file(file);
+        }
     }
     for directory in directories {
         // Only when it is empty.
@@ -58,18 +62,30 @@ fn anybody_lives(config: &Config) -> bool {
             NodeState::Alive(_) | NodeState::Inaccessible(_) => true,
             NodeState::Dead(_) => false,
             // Its monitor has been spoilt: only its process can tell.
-            NodeState::Undefined(id) => {
-                id.pid::<Ipc>().is_ok_and(|pid| Path::new(&format!("/proc/{}", pid.value())).exists())
-            }
+            NodeState::Undefined(id) => runs(id.value()),
         };
         CallbackProgression::Continue
     });
     lives || listed.is_err()
 }
 
+/// Whether the process that made an identity runs. The third quarter of its bits is the process's number.
+fn runs(id: u128) -> bool {
+    Path::new(&format!("/proc/{}", (id >> 64) as u32)).exists()
+}
+
+/// Whether a process runs whose identities are in the name of a file, or of the directory that it is in.
+fn maker_runs(file: &Path) -> bool {
+    let names = [file.file_name(), file.parent().and_then(Path::file_name)];
+    names.into_iter().flatten().filter_map(|name| name.to_str()).any(|name| {
+        let numbers = name.split(|letter: char| !letter.is_ascii_digit());
+        // Shorter ones are a domain's, a version's or part of a hash.
+        numbers.filter(|digits| digits.len() > 20).filter_map(|digits| digits.parse().ok()).any(runs)
+    })
+}
+
 fn remove_settled(file: &Path) {
     if is_settled(file) {
-        // Failures: another process does the same, or it is another user's.
         let _ = fs::remove_file(file);
     }
 }
@@ -94,7 +110,6 @@ pub(crate) fn clean_up_dead(node: &IoxNode<Ipc>, places: &Places, is_shared: boo
             let _ = dead.try_remove_stale_resources();
         }
     }
-    remove_orphans(node.config(), places);
     remnants::remove(node.config(), places);
 }
 
@@ -132,8 +147,9 @@ fn remove_deserted_services(config: &Config, places: &Places) {
     }
 }
 
-/// Removes this user's files of ports and streams that are no more.
-fn remove_orphans(config: &Config, places: &Places) {
+/// Removes this user's files of ports and streams that are no more: what another user who was the last to let go of
+/// them could not remove, and what was lost between the steps of a kill.
+pub(crate) fn remove_orphans(config: &Config, places: &Places) {
     // In this order: what is made meanwhile is not in the first list.
     let files: Vec<PathBuf> = entries(Path::new(SHM)).filter(|path| places.has_prefix(path)).collect();
     let mut known = port_ids(places);

@@ -47,25 +47,11 @@ pub(crate) struct Sharing {
 }
 
 impl Sharing {
-    /// Makes the group's directories if they are not there, and begins to watch.
+    /// Begins to watch.
     ///
     /// # Errors
-    /// [`Error::InvalidGroup`] when this process is not of the group, [`Error::Permission`] when the directory is there
-    /// and is not the group's.
+    /// [`Error::Transport`] when the kernel has no watch or thread left.
     pub(crate) fn start(domain: &Domain, group: &Group, places: &Places) -> Result<Self, Error> {
-        if !group.has_this_process() {
-            return Err(Error::InvalidGroup {
-                group: group.name().to_owned(),
-                reason: format!(
-                    "{} is not in it; an administrator can change that: usermod -aG {} USER, then log in again",
-                    user(geteuid().as_raw()),
-                    group.name()
-                ),
-            });
-        }
-        for directory in [&places.root, &places.nodes, &places.services] {
-            group_directory(directory, group)?;
-        }
         let failed = |error: rustix::io::Errno| {
             Error::transport(format!("sharing domain \"{domain}\" with group {}", group.name()), error)
         };
@@ -242,12 +228,34 @@ fn is_own(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|metadata| metadata.uid() == geteuid().as_raw())
 }
 
+/// Makes the group's directories, or checks that they are its own.
+///
+/// # Errors
+/// [`Error::InvalidGroup`] when this process is not of the group, [`Error::Permission`] when something that is not the
+/// group's lies there.
+pub(crate) fn make_directories(places: &Places, group: &Group) -> Result<(), Error> {
+    if !group.has_this_process() {
+        return Err(Error::InvalidGroup {
+            group: group.name().to_owned(),
+            reason: format!(
+                "{} is not in it; an administrator can change that: usermod -aG {} USER, then log in again",
+                user(geteuid().as_raw()),
+                group.name()
+            ),
+        });
+    }
+    [&places.root, &places.nodes, &places.services]
+        .into_iter()
+        .try_for_each(|directory| group_directory(directory, group))
+}
+
 /// Makes a directory of the group, or checks that it is one.
 fn group_directory(path: &Path, group: &Group) -> Result<(), Error> {
     let deadline = Instant::now() + Duration::from_millis(500);
     loop {
         if let Err(error) = make_group_directory(path, group)
-            && error.kind() != io::ErrorKind::AlreadyExists
+            // Its parent may just be being removed; what comes of it is seen below.
+            && !matches!(error.kind(), io::ErrorKind::AlreadyExists | io::ErrorKind::NotFound)
         {
             return Err(Error::transport(format!("making {}", path.display()), error));
         }

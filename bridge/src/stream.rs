@@ -17,6 +17,7 @@ use crate::{
     Encoding, Error, FrameHeader, Kind, Lossless, Node, Text,
     domain::{canonical_topic, service_name, topic_of_service},
     node::Ipc,
+    versions,
 };
 
 pub(crate) type Frames = publish_subscribe::PortFactory<Ipc, [u8], FrameHeader>;
@@ -29,8 +30,8 @@ const FRAME_ID: &str = "frame_id";
 
 /// What a stream is made with.
 ///
-/// Its pool of `max_subscribers · (buffer + borrowed) + history + loaned` frames is reserved in `/dev/shm` at
-/// once and fills as frames are first written.
+/// Its pool of `max_subscribers · (buffer + borrowed) + history + loaned` frames must fit into what is free of
+/// `/dev/shm`; what two subscribers need of it is taken at once, the rest as more come.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StreamSpec {
     /// The ROS topic name, with or without a leading slash.
@@ -217,11 +218,7 @@ fn try_open(node: &Node, topic: &str) -> Result<Opened, Error> {
             | E::IncompatibleMessagingPattern
             | E::UnableToAcquireTypeDefinition
             | E::InvalidTypeDefinition),
-        ) => Err(Error::Incompatible {
-            topic: topic.to_owned(),
-            domain: node.domain().clone(),
-            detail: format!("{error:?}"),
-        }),
+        ) => Err(versions::incompatible(node, topic, error)),
         Err(error) => Err(node.failed(format!("opening {topic}"), error)),
     }
 }

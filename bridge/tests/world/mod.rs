@@ -3,7 +3,7 @@
 //! A test binary starts itself again: a scenario runs as the test `in_the_world` in a new mount namespace, and starts
 //! its processes as the test `in_a_role`, as whatever user. Users need no entry in `/etc/passwd`: their numbers do.
 
-#![allow(dead_code, reason = "each test binary uses a part of it")]
+#![allow(dead_code, unreachable_pub, reason = "each test binary uses a part of it")]
 
 use std::{
     fs,
@@ -32,7 +32,7 @@ pub struct User {
     pub gid: u32,
 }
 
-/// The one who runs the test.
+/// Whoever runs the test; in scenarios with other users it is root.
 pub const ROOT: User = User { uid: 0, gid: 0 };
 
 /// Runs a scenario of this binary's test `in_the_world` in a mount namespace with a `/dev/shm` of so many MiB, and
@@ -85,7 +85,7 @@ pub struct Actor {
 }
 
 impl Actor {
-    /// Starts `role` (see [`play`]) in `domain` as `user`, with more variables of the environment.
+    /// Starts `role` (see [`play`]) in `domain` as `user`, or as this one if that is [`ROOT`], with more variables of the environment.
     pub fn start(role: &str, domain: &str, user: User, env: &[(&str, &str)]) -> Self {
         let program =
             if scenario().is_some() { PathBuf::from(PROGRAM) } else { std::env::current_exe().unwrap() };
@@ -143,6 +143,12 @@ impl Actor {
         }
     }
 
+    /// Whether a line with this word has come.
+    pub fn has_said(&mut self, word: &str) -> bool {
+        self.seen.extend(self.lines.try_iter());
+        self.seen.iter().any(|line| line.contains(word))
+    }
+
     /// Forgets what it has said until now.
     pub fn forget(&mut self) {
         while self.lines.try_recv().is_ok() {}
@@ -179,6 +185,7 @@ pub fn play() {
     let Ok(role) = std::env::var(ROLE) else { return };
     match role.as_str() {
         "simulate" => simulate(),
+        "simulate_large" => simulate_large(),
         "drive" => drive(),
         "try" => try_everything(),
         _ => panic!("no such role: {role}"),
@@ -222,12 +229,23 @@ fn simulate() {
     }
 }
 
-/// Says how many pictures have come, and sends that number as a command.
+/// Says what becomes of a stream of large pictures.
+fn simulate_large() {
+    let node = Node::open(&Domain::from_env().unwrap(), "simulator").unwrap();
+    match node.publisher(&StreamSpec::new("image_raw", Kind::Image, Encoding::Rgb8, 640 * 480 * 3)) {
+        Ok(_) => println!("\nready"),
+        Err(error) => println!("\nerror {error}"),
+    }
+}
+
+/// Says how many pictures have come and were missed, and sends the former as a command. With `DRIVER_FIRST` it makes
+/// the stream of commands, unless the simulator has.
 fn drive() {
     let left = asked_to_leave();
     let node = Node::open(&Domain::from_env().unwrap(), "driver").unwrap();
     let mut camera = node.subscriber("image_raw").unwrap();
-    let mut driver = None;
+    let commands = || node.publisher(&StreamSpec::velocity_command("cmd_vel")).unwrap();
+    let mut driver = std::env::var_os("DRIVER_FIRST").map(|_| commands());
     let mut count = 0;
     println!("\nready");
     while goes_on(&left) {
@@ -237,9 +255,9 @@ fn drive() {
         if let Some(frame) = camera.take().unwrap() {
             assert_eq!(frame.payload(), [7; LEN]);
             count += 1;
-            println!("frame {count} {}", if frame.restarted() { "restarted" } else { "" });
-            let driver = driver
-                .get_or_insert_with(|| node.publisher(&StreamSpec::velocity_command("cmd_vel")).unwrap());
+            let restarted = if frame.restarted() { "restarted" } else { "" };
+            println!("frame {count} missed {} {restarted}", camera.missed_total());
+            let driver = driver.get_or_insert_with(commands);
             let command = VelocityCommand { linear: [f64::from(count), 0.0, 0.0], angular: [0.0; 3] };
             driver.send_structs(0, &[command]).unwrap();
         }

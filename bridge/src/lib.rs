@@ -64,7 +64,7 @@
 //! ```
 //!
 //! # What holds
-//! - `loan` and `send` do not copy, nor allocate but for iceoryx2's record of a loan (some 80 bytes). A slow subscriber loses its own oldest frame and slows nobody,
+//! - `loan` and `send` do not copy, nor allocate but for iceoryx2's record of a loan (104 bytes). A slow subscriber loses its own oldest frame and slows nobody,
 //!   unless the stream is made [`lossless`](Lossless).
 //! - A payload begins at a multiple of 64 bytes. A [`Frame`]'s geometry was checked against its payload.
 //! - A [`Subscriber`] may be there before its publisher and outlives it; [`Frame::restarted`] and

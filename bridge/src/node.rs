@@ -11,7 +11,7 @@ use iceoryx2::{
 };
 
 use crate::{
-    Domain, Error, Publisher, StreamInfo, StreamSpec, Subscriber,
+    Domain, Error, Publisher, StreamInfo, StreamSpec, Subscriber, clock,
     domain::canonical_topic,
     memory,
     places::{self, Places},
@@ -43,6 +43,8 @@ struct Shared {
     sharing: Option<Sharing>,
     /// Bytes of all pools that this node has made and not dropped.
     pool_bytes: AtomicU64,
+    /// When it last looked for dead processes.
+    cleaned_mono_ns: AtomicU64,
 }
 
 impl Node {
@@ -81,8 +83,15 @@ impl Node {
         }
         remains::remove_orphans(&config, &places);
         drop(lock);
-        let shared =
-            Shared { iox: Some(iox), config, domain, places, sharing, pool_bytes: AtomicU64::new(0) };
+        let shared = Shared {
+            iox: Some(iox),
+            config,
+            domain,
+            places,
+            sharing,
+            pool_bytes: AtomicU64::new(0),
+            cleaned_mono_ns: AtomicU64::new(clock::mono_ns()),
+        };
         Ok(Self { shared: Arc::new(shared) })
     }
 
@@ -129,6 +138,7 @@ impl Node {
     /// Removes what killed processes of the domain have left; done on opening, and by subscribers in silence. In a
     /// domain that a group shares, each user's processes do so for that user.
     pub fn clean_up_dead(&self) {
+        self.shared.cleaned_mono_ns.store(clock::mono_ns(), Ordering::Relaxed);
         remains::clean_up_dead(self.iox(), self.places(), self.is_shared());
     }
 
@@ -160,6 +170,15 @@ impl Node {
     /// How long a refusal may be that of a file that its maker has not yet opened to the group.
     pub(crate) fn patience(&self) -> Duration {
         if self.is_shared() { Duration::from_millis(500) } else { Duration::ZERO }
+    }
+
+    /// The same, unless it was done within `interval`, for whichever stream: it reads some files for each node of
+    /// every domain of this machine, a millisecond or so.
+    pub(crate) fn clean_up_dead_every(&self, interval: Duration) {
+        let since_ns = clock::mono_ns().saturating_sub(self.shared.cleaned_mono_ns.load(Ordering::Relaxed));
+        if u128::from(since_ns) > interval.as_nanos() {
+            self.clean_up_dead();
+        }
     }
 
     pub(crate) fn iox(&self) -> &IoxNode<Ipc> {

@@ -34,7 +34,7 @@ use crate::{
 ///
 /// [`loan`](Self::loan) gives a frame whose payload *is* the shared memory that subscribers will read;
 /// [`send`](LoanedFrame::send) passes them its address. Neither copies or, unless the stream is lossless, waits;
-/// nor allocates, but for the record of some 80 bytes that iceoryx2 keeps of each loan.
+/// nor allocates, but for the record of 104 bytes that iceoryx2 keeps of each loan.
 pub struct Publisher {
     // Ports before their services before the node: fields are dropped in this order.
     port: Port<Ipc, [u8], FrameHeader>,

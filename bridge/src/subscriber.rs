@@ -18,7 +18,7 @@ use crate::{
     frame::{FramePort, Sample},
     memory,
     node::Ipc,
-    readiness::Readiness,
+    readiness::{self, Readiness},
     stream::{self, Events, Frames, Opened},
 };
 
@@ -28,6 +28,8 @@ const SEARCH_INTERVAL: Duration = Duration::from_millis(20);
 const WATCH_INTERVAL: Duration = Duration::from_millis(100);
 /// After this silence the publisher may have been killed: see who is dead.
 const SUSPICIOUS_SILENCE: Duration = Duration::from_secs(1);
+/// How much less often it is looked at while the silence lasts: after 1, 2, 4 … 16 s. Some streams are always silent.
+const LEAST_SUSPICION: Duration = Duration::from_secs(16);
 
 /// The reading end of a stream.
 ///
@@ -50,7 +52,6 @@ pub struct Subscriber {
     last_frame: Option<FrameId>,
     missed_total: u64,
     last_sign_of_life: Instant,
-    last_clean_up: Instant,
     /// Only of subscribers that somebody polls.
     readiness: Option<Readiness>,
 }
@@ -83,7 +84,6 @@ impl Subscriber {
             last_frame: None,
             missed_total: 0,
             last_sign_of_life: now,
-            last_clean_up: now,
             readiness: None,
         }
     }
@@ -139,7 +139,7 @@ impl Subscriber {
             }
             match &self.connection {
                 Some(connection) => {
-                    if connection.listener.timed_wait(|_| {}, left.min(WATCH_INTERVAL)).is_err() {
+                    if readiness::wait_for(&connection.listener, left.min(WATCH_INTERVAL)).is_err() {
                         // Interrupted by a signal: the caller may want to end.
                         return self.has_frames();
                     }
@@ -380,11 +380,9 @@ impl Subscriber {
         if self.owned.is_some() {
             return;
         }
-        if self.last_sign_of_life.elapsed() > SUSPICIOUS_SILENCE
-            && self.last_clean_up.elapsed() > SUSPICIOUS_SILENCE
-        {
-            self.last_clean_up = Instant::now();
-            self.node.clean_up_dead();
+        let silence = self.last_sign_of_life.elapsed();
+        if silence > SUSPICIOUS_SILENCE {
+            self.node.clean_up_dead_every((silence / 2).clamp(SUSPICIOUS_SILENCE, LEAST_SUSPICION));
         }
         // In this order: a publisher's last frame is there before it is gone.
         if connection.publishers() == 0 && !connection.port.has_samples().unwrap_or(false) {

@@ -1,6 +1,9 @@
 //! [`Consumer`]: who follows a stream.
 
-use std::{collections::HashMap, fmt};
+use std::{
+    collections::{HashMap, HashSet},
+    fmt,
+};
 
 use iceoryx2::{
     identifiers::UniqueNodeId,
@@ -61,6 +64,26 @@ pub(crate) fn publisher(node: &Node, frames: &Frames) -> Consumer {
         CallbackProgression::Stop
     });
     holder
+}
+
+/// Whether a place of the stream is that of a process that is no more: somebody is just cleaning up after it, and the
+/// place will soon be free.
+pub(crate) fn place_of_the_dead(node: &Node, frames: &Frames) -> bool {
+    let mut living = HashSet::new();
+    let _ = IoxNode::<Ipc>::list(node.config(), |state| {
+        if !matches!(state, NodeState::Dead(_)) {
+            living.insert(state.node_id().value());
+        }
+        CallbackProgression::Continue
+    });
+    let mut found = false;
+    let mut look = |id: UniqueNodeId| {
+        found |= !living.contains(&id.value());
+        CallbackProgression::Continue
+    };
+    frames.dynamic_config().list_publishers(|publisher| look(publisher.node_id));
+    frames.dynamic_config().list_subscribers(|subscriber| look(subscriber.node_id));
+    found
 }
 
 fn named(names: &HashMap<u128, String>, id: UniqueNodeId) -> Consumer {

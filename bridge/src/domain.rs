@@ -92,6 +92,9 @@ impl Domain {
     /// `config/iceoryx2.toml` in the working directory parts two of them.
     pub(crate) fn config(&self) -> Result<Config, Error> {
         let mut config = Config::default();
+        // How long to wait for what another process is just making: it is a kill in the middle of it that lasts. A
+        // publisher waits so for the connection of a consumer, and everybody for a stream.
+        config.global.creation_timeout = Duration::from_millis(200);
         config.global.prefix = FileName::new(self.prefix().as_bytes())
             .map_err(|error| Error::transport("setting the domain's prefix", error))?;
         if let Some(group) = &self.group {

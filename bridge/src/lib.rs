@@ -95,6 +95,7 @@ mod places;
 mod publisher;
 mod readiness;
 mod remains;
+mod remnants;
 mod sharing;
 mod stream;
 mod subscriber;

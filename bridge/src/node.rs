@@ -1,7 +1,10 @@
 //! [`Node`]: this process's membership of a domain.
 
 use std::{
-    sync::{Arc, atomic::AtomicU64},
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
     time::Duration,
 };
 

@@ -6,6 +6,7 @@ use std::{
         Arc,
         atomic::{AtomicU64, AtomicUsize, Ordering},
     },
+    time::{Duration, Instant},
 };
 
 use iceoryx2::{
@@ -64,6 +65,7 @@ impl Publisher {
         let (frames, events) = stream::open_or_create(node, spec)?;
         let queue = spec.lossless.clone().map(|lossless| Arc::new(Queue::new(lossless, node.clone())));
         let mut tried_again = false;
+        let deadline = Instant::now() + Duration::from_secs(1);
         let port = loop {
             let mut builder = frames
                 .publisher_builder()
@@ -75,8 +77,14 @@ impl Publisher {
             }
             match builder.create() {
                 Ok(port) => break port,
-                Err(PublisherCreateError::ExceedsMaxSupportedPublishers) if !tried_again => {
-                    // The place may be that of a publisher that was killed.
+                // The place may be that of a publisher that was killed, and another process be cleaning up after it.
+                Err(PublisherCreateError::ExceedsMaxSupportedPublishers)
+                    if !tried_again
+                        || (Instant::now() < deadline && consumer::place_of_the_dead(node, &frames)) =>
+                {
+                    if tried_again {
+                        std::thread::sleep(Duration::from_millis(5));
+                    }
                     tried_again = true;
                     node.clean_up_dead();
                 }

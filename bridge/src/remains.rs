@@ -22,6 +22,7 @@ use iceoryx2::{
 use crate::{
     node::Ipc,
     places::{Places, SHM, entries},
+    remnants,
 };
 
 /// Younger files may be being made, by a process that takes no [lock](Places::lock): another library's.
@@ -100,6 +101,7 @@ fn is_settled(file: &Path) -> bool {
 pub(crate) fn clean_up_dead(node: &IoxNode<Ipc>, places: &Places, is_shared: bool) {
     if !is_shared {
         node.try_cleanup_dead_nodes();
+        remnants::remove(node.config(), places);
         return;
     }
     remove_deserted_services(node.config(), places);
@@ -108,9 +110,10 @@ pub(crate) fn clean_up_dead(node: &IoxNode<Ipc>, places: &Places, is_shared: boo
             let _ = dead.try_remove_stale_resources();
         }
     }
+    remnants::remove(node.config(), places);
 }
 
-fn dead_nodes(config: &Config) -> Vec<DeadNodeView<Ipc>> {
+pub(crate) fn dead_nodes(config: &Config) -> Vec<DeadNodeView<Ipc>> {
     let mut dead = Vec::new();
     let _ = IoxNode::<Ipc>::list(config, |state| {
         if let NodeState::Dead(node) = state {
@@ -181,7 +184,7 @@ fn port_ids(places: &Places) -> HashSet<String> {
 /// Removes what iceoryx2 keeps after the last node of a domain: its node counter, and the directories that all
 /// domains share if nobody is left in any of them.
 pub(crate) fn remove_traces(config: &Config, places: &Places) -> std::io::Result<()> {
-    remove_remnants(config, places);
+    remnants::remove(config, places);
     let mut others = false;
     let listed = IoxNode::<Ipc>::list(config, |state| {
         others |= !matches!(state, NodeState::Dead(_));
@@ -197,34 +200,4 @@ pub(crate) fn remove_traces(config: &Config, places: &Places) -> std::io::Result
     }
     // Only empty directories can be removed this way; while any node of any domain lives, the first is not.
     places.remove_empty_directories()
-}
-
-/// Removes nodes whose cleaning iceoryx2 could not finish.
-///
-/// A process killed while it creates a port leaves a half-made tag. iceoryx2 does not see that file, removes the
-/// node's description, fails to remove the directory, and from then on looks for the node under the default prefix,
-/// since the right one stood in the description: in another domain than the default it would stay for ever. All that
-/// mattered of such a node (its places in streams, its memory) has been released before.
-fn remove_remnants(config: &Config, places: &Places) {
-    for dead in dead_nodes(config) {
-        // A living node has its description before it can be seen.
-        if dead.details().is_some() {
-            continue;
-        }
-        // Failures mean that another process is just doing the same.
-        let id = dead.id().value();
-        let own = places.nodes.join(id.to_string());
-        remove_files(&own, &places.prefix);
-        let _ = fs::remove_dir(own);
-        remove_files(&places.nodes, &format!("{}{id}.", places.prefix));
-    }
-}
-
-/// Removes the files of a directory whose names begin so.
-fn remove_files(directory: &Path, prefix: &str) {
-    for path in entries(directory) {
-        if path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(prefix.as_bytes())) {
-            let _ = fs::remove_file(path);
-        }
-    }
 }

@@ -13,7 +13,7 @@ use iceoryx2::{
 };
 
 use crate::{
-    Error, Frame, Node, StreamSpec, clock,
+    Error, Frame, FrameHeader, Node, StreamSpec, clock, consumer,
     domain::canonical_topic,
     frame::{FramePort, Sample},
     memory,
@@ -217,7 +217,14 @@ impl Subscriber {
     pub fn take_newest(&mut self) -> Result<Option<Frame>, Error> {
         self.search()?;
         let Some(mut newest) = self.receive_or_settle()? else { return Ok(None) };
-        while self.has_frames()? {
+        let Some(connection) = &self.connection else { return Ok(None) };
+        let settings = connection.frames.static_config();
+        // A publisher that sends faster than this one drains would hold it here.
+        let at_most = settings.max_publishers() * settings.subscriber_max_buffer_size();
+        for _ in 0..at_most {
+            if !self.has_frames()? {
+                break;
+            }
             let next = match self.receive() {
                 Err(Error::TooManyHeld { .. }) => {
                     // The last place is the one that `newest` takes.
@@ -233,10 +240,7 @@ impl Subscriber {
                 received => received?,
             };
             match next {
-                // Several publishers are received in turn, not in order.
-                Some(next) if next.user_header().publish_mono_ns >= newest.user_header().publish_mono_ns => {
-                    newest = next;
-                }
+                Some(next) if is_newer(next.user_header(), newest.user_header()) => newest = next,
                 Some(_) => {}
                 None => break,
             }
@@ -355,6 +359,15 @@ impl Subscriber {
             }
             created => created,
         };
+        let port = match port {
+            // Another process is just cleaning up after one that was killed: its place is free at the next look.
+            Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers)
+                if consumer::place_of_the_dead(&self.node, &frames) =>
+            {
+                return Ok(());
+            }
+            port => port,
+        };
         let port = port.map_err(|error| match error {
             SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
                 Error::TooManySubscribers { topic: self.topic.clone(), max: settings.max_subscribers() }
@@ -389,6 +402,11 @@ impl Subscriber {
             self.connection = None;
         }
     }
+}
+
+/// One publisher's frames are received in order, those of several in turn.
+fn is_newer(next: &FrameHeader, newest: &FrameHeader) -> bool {
+    next.session == newest.session || next.publish_mono_ns >= newest.publish_mono_ns
 }
 
 impl Connection {

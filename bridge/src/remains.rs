@@ -171,6 +171,22 @@ pub(crate) fn remove_orphans(config: &Config, places: &Places) {
     }
 }
 
+/// Removes this user's connections of which an end is no more, in a domain that a group shares: who lets go last would
+/// remove them, but cannot remove another user's. Who still has one mapped keeps it; nobody opens it again.
+pub(crate) fn remove_own_connections(places: &Places) {
+    let files: Vec<PathBuf> = entries(Path::new(SHM))
+        .filter(|path| places.has_prefix(path) && path.extension().is_some_and(|kind| kind == "connection"))
+        .collect();
+    let tagged = places.tagged_ports();
+    for file in files.iter().filter(|file| is_own(file)) {
+        let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        // Behind a hash of the type, the two ends.
+        if stem.split('_').skip(1).any(|id| !tagged.contains(id)) {
+            let _ = fs::remove_file(file);
+        }
+    }
+}
+
 /// Removes what iceoryx2 keeps after the last node of a domain: its node counter, and the directories that all
 /// domains share if nobody is left in any of them.
 pub(crate) fn remove_traces(config: &Config, places: &Places) -> std::io::Result<()> {

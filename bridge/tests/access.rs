@@ -335,6 +335,12 @@ fn a_group_with_many_streams() {
     for actor in &mut restless {
         actor.says("done");
     }
+    // Who leaves in peace leaves no connection, though the last one at it could not remove it.
+    for watcher in watchers {
+        assert!(watcher.leave().success());
+    }
+    let left = files_of("default");
+    assert!(!left.iter().any(|path| path.extension().is_some_and(|kind| kind == "connection")), "{left:?}");
 }
 
 fn directories_of_a_group() {

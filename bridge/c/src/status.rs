@@ -53,10 +53,13 @@ pub(crate) struct Failure(Status, String);
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let status = match &error {
-            Error::InvalidDomain(_) | Error::InvalidTopic { .. } | Error::Text(_) => Status::InvalidName,
+            Error::InvalidDomain(_)
+            | Error::InvalidTopic { .. }
+            | Error::InvalidGroup { .. }
+            | Error::Text(_) => Status::InvalidName,
             Error::DomainInUse { .. } => Status::DomainInUse,
             Error::Incompatible { .. } => Status::Incompatible,
-            Error::Permission { .. } => Status::Permission,
+            Error::Permission { .. } | Error::NotADirectory(_) => Status::Permission,
             Error::SharedMemoryTooSmall { .. } => Status::SharedMemoryTooSmall,
             Error::TooManySubscribers { .. }
             | Error::TooManyHeld { .. }

@@ -135,7 +135,9 @@ fn a_stopped_consumer_harms_nobody_and_knows_what_it_missed() {
         |publisher: &Process| -> Vec<u64> { frames_of(publisher).iter().map(|sent| sent.1).collect() };
     let mut sends_before = sends(&publisher);
     frames_of(&stopped);
-    others.iter().for_each(|other| drop(frames_of(other)));
+    for other in &others {
+        drop(frames_of(other));
+    }
 
     stopped.signal(Signal::STOP);
     std::thread::sleep(STOP);

@@ -1,0 +1,110 @@
+// The bridge as a node of its own.
+
+#include <ros/ros.h>
+#include <ros/xmlrpc_manager.h>
+#include <signal.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#include "bridge.hpp"
+#include "master.hpp"
+
+namespace {
+
+using belvedere_ros::Bridge;
+using belvedere_ros::Master;
+
+// Parameters that outlive the master which kept them.
+constexpr const char* kKeptParameters = "BELVEDERE_ROS_PARAMETERS";
+
+// SIGINT and SIGTERM are taken by the main thread alone, and by nothing that roscpp installs: roscpp ends at SIGTERM
+// without telling the master, which would go on listing this node.
+sigset_t block_signals() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    return signals;
+}
+
+// Whether one of them came within half a second.
+bool signalled(const sigset_t& signals) {
+    const timespec patience{0, 500'000'000};
+    return sigtimedwait(&signals, nullptr, &patience) > 0;
+}
+
+// False when a signal came first.
+bool wait_for_master(const sigset_t& signals) {
+    while (!Master::answers()) {
+        ROS_WARN_STREAM_THROTTLE(10, "waiting for roscore at " << ros::master::getURI() << " (ROS_MASTER_URI)");
+        if (signalled(signals)) return false;
+    }
+    return true;
+}
+
+void restore_parameters() {
+    const char* kept = std::getenv(kKeptParameters);
+    if (kept == nullptr) return;
+    int offset = 0;
+    XmlRpc::XmlRpcValue parameters(kept, &offset);
+    if (parameters.getType() == XmlRpc::XmlRpcValue::TypeStruct && !ros::param::has("~")) ros::param::set("~", parameters);
+}
+
+void keep_parameters() {
+    XmlRpc::XmlRpcValue parameters;
+    if (ros::param::get("~", parameters)) setenv(kKeptParameters, parameters.toXml().c_str(), 1);
+}
+
+enum class End { asked_for, master_forgot };
+
+// Serves until a signal, `rosnode kill`, or a master that was started again.
+End serve(const sigset_t& signals) {
+    const Bridge bridge{ros::NodeHandle(), ros::NodeHandle("~")};
+    ros::AsyncSpinner spinner(2);
+    spinner.start();
+    const Master master;
+    bool gone = false;
+    while (!signalled(signals) && ros::ok()) {
+        const Master::State state = master.look();
+        if (state == Master::State::forgetful) return End::master_forgot;
+        if (const bool now = state == Master::State::gone; now != gone) {
+            gone = now;
+            if (gone)
+                ROS_WARN_STREAM("roscore at " << ros::master::getURI() << " is gone; waiting for it");
+            else
+                ROS_INFO("roscore answers again");
+        }
+    }
+    return End::asked_for;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const std::vector<char*> arguments(argv, argv + argc + 1);  // with the null at the end; ros::init takes some away
+    const sigset_t signals = block_signals();
+    try {
+        ros::init(argc, argv, "belvedere", ros::init_options::NoSigintHandler);
+        if (!wait_for_master(signals)) return 0;
+        restore_parameters();
+        const End end = serve(signals);
+        if (end == End::master_forgot) keep_parameters();
+        ros::shutdown();
+        if (end == End::asked_for) return 0;
+    } catch (const std::exception& error) {
+        ROS_FATAL_STREAM(error.what());
+        ros::shutdown();
+        return 1;
+    }
+    // roscpp registers what it has with one master only. The program begins anew, in the same process, so that whoever has
+    // started it notices nothing.
+    execv("/proc/self/exe", arguments.data());
+    ROS_FATAL("cannot begin anew with the new roscore");
+    return 1;
+}

@@ -1,0 +1,53 @@
+#include "streams.hpp"
+
+#include <ros/console.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+#include <vector>
+
+namespace belvedere_ros {
+
+namespace {
+
+// How often the domain is looked at.
+constexpr std::chrono::milliseconds kPeriod{500};
+
+}  // namespace
+
+Streams::Streams(Domain& domain, Found found)
+    : domain_(domain), found_(std::move(found)), thread_([this] { run(); }) {}
+
+Streams::~Streams() {
+    stopping_ = true;
+    bell_.ring();
+    thread_.join();
+}
+
+void Streams::run() {
+    ROS_INFO_STREAM("looking for a simulator in domain " << domain_.name());
+    while (!stopping_) {
+        try {
+            look();
+        } catch (const std::exception& error) {
+            ROS_WARN_STREAM_THROTTLE(10, "cannot list the streams of domain " << domain_.name() << ": " << error.what());
+        }
+        bell_.wait(kPeriod, [this] { return stopping_.load(); });
+    }
+}
+
+void Streams::look() {
+    const std::vector<bv_stream_info> streams = domain_.streams();
+    const bool there = std::any_of(streams.begin(), streams.end(), [](const auto& stream) {
+        return stream.publishers > 0 && stream.kind != BV_KIND_VELOCITY_COMMAND;
+    });
+    if (!there)
+        ROS_INFO_STREAM_DELAYED_THROTTLE(10, "waiting for a simulator in domain " << domain_.name() << " (belvedere run --domain "
+                                                                          << domain_.name() << ')');
+    if (there != simulator_is_there_.exchange(there))
+        ROS_INFO_STREAM((there ? "found a simulator in domain " : "the simulator has gone from domain ") << domain_.name());
+    for (const bv_stream_info& stream : streams) found_(stream);
+}
+
+}  // namespace belvedere_ros

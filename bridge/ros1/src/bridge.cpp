@@ -13,17 +13,10 @@ constexpr double kDiagnosticPeriod = 1.0;
 // What share of its rate a stream must reach.
 constexpr double kEnough = 0.9;
 
-Parameters read(const ros::NodeHandle& private_nh) {
-    Parameters parameters = Parameters::read(private_nh);
-    // As Gazebo's ROS plugin does, so that launch files need not.
-    if (parameters.publish_clock && !ros::param::has("/use_sim_time")) ros::param::set("/use_sim_time", true);
-    return parameters;
-}
-
 }  // namespace
 
 Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
-    : nh_(nh), parameters_(read(private_nh)), domain_(parameters_.domain), topics_(nh, parameters_),
+    : nh_(nh), parameters_(Parameters::read(private_nh)), domain_(parameters_.domain), topics_(nh, parameters_),
       diagnostics_(nh, private_nh, private_nh.getNamespace()) {
     diagnostics_.setHardwareID("belvedere domain " + domain_.name());
     diagnostics_.add("simulator", [this](auto& status) { diagnose_simulator(status); });

@@ -24,15 +24,15 @@ void VelocityCommands::send(const geometry_msgs::Twist& twist, const std::string
     const auto finite = [](const double (&values)[3]) {
         return std::all_of(std::begin(values), std::end(values), [](double value) { return std::isfinite(value); });
     };
+    const std::lock_guard<std::mutex> lock(mutex_);
     if (!finite(command.linear) || !finite(command.angular)) {
-        ROS_WARN_STREAM_THROTTLE(10, topic << ": a velocity that is not finite is ignored");
+        if (trouble_.due()) ROS_WARN_STREAM(topic << ": a velocity that is not finite is ignored");
         return;
     }
     try {
-        const std::lock_guard<std::mutex> lock(mutex_);
         publisher_.send(command);
     } catch (const std::exception& error) {
-        ROS_WARN_STREAM_THROTTLE(10, topic << ": " << error.what());
+        if (trouble_.due()) ROS_WARN_STREAM(topic << ": " << error.what());
     }
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "domain.hpp"
+#include "reminder.hpp"
 
 namespace belvedere_ros {
 
@@ -21,6 +22,7 @@ private:
     void send(const geometry_msgs::Twist& twist, const std::string& topic);
 
     std::mutex mutex_;
+    Reminder trouble_;
     belvedere::VelocityPublisher publisher_;
     std::vector<ros::Subscriber> subscribers_;
 };

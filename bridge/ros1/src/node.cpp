@@ -13,6 +13,7 @@
 
 #include "bridge.hpp"
 #include "master.hpp"
+#include "reminder.hpp"
 
 namespace {
 
@@ -41,8 +42,9 @@ bool signalled(const sigset_t& signals) {
 
 // False when a signal came first.
 bool wait_for_master(const sigset_t& signals) {
+    belvedere_ros::Reminder reminder;
     while (!Master::answers()) {
-        ROS_WARN_STREAM_THROTTLE(10, "waiting for roscore at " << ros::master::getURI() << " (ROS_MASTER_URI)");
+        if (reminder.due()) ROS_WARN_STREAM("waiting for roscore at " << ros::master::getURI() << " (ROS_MASTER_URI)");
         if (signalled(signals)) return false;
     }
     return true;
@@ -54,6 +56,11 @@ void restore_parameters() {
     int offset = 0;
     XmlRpc::XmlRpcValue parameters(kept, &offset);
     if (parameters.getType() == XmlRpc::XmlRpcValue::TypeStruct && !ros::param::has("~")) ros::param::set("~", parameters);
+}
+
+// As Gazebo's ROS plugin does, so that launch files need not. Before the first handle: roscpp looks at it then.
+void use_simulated_time() {
+    if (ros::param::param("~publish_clock", true) && !ros::param::has("/use_sim_time")) ros::param::set("/use_sim_time", true);
 }
 
 void keep_parameters() {
@@ -93,6 +100,7 @@ int main(int argc, char** argv) {
         ros::init(argc, argv, "belvedere", ros::init_options::NoSigintHandler);
         if (!wait_for_master(signals)) return 0;
         restore_parameters();
+        use_simulated_time();
         const End end = serve(signals);
         if (end == End::master_forgot) keep_parameters();
         ros::shutdown();

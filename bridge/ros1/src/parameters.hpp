@@ -29,7 +29,7 @@ struct Parameters {
 
     /// ~domain (text): where the simulator is; empty: BELVEDERE_DOMAIN, else "default".
     std::string domain;
-    /// ~publish_clock (true): whether /clock is sent, and use_sim_time set unless it is set already.
+    /// ~publish_clock (true): whether /clock is sent, and (by the node) use_sim_time set unless it is set already.
     bool publish_clock = true;
     /// ~transforms (all): all, odometry or none.
     Transforms transforms = Transforms::all;

@@ -26,12 +26,11 @@ Streams::~Streams() {
 }
 
 void Streams::run() {
-    ROS_INFO_STREAM("looking for a simulator in domain " << domain_.name());
     while (!stopping_) {
         try {
             look();
         } catch (const std::exception& error) {
-            ROS_WARN_STREAM_THROTTLE(10, "cannot list the streams of domain " << domain_.name() << ": " << error.what());
+            if (trouble_.due()) ROS_WARN_STREAM("cannot list the streams of domain " << domain_.name() << ": " << error.what());
         }
         bell_.wait(kPeriod, [this] { return stopping_.load(); });
     }
@@ -42,11 +41,10 @@ void Streams::look() {
     const bool there = std::any_of(streams.begin(), streams.end(), [](const auto& stream) {
         return stream.publishers > 0 && stream.kind != BV_KIND_VELOCITY_COMMAND;
     });
-    if (!there)
-        ROS_INFO_STREAM_DELAYED_THROTTLE(10, "waiting for a simulator in domain " << domain_.name() << " (belvedere run --domain "
-                                                                          << domain_.name() << ')');
     if (there != simulator_is_there_.exchange(there))
         ROS_INFO_STREAM((there ? "found a simulator in domain " : "the simulator has gone from domain ") << domain_.name());
+    if (!there && waiting_.due())
+        ROS_INFO_STREAM("waiting for a simulator in domain " << domain_.name() << " (belvedere run --domain " << domain_.name() << ')');
     for (const bv_stream_info& stream : streams) found_(stream);
 }
 

@@ -9,6 +9,7 @@
 
 #include "bell.hpp"
 #include "domain.hpp"
+#include "reminder.hpp"
 
 namespace belvedere_ros {
 
@@ -33,6 +34,7 @@ private:
     Domain& domain_;
     Found found_;
     Bell bell_;
+    Reminder trouble_, waiting_;
     std::atomic<bool> simulator_is_there_{false};
     std::atomic<bool> stopping_{false};
     std::thread thread_;

@@ -13,7 +13,6 @@ ros::Time to_time(std::uint64_t nanoseconds) {
 
 std_msgs::Header to_header(const Sample& sample) {
     std_msgs::Header header;
-    header.seq = static_cast<std::uint32_t>(sample.header.seq);
     header.stamp = to_time(sample.header.stamp_ns);
     header.frame_id = to_text(sample.header.frame_id);
     return header;

@@ -20,7 +20,7 @@ public:
 /// Nanoseconds of simulation as time of ROS; Unrepresentable beyond 2³² s.
 ros::Time to_time(std::uint64_t nanoseconds);
 
-/// Stamp, frame_id and the number of the frame, whose gaps are frames missed.
+/// Stamp and frame_id; the number is roscpp's to count.
 std_msgs::Header to_header(const Sample& sample);
 
 /// Text of a fixed field, without the leading slash that tf2 refuses.

@@ -1,11 +1,11 @@
 // The bridge as a node of its own.
 
 #include <ros/ros.h>
-#include <ros/xmlrpc_manager.h>
 #include <signal.h>
 #include <time.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <memory>
@@ -41,10 +41,10 @@ bool signalled(const sigset_t& signals) {
 }
 
 // False when a signal came first.
-bool wait_for_master(const sigset_t& signals) {
+bool wait_for(const Master& master, const sigset_t& signals) {
     belvedere_ros::Reminder reminder;
-    while (!Master::answers()) {
-        if (reminder.due()) ROS_WARN_STREAM("waiting for roscore at " << ros::master::getURI() << " (ROS_MASTER_URI)");
+    while (!master.answers()) {
+        if (reminder.due()) ROS_WARN_STREAM("waiting for roscore at " << master.uri() << " (ROS_MASTER_URI)");
         if (signalled(signals)) return false;
     }
     return true;
@@ -68,51 +68,56 @@ void keep_parameters() {
     if (ros::param::get("~", parameters)) setenv(kKeptParameters, parameters.toXml().c_str(), 1);
 }
 
-enum class End { asked_for, master_forgot };
+enum class End { asked_for, failed, master_forgot };
 
 // Serves until a signal, `rosnode kill`, or a master that was started again.
-End serve(const sigset_t& signals) {
-    const Bridge bridge{ros::NodeHandle(), ros::NodeHandle("~")};
-    ros::AsyncSpinner spinner(2);
-    spinner.start();
-    const Master master;
-    bool gone = false;
-    while (!signalled(signals) && ros::ok()) {
-        const Master::State state = master.look();
-        if (state == Master::State::forgetful) return End::master_forgot;
-        if (const bool now = state == Master::State::gone; now != gone) {
-            gone = now;
-            if (gone)
-                ROS_WARN_STREAM("roscore at " << ros::master::getURI() << " is gone; waiting for it");
-            else
-                ROS_INFO("roscore answers again");
+End serve(const Master& master, const sigset_t& signals) {
+    const ros::NodeHandle nh;  // as long as there is one, roscpp runs, and logs
+    try {
+        const Bridge bridge{nh, ros::NodeHandle("~")};
+        ros::AsyncSpinner spinner(2);
+        spinner.start();
+        bool gone = false;
+        while (!signalled(signals) && ros::ok()) {
+            const Master::State state = master.look(ros::this_node::getName());
+            if (state == Master::State::forgetful) return End::master_forgot;
+            if (const bool now = state == Master::State::gone; now != gone) {
+                gone = now;
+                if (gone)
+                    ROS_WARN_STREAM("roscore at " << master.uri() << " is gone; waiting for it");
+                else
+                    ROS_INFO("roscore answers again");
+            }
         }
+    } catch (const std::exception& error) {
+        ROS_FATAL_STREAM(error.what());
+        return End::failed;
     }
     return End::asked_for;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     const std::vector<char*> arguments(argv, argv + argc + 1);  // with the null at the end; ros::init takes some away
     const sigset_t signals = block_signals();
-    try {
-        ros::init(argc, argv, "belvedere", ros::init_options::NoSigintHandler);
-        if (!wait_for_master(signals)) return 0;
-        restore_parameters();
-        use_simulated_time();
-        const End end = serve(signals);
-        if (end == End::master_forgot) keep_parameters();
-        ros::shutdown();
-        if (end == End::asked_for) return 0;
-    } catch (const std::exception& error) {
-        ROS_FATAL_STREAM(error.what());
-        ros::shutdown();
-        return 1;
-    }
+    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // into a file or a pipe, what is said would come late
+    const Master master(argc, argv);
+    if (!wait_for(master, signals)) return 0;
+    ros::init(argc, argv, "belvedere", ros::init_options::NoSigintHandler);
+    restore_parameters();
+    use_simulated_time();
+    const End end = serve(master, signals);
+    if (end == End::master_forgot) keep_parameters();
+    ros::shutdown();
+    if (end != End::master_forgot) return end == End::asked_for ? 0 : 1;
+
     // roscpp registers what it has with one master only. The program begins anew, in the same process, so that whoever has
     // started it notices nothing.
     execv("/proc/self/exe", arguments.data());
-    ROS_FATAL("cannot begin anew with the new roscore");
+    std::perror("cannot begin anew with the new roscore");
+    return 1;
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "belvedere_ros: %s\n", error.what());
     return 1;
 }

@@ -44,7 +44,7 @@ void Streams::look() {
     if (there != simulator_is_there_.exchange(there))
         ROS_INFO_STREAM((there ? "found a simulator in domain " : "the simulator has gone from domain ") << domain_.name());
     if (!there && waiting_.due())
-        ROS_INFO_STREAM("waiting for a simulator in domain " << domain_.name() << " (belvedere run --domain " << domain_.name() << ')');
+        ROS_WARN_STREAM("waiting for a simulator in domain " << domain_.name() << " (belvedere run --domain " << domain_.name() << ')');
     for (const bv_stream_info& stream : streams) found_(stream);
 }
 

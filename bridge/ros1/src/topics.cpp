@@ -89,11 +89,12 @@ Convert<sensor_msgs::CameraInfo> Topics::camera_info_converter(const std::string
     std::replace(name.begin(), name.end(), '/', '_');
     const auto manager = std::make_shared<camera_info_manager::CameraInfoManager>(ros::NodeHandle(nh_, camera), name,
                                                                                   parameters_.camera_info_url);
-    return [manager](const Sample& sample) {
+    return [manager, topic, said = false](const Sample& sample) mutable {
         auto info = to_camera_info(sample);
         if (!manager->isCalibrated()) return info;
         auto calibrated = boost::make_shared<sensor_msgs::CameraInfo>(manager->getCameraInfo());
         if (calibrated->width != info->width || calibrated->height != info->height) return info;
+        if (!std::exchange(said, true)) ROS_WARN_STREAM(topic << " is that of a calibration that was kept, not the simulator's");
         calibrated->header = info->header;
         return calibrated;
     };

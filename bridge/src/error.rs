@@ -1,6 +1,6 @@
 //! What can go wrong, said so that the reader knows what to do.
 
-use crate::Domain;
+use crate::{Consumer, Domain};
 
 /// The version of iceoryx2 that this build speaks; 0.10 peers must agree in all three numbers.
 pub const ICEORYX2_VERSION: &str = "0.10.0";
@@ -95,6 +95,19 @@ pub enum Error {
         topic: String,
         /// How many may be out at once.
         max: usize,
+    },
+    /// A consumer that a lossless stream waits for has not made room for a frame, which is lost to it.
+    #[error(
+        "consumer {consumer} held {topic} up for {seconds} s and has now lost a frame; make it faster, raise the patience, or do not wait for it",
+        seconds = patience.as_secs_f64()
+    )]
+    HeldUp {
+        /// The stream.
+        topic: String,
+        /// Who was waited for.
+        consumer: Consumer,
+        /// For how long.
+        patience: std::time::Duration,
     },
     /// More frames are held by this subscriber than it may hold.
     #[error("{topic}: this subscriber holds {max} frames already, release one first")]

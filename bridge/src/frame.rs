@@ -12,6 +12,8 @@ pub(crate) type Sample = iceoryx2::sample::Sample<Ipc, [u8], FrameHeader>;
 ///
 /// Its header has passed [`FrameHeader::check`], so that rows and structs lie within the payload.
 pub struct Frame {
+    /// A copy, since what was checked must not change: the original is the publisher's to write.
+    header: FrameHeader,
     // Before port and node: fields are dropped in this order.
     sample: Sample,
     /// When a port closes, iceoryx2's publisher takes back all that went through it and writes into it again, held or
@@ -32,16 +34,16 @@ impl Frame {
         connected_mono_ns: u64,
         node: Node,
     ) -> Result<Self, FrameError> {
-        let header = sample.user_header();
+        let header = *sample.user_header();
         header.check(sample.payload().len())?;
         let from_history = header.publish_mono_ns < connected_mono_ns;
-        Ok(Self { sample, _port: port, missed, restarted, from_history, _node: node })
+        Ok(Self { header, sample, _port: port, missed, restarted, from_history, _node: node })
     }
 
     /// What the payload is.
     #[must_use]
     pub fn header(&self) -> &FrameHeader {
-        self.sample.user_header()
+        &self.header
     }
 
     /// The data, where the publisher wrote them; aligned to 64 bytes.

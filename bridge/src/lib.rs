@@ -65,7 +65,7 @@
 //!
 //! # What holds
 //! - `loan` and `send` do not copy, nor allocate but for iceoryx2's record of a loan (some 80 bytes). A slow subscriber loses its own oldest frame and slows nobody,
-//!   unless the stream is made [`lossless`](StreamSpec::lossless).
+//!   unless the stream is made [`lossless`](Lossless).
 //! - A payload begins at a multiple of 64 bytes. A [`Frame`]'s geometry was checked against its payload.
 //! - A [`Subscriber`] may be there before its publisher and outlives it; [`Frame::restarted`] and
 //!   [`Frame::missed`] tell what happened in between.
@@ -75,32 +75,39 @@
 //! # Layers
 //! [`Text`], [`payload`], [`Kind`], [`Encoding`], [`FrameHeader`]: the bytes. [`Domain`]: names. [`Node`]:
 //! membership. [`StreamSpec`], [`StreamInfo`]: streams. [`Publisher`], [`LoanedFrame`], [`Subscriber`],
-//! [`Frame`], [`FrameView`]: the two ends. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
+//! [`Frame`], [`FrameView`]: the two ends. [`Synchronizer`]: several streams at once. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
 #![deny(unsafe_code)]
 
 pub mod clock;
+mod consumer;
 mod domain;
 mod error;
 mod frame;
 mod header;
 mod kind;
 mod loan;
+mod lossless;
 mod node;
 pub mod payload;
 mod publisher;
+mod readiness;
 mod stream;
 mod subscriber;
+mod synchronizer;
 mod text;
 mod view;
 
+pub use consumer::Consumer;
 pub use domain::Domain;
 pub use error::{Error, FrameError, ICEORYX2_VERSION};
 pub use frame::Frame;
 pub use header::{FrameHeader, Intrinsics, ScanGeometry};
 pub use kind::{Encoding, Kind};
+pub use lossless::Lossless;
 pub use node::Node;
 pub use publisher::{LoanedFrame, Publisher};
 pub use stream::{StreamInfo, StreamSpec};
 pub use subscriber::Subscriber;
+pub use synchronizer::Synchronizer;
 pub use text::{Text, TextError};
 pub use view::FrameView;

@@ -4,13 +4,13 @@ use std::{
     fmt,
     sync::{
         Arc,
-        atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering},
+        atomic::{AtomicU64, AtomicUsize, Ordering},
     },
 };
 
 use iceoryx2::{
     port::{
-        BackpressureAction, LoanError,
+        LoanError,
         notifier::Notifier,
         publisher::{Publisher as Port, PublisherCreateError},
         update_connections::UpdateConnections,
@@ -20,9 +20,10 @@ use iceoryx2::{
 };
 
 use crate::{
-    Error, FrameHeader, Node, StreamSpec, clock,
+    Consumer, Error, FrameHeader, Node, StreamSpec, clock, consumer,
     domain::canonical_topic,
     loan,
+    lossless::Queue,
     node::{Ipc, PoolBooking},
     payload::Message,
     stream::{self, Events, Frames},
@@ -48,8 +49,8 @@ pub struct Publisher {
     next_seq: AtomicU64,
     /// Subscribers when connections were last made, so that a new one is noticed.
     known_subscribers: AtomicUsize,
-    /// A lossless stream's subscriber has let a frame go by: it may be dead.
-    lost_patience: Arc<AtomicBool>,
+    /// Of a lossless stream: who is waited for.
+    queue: Option<Arc<Queue>>,
 }
 
 impl Publisher {
@@ -59,25 +60,16 @@ impl Publisher {
         let template = FrameHeader { session, ..spec.header()? };
         let pool = node.book_pool(&topic, spec.pool_bytes())?;
         let (frames, events) = stream::open_or_create(node, spec)?;
-        let lost_patience = Arc::new(AtomicBool::new(false));
+        let queue = spec.lossless.clone().map(|lossless| Arc::new(Queue::new(lossless, node.clone())));
         let mut tried_again = false;
         let port = loop {
-            let lost_patience = Arc::clone(&lost_patience);
             let mut builder = frames
                 .publisher_builder()
                 .initial_max_slice_len(spec.max_payload_len.max(1))
                 .max_loaned_samples(spec.loaned)
                 .backpressure_strategy(spec.backpressure());
-            if spec.lossless {
-                builder = builder.set_backpressure_handler(move |info| {
-                    if info.elapsed_time < StreamSpec::LOSSLESS_PATIENCE {
-                        std::thread::yield_now();
-                        BackpressureAction::Retry
-                    } else {
-                        lost_patience.store(true, Ordering::Relaxed);
-                        BackpressureAction::DiscardData
-                    }
-                });
+            if let Some(queue) = queue.clone() {
+                builder = builder.set_backpressure_handler(move |full| queue.wait(full));
             }
             match builder.create() {
                 Ok(port) => break port,
@@ -109,7 +101,7 @@ impl Publisher {
             max_loaned: spec.loaned,
             next_seq: AtomicU64::new(0),
             known_subscribers: AtomicUsize::new(0),
-            lost_patience,
+            queue,
         };
         publisher.check_alignment()?;
         Ok(publisher)
@@ -142,6 +134,12 @@ impl Publisher {
     #[must_use]
     pub fn subscribers(&self) -> usize {
         self.frames.dynamic_config().number_of_subscribers()
+    }
+
+    /// Who follows the stream now. Reads some files for each process of the domain.
+    #[must_use]
+    pub fn consumers(&self) -> Vec<Consumer> {
+        consumer::consumers(&self.node, &self.frames).into_iter().map(|(_, consumer)| consumer).collect()
     }
 
     /// Gives subscribers that have come since the last frame the newest one (the stream's history) without
@@ -249,6 +247,8 @@ impl LoanedFrame<'_> {
     /// Hands the frame to every subscriber and wakes them; gives their number.
     ///
     /// # Errors
+    /// [`Error::HeldUp`] when the stream is [lossless](crate::Lossless) and a consumer has not made room in time; the
+    /// others have the frame.
     /// [`Error::Transport`] when a subscriber could not be reached; the others were.
     pub fn send(mut self) -> Result<usize, Error> {
         let Self { publisher, .. } = self;
@@ -263,14 +263,17 @@ impl LoanedFrame<'_> {
             "{}: a header that every subscriber refuses",
             publisher.topic
         );
+        if let Some(queue) = &publisher.queue {
+            queue.look_at(&publisher.frames);
+        }
         let sent = self.sample.send();
         let subscribers = publisher.subscribers();
         publisher.known_subscribers.store(subscribers, Ordering::Relaxed);
         if subscribers > 0 {
             publisher.notify();
         }
-        if publisher.lost_patience.swap(false, Ordering::Relaxed) {
-            publisher.node.clean_up_dead();
+        if let Some((consumer, patience)) = publisher.queue.as_ref().and_then(|queue| queue.take_held_up()) {
+            return Err(Error::HeldUp { topic: publisher.topic.clone(), consumer, patience });
         }
         sent.map_err(|error| Error::transport(format!("sending a frame of {}", publisher.topic), error))
     }

@@ -14,7 +14,7 @@ use iceoryx2::{
 use std::time::{Duration, Instant};
 
 use crate::{
-    Encoding, Error, FrameHeader, Kind, Node, Text,
+    Encoding, Error, FrameHeader, Kind, Lossless, Node, Text,
     domain::{canonical_topic, service_name, topic_of_service},
     node::Ipc,
 };
@@ -57,16 +57,11 @@ pub struct StreamSpec {
     pub loaned: usize,
     /// Frames that a late subscriber is given at first.
     pub history: usize,
-    /// The publisher waits for subscribers whose buffer is full, and no frame is lost. One that does not take a
-    /// frame for [`StreamSpec::LOSSLESS_PATIENCE`] loses it all the same, so that a stopped consumer cannot
-    /// stop the simulation.
-    pub lossless: bool,
+    /// Whom the publisher waits for; nobody if it is `None`: who is slow loses the oldest of its waiting frames.
+    pub lossless: Option<Lossless>,
 }
 
 impl StreamSpec {
-    /// How long a lossless publisher waits for one subscriber.
-    pub const LOSSLESS_PATIENCE: Duration = Duration::from_secs(5);
-
     /// A stream from the robot: one publisher, 8 subscribers, buffer 2, 2 held, 2 loaned, history 1, overflow.
     #[must_use]
     pub fn new(topic: impl Into<String>, kind: Kind, encoding: Encoding, max_payload_len: usize) -> Self {
@@ -83,7 +78,7 @@ impl StreamSpec {
             borrowed: 2,
             loaned: 2,
             history: 1,
-            lossless: false,
+            lossless: None,
         }
     }
 
@@ -130,7 +125,7 @@ impl StreamSpec {
     }
 
     pub(crate) fn backpressure(&self) -> BackpressureStrategy {
-        if self.lossless {
+        if self.lossless.is_some() {
             BackpressureStrategy::RetryUntilDelivered
         } else {
             BackpressureStrategy::DiscardData
@@ -249,7 +244,7 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
                 .subscriber_max_buffer_size(spec.buffer)
                 .subscriber_max_borrowed_samples(spec.borrowed)
                 .history_size(spec.history)
-                .enable_safe_overflow(!spec.lossless)
+                .enable_safe_overflow(spec.lossless.is_none())
                 .create_with_attributes(&spec.attributes()?);
             match created {
                 Ok(frames) => return Ok((frames, events(node, topic)?)),
@@ -313,7 +308,7 @@ fn check_against(spec: &StreamSpec, topic: &str, node: &Node, frames: &Frames) -
             "it was made with {found} {what}, {wanted} are asked for; close its consumers"
         ));
     }
-    if found.has_safe_overflow() == spec.lossless {
+    if found.has_safe_overflow() == spec.lossless.is_some() {
         return incompatible(
             "it was made with the other of lossless and overflow; close its consumers".to_owned(),
         );

@@ -2,6 +2,7 @@
 
 use std::{
     fmt,
+    os::fd::{AsFd as _, BorrowedFd},
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -16,6 +17,7 @@ use crate::{
     domain::canonical_topic,
     frame::{FramePort, Sample},
     node::Ipc,
+    readiness::Readiness,
     stream::{self, Events, Frames, Opened},
 };
 
@@ -48,6 +50,8 @@ pub struct Subscriber {
     missed_total: u64,
     last_sign_of_life: Instant,
     last_clean_up: Instant,
+    /// Only of subscribers that somebody polls.
+    readiness: Option<Readiness>,
 }
 
 /// Ports before their services: fields are dropped in this order.
@@ -79,6 +83,7 @@ impl Subscriber {
             missed_total: 0,
             last_sign_of_life: now,
             last_clean_up: now,
+            readiness: None,
         }
     }
 
@@ -143,6 +148,54 @@ impl Subscriber {
         }
     }
 
+    /// A descriptor to wait on in an event loop of somebody else's (poll, epoll, libuv, asyncio, Qt): readable when
+    /// a frame waits, or when it is time to look after the stream. Then [`take`](Self::take) until there is none,
+    /// which makes it unreadable; a frame that is left waiting keeps it readable.
+    ///
+    /// It is the same one for the subscriber's whole life, whatever publishers come and go. Do not read from it.
+    ///
+    /// ```
+    /// use belvedere_bridge::{Domain, Encoding, Kind, Node, StreamSpec};
+    /// use rustix::event::{PollFd, PollFlags, Timespec, poll};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let domain = Domain::new(&format!("doc-f-{}", std::process::id()))?;
+    /// let node = Node::open(&domain, "my-loop")?;
+    /// # let publisher = node.publisher(&StreamSpec::new("scan", Kind::LaserScan, Encoding::RangesF32, 1440))?;
+    /// let mut scans = node.subscriber("scan")?;
+    /// # scans.take()?;
+    /// # publisher.loan(1440)?.send()?;
+    /// let mut fds = [PollFd::from_borrowed_fd(scans.readiness()?, PollFlags::IN)];
+    /// assert_eq!(poll(&mut fds, Some(&Timespec { tv_sec: 10, tv_nsec: 0 }))?, 1);
+    /// assert!(scans.take()?.is_some());
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Transport`] when the process has no descriptors left.
+    pub fn readiness(&mut self) -> Result<BorrowedFd<'_>, Error> {
+        self.poll_ready()?;
+        self.readiness_fd().ok_or_else(|| self.broken("no descriptor"))
+    }
+
+    /// Makes the descriptor, if there is none yet.
+    pub(crate) fn poll_ready(&mut self) -> Result<(), Error> {
+        if self.readiness.is_none() {
+            let readiness = Readiness::new().map_err(|error| self.broken(error))?;
+            if let Some(connection) = &self.connection {
+                readiness.follow(&connection.listener).map_err(|error| self.broken(error))?;
+            }
+            self.readiness = Some(readiness);
+        }
+        Ok(())
+    }
+
+    /// The descriptor, if it was made.
+    pub(crate) fn readiness_fd(&self) -> Option<BorrowedFd<'_>> {
+        self.readiness.as_ref().map(|readiness| readiness.as_fd())
+    }
+
     /// The oldest frame that waits, if any; never sleeps.
     ///
     /// # Errors
@@ -150,11 +203,10 @@ impl Subscriber {
     /// that must not be read, which is dropped.
     pub fn take(&mut self) -> Result<Option<Frame>, Error> {
         self.search()?;
-        let Some(sample) = self.receive()? else {
-            self.watch_publisher();
-            return Ok(None);
-        };
-        self.accept(sample)
+        match self.receive_or_settle()? {
+            Some(sample) => self.accept(sample),
+            None => Ok(None),
+        }
     }
 
     /// The newest frame that waits, if any, dropping those before it (they count as missed); never sleeps.
@@ -163,10 +215,7 @@ impl Subscriber {
     /// As [`take`](Self::take).
     pub fn take_newest(&mut self) -> Result<Option<Frame>, Error> {
         self.search()?;
-        let Some(mut newest) = self.receive()? else {
-            self.watch_publisher();
-            return Ok(None);
-        };
+        let Some(mut newest) = self.receive_or_settle()? else { return Ok(None) };
         while self.has_frames()? {
             let next = match self.receive() {
                 Err(Error::TooManyHeld { .. }) => {
@@ -192,6 +241,32 @@ impl Subscriber {
             }
         }
         self.accept(newest)
+    }
+
+    /// A frame, or the certainty that the next one will be announced.
+    fn receive_or_settle(&mut self) -> Result<Option<Sample>, Error> {
+        // More than once is a race, more than a few times would be a defect below, to be looked at again by the timer.
+        for _ in 0..4 {
+            if let Some(sample) = self.receive()? {
+                return Ok(Some(sample));
+            }
+            self.watch_publisher();
+            let Some(readiness) = &self.readiness else { return Ok(None) };
+            let delay = match &self.connection {
+                Some(connection) => {
+                    // What has come until now is no news any more. A signal in between only leaves it for later.
+                    let _ = connection.listener.try_wait(|_| {});
+                    WATCH_INTERVAL
+                }
+                None => SEARCH_INTERVAL,
+            };
+            readiness.look_again_in(delay).map_err(|error| self.broken(error))?;
+            // It may have come between the look and the clearing.
+            if !self.has_frames()? {
+                break;
+            }
+        }
+        Ok(None)
     }
 
     fn has_frames(&self) -> Result<bool, Error> {
@@ -279,6 +354,9 @@ impl Subscriber {
             }
             error => Error::transport(format!("subscribing to {}", self.topic), error),
         })?;
+        if let Some(readiness) = &self.readiness {
+            readiness.follow(&listener).map_err(|error| self.broken(error))?;
+        }
         self.connection = Some(Connection {
             port: Arc::new(port),
             listener,

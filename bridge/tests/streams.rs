@@ -3,7 +3,7 @@
 use std::{path::Path, time::Duration};
 
 use belvedere_bridge::{
-    Domain, Encoding, Error, Kind, Node, StreamSpec,
+    Domain, Encoding, Error, Kind, Lossless, Node, StreamSpec,
     payload::{Clock, Transform, VelocityCommand},
 };
 use bytemuck::Zeroable as _;
@@ -252,7 +252,7 @@ fn limits_are_errors_with_names() {
 #[test]
 fn a_lossless_stream_waits() {
     let node = node("lossless");
-    let spec = StreamSpec { lossless: true, ..image_spec("image") };
+    let spec = StreamSpec { lossless: Some(Lossless::default()), ..image_spec("image") };
     let publisher = node.publisher(&spec).unwrap();
     let mut subscriber = node.subscriber("image").unwrap();
     assert!(!subscriber.wait(SHORT).unwrap());

@@ -46,6 +46,25 @@ pub enum CliError {
         /// How long was waited.
         waited: Duration,
     },
+    /// A consumer that is waited for took too long.
+    #[error("at {:.3} s of simulated time {error} (--wait-for, --patience)", *time_ns as f64 * 1e-9)]
+    HeldUp {
+        /// Who, where and how long.
+        error: String,
+        /// Simulated time in ns.
+        time_ns: u64,
+    },
+    /// Consumers that are waited for have left and did not come back.
+    #[error(
+        "{names} left and did not come back within {:.1} s; no frame was lost; start it again sooner, raise --patience, or end the simulation with --duration",
+        waited.as_secs_f64()
+    )]
+    ConsumersGone {
+        /// Who.
+        names: String,
+        /// How long was waited.
+        waited: Duration,
+    },
     /// A frame that cannot be shown as a picture.
     #[error("{topic}: {source}")]
     Picture {

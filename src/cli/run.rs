@@ -8,10 +8,11 @@ use crate::description::package::PackagePath;
 use crate::description::robot::{LoadOptions, default_robot_name, load_robot};
 use crate::description::world::{default_world, load_world};
 use crate::description::{Diagnostics, Severity};
+use crate::rig::attendance::{Attendance, Awaited};
 use crate::rig::{Rig, RigOptions};
 use crate::robot::Drive;
 use crate::simulation::Simulation;
-use belvedere_bridge::{Domain, Node};
+use belvedere_bridge::{Domain, Lossless, Node};
 use belvedere_sensors::Execution;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -29,7 +30,8 @@ const GIVE_UP: Duration = Duration::from_millis(200);
   belvedere run
   belvedere run --robot kobuki_hexagons_kinect --world playground --drive spin
   belvedere run --robot my_robot.urdf.xacro --package-path ~/catkin_ws/src --domain lab
-  belvedere run --rate max --duration 10 --hash")]
+  belvedere run --rate max --duration 10 --hash
+  belvedere run --rate max --wait-for recorder=3 --patience 30")]
 pub struct RunArgs {
     /// The robot: a .urdf or .xacro file, or the name of one in turtlebot_description/robots
     /// [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]
@@ -64,6 +66,13 @@ pub struct RunArgs {
     /// Print at the end a hash of every byte published, per stream and over all
     #[arg(long)]
     hash: bool,
+    /// Lose no frame of this consumer (the name of its node): simulated time begins when it follows a stream (or as
+    /// many as follow =) and waits while it has no room; may be repeated
+    #[arg(long, value_name = "NAME[=STREAMS]")]
+    wait_for: Vec<Awaited>,
+    /// How long it waits for one of them before it ends with a report of who held it up
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "wait_for", default_value = "10")]
+    patience: Duration,
 }
 
 /// How simulated time runs.
@@ -88,6 +97,10 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         seed: args.seed,
         gazebo_compat: args.gazebo_compat,
         hashed: args.hash,
+        lossless: (!args.wait_for.is_empty()).then(|| Lossless {
+            consumers: args.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),
+            patience: args.patience,
+        }),
         execution: Execution::parallel(),
     };
     let mut notes = Vec::new();
@@ -102,9 +115,10 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         args.domain
     );
     let mut status = Status::new(simulation.rig());
-    run_loop(&mut simulation, args, &mut status);
+    let ended = run_loop(&mut simulation, args, &node, &mut status);
     let table = status.finish(simulation.rig(), simulation.time_ns());
     eprint!("{table}");
+    ended?;
     if args.hash { print_hashes(simulation.rig()) } else { Ok(()) }
 }
 
@@ -130,16 +144,64 @@ fn load(args: &RunArgs) -> Result<(World, Model), CliError> {
     }
 }
 
-fn run_loop(simulation: &mut Simulation, args: &RunArgs, status: &mut Status) {
+fn run_loop(
+    simulation: &mut Simulation,
+    args: &RunArgs,
+    node: &Node,
+    status: &mut Status,
+) -> Result<(), CliError> {
     let end_ns =
         args.duration.map_or(u64::MAX, |duration| u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX));
+    let mut attendance = Attendance::new(&args.wait_for);
+    gather(&mut attendance, simulation.rig(), node, None)?;
     let mut started = Instant::now();
     while !stop_wanted() && simulation.next_stamp_ns() < end_ns {
         if args.rate == Pace::Realtime && !wait_for(&mut started, simulation.next_stamp_ns()) {
-            return;
+            break;
         }
+        gather(&mut attendance, simulation.rig(), node, Some(args.patience))?;
         simulation.advance();
+        if !args.wait_for.is_empty()
+            && let Some(error) = simulation.rig().held_up()
+        {
+            return Err(CliError::HeldUp { error: error.to_string(), time_ns: simulation.time_ns() });
+        }
         status.refresh(simulation.rig(), simulation.time_ns());
+    }
+    Ok(())
+}
+
+/// Lets simulated time stand until all that are waited for are there; at the start for as long as it takes.
+fn gather(
+    attendance: &mut Attendance,
+    rig: &Rig,
+    node: &Node,
+    patience: Option<Duration>,
+) -> Result<(), CliError> {
+    let since = Instant::now();
+    let mut told = String::new();
+    loop {
+        let missing = attendance.missing(rig);
+        if missing.is_empty() {
+            if !told.is_empty() {
+                tracing::info!("all consumers that are waited for are there");
+            }
+            return Ok(());
+        }
+        let names = missing.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+        if stop_wanted() {
+            return Ok(());
+        }
+        if patience.is_some_and(|patience| since.elapsed() >= patience) {
+            return Err(CliError::ConsumersGone { names, waited: since.elapsed() });
+        }
+        if told != names {
+            tracing::info!("simulated time waits for {names}");
+            told = names;
+        }
+        // One that was killed leaves its place only by this.
+        node.clean_up_dead();
+        std::thread::sleep(NAP);
     }
 }
 

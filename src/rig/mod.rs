@@ -4,6 +4,7 @@
 //! A frame is rendered straight into the shared memory that subscribers read: the bridge lends it, the sensor
 //! fills it, the bridge sends it.
 
+pub mod attendance;
 mod camera;
 mod depth;
 mod lidar;
@@ -21,7 +22,7 @@ use crate::description::{Problem, Severity};
 use crate::robot::Robot;
 use crate::world::physics::{ModelIndex, Physics};
 use crate::world::scene::WorldScene;
-use belvedere_bridge::{Error as BridgeError, Node, StreamSpec};
+use belvedere_bridge::{Error as BridgeError, Lossless, Node, StreamSpec};
 use belvedere_sensors::Execution;
 use belvedere_sensors::trace::WorkspaceBuf;
 use camera::CameraChannel;
@@ -69,7 +70,7 @@ impl RigError {
 }
 
 /// How the rig is to run.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct RigOptions {
     /// Seed of all noise.
     pub seed: u64,
@@ -77,6 +78,8 @@ pub struct RigOptions {
     pub gazebo_compat: bool,
     /// Hash every byte that is published.
     pub hashed: bool,
+    /// Whom every stream waits for, if for anybody.
+    pub lossless: Option<Lossless>,
     /// SIMD level and threads of the sensors.
     pub execution: Execution,
 }
@@ -93,11 +96,12 @@ pub(crate) struct Setting<'a> {
     sensor: u32,
     gazebo_compat: bool,
     hashed: bool,
+    lossless: Option<&'a Lossless>,
 }
 
 impl Setting<'_> {
     fn open(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
-        Ok(Outlet::open(self.node, spec, self.hashed)?)
+        Ok(Outlet::open(self.node, spec, self.hashed, self.lossless)?)
     }
 
     /// The frame that a sensor's messages name: the plugin's, or its link.
@@ -166,6 +170,7 @@ impl Rig {
                 sensor,
                 gazebo_compat: options.gazebo_compat,
                 hashed: options.hashed,
+                lossless: options.lossless.as_ref(),
             };
             let fixed = |hz| Rate::from_hz(hz).unwrap_or(Rate::from_period_ns(physics.step_ns()));
             if robot == 0 {
@@ -215,6 +220,11 @@ impl Rig {
             }
             scheduled.next += 1;
         }
+    }
+
+    /// The first time that a consumer was waited for in vain, if there was one.
+    pub fn held_up(&self) -> Option<&BridgeError> {
+        self.outlets().into_iter().find_map(Outlet::held_up)
     }
 
     /// Every stream, in the order in which they were opened.

@@ -1,7 +1,8 @@
 //! One published stream: its publisher, what it has cost, and a hash of what went through it.
 
 use belvedere_bridge::payload::Message;
-use belvedere_bridge::{Error, LoanedFrame, Node, Publisher, StreamSpec};
+use belvedere_bridge::{Consumer, Error, LoanedFrame, Lossless, Node, Publisher, StreamSpec};
+use std::cell::OnceCell;
 use std::time::Duration;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -11,6 +12,8 @@ pub struct Outlet {
     rate_hz: Option<f64>,
     hash: Option<Xxh3>,
     tally: Tally,
+    /// The first time that a consumer was waited for in vain.
+    held_up: OnceCell<Error>,
 }
 
 /// What a stream has done so far.
@@ -25,16 +28,23 @@ pub struct Tally {
 }
 
 impl Outlet {
-    /// Opens the stream; with `hashed`, every byte sent is hashed.
+    /// Opens the stream; with `hashed`, every byte sent is hashed; with `lossless`, it waits for consumers.
     ///
     /// # Errors
     /// When the bridge cannot open it.
-    pub fn open(node: &Node, spec: &StreamSpec, hashed: bool) -> Result<Self, Error> {
+    pub fn open(
+        node: &Node,
+        spec: &StreamSpec,
+        hashed: bool,
+        lossless: Option<&Lossless>,
+    ) -> Result<Self, Error> {
+        let spec = StreamSpec { lossless: lossless.cloned(), ..spec.clone() };
         Ok(Self {
-            publisher: node.publisher(spec)?,
+            publisher: node.publisher(&spec)?,
             rate_hz: spec.rate_hz,
             hash: hashed.then(Xxh3::new),
             tally: Tally::default(),
+            held_up: OnceCell::new(),
         })
     }
 
@@ -51,6 +61,16 @@ impl Outlet {
     /// Subscribers now.
     pub fn subscribers(&self) -> usize {
         self.publisher.subscribers()
+    }
+
+    /// Who follows it now; slower than their number.
+    pub fn consumers(&self) -> Vec<Consumer> {
+        self.publisher.consumers()
+    }
+
+    /// The first time that a consumer was waited for in vain, if there was one.
+    pub fn held_up(&self) -> Option<&Error> {
+        self.held_up.get()
     }
 
     /// What it has done so far.
@@ -74,10 +94,7 @@ impl Outlet {
         let hash = self.hash.is_some().then(|| frame_hash(frame.header().stamp_ns, frame.payload()));
         match frame.send() {
             Ok(_) => Outcome::Sent(hash),
-            Err(error) => {
-                self.report(&error);
-                Outcome::Dropped
-            }
+            Err(error) => self.failed(error),
         }
     }
 
@@ -101,10 +118,7 @@ impl Outlet {
             Ok(_) => Outcome::Sent(
                 self.hash.is_some().then(|| frame_hash(stamp_ns, bytemuck::cast_slice(structs))),
             ),
-            Err(error) => {
-                self.report(&error);
-                Outcome::Dropped
-            }
+            Err(error) => self.failed(error),
         };
         self.record(outcome, Duration::ZERO);
     }
@@ -114,6 +128,14 @@ impl Outlet {
         if let Err(error) = self.publisher.update() {
             self.report(&error);
         }
+    }
+
+    fn failed(&self, error: Error) -> Outcome {
+        self.report(&error);
+        if matches!(error, Error::HeldUp { .. }) {
+            let _ = self.held_up.set(error);
+        }
+        Outcome::Dropped
     }
 
     fn report(&self, error: &Error) {

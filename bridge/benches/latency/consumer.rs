@@ -1,0 +1,110 @@
+//! The other process: takes frames and tells how long each was on its way.
+
+use std::{
+    io::{BufRead as _, BufReader, Write as _},
+    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
+    time::Duration,
+};
+
+use crate::{ours, plain, socket};
+
+/// First argument of a consumer.
+pub(crate) const ROLE: &str = "--consumer-of-the-latency-benchmark";
+
+/// What receives one way.
+pub(crate) trait Receiver {
+    /// Waits for a frame, takes it, and gives the time of its sending; `None` when none came within a second.
+    fn take(&mut self) -> Option<u64>;
+}
+
+/// The consumer's main function: answers each line, `N` frames or the processor time, with a line.
+pub(crate) fn run(way: &str, domain: &str) {
+    let mut receiver: Box<dyn Receiver> = match way {
+        "ours" => Box::new(ours::OursTaken::open(domain)),
+        "plain" => Box::new(plain::PlainTaken::open(domain)),
+        _ => Box::new(socket::SocketTaken::open(domain)),
+    };
+    println!("ready");
+    for line in std::io::stdin().lock().lines() {
+        let Ok(line) = line else { return };
+        let answer = match line.parse() {
+            Ok(frames) => latencies(receiver.as_mut(), frames),
+            Err(_) => processor_ns().to_string(),
+        };
+        println!("{answer}");
+    }
+}
+
+fn latencies(receiver: &mut dyn Receiver, frames: usize) -> String {
+    println!("expecting");
+    let mut latencies = Vec::with_capacity(frames);
+    while latencies.len() < frames {
+        match receiver.take() {
+            Some(sent_ns) => latencies.push(belvedere_bridge::clock::mono_ns().saturating_sub(sent_ns)),
+            // A frame was lost to overflow on a busy machine.
+            None => break,
+        }
+    }
+    latencies.iter().map(u64::to_string).collect::<Vec<_>>().join(" ")
+}
+
+fn processor_ns() -> u64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as u64 * 1_000_000_000 + time.tv_nsec as u64
+}
+
+/// A consumer in another process.
+pub(crate) struct Consumer {
+    process: Child,
+    input: ChildStdin,
+    output: BufReader<ChildStdout>,
+}
+
+impl Consumer {
+    /// Starts it; it is connected when this returns.
+    pub(crate) fn start(way: &str, domain: &str) -> Self {
+        let mut process = Command::new(std::env::current_exe().expect("this program has a path"))
+            .args([ROLE, way, domain])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the consumer starts");
+        let input = process.stdin.take().expect("piped");
+        let output = BufReader::new(process.stdout.take().expect("piped"));
+        let mut consumer = Self { process, input, output };
+        assert_eq!(consumer.line(), "ready");
+        consumer
+    }
+
+    /// Tells it to take so many frames.
+    pub(crate) fn expect(&mut self, frames: usize) {
+        writeln!(self.input, "{frames}").expect("the consumer lives");
+        assert_eq!(self.line(), "expecting");
+    }
+
+    /// Nanoseconds that each of the frames was on its way.
+    pub(crate) fn answer(&mut self) -> Vec<u64> {
+        self.line().split(' ').map(|number| number.parse().expect("a number")).collect()
+    }
+
+    /// Processor time that it has used until now.
+    pub(crate) fn processor_time(&mut self) -> Duration {
+        writeln!(self.input, "time").expect("the consumer lives");
+        Duration::from_nanos(self.line().parse().expect("a number"))
+    }
+
+    fn line(&mut self) -> String {
+        let mut line = String::new();
+        self.output.read_line(&mut line).expect("the consumer lives");
+        line.trim_end().to_owned()
+    }
+}
+
+impl Drop for Consumer {
+    fn drop(&mut self) {
+        // Without input it ends by itself, and leaves nothing.
+        let _ = self.input.flush();
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}

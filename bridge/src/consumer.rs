@@ -1,0 +1,73 @@
+//! [`Consumer`]: who follows a stream.
+
+use std::{collections::HashMap, fmt};
+
+use iceoryx2::{
+    identifiers::UniqueNodeId,
+    node::{Node as IoxNode, NodeState, NodeView as _},
+    prelude::CallbackProgression,
+    service::port_factory::PortFactory as _,
+};
+
+use crate::{Node, node::Ipc, stream::Frames};
+
+/// A process that follows a stream, by the name that it opened its node with.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Consumer {
+    /// The node's name: what it passed to [`Node::open`].
+    pub name: String,
+    /// Its process; 0 when that is not known.
+    pub pid: u32,
+}
+
+impl fmt::Display for Consumer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "\"{}\" (process {})", self.name, self.pid)
+    }
+}
+
+/// The identities of a stream's subscribers: a read of shared memory.
+pub(crate) fn ports(frames: &Frames) -> Vec<u128> {
+    let mut ports = Vec::new();
+    frames.dynamic_config().list_subscribers(|subscriber| {
+        ports.push(subscriber.subscriber_id.value());
+        CallbackProgression::Continue
+    });
+    ports
+}
+
+/// The subscribers of a stream: the identity of each one's port, and whose it is.
+///
+/// Reads some files for each node of the domain: for when the subscribers have changed, not for every frame.
+pub(crate) fn consumers(node: &Node, frames: &Frames) -> Vec<(u128, Consumer)> {
+    let mut ports = Vec::new();
+    frames.dynamic_config().list_subscribers(|subscriber| {
+        ports.push((subscriber.subscriber_id.value(), subscriber.node_id));
+        CallbackProgression::Continue
+    });
+    if ports.is_empty() {
+        return Vec::new();
+    }
+    let names = node_names(node);
+    let consumer = |id: UniqueNodeId| Consumer {
+        name: names.get(&id.value()).cloned().unwrap_or_default(),
+        pid: id.pid::<Ipc>().map_or(0, |pid| pid.value().cast_unsigned()),
+    };
+    ports.into_iter().map(|(port, id)| (port, consumer(id))).collect()
+}
+
+fn node_names(node: &Node) -> HashMap<u128, String> {
+    let mut names = HashMap::new();
+    let _ = IoxNode::<Ipc>::list(node.config(), |state| {
+        let details = match &state {
+            NodeState::Alive(alive) => alive.details().clone(),
+            NodeState::Dead(dead) => dead.details().clone(),
+            NodeState::Inaccessible(_) | NodeState::Undefined(_) => None,
+        };
+        if let Some(details) = details {
+            names.insert(state.node_id().value(), details.name().to_string());
+        }
+        CallbackProgression::Continue
+    });
+    names
+}

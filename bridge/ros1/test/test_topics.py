@@ -13,11 +13,12 @@ import unittest
 
 import rosgraph
 import roslib.message
+import roslib.packages
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from processes import bridge, eventually, simulator, subscribers_of_streams
+from processes import Process, bridge, eventually, simulator, subscribers_of_streams
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
@@ -224,6 +225,17 @@ class Robot(unittest.TestCase):
                 self.assertTrue(eventually(lambda: transforms.count() > 3))
             self.assertEqual([t.header.frame_id for t in transforms.last.transforms], ["odom"])
             self.assertNotIn("/robot2/tf_static", published())
+
+    def test_the_nodelet_is_the_same(self):
+        program = roslib.packages.find_node("nodelet", "nodelet")[0]
+        names = "__ns:=/nodelets", "__name:=bridge", f"_domain:={DOMAIN}", "_publish_clock:=false"
+        with Process(program, "manager", "__name:=manager") as manager:
+            with Process(program, "load", "belvedere_ros/bridge", "/manager", *names) as loader:
+                self.assertTrue(eventually(lambda: "/nodelets/image_raw" in published()), loader.output())
+                with Listener("/nodelets/image_raw", Image) as images, Listener("/nodelets/odom", Odometry) as odometry:
+                    self.assertTrue(eventually(lambda: images.count() > 3 and odometry.count() > 3), manager.output())
+            self.assertTrue(eventually(lambda: "/nodelets/image_raw" not in published()), "it cannot be unloaded")
+            self.assertTrue(manager.running(), manager.output())
 
     def test_the_clock(self):
         self.assertTrue(rospy.get_param("/use_sim_time"))

@@ -1,6 +1,9 @@
 //! [`Consumer`]: who follows a stream.
 
-use std::{collections::HashMap, fmt};
+use std::{
+    collections::{HashMap, HashSet},
+    fmt,
+};
 
 use iceoryx2::{
     identifiers::UniqueNodeId,
@@ -49,11 +52,45 @@ pub(crate) fn consumers(node: &Node, frames: &Frames) -> Vec<(u128, Consumer)> {
         return Vec::new();
     }
     let names = node_names(node);
-    let consumer = |id: UniqueNodeId| Consumer {
+    ports.into_iter().map(|(port, id)| (port, named(&names, id))).collect()
+}
+
+/// Who publishes a stream; nobody's name when nobody does.
+pub(crate) fn publisher(node: &Node, frames: &Frames) -> Consumer {
+    let mut holder = Consumer { name: String::new(), pid: 0 };
+    let names = node_names(node);
+    frames.dynamic_config().list_publishers(|publisher| {
+        holder = named(&names, publisher.node_id);
+        CallbackProgression::Stop
+    });
+    holder
+}
+
+/// Whether a place of the stream is that of a process that is no more: somebody is just cleaning up after it, and the
+/// place will soon be free.
+pub(crate) fn place_of_the_dead(node: &Node, frames: &Frames) -> bool {
+    let mut living = HashSet::new();
+    let _ = IoxNode::<Ipc>::list(node.config(), |state| {
+        if !matches!(state, NodeState::Dead(_)) {
+            living.insert(state.node_id().value());
+        }
+        CallbackProgression::Continue
+    });
+    let mut found = false;
+    let mut look = |id: UniqueNodeId| {
+        found |= !living.contains(&id.value());
+        CallbackProgression::Continue
+    };
+    frames.dynamic_config().list_publishers(|publisher| look(publisher.node_id));
+    frames.dynamic_config().list_subscribers(|subscriber| look(subscriber.node_id));
+    found
+}
+
+fn named(names: &HashMap<u128, String>, id: UniqueNodeId) -> Consumer {
+    Consumer {
         name: names.get(&id.value()).cloned().unwrap_or_default(),
         pid: id.pid::<Ipc>().map_or(0, |pid| pid.value().cast_unsigned()),
-    };
-    ports.into_iter().map(|(port, id)| (port, consumer(id))).collect()
+    }
 }
 
 fn node_names(node: &Node) -> HashMap<u128, String> {

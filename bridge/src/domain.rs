@@ -1,10 +1,10 @@
 //! Names: the domain that keeps simulations apart, and topics.
 
-use std::{fmt, str::FromStr};
+use std::{fmt, str::FromStr, time::Duration};
 
-use iceoryx2::prelude::{Config, FileName, SemanticString, ServiceName};
+use iceoryx2::prelude::{Config, FileName, Path, SemanticString, ServiceName};
 
-use crate::Error;
+use crate::{Error, Group};
 
 /// What every service name begins with.
 const SERVICE_ROOT: &str = "belvedere/";
@@ -13,8 +13,14 @@ const SERVICE_ROOT: &str = "belvedere/";
 ///
 /// A domain is an iceoryx2 prefix `blvd.<name>.`: its processes see each other and nobody else. The dot, which a
 /// name cannot hold, keeps one domain's prefix from being the beginning of another's.
+///
+/// Only the user who runs its processes can reach it, unless it is [shared with a group](Self::shared_with): that is
+/// then another domain of the same name, `blvd.<name>@<group id>.`, with a directory of its own.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Domain(String);
+pub struct Domain {
+    name: String,
+    group: Option<Group>,
+}
 
 impl Domain {
     /// The domain when none is named.
@@ -27,7 +33,11 @@ impl Domain {
     pub fn new(name: &str) -> Result<Self, Error> {
         let usable = (1..=Self::MAX_LEN).contains(&name.len())
             && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
-        if usable { Ok(Self(name.to_owned())) } else { Err(Error::InvalidDomain(name.to_owned())) }
+        if usable {
+            Ok(Self { name: name.to_owned(), group: None })
+        } else {
+            Err(Error::InvalidDomain(name.to_owned()))
+        }
     }
 
     /// The domain that the environment variable `BELVEDERE_DOMAIN` names, else the default one.
@@ -41,37 +51,79 @@ impl Domain {
         }
     }
 
+    /// The same, open to the users of a group: they can read all streams and send commands. Every process of the
+    /// domain must name the group, or run with it in the environment variable `BELVEDERE_GROUP`, which
+    /// [`Node::open`](crate::Node::open) follows when no group is named here.
+    #[must_use]
+    pub fn shared_with(self, group: Group) -> Self {
+        Self { group: Some(group), ..self }
+    }
+
+    /// The group that it is shared with.
+    #[must_use]
+    pub fn group(&self) -> Option<&Group> {
+        self.group.as_ref()
+    }
+
+    pub(crate) fn or_shared_as_env_says(self) -> Result<Self, Error> {
+        match self.group {
+            Some(_) => Ok(self),
+            None => Ok(Self { group: Group::from_env()?, ..self }),
+        }
+    }
+
     /// Its name.
     #[must_use]
     pub fn as_str(&self) -> &str {
-        &self.0
+        &self.name
     }
 
-    /// What the names of this domain's files in `/dev/shm` and `/tmp/iceoryx2` begin with.
+    /// What the names of this domain's files begin with.
     #[must_use]
     pub fn prefix(&self) -> String {
-        format!("blvd.{}.", self.0)
+        match &self.group {
+            // No group's prefix begins with that of a domain without one.
+            Some(group) => format!("blvd.{}@{}.", self.name, group.gid()),
+            None => format!("blvd.{}.", self.name),
+        }
     }
 
     /// The configuration that peers must share; built here and not read from a file, so that no
     /// `config/iceoryx2.toml` in the working directory parts two of them.
     pub(crate) fn config(&self) -> Result<Config, Error> {
         let mut config = Config::default();
+        // How long to wait for what another process is just making: it is a kill in the middle of it that lasts. A
+        // publisher waits so for the connection of a consumer, and everybody for a stream.
+        config.global.creation_timeout = Duration::from_millis(200);
         config.global.prefix = FileName::new(self.prefix().as_bytes())
             .map_err(|error| Error::transport("setting the domain's prefix", error))?;
+        if let Some(group) = &self.group {
+            // Not in the directory of iceoryx2's other programs, which is its owner's alone. By number: a socket's
+            // path must not get longer than 107 bytes.
+            let root = format!("/tmp/blvd-{}", group.gid());
+            let root = Path::new(root.as_bytes())
+                .map_err(|error| Error::transport("setting the group's directory", error))?;
+            config.global.set_root_path(&root);
+            // How long to wait for what another process is just making, and for what it has yet to open to the group.
+            config.global.creation_timeout = Duration::from_millis(500);
+            // Each user's processes clean up after that user's: see `remains`.
+            config.global.node.cleanup_dead_nodes_on_creation = false;
+            config.global.node.cleanup_dead_nodes_on_destruction = false;
+            config.global.service.cleanup_dead_nodes_on_open = false;
+        }
         Ok(config)
     }
 }
 
 impl Default for Domain {
     fn default() -> Self {
-        Self(Self::DEFAULT.to_owned())
+        Self { name: Self::DEFAULT.to_owned(), group: None }
     }
 }
 
 impl fmt::Display for Domain {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(&self.0)
+        f.pad(&self.name)
     }
 }
 
@@ -131,6 +183,9 @@ mod tests {
     fn no_prefix_begins_another() {
         let (short, long) = (Domain::new("a").unwrap(), Domain::new("a_b").unwrap());
         assert!(!long.prefix().starts_with(&short.prefix()));
+        let shared = short.clone().shared_with(Group::find("0").unwrap());
+        assert!(!shared.prefix().starts_with(&short.prefix()));
+        assert!(!short.prefix().starts_with(&shared.prefix()));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! What can go wrong, said so that the reader knows what to do.
 
+use std::path::PathBuf;
+
 use crate::{Consumer, Domain};
 
 /// The version of iceoryx2 that this build speaks; 0.10 peers must agree in all three numbers.
@@ -25,13 +27,15 @@ pub enum Error {
     Text(#[from] crate::TextError),
     /// Somebody publishes this stream already.
     #[error(
-        "domain \"{domain}\" is in use: another process publishes {topic}; stop it, or choose another name with --domain"
+        "domain \"{domain}\" is in use: {holder} publishes {topic}; stop it, or choose another domain (--domain, BELVEDERE_DOMAIN)"
     )]
     DomainInUse {
         /// The stream.
         topic: String,
         /// The domain.
         domain: Domain,
+        /// Who publishes it.
+        holder: Consumer,
     },
     /// All places for subscribers, or for processes, are taken.
     #[error(
@@ -56,15 +60,26 @@ pub enum Error {
         /// What was found.
         detail: String,
     },
-    /// The files of shared memory belong to somebody else.
-    #[error(
-        "no permission for the shared memory files: check who owns /tmp/iceoryx2 and the files \"{prefix}*\" in /dev/shm; all processes of a domain must run as the same user ({detail})"
-    )]
+    /// A file or directory belongs to another user.
+    #[error("no permission: {} belongs to {owner}: {remedy}", path.display())]
     Permission {
-        /// How this domain's files begin.
-        prefix: String,
-        /// What was refused.
-        detail: String,
+        /// What is in the way.
+        path: PathBuf,
+        /// Whose it is.
+        owner: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// Something lies where a directory belongs.
+    #[error("{} is in the way: it is not a directory; remove it", .0.display())]
+    NotADirectory(PathBuf),
+    /// A group that a domain cannot be shared with.
+    #[error("group \"{group}\" cannot share the domain: {reason}")]
+    InvalidGroup {
+        /// As given.
+        group: String,
+        /// Why not, and what to do.
+        reason: String,
     },
     /// The pool would not fit into shared memory.
     #[error(

@@ -64,7 +64,7 @@
 //! ```
 //!
 //! # What holds
-//! - `loan` and `send` do not copy, nor allocate but for iceoryx2's record of a loan (some 80 bytes). A slow subscriber loses its own oldest frame and slows nobody,
+//! - `loan` and `send` do not copy, nor allocate but for iceoryx2's record of a loan (104 bytes). A slow subscriber loses its own oldest frame and slows nobody,
 //!   unless the stream is made [`lossless`](Lossless).
 //! - A payload begins at a multiple of 64 bytes. A [`Frame`]'s geometry was checked against its payload.
 //! - A [`Subscriber`] may be there before its publisher and outlives it; [`Frame::restarted`] and
@@ -83,24 +83,32 @@ mod consumer;
 mod domain;
 mod error;
 mod frame;
+mod group;
 mod header;
 mod kind;
 mod loan;
 mod lossless;
+mod memory;
 mod node;
 pub mod payload;
+mod places;
 mod publisher;
 mod readiness;
+mod remains;
+mod remnants;
+mod sharing;
 mod stream;
 mod subscriber;
 mod synchronizer;
 mod text;
+mod versions;
 mod view;
 
 pub use consumer::Consumer;
 pub use domain::Domain;
 pub use error::{Error, FrameError, ICEORYX2_VERSION};
 pub use frame::Frame;
+pub use group::Group;
 pub use header::{FrameHeader, Intrinsics, ScanGeometry};
 pub use kind::{Encoding, Kind};
 pub use lossless::Lossless;

@@ -1,8 +1,6 @@
-//! [`Node`]: this process's membership of a domain, and what it leaves behind (nothing).
+//! [`Node`]: this process's membership of a domain.
 
 use std::{
-    fs,
-    path::Path,
     sync::{
         Arc,
         atomic::{AtomicU64, Ordering},
@@ -11,13 +9,19 @@ use std::{
 };
 
 use iceoryx2::{
-    node::{Node as IoxNode, NodeCreationFailure, NodeState, NodeView as _},
-    prelude::{
-        CallbackProgression, Config, LogLevel, NodeBuilder, NodeName, SignalHandlingMode, ipc_threadsafe,
-    },
+    node::{Node as IoxNode, NodeCreationFailure},
+    prelude::{Config, LogLevel, NodeBuilder, NodeName, SignalHandlingMode, ipc_threadsafe},
 };
 
-use crate::{Domain, Error, Publisher, StreamInfo, StreamSpec, Subscriber, domain::canonical_topic, stream};
+use crate::{
+    Domain, Error, Publisher, StreamInfo, StreamSpec, Subscriber, clock,
+    domain::canonical_topic,
+    memory,
+    places::{self, Places},
+    remains,
+    sharing::{self, Sharing},
+    stream,
+};
 
 /// The iceoryx2 variant: ports may move between threads, and it interoperates with `ipc::Service`.
 pub(crate) type Ipc = ipc_threadsafe::Service;
@@ -37,53 +41,60 @@ struct Shared {
     iox: Option<IoxNode<Ipc>>,
     config: Config,
     domain: Domain,
+    places: Places,
+    /// In a domain that a group shares; after `iox`, whose last files it still opens.
+    sharing: Option<Sharing>,
     /// Bytes of all pools that this node has made and not dropped.
     pool_bytes: AtomicU64,
+    /// When it last looked for dead processes.
+    cleaned_mono_ns: AtomicU64,
 }
 
 impl Node {
-    /// Joins `domain` as `name` (for listings; the program's name is usual).
+    /// Joins `domain` as `name` (for listings; the program's name is usual). A domain that is shared with no group is
+    /// shared with that of the environment variable `BELVEDERE_GROUP`, if there is one.
     ///
     /// No signal handler is installed.
     ///
     /// # Errors
-    /// [`Error::Permission`] when the files of another user are in the way, [`Error::Transport`] otherwise.
+    /// [`Error::Permission`] when the files of another user are in the way, [`Error::InvalidGroup`] when this user is
+    /// not of the group, [`Error::SharedMemoryTooSmall`] when nothing is free in `/dev/shm`; [`Error::Transport`]
+    /// otherwise.
     pub fn open(domain: &Domain, name: &str) -> Result<Self, Error> {
         // Its messages repeat what the errors say, in other words and on standard error.
         iceoryx2::prelude::set_log_level_from_env_or(LogLevel::Fatal);
+        let domain = domain.clone().or_shared_as_env_says()?;
         let config = domain.config()?;
+        let places = Places::new(&domain, &config);
         let name = NodeName::new(&name.chars().take(100).collect::<String>())
             .map_err(|error| Error::transport("naming the node", error))?;
-        let mut attempts = 0;
-        let iox = loop {
-            let created = NodeBuilder::new()
-                .name(&name)
-                .config(&config)
-                .signal_handling_mode(SignalHandlingMode::Disabled)
-                .create::<Ipc>();
-            match created {
-                Ok(node) => break node,
-                Err(NodeCreationFailure::InsufficientPermissions) => {
-                    return Err(Error::Permission {
-                        prefix: domain.prefix(),
-                        detail: "creating a node".to_owned(),
-                    });
-                }
-                // The last process of another domain may just be removing the empty directories.
-                Err(_) if attempts < 5 => {
-                    attempts += 1;
-                    std::thread::sleep(Duration::from_millis(5));
-                }
-                Err(error) if !writable_root(&config) => {
-                    return Err(Error::Permission {
-                        prefix: domain.prefix(),
-                        detail: format!("creating a node: {error:?}"),
-                    });
-                }
-                Err(error) => return Err(Error::transport(format!("joining domain \"{domain}\""), error)),
-            }
+        memory::check_room_for_books("a node")?;
+        let lock = places.make_and_lock(|| match domain.group() {
+            Some(group) => sharing::make_directories(&places, group),
+            None => places.make_root_alone(&domain),
+        })?;
+        let sharing = domain.group().map(|group| Sharing::start(&domain, group, &places)).transpose()?;
+        remains::clear_if_deserted(&config, &places);
+        let iox = create(&domain, &config, &places, &name)?;
+        match &sharing {
+            Some(sharing) => sharing.settle(),
+            None => places.close_to_others(),
+        }
+        if sharing.is_some() {
+            // Without a group, iceoryx2 has just done it.
+            remains::clean_up_dead(&iox, &places, true);
+        }
+        remains::remove_orphans(&config, &places);
+        drop(lock);
+        let shared = Shared {
+            iox: Some(iox),
+            config,
+            domain,
+            places,
+            sharing,
+            pool_bytes: AtomicU64::new(0),
+            cleaned_mono_ns: AtomicU64::new(clock::mono_ns()),
         };
-        let shared = Shared { iox: Some(iox), config, domain: domain.clone(), pool_bytes: AtomicU64::new(0) };
         Ok(Self { shared: Arc::new(shared) })
     }
 
@@ -127,9 +138,50 @@ impl Node {
         stream::list(self)
     }
 
-    /// Removes what killed processes of the domain have left; done on opening, and by subscribers in silence.
+    /// Removes what killed processes of the domain have left; done on opening, and by subscribers in silence. In a
+    /// domain that a group shares, each user's processes do so for that user.
     pub fn clean_up_dead(&self) {
-        self.iox().try_cleanup_dead_nodes();
+        self.shared.cleaned_mono_ns.store(clock::mono_ns(), Ordering::Relaxed);
+        remains::clean_up_dead(self.iox(), self.places(), self.is_shared());
+    }
+
+    /// Opens what has just been made to the group that shares the domain.
+    pub(crate) fn settle(&self) {
+        if let Some(sharing) = &self.shared.sharing {
+            sharing.settle();
+        }
+    }
+
+    /// What to say when iceoryx2 was refused something: whose file is in the way, if one is.
+    pub(crate) fn refused(&self, what: &str) -> Error {
+        places::refused(self.domain(), self.places(), what)
+    }
+
+    /// A failure of iceoryx2, or what is behind it: another user's file.
+    pub(crate) fn failed(&self, what: String, detail: impl std::fmt::Debug) -> Error {
+        match self.places().foreign(self.domain().group()) {
+            Some((path, uid)) => places::foreign(self.domain(), self.places(), path, uid),
+            None => Error::transport(what, detail),
+        }
+    }
+
+    /// Whether a group shares the domain.
+    pub(crate) fn is_shared(&self) -> bool {
+        self.shared.sharing.is_some()
+    }
+
+    /// How long a refusal may be that of a file that its maker has not yet opened to the group.
+    pub(crate) fn patience(&self) -> Duration {
+        if self.is_shared() { Duration::from_millis(500) } else { Duration::ZERO }
+    }
+
+    /// The same, unless it was done within `interval`, for whichever stream: it reads some files for each node of
+    /// every domain of this machine, a millisecond or so.
+    pub(crate) fn clean_up_dead_every(&self, interval: Duration) {
+        let since_ns = clock::mono_ns().saturating_sub(self.shared.cleaned_mono_ns.load(Ordering::Relaxed));
+        if u128::from(since_ns) > interval.as_nanos() {
+            self.clean_up_dead();
+        }
     }
 
     pub(crate) fn iox(&self) -> &IoxNode<Ipc> {
@@ -140,118 +192,49 @@ impl Node {
         &self.shared.config
     }
 
-    /// Books `bytes` of pool, if they and all pools before fit into what is free of `/dev/shm`.
-    ///
-    /// A pool takes memory only as its frames are first written, so what is free now has to hold all that was
-    /// promised before, too. What of it is written already is counted twice: a stream added late may be refused
-    /// a little early, but a full `/dev/shm` would be a bus error in the middle of a frame.
-    pub(crate) fn book_pool(&self, topic: &str, bytes: u64) -> Result<PoolBooking, Error> {
-        const MIB: u64 = 1 << 20;
-        let booked = self.shared.pool_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes;
-        let booking = PoolBooking { node: self.clone(), bytes };
-        match rustix::fs::statvfs("/dev/shm") {
-            Ok(stat) if stat.f_bavail * stat.f_frsize < booked => Err(Error::SharedMemoryTooSmall {
-                topic: topic.to_owned(),
-                needed_mib: booked.div_ceil(MIB),
-                free_mib: stat.f_bavail * stat.f_frsize / MIB,
-            }),
-            Ok(_) => Ok(booking),
-            Err(error) => Err(Error::transport("asking /dev/shm for its free space", error)),
-        }
+    pub(crate) fn places(&self) -> &Places {
+        &self.shared.places
+    }
+
+    pub(crate) fn pool_bytes(&self) -> &AtomicU64 {
+        &self.shared.pool_bytes
     }
 }
 
-/// Bytes promised to a publisher's pool, returned when it is dropped.
-#[derive(Debug)]
-pub(crate) struct PoolBooking {
-    node: Node,
-    bytes: u64,
-}
-
-impl Drop for PoolBooking {
-    fn drop(&mut self) {
-        self.node.shared.pool_bytes.fetch_sub(self.bytes, Ordering::Relaxed);
+fn create(domain: &Domain, config: &Config, places: &Places, name: &NodeName) -> Result<IoxNode<Ipc>, Error> {
+    let mut attempts = 0;
+    loop {
+        let created = NodeBuilder::new()
+            .name(name)
+            .config(config)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<Ipc>();
+        match created {
+            Ok(node) => return Ok(node),
+            // The last process of another domain may just be removing the empty directories.
+            Err(_) if attempts < 5 => {
+                attempts += 1;
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            Err(NodeCreationFailure::InsufficientPermissions) => {
+                return Err(places::refused(domain, places, "creating a node"));
+            }
+            Err(error) => {
+                return Err(match places.foreign(domain.group()) {
+                    Some((path, uid)) => places::foreign(domain, places, path, uid),
+                    None => Error::transport(format!("joining domain \"{domain}\""), error),
+                });
+            }
+        }
     }
 }
 
 impl Drop for Shared {
     fn drop(&mut self) {
         drop(self.iox.take());
-        if let Err(error) = remove_traces(&self.config, &self.domain) {
+        let _lock = self.places.lock();
+        if let Err(error) = remains::remove_traces(&self.config, &self.places) {
             tracing::debug!(domain = %self.domain, %error, "some files of the domain are left");
-        }
-    }
-}
-
-/// Whether this user can write where iceoryx2 keeps its files; true when there is nothing yet.
-fn writable_root(config: &Config) -> bool {
-    let root = config.global.root_path().to_string();
-    !Path::new(&root).exists()
-        || rustix::fs::access(root.as_str(), rustix::fs::Access::WRITE_OK | rustix::fs::Access::EXEC_OK)
-            .is_ok()
-}
-
-/// Removes what iceoryx2 keeps after the last node of a domain: its node counter, and the directories that all
-/// domains share if nobody is left in any of them.
-fn remove_traces(config: &Config, domain: &Domain) -> std::io::Result<()> {
-    remove_remnants(config, domain);
-    let mut others = false;
-    let listed = IoxNode::<Ipc>::list(config, |state| {
-        others |= !matches!(state, NodeState::Dead(_));
-        CallbackProgression::Continue
-    });
-    if others || listed.is_err() {
-        return Ok(());
-    }
-    let prefix = domain.prefix();
-    for entry in fs::read_dir("/dev/shm")? {
-        let entry = entry?;
-        let name = entry.file_name();
-        let Some(name) = name.to_str() else { continue };
-        if name.starts_with(&prefix) && name.ends_with(".global_mgmt") {
-            fs::remove_file(entry.path())?;
-        }
-    }
-    // Only empty directories can be removed this way; while any node of any domain lives, the first is not.
-    let root = config.global.root_path().to_string();
-    fs::remove_dir(config.global.node_dir().to_string())?;
-    fs::remove_dir(config.global.service_dir().to_string())?;
-    fs::remove_dir(root)
-}
-
-/// Removes nodes whose cleaning iceoryx2 could not finish.
-///
-/// A process killed while it creates a port leaves a half-made tag. iceoryx2 does not see that file, removes the
-/// node's description, fails to remove the directory, and from then on looks for the node under the default prefix,
-/// since the right one stood in the description: in another domain than the default it would stay for ever. All that
-/// mattered of such a node (its places in streams, its memory) has been released before.
-fn remove_remnants(config: &Config, domain: &Domain) {
-    let mut ids = Vec::new();
-    let _ = IoxNode::<Ipc>::list(config, |state| {
-        // A living node has its description before it can be seen.
-        if let NodeState::Dead(node) = &state
-            && node.details().is_none()
-        {
-            ids.push(node.id().value().to_string());
-        }
-        CallbackProgression::Continue
-    });
-    let nodes = config.global.node_dir().to_string();
-    let nodes = Path::new(&nodes);
-    for id in ids {
-        // Failures mean that another process is just doing the same.
-        let own = nodes.join(&id);
-        remove_files(&own, &domain.prefix());
-        let _ = fs::remove_dir(own);
-        remove_files(nodes, &format!("{}{id}.", domain.prefix()));
-    }
-}
-
-/// Removes the files of a directory whose names begin so.
-fn remove_files(directory: &Path, prefix: &str) {
-    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
-        if entry.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()) {
-            let _ = fs::remove_file(entry.path());
         }
     }
 }

@@ -6,6 +6,7 @@ use std::{
         Arc,
         atomic::{AtomicU64, AtomicUsize, Ordering},
     },
+    time::{Duration, Instant},
 };
 
 use iceoryx2::{
@@ -24,7 +25,8 @@ use crate::{
     domain::canonical_topic,
     loan,
     lossless::Queue,
-    node::{Ipc, PoolBooking},
+    memory::{self, Booking, Pool},
+    node::Ipc,
     payload::Message,
     stream::{self, Events, Frames},
 };
@@ -33,14 +35,15 @@ use crate::{
 ///
 /// [`loan`](Self::loan) gives a frame whose payload *is* the shared memory that subscribers will read;
 /// [`send`](LoanedFrame::send) passes them its address. Neither copies or, unless the stream is lossless, waits;
-/// nor allocates, but for the record of some 80 bytes that iceoryx2 keeps of each loan.
+/// nor allocates, but for the record of 104 bytes that iceoryx2 keeps of each loan.
 pub struct Publisher {
     // Ports before their services before the node: fields are dropped in this order.
     port: Port<Ipc, [u8], FrameHeader>,
     notifier: Notifier<Ipc>,
     frames: Frames,
     _events: Events,
-    _pool: PoolBooking,
+    pool: Pool,
+    _booking: Booking,
     node: Node,
     topic: String,
     template: FrameHeader,
@@ -58,10 +61,11 @@ impl Publisher {
         let topic = canonical_topic(&spec.topic)?.to_owned();
         let session = random_session();
         let template = FrameHeader { session, ..spec.header()? };
-        let pool = node.book_pool(&topic, spec.pool_bytes())?;
+        let booking = memory::book(node, &topic, spec.pool_bytes())?;
         let (frames, events) = stream::open_or_create(node, spec)?;
         let queue = spec.lossless.clone().map(|lossless| Arc::new(Queue::new(lossless, node.clone())));
         let mut tried_again = false;
+        let deadline = Instant::now() + Duration::from_secs(1);
         let port = loop {
             let mut builder = frames
                 .publisher_builder()
@@ -73,27 +77,37 @@ impl Publisher {
             }
             match builder.create() {
                 Ok(port) => break port,
-                Err(PublisherCreateError::ExceedsMaxSupportedPublishers) if !tried_again => {
-                    // The place may be that of a publisher that was killed.
+                // The place may be that of a publisher that was killed, and another process be cleaning up after it.
+                Err(PublisherCreateError::ExceedsMaxSupportedPublishers)
+                    if !tried_again
+                        || (Instant::now() < deadline && consumer::place_of_the_dead(node, &frames)) =>
+                {
+                    if tried_again {
+                        std::thread::sleep(Duration::from_millis(5));
+                    }
                     tried_again = true;
                     node.clean_up_dead();
                 }
                 Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
-                    return Err(Error::DomainInUse { topic, domain: node.domain().clone() });
+                    let holder = consumer::publisher(node, &frames);
+                    return Err(Error::DomainInUse { topic, domain: node.domain().clone(), holder });
                 }
-                Err(error) => return Err(Error::transport(format!("opening {topic} for writing"), error)),
+                Err(error) => return Err(node.failed(format!("opening {topic} for writing"), error)),
             }
         };
+        let pool = Pool::take(node, spec, &topic, port.id().value())?;
         let notifier = events
             .notifier_builder()
             .create()
-            .map_err(|error| Error::transport(format!("opening the events of {topic}"), error))?;
+            .map_err(|error| node.failed(format!("opening the events of {topic}"), error))?;
+        node.settle();
         let publisher = Self {
             port,
             notifier,
             frames,
             _events: events,
-            _pool: pool,
+            pool,
+            _booking: booking,
             node: node.clone(),
             topic,
             template,
@@ -166,8 +180,10 @@ impl Publisher {
     /// Dropping it unsent returns it.
     ///
     /// # Errors
-    /// [`Error::FrameTooLarge`], [`Error::NoFreeFrame`].
+    /// [`Error::FrameTooLarge`], [`Error::NoFreeFrame`]; [`Error::SharedMemoryTooSmall`] when a subscriber has come and
+    /// `/dev/shm` has been filled by others since the start.
     pub fn loan(&self, len: usize) -> Result<LoanedFrame<'_>, Error> {
+        self.pool.take_for(self.known_subscribers.load(Ordering::Relaxed))?;
         let mut sample = loan::loan_bytes(&self.port, len).map_err(|error| match error {
             LoanError::ExceedsMaxLoanSize => {
                 Error::FrameTooLarge { topic: self.topic.clone(), len, max: self.max_payload_len }

@@ -17,6 +17,7 @@ use crate::{
     Encoding, Error, FrameHeader, Kind, Lossless, Node, Text,
     domain::{canonical_topic, service_name, topic_of_service},
     node::Ipc,
+    versions,
 };
 
 pub(crate) type Frames = publish_subscribe::PortFactory<Ipc, [u8], FrameHeader>;
@@ -29,8 +30,8 @@ const FRAME_ID: &str = "frame_id";
 
 /// What a stream is made with.
 ///
-/// Its pool of `max_subscribers · (buffer + borrowed) + history + loaned` frames is reserved in `/dev/shm` at
-/// once and fills as frames are first written.
+/// Its pool of `max_subscribers · (buffer + borrowed) + history + loaned` frames must fit into what is free of
+/// `/dev/shm`; what two subscribers need of it is taken at once, the rest as more come.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StreamSpec {
     /// The ROS topic name, with or without a leading slash.
@@ -113,10 +114,14 @@ impl StreamSpec {
     /// Bytes of shared memory that one publisher's pool takes when all of its frames have been used.
     #[must_use]
     pub fn pool_bytes(&self) -> u64 {
-        let frames = self.max_subscribers * (self.buffer + self.borrowed) + self.history + self.loaned;
         // A frame's own header, iceoryx2's and alignment.
         let frame_bytes = (self.max_payload_len + size_of::<FrameHeader>() + 64).next_multiple_of(64);
-        frames as u64 * frame_bytes as u64
+        self.pool_frames() * frame_bytes as u64
+    }
+
+    /// Frames in one publisher's pool.
+    pub(crate) fn pool_frames(&self) -> u64 {
+        (self.max_subscribers * (self.buffer + self.borrowed) + self.history + self.loaned) as u64
     }
 
     /// The header that every frame of the stream begins with.
@@ -181,6 +186,18 @@ pub(crate) enum Opened {
 
 /// Opens a stream that somebody else has made.
 pub(crate) fn open(node: &Node, topic: &str) -> Result<Opened, Error> {
+    let deadline = Instant::now() + node.patience();
+    loop {
+        match try_open(node, topic) {
+            Err(Error::Permission { .. }) if Instant::now() < deadline => {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            opened => return opened,
+        }
+    }
+}
+
+fn try_open(node: &Node, topic: &str) -> Result<Opened, Error> {
     use PublishSubscribeOpenError as E;
     let name = service_name(topic)?;
     let opened =
@@ -190,9 +207,7 @@ pub(crate) fn open(node: &Node, topic: &str) -> Result<Opened, Error> {
         Err(E::DoesNotExist | E::IsMarkedForDestruction | E::HangsInCreation | E::Interrupt) => {
             Ok(Opened::NotThere)
         }
-        Err(E::InsufficientPermissions) => {
-            Err(Error::Permission { prefix: node.domain().prefix(), detail: format!("opening {topic}") })
-        }
+        Err(E::InsufficientPermissions) => Err(node.refused(&format!("opening {topic}"))),
         Err(E::ExceedsMaxNumberOfNodes) => {
             Err(Error::TooManySubscribers { topic: topic.to_owned(), max: MAX_NODES })
         }
@@ -203,12 +218,8 @@ pub(crate) fn open(node: &Node, topic: &str) -> Result<Opened, Error> {
             | E::IncompatibleMessagingPattern
             | E::UnableToAcquireTypeDefinition
             | E::InvalidTypeDefinition),
-        ) => Err(Error::Incompatible {
-            topic: topic.to_owned(),
-            domain: node.domain().clone(),
-            detail: format!("{error:?}"),
-        }),
-        Err(error) => Err(Error::transport(format!("opening {topic}"), error)),
+        ) => Err(versions::incompatible(node, topic, error)),
+        Err(error) => Err(node.failed(format!("opening {topic}"), error)),
     }
 }
 
@@ -247,13 +258,12 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
                 .enable_safe_overflow(spec.lossless.is_none())
                 .create_with_attributes(&spec.attributes()?);
             match created {
-                Ok(frames) => return Ok((frames, events(node, topic)?)),
-                Err(E::InsufficientPermissions) => {
-                    return Err(Error::Permission {
-                        prefix: node.domain().prefix(),
-                        detail: format!("making {topic}"),
-                    });
+                Ok(frames) => {
+                    let events = events(node, topic)?;
+                    node.settle();
+                    return Ok((frames, events));
                 }
+                Err(E::InsufficientPermissions) => return Err(node.refused(&format!("making {topic}"))),
                 // Somebody was quicker, or another is just taking it down.
                 Err(
                     E::AlreadyExists
@@ -262,7 +272,7 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
                     | E::ServiceInCorruptedState
                     | E::Interrupt,
                 ) if Instant::now() < deadline => {}
-                Err(error) => return Err(Error::transport(format!("making {topic}"), error)),
+                Err(error) => return Err(node.failed(format!("making {topic}"), error)),
             }
         }
         match problem {
@@ -277,15 +287,12 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
 /// The event service beside a stream.
 fn events(node: &Node, topic: &str) -> Result<Events, Error> {
     let name = service_name(topic)?;
-    let mut attempts = 0;
+    let deadline = Instant::now() + node.patience().max(Duration::from_millis(50));
     loop {
         match node.iox().service_builder(&name).event().open_or_create() {
             Ok(events) => return Ok(events),
-            Err(_) if attempts < 10 => {
-                attempts += 1;
-                std::thread::sleep(Duration::from_millis(5));
-            }
-            Err(error) => return Err(Error::transport(format!("opening the events of {topic}"), error)),
+            Err(_) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(5)),
+            Err(error) => return Err(node.failed(format!("opening the events of {topic}"), error)),
         }
     }
 }
@@ -336,7 +343,7 @@ pub(crate) fn list(node: &Node) -> Result<Vec<StreamInfo>, Error> {
         }
         CallbackProgression::Continue
     })
-    .map_err(|error| Error::transport(format!("listing domain \"{}\"", node.domain()), error))?;
+    .map_err(|error| node.failed(format!("listing domain \"{}\"", node.domain()), error))?;
     topics.sort_unstable();
     let mut streams = Vec::with_capacity(topics.len());
     for topic in topics {

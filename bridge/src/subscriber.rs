@@ -13,11 +13,12 @@ use iceoryx2::{
 };
 
 use crate::{
-    Error, Frame, Node, StreamSpec, clock,
+    Error, Frame, FrameHeader, Node, StreamSpec, clock, consumer,
     domain::canonical_topic,
     frame::{FramePort, Sample},
+    memory,
     node::Ipc,
-    readiness::Readiness,
+    readiness::{self, Readiness},
     stream::{self, Events, Frames, Opened},
 };
 
@@ -27,6 +28,8 @@ const SEARCH_INTERVAL: Duration = Duration::from_millis(20);
 const WATCH_INTERVAL: Duration = Duration::from_millis(100);
 /// After this silence the publisher may have been killed: see who is dead.
 const SUSPICIOUS_SILENCE: Duration = Duration::from_secs(1);
+/// How much less often it is looked at while the silence lasts: after 1, 2, 4 … 16 s. Some streams are always silent.
+const LEAST_SUSPICION: Duration = Duration::from_secs(16);
 
 /// The reading end of a stream.
 ///
@@ -49,7 +52,6 @@ pub struct Subscriber {
     last_frame: Option<FrameId>,
     missed_total: u64,
     last_sign_of_life: Instant,
-    last_clean_up: Instant,
     /// Only of subscribers that somebody polls.
     readiness: Option<Readiness>,
 }
@@ -82,7 +84,6 @@ impl Subscriber {
             last_frame: None,
             missed_total: 0,
             last_sign_of_life: now,
-            last_clean_up: now,
             readiness: None,
         }
     }
@@ -138,7 +139,7 @@ impl Subscriber {
             }
             match &self.connection {
                 Some(connection) => {
-                    if connection.listener.timed_wait(|_| {}, left.min(WATCH_INTERVAL)).is_err() {
+                    if readiness::wait_for(&connection.listener, left.min(WATCH_INTERVAL)).is_err() {
                         // Interrupted by a signal: the caller may want to end.
                         return self.has_frames();
                     }
@@ -216,7 +217,14 @@ impl Subscriber {
     pub fn take_newest(&mut self) -> Result<Option<Frame>, Error> {
         self.search()?;
         let Some(mut newest) = self.receive_or_settle()? else { return Ok(None) };
-        while self.has_frames()? {
+        let Some(connection) = &self.connection else { return Ok(None) };
+        let settings = connection.frames.static_config();
+        // A publisher that sends faster than this one drains would hold it here.
+        let at_most = settings.max_publishers() * settings.subscriber_max_buffer_size();
+        for _ in 0..at_most {
+            if !self.has_frames()? {
+                break;
+            }
             let next = match self.receive() {
                 Err(Error::TooManyHeld { .. }) => {
                     // The last place is the one that `newest` takes.
@@ -232,10 +240,7 @@ impl Subscriber {
                 received => received?,
             };
             match next {
-                // Several publishers are received in turn, not in order.
-                Some(next) if next.user_header().publish_mono_ns >= newest.user_header().publish_mono_ns => {
-                    newest = next;
-                }
+                Some(next) if is_newer(next.user_header(), newest.user_header()) => newest = next,
                 Some(_) => {}
                 None => break,
             }
@@ -322,6 +327,7 @@ impl Subscriber {
     }
 
     fn connect(&mut self) -> Result<(), Error> {
+        memory::check_room_for_books(&self.topic)?;
         let (frames, events) = match &self.owned {
             Some(spec) => stream::open_or_create(&self.node, spec)?,
             None => match stream::open(&self.node, &self.topic)? {
@@ -336,7 +342,12 @@ impl Subscriber {
         let listener = events
             .listener_builder()
             .create()
-            .map_err(|error| Error::transport(format!("opening the events of {}", self.topic), error))?;
+            .map_err(|error| self.node.failed(format!("opening the events of {}", self.topic), error))?;
+        if self.node.is_shared() {
+            // A notifier that was quicker than the opening of the new socket tries again when the listeners change.
+            self.node.settle();
+            drop(events.listener_builder().create());
+        }
         let settings = frames.static_config();
         let history = settings.history_size().min(settings.subscriber_max_buffer_size());
         let create = || frames.subscriber_builder().history_request(history).create();
@@ -348,11 +359,20 @@ impl Subscriber {
             }
             created => created,
         };
+        let port = match port {
+            // Another process is just cleaning up after one that was killed: its place is free at the next look.
+            Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers)
+                if consumer::place_of_the_dead(&self.node, &frames) =>
+            {
+                return Ok(());
+            }
+            port => port,
+        };
         let port = port.map_err(|error| match error {
             SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
                 Error::TooManySubscribers { topic: self.topic.clone(), max: settings.max_subscribers() }
             }
-            error => Error::transport(format!("subscribing to {}", self.topic), error),
+            error => self.node.failed(format!("subscribing to {}", self.topic), error),
         })?;
         if let Some(readiness) = &self.readiness {
             readiness.follow(&listener).map_err(|error| self.broken(error))?;
@@ -373,17 +393,20 @@ impl Subscriber {
         if self.owned.is_some() {
             return;
         }
-        if self.last_sign_of_life.elapsed() > SUSPICIOUS_SILENCE
-            && self.last_clean_up.elapsed() > SUSPICIOUS_SILENCE
-        {
-            self.last_clean_up = Instant::now();
-            self.node.clean_up_dead();
+        let silence = self.last_sign_of_life.elapsed();
+        if silence > SUSPICIOUS_SILENCE {
+            self.node.clean_up_dead_every((silence / 2).clamp(SUSPICIOUS_SILENCE, LEAST_SUSPICION));
         }
         // In this order: a publisher's last frame is there before it is gone.
         if connection.publishers() == 0 && !connection.port.has_samples().unwrap_or(false) {
             self.connection = None;
         }
     }
+}
+
+/// One publisher's frames are received in order, those of several in turn.
+fn is_newer(next: &FrameHeader, newest: &FrameHeader) -> bool {
+    next.session == newest.session || next.publish_mono_ns >= newest.publish_mono_ns
 }
 
 impl Connection {

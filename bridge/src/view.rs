@@ -18,7 +18,7 @@ impl<'a> FrameView<'a> {
     /// What [`FrameHeader::check`] finds.
     pub fn new(header: &'a FrameHeader, payload: &'a [u8]) -> Result<Self, FrameError> {
         header.check(payload.len())?;
-        Ok(Self { header, payload })
+        Ok(Self { header, payload: &payload[..header.payload_len as usize] })
     }
 
     /// What the payload is.

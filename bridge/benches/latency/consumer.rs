@@ -56,7 +56,8 @@ fn processor_ns() -> u64 {
 /// A consumer in another process.
 pub(crate) struct Consumer {
     process: Child,
-    input: ChildStdin,
+    /// Until it is dropped.
+    input: Option<ChildStdin>,
     output: BufReader<ChildStdout>,
 }
 
@@ -69,7 +70,7 @@ impl Consumer {
             .stdout(Stdio::piped())
             .spawn()
             .expect("the consumer starts");
-        let input = process.stdin.take().expect("piped");
+        let input = process.stdin.take();
         let output = BufReader::new(process.stdout.take().expect("piped"));
         let mut consumer = Self { process, input, output };
         assert_eq!(consumer.line(), "ready");
@@ -78,7 +79,7 @@ impl Consumer {
 
     /// Tells it to take so many frames.
     pub(crate) fn expect(&mut self, frames: usize) {
-        writeln!(self.input, "{frames}").expect("the consumer lives");
+        self.tell(&frames.to_string());
         assert_eq!(self.line(), "expecting");
     }
 
@@ -89,8 +90,12 @@ impl Consumer {
 
     /// Processor time that it has used until now.
     pub(crate) fn processor_time(&mut self) -> Duration {
-        writeln!(self.input, "time").expect("the consumer lives");
+        self.tell("time");
         Duration::from_nanos(self.line().parse().expect("a number"))
+    }
+
+    fn tell(&mut self, line: &str) {
+        writeln!(self.input.as_mut().expect("open"), "{line}").expect("the consumer lives");
     }
 
     fn line(&mut self) -> String {
@@ -103,8 +108,7 @@ impl Consumer {
 impl Drop for Consumer {
     fn drop(&mut self) {
         // Without input it ends by itself, and leaves nothing.
-        let _ = self.input.flush();
-        let _ = self.process.kill();
+        drop(self.input.take());
         let _ = self.process.wait();
     }
 }

@@ -174,6 +174,8 @@ fn verdict(ways: &mut [(usize, Way, Way)]) -> usize {
 
 /// Part of a core that the consumer takes at 30 Hz.
 fn processor_share(way: &mut Way) -> f64 {
+    // After a pause, a subscriber looks once whether its publisher is dead.
+    way.latencies(10, Duration::from_secs(1) / 30);
     let (before, started) = (way.consumer.processor_time(), Instant::now());
     way.latencies(300, Duration::from_secs(1) / 30);
     way.consumer.processor_time().saturating_sub(before).as_secs_f64() / started.elapsed().as_secs_f64()

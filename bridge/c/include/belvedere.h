@@ -38,6 +38,9 @@
 // Flag: a plane of intensities of the same shape follows the ranges, at row_stride * height.
 #define BV_HAS_INTENSITIES 1
 
+// Most streams of a set.
+#define BV_SYNCHRONIZER_MAX 8
+
 // How a call went. Negative values are errors; bv_last_error() has the words.
 enum bv_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -48,7 +51,7 @@ enum bv_status
     BV_STATUS_OK = 0,
     // Nothing is there: the time passed without a frame, or none waits.
     BV_STATUS_NOTHING = 1,
-    // A pointer is null, or a text is not UTF-8.
+    // A pointer is null, a text is not UTF-8, or a number is out of range.
     BV_STATUS_INVALID_ARGUMENT = -1,
     // The name of a domain or topic cannot be one.
     BV_STATUS_INVALID_NAME = -2,
@@ -154,6 +157,13 @@ typedef struct bv_node bv_node;
 
 // The reading end of a stream: there before its publisher, and after.
 typedef struct bv_subscriber bv_subscriber;
+
+// Gives the frames of several streams that were taken at the same time: a picture with its depth and its camera_info.
+//
+// Time is that of the stamps. Each frame is in one set at most, sets come in order, and a frame that can find no
+// partner any more is skipped. It holds one frame of each stream at most: with the two that may be held, one set may
+// be kept while the next is waited for.
+typedef struct bv_synchronizer bv_synchronizer;
 
 // The sending end of a velocity command stream.
 typedef struct bv_velocity_publisher bv_velocity_publisher;
@@ -362,6 +372,13 @@ void bv_subscriber_close(struct bv_subscriber *subscriber);
 bv_status bv_subscriber_wait(struct bv_subscriber *subscriber,
                              uint32_t timeout_ms);
 
+// A descriptor for the poll, select or epoll of another event loop: the same over the subscriber's whole life, and
+// closed by bv_subscriber_close only. It is readable when frames may wait or it is time to look for the publisher:
+// call bv_subscriber_take then until it gives BV_STATUS_NOTHING. Do not read from it.
+// Requires: `subscriber` is open; `fd` can be written.
+bv_status bv_subscriber_fd(struct bv_subscriber *subscriber,
+                           int *fd);
+
 // Takes the oldest frame that waits; BV_STATUS_NOTHING when none does (`*out` is NULL then). Never sleeps.
 // Two frames may be held at a time, or as many as the publisher allows.
 // Requires: `subscriber` is open; `out` can be written.
@@ -410,6 +427,38 @@ uint64_t bv_frame_age_ns(const struct bv_frame *frame);
 // Releases it; NULL is ignored.
 // Requires: `frame` came from a take, and neither it nor its header and payload are used afterwards.
 void bv_frame_release(struct bv_frame *frame);
+
+// Synchronises `count` streams, 2 to BV_SYNCHRONIZER_MAX, whether they exist already or not. Stamps of a set differ
+// by at most `tolerance_ns`: 0 for what is captured at one moment, more for sensors of different rates.
+// Requires: `node` is open; `topics` has `count` NUL-terminated texts; `out` can be written.
+bv_status bv_synchronizer_open(struct bv_node *node,
+                               const char *const *topics,
+                               size_t count,
+                               uint64_t tolerance_ns,
+                               struct bv_synchronizer **out);
+
+// Ends it; NULL is ignored. Frames that are held stay valid.
+// Requires: `synchronizer` came from bv_synchronizer_open and is not used afterwards.
+void bv_synchronizer_close(struct bv_synchronizer *synchronizer);
+
+// Sleeps until there is a set to take: BV_STATUS_OK; BV_STATUS_NOTHING when the time has passed, or a signal came,
+// without one.
+// Requires: `synchronizer` is open.
+bv_status bv_synchronizer_wait(struct bv_synchronizer *synchronizer,
+                               uint32_t timeout_ms);
+
+// Takes the next set: one frame of each stream, in the order of the topics, each to be released;
+// BV_STATUS_NOTHING when none is complete (all of `out` are NULL then). Never sleeps.
+// Requires: `synchronizer` is open; `out` has room for as many frames as it has streams.
+bv_status bv_synchronizer_take(struct bv_synchronizer *synchronizer, struct bv_frame **out);
+
+// Frames that were taken and found no partner.
+// Requires: `synchronizer` is open or NULL.
+uint64_t bv_synchronizer_skipped(const struct bv_synchronizer *synchronizer);
+
+// Frames that were sent and never taken, over all streams.
+// Requires: `synchronizer` is open or NULL.
+uint64_t bv_synchronizer_missed_total(const struct bv_synchronizer *synchronizer);
 
 // Opens a velocity command stream ("cmd_vel") for sending; several processes may.
 // Requires: `node` is open; `topic` is NUL-terminated; `out` can be written.

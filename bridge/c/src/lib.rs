@@ -14,4 +14,5 @@ mod node;
 mod round_trip;
 mod status;
 mod subscriber;
+mod synchronizer;
 mod velocity;

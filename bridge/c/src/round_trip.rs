@@ -5,14 +5,21 @@ use std::{
     ptr::null_mut,
 };
 
-use belvedere_bridge::{Domain, Encoding, Kind, StreamSpec, payload};
+use belvedere_bridge::{Domain, Encoding, Kind, Publisher, StreamSpec, payload};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::{
     frame::{bv_frame_get_header, bv_frame_get_payload, bv_frame_missed, bv_frame_release},
     layout::{BV_MAGIC, VelocityCommand},
     node::{bv_node_close, bv_node_open, bv_streams, bv_streams_free},
     status::{Status, bv_last_error, guard},
-    subscriber::{bv_subscribe, bv_subscriber_close, bv_subscriber_take, bv_subscriber_wait},
+    subscriber::{
+        bv_subscribe, bv_subscriber_close, bv_subscriber_fd, bv_subscriber_take, bv_subscriber_wait,
+    },
+    synchronizer::{
+        bv_synchronizer_close, bv_synchronizer_open, bv_synchronizer_skipped, bv_synchronizer_take,
+        bv_synchronizer_wait,
+    },
     velocity::{bv_velocity_close, bv_velocity_open, bv_velocity_send},
 };
 
@@ -78,6 +85,61 @@ fn frames_and_commands_cross() {
         bv_node_close(node);
         bv_subscriber_close(subscriber);
         bv_frame_release(frame);
+    }
+}
+
+fn send(publisher: &Publisher, stamp_ns: u64) {
+    let mut loaned = publisher.loan(12).unwrap();
+    loaned.header_mut().set_packed(4, 3);
+    loaned.header_mut().stamp_ns = stamp_ns;
+    loaned.payload_mut().fill(9);
+    loaned.send().unwrap();
+}
+
+#[test]
+fn a_foreign_loop_and_sets_of_one_stamp() {
+    let name = format!("cs-{}", std::process::id());
+    let rust = belvedere_bridge::Node::open(&Domain::new(&name).unwrap(), "test").unwrap();
+    let [rgb, depth] = ["rgb", "depth"]
+        .map(|topic| rust.publisher(&StreamSpec::new(topic, Kind::Image, Encoding::Mono8, 12)).unwrap());
+    let name = CString::new(name).unwrap();
+    let topics = [c"rgb".as_ptr(), c"depth".as_ptr()];
+    let (mut node, mut subscriber, mut sets, mut fd) = (null_mut(), null_mut(), null_mut(), -1);
+    let mut frames = [null_mut(); 2];
+    // SAFETY: as above; the descriptor is that of a subscriber that is open.
+    unsafe {
+        assert_eq!(bv_node_open(name.as_ptr(), c"test".as_ptr(), &raw mut node), Status::Ok);
+        assert_eq!(bv_subscribe(node, c"depth".as_ptr(), &raw mut subscriber), Status::Ok);
+        assert_eq!(bv_subscriber_fd(subscriber, &raw mut fd), Status::Ok);
+        let open = |count, sets| bv_synchronizer_open(node, topics.as_ptr(), count, 0, sets);
+        assert_eq!(open(1, &raw mut sets), Status::InvalidArgument);
+        assert_eq!(last_error(), "1 streams: a set is of 2 to 8");
+        assert_eq!(open(2, &raw mut sets), Status::Ok);
+        // Connects: what was sent before comes with the publisher's next frame only.
+        let mut frame = null_mut();
+        assert_eq!(bv_synchronizer_take(sets, frames.as_mut_ptr()), Status::Nothing);
+        assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Nothing);
+
+        send(&rgb, 7);
+        send(&rgb, 8);
+        send(&depth, 8);
+        assert_eq!(bv_synchronizer_wait(sets, 10_000), Status::Ok);
+        assert_eq!(bv_synchronizer_take(sets, frames.as_mut_ptr()), Status::Ok);
+        assert_eq!(frames.map(|frame| (*bv_frame_get_header(frame)).stamp_ns), [8, 8]);
+        assert_eq!(bv_synchronizer_skipped(sets), 1);
+        bv_synchronizer_close(sets);
+        for frame in frames {
+            bv_frame_release(frame);
+        }
+
+        let descriptor = std::os::fd::BorrowedFd::borrow_raw(fd);
+        let mut fds = [PollFd::from_borrowed_fd(descriptor, PollFlags::IN)];
+        assert_eq!(poll(&mut fds, Some(&Timespec { tv_sec: 10, tv_nsec: 0 })).unwrap(), 1);
+        assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Ok);
+        assert_eq!((*bv_frame_get_header(frame)).stamp_ns, 8);
+        bv_frame_release(frame);
+        bv_subscriber_close(subscriber);
+        bv_node_close(node);
     }
 }
 

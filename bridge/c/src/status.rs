@@ -16,7 +16,7 @@ pub enum Status {
     Ok = 0,
     /// Nothing is there: the time passed without a frame, or none waits.
     Nothing = 1,
-    /// A pointer is null, or a text is not UTF-8.
+    /// A pointer is null, a text is not UTF-8, or a number is out of range.
     InvalidArgument = -1,
     /// The name of a domain or topic cannot be one.
     InvalidName = -2,
@@ -53,10 +53,13 @@ pub(crate) struct Failure(Status, String);
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let status = match &error {
-            Error::InvalidDomain(_) | Error::InvalidTopic { .. } | Error::Text(_) => Status::InvalidName,
+            Error::InvalidDomain(_)
+            | Error::InvalidTopic { .. }
+            | Error::InvalidGroup { .. }
+            | Error::Text(_) => Status::InvalidName,
             Error::DomainInUse { .. } => Status::DomainInUse,
             Error::Incompatible { .. } => Status::Incompatible,
-            Error::Permission { .. } => Status::Permission,
+            Error::Permission { .. } | Error::NotADirectory(_) => Status::Permission,
             Error::SharedMemoryTooSmall { .. } => Status::SharedMemoryTooSmall,
             Error::TooManySubscribers { .. }
             | Error::TooManyHeld { .. }
@@ -69,8 +72,14 @@ impl From<Error> for Failure {
     }
 }
 
+impl Failure {
+    pub(crate) fn invalid_argument(text: String) -> Self {
+        Self(Status::InvalidArgument, text)
+    }
+}
+
 pub(crate) fn null(what: &str) -> Failure {
-    Failure(Status::InvalidArgument, format!("{what} is a null pointer"))
+    Failure::invalid_argument(format!("{what} is a null pointer"))
 }
 
 /// Runs the body of a call; errors and panics become a status and a text.
@@ -103,7 +112,7 @@ pub(crate) unsafe fn str_arg<'a>(text: *const c_char, what: &str) -> Result<&'a 
     }
     // SAFETY: not null; NUL-terminated and alive by the contract of this function.
     let text = unsafe { CStr::from_ptr(text) };
-    text.to_str().map_err(|_| Failure(Status::InvalidArgument, format!("{what} is not UTF-8")))
+    text.to_str().map_err(|_| Failure::invalid_argument(format!("{what} is not UTF-8")))
 }
 
 /// The handle behind a pointer from C.

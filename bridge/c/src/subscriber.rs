@@ -1,6 +1,10 @@
 //! Following a stream.
 
-use std::{ffi::c_char, time::Duration};
+use std::{
+    ffi::{c_char, c_int},
+    os::fd::AsRawFd as _,
+    time::Duration,
+};
 
 use crate::{
     frame::Frame,
@@ -53,6 +57,27 @@ pub unsafe extern "C" fn bv_subscriber_wait(subscriber: *mut Subscriber, timeout
         let subscriber = unsafe { handle_arg(subscriber, "subscriber") }?;
         let ready = subscriber.0.wait(Duration::from_millis(timeout_ms.into()))?;
         Ok(if ready { Status::Ok } else { Status::Nothing })
+    })
+}
+
+/// A descriptor for the poll, select or epoll of another event loop: the same over the subscriber's whole life, and
+/// closed by bv_subscriber_close only. It is readable when frames may wait or it is time to look for the publisher:
+/// call bv_subscriber_take then until it gives BV_STATUS_NOTHING. Do not read from it.
+///
+/// # Safety
+/// `subscriber` is open; `fd` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bv_subscriber_fd(subscriber: *mut Subscriber, fd: *mut c_int) -> Status {
+    guard(|| {
+        if fd.is_null() {
+            return Err(crate::status::null("fd"));
+        }
+        // SAFETY: an open subscriber by this function's contract.
+        let subscriber = unsafe { handle_arg(subscriber, "subscriber") }?;
+        let readiness = subscriber.0.readiness()?.as_raw_fd();
+        // SAFETY: not null, writable by this function's contract.
+        unsafe { fd.write(readiness) };
+        Ok(Status::Ok)
     })
 }
 

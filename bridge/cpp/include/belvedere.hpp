@@ -8,9 +8,13 @@
 //
 // Every object owns its handle and may be moved, also to another thread; one thread at a time may use it. Failures
 // are belvedere::Error with the words of bv_last_error().
+//
+// belvedere/opencv.hpp, belvedere/eigen.hpp and belvedere/pcl.hpp show frames as the types of these libraries.
 #ifndef BELVEDERE_HPP
 #define BELVEDERE_HPP
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +24,7 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "belvedere.h"
@@ -43,6 +48,12 @@ namespace detail {
 inline bool check(bv_status status) {
     if (static_cast<int>(status) < 0) throw Error(status);
     return status == BV_STATUS_OK;
+}
+
+/// As the C interface takes it: not negative, 24 days at most.
+inline std::uint32_t milliseconds(std::chrono::milliseconds timeout) {
+    const auto ms = timeout.count() < 0 ? 0 : timeout.count() > 0x7fffffff ? 0x7fffffff : timeout.count();
+    return static_cast<std::uint32_t>(ms);
 }
 
 template <class Handle, void (*close)(Handle*)>
@@ -81,6 +92,18 @@ public:
     const Header& header() const { return *bv_frame_get_header(handle_.get()); }
     bv_kind kind() const { return static_cast<bv_kind>(header().kind); }
     bv_encoding encoding() const { return static_cast<bv_encoding>(header().encoding); }
+
+    /// The frame that the data are given in.
+    std::string frame_id() const {
+        const char* id = header().frame_id;
+        return std::string(id, std::find(id, id + sizeof header().frame_id, '\0'));
+    }
+    /// How pixels map to directions. Throws std::invalid_argument for a kind that has none.
+    const bv_intrinsics& intrinsics() const {
+        if (kind() != BV_KIND_IMAGE && kind() != BV_KIND_DEPTH_IMAGE && kind() != BV_KIND_POINT_CLOUD)
+            throw std::invalid_argument("a frame of this kind has no intrinsics");
+        return header().block.intrinsics;
+    }
 
     /// All bytes, aligned to 64.
     Span<const std::uint8_t> payload() const {
@@ -154,13 +177,21 @@ public:
 
     /// Sleeps until there is a frame; false when the time has passed, or a signal came, without one.
     bool wait(std::chrono::milliseconds timeout) {
-        const auto ms = timeout.count() < 0 ? 0 : timeout.count() > 0x7fffffff ? 0x7fffffff : timeout.count();
-        return detail::check(bv_subscriber_wait(handle_.get(), static_cast<std::uint32_t>(ms)));
+        return detail::check(bv_subscriber_wait(handle_.get(), detail::milliseconds(timeout)));
     }
     /// The oldest frame that waits, if any; never sleeps. Two may be held at a time.
     std::optional<Frame> take() { return take_with(bv_subscriber_take); }
     /// The newest frame that waits, if any, dropping those before it; never sleeps.
     std::optional<Frame> take_newest() { return take_with(bv_subscriber_take_newest); }
+
+    /// A descriptor for the poll, select or epoll of another event loop: the same over the subscriber's whole life.
+    /// It is readable when frames may wait or it is time to look for the publisher: take() then until there is none.
+    /// Do not read from it, nor close it.
+    int fd() {
+        int fd = -1;
+        detail::check(bv_subscriber_fd(handle_.get(), &fd));
+        return fd;
+    }
 
     std::uint64_t missed_total() const { return bv_subscriber_missed_total(handle_.get()); }
     std::size_t publishers() const { return bv_subscriber_publishers(handle_.get()); }
@@ -177,6 +208,41 @@ private:
     }
 
     detail::Owned<bv_subscriber, bv_subscriber_close> handle_;
+};
+
+/// Gives the frames of N streams that were taken at the same time: a picture with its depth and its camera_info.
+/// Each frame is in one set at most, sets come in order, and a frame that can find no partner any more is skipped. One
+/// set may be kept while the next is waited for.
+template <std::size_t N>
+class Synchronizer {
+    static_assert(N >= 2 && N <= BV_SYNCHRONIZER_MAX, "a set is of 2 to 8 streams");
+
+public:
+    explicit Synchronizer(bv_synchronizer* handle) : handle_(handle) {}
+
+    /// Sleeps until there is a set; false when the time has passed, or a signal came, without one.
+    bool wait(std::chrono::milliseconds timeout) {
+        return detail::check(bv_synchronizer_wait(handle_.get(), detail::milliseconds(timeout)));
+    }
+    /// The next set, in the order of the topics, if it is complete; never sleeps.
+    std::optional<std::array<Frame, N>> take() {
+        bv_frame* frames[N];
+        if (!detail::check(bv_synchronizer_take(handle_.get(), frames))) return std::nullopt;
+        return set(frames, std::make_index_sequence<N>());
+    }
+
+    /// Frames that were taken and found no partner.
+    std::uint64_t skipped() const { return bv_synchronizer_skipped(handle_.get()); }
+    /// Frames that were sent and never taken, over all streams.
+    std::uint64_t missed_total() const { return bv_synchronizer_missed_total(handle_.get()); }
+
+private:
+    template <std::size_t... I>
+    static std::array<Frame, N> set(bv_frame* const (&frames)[N], std::index_sequence<I...>) {
+        return {Frame(frames[I])...};
+    }
+
+    detail::Owned<bv_synchronizer, bv_synchronizer_close> handle_;
 };
 
 /// Sends velocity commands to the robot; several processes may.
@@ -205,6 +271,18 @@ public:
         bv_subscriber* subscriber = nullptr;
         detail::check(bv_subscribe(handle_.get(), topic.c_str(), &subscriber));
         return Subscriber(subscriber);
+    }
+    /// Follows several streams at once. Stamps of a set differ by at most the tolerance: none for what is captured at
+    /// one moment, more for sensors of different rates.
+    template <class... Topics>
+    Synchronizer<sizeof...(Topics)> synchronize(std::chrono::nanoseconds tolerance, const Topics&... topics) {
+        const std::array<std::string, sizeof...(Topics)> names{std::string(topics)...};
+        std::array<const char*, sizeof...(Topics)> texts{};
+        for (std::size_t i = 0; i < names.size(); ++i) texts[i] = names[i].c_str();
+        const auto tolerance_ns = static_cast<std::uint64_t>(tolerance.count() < 0 ? 0 : tolerance.count());
+        bv_synchronizer* synchronizer = nullptr;
+        detail::check(bv_synchronizer_open(handle_.get(), texts.data(), texts.size(), tolerance_ns, &synchronizer));
+        return Synchronizer<sizeof...(Topics)>(synchronizer);
     }
     VelocityPublisher velocity(const std::string& topic = "cmd_vel") {
         bv_velocity_publisher* publisher = nullptr;

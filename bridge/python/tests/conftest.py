@@ -21,8 +21,8 @@ ROOT = Path(__file__).parents[3]
 class Simulator:
     """``belvedere run``, which can be killed and started again."""
 
-    def __init__(self, domain: str) -> None:
-        self.domain = domain
+    def __init__(self, domain: str, *arguments: str) -> None:
+        self.domain, self.arguments = domain, arguments
         target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
         self.program = Path(os.environ.get("BELVEDERE_BIN", target / "release" / "belvedere"))
         if not self.program.exists():
@@ -31,7 +31,7 @@ class Simulator:
 
     def start(self) -> None:
         """Start it; its streams come a moment later."""
-        command = [self.program, "run", "--domain", self.domain]
+        command = [self.program, "run", "--domain", self.domain, *self.arguments]
         self.process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
 
     def stop(self, how: signal.Signals) -> None:
@@ -54,3 +54,13 @@ def simulator() -> Iterator[Simulator]:
 def node(simulator: Simulator) -> Iterator[belvedere.Node]:
     with belvedere.Node("pytest", domain=simulator.domain) as node:
         yield node
+
+
+@pytest.fixture
+def kinect() -> Iterator[belvedere.Node]:
+    """Join the domain of a robot with a depth camera."""
+    simulator = Simulator(f"kinect-{os.getpid()}", "--robot", "kobuki_hexagons_kinect")
+    simulator.start()
+    with belvedere.Node("pytest", domain=simulator.domain) as node:
+        yield node
+    simulator.stop(signal.SIGINT)

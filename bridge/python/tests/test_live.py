@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import gc
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -163,32 +161,3 @@ def test_names_that_cannot_be(node: belvedere.Node, name: str) -> None:
         node.subscribe(name)
     with pytest.raises(belvedere.InvalidNameError):
         belvedere.Node(domain=name)
-
-
-def test_the_first_program_runs(simulator: Simulator) -> None:
-    readme = (Path(__file__).parents[1] / "README.md").read_text()
-    program = readme.split("```python\n")[1].split("```")[0]
-    assert program.count("\n") < 30
-    run = subprocess.run(
-        [sys.executable, "-c", program],
-        env={"BELVEDERE_DOMAIN": simulator.domain, "PATH": "/usr/bin:/bin"},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
-    )
-    assert "(480, 640, 3)" in run.stdout
-
-
-def test_the_plain_wheel_reads_a_stream_too(simulator: Simulator) -> None:
-    readme = (Path(__file__).parents[1] / "README.md").read_text()
-    program = readme.split("```python\n")[2].split("```")[0]
-    assert "import belvedere" not in program
-    run = subprocess.run(
-        [sys.executable, "-c", program, simulator.domain],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
-    )
-    assert "640 x 480" in run.stdout

@@ -19,6 +19,7 @@ from belvedere._errors import (
 from belvedere._frame import Frame
 from belvedere._node import Node, StreamInfo
 from belvedere._subscriber import Subscriber
+from belvedere._synchronizer import Synchronizer
 from belvedere._velocity import VelocityPublisher
 from belvedere.wire import Encoding, Intrinsics, Kind, ScanGeometry
 
@@ -39,5 +40,6 @@ __all__ = [
     "StreamInfo",
     "StreamTimeoutError",
     "Subscriber",
+    "Synchronizer",
     "VelocityPublisher",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import iceoryx2 as iox2
 
@@ -11,7 +11,11 @@ from belvedere import _transport
 from belvedere._closing import Closing
 from belvedere._errors import BridgeError
 from belvedere._subscriber import Subscriber
+from belvedere._synchronizer import Synchronizer
 from belvedere._velocity import VelocityPublisher
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 class StreamInfo(NamedTuple):
@@ -33,7 +37,7 @@ class Node(Closing):
 
     def __init__(self, name: str = "python", domain: str | None = None) -> None:
         self._domain = domain if domain is not None else os.environ.get("BELVEDERE_DOMAIN") or "default"
-        self._node: Any = _transport.open_node(self._domain, name)
+        self._membership: _transport.Membership | None = _transport.Membership(self._domain, name)
 
     @property
     def domain(self) -> str:
@@ -44,6 +48,14 @@ class Node(Closing):
         """Follow a stream, whether it exists already or not. A leading slash is ignored."""
         return Subscriber(self._joined(), _transport.topic_of(topic))
 
+    def synchronize(self, topics: Sequence[str], tolerance: float = 0.0) -> Synchronizer:
+        """Give the frames of several streams that were taken at the same time.
+
+        Stamps of a set differ by at most ``tolerance`` seconds of simulation time: 0 for what is captured at one
+        moment, more for sensors of different rates.
+        """
+        return Synchronizer([self.subscribe(topic) for topic in topics], tolerance)
+
     def velocity_publisher(self, topic: str = "cmd_vel") -> VelocityPublisher:
         """Open a velocity command stream for sending; several processes may."""
         return VelocityPublisher(self._joined(), _transport.topic_of(topic))
@@ -51,7 +63,7 @@ class Node(Closing):
     def streams(self) -> list[StreamInfo]:
         """List what is there in the domain, by topic."""
         found = {}
-        for service in iox2.Service.list(self._joined().config, iox2.ServiceType.Ipc):
+        for service in iox2.Service.list(self._joined().node.config, iox2.ServiceType.Ipc):
             topic = _transport.topic_of_service(service.name().to_string())
             if topic is None or service.messaging_pattern() != iox2.MessagingPattern.PublishSubscribe:
                 continue
@@ -70,9 +82,9 @@ class Node(Closing):
 
     def close(self) -> None:
         """Leave the domain, as far as subscribers and publishers made from it are closed."""
-        self._node = None
+        self._membership = None
 
-    def _joined(self) -> Any:
-        if self._node is None:
+    def _joined(self) -> _transport.Membership:
+        if self._membership is None:
             raise BridgeError("the node was closed: open another")
-        return self._node
+        return self._membership

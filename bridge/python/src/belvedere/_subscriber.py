@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import time
 from typing import TYPE_CHECKING, Any
@@ -12,14 +13,11 @@ from belvedere import _transport
 from belvedere._closing import Closing
 from belvedere._errors import BridgeError, LimitError, StreamTimeoutError
 from belvedere._frame import Frame
+from belvedere._readiness import SEARCH_INTERVAL, WATCH_INTERVAL, Readiness
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import AsyncIterator, Iterator
 
-#: Seconds between two looks for a stream that is not there.
-SEARCH_INTERVAL = 0.02
-#: Seconds that a wait sleeps at most before it looks whether the publisher is still there.
-WATCH_INTERVAL = 0.1
 #: After so many seconds of silence the publisher may have been killed: see who is dead.
 SUSPICIOUS_SILENCE = 1.0
 
@@ -31,8 +29,10 @@ class _Connection:
     not. So the ports stay open as long as the subscriber or any frame refers to them.
     """
 
-    def __init__(self, node: Any, topic: str) -> None:
-        self.frames, events = _transport.open_stream(node, topic)
+    def __init__(self, membership: _transport.Membership, topic: str) -> None:
+        # Outlives the rest, see Membership.
+        self._membership = membership
+        self.frames, events = _transport.open_stream(membership, topic)
         if self.publishers == 0:
             # What other subscribers are about to let go.
             raise _transport.NotThere
@@ -58,6 +58,8 @@ class _Connection:
         for port in ("port", "listener"):
             if hasattr(self, port):
                 getattr(self, port).delete()
+        # Before the membership, not in whatever order the fields go.
+        self.frames = None
 
 
 class Subscriber(Closing):
@@ -68,10 +70,12 @@ class Subscriber(Closing):
     waiting frames and slows nobody; ``Frame.missed`` tells how many.
     """
 
-    def __init__(self, node: Any, topic: str) -> None:
-        self._node = node
+    def __init__(self, membership: _transport.Membership, topic: str) -> None:
+        self._membership = membership
         self._topic = topic
         self._connection: _Connection | None = None
+        #: Only of subscribers that somebody polls.
+        self._readiness: Readiness | None = None
         self._next_search = 0.0
         self._last: tuple[int, int] | None = None
         self._missed_total = 0
@@ -114,10 +118,45 @@ class Subscriber(Closing):
             left = WATCH_INTERVAL if deadline is None else min(deadline - time.monotonic(), WATCH_INTERVAL)
             if left <= 0:
                 return False
-            if self._connection:
+            if self._readiness:
+                self._readiness.wait(left)
+            elif self._connection:
                 self._connection.listener.timed_wait(iox2.Duration.from_secs_f64(left))
             else:
                 time.sleep(min(left, SEARCH_INTERVAL))
+
+    def fileno(self) -> int:
+        """Return a descriptor for the ``select``, ``selectors`` or ``asyncio`` of another event loop.
+
+        It is the same over the subscriber's whole life, and readable when frames may wait or it is time to look for
+        the publisher: ``take()`` then until there is none. Do not read from it. iceoryx2's Python package has no
+        descriptor of its own; a thread that sleeps beside is the price of this one.
+        """
+        if self._readiness is None:
+            self._readiness = Readiness()
+            self._readiness.follow(self._connection)
+        return self._readiness.fd
+
+    async def __aiter__(self) -> AsyncIterator[Frame]:
+        """Go through the frames as they come, each in turn, in ``async for``.
+
+        There is no end and no timeout: ``asyncio.timeout`` around it says how long to wait.
+        """
+        loop = asyncio.get_running_loop()
+        while True:
+            frame = self.take()
+            if frame is not None:
+                yield frame
+                # Not held here while the next is taken.
+                del frame
+                continue
+            # Heard only while nothing is there: a frame that waits for the loop's body would ring all the time.
+            readable = loop.create_future()
+            loop.add_reader(self.fileno(), _ring, readable)
+            try:
+                await readable
+            finally:
+                loop.remove_reader(self.fileno())
 
     def take(self) -> Frame | None:
         """Return the oldest frame that waits, if any; never sleeps.
@@ -128,11 +167,17 @@ class Subscriber(Closing):
             IncompatibleError: as for ``wait``.
 
         """
+        if self._readiness:
+            # Before the look: what comes after it rings again.
+            self._readiness.clear()
         self._search()
         sample = self._receive()
         if sample is None:
             self._watch_publisher()
             return None
+        if self._readiness:
+            # There may be more.
+            self._readiness.ring()
         return self._accept(sample)
 
     def take_newest(self) -> Frame | None:
@@ -172,6 +217,9 @@ class Subscriber(Closing):
 
     def close(self) -> None:
         """End the subscription; frames that are held stay valid."""
+        if self._readiness:
+            self._readiness.close()
+            self._readiness = None
         self._connection = None
         self._next_search = float("inf")
 
@@ -206,7 +254,9 @@ class Subscriber(Closing):
         if self._connection is None and time.monotonic() >= self._next_search:
             self._next_search = time.monotonic() + SEARCH_INTERVAL
             with contextlib.suppress(_transport.NotThere):
-                self._connection = _Connection(self._node, self._topic)
+                self._connection = _Connection(self._membership, self._topic)
+                if self._readiness:
+                    self._readiness.follow(self._connection)
 
     def _watch_publisher(self) -> None:
         """Let go of a stream whose publisher has gone, so that the next one finds nothing of the old."""
@@ -215,7 +265,14 @@ class Subscriber(Closing):
         now = time.monotonic()
         if min(self.silence, now - self._last_clean_up) > SUSPICIOUS_SILENCE:
             self._last_clean_up = now
-            self._node.try_cleanup_dead_nodes()
+            self._membership.node.try_cleanup_dead_nodes()
         # In this order: a publisher's last frame is there before it is gone.
         if self._connection.publishers == 0 and not self._connection.port.has_samples():
+            if self._readiness:
+                self._readiness.follow(None)
             self._connection = None
+
+
+def _ring(readable: asyncio.Future[None]) -> None:
+    if not readable.done():
+        readable.set_result(None)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import re
+from pathlib import Path
 from typing import Any
 
 import iceoryx2 as iox2
@@ -31,28 +33,55 @@ class NotThere(Exception):
     """The stream does not exist now."""
 
 
-def open_node(domain: str, name: str) -> Any:
-    """Join a domain."""
-    if not _DOMAIN.fullmatch(domain):
-        raise InvalidNameError(f"{domain!r} cannot be a domain: 1 to 24 of a-z A-Z 0-9 _ -")
-    # Its messages repeat what the errors say.
-    iox2.set_log_level(iox2.LogLevel.Fatal)
-    # Not from a file: a config/iceoryx2.toml in the working directory must not part two peers.
-    config = iox2.config.default()
-    config.global_cfg.prefix = iox2.FileName.new(f"blvd.{domain}.")
-    try:
-        return (
-            iox2.NodeBuilder.new()
-            .name(iox2.NodeName.new(name[:100]))
-            .config(config)
-            .signal_handling_mode(iox2.SignalHandlingMode.Disabled)
-            .create(iox2.ServiceType.Ipc)
-        )
-    except iox2.NodeCreationFailure as error:
-        raise BridgeError(
-            f"joining domain {domain!r}: {error}; if /tmp/iceoryx2 belongs to another user, "
-            "run as that user or remove it when nothing uses it"
-        ) from error
+class Membership:
+    """Joins a domain, and leaves it when nobody refers to this any more.
+
+    All that is made from the node refers to it, so that it goes last: iceoryx2 keeps a file after the last node of
+    a domain, which is removed here as the simulator does.
+    """
+
+    def __init__(self, domain: str, name: str) -> None:
+        if not _DOMAIN.fullmatch(domain):
+            raise InvalidNameError(f"{domain!r} cannot be a domain: 1 to 24 of a-z A-Z 0-9 _ -")
+        # Its messages repeat what the errors say.
+        iox2.set_log_level(iox2.LogLevel.Fatal)
+        # Not from a file: a config/iceoryx2.toml in the working directory must not part two peers.
+        self._config = iox2.config.default()
+        self._prefix = f"blvd.{domain}."
+        self._config.global_cfg.prefix = iox2.FileName.new(self._prefix)
+        try:
+            self.node: Any = (
+                iox2.NodeBuilder.new()
+                .name(iox2.NodeName.new(name[:100]))
+                .config(self._config)
+                .signal_handling_mode(iox2.SignalHandlingMode.Disabled)
+                .create(iox2.ServiceType.Ipc)
+            )
+        except iox2.NodeCreationFailure as error:
+            raise BridgeError(
+                f"joining domain {domain!r}: {error}; if /tmp/iceoryx2 belongs to another user, "
+                "run as that user or remove it when nothing uses it"
+            ) from error
+
+    def __del__(self) -> None:
+        if not hasattr(self, "node"):
+            return
+        del self.node
+        # Another process may be doing the same, or just joining the domain.
+        with contextlib.suppress(OSError, iox2.NodeListFailure):
+            self._remove_traces()
+
+    def _remove_traces(self) -> None:
+        """Remove the domain's node counter and the directories of all domains, if nobody is left in them."""
+        states = iox2.Node.list(iox2.ServiceType.Ipc, self._config)
+        if any(not isinstance(state, iox2.NodeState.Dead) for state in states):
+            return
+        for path in Path("/dev/shm").glob(f"{self._prefix}*.global_mgmt"):
+            path.unlink()
+        # Only empty directories can be removed this way; while any node of any domain lives, the first is not.
+        root = Path(self._config.global_cfg.root_path.to_string())
+        for directory in (root / "nodes", root / "services", root):
+            directory.rmdir()
 
 
 def topic_of(topic: str) -> str:
@@ -68,7 +97,7 @@ def topic_of_service(service: str) -> str | None:
     return service.removeprefix(_SERVICE_ROOT) if service.startswith(_SERVICE_ROOT) else None
 
 
-def open_stream(node: Any, topic: str) -> tuple[Any, Any]:
+def open_stream(membership: Membership, topic: str) -> tuple[Any, Any]:
     """Open the frames and the events of a stream.
 
     Raises:
@@ -76,12 +105,13 @@ def open_stream(node: Any, topic: str) -> tuple[Any, Any]:
         IncompatibleError: it is of another version, or not one of ours.
 
     """
+    node = membership.node
     name = iox2.ServiceName.new(f"{_SERVICE_ROOT}{topic}")
     try:
         frames = (
             node.service_builder(name).publish_subscribe(iox2.Slice[ctypes.c_uint8]).user_header(FrameHeader).open()
         )
-        return frames, node.service_builder(name).event().open()
+        return frames, node.service_builder(name).event().open_or_create()
     except (iox2.PublishSubscribeOpenError, iox2.EventOpenError) as error:
         text = str(error)
         if any(word in text for word in ("DoesNotExist", "MarkedForDestruction", "HangsInCreation", "Interrupt")):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import secrets
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import iceoryx2 as iox2
 import numpy as np
@@ -23,8 +23,8 @@ _COMMAND = wire.STRUCTS[wire.Kind.VELOCITY_COMMAND]
 class _Ports:
     """The ports of a command stream that is there."""
 
-    def __init__(self, node: Any, topic: str) -> None:
-        self._frames, events = _transport.open_stream(node, topic)
+    def __init__(self, membership: _transport.Membership, topic: str) -> None:
+        self._frames, events = _transport.open_stream(membership, topic)
         try:
             self.publisher = self._frames.publisher_builder().initial_max_slice_len(_COMMAND.itemsize).create()
             self.notifier = events.notifier_builder().create()
@@ -43,8 +43,8 @@ class _Ports:
 class VelocityPublisher(Closing):
     """Sends wanted velocities; made by ``Node.velocity_publisher``. The robot stops when none comes for a while."""
 
-    def __init__(self, node: Any, topic: str) -> None:
-        self._node = node
+    def __init__(self, membership: _transport.Membership, topic: str) -> None:
+        self._membership = membership
         self._topic = topic
         self._session = secrets.randbelow(2**64 - 1) + 1
         self._seq = 0
@@ -123,10 +123,10 @@ class VelocityPublisher(Closing):
         """Open the stream, which the robot makes, and open it anew when the robot was started again."""
         if self._ports is not None and self._ports.subscribers == 0:
             self.close()
-            self._node.try_cleanup_dead_nodes()
+            self._membership.node.try_cleanup_dead_nodes()
         if self._ports is None:
             try:
-                ports = _Ports(self._node, self._topic)
+                ports = _Ports(self._membership, self._topic)
             except _transport.NotThere:
                 return None
             if ports.subscribers == 0:

@@ -1,0 +1,56 @@
+// Belvedere's frames as cv::Mat, without a copy. Needs OpenCV's core headers. SPDX-License-Identifier: MIT OR Apache-2.0
+#ifndef BELVEDERE_OPENCV_HPP
+#define BELVEDERE_OPENCV_HPP
+
+#include <opencv2/core.hpp>
+
+#include "../belvedere.hpp"
+
+namespace belvedere {
+
+/// Pixels, depth, ranges (a row for each layer) or points (eight channels: x y z and five of colour and padding),
+/// where the simulator wrote them. It is valid as long as the frame lives, and the memory is read-only, which cv::Mat
+/// cannot say: a write into it is a segmentation fault, so clone() what is to be changed or kept.
+///
+/// rgb8 has red first; OpenCV's own pictures have blue first: cv::cvtColor(mat, bgr, cv::COLOR_RGB2BGR).
+/// Throws std::invalid_argument for a frame that is no array of these.
+inline cv::Mat cv_mat(const Frame& frame) {
+    const Header& h = frame.header();
+    int type = 0;
+    switch (frame.encoding()) {
+        case BV_ENCODING_RGB8:
+        case BV_ENCODING_BGR8: type = CV_8UC3; break;
+        case BV_ENCODING_MONO8: type = CV_8UC1; break;
+        case BV_ENCODING_U16C1: type = CV_16UC1; break;
+        case BV_ENCODING_F32C1:
+        case BV_ENCODING_RANGES_F32: type = CV_32FC1; break;
+        case BV_ENCODING_XYZ_RGB_F32: type = CV_32FC(8); break;
+        default: throw std::invalid_argument("a frame of this encoding is no cv::Mat");
+    }
+    if (h.width == 0 || h.height == 0) return cv::Mat(0, 0, type);
+    const std::size_t size = CV_ELEM_SIZE(type);
+    const std::size_t step = h.height == 1 ? h.width * size : h.row_stride;
+    if (h.elem_stride != size || step % CV_ELEM_SIZE1(type) != 0)
+        throw std::invalid_argument("a frame with gaps between its elements is no cv::Mat");
+    // OpenCV has no constant pixels.
+    void* data = const_cast<std::uint8_t*>(frame.payload().data());
+    return cv::Mat(static_cast<int>(h.height), static_cast<int>(h.width), type, data, step);
+}
+/// The frame would be released before the picture is looked at.
+cv::Mat cv_mat(Frame&&) = delete;
+
+/// fx 0 cx, 0 fy cy, 0 0 1. Throws std::invalid_argument for a kind without intrinsics.
+inline cv::Matx33d cv_camera_matrix(const Frame& frame) {
+    const bv_intrinsics& lens = frame.intrinsics();
+    return {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1};
+}
+
+/// k1 k2 p1 p2 k3, as cv::undistort takes them.
+inline cv::Vec<double, 5> cv_distortion(const Frame& frame) {
+    const float* d = frame.intrinsics().distortion;
+    return {d[0], d[1], d[2], d[3], d[4]};
+}
+
+}  // namespace belvedere
+
+#endif  // BELVEDERE_OPENCV_HPP

@@ -1,0 +1,156 @@
+//! Room in `/dev/shm`: asked for before anything is made, and taken before it is written to.
+//!
+//! A page of shared memory is taken when it is first written. When none is free then, the writer gets SIGBUS, in the
+//! middle of a frame, and a simulation of hours is gone. So a publisher books its whole pool against what is free
+//! ([`book`]), and takes the pages that frames can come to lie in ([`Pool`]) by `fallocate`, which fails politely.
+
+use std::{
+    fs::File,
+    os::unix::fs::MetadataExt as _,
+    path::Path,
+    sync::atomic::{AtomicU64, Ordering},
+};
+
+use rustix::fs::FallocateFlags;
+
+use crate::{
+    Error, Node, StreamSpec,
+    places::{SHM, entries},
+};
+
+const MIB: u64 = 1 << 20;
+/// What connections, queues and books take beside the pools, generously.
+const BOOKS: u64 = MIB;
+
+/// Free bytes of `/dev/shm`.
+fn free() -> Result<u64, Error> {
+    let stat = rustix::fs::statvfs(SHM)
+        .map_err(|error| Error::transport(format!("asking {SHM} for its free space"), error))?;
+    Ok(stat.f_bavail * stat.f_frsize)
+}
+
+fn too_small(topic: &str, needed: u64, free: u64) -> Error {
+    Error::SharedMemoryTooSmall {
+        topic: topic.to_owned(),
+        needed_mib: needed.div_ceil(MIB),
+        free_mib: free / MIB,
+    }
+}
+
+/// Whether there is room for what a new port or connection writes.
+///
+/// # Errors
+/// [`Error::SharedMemoryTooSmall`].
+pub(crate) fn check_room_for_books(topic: &str) -> Result<(), Error> {
+    match free()? {
+        free if free < BOOKS => Err(too_small(topic, BOOKS, free)),
+        _ => Ok(()),
+    }
+}
+
+/// Books `bytes` of pool, if they and all pools before fit into what is free of `/dev/shm`.
+///
+/// What is free now has to hold all that was promised before, too. What of it is written already is counted twice: a
+/// stream added late may be refused a little early.
+///
+/// # Errors
+/// [`Error::SharedMemoryTooSmall`].
+pub(crate) fn book(node: &Node, topic: &str, bytes: u64) -> Result<Booking, Error> {
+    let booked = node.pool_bytes().fetch_add(bytes, Ordering::Relaxed) + bytes;
+    let booking = Booking { node: node.clone(), bytes };
+    let (needed, free) = (booked + BOOKS, free()?);
+    if free < needed { Err(too_small(topic, needed, free)) } else { Ok(booking) }
+}
+
+/// Bytes promised to a publisher's pool, returned when it is dropped.
+#[derive(Debug)]
+pub(crate) struct Booking {
+    node: Node,
+    bytes: u64,
+}
+
+impl Drop for Booking {
+    fn drop(&mut self) {
+        self.node.pool_bytes().fetch_sub(self.bytes, Ordering::Relaxed);
+    }
+}
+
+/// A publisher's pool of frames, and how much of it has been taken.
+///
+/// iceoryx2 hands out the frame that came back last, so that a frame never used before is touched only when all others
+/// are out: with `n` subscribers no more than `n · (buffer + borrowed) + history + loaned` frames ever are, the
+/// foremost of the pool. Only these are taken, and more when a subscriber comes: a pool for eight subscribers with one
+/// of them takes a third of its size.
+#[derive(Debug)]
+pub(crate) struct Pool {
+    file: File,
+    len: u64,
+    frames: u64,
+    per_subscriber: u64,
+    /// Frames of history, and loaned ones.
+    others: u64,
+    topic: String,
+    /// Subscribers that it has been taken for.
+    subscribers: AtomicU64,
+}
+
+impl Pool {
+    /// The pool of a port, with the room that one subscriber needs.
+    ///
+    /// # Errors
+    /// [`Error::SharedMemoryTooSmall`]; [`Error::Transport`] when the pool's file is not where it should be.
+    pub(crate) fn take(node: &Node, spec: &StreamSpec, topic: &str, port: u128) -> Result<Self, Error> {
+        let ending = format!("_{port}.data");
+        let failed = |error| Error::transport(format!("reserving the pool of {topic}"), error);
+        let path = entries(Path::new(SHM))
+            .find(|path| {
+                node.places().has_prefix(path)
+                    && path.as_os_str().as_encoded_bytes().ends_with(ending.as_bytes())
+            })
+            .ok_or_else(|| failed(std::io::ErrorKind::NotFound.into()))?;
+        let file = File::options().write(true).open(path).map_err(failed)?;
+        let pool = Self {
+            len: file.metadata().map_err(failed)?.len(),
+            file,
+            frames: spec.pool_frames().max(1),
+            per_subscriber: (spec.buffer + spec.borrowed) as u64,
+            others: (spec.history + spec.loaned) as u64,
+            topic: topic.to_owned(),
+            subscribers: AtomicU64::new(0),
+        };
+        pool.take_for(1)?;
+        Ok(pool)
+    }
+
+    /// Takes what so many subscribers need, if it has not been taken before.
+    ///
+    /// # Errors
+    /// [`Error::SharedMemoryTooSmall`].
+    pub(crate) fn take_for(&self, subscribers: usize) -> Result<(), Error> {
+        let subscribers = subscribers as u64;
+        if subscribers <= self.subscribers.load(Ordering::Relaxed) {
+            return Ok(());
+        }
+        let bytes = self.bytes_for(subscribers);
+        // What is taken already stays as it is.
+        match rustix::fs::fallocate(&self.file, FallocateFlags::empty(), 0, bytes) {
+            Ok(()) => {
+                self.subscribers.fetch_max(subscribers, Ordering::Relaxed);
+                Ok(())
+            }
+            Err(rustix::io::Errno::NOSPC) => {
+                let taken = self.file.metadata().map_or(0, |metadata| metadata.blocks() * 512);
+                Err(too_small(&self.topic, bytes.saturating_sub(taken), free()?))
+            }
+            Err(error) => Err(Error::transport(format!("reserving the pool of {}", self.topic), error)),
+        }
+    }
+
+    fn bytes_for(&self, subscribers: u64) -> u64 {
+        /// More than what iceoryx2 writes before the first frame.
+        const BEFORE: u64 = 64 << 10;
+        // One more: a subscriber may come between a frame's loan and its sending.
+        let frames = (subscribers + 1) * self.per_subscriber + self.others;
+        (frames * self.len.div_ceil(self.frames) + BEFORE).min(self.len)
+    }
+}

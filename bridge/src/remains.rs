@@ -1,0 +1,203 @@
+//! What processes leave behind when they end, or are killed, and how it goes.
+//!
+//! iceoryx2 cleans up after a dead node: its places in streams, its memory, its tags. What is here does the rest: a
+//! domain in which nobody lives any more is emptied before anything in it is believed; halves of what was killed while
+//! it was made; the last counter and directories; and in a domain that a group shares, where nobody may remove another
+//! user's files from `/dev/shm`, what only their own user can remove.
+
+use std::{
+    collections::HashSet,
+    fs,
+    os::unix::fs::MetadataExt as _,
+    path::{Path, PathBuf},
+    time::{Duration, SystemTime},
+};
+
+use iceoryx2::{
+    node::{DeadNodeView, Node as IoxNode, NodeState, NodeView as _},
+    prelude::{CallbackProgression, Config},
+    service::Service as _,
+};
+
+use crate::{
+    node::Ipc,
+    places::{Places, SHM, entries},
+    remnants,
+};
+
+/// Younger files may be being made, by a process that takes no [lock](Places::lock): another library's.
+const SETTLED: Duration = Duration::from_secs(1);
+
+/// Empties a domain in which nobody lives, so that iceoryx2 need not make sense of what is left in it: files may have
+/// been cut or overwritten since, by a full disk, by a power cut, by hand.
+pub(crate) fn clear_if_deserted(config: &Config, places: &Places) {
+    let files = places.files();
+    if files.is_empty() || anybody_lives(config) {
+        return;
+    }
+    let is_one_starting = files.iter().any(|file| !is_settled(file) && maker_runs(file));
+    let mut directories = HashSet::new();
+    for file in files {
+        if let Some(directory) = file.parent()
+            && directory.parent() == Some(&places.nodes)
+        {
+            directories.insert(directory.to_owned());
+        }
+        if !is_one_starting || is_settled(&file) {
+            // Failures: another process does the same, or it is another user's.
+            let _ = fs::remove_file(file);
+        }
+    }
+    for directory in directories {
+        // Only when it is empty.
+        let _ = fs::remove_dir(directory);
+    }
+}
+
+/// Whether a node of the domain is alive, or may be.
+fn anybody_lives(config: &Config) -> bool {
+    let mut lives = false;
+    let listed = IoxNode::<Ipc>::list(config, |state| {
+        lives |= match state {
+            NodeState::Alive(_) | NodeState::Inaccessible(_) => true,
+            NodeState::Dead(_) => false,
+            // Its monitor has been spoilt: only its process can tell.
+            NodeState::Undefined(id) => runs(id.value()),
+        };
+        CallbackProgression::Continue
+    });
+    lives || listed.is_err()
+}
+
+/// Whether the process that made an identity runs. The third quarter of its bits is the process's number.
+fn runs(id: u128) -> bool {
+    Path::new(&format!("/proc/{}", (id >> 64) as u32)).exists()
+}
+
+/// Whether a process runs whose identities are in the name of a file, or of the directory that it is in.
+fn maker_runs(file: &Path) -> bool {
+    let names = [file.file_name(), file.parent().and_then(Path::file_name)];
+    names.into_iter().flatten().filter_map(|name| name.to_str()).any(|name| {
+        let numbers = name.split(|letter: char| !letter.is_ascii_digit());
+        // Shorter ones are a domain's, a version's or part of a hash.
+        numbers.filter(|digits| digits.len() > 20).filter_map(|digits| digits.parse().ok()).any(runs)
+    })
+}
+
+fn remove_settled(file: &Path) {
+    if is_settled(file) {
+        let _ = fs::remove_file(file);
+    }
+}
+
+fn is_settled(file: &Path) -> bool {
+    let age = |changed: SystemTime| SystemTime::now().duration_since(changed).unwrap_or_default();
+    fs::symlink_metadata(file)
+        .and_then(|metadata| metadata.modified())
+        .is_ok_and(|changed| age(changed) > SETTLED)
+}
+
+/// Cleans up after dead nodes: in a domain of one user, all of them; in one that a group shares, this user's.
+pub(crate) fn clean_up_dead(node: &IoxNode<Ipc>, places: &Places, is_shared: bool) {
+    if !is_shared {
+        node.try_cleanup_dead_nodes();
+        remnants::remove(node.config(), places);
+        return;
+    }
+    remove_deserted_services(node.config(), places);
+    for dead in dead_nodes(node.config()) {
+        if is_own(&places.nodes.join(format!("{}{}.node_monitor", places.prefix, dead.id().value()))) {
+            let _ = dead.try_remove_stale_resources();
+        }
+    }
+    remnants::remove(node.config(), places);
+}
+
+pub(crate) fn dead_nodes(config: &Config) -> Vec<DeadNodeView<Ipc>> {
+    let mut dead = Vec::new();
+    let _ = IoxNode::<Ipc>::list(config, |state| {
+        if let NodeState::Dead(node) = state {
+            dead.push(node);
+        }
+        CallbackProgression::Continue
+    });
+    dead
+}
+
+fn is_own(path: &Path) -> bool {
+    let own = rustix::process::geteuid();
+    own.is_root() || fs::symlink_metadata(path).is_ok_and(|metadata| metadata.uid() == own.as_raw())
+}
+
+/// Removes the descriptions of streams that nobody has open.
+///
+/// The last one to leave a stream removes it, and fails to when its book in `/dev/shm` is another user's: the stream
+/// would be "just being taken down" for ever. The description lies in the group's directory, where every member can
+/// remove it; the book goes as an orphan, at its owner's next start.
+fn remove_deserted_services(config: &Config, places: &Places) {
+    let mut deserted = Vec::new();
+    let _ = Ipc::list(config, |service| {
+        if service.dynamic_details.is_none_or(|details| details.nodes.is_empty()) {
+            deserted.push(service.static_details.service_hash().as_str().to_owned());
+        }
+        CallbackProgression::Continue
+    });
+    for hash in deserted {
+        remove_settled(&places.services.join(format!("{}{hash}.service", places.prefix)));
+    }
+}
+
+/// Removes this user's files of ports and streams that are no more: what another user who was the last to let go of
+/// them could not remove, and what was lost between the steps of a kill.
+pub(crate) fn remove_orphans(config: &Config, places: &Places) {
+    // In this order: what is made meanwhile is not in the first list.
+    let files: Vec<PathBuf> = entries(Path::new(SHM)).filter(|path| places.has_prefix(path)).collect();
+    let mut known = port_ids(places);
+    let listed = Ipc::list(config, |service| {
+        known.insert(service.static_details.unique_service_id().value().to_string());
+        CallbackProgression::Continue
+    });
+    if listed.is_err() {
+        return;
+    }
+    for file in files.iter().filter(|file| is_own(file)) {
+        let Some(name) = file.file_name().and_then(|name| name.to_str()) else { continue };
+        let Some((stem, kind)) = name[places.prefix.len()..].split_once('.') else { continue };
+        // A hash of the type, then one identity or two.
+        let is_known = stem.split('_').skip(1).any(|id| known.contains(id));
+        if ["data", "dynamic", "connection", "event_mgmt"].contains(&kind) && !is_known {
+            remove_settled(file);
+        }
+    }
+}
+
+/// The identities of all ports: a node has a tag for each.
+fn port_ids(places: &Places) -> HashSet<String> {
+    let tags = entries(&places.nodes).flat_map(|directory| entries(&directory).collect::<Vec<_>>());
+    tags.filter_map(|tag| {
+        let name = tag.file_name()?.to_str()?;
+        Some(name.strip_prefix(&places.prefix)?.strip_suffix(".port_tag")?.to_owned())
+    })
+    .collect()
+}
+
+/// Removes what iceoryx2 keeps after the last node of a domain: its node counter, and the directories that all
+/// domains share if nobody is left in any of them.
+pub(crate) fn remove_traces(config: &Config, places: &Places) -> std::io::Result<()> {
+    remnants::remove(config, places);
+    let mut others = false;
+    let listed = IoxNode::<Ipc>::list(config, |state| {
+        others |= !matches!(state, NodeState::Dead(_));
+        CallbackProgression::Continue
+    });
+    if others || listed.is_err() {
+        return Ok(());
+    }
+    for path in entries(Path::new(SHM)) {
+        if places.has_prefix(&path) && path.extension().is_some_and(|kind| kind == "global_mgmt") {
+            fs::remove_file(path)?;
+        }
+    }
+    // Only empty directories can be removed this way; while any node of any domain lives, the first is not.
+    places.remove_empty_directories()
+}

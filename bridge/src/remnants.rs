@@ -1,0 +1,143 @@
+//! What killed processes leave and iceoryx2's own cleaning does not find.
+//!
+//! iceoryx2 knows a dead node by the lock of its monitor, and what it had by the tags in its directory: a service tag
+//! for each stream, a port tag for each end. A tag is made before what it stands for, and goes after it. What a kill
+//! at the wrong moment leaves beyond that:
+//!
+//! - *a half-made tag*: iceoryx2 does not see the file, removes the node's description, fails to remove the directory,
+//!   and from then on looks for the node under the default prefix, since the right one stood in the description;
+//! - *half a node*: a description without a monitor, or a monitor whose files are not all there, or that has not got its
+//!   final permissions. iceoryx2 takes it for one that is just being made, for ever;
+//! - *a listener's socket and counters*, of a process killed before it had entered the listener into its stream: the
+//!   tag is removed, these are not;
+//! - *a connection* of two ports of which one was killed while it was made, and the other has gone since.
+//!
+//! All that matters to others of such a node (its places in streams, its memory) has been released before.
+
+use std::{
+    collections::HashSet,
+    fs,
+    os::unix::fs::PermissionsExt as _,
+    path::{Path, PathBuf},
+};
+
+use iceoryx2::{node::NodeView as _, prelude::Config};
+
+use crate::{
+    clock,
+    places::{Places, SHM, entries},
+    remains::dead_nodes,
+};
+
+/// Longer than it takes any living process to make a node, a socket or a segment complete.
+const MAKING_NS: u64 = 1_000_000_000;
+/// The permissions of a monitor's context until the monitor is complete, in iceoryx2 0.10.
+const MONITOR_IN_THE_MAKING: u32 = 0o200;
+
+/// Removes what is left of the domain by processes that are no more. Failures mean that another process is just doing
+/// the same, or that it is another user's.
+pub(crate) fn remove(config: &Config, places: &Places) {
+    // A living node has its description before it can be seen.
+    for dead in dead_nodes(config).iter().filter(|dead| dead.details().is_none()) {
+        places.remove_node(&dead.id().value().to_string());
+    }
+    places.remove_half_made_nodes();
+    places.remove_ownerless();
+}
+
+impl Places {
+    /// Looks at names and permissions only: opening and closing a monitor would undo its lock if it were our own.
+    fn remove_half_made_nodes(&self) {
+        let description = format!("{}node.details", self.prefix);
+        let mut ids: HashSet<_> =
+            names(&self.nodes).filter(|id| self.nodes.join(id).join(&description).exists()).collect();
+        ids.extend(names(&self.nodes).filter_map(|name| {
+            Some(name.strip_prefix(&self.prefix)?.strip_suffix(".node_monitor_context")?.to_owned())
+        }));
+        for id in ids {
+            if born_long_ago(&id) && !self.is_complete(&id, &description) {
+                self.remove_node(&id);
+            }
+        }
+    }
+
+    fn is_complete(&self, id: &str, description: &str) -> bool {
+        let monitor = |suffix| self.nodes.join(format!("{}{id}.node_monitor{suffix}", self.prefix));
+        self.nodes.join(id).join(description).exists()
+            && monitor("").exists()
+            && monitor("_owner_lock").exists()
+            && fs::symlink_metadata(monitor("_context"))
+                .is_ok_and(|found| found.permissions().mode() & 0o777 != MONITOR_IN_THE_MAKING)
+    }
+
+    fn remove_node(&self, id: &str) {
+        let own = self.nodes.join(id);
+        remove_files(&own, &self.prefix);
+        let _ = fs::remove_dir(own);
+        remove_files(&self.nodes, &format!("{}{id}.", self.prefix));
+    }
+
+    /// A listener has a socket `PREFIX ID.event` beside the nodes and counters `PREFIX HASH_ID.event_mgmt` in shared
+    /// memory; a publisher and a subscriber have `PREFIX HASH_ID_ID.connection` in common, which stays legitimately
+    /// while one of them lives.
+    fn remove_ownerless(&self) {
+        let ids_of = |path: &Path| -> Option<Vec<String>> {
+            let name = path.file_name()?.to_str()?.strip_prefix(&self.prefix)?;
+            let (stem, kind) = name.split_once('.')?;
+            let ids = match kind {
+                "event" => stem,
+                "event_mgmt" | "connection" => stem.split_once('_')?.1,
+                _ => return None,
+            };
+            Some(ids.split('_').map(str::to_owned).collect())
+        };
+        let found: Vec<(PathBuf, Vec<String>)> = [self.root.as_path(), Path::new(SHM)]
+            .into_iter()
+            .flat_map(entries)
+            .filter_map(|path| ids_of(&path).map(|ids| (path, ids)))
+            .filter(|(_, ids)| ids.iter().all(|id| born_long_ago(id)))
+            .collect();
+        if found.is_empty() {
+            return;
+        }
+        // Looked at after the files: what has its tag now had it then.
+        let tagged = self.tagged_ports();
+        for (path, ids) in found {
+            if !ids.iter().any(|id| tagged.contains(id)) {
+                let _ = fs::remove_file(path);
+            }
+        }
+    }
+
+    fn tagged_ports(&self) -> HashSet<String> {
+        names(&self.nodes)
+            .flat_map(|id| names(&self.nodes.join(id)))
+            .filter_map(|name| Some(name.strip_prefix(&self.prefix)?.strip_suffix(".port_tag")?.to_owned()))
+            .collect()
+    }
+}
+
+/// Whether an identifier of iceoryx2 0.10 was made more than [`MAKING_NS`] ago: its lowest 32 bits are the seconds of
+/// `CLOCK_MONOTONIC` then, the next 32 the nanoseconds.
+fn born_long_ago(id: &str) -> bool {
+    let Ok(id) = id.parse::<u128>() else { return false };
+    let born_ns = u64::from(id as u32) * 1_000_000_000 + u64::from((id >> 32) as u32);
+    // Either way: a process in another time namespace was not born in this one's future.
+    clock::mono_ns().abs_diff(born_ns) > MAKING_NS
+}
+
+fn names(directory: &Path) -> impl Iterator<Item = String> + use<> {
+    fs::read_dir(directory)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+}
+
+/// Removes the files of a directory whose names begin so.
+fn remove_files(directory: &Path, prefix: &str) {
+    for name in names(directory) {
+        if name.starts_with(prefix) {
+            let _ = fs::remove_file(directory.join(name));
+        }
+    }
+}

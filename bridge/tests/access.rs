@@ -1,0 +1,342 @@
+//! Who can reach a domain: its owner alone; a group that was named; and what others are told.
+
+mod world;
+
+use std::{
+    fs,
+    os::unix::{
+        fs::{FileTypeExt as _, MetadataExt as _, PermissionsExt as _, chown, lchown, symlink},
+        process::CommandExt as _,
+    },
+    path::Path,
+    process::Command,
+    time::Duration,
+};
+
+use belvedere_bridge::{Domain, Node, StreamSpec, payload::VelocityCommand};
+use world::{Actor, ROOT, User, files_of, image};
+
+const ANNA: User = User { uid: 4001, gid: 4100 };
+const BERT: User = User { uid: 4002, gid: 4100 };
+const CARL: User = User { uid: 4003, gid: 4003 };
+const GROUP: &[(&str, &str)] = &[("BELVEDERE_GROUP", "4100")];
+
+#[test]
+fn in_a_role() {
+    world::play();
+}
+
+#[test]
+fn in_the_world() {
+    match world::scenario().as_deref() {
+        Some("another_users_domain") => another_users_domain(),
+        Some("root_was_first") => root_was_first(),
+        Some("opened_directories") => opened_directories(),
+        Some("a_group") => a_group(),
+        Some("directories_of_a_group") => directories_of_a_group(),
+        Some(other) => panic!("{other}"),
+        None => {}
+    }
+}
+
+#[test]
+fn what_another_user_is_told() {
+    world::run("another_users_domain", 64, true);
+}
+
+#[test]
+fn root_having_run_first_is_told() {
+    world::run("root_was_first", 64, true);
+}
+
+#[test]
+fn a_file_of_another_user_is_told() {
+    world::run("opened_directories", 64, true);
+}
+
+#[test]
+fn a_group_shares_a_domain_through_kills_of_either_side() {
+    world::run("a_group", 64, true);
+}
+
+#[test]
+fn a_directory_that_is_not_the_groups_is_refused() {
+    world::run("directories_of_a_group", 64, true);
+}
+
+#[test]
+fn files_are_their_owners_alone() {
+    let domain = Domain::new(&format!("modes-{}", std::process::id())).unwrap();
+    let node = Node::open(&domain, "test").unwrap();
+    let publisher = node.publisher(&image("image")).unwrap();
+    let mut subscriber = node.subscriber("image").unwrap();
+    let velocity = StreamSpec::velocity_command("cmd_vel");
+    let mut commands = node.command_subscriber(&velocity).unwrap();
+    let driver = node.publisher(&velocity).unwrap();
+    let command = VelocityCommand { linear: [0.0; 3], angular: [0.0; 3] };
+    assert!(!subscriber.wait(Duration::from_millis(20)).unwrap());
+    let mut frame = publisher.loan(world::LEN).unwrap();
+    frame.header_mut().set_packed(64, 48);
+    frame.send().unwrap();
+    driver.send_structs(0, &[command]).unwrap();
+    assert!(subscriber.take().unwrap().is_some() && commands.take().unwrap().is_some());
+
+    let files = files_of(domain.as_str());
+    for path in &files {
+        let metadata = fs::symlink_metadata(path).unwrap();
+        let mode = metadata.permissions().mode() & 0o7777;
+        assert_eq!(mode & 0o077, 0, "{} {mode:o}", path.display());
+        assert_eq!(metadata.uid(), rustix::process::geteuid().as_raw());
+    }
+    // The test looks at the right files: pools, books, connections, sockets, locks, tags.
+    for kind in [
+        "data",
+        "dynamic",
+        "connection",
+        "event",
+        "event_mgmt",
+        "service",
+        "node_monitor",
+        "port_tag",
+        "global_mgmt",
+    ] {
+        let has_it = |path: &&std::path::PathBuf| path.extension().is_some_and(|found| found == kind);
+        assert!(files.iter().any(|path| has_it(&path)), "no .{kind} among {files:?}");
+    }
+    assert!(files.iter().any(|path| fs::symlink_metadata(path).unwrap().file_type().is_socket()));
+    // Nor can others list the directory of all of them.
+    let root = fs::metadata("/tmp/iceoryx2").unwrap().permissions().mode();
+    assert_eq!(root & 0o027, 0, "{root:o}");
+}
+
+#[test]
+fn a_group_that_is_none_is_refused() {
+    let error = belvedere_bridge::Group::find("no-such-group").unwrap_err().to_string();
+    assert!(error.contains("groupadd"), "{error}");
+}
+
+/// What a process that tries everything says about opening the domain.
+fn attempt(domain: &str, user: User, env: &[(&str, &str)]) -> String {
+    Actor::start("try", domain, user, env).says("open ")
+}
+
+fn assert_names(told: &str, parts: &[&str]) {
+    assert!(told.starts_with("Permission {"), "{told}");
+    for part in parts {
+        assert!(told.contains(part), "\"{part}\" is not in: {told}");
+    }
+}
+
+fn another_users_domain() {
+    let mut anna = Actor::start("simulate", "default", ANNA, &[]);
+    anna.says("ready");
+    for other in [BERT, CARL, ROOT] {
+        let told = attempt("default", other, &[]);
+        assert_names(
+            &told,
+            &["/tmp/iceoryx2", "user id 4001", "BELVEDERE_GROUP", "sudo rm -r /tmp/iceoryx2"],
+        );
+    }
+    // Killed, its files still are in the way.
+    anna.kill();
+    let told = attempt("default", BERT, &[]);
+    assert_names(&told, &["/tmp/iceoryx2", "user id 4001", "sudo rm -r"]);
+    // Anna herself just starts again, and leaves nothing in anybody's way.
+    let mut anna = Actor::start("simulate", "default", ANNA, &[]);
+    anna.says("ready");
+    assert!(anna.leave().success());
+    assert_eq!(files_of("default"), [] as [&Path; 0]);
+    assert_eq!(attempt("default", BERT, &[]), "ok");
+}
+
+fn root_was_first() {
+    let mut root = Actor::start("simulate", "default", ROOT, &[]);
+    root.says("ready");
+    let while_alive = attempt("default", ANNA, &[]);
+    assert_names(&while_alive, &["/tmp/iceoryx2", "root (user id 0)", "sudo rm -r /tmp/iceoryx2"]);
+    root.kill();
+    let told = attempt("default", ANNA, &[]);
+    assert_names(&told, &["/tmp/iceoryx2", "root (user id 0)", "sudo rm -r /tmp/iceoryx2"]);
+    // What it says helps, though root's files in /dev/shm are then next.
+    fs::remove_dir_all("/tmp/iceoryx2").unwrap();
+    let told = attempt("default", ANNA, &[]);
+    assert_names(&told, &["/dev/shm/blvd.default.", "root (user id 0)", "choose another domain"]);
+    assert_eq!(attempt("another", ANNA, &[]), "ok");
+    for path in files_of("default") {
+        fs::remove_file(path).unwrap();
+    }
+    assert_eq!(attempt("default", ANNA, &[]), "ok");
+}
+
+/// Directories that anyone could put files in, and several users beside each other.
+fn opened_directories() {
+    fs::create_dir("/tmp/iceoryx2").unwrap();
+    fs::set_permissions("/tmp/iceoryx2", fs::Permissions::from_mode(0o777)).unwrap();
+    assert_names(&attempt("default", ANNA, &[]), &["/tmp/iceoryx2", "root (user id 0)"]);
+    chown("/tmp/iceoryx2", Some(ANNA.uid), Some(ANNA.gid)).unwrap();
+    assert_names(&attempt("default", ANNA, &[]), &["/tmp/iceoryx2", "others may write in it", "chmod 750"]);
+    fs::remove_dir("/tmp/iceoryx2").unwrap();
+    // A link that another made leads nowhere, even into a directory of one's own.
+    fs::create_dir("/tmp/of-anna").unwrap();
+    chown("/tmp/of-anna", Some(ANNA.uid), Some(ANNA.gid)).unwrap();
+    symlink("/tmp/of-anna", "/tmp/iceoryx2").unwrap();
+    lchown("/tmp/iceoryx2", Some(CARL.uid), Some(CARL.gid)).unwrap();
+    assert_names(&attempt("default", ANNA, &[]), &["/tmp/iceoryx2", "user id 4003"]);
+    fs::remove_file("/tmp/iceoryx2").unwrap();
+
+    let mut anna = Actor::start("simulate", "default", ANNA, &[]);
+    anna.says("ready");
+    // Carl has a group of his own, and with it a place of his own: beside each other they do not meet.
+    let own: &[(&str, &str)] = &[("BELVEDERE_GROUP", "4003")];
+    let mut carl = Actor::start("simulate", "default", CARL, own);
+    carl.says("ready");
+    let mut driver = Actor::start("drive", "default", CARL, own);
+    driver.says("frame 3");
+    carl.says("command ");
+    assert!(driver.leave().success() && carl.leave().success());
+    assert!(!anna.has_said("command"), "a command of another domain");
+    assert!(anna.leave().success());
+}
+
+fn a_group() {
+    let mut anna = Actor::start("simulate", "default", ANNA, GROUP);
+    anna.says("ready");
+    let mut bert = Actor::start("drive", "default", BERT, GROUP);
+    // Frames come, commands arrive.
+    bert.says("frame 5");
+    anna.says("command 3");
+
+    // Wake-ups come too: a subscriber that only looked ten times a second would miss most.
+    let missed: u32 = bert.says("frame 60 missed").parse().unwrap();
+    assert!(missed < 30, "{missed} missed");
+
+    // Who is not of the group: refused with the group, alone without it; and the files are shut.
+    let told = attempt("default", CARL, GROUP);
+    assert!(
+        told.starts_with("InvalidGroup") && told.contains("user id 4003") && told.contains("usermod"),
+        "{told}"
+    );
+    let mut carl = Actor::start("try", "default", CARL, &[]);
+    assert_eq!(
+        (carl.says("open "), carl.says("streams "), carl.says("wait ")),
+        ("ok".into(), "0".into(), "false".into())
+    );
+    let files = files_of("default");
+    for path in files.iter().filter(|path| path.to_string_lossy().contains('@')) {
+        let found = fs::symlink_metadata(path).unwrap();
+        assert_eq!((found.gid(), found.mode() & 0o007), (4100, 0), "{} {:o}", path.display(), found.mode());
+        let reading = Command::new("cat").arg(path).uid(CARL.uid).gid(CARL.gid).output().unwrap();
+        assert!(!reading.status.success(), "{} is not shut to others", path.display());
+    }
+    assert!(files.iter().any(|path| path.extension().is_some_and(|kind| kind == "connection")));
+
+    // A member of the group by a supplementary group, as users are.
+    let by_supplement = Command::new("setpriv")
+        .args([
+            "--reuid=4005",
+            "--regid=4005",
+            "--groups=4100",
+            "/mnt/program",
+            "--exact",
+            "in_a_role",
+            "--nocapture",
+        ])
+        .envs([("BRIDGE_ROLE", "try"), ("BELVEDERE_DOMAIN", "default"), GROUP[0]])
+        .env_remove("BRIDGE_SCENARIO")
+        .output();
+    if let Ok(output) = by_supplement {
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(text.contains("open ok") && text.contains("wait true"), "{text}");
+        assert!(text.contains("DomainInUse") && text.contains("\"simulator\""), "{text}");
+        assert!(text.contains(&format!("process {}", anna.pid())), "{text}");
+    }
+
+    for life in 0..6 {
+        // The consumer is killed: the next one goes on.
+        bert.kill();
+        bert = Actor::start("drive", "default", BERT, GROUP);
+        bert.says("frame 5");
+        anna.forget();
+        anna.says("command ");
+        // The simulator is killed: the consumer goes on with the next one.
+        anna.kill();
+        anna = Actor::start("simulate", "default", ANNA, GROUP);
+        anna.says("ready");
+        let restarted = bert.says_containing("restarted");
+        assert!(restarted.starts_with("frame"), "{life}: {restarted}");
+        anna.says("command ");
+    }
+    // Both are killed, in both orders of starting again.
+    bert.kill();
+    anna.kill();
+    bert = Actor::start("drive", "default", BERT, GROUP);
+    bert.says("ready");
+    anna = Actor::start("simulate", "default", ANNA, GROUP);
+    bert.says("frame 5");
+    anna.says("command ");
+    // The consumer made the stream of commands, and is gone when the simulator is killed, which was the last in it.
+    bert.kill();
+    anna.kill();
+    bert = Actor::start("drive", "default", BERT, &[GROUP[0], ("DRIVER_FIRST", "yes")]);
+    bert.says("ready");
+    anna = Actor::start("simulate", "default", ANNA, GROUP);
+    anna.says("command ");
+    assert!(bert.leave().success());
+    anna.kill();
+    anna = Actor::start("simulate", "default", ANNA, GROUP);
+    bert = Actor::start("drive", "default", BERT, GROUP);
+    bert.says("frame 5");
+    anna.says("command ");
+    // Either leaves first.
+    assert!(anna.leave().success());
+    anna = Actor::start("simulate", "default", ANNA, GROUP);
+    bert.says_containing("restarted");
+    assert!(bert.leave().success());
+    bert = Actor::start("drive", "default", BERT, GROUP);
+    bert.says("frame 5");
+    assert!(bert.leave().success());
+    assert!(anna.leave().success());
+
+    // What each could not remove of the other's goes with the other's next start.
+    std::thread::sleep(Duration::from_millis(1100));
+    for user in [ANNA, BERT, User { uid: 4005, gid: 4100 }] {
+        assert!(Actor::start("simulate", "default", user, GROUP).leave().success());
+    }
+    assert_eq!(files_of("default"), [] as [&Path; 0]);
+}
+
+fn directories_of_a_group() {
+    // Squatted by somebody outside the group, who cannot give it to the group.
+    let squat = |mode: u32, gid: u32| {
+        let _ = fs::remove_dir_all("/tmp/blvd-4100");
+        fs::create_dir("/tmp/blvd-4100").unwrap();
+        chown("/tmp/blvd-4100", Some(CARL.uid), Some(gid)).unwrap();
+        fs::set_permissions("/tmp/blvd-4100", fs::Permissions::from_mode(mode)).unwrap();
+    };
+    for (mode, gid) in [(0o777, CARL.gid), (0o2777, 4100), (0o700, 4100)] {
+        squat(mode, gid);
+        assert_names(&attempt("default", ANNA, GROUP), &["/tmp/blvd-4100", "user id 4003", "chgrp 4100"]);
+    }
+    // Nor is a link followed.
+    fs::remove_dir_all("/tmp/blvd-4100").unwrap();
+    symlink("/tmp", "/tmp/blvd-4100").unwrap();
+    assert_names(&attempt("default", ANNA, GROUP), &["/tmp/blvd-4100"]);
+    // Made beforehand by an administrator, it is used.
+    fs::remove_file("/tmp/blvd-4100").unwrap();
+    squat(0o2770, 4100);
+    assert_eq!(attempt("default", ANNA, GROUP), "ok");
+
+    // A link in the group's directory, made by a member, does not open what it points to.
+    let private = "/tmp/private";
+    fs::write(private, "secret").unwrap();
+    chown(private, Some(ANNA.uid), Some(ANNA.gid)).unwrap();
+    fs::set_permissions(private, fs::Permissions::from_mode(0o600)).unwrap();
+    let mut anna = Actor::start("simulate", "default", ANNA, GROUP);
+    anna.says("ready");
+    symlink(private, "/tmp/blvd-4100/blvd.default@4100.link").unwrap();
+    symlink(private, "/dev/shm/blvd.default@4100.link").unwrap();
+    fs::hard_link(private, "/tmp/blvd-4100/blvd.default@4100.hard").unwrap();
+    std::thread::sleep(Duration::from_millis(200));
+    assert_eq!(fs::metadata(private).unwrap().mode() & 0o777, 0o600);
+    assert!(anna.leave().success());
+}

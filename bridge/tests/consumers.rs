@@ -1,0 +1,251 @@
+//! Consumers that stop, hoard, and are too many: the others, and the publisher, do not notice.
+
+mod processes_kit;
+
+use std::time::{Duration, Instant};
+
+use belvedere_bridge::{Domain, Encoding, Error, Frame, Kind, Node, StreamSpec};
+use processes_kit::{PATIENCE, Process, Role, TestDomain, next, quantile, report};
+use rustix::process::Signal;
+
+const STREAM: &str = "camera/image_raw";
+const LEN: usize = 640 * 480 * 3;
+
+#[test]
+fn other_process() {
+    let Some(role) = processes_kit::role() else { return };
+    match role.name.as_str() {
+        "publish" => publish(&role),
+        "consume" => consume(&role.domain),
+        "hoard" => hoard(&role.domain),
+        "one_too_many" => one_too_many(&role.domain),
+        name => panic!("no role {name}"),
+    }
+}
+
+fn spec() -> StreamSpec {
+    StreamSpec::new(STREAM, Kind::Image, Encoding::Rgb8, LEN)
+}
+
+/// Sends at a rate, each frame of one value, and tells how long each loan and send took.
+fn publish(role: &Role) {
+    let node = Node::open(&role.domain, "publisher").unwrap();
+    let publisher = node.publisher(&spec()).unwrap();
+    let period = Duration::from_nanos(1_000_000_000 / role.number(0));
+    let mut due = Instant::now();
+    for value in 0_u64.. {
+        let begin = Instant::now();
+        let mut frame = publisher.loan(LEN).expect("the publisher never runs out of frames");
+        let loaned = begin.elapsed();
+        frame.header_mut().set_packed(640, 480);
+        frame.payload_mut().fill(value as u8);
+        let begin = Instant::now();
+        frame.send().unwrap();
+        report(format_args!("sent {value} {}", (loaned + begin.elapsed()).as_nanos()));
+        due += period;
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+    }
+}
+
+fn is_of_one_value(frame: &Frame) -> bool {
+    frame.payload().chunks(997).all(|part| part[0] == frame.header().seq as u8)
+}
+
+/// Takes each frame and tells its number and how many were missed before it.
+fn consume(domain: &Domain) {
+    let node = Node::open(domain, "consumer").unwrap();
+    let mut subscriber = node.subscriber(STREAM).unwrap();
+    loop {
+        subscriber.wait(Duration::from_secs(1)).unwrap();
+        while let Some(frame) = subscriber.take().unwrap() {
+            assert!(is_of_one_value(&frame));
+            report(format_args!("frame {} {}", frame.header().seq, frame.missed()));
+        }
+    }
+}
+
+/// Takes two frames and never releases them.
+fn hoard(domain: &Domain) {
+    let node = Node::open(domain, "hoarder").unwrap();
+    let mut subscriber = node.subscriber(STREAM).unwrap();
+    let held = [next(&mut subscriber), next(&mut subscriber)];
+    for round in 0.. {
+        assert!(held.iter().all(is_of_one_value), "a held frame does not change");
+        if subscriber.wait(Duration::from_secs(1)).unwrap() {
+            let error = subscriber.take().unwrap_err();
+            assert!(matches!(error, Error::TooManyHeld { max: 2, .. }), "{error}");
+        }
+        report(format_args!("held {round}"));
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// Tries to get in.
+fn one_too_many(domain: &Domain) {
+    let node = Node::open(domain, "late").unwrap();
+    let mut subscriber = node.subscriber(STREAM).unwrap();
+    let begin = Instant::now();
+    loop {
+        match subscriber.wait(Duration::from_millis(200)) {
+            Ok(true) if subscriber.take().unwrap().is_some() => {
+                return report(format_args!("in {}", begin.elapsed().as_nanos()));
+            }
+            Ok(_) => {}
+            Err(error @ Error::TooManySubscribers { max: 8, .. }) => {
+                let words = error.to_string();
+                assert!(words.contains(STREAM) && words.contains("close one"), "{words}");
+                report("refused");
+            }
+            Err(error) => panic!("{error}"),
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Frames that a consumer told of since the last call, as (seq, missed).
+fn frames_of(consumer: &Process) -> Vec<(u64, u64)> {
+    std::iter::from_fn(|| consumer.next_report(Duration::ZERO))
+        .map(|line| {
+            let words: Vec<u64> = line.split_whitespace().skip(1).map(|word| word.parse().unwrap()).collect();
+            (words[0], words[1])
+        })
+        .collect()
+}
+
+/// Every frame of `frames` was taken, or counted as missed by the next one: the number of those.
+fn missed_in(frames: &[(u64, u64)]) -> u64 {
+    for pair in frames.windows(2) {
+        assert_eq!(pair[1].0, pair[0].0 + 1 + pair[1].1, "the count of missed frames is exact: {pair:?}");
+    }
+    frames[1..].iter().map(|(_, missed)| missed).sum()
+}
+
+#[test]
+fn a_stopped_consumer_harms_nobody_and_knows_what_it_missed() {
+    const STOP: Duration = Duration::from_secs(10);
+    let mut domain = TestDomain::new("stopped");
+    let stopped = Process::start(&domain, "consume", &[]);
+    let others: Vec<_> = (0..2).map(|_| Process::start(&domain, "consume", &[])).collect();
+    let publisher = Process::start(&domain, "publish", &[&30]);
+    for consumer in others.iter().chain([&stopped]) {
+        consumer.expect("frame");
+    }
+    std::thread::sleep(Duration::from_secs(2));
+    let sends =
+        |publisher: &Process| -> Vec<u64> { frames_of(publisher).iter().map(|sent| sent.1).collect() };
+    let mut sends_before = sends(&publisher);
+    frames_of(&stopped);
+    others.iter().for_each(|other| drop(frames_of(other)));
+
+    stopped.signal(Signal::STOP);
+    std::thread::sleep(STOP);
+    let mut sends_during = sends(&publisher);
+    stopped.signal(Signal::CONT);
+    std::thread::sleep(Duration::from_secs(2));
+
+    for other in &others {
+        let frames = frames_of(other);
+        assert_eq!(missed_in(&frames), 0, "the others missed nothing");
+        assert!(frames.len() >= 30 * 11, "{} frames in 12 s at 30 Hz", frames.len());
+    }
+    let frames = frames_of(&stopped);
+    let missed = missed_in(&frames);
+    let gaps = frames[1..].iter().filter(|(_, missed)| *missed > 0).count();
+    // Two waited in its buffer.
+    assert!((30 * 10 - 15..30 * 10 + 15).contains(&missed), "{missed} missed in {STOP:?}");
+    assert_eq!(gaps, 1, "one stop, one gap");
+    assert!(frames.len() >= 30, "it goes on: {} frames", frames.len());
+    let (before, during) = (quantile(&mut sends_before, 0.5), quantile(&mut sends_during, 0.5));
+    println!(
+        "stopped for {STOP:?}: {missed} missed, told in one gap; loan and send took p50 {before} ns, p99 {} ns before, \
+         p50 {during} ns, p99 {} ns, max {} ns meanwhile ({} frames)",
+        quantile(&mut sends_before, 0.99),
+        quantile(&mut sends_during, 0.99),
+        quantile(&mut sends_during, 1.0),
+        sends_during.len(),
+    );
+    // Half a millisecond of a frame time of 33 is nothing; it is what a busy machine may add to microseconds.
+    assert!(during < 3 * before + 500_000, "the publisher is not slowed: {during} ns after {before} ns");
+
+    drop((stopped, others, publisher));
+    drop(Node::open(&domain, "last").unwrap());
+    domain.assert_nothing_left();
+}
+
+#[test]
+fn consumers_that_never_release_harm_nobody() {
+    let mut domain = TestDomain::new("hoards");
+    let hoarders: Vec<_> = (0..3).map(|_| Process::start(&domain, "hoard", &[])).collect();
+    let other = Process::start(&domain, "consume", &[]);
+    let publisher = Process::start(&domain, "publish", &[&100]);
+    for hoarder in &hoarders {
+        hoarder.expect("held");
+    }
+    other.expect("frame");
+    std::thread::sleep(Duration::from_millis(200));
+    frames_of(&other);
+    // Many times the pool of 8 · 4 + 1 + 2 frames.
+    std::thread::sleep(Duration::from_secs(4));
+    let frames = frames_of(&other);
+    assert_eq!(missed_in(&frames), 0);
+    assert!(frames.len() > 300, "{} frames in 4 s at 100 Hz", frames.len());
+    for hoarder in hoarders {
+        while hoarder.next_report(Duration::ZERO).is_some() {}
+        hoarder.expect("held");
+        // Those who are killed give their frames back, too.
+        hoarder.kill();
+    }
+    std::thread::sleep(Duration::from_secs(1));
+    let frames = frames_of(&other);
+    assert_eq!(missed_in(&frames), 0);
+    assert!(frames.len() > 50, "{} frames after the end of the hoarders", frames.len());
+    println!("three hoarders, 500 frames at 100 Hz: none missed by another, none changed in their hands");
+
+    drop((other, publisher));
+    drop(Node::open(&domain, "last").unwrap());
+    domain.assert_nothing_left();
+}
+
+#[test]
+fn the_ninth_consumer_gets_in_when_another_goes() {
+    let mut domain = TestDomain::new("nine");
+    let publisher = Process::start(&domain, "publish", &[&100]);
+    publisher.expect("sent");
+    let node = Node::open(&domain, "test").unwrap();
+    let mut own = node.subscriber(STREAM).unwrap();
+    drop(next(&mut own));
+    let mut seven: Vec<_> = (0..7).map(|_| Process::start(&domain, "consume", &[])).collect();
+    for consumer in &seven {
+        consumer.expect("frame");
+    }
+
+    let ninth = Process::start(&domain, "one_too_many", &[]);
+    ninth.expect("refused");
+    ninth.expect("refused");
+    let begin = Instant::now();
+    drop(own);
+    ninth.expect("in");
+    let after_end = begin.elapsed();
+    assert!(ninth.ended_well(PATIENCE));
+
+    // Its place is free again.
+    let eighth = Process::start(&domain, "consume", &[]);
+    eighth.expect("frame");
+    let ninth = Process::start(&domain, "one_too_many", &[]);
+    ninth.expect("refused");
+    let begin = Instant::now();
+    seven.pop().expect("seven").kill();
+    ninth.expect("in");
+    let after_kill = begin.elapsed();
+    println!(
+        "the ninth consumer is in {after_end:?} after the end, {after_kill:?} after the kill of another"
+    );
+    assert!(ninth.ended_well(PATIENCE));
+    for consumer in &seven {
+        assert_eq!(missed_in(&frames_of(consumer)), 0);
+    }
+
+    drop((seven, eighth, publisher, node));
+    drop(Node::open(&domain, "last").unwrap());
+    domain.assert_nothing_left();
+}

@@ -1,0 +1,180 @@
+//! Headers that no honest publisher writes, and what WIRE.md says of each.
+
+use belvedere_bridge::{Encoding, FrameHeader, Kind, Text};
+use bytemuck::Zeroable as _;
+
+use crate::processes_kit::Random;
+
+/// The largest payload that goes with them.
+pub(crate) const PAYLOAD_LEN: usize = 4096;
+
+const KINDS: [u16; 15] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, u16::MAX];
+const ENCODINGS: [u16; 11] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, u16::MAX];
+const WORDS: [u64; 8] = [0, 1, 2, 0x7fff_ffff_ffff_ffff, 1 << 63, u64::MAX - 1, u64::MAX, u64::MAX / 3];
+const SIZES: [u32; 20] = [
+    0,
+    1,
+    2,
+    3,
+    4,
+    5,
+    7,
+    8,
+    31,
+    32,
+    33,
+    64,
+    744,
+    4095,
+    4096,
+    65_536,
+    0x7fff_ffff,
+    0x8000_0000,
+    u32::MAX - 1,
+    u32::MAX,
+];
+const LENGTHS: [u64; 12] =
+    [0, 1, 63, 64, 4095, 4096, 4097, 1 << 31, 1 << 32, 1 << 63, u64::MAX - 1, u64::MAX];
+/// What the transport delivers.
+const AVAILABLE: [usize; 6] = [0, 1, 64, 1000, 4095, PAYLOAD_LEN];
+/// Text that is none.
+const BYTES: [u8; 4] = [0, 0x80, 0xc3, 0xff];
+
+/// A header, and how many bytes of payload come with it.
+pub(crate) struct Case {
+    pub(crate) header: FrameHeader,
+    pub(crate) available: usize,
+}
+
+/// An honest header of 4 × 3 elements.
+fn honest(kind: u16, encoding: u16) -> FrameHeader {
+    let mut header = FrameHeader { kind, encoding, ..FrameHeader::default() };
+    let structs = header.encoding() == Some(Encoding::Struct);
+    header.payload_len = header.set_packed(if structs { 1 } else { 4 }, 3) as u64;
+    header.session = 77;
+    header
+}
+
+/// Each field alone over its boundary values, for every kind in every encoding.
+pub(crate) fn one_field_wrong() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (kind, encoding) in KINDS.into_iter().flat_map(|kind| ENCODINGS.map(|encoding| (kind, encoding))) {
+        let honest = honest(kind, encoding);
+        let mut add = |header| cases.push(Case { header, available: PAYLOAD_LEN });
+        add(honest);
+        for magic in [0, !FrameHeader::MAGIC, FrameHeader::MAGIC.swap_bytes(), FrameHeader::MAGIC + 1] {
+            add(FrameHeader { magic, ..honest });
+        }
+        for header_len in [0, 255, 257, u16::MAX] {
+            add(FrameHeader { header_len, ..honest });
+        }
+        for schema in [0, 2, u16::MAX] {
+            add(FrameHeader { schema, ..honest });
+        }
+        for flags in [1, 2, 3, u32::MAX] {
+            add(FrameHeader { flags, ..honest });
+        }
+        for word in WORDS {
+            add(FrameHeader { seq: word, ..honest });
+            add(FrameHeader { session: word, ..honest });
+            add(FrameHeader { stamp_ns: word, ..honest });
+            add(FrameHeader { publish_mono_ns: word, ..honest });
+            add(FrameHeader { block: [word; 10], ..honest });
+            add(FrameHeader { position: [f64::from_bits(word); 3], ..honest });
+            add(FrameHeader { orientation: [f32::from_bits(word as u32); 4], ..honest });
+        }
+        for size in SIZES {
+            add(FrameHeader { width: size, ..honest });
+            add(FrameHeader { height: size, ..honest });
+            add(FrameHeader { row_stride: size, ..honest });
+            add(FrameHeader { elem_stride: size, ..honest });
+        }
+        let len = honest.payload_len;
+        for payload_len in LENGTHS.into_iter().chain([len.wrapping_sub(1), len + 1]) {
+            add(FrameHeader { payload_len, ..honest });
+        }
+        for byte in BYTES {
+            add(FrameHeader { frame_id: text_of(byte), ..honest });
+        }
+        for available in AVAILABLE {
+            cases.push(Case { header: honest, available });
+        }
+    }
+    cases
+}
+
+/// Several fields wrong at once, most so that they nearly fit.
+pub(crate) fn at_random(random: &mut Random) -> Case {
+    let mut header = honest(random.one_of(&KINDS), random.one_of(&ENCODINGS));
+    let available = random.one_of(&AVAILABLE);
+    header.payload_len = match random.below(4) {
+        0 => random.one_of(&LENGTHS),
+        1 => random.next(),
+        _ => available as u64,
+    };
+    let mut size = |usual: u64| match random.below(8) {
+        0 => random.one_of(&SIZES),
+        1 => random.next() as u32,
+        _ => random.below(usual) as u32,
+    };
+    header.width = size(24);
+    header.height = size(24);
+    header.elem_stride = size(48);
+    header.row_stride = size(400);
+    header.flags = random.one_of(&[0, 0, 1, u32::MAX]);
+    header.seq = random.one_of(&WORDS);
+    header.session = random.one_of(&[77, 77, 1, u64::MAX]);
+    header.stamp_ns = random.one_of(&WORDS);
+    header.publish_mono_ns = random.one_of(&WORDS);
+    header.frame_id = text_of(random.one_of(&BYTES));
+    header.block = [random.next(); 10];
+    match random.below(40) {
+        0 => header.magic = random.next() as u32,
+        1 => header.schema = random.next() as u16,
+        2 => header.header_len = random.next() as u16,
+        _ => {}
+    }
+    Case { header, available }
+}
+
+/// 64 times this byte, be it text or not.
+fn text_of(byte: u8) -> Text<64> {
+    let mut header = FrameHeader::zeroed();
+    bytemuck::bytes_of_mut(&mut header)[72..136].fill(byte);
+    header.frame_id
+}
+
+/// Whether a reader may believe the header: WIRE.md's paragraph, in numbers that cannot overflow.
+pub(crate) fn is_acceptable(case: &Case) -> bool {
+    let header = &case.header;
+    let element: u128 = match header.encoding {
+        1 | 2 => 3,
+        4 | 7 => 4,
+        5 => 2,
+        6 => 32,
+        8 => match Kind::from_wire(header.kind) {
+            Some(Kind::CameraInfo) => 352,
+            Some(Kind::Odometry) => 744,
+            Some(Kind::Transforms | Kind::StaticTransforms) => 184,
+            Some(Kind::JointStates) => 88,
+            Some(Kind::Clock) => 8,
+            Some(Kind::VelocityCommand) => 48,
+            _ => 1,
+        },
+        _ => 1,
+    };
+    if (header.magic, header.schema, header.header_len) != (0x4456_4C42, 1, 256)
+        || u128::from(header.payload_len) > case.available as u128
+    {
+        return false;
+    }
+    let [width, height, row_stride, elem_stride] =
+        [header.width, header.height, header.row_stride, header.elem_stride].map(u128::from);
+    if width == 0 || height == 0 {
+        return true;
+    }
+    let planes = if header.flags & 1 == 0 { 1 } else { 2 };
+    let row = (width - 1) * elem_stride + element;
+    let end = (planes - 1) * height * row_stride + (height - 1) * row_stride + row;
+    elem_stride >= element && (height == 1 || row_stride >= row) && end <= u128::from(header.payload_len)
+}

@@ -1,0 +1,167 @@
+//! A publisher on plain iceoryx2, which writes what it likes. See bridge/WIRE.md.
+
+use std::{
+    os::unix::fs::FileExt as _,
+    time::{Duration, Instant},
+};
+
+use belvedere_bridge::{Domain, Encoding, FrameHeader, Kind, Text};
+use bytemuck::Zeroable as _;
+use iceoryx2::{
+    port::{backpressure_strategy::BackpressureStrategy, notifier::Notifier, publisher::Publisher},
+    prelude::{Config, FileName, NodeBuilder, SemanticString as _, ServiceName, SignalHandlingMode, ipc},
+    service::port_factory::{PortFactory as _, event, publish_subscribe},
+};
+
+use crate::{
+    headers::{self, Case, PAYLOAD_LEN},
+    processes_kit::{PATIENCE, Random, Role, TestDomain, report},
+};
+
+pub(crate) const TOPIC: &str = "hostile";
+/// What the last frame is called, which is honest.
+pub(crate) const END: &str = "end";
+
+struct Hostile {
+    port: Publisher<ipc::Service, [u8], FrameHeader>,
+    notifier: Notifier<ipc::Service>,
+    frames: publish_subscribe::PortFactory<ipc::Service, [u8], FrameHeader>,
+    _events: event::PortFactory<ipc::Service>,
+    sent: u64,
+}
+
+impl Hostile {
+    fn open(domain: &Domain, max_len: usize, overflow: bool) -> Self {
+        let mut config = Config::default();
+        config.global.prefix = FileName::new(domain.prefix().as_bytes()).unwrap();
+        let node = NodeBuilder::new()
+            .config(&config)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<ipc::Service>()
+            .unwrap();
+        let name = ServiceName::new(&format!("belvedere/{TOPIC}")).unwrap();
+        let frames = node
+            .service_builder(&name)
+            .publish_subscribe::<[u8]>()
+            .user_header::<FrameHeader>()
+            .subscriber_max_buffer_size(16)
+            .history_size(0)
+            .enable_safe_overflow(overflow)
+            .create()
+            .unwrap();
+        let events = node.service_builder(&name).event().open_or_create().unwrap();
+        let port = frames
+            .publisher_builder()
+            .initial_max_slice_len(max_len)
+            .backpressure_strategy(BackpressureStrategy::RetryUntilDelivered)
+            .create()
+            .unwrap();
+        let notifier = events.notifier_builder().create().unwrap();
+        Self { port, notifier, frames, _events: events, sent: 0 }
+    }
+
+    fn subscribers(&self) -> usize {
+        self.frames.dynamic_config().number_of_subscribers()
+    }
+
+    fn wait_for(&self, what: impl Fn(usize) -> bool) {
+        let deadline = Instant::now() + PATIENCE;
+        while !what(self.subscribers()) && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn send(&mut self, header: &FrameHeader, payload: &[u8]) {
+        let mut sample = self.port.loan_slice(payload.len()).unwrap();
+        *sample.user_header_mut() = *header;
+        sample.payload_mut().copy_from_slice(payload);
+        sample.send().unwrap();
+        let _ = self.notifier.notify();
+        self.sent += 1;
+    }
+
+    /// The honest last frame, until everybody has seen it and gone.
+    fn end(mut self) {
+        let mut header = FrameHeader::new(Kind::Clock, Encoding::Struct);
+        header.frame_id = Text::new(END).unwrap();
+        header.payload_len = header.set_packed(1, 1) as u64;
+        let deadline = Instant::now() + 3 * PATIENCE;
+        while self.subscribers() > 0 && Instant::now() < deadline {
+            self.send(&header, &[0; 8]);
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+/// Arguments: how many subscribers to wait for, how many headers at random. Reports how many frames it sent, and how
+/// many of them a reader may believe.
+pub(crate) fn attack(role: &Role) {
+    let mut hostile = Hostile::open(&role.domain, PAYLOAD_LEN, false);
+    let mut random = Random::new(5);
+    let payload: Vec<u8> = (0..PAYLOAD_LEN).map(|_| random.next() as u8).collect();
+    report("ready");
+    let expected = role.number(0) as usize;
+    hostile.wait_for(|subscribers| subscribers >= expected);
+    let mut acceptable = 0_u64;
+    let mut send = |case: &Case| {
+        acceptable += u64::from(headers::is_acceptable(case));
+        hostile.send(&case.header, &payload[..case.available]);
+    };
+    headers::one_field_wrong().iter().for_each(&mut send);
+    for _ in 0..role.number(1) {
+        send(&headers::at_random(&mut random));
+    }
+    let sent = hostile.sent;
+    report(format_args!("sent {sent} {acceptable}"));
+    hostile.end();
+}
+
+/// Arguments: how many subscribers to wait for, for how many milliseconds. Sends honest pictures, and rewrites their
+/// headers and payloads all the time, through a mapping of its own: the file of the pool.
+pub(crate) fn rewrite(role: &Role) {
+    let mut hostile = Hostile::open(&role.domain, PAYLOAD_LEN, true);
+    report("ready");
+    let expected = role.number(0) as usize;
+    hostile.wait_for(|subscribers| subscribers >= expected);
+
+    let mut honest = FrameHeader::new(Kind::Image, Encoding::Mono8);
+    honest.payload_len = honest.set_packed(64, 64) as u64;
+    let end = Instant::now() + Duration::from_millis(role.number(1));
+    let domain = role.domain.clone();
+    let rewriter = std::thread::spawn(move || {
+        let pool = TestDomain::pools_of(&domain).remove(0);
+        let file = std::fs::OpenOptions::new().read(true).write(true).open(&pool).unwrap();
+        let mut random = Random::new(6);
+        let mut rewritten = 0_u64;
+        let mut places = Vec::new();
+        while Instant::now() < end {
+            if places.len() < 8 {
+                // Every frame that was used has an honest header, once.
+                let bytes = std::fs::read(&pool).unwrap();
+                let magic = FrameHeader::MAGIC.to_le_bytes();
+                places = (0..bytes.len().saturating_sub(PAYLOAD_LEN + 256))
+                    .step_by(64)
+                    .filter(|&at| bytes[at..at + 4] == magic)
+                    .collect();
+            }
+            for &place in &places {
+                let case = headers::at_random(&mut random);
+                let header = if random.below(2) == 0 { honest } else { case.header };
+                file.write_all_at(bytemuck::bytes_of(&header), place as u64).unwrap();
+                let at = place as u64 + 256 + random.below(PAYLOAD_LEN as u64 - 64);
+                file.write_all_at(&[random.next() as u8; 64], at).unwrap();
+                rewritten += 1;
+            }
+        }
+        rewritten
+    });
+    let mut header = FrameHeader::zeroed();
+    while Instant::now() < end {
+        header = FrameHeader { seq: header.seq + 1, ..honest };
+        hostile.send(&header, &[7; PAYLOAD_LEN]);
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    let rewritten = rewriter.join().unwrap();
+    report(format_args!("sent {} {rewritten}", hostile.sent));
+    hostile.end();
+}

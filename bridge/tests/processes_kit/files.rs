@@ -1,0 +1,141 @@
+//! What a domain has in the file system.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    ops::Deref,
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use belvedere_bridge::Domain;
+
+const ROOTS: [&str; 2] = ["/dev/shm", "/tmp/iceoryx2"];
+const NODES: &str = "/tmp/iceoryx2/nodes";
+
+/// A domain of one test. What a failed test leaves of it goes when it is dropped.
+pub struct TestDomain {
+    domain: Domain,
+    /// Every node that [`TestDomain::usage`] has seen: its directory does not bear the domain's name.
+    nodes: BTreeSet<String>,
+}
+
+/// Files and directories of a domain, and its bytes of shared memory. (Other files hold numbers as text, which may be a
+/// digit longer or shorter.)
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Usage {
+    pub files: usize,
+    pub bytes: u64,
+}
+
+impl TestDomain {
+    pub fn new(test: &str) -> Self {
+        let domain = Domain::new(&format!("{test}-{}", std::process::id())).unwrap();
+        Self { domain, nodes: BTreeSet::new() }
+    }
+
+    /// A look at a domain that is somebody else's.
+    pub fn pools_of(domain: &Domain) -> Vec<PathBuf> {
+        let mut files = files(domain);
+        files.retain(|path| path.extension().is_some_and(|extension| extension == "data"));
+        files
+    }
+
+    /// Every file whose name begins with the domain's prefix.
+    pub fn files(&self) -> Vec<PathBuf> {
+        files(&self.domain)
+    }
+
+    /// Its data segments.
+    pub fn pools(&self) -> Vec<PathBuf> {
+        Self::pools_of(&self.domain)
+    }
+
+    /// Identifiers of its nodes, dead or alive.
+    pub fn node_ids(&self) -> Vec<String> {
+        let prefix = self.domain.prefix();
+        names(Path::new(NODES))
+            .filter_map(|name| Some(name.strip_prefix(&prefix)?.split('.').next()?.to_owned()))
+            .collect::<BTreeSet<_>>()
+            .into_iter()
+            .collect()
+    }
+
+    /// What it takes now.
+    pub fn usage(&mut self) -> Usage {
+        self.nodes.extend(self.node_ids());
+        let files = self.files();
+        let directories = self.nodes.iter().filter(|id| Path::new(NODES).join(id).exists()).count();
+        let shared = files.iter().filter(|path| path.starts_with("/dev/shm"));
+        let bytes = shared.filter_map(|path| Some(fs::metadata(path).ok()?.len())).sum();
+        Usage { files: files.len() + directories, bytes }
+    }
+
+    /// Waits until the domain takes this much; what it takes if it does not come to that.
+    pub fn comes_to(&mut self, expected: Usage, timeout: Duration) -> Result<(), Usage> {
+        let deadline = Instant::now() + timeout;
+        loop {
+            let usage = self.usage();
+            if usage == expected {
+                return Ok(());
+            }
+            if Instant::now() >= deadline {
+                return Err(usage);
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Fails if anything is left, of the nodes' directories too.
+    pub fn assert_nothing_left(&mut self) {
+        let usage = self.usage();
+        assert_eq!(usage, Usage { files: 0, bytes: 0 }, "{:#?}", self.files());
+    }
+}
+
+impl Deref for TestDomain {
+    type Target = Domain;
+
+    fn deref(&self) -> &Domain {
+        &self.domain
+    }
+}
+
+impl Drop for TestDomain {
+    fn drop(&mut self) {
+        self.nodes.extend(self.node_ids());
+        for path in self.files() {
+            let _ = fs::remove_file(path);
+        }
+        for id in &self.nodes {
+            let _ = fs::remove_dir(Path::new(NODES).join(id));
+        }
+    }
+}
+
+fn files(domain: &Domain) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for root in ROOTS {
+        walk(Path::new(root), &domain.prefix(), &mut found);
+    }
+    found.sort();
+    found
+}
+
+fn walk(directory: &Path, prefix: &str, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(prefix) {
+            found.push(entry.path());
+        }
+        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            walk(&entry.path(), prefix, found);
+        }
+    }
+}
+
+fn names(directory: &Path) -> impl Iterator<Item = String> {
+    fs::read_dir(directory)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+}

@@ -1,0 +1,193 @@
+//! Tests with several processes: a test binary starts itself again in another role.
+//!
+//! A binary that uses it has one test `other_process`, which does nothing unless [`serve`] finds a role in the
+//! environment. Other processes report to their parent by lines on standard output, see [`report`].
+#![allow(dead_code, unused_imports, unreachable_pub)] // Every test binary uses a part of it.
+
+pub mod files;
+pub mod random;
+
+use std::{
+    fmt::Display,
+    io::{BufRead as _, BufReader, Write as _},
+    process::{Command, Stdio},
+    sync::mpsc::{Receiver, channel},
+    time::{Duration, Instant},
+};
+
+use belvedere_bridge::{Domain, Frame, Subscriber};
+use rustix::process::{Pid, Signal};
+
+pub use files::{TestDomain, Usage};
+pub use random::Random;
+
+/// How long a test waits for what must come, however busy the machine is.
+pub const PATIENCE: Duration = Duration::from_secs(20);
+
+const ROLE: &str = "BRIDGE_TEST_ROLE";
+const DOMAIN: &str = "BRIDGE_TEST_DOMAIN";
+const ARGUMENTS: &str = "BRIDGE_TEST_ARGUMENTS";
+/// What a line of a report begins with; the test harness writes lines of its own.
+const MARK: &str = "@ ";
+
+/// In a process that was started in a role: what it is, where, and with which arguments.
+pub struct Role {
+    pub name: String,
+    pub domain: Domain,
+    pub arguments: Vec<String>,
+}
+
+/// The role that this process was started in; `None` in the test that starts the others.
+pub fn role() -> Option<Role> {
+    let name = std::env::var(ROLE).ok()?;
+    // Nobody outlives the test, not even when that is killed.
+    rustix::process::set_parent_process_death_signal(Some(Signal::KILL)).unwrap();
+    let domain = Domain::new(&std::env::var(DOMAIN).unwrap()).unwrap();
+    let arguments = std::env::var(ARGUMENTS).unwrap_or_default();
+    Some(Role { name, domain, arguments: arguments.split_whitespace().map(str::to_owned).collect() })
+}
+
+impl Role {
+    /// The argument at `index`.
+    pub fn number(&self, index: usize) -> u64 {
+        self.arguments[index].parse().unwrap()
+    }
+}
+
+/// Tells the parent, in one line.
+pub fn report(line: impl Display) {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "\n{MARK}{line}").and_then(|()| out.flush()).expect("a parent that listens");
+}
+
+/// Another process of this test binary; killed when dropped.
+pub struct Process {
+    child: std::process::Child,
+    reports: Receiver<String>,
+    /// `CLOCK_MONOTONIC` just before it was started.
+    pub started_mono_ns: u64,
+}
+
+impl Process {
+    pub fn start(domain: &Domain, role: &str, arguments: &[&dyn Display]) -> Self {
+        Self::start_under(&[], domain, role, arguments)
+    }
+
+    /// Started by another command, as `unshare`, which gets it as its last arguments.
+    pub fn start_under(runner: &[&str], domain: &Domain, role: &str, arguments: &[&dyn Display]) -> Self {
+        let this = std::env::current_exe().unwrap();
+        let mut command = match runner {
+            [] => Command::new(this),
+            [program, options @ ..] => {
+                let mut command = Command::new(program);
+                command.args(options).arg(this);
+                command
+            }
+        };
+        let arguments: Vec<_> = arguments.iter().map(ToString::to_string).collect();
+        let started_mono_ns = belvedere_bridge::clock::mono_ns();
+        let mut child = command
+            .args(["--exact", "other_process", "--nocapture"])
+            .env(ROLE, role)
+            .env(DOMAIN, domain.as_str())
+            .env(ARGUMENTS, arguments.join(" "))
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        let (sender, reports) = channel();
+        std::thread::spawn(move || {
+            for line in lines.map_while(Result::ok) {
+                if let Some((_, report)) = line.split_once(MARK)
+                    && sender.send(report.to_owned()).is_err()
+                {
+                    return;
+                }
+            }
+        });
+        Self { child, reports, started_mono_ns }
+    }
+
+    /// The next report; `None` when the time is over, or the process has ended without one.
+    pub fn next_report(&self, timeout: Duration) -> Option<String> {
+        self.reports.recv_timeout(timeout).ok()
+    }
+
+    /// The numbers of the next report that begins with `what`.
+    pub fn expect(&self, what: &str) -> Vec<u64> {
+        self.expect_within(what, PATIENCE)
+    }
+
+    pub fn expect_within(&self, what: &str, timeout: Duration) -> Vec<u64> {
+        let deadline = Instant::now() + timeout;
+        while let Some(line) = self.next_report(deadline.saturating_duration_since(Instant::now())) {
+            let mut words = line.split_whitespace();
+            if words.next() == Some(what) {
+                return words.map(|word| word.parse().unwrap()).collect();
+            }
+        }
+        panic!("process {} did not report \"{what}\" in {timeout:?}", self.child.id());
+    }
+
+    pub fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    pub fn signal(&self, signal: Signal) {
+        rustix::process::kill_process(Pid::from_child(&self.child), signal).unwrap();
+    }
+
+    /// SIGKILL, and the wait that a parent owes.
+    pub fn kill(mut self) {
+        self.end();
+    }
+
+    /// Waits until it has ended by itself, and whether it did so well.
+    pub fn ended_well(mut self, timeout: Duration) -> bool {
+        let deadline = Instant::now() + timeout;
+        while Instant::now() < deadline {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                return status.success();
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        false
+    }
+
+    fn end(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// The next frame.
+pub fn next(subscriber: &mut Subscriber) -> Frame {
+    let deadline = Instant::now() + PATIENCE;
+    while Instant::now() < deadline {
+        if subscriber.wait(Duration::from_millis(200)).unwrap()
+            && let Some(frame) = subscriber.take().unwrap()
+        {
+            return frame;
+        }
+    }
+    panic!("no frame in {PATIENCE:?}");
+}
+
+/// The full length of a test that is shorter by default, with `BELVEDERE_FULL=1`.
+pub fn full() -> bool {
+    std::env::var_os("BELVEDERE_FULL").is_some_and(|value| !value.is_empty() && value != "0")
+}
+
+/// The value that `share` of the sorted `values` do not exceed.
+pub fn quantile(values: &mut [u64], share: f64) -> u64 {
+    values.sort_unstable();
+    let rank = (share * values.len() as f64).ceil() as usize;
+    values.get(rank.max(1) - 1).copied().unwrap_or(0)
+}

@@ -1,0 +1,311 @@
+//! Processes of several users in a world of their own: mount namespaces with their own `/tmp` and `/dev/shm`.
+//!
+//! A test binary starts itself again: a scenario runs as the test `in_the_world` in a new mount namespace, and starts
+//! its processes as the test `in_a_role`, as whatever user. Users need no entry in `/etc/passwd`: their numbers do.
+
+#![allow(dead_code, unreachable_pub, reason = "each test binary uses a part of it")]
+
+use std::{
+    fs,
+    io::{BufRead as _, BufReader},
+    os::unix::process::CommandExt as _,
+    path::{Path, PathBuf},
+    process::{Child, Command, ExitStatus, Stdio},
+    sync::mpsc::{Receiver, channel},
+    time::{Duration, Instant},
+};
+
+use belvedere_bridge::{Domain, Encoding, Kind, Node, StreamSpec, payload::VelocityCommand};
+
+/// How long anything may take.
+pub const PATIENCE: Duration = Duration::from_secs(20);
+const SCENARIO: &str = "BRIDGE_SCENARIO";
+const ROLE: &str = "BRIDGE_ROLE";
+/// Where the copy of this program lies in the new world: its own place may be on a directory that is hidden there, or
+/// closed to other users.
+const PROGRAM: &str = "/mnt/program";
+
+/// A user and its only group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct User {
+    pub uid: u32,
+    pub gid: u32,
+}
+
+/// Whoever runs the test; in scenarios with other users it is root.
+pub const ROOT: User = User { uid: 0, gid: 0 };
+
+/// Runs a scenario of this binary's test `in_the_world` in a mount namespace with a `/dev/shm` of so many MiB, and
+/// passes its output on. Without root it is said to be skipped, unless a user namespace will do, which has no other
+/// users.
+pub fn run(scenario: &str, shm_mib: u32, other_users: bool) {
+    let is_root = rustix::process::geteuid().is_root();
+    if other_users && !is_root {
+        println!("{scenario}: skipped, it needs root for processes of several users");
+        return;
+    }
+    let set_up = format!(
+        "mount -t tmpfs tmpfs /mnt && cp \"$0\" {PROGRAM} && chmod 755 /mnt {PROGRAM} && \
+         mount -t tmpfs -o mode=1777 tmpfs /tmp && mount -t tmpfs -o mode=1777,size={shm_mib}m tmpfs /dev/shm && \
+         exec {PROGRAM} --exact in_the_world --nocapture"
+    );
+    let output = Command::new("unshare")
+        .args(if is_root { ["--mount", "--propagation=private"] } else { ["--mount", "--map-root-user"] })
+        .args(["sh", "-c", &set_up])
+        .arg(std::env::current_exe().unwrap())
+        .env(SCENARIO, scenario)
+        .output();
+    let output = match output {
+        Ok(output) => output,
+        Err(error) => {
+            println!("{scenario}: skipped, unshare cannot be run: {error}");
+            return;
+        }
+    };
+    let text =
+        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    if !is_root && !text.contains("running 1 test") {
+        println!("{scenario}: skipped, user namespaces are not to be had here: {text}");
+        return;
+    }
+    println!("{text}");
+    assert!(output.status.success(), "{scenario} failed:\n{text}");
+}
+
+/// The scenario that this process is to run, if it is one in a new world.
+pub fn scenario() -> Option<String> {
+    std::env::var(SCENARIO).ok()
+}
+
+/// A process in a role, its lines as they come.
+pub struct Actor {
+    child: Child,
+    lines: Receiver<String>,
+    seen: Vec<String>,
+}
+
+impl Actor {
+    /// Starts `role` (see [`play`]) in `domain` as `user`, or as this one if that is [`ROOT`], with more variables of the environment.
+    pub fn start(role: &str, domain: &str, user: User, env: &[(&str, &str)]) -> Self {
+        let program =
+            if scenario().is_some() { PathBuf::from(PROGRAM) } else { std::env::current_exe().unwrap() };
+        let mut command = Command::new(program);
+        command
+            .args(["--exact", "in_a_role", "--nocapture"])
+            .env(ROLE, role)
+            .env("BELVEDERE_DOMAIN", domain)
+            .env_remove("BELVEDERE_GROUP")
+            .envs(env.iter().copied())
+            .current_dir("/")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::inherit());
+        if user != ROOT {
+            // This drops supplementary groups too.
+            command.uid(user.uid).gid(user.gid);
+        }
+        let mut child = command.spawn().unwrap();
+        let output = BufReader::new(child.stdout.take().unwrap());
+        let (sender, lines) = channel();
+        std::thread::spawn(move || {
+            for line in output.lines().map_while(Result::ok) {
+                if sender.send(line).is_err() {
+                    break;
+                }
+            }
+        });
+        Self { child, lines, seen: Vec::new() }
+    }
+
+    pub fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// The next line that begins so, without that beginning.
+    pub fn says(&mut self, beginning: &str) -> String {
+        let deadline = Instant::now() + PATIENCE;
+        while let Ok(line) = self.lines.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
+            if let Some(rest) = line.strip_prefix(beginning) {
+                return rest.trim().to_owned();
+            }
+            self.seen.push(line);
+        }
+        panic!("\"{beginning}\" was never said, but: {:#?}", self.seen);
+    }
+
+    /// The next line that holds a word.
+    pub fn says_containing(&mut self, word: &str) -> String {
+        loop {
+            let line = self.says("");
+            if line.contains(word) {
+                return line;
+            }
+        }
+    }
+
+    /// Whether a line with this word has come.
+    pub fn has_said(&mut self, word: &str) -> bool {
+        self.seen.extend(self.lines.try_iter());
+        self.seen.iter().any(|line| line.contains(word))
+    }
+
+    /// Forgets what it has said until now.
+    pub fn forget(&mut self) {
+        while self.lines.try_recv().is_ok() {}
+    }
+
+    /// SIGKILL, and the wait that a parent owes.
+    pub fn kill(mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+
+    /// Ends its input, which asks it to leave, and waits.
+    pub fn leave(mut self) -> ExitStatus {
+        drop(self.child.stdin.take());
+        self.child.wait().unwrap()
+    }
+}
+
+impl Drop for Actor {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+pub const LEN: usize = 64 * 48;
+
+pub fn image(topic: &str) -> StreamSpec {
+    StreamSpec::new(topic, Kind::Image, Encoding::Mono8, LEN).rate_hz(100.0)
+}
+
+/// Body of the test `in_a_role`: what a process started by [`Actor::start`] does. Ends when its input does.
+pub fn play() {
+    let Ok(role) = std::env::var(ROLE) else { return };
+    match role.as_str() {
+        "simulate" => simulate(),
+        "simulate_large" => simulate_large(),
+        "drive" => drive(),
+        "try" => try_everything(),
+        _ => panic!("no such role: {role}"),
+    }
+}
+
+fn asked_to_leave() -> Receiver<()> {
+    let (sender, left) = channel::<()>();
+    std::thread::spawn(move || {
+        let _ = std::io::stdin().lines().count();
+        drop(sender);
+    });
+    left
+}
+
+fn goes_on(left: &Receiver<()>) -> bool {
+    left.try_recv() == Err(std::sync::mpsc::TryRecvError::Empty)
+}
+
+/// Publishes pictures, and says each new command that it gets.
+fn simulate() {
+    let left = asked_to_leave();
+    let node = Node::open(&Domain::from_env().unwrap(), "simulator").unwrap();
+    let publisher = node.publisher(&image("image_raw")).unwrap();
+    let mut commands = node.command_subscriber(&StreamSpec::velocity_command("cmd_vel")).unwrap();
+    println!("\nready");
+    let mut last = 0.0;
+    while goes_on(&left) {
+        let mut frame = publisher.loan(LEN).unwrap();
+        frame.header_mut().set_packed(64, 48);
+        frame.payload_mut().fill(7);
+        frame.send().unwrap();
+        if let Some(frame) = commands.take_newest().unwrap() {
+            let command: VelocityCommand = frame.message().unwrap();
+            if command.linear[0] != last {
+                last = command.linear[0];
+                println!("command {last}");
+            }
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Says what becomes of a stream of large pictures.
+fn simulate_large() {
+    let node = Node::open(&Domain::from_env().unwrap(), "simulator").unwrap();
+    match node.publisher(&StreamSpec::new("image_raw", Kind::Image, Encoding::Rgb8, 640 * 480 * 3)) {
+        Ok(_) => println!("\nready"),
+        Err(error) => println!("\nerror {error}"),
+    }
+}
+
+/// Says how many pictures have come and were missed, and sends the former as a command. With `DRIVER_FIRST` it makes
+/// the stream of commands, unless the simulator has.
+fn drive() {
+    let left = asked_to_leave();
+    let node = Node::open(&Domain::from_env().unwrap(), "driver").unwrap();
+    let mut camera = node.subscriber("image_raw").unwrap();
+    let commands = || node.publisher(&StreamSpec::velocity_command("cmd_vel")).unwrap();
+    let mut driver = std::env::var_os("DRIVER_FIRST").map(|_| commands());
+    let mut count = 0;
+    println!("\nready");
+    while goes_on(&left) {
+        if !camera.wait(Duration::from_millis(50)).unwrap() {
+            continue;
+        }
+        if let Some(frame) = camera.take().unwrap() {
+            assert_eq!(frame.payload(), [7; LEN]);
+            count += 1;
+            let restarted = if frame.restarted() { "restarted" } else { "" };
+            println!("frame {count} missed {} {restarted}", camera.missed_total());
+            let driver = driver.get_or_insert_with(commands);
+            let command = VelocityCommand { linear: [f64::from(count), 0.0, 0.0], angular: [0.0; 3] };
+            driver.send_structs(0, &[command]).unwrap();
+        }
+    }
+}
+
+/// Says how each thing that one can do in a domain goes.
+fn try_everything() {
+    let domain = Domain::from_env().unwrap();
+    let node = match Node::open(&domain, "curious") {
+        Ok(node) => node,
+        Err(error) => {
+            println!("\nopen {error:?} | {error}");
+            return;
+        }
+    };
+    println!("\nopen ok");
+    let said = |result: Result<String, belvedere_bridge::Error>| match result {
+        Ok(text) => text,
+        Err(error) => format!("{error:?} | {error}"),
+    };
+    println!("streams {}", said(node.streams().map(|streams| format!("{}", streams.len()))));
+    let mut subscriber = node.subscriber("image_raw").unwrap();
+    println!("wait {}", said(subscriber.wait(Duration::from_secs(2)).map(|frame| frame.to_string())));
+    println!("publish {}", said(node.publisher(&image("image_raw")).map(|_| "ok".to_owned())));
+    println!("done");
+}
+
+/// Every file whose name holds one of a domain, with those in directories of nodes.
+pub fn files_of(domain: &str) -> Vec<PathBuf> {
+    fn walk(directory: &Path, beginnings: &[String; 2], found: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
+            let (name, path) = (entry.file_name(), entry.path());
+            if beginnings.iter().any(|beginning| name.to_string_lossy().starts_with(beginning)) {
+                found.push(path);
+            } else if path.is_dir() && !path.is_symlink() {
+                walk(&path, beginnings, found);
+            }
+        }
+    }
+    let mut found = Vec::new();
+    let beginnings = [format!("blvd.{domain}."), format!("blvd.{domain}@")];
+    let tmp = fs::read_dir("/tmp").unwrap().flatten().map(|entry| entry.path()).filter(|path| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        name == "iceoryx2" || name.starts_with("blvd-")
+    });
+    for directory in tmp.chain([PathBuf::from("/dev/shm")]) {
+        walk(&directory, &beginnings, &mut found);
+    }
+    found
+}

@@ -2,29 +2,24 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
 
 namespace belvedere_ros {
 
-/// Rung by whoever has changed what a sleeping thread waits for.
+/// Rung by any thread; one thread sleeps. A ring while it is awake wakes it from its next sleep.
 class Bell {
 public:
-    void ring() {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        condition_.notify_all();
-    }
+    Bell();
+    ~Bell();
+    Bell(const Bell&) = delete;
+    Bell& operator=(const Bell&) = delete;
 
-    /// Sleeps until `true_now` is, looking again at every ring. Whether it is, after at most `patience`.
-    template <class Predicate>
-    bool wait(std::chrono::milliseconds patience, Predicate true_now) {
-        std::unique_lock<std::mutex> lock(mutex_);
-        return condition_.wait_for(lock, patience, true_now);
-    }
+    void ring();
+
+    /// Sleeps until it is rung, `descriptor` can be read, or `patience` is over.
+    void sleep(std::chrono::milliseconds patience, int descriptor = -1);
 
 private:
-    std::mutex mutex_;
-    std::condition_variable condition_;
+    int event_;
 };
 
 }  // namespace belvedere_ros

@@ -9,10 +9,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// How long a frame is waited for before looking whether anybody still subscribes.
-constexpr milliseconds kPatience{100};
-// How soon a stream that could not be followed is tried again, and subscribers are counted even without a ring.
-constexpr milliseconds kRetry{1000};
+// How soon a stream that could not be followed is tried again, and all is looked at even if nothing has happened.
+constexpr milliseconds kPatience{1000};
 
 }  // namespace
 
@@ -27,32 +25,34 @@ Relay::~Relay() {
     thread_.join();
 }
 
+bool Relay::wanted() const {
+    return !stopping_ && output_->subscribers() > 0;
+}
+
 void Relay::run() {
-    const auto wanted = [this] { return stopping_ || output_->subscribers() > 0; };
     while (!stopping_) {
-        if (!bell_->wait(kRetry, wanted)) continue;
         try {
-            follow();
+            if (wanted()) follow();
         } catch (const std::exception& error) {
             complain(error.what());
-            bell_->wait(kRetry, [this] { return stopping_.load(); });
         }
+        bell_->sleep(kPatience);
     }
 }
 
 void Relay::follow() {
-    if (stopping_) return;
     belvedere::Subscriber subscriber = domain_.subscribe(stream_);
+    const int frames = subscriber.fd();
     flow_.begin();
-    while (!stopping_ && output_->subscribers() > 0) {
+    while (wanted()) {
         try {
-            subscriber.wait(kPatience);
             while (const auto frame = subscriber.take()) pass_on(*frame);
-            flow_.publishers(subscriber.publishers());
         } catch (const belvedere::Error& error) {
             if (error.status() != BV_STATUS_BAD_FRAME) throw;
             complain(error.what());
         }
+        flow_.publishers(subscriber.publishers());
+        bell_->sleep(kPatience, frames);
     }
     flow_.end();
 }

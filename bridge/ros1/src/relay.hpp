@@ -39,6 +39,7 @@ public:
     Flow::Report report();
 
 private:
+    bool wanted() const;
     void run();
     void follow();
     void pass_on(const belvedere::Frame& frame);

@@ -32,7 +32,7 @@ void Streams::run() {
         } catch (const std::exception& error) {
             if (trouble_.due()) ROS_WARN_STREAM("cannot list the streams of domain " << domain_.name() << ": " << error.what());
         }
-        bell_.wait(kPeriod, [this] { return stopping_.load(); });
+        bell_.sleep(kPeriod);
     }
 }
 

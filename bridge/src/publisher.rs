@@ -90,7 +90,7 @@ impl Publisher {
                 }
                 Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
                     let holder = consumer::publisher(node, &frames);
-                    return Err(Error::DomainInUse { topic, domain: node.domain().clone(), holder });
+                    return Err(Error::DomainInUse { topic, domain: node.domain().to_string(), holder });
                 }
                 Err(error) => return Err(node.failed(format!("opening {topic} for writing"), error)),
             }

@@ -2,6 +2,7 @@
 
 use crate::description::model::{Model, World};
 use crate::description::{Problem, Severity};
+use crate::rig::base::BaseCommands;
 use crate::rig::{Rig, RigError, RigOptions};
 use crate::robot::{Command, Drive, Robot};
 use crate::world::physics::Physics;
@@ -21,6 +22,7 @@ pub struct Simulation {
     drive: Drive,
     commands: Subscriber,
     commanded_ns: Option<u64>,
+    base_commands: Option<BaseCommands>,
 }
 
 impl Simulation {
@@ -48,8 +50,9 @@ impl Simulation {
         let robots = vec![running];
         let scene = WorldScene::new(world, &models, &physics)?;
         let commands = node.command_subscriber(&StreamSpec::velocity_command("/cmd_vel"))?;
+        let base_commands = robots[0].base().map(|_| BaseCommands::open(node)).transpose()?;
         let rig = Rig::open(node, &models, &robots, &physics, options)?;
-        Ok(Self { physics, robots, scene, rig, drive, commands, commanded_ns: None })
+        Ok(Self { physics, robots, scene, rig, drive, commands, commanded_ns: None, base_commands })
     }
 
     /// Stamp in ns of the frame that is due next.
@@ -60,6 +63,9 @@ impl Simulation {
     /// Brings physics to the next frame's stamp and publishes all that is due then.
     pub fn advance(&mut self) {
         let stamp_ns = self.next_stamp_ns();
+        if let Some(commands) = &mut self.base_commands {
+            commands.apply(&mut self.robots[0], &self.physics);
+        }
         self.take_commands();
         while self.physics.time_ns() < stamp_ns {
             self.step();

@@ -1,6 +1,9 @@
 //! What a stream carries, and how its bytes are coded.
 
-use crate::payload::{CameraInfo, Clock, JointState, Odometry, Transform, VelocityCommand};
+use crate::payload::{
+    CameraInfo, Clock, CoreSensors, Imu, JointState, MotorPower, Odometry, ResetOdometry, RobotEvent,
+    Transform, VelocityCommand,
+};
 
 macro_rules! wire_enum {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $number:literal $text:literal,)+ }) => {
@@ -44,8 +47,7 @@ macro_rules! wire_enum {
 }
 
 wire_enum! {
-    /// What the payload of a stream means (`FrameHeader::kind`). Numbers are never reused; 12 and 13 are kept
-    /// for inertial measurements and contact events.
+    /// What the payload of a stream means (`FrameHeader::kind`). Numbers are never reused.
     Kind {
         /// A colour or grey picture; the header carries its intrinsics.
         Image = 1 "image",
@@ -69,6 +71,16 @@ wire_enum! {
         Clock = 10 "clock",
         /// One [`VelocityCommand`], towards the robot.
         VelocityCommand = 11 "velocity_command",
+        /// One [`Imu`].
+        Imu = 12 "imu",
+        /// One [`RobotEvent`], sent when it happens.
+        RobotEvent = 13 "robot_event",
+        /// One [`CoreSensors`].
+        CoreSensors = 17 "core_sensors",
+        /// One [`ResetOdometry`], towards the robot.
+        ResetOdometry = 18 "reset_odometry",
+        /// One [`MotorPower`], towards the robot.
+        MotorPower = 19 "motor_power",
     }
 }
 
@@ -85,6 +97,11 @@ impl Kind {
             Self::JointStates => size_of::<JointState>(),
             Self::Clock => size_of::<Clock>(),
             Self::VelocityCommand => size_of::<VelocityCommand>(),
+            Self::Imu => size_of::<Imu>(),
+            Self::RobotEvent => size_of::<RobotEvent>(),
+            Self::CoreSensors => size_of::<CoreSensors>(),
+            Self::ResetOdometry => size_of::<ResetOdometry>(),
+            Self::MotorPower => size_of::<MotorPower>(),
         })
     }
 }

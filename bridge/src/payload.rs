@@ -105,6 +105,102 @@ pub struct VelocityCommand {
     pub angular: [f64; 3],
 }
 
+/// What an inertial measurement unit measures, as `sensor_msgs/Imu` has it, in the header's `frame_id`. Covariances
+/// are 3 × 3 row by row; one of zeros is not known, one that begins with −1 says that there is no measurement
+/// (REP-145).
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Imu {
+    /// x y z w.
+    pub orientation: [f64; 4],
+    /// Radians per second.
+    pub angular_velocity: [f64; 3],
+    /// Metres per second²; +g upwards at rest.
+    pub linear_acceleration: [f64; 3],
+    /// About x, y, z.
+    pub orientation_covariance: [f64; 9],
+    /// About x, y, z.
+    pub angular_velocity_covariance: [f64; 9],
+    /// Along x, y, z.
+    pub linear_acceleration_covariance: [f64; 9],
+}
+
+/// A sensor of a base that has changed its state (`kobuki_msgs/BumperEvent`, `CliffEvent`, `WheelDropEvent`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct RobotEvent {
+    /// [`RobotEvent::BUMPER`], [`RobotEvent::CLIFF`] or [`RobotEvent::WHEEL_DROP`].
+    pub source: u32,
+    /// [`RobotEvent::LEFT`], [`RobotEvent::CENTRE`] or [`RobotEvent::RIGHT`]. (`kobuki_msgs` numbers the right wheel 1.)
+    pub index: u32,
+    /// 0 released, floor, raised; 1 pressed, cliff, dropped.
+    pub state: u32,
+    /// A cliff sensor's reading, as [`CoreSensors::bottom`]; else 0.
+    pub value: u32,
+}
+
+impl RobotEvent {
+    /// Source: a bumper.
+    pub const BUMPER: u32 = 0;
+    /// Source: a cliff sensor.
+    pub const CLIFF: u32 = 1;
+    /// Source: a wheel.
+    pub const WHEEL_DROP: u32 = 2;
+    /// Index: on the left.
+    pub const LEFT: u32 = 0;
+    /// Index: in front.
+    pub const CENTRE: u32 = 1;
+    /// Index: on the right.
+    pub const RIGHT: u32 = 2;
+}
+
+/// What a base says of itself 50 times a second (`kobuki_msgs/SensorState`). In the bits of bumper and cliff 1 is
+/// right, 2 is centre, 4 is left; in those of the wheels 1 is right, 2 is left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CoreSensors {
+    /// Milliseconds; wraps.
+    pub time_stamp: u16,
+    /// Bits of what is pressed.
+    pub bumper: u8,
+    /// Bits of the wheels that hang.
+    pub wheel_drop: u8,
+    /// Bits of where there is no floor.
+    pub cliff: u8,
+    /// Bits of what is pressed: 1, 2, 4.
+    pub buttons: u8,
+    /// Ticks of the left wheel; wraps.
+    pub left_encoder: u16,
+    /// Ticks of the right wheel; wraps.
+    pub right_encoder: u16,
+    /// Duty of the left motor; 0, not simulated.
+    pub left_pwm: i8,
+    /// Duty of the right motor; 0, not simulated.
+    pub right_pwm: i8,
+    /// 0 discharging, 2 charged, 6 charging; 16 is added at an adapter.
+    pub charger: u8,
+    /// Tenths of a volt.
+    pub battery: u8,
+    /// Converted readings of the cliff sensors right, centre, left, of 12 bits; smaller is farther.
+    pub bottom: [u16; 3],
+}
+
+/// Odometry is to begin at zero here and now.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ResetOdometry {
+    /// 0.
+    pub reserved: u64,
+}
+
+/// Whether the motors follow commands (`kobuki_msgs/MotorPower`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct MotorPower {
+    /// 0 off, else on.
+    pub state: u32,
+}
+
 impl Message for CameraInfo {
     const KINDS: &'static [Kind] = &[Kind::CameraInfo];
 }
@@ -122,6 +218,21 @@ impl Message for Clock {
 }
 impl Message for VelocityCommand {
     const KINDS: &'static [Kind] = &[Kind::VelocityCommand];
+}
+impl Message for Imu {
+    const KINDS: &'static [Kind] = &[Kind::Imu];
+}
+impl Message for RobotEvent {
+    const KINDS: &'static [Kind] = &[Kind::RobotEvent];
+}
+impl Message for CoreSensors {
+    const KINDS: &'static [Kind] = &[Kind::CoreSensors];
+}
+impl Message for ResetOdometry {
+    const KINDS: &'static [Kind] = &[Kind::ResetOdometry];
+}
+impl Message for MotorPower {
+    const KINDS: &'static [Kind] = &[Kind::MotorPower];
 }
 
 // The wire format: every offset is pinned here, in the C and C++ headers and in WIRE.md.
@@ -162,4 +273,35 @@ const _: () = {
     assert!(size_of::<VelocityCommand>() == 48);
     assert!(offset_of!(VelocityCommand, linear) == 0);
     assert!(offset_of!(VelocityCommand, angular) == 24);
+
+    assert!(size_of::<Imu>() == 296);
+    assert!(offset_of!(Imu, orientation) == 0);
+    assert!(offset_of!(Imu, angular_velocity) == 32);
+    assert!(offset_of!(Imu, linear_acceleration) == 56);
+    assert!(offset_of!(Imu, orientation_covariance) == 80);
+    assert!(offset_of!(Imu, angular_velocity_covariance) == 152);
+    assert!(offset_of!(Imu, linear_acceleration_covariance) == 224);
+
+    assert!(size_of::<RobotEvent>() == 16);
+    assert!(offset_of!(RobotEvent, source) == 0);
+    assert!(offset_of!(RobotEvent, index) == 4);
+    assert!(offset_of!(RobotEvent, state) == 8);
+    assert!(offset_of!(RobotEvent, value) == 12);
+
+    assert!(size_of::<CoreSensors>() == 20);
+    assert!(offset_of!(CoreSensors, time_stamp) == 0);
+    assert!(offset_of!(CoreSensors, bumper) == 2);
+    assert!(offset_of!(CoreSensors, wheel_drop) == 3);
+    assert!(offset_of!(CoreSensors, cliff) == 4);
+    assert!(offset_of!(CoreSensors, buttons) == 5);
+    assert!(offset_of!(CoreSensors, left_encoder) == 6);
+    assert!(offset_of!(CoreSensors, right_encoder) == 8);
+    assert!(offset_of!(CoreSensors, left_pwm) == 10);
+    assert!(offset_of!(CoreSensors, right_pwm) == 11);
+    assert!(offset_of!(CoreSensors, charger) == 12);
+    assert!(offset_of!(CoreSensors, battery) == 13);
+    assert!(offset_of!(CoreSensors, bottom) == 14);
+
+    assert!(size_of::<ResetOdometry>() == 8);
+    assert!(size_of::<MotorPower>() == 4);
 };

@@ -94,7 +94,13 @@ impl StreamSpec {
     /// A stream to the robot: velocity commands from up to 8 senders, no history, a deeper buffer.
     #[must_use]
     pub fn velocity_command(topic: impl Into<String>) -> Self {
-        Self { max_publishers: 8, history: 0, ..Self::structs(topic, Kind::VelocityCommand, 1) }
+        Self::command(topic, Kind::VelocityCommand)
+    }
+
+    /// A stream to the robot of single structs of this kind, made as that of velocity commands.
+    #[must_use]
+    pub fn command(topic: impl Into<String>, kind: Kind) -> Self {
+        Self { max_publishers: 8, history: 0, ..Self::structs(topic, kind, 1) }
     }
 
     /// The same with this frame.

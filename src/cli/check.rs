@@ -11,6 +11,8 @@ use crate::description::robot::{LoadOptions, default_robot_name, load_robot, rob
 use crate::description::world::{load_world, world_names};
 use crate::description::xml::Element;
 use crate::description::{Diagnostics, Severity};
+use crate::rig::base;
+use crate::robot::imu::Imu;
 use crate::robot::kobuki::Wheels;
 use belvedere_sensors::Pose;
 use glam::{DVec3, EulerRot};
@@ -105,7 +107,25 @@ fn robot_report(robot: &Model) -> Vec<String> {
         lines.push(String::new());
         lines.extend(sensor_report(robot, sensor));
     }
+    if Wheels::of(robot).is_ok() {
+        lines.push(String::new());
+        lines.extend(base_report(robot));
+    }
     lines.push(String::new());
+    lines
+}
+
+/// What the base tells and is told, as a Kobuki's driver.
+fn base_report(robot: &Model) -> Vec<String> {
+    let mut lines = vec!["base kobuki".to_owned()];
+    let mut say = |what: &str, value: String| lines.push(format!("  {what:12} {value}"));
+    say("topics", "/odom, /joint_states, /tf, /tf_static".into());
+    say("", format!("{}, {}", base::IMU_TOPIC, base::CORE_TOPIC));
+    say("", format!("{}, {}", base::BUMPER_TOPIC, base::CLIFF_TOPIC));
+    say("", base::WHEEL_DROP_TOPIC.into());
+    say("commands", "/cmd_vel".into());
+    say("", format!("{}, {}", base::RESET_ODOMETRY_TOPIC, base::MOTOR_POWER_TOPIC));
+    say("IMU frame", robot.links[Imu::mount(robot)].name.clone());
     lines
 }
 

@@ -4,7 +4,10 @@ use std::fmt;
 
 use belvedere_bridge::{
     Encoding, FrameHeader, FrameView, Kind,
-    payload::{CameraInfo, Clock, JointState, Odometry, Transform, VelocityCommand},
+    payload::{
+        CameraInfo, Clock, CoreSensors, Imu, JointState, MotorPower, Odometry, ResetOdometry, RobotEvent,
+        Transform, VelocityCommand,
+    },
 };
 use serde_json::Value;
 
@@ -129,6 +132,11 @@ pub fn decode(frame: &FrameView<'_>, limit: usize) -> Tree {
         Some(Kind::VelocityCommand) => one(frame, |command: &VelocityCommand| {
             vec![("linear", xyz(command.linear)), ("angular", xyz(command.angular))]
         }),
+        Some(Kind::Imu) => one(frame, imu),
+        Some(Kind::RobotEvent) => one(frame, robot_event),
+        Some(Kind::CoreSensors) => one(frame, core_sensors),
+        Some(Kind::ResetOdometry) => one(frame, |_: &ResetOdometry| Vec::new()),
+        Some(Kind::MotorPower) => one(frame, |power: &MotorPower| vec![("state", Whole(power.state.into()))]),
         None => None,
     };
     let entries = entries.unwrap_or_else(|| unknown(frame, limit));
@@ -261,6 +269,57 @@ fn odometry(odometry: &Odometry) -> Entries {
                 ("covariance", array(&odometry.twist_covariance)),
             ]),
         ),
+    ]
+}
+
+fn imu(imu: &Imu) -> Entries {
+    vec![
+        ("orientation", xyzw(imu.orientation)),
+        ("orientation_covariance", array(&imu.orientation_covariance)),
+        ("angular_velocity", xyz(imu.angular_velocity)),
+        ("angular_velocity_covariance", array(&imu.angular_velocity_covariance)),
+        ("linear_acceleration", xyz(imu.linear_acceleration)),
+        ("linear_acceleration_covariance", array(&imu.linear_acceleration_covariance)),
+    ]
+}
+
+/// Numbers as they are, with a word for each: what a bumper's 1 is, is a cliff sensor's something else.
+fn robot_event(event: &RobotEvent) -> Entries {
+    let (source, states) = match event.source {
+        RobotEvent::BUMPER => ("bumper", ["released", "pressed"]),
+        RobotEvent::CLIFF => ("cliff", ["floor", "cliff"]),
+        RobotEvent::WHEEL_DROP => ("wheel_drop", ["raised", "dropped"]),
+        _ => ("unknown", ["unknown"; 2]),
+    };
+    let index = match event.index {
+        RobotEvent::LEFT => "left",
+        RobotEvent::CENTRE => "centre",
+        RobotEvent::RIGHT => "right",
+        _ => "unknown",
+    };
+    vec![
+        ("source", text(source)),
+        ("index", text(index)),
+        ("state", text(states.get(event.state as usize).copied().unwrap_or("unknown"))),
+        ("value", Whole(event.value.into())),
+    ]
+}
+
+fn core_sensors(core: &CoreSensors) -> Entries {
+    let signed = |value: i8| Number(value.into());
+    vec![
+        ("time_stamp", Whole(core.time_stamp.into())),
+        ("bumper", Whole(core.bumper.into())),
+        ("wheel_drop", Whole(core.wheel_drop.into())),
+        ("cliff", Whole(core.cliff.into())),
+        ("left_encoder", Whole(core.left_encoder.into())),
+        ("right_encoder", Whole(core.right_encoder.into())),
+        ("left_pwm", signed(core.left_pwm)),
+        ("right_pwm", signed(core.right_pwm)),
+        ("buttons", Whole(core.buttons.into())),
+        ("charger", Whole(core.charger.into())),
+        ("battery", Whole(core.battery.into())),
+        ("bottom", List(core.bottom.iter().map(|&reading| Whole(reading.into())).collect(), 0)),
     ]
 }
 

@@ -5,6 +5,7 @@
 //! fills it, the bridge sends it. What nobody follows is not rendered.
 
 pub mod attendance;
+pub mod base;
 mod camera;
 mod depth;
 mod lidar;
@@ -22,6 +23,7 @@ use crate::description::{Problem, Severity};
 use crate::robot::Robot;
 use crate::world::physics::{ModelIndex, Physics};
 use crate::world::scene::WorldScene;
+use base::BaseChannel;
 use belvedere_bridge::{Error as BridgeError, Lossless, Node, StreamSpec};
 use belvedere_sensors::Execution;
 use belvedere_sensors::trace::WorkspaceBuf;
@@ -32,7 +34,7 @@ use state::{ClockChannel, StateChannel};
 
 /// Rate of the clock in Hz: a consumer's timers get within 10 ms of simulated time.
 const CLOCK_HZ: f64 = 100.0;
-/// Rate of odometry, transforms and joint states: a Kobuki's own.
+/// Rate of odometry, transforms, joint states and of the base's sensors: a Kobuki's own.
 const STATE_HZ: f64 = 50.0;
 
 /// Why the sensors cannot be started.
@@ -130,6 +132,7 @@ pub(crate) struct RigContext<'a> {
 enum Channel {
     Clock(Box<ClockChannel>),
     State(Box<StateChannel>),
+    Base(Box<BaseChannel>),
     Camera(Box<CameraChannel>),
     Depth(Box<DepthChannel>),
     Lidar(Box<LidarChannel>),
@@ -139,7 +142,7 @@ impl Channel {
     /// Whether its next frame shows the scene to somebody.
     fn is_rendered(&self) -> bool {
         match self {
-            Self::Clock(_) | Self::State(_) => false,
+            Self::Clock(_) | Self::State(_) | Self::Base(_) => false,
             Self::Camera(camera) => camera.outlets().into_iter().any(Outlet::is_wanted),
             Self::Depth(depth) => depth.outlets().into_iter().any(Outlet::is_wanted),
             Self::Lidar(lidar) => lidar.outlets().into_iter().any(Outlet::is_wanted),
@@ -198,6 +201,10 @@ impl Rig {
             }
             let state = StateChannel::open(running, &setting(fixed(STATE_HZ), 0))?;
             rig.add(fixed(STATE_HZ), Channel::State(state.into()));
+            if running.base().is_some() {
+                let base = BaseChannel::open(&setting(fixed(STATE_HZ), 0))?;
+                rig.add(fixed(STATE_HZ), Channel::Base(base.into()));
+            }
             for sensor in &model.sensors {
                 let rate = sensor_rate(sensor, physics);
                 if let Some(channel) = open_sensor(sensor, &setting(rate, sensor_number))? {
@@ -233,6 +240,7 @@ impl Rig {
             match &mut scheduled.channel {
                 Channel::Clock(clock) => clock.publish(&mut context),
                 Channel::State(state) => state.publish(&mut context),
+                Channel::Base(base) => base.publish(&mut context),
                 Channel::Camera(camera) => camera.publish(&mut context, frame),
                 Channel::Depth(depth) => depth.publish(&mut context, frame),
                 Channel::Lidar(lidar) => lidar.publish(&mut context, frame),
@@ -253,6 +261,7 @@ impl Rig {
             match &scheduled.channel {
                 Channel::Clock(clock) => outlets.extend(clock.outlets()),
                 Channel::State(state) => outlets.extend(state.outlets()),
+                Channel::Base(base) => outlets.extend(base.outlets()),
                 Channel::Camera(camera) => outlets.extend(camera.outlets()),
                 Channel::Depth(depth) => outlets.extend(depth.outlets()),
                 Channel::Lidar(lidar) => outlets.extend(lidar.outlets()),

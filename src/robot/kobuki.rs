@@ -15,7 +15,9 @@
 //! Commands are followed with [`MAX_ACCELERATION_M_S2`] and [`MAX_ANGULAR_ACCELERATION_RAD_S2`], as the base's own
 //! controller and the velocity smoothers in front of it do; the plugin lets the torque alone limit it.
 
+use super::contact::{Contact, ContactSensors};
 use super::drive::Command;
+use super::imu::{Imu, ImuReading};
 use super::odometry::{ODOMETRY_PERIOD_NS, Odometer, Odometry, encoder_count, gyro_reading};
 use super::transforms::base_link;
 use crate::description::diagnostics::{Problem, Severity, Source};
@@ -41,6 +43,19 @@ const WHEEL_JOINTS: [&str; 2] = ["wheel_left_joint", "wheel_right_joint"];
 /// Reports within one step of physics of at most 0.1 s, both ends included, and a few before.
 const REPORTS_KEPT: usize = 8;
 
+/// What the base reports 50 times a second.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Report {
+    /// With the stamp of them all.
+    pub odometry: Odometry,
+    /// What the gyro and the accelerometer measured.
+    pub imu: ImuReading,
+    /// Ticks of the left and the right wheel.
+    pub encoders: [u16; 2],
+    /// What the bumpers, cliff sensors and wheels felt.
+    pub contact: Contact,
+}
+
 /// A Kobuki in the world.
 #[derive(Debug)]
 pub struct Kobuki {
@@ -52,9 +67,13 @@ pub struct Kobuki {
     /// What the motors are told, on its way to the command.
     followed: Command,
     gyro_heading_rad: f64,
+    /// Whether commands are followed.
+    powered: bool,
     odometer: Odometer,
+    imu: Imu,
+    contact: ContactSensors,
     /// The latest reports, the oldest overwritten first; `reports[newest]` is the last.
-    reports: [Odometry; REPORTS_KEPT],
+    reports: [Report; REPORTS_KEPT],
     newest: usize,
 }
 
@@ -79,7 +98,15 @@ impl Kobuki {
             physics.set_link_friction(index, link, 0.0);
         }
         let mut odometer = Odometer::new(wheels.radius_m);
-        let start = odometer.update(physics.time_ns(), [0; 2], 0.0);
+        let mut imu = Imu::new(model, index, physics);
+        let contact =
+            ContactSensors::new(model, index, wheels.sides.map(|wheel| wheel.link), wheels.radius_m);
+        let start = Report {
+            odometry: odometer.update(physics.time_ns(), [0; 2], 0.0),
+            imu: imu.report(physics, physics.time_ns(), 0.0),
+            encoders: [0; 2],
+            contact: ContactSensors::at_start(),
+        };
         Ok(Self {
             model: index,
             base: base_link(model),
@@ -88,7 +115,10 @@ impl Kobuki {
             command_ns: 0,
             followed: Command::STOP,
             gyro_heading_rad: 0.0,
+            powered: true,
             odometer,
+            imu,
+            contact,
             reports: [start; REPORTS_KEPT],
             newest: 0,
         })
@@ -104,10 +134,29 @@ impl Kobuki {
         self.wheels.radius_m
     }
 
-    /// Gives a command at a time in ns. One that is not finite means stop.
+    /// Gives a command at a time in ns. One that is not finite means stop. Without motor power it is lost.
     pub fn command(&mut self, command: Command, stamp_ns: u64) {
+        if !self.powered {
+            return;
+        }
         self.command = command.limited(MAX_SPEED_M_S, MAX_TURN_RAD_S, self.wheels.separation_m);
         self.command_ns = stamp_ns;
+    }
+
+    /// Turns the motors' power on or off. As the base's driver and Kobuki's plugin do it, off is a stop that no command
+    /// ends: the wheels hold. On again it waits for the next command.
+    pub fn set_motor_power(&mut self, on: bool) {
+        if on != self.powered {
+            self.powered = on;
+            self.command = Command::STOP;
+        }
+    }
+
+    /// Lets odometry begin at zero here and now, the heading of the IMU with it, as the base's driver does. Encoders
+    /// count on.
+    pub fn reset_odometry(&mut self, physics: &Physics) {
+        self.gyro_heading_rad = 0.0;
+        self.odometer.reset(physics.time_ns(), self.encoders_at(physics, physics.time_ns()));
     }
 
     /// Sets the motors for the step to come.
@@ -181,8 +230,9 @@ impl Kobuki {
         }
     }
 
-    /// Reads encoders and gyro after a step, and reports as often as the base does.
+    /// Reads the sensors after a step, and reports as often as the base does.
     pub fn observe(&mut self, physics: &Physics) {
+        self.contact.notice(physics);
         let (_, turn_in_world) = physics.link_velocity(self.model, self.base);
         let base_from_world = physics.world_from_link(self.model, self.base).inverse();
         let rate = gyro_reading(base_from_world.transform_vector(turn_in_world).z);
@@ -191,21 +241,37 @@ impl Kobuki {
         let mut stamp_ns = (before_ns / ODOMETRY_PERIOD_NS + 1) * ODOMETRY_PERIOD_NS;
         while stamp_ns <= physics.time_ns() {
             let heading_rad = before_rad + rate * (stamp_ns - before_ns) as f64 * 1e-9;
-            let counts = self.wheels.sides.map(|wheel| {
-                let state = physics.joint_state_at(self.model, wheel.joint, stamp_ns).unwrap_or_default();
-                encoder_count(wheel.sign * state.position)
-            });
+            let encoders = self.encoders_at(physics, stamp_ns);
             self.newest = (self.newest + 1) % REPORTS_KEPT;
-            self.reports[self.newest] = self.odometer.update(stamp_ns, counts, heading_rad);
+            self.reports[self.newest] = Report {
+                odometry: self.odometer.update(stamp_ns, encoders, heading_rad),
+                imu: self.imu.report(physics, stamp_ns, heading_rad),
+                encoders,
+                contact: self.contact.report(physics),
+            };
             stamp_ns += ODOMETRY_PERIOD_NS;
         }
+        self.imu.end_step(physics);
+    }
+
+    /// The counts of the left and the right encoder at a time between the last two steps.
+    fn encoders_at(&self, physics: &Physics, stamp_ns: u64) -> [u16; 2] {
+        self.wheels.sides.map(|wheel| {
+            let state = physics.joint_state_at(self.model, wheel.joint, stamp_ns).unwrap_or_default();
+            encoder_count(wheel.sign * state.position)
+        })
+    }
+
+    /// The newest odometry at or before a time between the last two steps.
+    pub fn odometry_at(&self, stamp_ns: u64) -> &Odometry {
+        &self.report_at(stamp_ns).odometry
     }
 
     /// The newest report at or before a time between the last two steps.
-    pub fn odometry_at(&self, stamp_ns: u64) -> &Odometry {
+    pub fn report_at(&self, stamp_ns: u64) -> &Report {
         (0..REPORTS_KEPT)
             .map(|age| &self.reports[(self.newest + REPORTS_KEPT - age) % REPORTS_KEPT])
-            .find(|report| report.stamp_ns <= stamp_ns)
+            .find(|report| report.odometry.stamp_ns <= stamp_ns)
             .unwrap_or(&self.reports[self.newest])
     }
 }

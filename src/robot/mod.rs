@@ -1,9 +1,12 @@
-//! A robot's base and what it tells of itself: drive, odometry, transforms, joint states.
+//! A robot's base and what it tells of itself: drive, odometry, inertial measurements, contacts, transforms, joint
+//! states.
 //!
 //! A [`Robot`] goes along with a model in [`Physics`]: call [`Robot::control`] before each step and
 //! [`Robot::observe`] after it, then [`Robot::state_at`] for any stamp between the last two steps.
 
+pub mod contact;
 pub mod drive;
+pub mod imu;
 pub mod kobuki;
 pub mod odometry;
 pub mod state;
@@ -44,6 +47,20 @@ impl Robot {
     pub fn command(&mut self, command: Command, stamp_ns: u64) {
         if let Some(base) = &mut self.base {
             base.command(command, stamp_ns);
+        }
+    }
+
+    /// Turns the motors' power on or off; see [`Kobuki::set_motor_power`].
+    pub fn set_motor_power(&mut self, on: bool) {
+        if let Some(base) = &mut self.base {
+            base.set_motor_power(on);
+        }
+    }
+
+    /// Lets odometry begin at zero; see [`Kobuki::reset_odometry`].
+    pub fn reset_odometry(&mut self, physics: &Physics) {
+        if let Some(base) = &mut self.base {
+            base.reset_odometry(physics);
         }
     }
 

@@ -81,6 +81,12 @@ impl Odometer {
         Self { wheel_radius_m, counts: [0; 2], heading_rad: 0.0, x_m: 0.0, y_m: 0.0, latest }
     }
 
+    /// Begins at the origin again, at a time and with the counts of that time.
+    pub fn reset(&mut self, stamp_ns: u64, counts: [u16; 2]) {
+        (self.x_m, self.y_m, self.heading_rad) = (0.0, 0.0, 0.0);
+        (self.counts, self.latest.stamp_ns) = (counts, stamp_ns);
+    }
+
     /// Takes in one report: the counts of the left and the right encoder, and the gyro's heading in rad.
     ///
     /// The way since the last one is taken as straight along the mean of both headings, which is wrong by

@@ -15,6 +15,7 @@ mod insert;
 mod joint;
 mod lump;
 mod shape;
+mod touch;
 
 pub use joint::JointState;
 

@@ -108,6 +108,16 @@ enum bv_kind
     BV_KIND_CLOCK = 10,
     // One bv_velocity_command.
     BV_KIND_VELOCITY_COMMAND = 11,
+    // One bv_imu.
+    BV_KIND_IMU = 12,
+    // One bv_robot_event.
+    BV_KIND_ROBOT_EVENT = 13,
+    // One bv_core_sensors.
+    BV_KIND_CORE_SENSORS = 17,
+    // One bv_reset_odometry.
+    BV_KIND_RESET_ODOMETRY = 18,
+    // One bv_motor_power.
+    BV_KIND_MOTOR_POWER = 19,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -323,6 +333,64 @@ typedef struct bv_joint_state {
 typedef struct bv_clock {
     uint64_t now_ns;
 } bv_clock;
+
+// As sensor_msgs/Imu. A covariance of zeros is not known; one that begins with -1: not measured.
+typedef struct bv_imu {
+    // x y z w
+    double orientation[4];
+    // rad/s
+    double angular_velocity[3];
+    // m/s^2; +g upwards at rest
+    double linear_acceleration[3];
+    double orientation_covariance[9];
+    double angular_velocity_covariance[9];
+    double linear_acceleration_covariance[9];
+} bv_imu;
+
+// A sensor of a base that has changed its state.
+typedef struct bv_robot_event {
+    // 0 bumper, 1 cliff sensor, 2 wheel
+    uint32_t source;
+    // 0 left, 1 centre, 2 right
+    uint32_t index;
+    // 0 released, floor, raised; 1 pressed, cliff, dropped
+    uint32_t state;
+    // a cliff sensor's reading, else 0
+    uint32_t value;
+} bv_robot_event;
+
+// As kobuki_msgs/SensorState. Bits of bumper and cliff: 1 right, 2 centre, 4 left; of wheel_drop: 1 right, 2 left.
+typedef struct bv_core_sensors {
+    // milliseconds; wraps
+    uint16_t time_stamp;
+    uint8_t bumper;
+    uint8_t wheel_drop;
+    uint8_t cliff;
+    uint8_t buttons;
+    // ticks; wraps
+    uint16_t left_encoder;
+    // ticks; wraps
+    uint16_t right_encoder;
+    int8_t left_pwm;
+    int8_t right_pwm;
+    // 0 discharging, 2 charged, 6 charging
+    uint8_t charger;
+    // tenths of a volt
+    uint8_t battery;
+    // cliff readings right, centre, left
+    uint16_t bottom[3];
+} bv_core_sensors;
+
+// Odometry is to begin at zero here and now.
+typedef struct bv_reset_odometry {
+    uint64_t reserved;
+} bv_reset_odometry;
+
+// Whether the motors follow commands.
+typedef struct bv_motor_power {
+    // 0 off, else on
+    uint32_t state;
+} bv_motor_power;
 
 #ifdef __cplusplus
 extern "C" {

@@ -42,6 +42,16 @@ pub enum Kind {
     Clock = 10,
     /// One bv_velocity_command.
     VelocityCommand = 11,
+    /// One bv_imu.
+    Imu = 12,
+    /// One bv_robot_event.
+    RobotEvent = 13,
+    /// One bv_core_sensors.
+    CoreSensors = 17,
+    /// One bv_reset_odometry.
+    ResetOdometry = 18,
+    /// One bv_motor_power.
+    MotorPower = 19,
 }
 
 /// How an element is coded (bv_frame_header.encoding).
@@ -217,6 +227,69 @@ pub struct VelocityCommand {
     pub angular: [f64; 3],
 }
 
+/// As sensor_msgs/Imu. A covariance of zeros is not known; one that begins with -1: not measured.
+#[repr(C)]
+pub struct Imu {
+    /// x y z w
+    pub orientation: [f64; 4],
+    /// rad/s
+    pub angular_velocity: [f64; 3],
+    /// m/s^2; +g upwards at rest
+    pub linear_acceleration: [f64; 3],
+    pub orientation_covariance: [f64; 9],
+    pub angular_velocity_covariance: [f64; 9],
+    pub linear_acceleration_covariance: [f64; 9],
+}
+
+/// A sensor of a base that has changed its state.
+#[repr(C)]
+pub struct RobotEvent {
+    /// 0 bumper, 1 cliff sensor, 2 wheel
+    pub source: u32,
+    /// 0 left, 1 centre, 2 right
+    pub index: u32,
+    /// 0 released, floor, raised; 1 pressed, cliff, dropped
+    pub state: u32,
+    /// a cliff sensor's reading, else 0
+    pub value: u32,
+}
+
+/// As kobuki_msgs/SensorState. Bits of bumper and cliff: 1 right, 2 centre, 4 left; of wheel_drop: 1 right, 2 left.
+#[repr(C)]
+pub struct CoreSensors {
+    /// milliseconds; wraps
+    pub time_stamp: u16,
+    pub bumper: u8,
+    pub wheel_drop: u8,
+    pub cliff: u8,
+    pub buttons: u8,
+    /// ticks; wraps
+    pub left_encoder: u16,
+    /// ticks; wraps
+    pub right_encoder: u16,
+    pub left_pwm: i8,
+    pub right_pwm: i8,
+    /// 0 discharging, 2 charged, 6 charging
+    pub charger: u8,
+    /// tenths of a volt
+    pub battery: u8,
+    /// cliff readings right, centre, left
+    pub bottom: [u16; 3],
+}
+
+/// Odometry is to begin at zero here and now.
+#[repr(C)]
+pub struct ResetOdometry {
+    pub reserved: u64,
+}
+
+/// Whether the motors follow commands.
+#[repr(C)]
+pub struct MotorPower {
+    /// 0 off, else on
+    pub state: u32,
+}
+
 macro_rules! same_layout {
     ($here:ty, $there:ty, $($field:ident)*) => {
         const _: () = {
@@ -238,6 +311,13 @@ same_layout!(Transform, payload::Transform, parent child translation rotation);
 same_layout!(JointState, payload::JointState, name position velocity effort);
 same_layout!(Clock, payload::Clock, now_ns);
 same_layout!(VelocityCommand, payload::VelocityCommand, linear angular);
+same_layout!(Imu, payload::Imu, orientation angular_velocity linear_acceleration orientation_covariance
+    angular_velocity_covariance linear_acceleration_covariance);
+same_layout!(RobotEvent, payload::RobotEvent, source index state value);
+same_layout!(CoreSensors, payload::CoreSensors, time_stamp bumper wheel_drop cliff buttons left_encoder right_encoder
+    left_pwm right_pwm charger battery bottom);
+same_layout!(ResetOdometry, payload::ResetOdometry, reserved);
+same_layout!(MotorPower, payload::MotorPower, state);
 
 const _: () = {
     assert!(BV_MAGIC == wire::FrameHeader::MAGIC);
@@ -245,6 +325,6 @@ const _: () = {
     assert!(BV_HAS_INTENSITIES == wire::FrameHeader::HAS_INTENSITIES);
     assert!(size_of::<Block>() == 80);
     // A kind or encoding that is added there is missing here until this compiles again.
-    assert!(wire::Kind::ALL.len() == 11 && Kind::VelocityCommand as u16 == 11);
+    assert!(wire::Kind::ALL.len() == 16 && Kind::MotorPower as u16 == 19);
     assert!(wire::Encoding::ALL.len() == 8 && Encoding::Struct as u16 == 8);
 };

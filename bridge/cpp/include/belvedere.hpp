@@ -371,6 +371,30 @@ BELVEDERE_AT(bv_joint_state, effort, 80);
 static_assert(sizeof(bv_clock) == 8, "wire format");
 static_assert(sizeof(bv_velocity_command) == 48, "wire format");
 BELVEDERE_AT(bv_velocity_command, angular, 24);
+static_assert(sizeof(bv_imu) == 296, "wire format");
+BELVEDERE_AT(bv_imu, angular_velocity, 32);
+BELVEDERE_AT(bv_imu, linear_acceleration, 56);
+BELVEDERE_AT(bv_imu, orientation_covariance, 80);
+BELVEDERE_AT(bv_imu, angular_velocity_covariance, 152);
+BELVEDERE_AT(bv_imu, linear_acceleration_covariance, 224);
+static_assert(sizeof(bv_robot_event) == 16, "wire format");
+BELVEDERE_AT(bv_robot_event, index, 4);
+BELVEDERE_AT(bv_robot_event, state, 8);
+BELVEDERE_AT(bv_robot_event, value, 12);
+static_assert(sizeof(bv_core_sensors) == 20, "wire format");
+BELVEDERE_AT(bv_core_sensors, bumper, 2);
+BELVEDERE_AT(bv_core_sensors, wheel_drop, 3);
+BELVEDERE_AT(bv_core_sensors, cliff, 4);
+BELVEDERE_AT(bv_core_sensors, buttons, 5);
+BELVEDERE_AT(bv_core_sensors, left_encoder, 6);
+BELVEDERE_AT(bv_core_sensors, right_encoder, 8);
+BELVEDERE_AT(bv_core_sensors, left_pwm, 10);
+BELVEDERE_AT(bv_core_sensors, right_pwm, 11);
+BELVEDERE_AT(bv_core_sensors, charger, 12);
+BELVEDERE_AT(bv_core_sensors, battery, 13);
+BELVEDERE_AT(bv_core_sensors, bottom, 14);
+static_assert(sizeof(bv_reset_odometry) == 8, "wire format");
+static_assert(sizeof(bv_motor_power) == 4, "wire format");
 #undef BELVEDERE_AT
 
 }  // namespace belvedere

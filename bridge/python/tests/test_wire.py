@@ -39,12 +39,17 @@ def test_every_offset_is_that_of_wire_md() -> None:
         "JointState": Kind.JOINT_STATES,
         "Clock": Kind.CLOCK,
         "VelocityCommand": Kind.VELOCITY_COMMAND,
+        "Imu": Kind.IMU,
+        "RobotEvent": Kind.ROBOT_EVENT,
+        "CoreSensors": Kind.CORE_SENSORS,
+        "ResetOdometry": Kind.RESET_ODOMETRY,
+        "MotorPower": Kind.MOTOR_POWER,
     }
     for name, kind in sizes.items():
         found = re.search(rf"\*\*{name}\*\*, (\d+) bytes: (.*?)(?:\n\n|\Z)", text, re.DOTALL)
         assert found is not None
         assert wire.STRUCTS[kind].itemsize == int(found[1])
-        named = dict(re.findall(r"[uf]\d+(?:\[\d+\])? ([a-z_]+) (\d+)", found[2]))
+        named = dict(re.findall(r"[iuf]\d+(?:\[\d+\])? ([a-z_]+) (\d+)", found[2]))
         assert named
         for field, offset in named.items():
             assert wire.STRUCTS[kind].fields[field][1] == int(offset), (name, field)

@@ -32,6 +32,11 @@ class Kind(IntEnum):
     JOINT_STATES = 9
     CLOCK = 10
     VELOCITY_COMMAND = 11
+    IMU = 12
+    ROBOT_EVENT = 13
+    CORE_SENSORS = 17
+    RESET_ODOMETRY = 18
+    MOTOR_POWER = 19
 
 
 class Encoding(IntEnum):
@@ -106,6 +111,23 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
     Kind.JOINT_STATES: np.dtype([("name", "S64"), ("position", "<f8"), ("velocity", "<f8"), ("effort", "<f8")]),
     Kind.CLOCK: np.dtype([("now_ns", "<u8")]),
     Kind.VELOCITY_COMMAND: np.dtype([("linear", "<f8", 3), ("angular", "<f8", 3)]),
+    Kind.IMU: np.dtype(
+        [
+            *(("orientation", "<f8", 4), ("angular_velocity", "<f8", 3), ("linear_acceleration", "<f8", 3)),
+            *(("orientation_covariance", "<f8", (3, 3)), ("angular_velocity_covariance", "<f8", (3, 3))),
+            ("linear_acceleration_covariance", "<f8", (3, 3)),
+        ]
+    ),
+    Kind.ROBOT_EVENT: np.dtype([("source", "<u4"), ("index", "<u4"), ("state", "<u4"), ("value", "<u4")]),
+    Kind.CORE_SENSORS: np.dtype(
+        [
+            *(("time_stamp", "<u2"), ("bumper", "u1"), ("wheel_drop", "u1"), ("cliff", "u1"), ("buttons", "u1")),
+            *(("left_encoder", "<u2"), ("right_encoder", "<u2"), ("left_pwm", "i1"), ("right_pwm", "i1")),
+            *(("charger", "u1"), ("battery", "u1"), ("bottom", "<u2", 3)),
+        ]
+    ),
+    Kind.RESET_ODOMETRY: np.dtype([("reserved", "<u8")]),
+    Kind.MOTOR_POWER: np.dtype([("state", "<u4")]),
 }
 STRUCTS[Kind.STATIC_TRANSFORMS] = STRUCTS[Kind.TRANSFORMS]
 

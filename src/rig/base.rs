@@ -1,0 +1,180 @@
+//! What a Kobuki's driver publishes besides odometry, under the names that it has on the robot and in Gazebo:
+//! inertial measurements, events, the core sensors; and what it is told, besides velocities.
+
+use super::outlet::Outlet;
+use super::{RigContext, RigError, Setting};
+use crate::robot::Robot;
+use crate::robot::contact::Contact;
+use crate::robot::imu::{Imu as ImuUnit, ImuReading};
+use crate::robot::kobuki::Report;
+use crate::world::physics::Physics;
+use belvedere_bridge::payload::{CoreSensors, Imu, Message, MotorPower, ResetOdometry, RobotEvent};
+use belvedere_bridge::{Error as BridgeError, Kind, Node, StreamSpec, Subscriber};
+
+/// Inertial measurements.
+pub const IMU_TOPIC: &str = "/mobile_base/sensors/imu_data";
+/// The core sensors.
+pub const CORE_TOPIC: &str = "/mobile_base/sensors/core";
+/// Bumpers.
+pub const BUMPER_TOPIC: &str = "/mobile_base/events/bumper";
+/// Cliff sensors.
+pub const CLIFF_TOPIC: &str = "/mobile_base/events/cliff";
+/// Wheels that hang.
+pub const WHEEL_DROP_TOPIC: &str = "/mobile_base/events/wheel_drop";
+/// Odometry is to begin at zero.
+pub const RESET_ODOMETRY_TOPIC: &str = "/mobile_base/commands/reset_odometry";
+/// Whether the motors follow commands.
+pub const MOTOR_POWER_TOPIC: &str = "/mobile_base/commands/motor_power";
+
+/// A full battery in tenths of a volt: the 16.5 V that Kobuki's driver takes as full.
+const BATTERY_FULL: u8 = 165;
+
+/// The streams of the base. Its reports come at this channel's rate, so that no change escapes it.
+pub(super) struct BaseChannel {
+    robot: usize,
+    imu: Outlet,
+    core: Outlet,
+    bumper: Outlet,
+    cliff: Outlet,
+    wheel_drop: Outlet,
+    /// What the events sent so far have told.
+    told: Contact,
+}
+
+impl BaseChannel {
+    pub(super) fn open(setting: &Setting<'_>) -> Result<Self, RigError> {
+        let rate = setting.rate.hz();
+        let frame = &setting.model.links[ImuUnit::mount(setting.model)].name;
+        let event = |topic| setting.open(&StreamSpec::structs(topic, Kind::RobotEvent, 1));
+        Ok(Self {
+            robot: setting.robot,
+            imu: setting.open(&StreamSpec::structs(IMU_TOPIC, Kind::Imu, 1).rate_hz(rate).frame_id(frame))?,
+            core: setting.open(&StreamSpec::structs(CORE_TOPIC, Kind::CoreSensors, 1).rate_hz(rate))?,
+            bumper: event(BUMPER_TOPIC)?,
+            cliff: event(CLIFF_TOPIC)?,
+            wheel_drop: event(WHEEL_DROP_TOPIC)?,
+            told: Contact::default(),
+        })
+    }
+
+    pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {
+        let Some(base) = context.robots[self.robot].base() else { return };
+        let report = base.report_at(context.stamp_ns);
+        let stamp_ns = report.odometry.stamp_ns;
+        self.imu.send_structs(stamp_ns, &[imu(&report.imu)]);
+        self.core.send_structs(stamp_ns, &[core_sensors(report)]);
+        self.tell(stamp_ns, &report.contact);
+    }
+
+    /// Sends an event for whatever has changed, and to whom has come since the last one that.
+    fn tell(&mut self, stamp_ns: u64, contact: &Contact) {
+        use RobotEvent as E;
+        let sides = [E::LEFT, E::CENTRE, E::RIGHT];
+        let event = |source, index, state: bool, value: u16| E {
+            source,
+            index,
+            state: state.into(),
+            value: value.into(),
+        };
+        for (side, index) in sides.into_iter().enumerate() {
+            if contact.bumper[side] != self.told.bumper[side] {
+                self.bumper.send_structs(stamp_ns, &[event(E::BUMPER, index, contact.bumper[side], 0)]);
+            }
+            if contact.cliff[side] != self.told.cliff[side] {
+                let (state, reading) = (contact.cliff[side], contact.bottom[side]);
+                self.cliff.send_structs(stamp_ns, &[event(E::CLIFF, index, state, reading)]);
+            }
+        }
+        for (side, index) in [E::LEFT, E::RIGHT].into_iter().enumerate() {
+            if contact.wheel_drop[side] != self.told.wheel_drop[side] {
+                let state = contact.wheel_drop[side];
+                self.wheel_drop.send_structs(stamp_ns, &[event(E::WHEEL_DROP, index, state, 0)]);
+            }
+        }
+        self.told = *contact;
+        for outlet in [&self.bumper, &self.cliff, &self.wheel_drop] {
+            outlet.update();
+        }
+    }
+
+    pub(super) fn outlets(&self) -> [&Outlet; 5] {
+        [&self.imu, &self.core, &self.bumper, &self.cliff, &self.wheel_drop]
+    }
+}
+
+fn imu(reading: &ImuReading) -> Imu {
+    Imu {
+        orientation: reading.orientation.to_array(),
+        angular_velocity: reading.angular_velocity_rad_s.to_array(),
+        linear_acceleration: reading.linear_acceleration_m_s2.to_array(),
+        orientation_covariance: ImuReading::TURN_COVARIANCE,
+        angular_velocity_covariance: ImuReading::TURN_COVARIANCE,
+        linear_acceleration_covariance: ImuReading::ACCELERATION_COVARIANCE,
+    }
+}
+
+fn core_sensors(report: &Report) -> CoreSensors {
+    let bits = |sides: &[bool], values: &[u8]| {
+        sides.iter().zip(values).filter(|(is_set, _)| **is_set).map(|(_, value)| value).sum()
+    };
+    let contact = &report.contact;
+    let [left, centre, right] = contact.bottom;
+    CoreSensors {
+        time_stamp: (report.odometry.stamp_ns / 1_000_000) as u16,
+        bumper: bits(&contact.bumper, &[4, 2, 1]),
+        wheel_drop: bits(&contact.wheel_drop, &[2, 1]),
+        cliff: bits(&contact.cliff, &[4, 2, 1]),
+        buttons: 0,
+        left_encoder: report.encoders[0],
+        right_encoder: report.encoders[1],
+        left_pwm: 0,
+        right_pwm: 0,
+        charger: 0,
+        battery: BATTERY_FULL,
+        bottom: [right, centre, left],
+    }
+}
+
+/// The receiving side of what a base is told besides velocities.
+pub struct BaseCommands {
+    reset_odometry: Subscriber,
+    motor_power: Subscriber,
+}
+
+impl BaseCommands {
+    /// Opens the streams.
+    ///
+    /// # Errors
+    /// When the bridge cannot open them.
+    pub fn open(node: &Node) -> Result<Self, BridgeError> {
+        let subscriber = |topic, kind| node.command_subscriber(&StreamSpec::command(topic, kind));
+        Ok(Self {
+            reset_odometry: subscriber(RESET_ODOMETRY_TOPIC, Kind::ResetOdometry)?,
+            motor_power: subscriber(MOTOR_POWER_TOPIC, Kind::MotorPower)?,
+        })
+    }
+
+    /// Hands what has come since to the robot, the newest of each.
+    pub fn apply(&mut self, robot: &mut Robot, physics: &Physics) {
+        if let Some(MotorPower { state }) = newest(&mut self.motor_power) {
+            robot.set_motor_power(state != 0);
+        }
+        if newest::<ResetOdometry>(&mut self.reset_odometry).is_some() {
+            robot.reset_odometry(physics);
+        }
+    }
+}
+
+fn newest<T: Message>(commands: &mut Subscriber) -> Option<T> {
+    let frame = match commands.take_newest() {
+        Ok(frame) => frame?,
+        Err(error) => {
+            tracing::warn!(topic = commands.topic(), %error, "commands cannot be read");
+            return None;
+        }
+    };
+    frame
+        .message()
+        .inspect_err(|error| tracing::warn!(topic = commands.topic(), %error, "a command was refused"))
+        .ok()
+}

@@ -1,0 +1,65 @@
+//! What sensors of touch and nearness ask of the physics: where a link touches, and what a ray meets.
+
+use super::convert::{from_rapier, vector};
+use super::{ModelIndex, Physics};
+use crate::description::model::LinkIndex;
+use glam::DVec3;
+use rapier3d::geometry::{Collider, Ray};
+use rapier3d::pipeline::QueryFilter;
+
+/// A point where a link touches something, in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Touch {
+    /// The point on the link.
+    pub(crate) point: DVec3,
+    /// Out of the link, into what it touches.
+    pub(crate) outward: DVec3,
+}
+
+impl Physics {
+    /// Where a link touched other models in the last step: every pair of points less than `gap_m` apart.
+    pub(crate) fn touches(
+        &self,
+        model: ModelIndex,
+        link: LinkIndex,
+        gap_m: f64,
+    ) -> impl Iterator<Item = Touch> + '_ {
+        let colliders = self.models[model].links[link].colliders.iter().copied();
+        colliders.flat_map(move |own| {
+            let world_from_own =
+                self.rapier.colliders.get(own).map(|collider| from_rapier(collider.position()));
+            let pairs = self.rapier.narrow_phase.contact_pairs_with(own);
+            pairs.filter_map(move |pair| Some((pair, pair.rigid()?, world_from_own?))).flat_map(
+                move |(pair, contacts, world_from_own)| {
+                    let is_first = pair.collider1 == own;
+                    contacts.manifolds.iter().flat_map(move |manifold| {
+                        let normal = manifold.data.normal.as_dvec3();
+                        let near = manifold.points.iter().filter(move |point| f64::from(point.dist) < gap_m);
+                        near.map(move |point| {
+                            let local = if is_first { point.local_p1 } else { point.local_p2 };
+                            Touch {
+                                point: world_from_own.transform_point(local.as_dvec3()),
+                                outward: if is_first { normal } else { -normal },
+                            }
+                        })
+                    })
+                },
+            )
+        })
+    }
+
+    /// The way in m along a ray to the first shape within `max_m` that does not belong to `ignored`. The ray is in
+    /// the world, its direction of unit length; from within a shape the way is 0.
+    pub(crate) fn cast_ray(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        max_m: f64,
+        ignored: ModelIndex,
+    ) -> Option<f64> {
+        let is_other = |_, collider: &Collider| collider.user_data != ignored as u128;
+        let filter = QueryFilter { predicate: Some(&is_other), ..QueryFilter::default() };
+        let ray = Ray::new(vector(origin), vector(direction));
+        self.rapier.cast_ray(&ray, max_m as f32, true, filter).map(|(_, way)| f64::from(way))
+    }
+}

@@ -139,30 +139,29 @@ fn getting_faster_is_felt() {
 }
 
 #[test]
-fn a_wall_presses_the_bumper_that_meets_it() {
+fn a_post_presses_the_bumper_that_meets_it() {
     for step_s in STEPS_S {
-        for (yaw_rad, expected) in [
+        for (angle_rad, expected) in [
             (0.0, [false, true, false]),
             (60_f64.to_radians(), [false, false, true]),
             (-60_f64.to_radians(), [true, false, false]),
         ] {
-            // A wall right in front, that faces the robot from another side.
+            // Driving straight on it meets the post at this angle to its right.
             let post = static_model(
                 "post",
-                xyz(0.25 * yaw_rad.cos(), -0.25 * yaw_rad.sin(), 0.2),
+                xyz(0.3, -(0.178 + 0.02) * angle_rad.sin(), 0.2),
                 Geometry::Cylinder { radius: 0.02, length: 0.4 },
             );
             let mut bench = Bench::new(step_s, vec![ground(), post]);
             bench.drive(0.5, 0.0, 0.0);
             assert_eq!(bench.report().contact.bumper, [false; 3]);
-            // Forward it meets what is ahead; what is to a side, on a curve towards it.
             let pressed = bench
                 .drive(2.0, 0.2, 0.0)
                 .into_iter()
                 .map(|report| report.contact.bumper)
                 .find(|bumper| *bumper != [false; 3]);
-            assert_eq!(pressed, Some(expected), "step {step_s}, post at {yaw_rad}");
-            if yaw_rad == 0.0 {
+            assert_eq!(pressed, Some(expected), "step {step_s}, post at {angle_rad} rad");
+            if angle_rad == 0.0 {
                 assert_eq!(bench.report().contact.bumper, expected, "it still pushes");
                 bench.drive(1.0, -0.2, 0.0);
                 assert_eq!(bench.report().contact.bumper, [false; 3], "step {step_s}: backed off");
@@ -199,7 +198,6 @@ fn odometry_begins_anew_where_the_robot_is() {
         bench.drive(2.0, 0.3, 0.4);
         let (before, encoders) = (bench.base(), bench.report().encoders);
         bench.robot.reset_odometry(&bench.physics);
-        bench.robot.set_motor_power(true);
         // The way until the next report is all that may be in it.
         let report = loop {
             let report = bench.step();
@@ -318,9 +316,11 @@ fn events_are_told_once_and_the_last_one_again_to_who_comes_later() {
     std::fs::write(&file, text).unwrap();
     let simulator = Simulator::start(&["--drive", "still", "--world", file.to_str().unwrap()]);
     let node = simulator.node();
+    let mut core = node.subscriber("/mobile_base/sensors/core").unwrap();
+    // A subscriber that is there before its publisher finds it when it next looks, and gets its last frame only.
+    next_frame(&mut core);
     let mut cliffs = node.subscriber("/mobile_base/events/cliff").unwrap();
     let mut wheels = node.subscriber("/mobile_base/events/wheel_drop").unwrap();
-    let mut core = node.subscriber("/mobile_base/sensors/core").unwrap();
     let commands = node.publisher(&StreamSpec::velocity_command("/cmd_vel")).unwrap();
     let forward = VelocityCommand { linear: [0.3, 0.0, 0.0], angular: [0.0; 3] };
     let (dropped_ns, _) = find(&mut core, |core: &CoreSensors| {
@@ -349,8 +349,9 @@ fn a_bumper_is_told_by_a_live_simulator() {
     std::fs::write(&file, text).unwrap();
     let simulator = Simulator::start(&["--drive", "still", "--world", file.to_str().unwrap()]);
     let node = simulator.node();
-    let mut bumpers = node.subscriber("/mobile_base/events/bumper").unwrap();
     let mut core = node.subscriber("/mobile_base/sensors/core").unwrap();
+    next_frame(&mut core);
+    let mut bumpers = node.subscriber("/mobile_base/events/bumper").unwrap();
     let commands = node.publisher(&StreamSpec::velocity_command("/cmd_vel")).unwrap();
     let mut seen = Vec::new();
     for (speed_m_s, bits) in [(0.2, 2), (-0.2, 0)] {

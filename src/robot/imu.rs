@@ -5,7 +5,7 @@
 //! of velocity, so that no bump falls between two reports. The orientation is the heading of odometry, about z only,
 //! as the base's driver has it (Gazebo's plugin gives the true orientation, of which a Kobuki knows nothing).
 
-use super::odometry::gyro_reading;
+use super::odometry::{Odometry, gyro_reading};
 use super::transforms::base_link;
 use crate::description::model::{LinkIndex, Model};
 use crate::world::physics::{ModelIndex, Physics};
@@ -68,8 +68,9 @@ impl Imu {
         model.link_named(GYRO_LINK).unwrap_or_else(|| base_link(model))
     }
 
-    /// A report at a time within the last step, or at its ends.
-    pub(super) fn report(&mut self, physics: &Physics, stamp_ns: u64, heading_rad: f64) -> ImuReading {
+    /// A report together with odometry, whose stamp is within the last step or at its ends.
+    pub(super) fn report(&mut self, physics: &Physics, odometry: &Odometry) -> ImuReading {
+        let stamp_ns = odometry.stamp_ns;
         let (after_m_s, turn) = physics.link_velocity(self.model, self.link);
         let left = physics.time_ns().saturating_sub(stamp_ns) as f64 / physics.step_ns() as f64;
         let now_m_s = after_m_s + (self.velocity_m_s - after_m_s) * left.min(1.0);
@@ -79,9 +80,8 @@ impl Imu {
         (self.reported_m_s, self.reported_ns) = (now_m_s, stamp_ns);
         let imu_from_world = physics.world_from_link_at(self.model, self.link, stamp_ns).inverse();
         let rate = imu_from_world.transform_vector(turn);
-        let (sin, cos) = libm::sincos(0.5 * heading_rad);
         ImuReading {
-            orientation: DQuat::from_xyzw(0.0, 0.0, sin, cos),
+            orientation: odometry.odom_from_base.rotation(),
             angular_velocity_rad_s: DVec3::from_array(rate.to_array().map(gyro_reading)) + DVec3::ZERO,
             linear_acceleration_m_s2: whole_steps(
                 imu_from_world.transform_vector(acceleration - physics.gravity()),

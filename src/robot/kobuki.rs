@@ -101,9 +101,10 @@ impl Kobuki {
         let mut imu = Imu::new(model, index, physics);
         let contact =
             ContactSensors::new(model, index, wheels.sides.map(|wheel| wheel.link), wheels.radius_m);
+        let odometry = odometer.update(physics.time_ns(), [0; 2], 0.0);
         let start = Report {
-            odometry: odometer.update(physics.time_ns(), [0; 2], 0.0),
-            imu: imu.report(physics, physics.time_ns(), 0.0),
+            odometry,
+            imu: imu.report(physics, &odometry),
             encoders: [0; 2],
             contact: ContactSensors::at_start(),
         };
@@ -243,9 +244,10 @@ impl Kobuki {
             let heading_rad = before_rad + rate * (stamp_ns - before_ns) as f64 * 1e-9;
             let encoders = self.encoders_at(physics, stamp_ns);
             self.newest = (self.newest + 1) % REPORTS_KEPT;
+            let odometry = self.odometer.update(stamp_ns, encoders, heading_rad);
             self.reports[self.newest] = Report {
-                odometry: self.odometer.update(stamp_ns, encoders, heading_rad),
-                imu: self.imu.report(physics, stamp_ns, heading_rad),
+                odometry,
+                imu: self.imu.report(physics, &odometry),
                 encoders,
                 contact: self.contact.report(physics),
             };

@@ -8,6 +8,13 @@ use crate::{FrameError, FrameHeader, FrameView, Node, clock, node::Ipc, payload:
 pub(crate) type FramePort = iceoryx2::port::subscriber::Subscriber<Ipc, [u8], FrameHeader>;
 pub(crate) type Sample = iceoryx2::sample::Sample<Ipc, [u8], FrameHeader>;
 
+/// A copy of a sample's header that a reader of its payload may believe.
+pub(crate) fn checked_header(sample: &Sample) -> Result<FrameHeader, FrameError> {
+    let header = *sample.user_header();
+    header.check(sample.payload().len())?;
+    Ok(header)
+}
+
 /// A received frame: shared memory that stays as it is until this is dropped.
 ///
 /// Its header has passed [`FrameHeader::check`], so that rows and structs lie within the payload.
@@ -26,18 +33,18 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// `header` is [`checked_header`] of the sample.
     pub(crate) fn new(
         sample: Sample,
+        header: FrameHeader,
         port: Arc<FramePort>,
         missed: u64,
         restarted: bool,
         connected_mono_ns: u64,
         node: Node,
-    ) -> Result<Self, FrameError> {
-        let header = *sample.user_header();
-        header.check(sample.payload().len())?;
+    ) -> Self {
         let from_history = header.publish_mono_ns < connected_mono_ns;
-        Ok(Self { header, sample, _port: port, missed, restarted, from_history, _node: node })
+        Self { header, sample, _port: port, missed, restarted, from_history, _node: node }
     }
 
     /// What the payload is.

@@ -10,6 +10,7 @@
 //!   final permissions. iceoryx2 takes it for one that is just being made, for ever;
 //! - *a listener's socket and counters*, of a process killed before it had entered the listener into its stream: the
 //!   tag is removed, these are not;
+//! - *a pool*, of a publisher killed while it was closing;
 //! - *a connection* of two ports of which one was killed while it was made, and the other has gone since.
 //!
 //! All that matters to others of such a node (its places in streams, its memory) has been released before.
@@ -78,15 +79,15 @@ impl Places {
     }
 
     /// A listener has a socket `PREFIX ID.event` beside the nodes and counters `PREFIX HASH_ID.event_mgmt` in shared
-    /// memory; a publisher and a subscriber have `PREFIX HASH_ID_ID.connection` in common, which stays legitimately
-    /// while one of them lives.
+    /// memory, a publisher its pool `PREFIX HASH_ID.data`; a publisher and a subscriber have `PREFIX HASH_ID_ID.connection`
+    /// in common, which stays legitimately while one of them lives.
     fn remove_ownerless(&self) {
         let ids_of = |path: &Path| -> Option<Vec<String>> {
             let name = path.file_name()?.to_str()?.strip_prefix(&self.prefix)?;
             let (stem, kind) = name.split_once('.')?;
             let ids = match kind {
                 "event" => stem,
-                "event_mgmt" | "connection" => stem.split_once('_')?.1,
+                "event_mgmt" | "connection" | "data" => stem.split_once('_')?.1,
                 _ => return None,
             };
             Some(ids.split('_').map(str::to_owned).collect())
@@ -109,7 +110,8 @@ impl Places {
         }
     }
 
-    fn tagged_ports(&self) -> HashSet<String> {
+    /// The identities of all ports: a node has a tag for each.
+    pub(crate) fn tagged_ports(&self) -> HashSet<String> {
         names(&self.nodes)
             .flat_map(|id| names(&self.nodes.join(id)))
             .filter_map(|name| Some(name.strip_prefix(&self.prefix)?.strip_suffix(".port_tag")?.to_owned()))

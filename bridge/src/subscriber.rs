@@ -15,7 +15,7 @@ use iceoryx2::{
 use crate::{
     Error, Frame, FrameHeader, Node, StreamSpec, clock, consumer,
     domain::canonical_topic,
-    frame::{FramePort, Sample},
+    frame::{FramePort, Sample, checked_header},
     memory,
     node::Ipc,
     readiness::{self, Readiness},
@@ -298,7 +298,9 @@ impl Subscriber {
     fn accept(&mut self, sample: Sample) -> Result<Option<Frame>, Error> {
         let Some(connection) = &self.connection else { return Ok(None) };
         self.last_sign_of_life = Instant::now();
-        let header = sample.user_header();
+        // One that is refused counts as missed by the next: its number is not to be believed.
+        let header =
+            checked_header(&sample).map_err(|error| Error::Frame { topic: self.topic.clone(), error })?;
         let now = FrameId { session: header.session, seq: header.seq };
         let (missed, restarted) = match self.last_frame.replace(now) {
             Some(last) if last.session == now.session => {
@@ -309,9 +311,8 @@ impl Subscriber {
         };
         self.missed_total = self.missed_total.saturating_add(missed);
         let port = connection.port.clone();
-        Frame::new(sample, port, missed, restarted, connection.since_mono_ns, self.node.clone())
-            .map(Some)
-            .map_err(|error| Error::Frame { topic: self.topic.clone(), error })
+        let since_mono_ns = connection.since_mono_ns;
+        Ok(Some(Frame::new(sample, header, port, missed, restarted, since_mono_ns, self.node.clone())))
     }
 
     /// Looks for the stream when it is not open.

@@ -130,7 +130,8 @@ public:
     std::vector<T> structs() const {
         static_assert(std::is_trivially_copyable<T>::value, "T must be one of the structs of belvedere.h");
         const Header& h = header();
-        if (h.encoding != BV_ENCODING_STRUCT || h.elem_stride < sizeof(T))
+        // The stride of rows is that of structs, so that no height makes more of them than the payload has.
+        if (h.encoding != BV_ENCODING_STRUCT || h.elem_stride < sizeof(T) || (h.height > 1 && h.row_stride < sizeof(T)))
             throw std::out_of_range("the frame does not hold structs of this size");
         std::vector<T> values(h.width == 0 ? 0 : h.height);
         const Span<const std::uint8_t> bytes = payload();

@@ -79,8 +79,7 @@ fn every_header_is_rejected_by_name_or_read_within_the_payload() {
     assert!(of_newest[0] > 0 && of_newest[1] > 0, "{of_newest:?}");
     println!("{} hostile frames: {} accepted and read, {} rejected by name", sent[0], read[0], read[1]);
     drop((attacker, all, newest));
-    drop(Node::open(&domain, "last").unwrap());
-    domain.assert_nothing_left();
+    domain.assert_nothing_left_after_the_next_start();
 }
 
 #[test]
@@ -98,8 +97,7 @@ fn what_is_rewritten_after_sending_leads_nowhere() {
         assert!(read[0] > 0 && read[1] > 0, "both the rewritten and the honest were seen: {read:?}");
     }
     drop((attacker, consumers));
-    drop(Node::open(&domain, "last").unwrap());
-    domain.assert_nothing_left();
+    domain.assert_nothing_left_after_the_next_start();
 }
 
 /// The same without a transport: millions of headers, each with a payload that ends where its memory ends.
@@ -151,7 +149,23 @@ fn name_of(error: FrameError) -> &'static str {
     }
 }
 
-/// `take_newest` gives what was sent last, whatever its header says of the time.
+#[test]
+fn the_numbers_of_a_refused_frame_are_not_believed() {
+    let mut domain = TestDomain::new("numbers");
+    let mut send = publisher::one_of_three_is_corrupt(&domain);
+    let node = Node::open(&domain, "consumer").unwrap();
+    let mut subscriber = node.subscriber(TOPIC).unwrap();
+    assert!(subscriber.take().unwrap().is_none());
+    (0..3).for_each(|_| send());
+    assert_eq!(subscriber.take().unwrap().unwrap().missed(), 0);
+    let error = subscriber.take().unwrap_err();
+    assert!(matches!(error, Error::Frame { error: FrameError::Magic(0), .. }), "{error}");
+    let frame = subscriber.take().unwrap().unwrap();
+    assert_eq!((frame.missed(), frame.restarted()), (1, false));
+    drop((frame, subscriber, node, send));
+    domain.assert_nothing_left_after_the_next_start();
+}
+
 #[test]
 fn the_domain_of_an_attack_is_usable_afterwards() {
     let mut domain = TestDomain::new("after");

@@ -93,6 +93,23 @@ impl Hostile {
     }
 }
 
+/// An honest frame of session 77, a corrupt one that claims another session, an honest one.
+pub(crate) fn one_of_three_is_corrupt(domain: &Domain) -> impl FnMut() {
+    let mut hostile = Hostile::open(domain, PAYLOAD_LEN, true);
+    let mut seq = 0;
+    move || {
+        let mut header = FrameHeader::new(Kind::Clock, Encoding::Struct);
+        header.payload_len = header.set_packed(1, 1) as u64;
+        header.session = 77;
+        header.seq = seq;
+        if seq == 1 {
+            header = FrameHeader { magic: 0, session: 5, seq: 1 << 40, ..header };
+        }
+        hostile.send(&header, &[0; 8]);
+        seq += 1;
+    }
+}
+
 /// Arguments: how many subscribers to wait for, how many headers at random. Reports how many frames it sent, and how
 /// many of them a reader may believe.
 pub(crate) fn attack(role: &Role) {

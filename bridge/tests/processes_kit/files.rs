@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use belvedere_bridge::Domain;
+use belvedere_bridge::{Domain, Node};
 
 const ROOTS: [&str; 2] = ["/dev/shm", "/tmp/iceoryx2"];
 const NODES: &str = "/tmp/iceoryx2/nodes";
@@ -83,6 +83,20 @@ impl TestDomain {
                 return Err(usage);
             }
             std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// After kills: fails unless the next process of the domain leaves nothing. What a process left that never got far
+    /// is taken for a remnant a second after its birth.
+    pub fn assert_nothing_left_after_the_next_start(&mut self) {
+        let deadline = Instant::now() + Duration::from_secs(3);
+        loop {
+            self.usage();
+            drop(Node::open(&self.domain, "last").unwrap());
+            if self.usage().files == 0 || Instant::now() > deadline {
+                return self.assert_nothing_left();
+            }
+            std::thread::sleep(Duration::from_millis(100));
         }
     }
 

@@ -177,7 +177,8 @@ class Frame:
         shape: tuple[int, ...] = (self.height, self.width)
         strides: tuple[int, ...] = (row_stride, elem_stride)
         if element.names is not None and self.encoding == wire.Encoding.STRUCT:
-            shape, strides = (self.height,), (row_stride,)
+            # Without elements a row's stride means nothing, and was not checked.
+            shape, strides = (self.height if self.width > 0 else 0,), (row_stride,)
         if 0 in shape:
             return np.empty(shape + element.shape, element.base)
         base = element.base

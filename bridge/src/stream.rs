@@ -292,7 +292,10 @@ fn events(node: &Node, topic: &str) -> Result<Events, Error> {
     loop {
         match node.iox().service_builder(&name).event().open_or_create() {
             Ok(events) => return Ok(events),
-            Err(_) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(5)),
+            Err(_) if Instant::now() < deadline => {
+                node.clean_up_dead();
+                std::thread::sleep(Duration::from_millis(5));
+            }
             Err(error) => return Err(node.failed(format!("opening the events of {topic}"), error)),
         }
     }

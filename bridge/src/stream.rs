@@ -287,11 +287,15 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
 /// The event service beside a stream.
 fn events(node: &Node, topic: &str) -> Result<Events, Error> {
     let name = service_name(topic)?;
-    let deadline = Instant::now() + node.patience().max(Duration::from_millis(50));
+    // Half of a killed maker's is there until it has been cleaned up, and one try may itself wait for that.
+    let deadline = Instant::now() + Duration::from_secs(2);
     loop {
         match node.iox().service_builder(&name).event().open_or_create() {
             Ok(events) => return Ok(events),
-            Err(_) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(5)),
+            Err(_) if Instant::now() < deadline => {
+                node.clean_up_dead();
+                std::thread::sleep(Duration::from_millis(5));
+            }
             Err(error) => return Err(node.failed(format!("opening the events of {topic}"), error)),
         }
     }

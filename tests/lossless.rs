@@ -57,7 +57,7 @@ fn a_slow_consumer_gets_every_frame_from_the_first() {
     assert_eq!(images.missed_total() + infos.missed_total(), 0);
     let (success, said) = end(simulator);
     assert!(success, "{said}");
-    assert!(said.contains("waits for \"recorder\" (0 of 2 streams)"), "{said}");
+    assert!(said.contains("waits for \"recorder\" ("), "{said}");
 }
 
 #[test]

@@ -39,6 +39,17 @@ pub(crate) fn ports(frames: &Frames) -> Vec<u128> {
     ports
 }
 
+/// A number that is another when the subscribers are others.
+pub(crate) fn sum_of_ports(frames: &Frames) -> u64 {
+    let mut sum = 0_u64;
+    frames.dynamic_config().list_subscribers(|subscriber| {
+        let port = subscriber.subscriber_id.value();
+        sum = sum.wrapping_add((port ^ (port >> 64)) as u64);
+        CallbackProgression::Continue
+    });
+    sum
+}
+
 /// The subscribers of a stream: the identity of each one's port, and whose it is.
 ///
 /// Reads some files for each node of the domain: for when the subscribers have changed, not for every frame.

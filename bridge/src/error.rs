@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::{Consumer, Domain};
+use crate::Consumer;
 
 /// The version of iceoryx2 that this build speaks; 0.10 peers must agree in all three numbers.
 pub const ICEORYX2_VERSION: &str = "0.10.0";
@@ -33,7 +33,7 @@ pub enum Error {
         /// The stream.
         topic: String,
         /// The domain.
-        domain: Domain,
+        domain: String,
         /// Who publishes it.
         holder: Consumer,
     },
@@ -56,7 +56,7 @@ pub enum Error {
         /// The stream.
         topic: String,
         /// The domain.
-        domain: Domain,
+        domain: String,
         /// What was found.
         detail: String,
     },

@@ -233,6 +233,9 @@ impl Drop for Shared {
     fn drop(&mut self) {
         drop(self.iox.take());
         let _lock = self.places.lock();
+        if self.sharing.is_some() {
+            remains::remove_own_connections(&self.places);
+        }
         if let Err(error) = remains::remove_traces(&self.config, &self.places) {
             tracing::debug!(domain = %self.domain, %error, "some files of the domain are left");
         }

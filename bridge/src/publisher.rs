@@ -52,6 +52,8 @@ pub struct Publisher {
     next_seq: AtomicU64,
     /// Subscribers when connections were last made, so that a new one is noticed.
     known_subscribers: AtomicUsize,
+    /// Who was there at the last update.
+    last_present: AtomicU64,
     /// Of a lossless stream: who is waited for.
     queue: Option<Arc<Queue>>,
 }
@@ -90,7 +92,7 @@ impl Publisher {
                 }
                 Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
                     let holder = consumer::publisher(node, &frames);
-                    return Err(Error::DomainInUse { topic, domain: node.domain().clone(), holder });
+                    return Err(Error::DomainInUse { topic, domain: node.domain().to_string(), holder });
                 }
                 Err(error) => return Err(node.failed(format!("opening {topic} for writing"), error)),
             }
@@ -115,6 +117,7 @@ impl Publisher {
             max_loaned: spec.loaned,
             next_seq: AtomicU64::new(0),
             known_subscribers: AtomicUsize::new(0),
+            last_present: AtomicU64::new(0),
             queue,
         };
         publisher.check_alignment()?;
@@ -163,14 +166,16 @@ impl Publisher {
     /// # Errors
     /// [`Error::Transport`] when a subscriber cannot be connected; the others are.
     pub fn update(&self) -> Result<(), Error> {
-        let subscribers = self.subscribers();
-        if self.known_subscribers.swap(subscribers, Ordering::Relaxed) == subscribers {
-            return Ok(());
-        }
+        self.known_subscribers.store(self.subscribers(), Ordering::Relaxed);
+        // Not for a change of their number only: one may have gone and another come, or have come while a frame was
+        // being sent.
         self.port
             .update_connections()
             .map_err(|error| Error::transport(format!("connecting subscribers of {}", self.topic), error))?;
-        self.notify();
+        let present = consumer::sum_of_ports(&self.frames);
+        if self.last_present.swap(present, Ordering::Relaxed) != present {
+            self.notify();
+        }
         Ok(())
     }
 

@@ -147,12 +147,12 @@ fn remove_deserted_services(config: &Config, places: &Places) {
     }
 }
 
-/// Removes this user's files of ports and streams that are no more: what another user who was the last to let go of
-/// them could not remove, and what was lost between the steps of a kill.
+/// Removes this user's pools and books of ports and streams that are no more: what another user who was the last to let
+/// go of them could not remove.
 pub(crate) fn remove_orphans(config: &Config, places: &Places) {
     // In this order: what is made meanwhile is not in the first list.
     let files: Vec<PathBuf> = entries(Path::new(SHM)).filter(|path| places.has_prefix(path)).collect();
-    let mut known = port_ids(places);
+    let mut known = places.tagged_ports();
     let listed = Ipc::list(config, |service| {
         known.insert(service.static_details.unique_service_id().value().to_string());
         CallbackProgression::Continue
@@ -163,22 +163,28 @@ pub(crate) fn remove_orphans(config: &Config, places: &Places) {
     for file in files.iter().filter(|file| is_own(file)) {
         let Some(name) = file.file_name().and_then(|name| name.to_str()) else { continue };
         let Some((stem, kind)) = name[places.prefix.len()..].split_once('.') else { continue };
-        // A hash of the type, then one identity or two.
+        // A hash of the type, then the identity.
         let is_known = stem.split('_').skip(1).any(|id| known.contains(id));
-        if ["data", "dynamic", "connection", "event_mgmt"].contains(&kind) && !is_known {
+        if ["data", "dynamic"].contains(&kind) && !is_known {
             remove_settled(file);
         }
     }
 }
 
-/// The identities of all ports: a node has a tag for each.
-fn port_ids(places: &Places) -> HashSet<String> {
-    let tags = entries(&places.nodes).flat_map(|directory| entries(&directory).collect::<Vec<_>>());
-    tags.filter_map(|tag| {
-        let name = tag.file_name()?.to_str()?;
-        Some(name.strip_prefix(&places.prefix)?.strip_suffix(".port_tag")?.to_owned())
-    })
-    .collect()
+/// Removes this user's connections of which an end is no more, in a domain that a group shares: who lets go last would
+/// remove them, but cannot remove another user's. Who still has one mapped keeps it; nobody opens it again.
+pub(crate) fn remove_own_connections(places: &Places) {
+    let files: Vec<PathBuf> = entries(Path::new(SHM))
+        .filter(|path| places.has_prefix(path) && path.extension().is_some_and(|kind| kind == "connection"))
+        .collect();
+    let tagged = places.tagged_ports();
+    for file in files.iter().filter(|file| is_own(file)) {
+        let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        // Behind a hash of the type, the two ends.
+        if stem.split('_').skip(1).any(|id| !tagged.contains(id)) {
+            let _ = fs::remove_file(file);
+        }
+    }
 }
 
 /// Removes what iceoryx2 keeps after the last node of a domain: its node counter, and the directories that all

@@ -110,7 +110,8 @@ impl Places {
         }
     }
 
-    fn tagged_ports(&self) -> HashSet<String> {
+    /// The identities of all ports: a node has a tag for each.
+    pub(crate) fn tagged_ports(&self) -> HashSet<String> {
         names(&self.nodes)
             .flat_map(|id| names(&self.nodes.join(id)))
             .filter_map(|name| Some(name.strip_prefix(&self.prefix)?.strip_suffix(".port_tag")?.to_owned()))

@@ -308,8 +308,9 @@ fn check_against(spec: &StreamSpec, topic: &str, node: &Node, frames: &Frames) -
     ]
     .into_iter()
     .find(|(_, found, wanted)| found < wanted);
-    let incompatible =
-        |detail| Err(Error::Incompatible { topic: topic.to_owned(), domain: node.domain().clone(), detail });
+    let incompatible = |detail| {
+        Err(Error::Incompatible { topic: topic.to_owned(), domain: node.domain().to_string(), detail })
+    };
     if let Some((what, found, wanted)) = too_small {
         return incompatible(format!(
             "it was made with {found} {what}, {wanted} are asked for; close its consumers"

@@ -26,7 +26,7 @@ pub(crate) fn incompatible(node: &Node, topic: &str, error: impl std::fmt::Debug
         ),
         None => header_of(node, topic).unwrap_or_else(|| format!("{error:?}")),
     };
-    Error::Incompatible { topic: topic.to_owned(), domain: node.domain().clone(), detail }
+    Error::Incompatible { topic: topic.to_owned(), domain: node.domain().to_string(), detail }
 }
 
 /// The version of iceoryx2, other than this one, that made a file of the domain.

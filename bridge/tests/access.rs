@@ -33,6 +33,7 @@ fn in_the_world() {
         Some("root_was_first") => root_was_first(),
         Some("opened_directories") => opened_directories(),
         Some("a_group") => a_group(),
+        Some("a_group_with_many_streams") => a_group_with_many_streams(),
         Some("directories_of_a_group") => directories_of_a_group(),
         Some(other) => panic!("{other}"),
         None => {}
@@ -57,6 +58,11 @@ fn a_file_of_another_user_is_told() {
 #[test]
 fn a_group_shares_a_domain_through_kills_of_either_side() {
     world::run("a_group", 64, true);
+}
+
+#[test]
+fn a_group_shares_many_streams() {
+    world::run("a_group_with_many_streams", 64, true);
 }
 
 #[test]
@@ -303,6 +309,38 @@ fn a_group() {
         assert!(Actor::start("simulate", "default", user, GROUP).leave().success());
     }
     assert_eq!(files_of("default"), [] as [&Path; 0]);
+}
+
+fn a_group_with_many_streams() {
+    let dora = User { uid: 4004, gid: 4100 };
+    let mut watchers = [BERT, dora].map(|user| Actor::start("watch_many", "default", user, GROUP));
+    for watcher in &mut watchers {
+        watcher.says("ready");
+    }
+    for life in 1..=3 {
+        let mut anna = Actor::start("simulate_many", "default", ANNA, GROUP);
+        anna.says("ready");
+        for watcher in &mut watchers {
+            watcher.says(&format!("all {life}"));
+        }
+        if life == 2 {
+            anna.kill();
+        } else {
+            assert!(anna.leave().success());
+        }
+    }
+    // All join and leave at once.
+    let users = [ANNA, BERT, dora, ANNA, BERT, dora];
+    let mut restless = users.map(|user| Actor::start("join_often", "default", user, GROUP));
+    for actor in &mut restless {
+        actor.says("done");
+    }
+    // Who leaves in peace leaves no connection, though the last one at it could not remove it.
+    for watcher in watchers {
+        assert!(watcher.leave().success());
+    }
+    let left = files_of("default");
+    assert!(!left.iter().any(|path| path.extension().is_some_and(|kind| kind == "connection")), "{left:?}");
 }
 
 fn directories_of_a_group() {

@@ -49,6 +49,19 @@ fn the_second_is_told_who_holds_the_domain() {
 }
 
 #[test]
+fn many_join_and_leave_at_once() {
+    let domain = domain("restless");
+    let mut restless: Vec<Actor> = (0..6).map(|_| start("join_often", &domain)).collect();
+    for actor in &mut restless {
+        actor.says("done");
+    }
+    for actor in restless {
+        assert!(actor.leave().success());
+    }
+    assert_eq!(world::files_of(domain.as_str()), [] as [&std::path::Path; 0]);
+}
+
+#[test]
 fn nothing_crosses_from_domain_to_domain() {
     let (one, other) = (domain("one"), domain("other"));
     let (mut first, mut second) = (start("simulate", &one), start("simulate", &other));

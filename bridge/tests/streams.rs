@@ -150,6 +150,13 @@ fn a_late_subscriber_gets_the_last_frame() {
     assert_eq!(received.len(), 2);
     assert_eq!(received[1].translation, [1.0, 2.0, 3.0]);
     assert!(frame.message::<Clock>().is_err(), "a transform is not a clock");
+
+    // Another in its place, before the publisher looks again: as many as before, and yet one that has nothing.
+    drop((frame, subscriber));
+    let mut subscriber = node.subscriber("tf_static").unwrap();
+    assert!(!subscriber.wait(SHORT).unwrap());
+    publisher.update().unwrap();
+    assert!(subscriber.wait(LONG).unwrap());
 }
 
 #[test]

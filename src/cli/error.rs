@@ -31,8 +31,8 @@ pub enum CliError {
     UnknownTopic {
         /// As asked for, with a slash.
         topic: String,
-        /// Where it was looked for.
-        domain: Domain,
+        /// Name of the domain where it was looked for.
+        domain: String,
         /// The most similar one.
         nearest: Option<String>,
         /// All of them.

@@ -85,7 +85,7 @@ pub(super) fn subscribe(domain: &Domain, topic: &str, wait: bool) -> Result<Subs
             return Err(CliError::UnknownTopic {
                 nearest: nearest(&topic, &names),
                 existing: names.join(", "),
-                domain: domain.clone(),
+                domain: domain.to_string(),
                 topic,
             });
         }

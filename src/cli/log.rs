@@ -1,7 +1,7 @@
 //! Logging to standard error, which leaves the live status whole.
 
 use indicatif::MultiProgress;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal as _, Write};
 use std::sync::OnceLock;
 use tracing_subscriber::EnvFilter;
 
@@ -22,6 +22,9 @@ pub(super) fn start() {
         .with_env_filter(filter)
         .with_target(false)
         .without_time()
+        .with_ansi(
+            io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty()),
+        )
         .with_writer(|| AboveStatus)
         .try_init();
 }

@@ -105,14 +105,16 @@ fn table(outlets: &[&Outlet], before: &Sample, now: &Sample) -> String {
         let made_ms = tally.busy.saturating_sub(earlier.busy).as_secs_f64() * 1e3 / frames.max(1) as f64;
         let asked = outlet.rate_hz().map_or_else(|| "once".into(), |rate| format!("{rate:.2}"));
         let made = if tally.busy.is_zero() { "-".into() } else { format!("{made_ms:.2}") };
+        let subscribers = outlet.subscribers();
+        let rate = match frames as f64 / seconds {
+            0.0 if subscribers == 0 && outlet.rate_hz().is_some() => "idle".into(),
+            rate => format!("{rate:.2}"),
+        };
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{:width$} {:>9.2} {asked:>9} {:>11} {:>8} {made:>10}",
-            topics[index],
-            frames as f64 / seconds,
-            outlet.subscribers(),
-            tally.dropped,
+            "{:width$} {rate:>9} {asked:>9} {subscribers:>11} {:>8} {made:>10}",
+            topics[index], tally.dropped,
         );
     }
     let (frames, dropped) = totals(now);

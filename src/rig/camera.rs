@@ -42,7 +42,7 @@ impl CameraChannel {
             .frame_id(&frame)
             .rate_hz(rate);
         Ok(Self {
-            image: setting.open(&image)?,
+            image: setting.open_rendered(image)?,
             info: setting.open(&info)?,
             info_message: told.camera_info(camera.width, camera.height).map_err(|error| refused(&error))?,
             intrinsics: told.intrinsics(camera.near_m, camera.far_m),

@@ -47,7 +47,11 @@ impl DepthChannel {
         let told = Told::of(made.camera().lens(), &plugin.camera, setting.gazebo_compat);
         let frame = setting.frame_id(sensor, &plugin.camera.frame_name);
         let rate = setting.rate.hz();
-        let open = |spec: StreamSpec| setting.open(&spec.frame_id(&frame).rate_hz(rate));
+        let open = |spec: StreamSpec| setting.open_rendered(spec.frame_id(&frame).rate_hz(rate));
+        let info = |topic: &str| {
+            let spec = StreamSpec::structs(topic, Kind::CameraInfo, 1);
+            setting.open(&spec.frame_id(&frame).rate_hz(rate))
+        };
         let pixels = made.pixels();
         let (depth_encoding, depth_bytes) =
             if plugin.depth_16uc1 { (Encoding::U16C1, 2) } else { (Encoding::F32C1, 4) };
@@ -61,14 +65,14 @@ impl DepthChannel {
                 encoding(camera.format),
                 colour_len,
             ))?,
-            colour_info: open(StreamSpec::structs(&names.camera_info_topic, Kind::CameraInfo, 1))?,
+            colour_info: info(&names.camera_info_topic)?,
             depth: open(StreamSpec::new(
                 &plugin.depth_image_topic,
                 Kind::DepthImage,
                 depth_encoding,
                 pixels * depth_bytes,
             ))?,
-            depth_info: open(StreamSpec::structs(&plugin.depth_camera_info_topic, Kind::CameraInfo, 1))?,
+            depth_info: info(&plugin.depth_camera_info_topic)?,
             points: open(StreamSpec::new(
                 &plugin.point_cloud_topic,
                 Kind::PointCloud,
@@ -104,24 +108,26 @@ impl DepthChannel {
             header.set_intrinsics(intrinsics);
             Mount::write(&world_from_sensor, header);
         }
-        let (mut depth_32fc1, mut depth_16uc1) = (None, None);
-        if self.in_millimetres {
-            depth_16uc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
-        } else {
-            depth_32fc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
+        if colour.is_some() || depth.is_some() || points.is_some() {
+            let (mut depth_32fc1, mut depth_16uc1) = (None, None);
+            if self.in_millimetres {
+                depth_16uc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
+            } else {
+                depth_32fc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
+            }
+            let scene = context.scene.scene();
+            self.camera.sense(
+                &scene,
+                &Capture { world_from_sensor, frame: frame_number },
+                &mut context.workspace.lend(&scene, self.camera.rays()),
+                DepthFrame {
+                    depth_32fc1,
+                    depth_16uc1,
+                    colour: colour.as_mut().map(LoanedFrame::payload_mut),
+                    points: points.as_mut().map(LoanedFrame::payload_mut),
+                },
+            );
         }
-        let scene = context.scene.scene();
-        self.camera.sense(
-            &scene,
-            &Capture { world_from_sensor, frame: frame_number },
-            &mut context.workspace.lend(&scene, self.camera.rays()),
-            DepthFrame {
-                depth_32fc1,
-                depth_16uc1,
-                colour: colour.as_mut().map(LoanedFrame::payload_mut),
-                points: points.as_mut().map(LoanedFrame::payload_mut),
-            },
-        );
         let outcomes = [self.colour.send(colour), self.depth.send(depth), self.points.send(points)];
         let busy = started.elapsed();
         for (outlet, outcome) in

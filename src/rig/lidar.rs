@@ -52,7 +52,7 @@ impl LidarChannel {
             .frame_id(&frame)
             .rate_hz(rate);
         Ok(Self {
-            scan: setting.open(&spec)?,
+            scan: setting.open_rendered(spec)?,
             geometry: ScanGeometry {
                 angle_min: horizontal.min_angle_rad,
                 angle_increment: horizontal.increment(),

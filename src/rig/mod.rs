@@ -2,7 +2,7 @@
 //! its own exact rate.
 //!
 //! A frame is rendered straight into the shared memory that subscribers read: the bridge lends it, the sensor
-//! fills it, the bridge sends it.
+//! fills it, the bridge sends it. What nobody follows is not rendered.
 
 pub mod attendance;
 mod camera;
@@ -100,8 +100,15 @@ pub(crate) struct Setting<'a> {
 }
 
 impl Setting<'_> {
+    /// A stream of small messages, which are sent whether or not anybody follows: late consumers get the last one.
     fn open(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
         Ok(Outlet::open(self.node, spec, self.hashed, self.lossless)?)
+    }
+
+    /// A stream that is rendered while somebody follows it. It keeps no frame for late consumers: the last one may be
+    /// of long ago.
+    fn open_rendered(&self, spec: StreamSpec) -> Result<Outlet, RigError> {
+        self.open(&StreamSpec { history: 0, ..spec })
     }
 
     /// The frame that a sensor's messages name: the plugin's, or its link.
@@ -126,6 +133,18 @@ enum Channel {
     Camera(Box<CameraChannel>),
     Depth(Box<DepthChannel>),
     Lidar(Box<LidarChannel>),
+}
+
+impl Channel {
+    /// Whether its next frame shows the scene to somebody.
+    fn is_rendered(&self) -> bool {
+        match self {
+            Self::Clock(_) | Self::State(_) => false,
+            Self::Camera(camera) => camera.outlets().into_iter().any(Outlet::is_wanted),
+            Self::Depth(depth) => depth.outlets().into_iter().any(Outlet::is_wanted),
+            Self::Lidar(lidar) => lidar.outlets().into_iter().any(Outlet::is_wanted),
+        }
+    }
 }
 
 struct Scheduled {
@@ -205,7 +224,7 @@ impl Rig {
             if scheduled.rate.stamp_ns(scheduled.next) != stamp_ns {
                 continue;
             }
-            if !matches!(scheduled.channel, Channel::Clock(_) | Channel::State(_)) {
+            if scheduled.channel.is_rendered() {
                 scene.move_to(physics, stamp_ns);
             }
             let workspace = &mut self.workspace;

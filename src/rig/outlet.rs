@@ -2,7 +2,7 @@
 
 use belvedere_bridge::payload::Message;
 use belvedere_bridge::{Consumer, Error, LoanedFrame, Lossless, Node, Publisher, StreamSpec};
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::time::Duration;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -14,6 +14,8 @@ pub struct Outlet {
     tally: Tally,
     /// The first time that a consumer was waited for in vain.
     held_up: OnceCell<Error>,
+    /// Whether the frame of the moment was not asked for by anybody.
+    unwanted: Cell<bool>,
 }
 
 /// What a stream has done so far.
@@ -45,6 +47,7 @@ impl Outlet {
             hash: hashed.then(Xxh3::new),
             tally: Tally::default(),
             held_up: OnceCell::new(),
+            unwanted: Cell::new(false),
         })
     }
 
@@ -83,14 +86,25 @@ impl Outlet {
         self.hash.as_ref().map(Xxh3::digest128)
     }
 
-    /// Shared memory for the next frame, or none when there is no free piece.
+    /// Whether somebody follows the stream, so that its next frame has to be made.
+    pub fn is_wanted(&self) -> bool {
+        self.hash.is_some() || self.publisher.subscribers() > 0
+    }
+
+    /// Shared memory for the next frame; none when nobody wants it, or there is no free piece.
     pub fn loan(&self, len: usize) -> Option<LoanedFrame<'_>> {
+        self.unwanted.set(!self.is_wanted());
+        if self.unwanted.get() {
+            return None;
+        }
         self.publisher.loan(len).map_err(|error| self.report(&error)).ok()
     }
 
     /// Sends a frame loaned from here. [`Outlet::record`] the outcome.
     pub fn send(&self, frame: Option<LoanedFrame<'_>>) -> Outcome {
-        let Some(frame) = frame else { return Outcome::Dropped };
+        let Some(frame) = frame else {
+            return if self.unwanted.get() { Outcome::Unwanted } else { Outcome::Dropped };
+        };
         let hash = self.hash.is_some().then(|| frame_hash(frame.header().stamp_ns, frame.payload()));
         match frame.send() {
             Ok(_) => Outcome::Sent(hash),
@@ -109,6 +123,7 @@ impl Outlet {
                 }
             }
             Outcome::Dropped => self.tally.dropped += 1,
+            Outcome::Unwanted => {}
         }
     }
 
@@ -150,6 +165,8 @@ pub enum Outcome {
     Sent(Option<u128>),
     /// There was no memory for it, or no way out.
     Dropped,
+    /// Nobody follows the stream: it was not made.
+    Unwanted,
 }
 
 fn frame_hash(stamp_ns: u64, payload: &[u8]) -> u128 {

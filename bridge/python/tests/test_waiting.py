@@ -54,6 +54,28 @@ def test_a_descriptor_is_quiet_between_frames(node: belvedere.Node) -> None:
         assert rings <= 2 * frames + 25
 
 
+@pytest.mark.parametrize("polled", [False, True])
+def test_a_signal_is_handled_while_waiting(node: belvedere.Node, polled: bool) -> None:
+    class Signalled(Exception):
+        pass
+
+    def handler(*_: object) -> None:
+        raise Signalled
+
+    before = signal.signal(signal.SIGALRM, handler)
+    try:
+        with node.subscribe("tf_static") as transforms:
+            next(transforms.frames(timeout=30))
+            if polled:
+                transforms.fileno()
+            for _ in range(5):
+                signal.setitimer(signal.ITIMER_REAL, 0.13)
+                with pytest.raises(Signalled):
+                    transforms.wait(10)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+
+
 def test_async_for(node: belvedere.Node) -> None:
     async def count(topic: str, wanted: int) -> list[int]:
         numbers = []

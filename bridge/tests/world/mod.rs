@@ -187,6 +187,9 @@ pub fn play() {
         "simulate" => simulate(),
         "simulate_large" => simulate_large(),
         "drive" => drive(),
+        "join_often" => join_often(),
+        "simulate_many" => simulate_many(),
+        "watch_many" => watch_many(),
         "try" => try_everything(),
         _ => panic!("no such role: {role}"),
     }
@@ -226,6 +229,62 @@ fn simulate() {
             }
         }
         std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Joins and leaves again and again.
+fn join_often() {
+    for count in 0..40 {
+        let node = Node::open(&Domain::from_env().unwrap(), "restless").unwrap();
+        if count % 4 == 0 {
+            assert!(!node.subscriber("image_raw").unwrap().wait(Duration::ZERO).unwrap());
+        }
+    }
+    println!("\ndone");
+}
+
+const MANY: usize = 12;
+
+/// Publishes on many streams.
+fn simulate_many() {
+    let left = asked_to_leave();
+    let node = Node::open(&Domain::from_env().unwrap(), "simulator").unwrap();
+    let publishers: Vec<_> =
+        (0..MANY).map(|index| node.publisher(&image(&format!("image_{index}"))).unwrap()).collect();
+    println!("\nready");
+    while goes_on(&left) {
+        for publisher in &publishers {
+            let mut frame = publisher.loan(LEN).unwrap();
+            frame.header_mut().set_packed(64, 48);
+            frame.send().unwrap();
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// Says when all streams have come, after each of the simulator's starts.
+fn watch_many() {
+    let left = asked_to_leave();
+    let node = Node::open(&Domain::from_env().unwrap(), "watcher").unwrap();
+    let mut cameras: Vec<_> =
+        (0..MANY).map(|index| node.subscriber(&format!("image_{index}")).unwrap()).collect();
+    println!("\nready");
+    let mut sessions = [0; MANY];
+    let mut last_said = 0;
+    while goes_on(&left) {
+        for (camera, session) in cameras.iter_mut().zip(&mut sessions) {
+            while let Some(frame) = camera.take().unwrap() {
+                // Publishers of one simulator start together, and are counted by it.
+                if frame.header().session != *session {
+                    *session = frame.header().session;
+                    last_said += 1;
+                    if last_said % MANY == 0 {
+                        println!("all {}", last_said / MANY);
+                    }
+                }
+            }
+        }
+        std::thread::sleep(Duration::from_millis(5));
     }
 }
 

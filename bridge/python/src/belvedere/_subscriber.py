@@ -121,7 +121,9 @@ class Subscriber(Closing):
             if self._readiness:
                 self._readiness.wait(left)
             elif self._connection:
-                self._connection.listener.timed_wait(iox2.Duration.from_secs_f64(left))
+                # Interrupted by a signal: Python calls its handler now, and goes on if that does.
+                with contextlib.suppress(iox2.ListenerWaitError):
+                    self._connection.listener.timed_wait(iox2.Duration.from_secs_f64(left))
             else:
                 time.sleep(min(left, SEARCH_INTERVAL))
 

@@ -1,0 +1,95 @@
+#include "bridge.hpp"
+
+#include <exception>
+
+namespace belvedere_ros {
+
+namespace {
+
+using Status = diagnostic_msgs::DiagnosticStatus;
+
+// REP-107.
+constexpr double kDiagnosticPeriod = 1.0;
+// What share of its rate a stream must reach.
+constexpr double kEnough = 0.9;
+
+}  // namespace
+
+Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
+    : nh_(nh), parameters_(Parameters::read(private_nh)), domain_(parameters_.domain), topics_(nh, parameters_),
+      diagnostics_(nh, private_nh, private_nh.getNamespace()) {
+    diagnostics_.setHardwareID("belvedere domain " + domain_.name());
+    diagnostics_.add("simulator", [this](auto& status) { diagnose_simulator(status); });
+    streams_ = std::make_unique<Streams>(domain_, [this](const bv_stream_info& stream) { serve(stream); });
+    // Of the wall: simulated time stands still when the simulator does, which is when diagnostics matter.
+    diagnostics_timer_ =
+        nh_.createWallTimer(ros::WallDuration(kDiagnosticPeriod), [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+}
+
+void Bridge::serve(const bv_stream_info& stream) {
+    const std::string name = stream.topic;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    try {
+        if (stream.kind == BV_KIND_VELOCITY_COMMAND) {
+            if (commands_.count(name) != 0) return;
+            std::vector<std::string> topics = {name};
+            if (name == "cmd_vel") topics.insert(topics.end(), parameters_.velocity_topics.begin(), parameters_.velocity_topics.end());
+            commands_[name] = std::make_unique<VelocityCommands>(nh_, domain_, name, topics);
+            return;
+        }
+        const auto known = relays_.find(name);
+        if (known != relays_.end()) {
+            // Another simulator may give the name to something else.
+            if (known->second->kind() == stream.kind || stream.kind == 0 || stream.publishers == 0) return;
+            diagnostics_.removeByName(name);
+            relays_.erase(known);
+        } else if (stream.publishers == 0 || skipped_.count(name) != 0) {
+            return;
+        }
+        auto relay = topics_.relay(domain_, stream);
+        if (!relay) {
+            skipped_.insert(name);
+            return;
+        }
+        ROS_INFO_STREAM("serving " << relay->topic());
+        relays_[name] = std::move(relay);
+        diagnostics_.add(name, [this, name](auto& status) { diagnose_topic(name, status); });
+    } catch (const std::exception& error) {
+        // Once: whatever it is will not change by itself.
+        if (skipped_.insert(name).second) ROS_WARN_STREAM("stream " << name << " is skipped: " << error.what());
+    }
+}
+
+void Bridge::diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+    const bool there = streams_ && streams_->simulator_is_there();
+    status.summary(there ? Status::OK : Status::WARN, there ? "publishes" : "no simulator in the domain");
+    status.add("domain", domain_.name());
+}
+
+void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::DiagnosticStatusWrapper& status) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = relays_.find(stream);
+    if (found == relays_.end()) return;
+    const Flow::Report report = found->second->report();
+    const bool slow = report.nominal_rate_hz > 0 && report.rate_hz < kEnough * report.nominal_rate_hz;
+    if (!report.problem.empty())
+        status.summary(Status::WARN, report.problem);
+    else if (!streams_ || !streams_->simulator_is_there())
+        status.summary(Status::WARN, "the simulator is gone");
+    else if (report.subscribers == 0)
+        status.summary(Status::OK, "nobody subscribes");
+    else if (!report.followed || report.publishers == 0)
+        status.summary(Status::WARN, "the stream is not published");
+    else if (slow)
+        status.summaryf(Status::WARN, "%.2f Hz instead of %.2f", report.rate_hz, report.nominal_rate_hz);
+    else
+        status.summary(Status::OK, "flows");
+    status.add("topic", found->second->topic());
+    status.add("subscribers", report.subscribers);
+    status.addf("rate (Hz)", "%.2f", report.rate_hz);
+    status.addf("nominal rate (Hz)", "%.2f", report.nominal_rate_hz);
+    status.add("frames", report.frames_total);
+    status.add("frames missed", report.missed_total);
+}
+
+}  // namespace belvedere_ros

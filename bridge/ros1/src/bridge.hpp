@@ -1,0 +1,47 @@
+// A domain of the simulator, served to ROS.
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/ros.h>
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+
+#include "commands.hpp"
+#include "domain.hpp"
+#include "parameters.hpp"
+#include "relay.hpp"
+#include "streams.hpp"
+#include "topics.hpp"
+
+namespace belvedere_ros {
+
+/// All that the node and the nodelet do.
+class Bridge {
+public:
+    /// Throws BadParameter, and belvedere::Error when the domain cannot be joined.
+    Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
+
+private:
+    void serve(const bv_stream_info& stream);
+    void diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+    void diagnose_topic(const std::string& stream, diagnostic_updater::DiagnosticStatusWrapper& status);
+
+    ros::NodeHandle nh_;
+    const Parameters parameters_;
+    Domain domain_;
+    Topics topics_;
+    diagnostic_updater::Updater diagnostics_;
+    std::mutex mutex_;
+    std::map<std::string, std::unique_ptr<Relay>> relays_;
+    std::map<std::string, std::unique_ptr<VelocityCommands>> commands_;
+    std::set<std::string> skipped_;
+    // The last that begin, the first that end: they use what is above.
+    std::unique_ptr<Streams> streams_;
+    ros::WallTimer diagnostics_timer_;
+};
+
+}  // namespace belvedere_ros

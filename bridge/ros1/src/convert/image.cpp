@@ -1,0 +1,53 @@
+#include "image.hpp"
+
+#include <boost/make_shared.hpp>
+#include <sensor_msgs/image_encodings.h>
+
+#include <algorithm>
+
+namespace belvedere_ros {
+
+namespace encodings = sensor_msgs::image_encodings;
+
+namespace {
+
+struct Pixel {
+    const std::string& encoding;
+    std::uint32_t size;
+};
+
+Pixel pixel_of(std::uint16_t encoding) {
+    switch (encoding) {
+        case BV_ENCODING_RGB8: return {encodings::RGB8, 3};
+        case BV_ENCODING_BGR8: return {encodings::BGR8, 3};
+        case BV_ENCODING_MONO8: return {encodings::MONO8, 1};
+        case BV_ENCODING_F32C1: return {encodings::TYPE_32FC1, 4};
+        case BV_ENCODING_U16C1: return {encodings::TYPE_16UC1, 2};
+        default: throw Unrepresentable("no encoding of sensor_msgs/Image for number " + std::to_string(encoding));
+    }
+}
+
+}  // namespace
+
+sensor_msgs::ImagePtr to_image(const Sample& sample) {
+    const belvedere::Header& header = sample.header;
+    const Pixel pixel = pixel_of(header.encoding);
+    if (header.elem_stride != pixel.size)
+        throw Unrepresentable("pixels are " + std::to_string(header.elem_stride) + " bytes apart; a sensor_msgs/Image of " +
+                              pixel.encoding + " has them " + std::to_string(pixel.size) + " apart");
+    auto image = boost::make_shared<sensor_msgs::Image>();
+    image->header = to_header(sample);
+    image->width = header.width;
+    image->height = header.height;
+    image->encoding = pixel.encoding;
+    image->is_bigendian = false;
+    image->step = header.row_stride;
+    // assign() does not write zeros first, as resize() and a copy would. The last row may come without its padding.
+    const std::size_t size = static_cast<std::size_t>(header.height) * header.row_stride;
+    const std::uint8_t* begin = sample.payload.data();
+    image->data.assign(begin, begin + std::min(size, sample.payload.size()));
+    image->data.resize(size);
+    return image;
+}
+
+}  // namespace belvedere_ros

@@ -1,0 +1,13 @@
+// Where the joints are.
+#pragma once
+
+#include <sensor_msgs/JointState.h>
+
+#include "header.hpp"
+
+namespace belvedere_ros {
+
+/// All joints that move, in the order of the stream; radians or metres.
+sensor_msgs::JointStatePtr to_joint_states(const Sample& sample);
+
+}  // namespace belvedere_ros

@@ -1,0 +1,29 @@
+// Membership of a domain of streams, shared by the threads of the bridge.
+#pragma once
+
+#include <belvedere.hpp>
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace belvedere_ros {
+
+/// A belvedere::Node that several threads may use.
+class Domain {
+public:
+    /// An empty name is that of BELVEDERE_DOMAIN, else "default". Throws belvedere::Error for one that cannot be a name.
+    explicit Domain(const std::string& name);
+
+    const std::string& name() const { return name_; }
+    std::vector<bv_stream_info> streams();
+    belvedere::Subscriber subscribe(const std::string& topic);
+    belvedere::VelocityPublisher velocity(const std::string& topic);
+
+private:
+    std::string name_;
+    std::mutex mutex_;
+    belvedere::Node node_;
+};
+
+}  // namespace belvedere_ros

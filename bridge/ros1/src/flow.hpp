@@ -1,0 +1,58 @@
+// How a stream flows, for diagnostics.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+
+namespace belvedere_ros {
+
+/// Counts frames between reports. Any thread may use it.
+class Flow {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    struct Report {
+        std::uint32_t subscribers;
+        /// Whether frames were asked for through the whole time.
+        bool followed;
+        std::size_t publishers;
+        double rate_hz;
+        /// 0: as they come.
+        double nominal_rate_hz;
+        std::uint64_t frames_total;
+        std::uint64_t missed_total;
+        /// The last problem since the report before, or empty.
+        std::string problem;
+    };
+
+    explicit Flow(double nominal_rate_hz) : nominal_rate_hz_(nominal_rate_hz) {}
+
+    void begin();
+    void end();
+    void publishers(std::size_t count);
+    void count(std::uint64_t missed);
+    /// Whether it is another one than before, and worth a line.
+    bool problem(const std::string& text);
+    Report report(std::uint32_t subscribers);
+
+private:
+    std::mutex mutex_;
+    const double nominal_rate_hz_;
+    bool followed_ = false;
+    std::size_t publishers_ = 0;
+    std::uint64_t frames_total_ = 0;
+    std::uint64_t missed_total_ = 0;
+    std::string problem_;
+    std::string last_problem_;
+    // Frames so far at the last reports, the oldest first: the rate is that over some seconds, as slow streams need it.
+    struct Mark {
+        Clock::time_point time;
+        std::uint64_t frames;
+    };
+    std::deque<Mark> marks_;
+};
+
+}  // namespace belvedere_ros

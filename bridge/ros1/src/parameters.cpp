@@ -1,0 +1,92 @@
+#include "parameters.hpp"
+
+#include <ros/console.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <sstream>
+
+namespace belvedere_ros {
+
+namespace {
+
+using Value = XmlRpc::XmlRpcValue;
+
+std::string text_of(const Value& value) {
+    std::ostringstream text;
+    text << value;
+    return text.str();
+}
+
+// A name of digits comes from the command line as a number.
+std::string to_text(Value& value) {
+    if (value.getType() == Value::TypeInt) return std::to_string(static_cast<int>(value));
+    if (value.getType() != Value::TypeString) throw BadParameter("text");
+    return static_cast<std::string>(value);
+}
+
+bool to_bool(Value& value) {
+    if (value.getType() != Value::TypeBoolean) throw BadParameter("true or false");
+    return static_cast<bool>(value);
+}
+
+std::vector<std::string> to_texts(Value& value) {
+    if (value.getType() != Value::TypeArray) throw BadParameter("a list of topics");
+    std::vector<std::string> texts;
+    for (int index = 0; index < value.size(); ++index) {
+        if (value[index].getType() != Value::TypeString) throw BadParameter("a list of topics");
+        texts.push_back(static_cast<std::string>(value[index]));
+    }
+    return texts;
+}
+
+Parameters::Transforms to_transforms(Value& value) {
+    using Transforms = Parameters::Transforms;
+    const std::map<std::string, Transforms> known = {
+        {"all", Transforms::all}, {"odometry", Transforms::odometry}, {"none", Transforms::none}};
+    const auto found = value.getType() == Value::TypeString ? known.find(static_cast<std::string>(value)) : known.end();
+    if (found == known.end()) throw BadParameter("all, odometry or none");
+    return found->second;
+}
+
+}  // namespace
+
+Parameters Parameters::read(const ros::NodeHandle& private_nh) {
+    Parameters parameters;
+    // How each is read; what is thrown is the kind of value that is expected.
+    const std::map<std::string, std::function<void(Value&)>> readers = {
+        {"domain", [&](Value& value) { parameters.domain = to_text(value); }},
+        {"publish_clock", [&](Value& value) { parameters.publish_clock = to_bool(value); }},
+        {"transforms", [&](Value& value) { parameters.transforms = to_transforms(value); }},
+        {"odom_frame", [&](Value& value) { parameters.odom_frame = to_text(value); }},
+        {"velocity_topics", [&](Value& value) { parameters.velocity_topics = to_texts(value); }},
+        {"camera_info_url", [&](Value& value) { parameters.camera_info_url = to_text(value); }},
+    };
+    for (const auto& [name, reader] : readers) {
+        Value value;
+        if (!private_nh.getParam(name, value)) continue;
+        try {
+            reader(value);
+        } catch (const BadParameter& expected) {
+            throw BadParameter(private_nh.resolveName(name) + " is " + text_of(value) + "; it must be " + expected.what());
+        }
+    }
+
+    Value all;
+    const std::string own = private_nh.getNamespace();
+    if (private_nh.getParam(own, all) && all.getType() == Value::TypeStruct) {
+        for (const auto& entry : all) {
+            // Those of diagnostic_updater and of image transports are not ours to know.
+            if (readers.count(entry.first) != 0 || entry.first == "diagnostic_period" ||
+                entry.second.getType() == Value::TypeStruct)
+                continue;
+            std::string known;
+            for (const auto& reader : readers) known += (known.empty() ? "" : ", ") + reader.first;
+            ROS_WARN_STREAM(own << '/' << entry.first << " is not a parameter of this node, and is ignored; these are: " << known);
+        }
+    }
+    return parameters;
+}
+
+}  // namespace belvedere_ros

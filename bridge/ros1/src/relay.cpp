@@ -1,0 +1,88 @@
+#include "relay.hpp"
+
+#include <exception>
+#include <utility>
+
+namespace belvedere_ros {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+// How soon a stream that could not be followed is tried again, and all is looked at even if nothing has happened.
+constexpr milliseconds kPatience{1000};
+
+}  // namespace
+
+Relay::Relay(Domain& domain, const bv_stream_info& stream, std::unique_ptr<Output> output, std::shared_ptr<Bell> bell,
+             Stamps stamps)
+    : domain_(domain), stream_(stream.topic), kind_(stream.kind), stamps_(stamps), output_(std::move(output)),
+      bell_(std::move(bell)), flow_(stream.rate_hz), thread_([this] { run(); }) {}
+
+Relay::~Relay() {
+    stopping_ = true;
+    bell_->ring();
+    thread_.join();
+}
+
+bool Relay::wanted() const {
+    return !stopping_ && output_->subscribers() > 0;
+}
+
+void Relay::run() {
+    while (!stopping_) {
+        try {
+            if (wanted()) follow();
+        } catch (const std::exception& error) {
+            complain(error.what());
+        }
+        bell_->sleep(kPatience);
+    }
+}
+
+void Relay::follow() {
+    belvedere::Subscriber subscriber = domain_.subscribe(stream_);
+    const int frames = subscriber.fd();
+    flow_.begin();
+    while (wanted()) {
+        try {
+            while (const auto frame = subscriber.take()) pass_on(*frame);
+        } catch (const belvedere::Error& error) {
+            if (error.status() != BV_STATUS_BAD_FRAME) throw;
+            complain(error.what());
+        }
+        flow_.publishers(subscriber.publishers());
+        bell_->sleep(kPatience, frames);
+    }
+    flow_.end();
+}
+
+void Relay::pass_on(const belvedere::Frame& frame) {
+    const belvedere::Header& header = frame.header();
+    if (header.kind != kind_) return complain("a frame is of kind " + std::to_string(header.kind) + " there");
+    if (header.session != session_) {
+        session_ = header.session;
+        last_stamp_ns_ = 0;
+    }
+    if (stamps_ == Stamps::rising) {
+        // Kept from before the subscription: too old to be news.
+        if (frame.is_from_history() || header.stamp_ns <= last_stamp_ns_) return;
+        last_stamp_ns_ = header.stamp_ns;
+    }
+    flow_.count(frame.missed());
+    try {
+        output_->publish(Sample(frame));
+    } catch (const Unrepresentable& error) {
+        complain(error.what());
+    }
+}
+
+void Relay::complain(const std::string& problem) {
+    if (flow_.problem(problem)) ROS_WARN_STREAM(output_->topic() << " (stream " << stream_ << "): " << problem);
+}
+
+Flow::Report Relay::report() {
+    return flow_.report(output_->subscribers());
+}
+
+}  // namespace belvedere_ros

@@ -1,0 +1,103 @@
+#include "topics.hpp"
+
+#include <boost/make_shared.hpp>
+
+#include <algorithm>
+#include <optional>
+
+#include "convert/camera_info.hpp"
+#include "convert/clock.hpp"
+#include "convert/image.hpp"
+#include "convert/joint_states.hpp"
+#include "convert/laser_scan.hpp"
+#include "convert/odometry.hpp"
+#include "convert/point_cloud.hpp"
+#include "convert/transforms.hpp"
+
+namespace belvedere_ros {
+
+namespace {
+
+// Large messages wait for a slow subscriber by two at most, as in Gazebo's camera plugin; small ones a second or so.
+constexpr std::uint32_t kLarge = 2;
+constexpr std::uint32_t kSmall = 50;
+
+/// Drops a message that says the same as the one before: what is latched is sent once.
+Convert<tf2_msgs::TFMessage> only_changes(Convert<tf2_msgs::TFMessage> convert) {
+    auto last = std::make_shared<std::map<std::string, geometry_msgs::TransformStamped>>();
+    return [last, convert = std::move(convert)](const Sample& sample) -> tf2_msgs::TFMessagePtr {
+        auto message = convert(sample);
+        const bool same = std::all_of(message->transforms.begin(), message->transforms.end(), [&](const auto& transform) {
+            const auto known = last->find(transform.child_frame_id);
+            return known != last->end() && known->second.header.frame_id == transform.header.frame_id &&
+                   known->second.transform == transform.transform;
+        });
+        if (same) return nullptr;
+        for (const auto& transform : message->transforms) (*last)[transform.child_frame_id] = transform;
+        return message;
+    };
+}
+
+}  // namespace
+
+std::unique_ptr<Relay> Topics::relay(Domain& domain, const bv_stream_info& stream) const {
+    auto bell = std::make_shared<Bell>();
+    auto out = output(stream, bell);
+    if (!out) return nullptr;
+    const auto stamps = stream.kind == BV_KIND_STATIC_TRANSFORMS ? Relay::Stamps::any : Relay::Stamps::rising;
+    return std::make_unique<Relay>(domain, stream, std::move(out), std::move(bell), stamps);
+}
+
+std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::shared_ptr<Bell>& bell) const {
+    const std::string topic = stream.topic;
+    const auto serve = [&](auto convert, const std::string& name, std::uint32_t queue, bool latch = false) -> std::unique_ptr<Output> {
+        using Message = typename decltype(convert(std::declval<const Sample&>()))::element_type;
+        return std::make_unique<TopicOutput<Message>>(nh_, name, queue, latch, bell, convert);
+    };
+    switch (stream.kind) {
+        case BV_KIND_IMAGE:
+        case BV_KIND_DEPTH_IMAGE: return std::make_unique<ImageOutput>(nh_, topic, kLarge, bell, to_image);
+        case BV_KIND_CAMERA_INFO: return serve(camera_info_converter(topic), topic, kLarge);
+        case BV_KIND_LASER_SCAN: return serve(to_laser_scan, topic, kSmall);
+        case BV_KIND_POINT_CLOUD: return serve(to_point_cloud, topic, kLarge);
+        case BV_KIND_ODOMETRY: return serve(to_odometry, topic, kSmall);
+        case BV_KIND_JOINT_STATES: return serve(to_joint_states, topic, kSmall);
+        case BV_KIND_TRANSFORMS: {
+            if (parameters_.transforms == Parameters::Transforms::none) return nullptr;
+            const bool all = parameters_.transforms == Parameters::Transforms::all;
+            const std::string parent = all ? std::string() : parameters_.odom_frame;
+            return serve([parent](const Sample& sample) { return to_transforms(sample, parent); }, "/tf", kSmall);
+        }
+        case BV_KIND_STATIC_TRANSFORMS: {
+            if (parameters_.transforms != Parameters::Transforms::all) return nullptr;
+            const auto convert = [](const Sample& sample) { return to_transforms(sample); };
+            return serve(only_changes(convert), "/tf_static", kSmall, true);
+        }
+        case BV_KIND_CLOCK:
+            if (!parameters_.publish_clock) return nullptr;
+            return serve(to_clock, "/clock", kSmall);
+        default: throw Unrepresentable("its kind, " + std::to_string(stream.kind) + ", is not known here");
+    }
+}
+
+/// With the service set_camera_info beside the topic: a calibration that was made of the camera's pictures takes the place
+/// of what the simulator knows, as it would with a real camera.
+Convert<sensor_msgs::CameraInfo> Topics::camera_info_converter(const std::string& topic) const {
+    const std::size_t slash = topic.rfind('/');
+    const std::string camera = slash == std::string::npos ? "" : topic.substr(0, slash);
+    std::string name = "belvedere" + (camera.empty() ? "" : "_" + camera);
+    std::replace(name.begin(), name.end(), '/', '_');
+    const auto manager = std::make_shared<camera_info_manager::CameraInfoManager>(ros::NodeHandle(nh_, camera), name,
+                                                                                  parameters_.camera_info_url);
+    return [manager, topic, said = false](const Sample& sample) mutable {
+        auto info = to_camera_info(sample);
+        if (!manager->isCalibrated()) return info;
+        auto calibrated = boost::make_shared<sensor_msgs::CameraInfo>(manager->getCameraInfo());
+        if (calibrated->width != info->width || calibrated->height != info->height) return info;
+        if (!std::exchange(said, true)) ROS_WARN_STREAM(topic << " is that of a calibration that was kept, not the simulator's");
+        calibrated->header = info->header;
+        return calibrated;
+    };
+}
+
+}  // namespace belvedere_ros

@@ -1,0 +1,32 @@
+// Which topic and type of ROS a stream is served as.
+#pragma once
+
+#include <camera_info_manager/camera_info_manager.h>
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "output.hpp"
+#include "parameters.hpp"
+#include "relay.hpp"
+
+namespace belvedere_ros {
+
+/// Makes relays. Topics are named as the streams, relative to the node's namespace; tf, tf_static and clock are global.
+class Topics {
+public:
+    Topics(ros::NodeHandle nh, Parameters parameters) : nh_(std::move(nh)), parameters_(std::move(parameters)) {}
+
+    /// The relay of a stream, or null when the parameters leave it out. Throws Unrepresentable for a kind that is not known.
+    std::unique_ptr<Relay> relay(Domain& domain, const bv_stream_info& stream) const;
+
+private:
+    std::unique_ptr<Output> output(const bv_stream_info& stream, const std::shared_ptr<Bell>& bell) const;
+    Convert<sensor_msgs::CameraInfo> camera_info_converter(const std::string& topic) const;
+
+    ros::NodeHandle nh_;
+    Parameters parameters_;
+};
+
+}  // namespace belvedere_ros

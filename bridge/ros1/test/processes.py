@@ -1,0 +1,93 @@
+"""Simulator, bridge node and roscore as child processes of a test, and what they say."""
+
+import os
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+
+SIMULATOR = os.environ.get("BELVEDERE_BIN", "belvedere")
+BRIDGE = os.environ["BELVEDERE_ROS_BRIDGE"]  # the installed node
+
+
+class Process:
+    """A child with its output in a file; killed for certain at the end."""
+
+    def __init__(self, *command, **environment):
+        self.log = tempfile.TemporaryFile(mode="w+", errors="replace")
+        self.child = subprocess.Popen(
+            [str(word) for word in command],
+            env={**os.environ, **environment},
+            stdout=self.log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+
+    def output(self):
+        self.log.seek(0)
+        return self.log.read()
+
+    def running(self):
+        return self.child.poll() is None
+
+    def says(self, text, timeout=15.0):
+        return eventually(lambda: text in self.output(), timeout)
+
+    def stop(self, how=signal.SIGINT, timeout=15.0):
+        """Ends it; gives the exit code."""
+        if self.running():
+            self.child.send_signal(how)
+        try:
+            return self.child.wait(timeout)
+        except subprocess.TimeoutExpired:
+            self.child.kill()
+            self.child.wait()
+            raise AssertionError(f"{self.child.args[0]} did not end within {timeout} s:\n{self.output()}") from None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stop()
+        self.log.close()
+
+
+def simulator(domain, *arguments, **environment):
+    """A simulator whose robot stands still."""
+    return Process(SIMULATOR, "run", "--domain", domain, "--drive", "still", *arguments, **environment)
+
+
+def bridge(domain, *arguments, **environment):
+    """The bridge node of a domain, /belvedere if no argument names it otherwise."""
+    return Process(BRIDGE, f"_domain:={domain}", *arguments, **environment)
+
+
+def roscore(port):
+    """The master alone, as one process that can be killed."""
+    return Process("rosmaster", "--core", "-p", port)
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def subscribers_of_streams(domain):
+    """How many subscribers each stream of a domain has, by `belvedere list`."""
+    lines = subprocess.run(
+        [SIMULATOR, "list", "--domain", domain], check=True, capture_output=True, text=True, timeout=20
+    ).stdout.splitlines()
+    subscribers = lines[0].split().index("SUBS") - len(lines[0].split())
+    return {line.split()[0]: int(line.split()[subscribers]) for line in lines[1:]}
+
+
+def eventually(condition, timeout=10.0):
+    """Whether a condition comes true in time."""
+    end = time.monotonic() + timeout
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(0.05)
+    return bool(condition())

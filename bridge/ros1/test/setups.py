@@ -1,0 +1,106 @@
+"""The articles' robots, and what a ROS program sees of each: topics, types, frames, rates, sizes and intrinsics.
+
+Focal lengths are those of the field of view. The principal point is ((w - 1) / 2, (h - 1) / 2) with pixel centres at
+integers, or ((w + 1) / 2, (h + 1) / 2) as Gazebo says in its camera_info.
+"""
+
+from dataclasses import dataclass, field
+from math import pi, tan
+
+
+@dataclass
+class Topic:
+    type: str
+    frame: str = ""
+    rate: float = 0.0  # Hz; 0: once
+    fields: dict = field(default_factory=dict)  # of the message, by name
+    length: int = -1  # of the payload
+
+
+@dataclass
+class Setup:
+    environment: dict
+    arguments: list
+    topics: dict
+
+
+def image(frame, rate, encoding="rgb8", size=3):
+    fields = {"encoding": encoding, "width": 640, "height": 480, "step": 640 * size, "is_bigendian": 0}
+    return Topic("sensor_msgs/Image", frame, rate, fields, 640 * 480 * size)
+
+
+def camera_info(frame, rate, hfov, baseline, compat):
+    focal = 320.0 / tan(hfov / 2.0)
+    cx, cy = (320.5, 240.5) if compat else (319.5, 239.5)
+    return Topic("sensor_msgs/CameraInfo", frame, rate, {
+        "width": 640, "height": 480, "distortion_model": "plumb_bob", "D": [0.0] * 5,
+        "K": [focal, 0, cx, 0, focal, cy, 0, 0, 1],
+        "R": [1, 0, 0, 0, 1, 0, 0, 0, 1],
+        "P": [focal, 0, cx, -focal * baseline, 0, focal, cy, 0, 0, 0, 1, 0],
+    })  # fmt: skip
+
+
+def scan(frame, rate, samples, half_angle, near, far):
+    return Topic("sensor_msgs/LaserScan", frame, rate, {
+        "angle_min": -half_angle, "angle_max": half_angle, "angle_increment": 2 * half_angle / (samples - 1),
+        "range_min": near, "range_max": far,
+    }, samples)  # fmt: skip
+
+
+def cloud(frame, rate):
+    fields = {"width": 640, "height": 480, "point_step": 32, "row_step": 640 * 32, "is_bigendian": False}
+    return Topic("sensor_msgs/PointCloud2", frame, rate, fields, 640 * 480 * 32)
+
+
+ROBOT = {
+    "/clock": Topic("rosgraph_msgs/Clock", rate=100.0),
+    "/odom": Topic("nav_msgs/Odometry", "odom", 50.0, {"child_frame_id": "base_footprint"}),
+    "/joint_states": Topic(
+        "sensor_msgs/JointState", rate=50.0, fields={"name": ["wheel_left_joint", "wheel_right_joint"]}
+    ),
+    "/tf": Topic("tf2_msgs/TFMessage", rate=50.0),
+    "/tf_static": Topic("tf2_msgs/TFMessage"),
+}
+
+
+def ceiling_camera(compat):
+    """The monocular camera that looks at the ceiling, with the lidar that its robot carries."""
+    frame = "base_camera_link"
+    return Setup(
+        {"TURTLEBOT_STACKS": "nostack", "TURTLEBOT_3D_SENSOR": "camera"},
+        ["--gazebo-compat"] if compat else [],
+        {
+            **ROBOT,
+            "/image_raw": image(frame, 30.0),
+            "/camera_info": camera_info(frame, 30.0, 1.3962634, 0.07, compat),
+            "/scan": scan("base_laser_link", 5.5, 360, 3.1415926, 0.10, 6.0),
+        },
+    )
+
+
+def kinect_hokuyo(compat):
+    """The Kinect (20 Hz, 10 Hz by its plugin) and the Hokuyo."""
+    frame = "camera_depth_optical_frame"
+    # Its <baseline> of 0.1 is none that the plugin reads (that would be <hackBaseline>).
+    info = camera_info(frame, 10.0, 60.0 * pi / 180.0, 0.0, compat)
+    return Setup(
+        {"TURTLEBOT_STACKS": "hexagons", "TURTLEBOT_3D_SENSOR": "KinectHokuyo"},
+        ["--gazebo-compat"] if compat else [],
+        {
+            **ROBOT,
+            "/camera/rgb/image_raw": image(frame, 10.0),
+            "/camera/rgb/camera_info": info,
+            "/camera/depth/image_raw": image(frame, 10.0, "32FC1", 4),
+            "/camera/depth/camera_info": info,
+            "/camera/depth/points": cloud(frame, 10.0),
+            "/rrbot/laser/scan": scan("hokuyo_link", 40.0, 720, 1.570796, 0.10, 30.0),
+        },
+    )
+
+
+SETUPS = {
+    "the ceiling camera": ceiling_camera(compat=False),
+    "the ceiling camera, as Gazebo has it": ceiling_camera(compat=True),
+    "Kinect and Hokuyo": kinect_hokuyo(compat=False),
+    "Kinect and Hokuyo, as Gazebo has them": kinect_hokuyo(compat=True),
+}

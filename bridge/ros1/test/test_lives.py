@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Any order of life: simulator, node and roscore start late, end, are killed, and come back. Brings its own roscore."""
+
+import os
+import signal
+import subprocess
+import time
+import unittest
+import xmlrpc.client
+
+from processes import Process, bridge, eventually, free_port, roscore, simulator
+
+CYCLES = int(os.environ.get("BELVEDERE_ROS_CYCLES", "20"))
+
+
+class Lives(unittest.TestCase):
+    def setUp(self):
+        self.domain = f"lives-{os.getpid()}"
+        self.port = free_port()
+        os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{self.port}"
+        self.master = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
+
+    def knows_node(self, name="/belvedere"):
+        try:
+            return self.master.lookupNode("/test", name)[0] == 1
+        except OSError:
+            return False
+
+    def topics(self):
+        """Topics that have a publisher now."""
+        try:
+            return {topic for topic, _ in self.master.getSystemState("/test")[2][0]}
+        except OSError:
+            return set()
+
+    def flows(self, topic="/odom", timeout=20):
+        """Whether a program that starts now gets a message."""
+        command = ["rostopic", "echo", "-n", "1", "--noarr", topic]
+        try:
+            return subprocess.run(command, capture_output=True, timeout=timeout).returncode == 0
+        except subprocess.TimeoutExpired:
+            return False
+
+    def test_each_may_start_late_and_be_killed(self):
+        node = bridge(self.domain)
+        with node:
+            self.assertTrue(node.says(f"waiting for roscore at http://127.0.0.1:{self.port}"), node.output())
+            core = roscore(self.port)
+            self.assertTrue(node.says(f"waiting for a simulator in domain {self.domain}"), node.output())
+            robot = simulator(self.domain)
+            self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
+            self.assertTrue(self.flows(), node.output())
+
+            robot.stop(signal.SIGKILL)
+            self.assertTrue(node.says("the simulator has gone"), node.output())
+            self.assertTrue(node.running())
+            robot = simulator(self.domain)
+            self.assertTrue(self.flows(), node.output())
+
+            core.stop(signal.SIGKILL)
+            self.assertTrue(node.says("is gone; waiting for it"), node.output())
+            core = roscore(self.port)
+            self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
+            self.assertTrue(self.flows(), node.output())
+            with self.subTest("its parameters outlived the master"):
+                self.assertEqual(self.master.getParam("/test", "/belvedere/domain")[2], self.domain)
+
+            node.stop(signal.SIGKILL)
+            with bridge(self.domain) as successor:
+                self.assertTrue(self.flows(), successor.output())
+            robot.stop()
+            core.stop()
+
+    def test_a_subscriber_sees_it_go_on(self):
+        """The subscriber is one and the same throughout; simulator and node are killed and come back."""
+        with roscore(self.port), simulator(self.domain) as robot, bridge(self.domain) as node:
+            self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
+            with Process("rostopic", "echo", "-p", "/odom/header/stamp") as echo:
+                lines = lambda: echo.output().count("\n")  # noqa: E731
+                self.assertTrue(eventually(lambda: lines() > 20, 20.0), echo.output())
+                robot.stop(signal.SIGKILL)
+                time.sleep(0.5)
+                before = lines()
+                with simulator(self.domain):
+                    self.assertTrue(eventually(lambda: lines() > before + 20, 20.0), node.output())
+                    node.stop(signal.SIGKILL)
+                    before = lines()
+                    with bridge(self.domain) as successor:
+                        self.assertTrue(eventually(lambda: lines() > before + 20, 20.0), successor.output())
+
+    def test_starts_and_stops(self):
+        with roscore(self.port), simulator(self.domain):
+            for cycle in range(CYCLES):
+                with bridge(self.domain) as node:
+                    self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
+                    how = (signal.SIGINT, signal.SIGTERM)[cycle % 2]
+                    self.assertEqual(node.stop(how), 0, node.output())
+                    self.assertFalse(self.knows_node(), f"{how.name} left the node registered")
+                    self.assertNotIn("/odom", self.topics())
+
+    def test_rosnode_kill_ends_it(self):
+        with roscore(self.port), bridge(self.domain) as node:
+            self.assertTrue(eventually(self.knows_node), node.output())
+            subprocess.run(["rosnode", "kill", "/belvedere"], check=True, capture_output=True, timeout=20)
+            self.assertTrue(eventually(lambda: not node.running()), node.output())
+            self.assertEqual(node.stop(), 0)
+
+    def test_bad_parameters_are_named(self):
+        with roscore(self.port):
+            for argument, said in {
+                "_transforms:=some": "/belvedere/transforms is some; it must be all, odometry or none",
+                "_publish_clock:=7": "/belvedere/publish_clock is 7; it must be true or false",
+                "_velocity_topics:=cmd_vel": "/belvedere/velocity_topics is cmd_vel; it must be a list of topics",
+            }.items():
+                with self.subTest(argument), bridge(self.domain, argument) as node:
+                    self.assertTrue(node.says(said), node.output())
+                    self.assertEqual(node.child.wait(10), 1)
+                self.master.deleteParam("/test", "/belvedere/" + argument[1:].split(":=")[0])
+            with self.subTest("a domain that cannot be one"), bridge("no/domain") as node:
+                self.assertEqual(node.child.wait(10), 1)
+                self.assertIn("no/domain", node.output())
+            with self.subTest("one that there is not"), bridge(self.domain, "_domian:=lab") as node:
+                self.assertTrue(node.says("/belvedere/domian is not a parameter of this node"), node.output())
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2, warnings="ignore")  # rospy leaves sockets to the garbage collector

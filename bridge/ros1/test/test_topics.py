@@ -1,0 +1,249 @@
+#!/usr/bin/env python3
+"""What a ROS program sees of a running simulator: every topic of every set-up, and what the robot does when told.
+
+Needs a master at ROS_MASTER_URI. BELVEDERE_ROS_SECONDS says how long each set-up is listened to.
+"""
+
+import math
+import os
+import tempfile
+import threading
+import time
+import unittest
+
+import rosgraph
+import roslib.message
+import roslib.packages
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from processes import Process, bridge, eventually, simulator, subscribers_of_streams
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.srv import SetCameraInfo
+from setups import SETUPS
+
+SECONDS = float(os.environ.get("BELVEDERE_ROS_SECONDS", "20"))
+DOMAIN = f"ros-{os.getpid()}"
+RATE_TOLERANCE = 0.005
+LOSS_TOLERANCE = 0.05
+NUMBER_TOLERANCE = 1e-5  # LaserScan is of float32
+
+
+class Listener:
+    """Subscribes to a topic; keeps the stamps and the last message."""
+
+    def __init__(self, topic, kind):
+        self.stamps_ns, self.last, self.lock = [], None, threading.Lock()
+        message_class = roslib.message.get_message_class(kind) if isinstance(kind, str) else kind
+        self.subscriber = rospy.Subscriber(topic, message_class, self.receive, buff_size=1 << 25, tcp_nodelay=True)
+
+    def receive(self, message):
+        if hasattr(message, "header"):
+            stamp = message.header.stamp
+        elif hasattr(message, "clock"):
+            stamp = message.clock
+        else:
+            stamp = message.transforms[0].header.stamp
+        with self.lock:
+            self.stamps_ns.append(stamp.to_nsec())
+            self.last = message
+
+    def count(self):
+        with self.lock:
+            return len(self.stamps_ns)
+
+    def close(self):
+        self.subscriber.unregister()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+def published():
+    """Topics that have a publisher now."""
+    return {topic for topic, _ in rosgraph.Master("/test").getSystemState()[0]}
+
+
+class Topics(unittest.TestCase):
+    maxDiff = None
+
+    def test_every_set_up(self):
+        for index, (name, setup) in enumerate(SETUPS.items()):
+            domain = f"{DOMAIN}-{index}"
+            with self.subTest(name), simulator(domain, *setup.arguments, **setup.environment), bridge(domain) as node:
+                self.check_set_up(setup, domain, node)
+
+    def check_set_up(self, setup, domain, node):
+        # A latched topic is served like the others, but need not come again.
+        self.assertTrue(eventually(lambda: setup.topics.keys() <= published()), node.output())
+        idle = subscribers_of_streams(domain)
+        idle.pop("/cmd_vel")
+        self.assertEqual({topic for topic, count in idle.items() if count}, {"/clock"}, "read while nobody subscribes")
+
+        listeners = {topic: Listener(topic, expected.type) for topic, expected in setup.topics.items()}
+        self.assertTrue(
+            eventually(lambda: all(listener.count() > 0 for listener in listeners.values())),
+            {topic: listener.count() for topic, listener in listeners.items()},
+        )
+        time.sleep(SECONDS)
+        for listener in listeners.values():
+            listener.close()
+        for topic, expected in setup.topics.items():
+            with self.subTest(topic=topic):
+                self.check_topic(listeners[topic], expected)
+
+        relieved = lambda: not any(n for t, n in subscribers_of_streams(domain).items() if t not in ("/clock", "/cmd_vel"))  # noqa: E731
+        self.assertTrue(eventually(relieved, 5.0), f"still read: {subscribers_of_streams(domain)}")
+
+    def check_topic(self, listener, expected):
+        stamps = listener.stamps_ns
+        if expected.rate > 0:
+            self.assertGreater(stamps[0], 0)
+            self.assertTrue(all(a < b for a, b in zip(stamps, stamps[1:])), "stamps do not rise")
+            # By the stamps; a busy machine may cost a subscriber some messages.
+            gaps = [round((b - a) * 1e-9 * expected.rate) for a, b in zip(stamps, stamps[1:])]
+            rate = sum(gaps) * 1e9 / (stamps[-1] - stamps[0])
+            self.assertAlmostEqual(rate, expected.rate, delta=RATE_TOLERANCE * expected.rate)
+            self.assertLessEqual(sum(gaps) - len(gaps), 1 + LOSS_TOLERANCE * len(gaps), "messages lost")
+        else:
+            self.assertEqual(len(stamps), 1, "a latched topic comes once")
+        message = listener.last
+        if expected.frame:
+            self.assertEqual(message.header.frame_id, expected.frame)
+        for name, value in expected.fields.items():
+            self.check_field(name, getattr(message, name), value)
+        if expected.length >= 0:
+            payload = message.ranges if hasattr(message, "ranges") else message.data
+            self.assertEqual(len(payload), expected.length)
+
+    def check_field(self, name, is_there, value):
+        if isinstance(value, float):
+            self.assertAlmostEqual(is_there, value, delta=NUMBER_TOLERANCE, msg=name)
+        elif isinstance(value, list) and value and not isinstance(value[0], str):
+            self.assertEqual(len(is_there), len(value), name)
+            for a, b in zip(is_there, value):
+                self.assertAlmostEqual(a, b, delta=NUMBER_TOLERANCE, msg=name)
+        else:
+            self.assertEqual(is_there, value, name)
+
+
+class Robot(unittest.TestCase):
+    """One simulator and one node for all that follows."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.simulator, cls.node = simulator(DOMAIN), bridge(DOMAIN)
+        assert eventually(lambda: {"/odom", "/image_raw"} <= published()), cls.node.output()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.node.stop()
+        cls.simulator.stop()
+
+    def test_velocities_move_it(self):
+        for topic in ("cmd_vel", "commands/velocity", "mobile_base/commands/velocity"):
+            with self.subTest(topic), Listener("/odom", Odometry) as odometry:
+                commands = rospy.Publisher(topic, Twist, queue_size=1)
+                self.assertTrue(eventually(lambda: commands.get_num_connections() > 0 and odometry.count() > 0))
+                before = odometry.last.pose.pose.position
+                twist = Twist()
+                twist.linear.x = 0.2
+                for _ in range(15):
+                    commands.publish(twist)
+                    time.sleep(0.1)
+                after = odometry.last.pose.pose.position
+                self.assertGreater(math.hypot(after.x - before.x, after.y - before.y), 0.15)
+                # It stops by itself 0.6 s after the last command.
+                self.assertTrue(eventually(lambda: abs(odometry.last.twist.twist.linear.x) < 1e-3, 5.0))
+                twist.linear.x = math.nan
+                commands.publish(twist)
+                time.sleep(0.3)
+                self.assertLess(abs(odometry.last.twist.twist.linear.x), 1e-3, "a command that is not a number")
+                commands.unregister()
+
+    def test_infos_alone_do_not_have_pictures_made(self):
+        with Listener("/camera_info", CameraInfo) as infos:
+            self.assertTrue(eventually(lambda: infos.count() > 3))
+            subscribers = subscribers_of_streams(DOMAIN)
+            self.assertEqual((subscribers["/camera_info"], subscribers["/image_raw"]), (1, 0))
+
+    def test_pictures_and_infos_have_the_same_stamps(self):
+        with Listener("/camera_info", CameraInfo) as infos, Listener("/image_raw", Image) as images:
+            self.assertTrue(eventually(lambda: images.count() > 30))
+        alone = set(images.stamps_ns[1:-1]) - set(infos.stamps_ns)
+        self.assertFalse(alone, "pictures without an info")
+
+    def test_a_calibration_takes_the_place_of_the_simulators(self):
+        with tempfile.TemporaryDirectory() as folder:
+            names = "__ns:=/calibrated", f"_camera_info_url:=file://{folder}/${{NAME}}.yaml", "_publish_clock:=false"
+            with bridge(DOMAIN, *names) as node, Listener("/calibrated/camera_info", CameraInfo) as infos:
+                self.assertTrue(eventually(lambda: infos.count() > 0), node.output())
+                calibrated = infos.last
+                calibrated.K = [400.0, *calibrated.K[1:]]
+                reply = rospy.ServiceProxy("/calibrated/set_camera_info", SetCameraInfo)(calibrated)
+                self.assertTrue(reply.success, reply.status_message)
+                self.assertTrue(eventually(lambda: infos.last.K[0] == 400.0))
+            with bridge(DOMAIN, *names) as node, Listener("/calibrated/camera_info", CameraInfo) as infos:
+                self.assertTrue(eventually(lambda: infos.count() > 0), node.output())
+                self.assertEqual(infos.last.K[0], 400.0, "it is kept")
+
+    def test_diagnostics(self):
+        with Listener("/diagnostics", DiagnosticArray) as diagnostics, Listener("/odom", Odometry):
+            flows = lambda: self.status(diagnostics, "odom") == (0, "flows")  # noqa: E731
+            self.assertTrue(eventually(flows, 15.0), diagnostics.last)
+            first, start = diagnostics.count(), time.monotonic()
+            time.sleep(5.0)
+            rate = (diagnostics.count() - first) / (time.monotonic() - start)
+            self.assertAlmostEqual(rate, 1.0, delta=0.25)
+            self.assertEqual(self.status(diagnostics, "image_raw"), (0, "nobody subscribes"))
+            self.assertEqual(self.status(diagnostics, "simulator"), (0, "publishes"))
+
+    @staticmethod
+    def status(diagnostics, name):
+        for status in diagnostics.last.status if diagnostics.last else ():
+            if status.name == f"belvedere: {name}":
+                return status.level, status.message
+        return None
+
+    def test_names_can_be_moved(self):
+        with bridge(DOMAIN, "__ns:=/robot1", "image_raw:=eye/picture", "_publish_clock:=false") as node:
+            self.assertTrue(eventually(lambda: "/robot1/eye/picture" in published()), node.output())
+            self.assertTrue(eventually(lambda: "/robot1/odom" in published()), node.output())
+            self.assertNotIn("/robot1/image_raw", published())
+            with Listener("/robot1/eye/picture", Image) as images:
+                self.assertTrue(eventually(lambda: images.count() > 3))
+
+    def test_robot_state_publisher_can_send_the_robots_own_transforms(self):
+        with bridge(DOMAIN, "__ns:=/robot2", "__name:=bridge", "_transforms:=odometry", "/tf:=/robot2/tf") as node:
+            self.assertTrue(eventually(lambda: "/robot2/tf" in published()), node.output())
+            with Listener("/robot2/tf", "tf2_msgs/TFMessage") as transforms:
+                self.assertTrue(eventually(lambda: transforms.count() > 3))
+            self.assertEqual([t.header.frame_id for t in transforms.last.transforms], ["odom"])
+            self.assertNotIn("/robot2/tf_static", published())
+
+    def test_the_nodelet_is_the_same(self):
+        program = roslib.packages.find_node("nodelet", "nodelet")[0]
+        names = "__ns:=/nodelets", "__name:=bridge", f"_domain:={DOMAIN}", "_publish_clock:=false"
+        with Process(program, "manager", "__name:=manager") as manager:
+            with Process(program, "load", "belvedere_ros/bridge", "/manager", *names) as loader:
+                self.assertTrue(eventually(lambda: "/nodelets/image_raw" in published()), loader.output())
+                with Listener("/nodelets/image_raw", Image) as images, Listener("/nodelets/odom", Odometry) as odometry:
+                    self.assertTrue(eventually(lambda: images.count() > 3 and odometry.count() > 3), manager.output())
+            self.assertTrue(eventually(lambda: "/nodelets/image_raw" not in published()), "it cannot be unloaded")
+            self.assertTrue(manager.running(), manager.output())
+
+    def test_the_clock(self):
+        self.assertTrue(rospy.get_param("/use_sim_time"))
+        with Listener("/clock", Clock) as clock:
+            self.assertTrue(eventually(lambda: clock.count() > 10))
+        self.assertLess(clock.stamps_ns[-1], 600e9, "time on the wall")
+
+
+if __name__ == "__main__":
+    rospy.init_node("belvedere_test", disable_signals=True)
+    unittest.main(verbosity=2, warnings="ignore")  # rospy leaves sockets to the garbage collector

@@ -1,0 +1,20 @@
+#include <belvedere/eigen.hpp>
+#include <iostream>
+
+int main() try {
+    belvedere::Node node;
+    auto pairs = node.synchronize(std::chrono::nanoseconds(0), "camera/rgb/image_raw", "camera/depth/points");
+    for (int count = 0; count < 10 && pairs.wait(std::chrono::seconds(5));) {
+        if (auto pair = pairs.take()) {
+            const auto& [picture, cloud] = *pair;  // of one moment
+            const auto points = belvedere::eigen_points(cloud);  // a map: where the simulator wrote them
+            const auto middle = points.col(cloud.header().width * (cloud.header().height / 2) + cloud.header().width / 2);
+            std::cout << picture.header().stamp_ns << " ns: " << points.cols() << " points, in the middle "
+                      << (belvedere::eigen_world_from_optical(cloud) * middle.cast<double>()).transpose() << '\n';
+            ++count;
+        }
+    }
+} catch (const std::exception& error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+}

@@ -317,10 +317,11 @@ fn events_are_told_once_and_the_last_one_again_to_who_comes_later() {
     let simulator = Simulator::start(&["--drive", "still", "--world", file.to_str().unwrap()]);
     let node = simulator.node();
     let mut core = node.subscriber("/mobile_base/sensors/core").unwrap();
-    // A subscriber that is there before its publisher finds it when it next looks, and gets its last frame only.
     next_frame(&mut core);
     let mut cliffs = node.subscriber("/mobile_base/events/cliff").unwrap();
     let mut wheels = node.subscriber("/mobile_base/events/wheel_drop").unwrap();
+    // A subscriber connects when it first looks.
+    assert!(cliffs.take().unwrap().is_none() && wheels.take().unwrap().is_none(), "nothing has happened");
     let commands = node.publisher(&StreamSpec::velocity_command("/cmd_vel")).unwrap();
     let forward = VelocityCommand { linear: [0.3, 0.0, 0.0], angular: [0.0; 3] };
     let (dropped_ns, _) = find(&mut core, |core: &CoreSensors| {
@@ -352,6 +353,7 @@ fn a_bumper_is_told_by_a_live_simulator() {
     let mut core = node.subscriber("/mobile_base/sensors/core").unwrap();
     next_frame(&mut core);
     let mut bumpers = node.subscriber("/mobile_base/events/bumper").unwrap();
+    assert!(bumpers.take().unwrap().is_none(), "nothing has happened");
     let commands = node.publisher(&StreamSpec::velocity_command("/cmd_vel")).unwrap();
     let mut seen = Vec::new();
     for (speed_m_s, bits) in [(0.2, 2), (-0.2, 0)] {

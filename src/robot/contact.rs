@@ -16,9 +16,10 @@ use crate::world::physics::{ModelIndex, Physics};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
+use std::ops::RangeInclusive;
 
 /// Heights over the floor that the bumpers feel, in m.
-const BUMPER_HEIGHTS_M: [f64; 2] = [0.01, 0.13];
+const BUMPER_HEIGHTS_M: RangeInclusive<f64> = 0.01..=0.13;
 /// What is nearer than this touches, in m: physics holds a body that pushes a hair before a wall.
 const BUMPER_GAP_M: f64 = 5e-4;
 /// Distance of the floor at which there is a cliff, in m.
@@ -95,10 +96,11 @@ impl ContactSensors {
             let height_m = base_from_world.transform_point(touch.point).z;
             let outward = base_from_world.transform_vector(touch.outward);
             let is_beside = outward.z.abs() < 0.9;
-            if is_beside && (BUMPER_HEIGHTS_M[0]..=BUMPER_HEIGHTS_M[1]).contains(&height_m) {
-                if let Some(side) = bumper_at(libm::atan2(outward.y, outward.x)) {
-                    self.touched[side] = true;
-                }
+            if is_beside
+                && BUMPER_HEIGHTS_M.contains(&height_m)
+                && let Some(side) = bumper_at(libm::atan2(outward.y, outward.x))
+            {
+                self.touched[side] = true;
             }
         }
     }
@@ -133,9 +135,8 @@ impl ContactSensors {
 fn bumper_at(direction_rad: f64) -> Option<usize> {
     match direction_rad {
         angle if angle.abs() <= FRAC_PI_6 => Some(1),
-        angle if angle > 0.0 && angle <= FRAC_PI_2 => Some(0),
-        angle if angle < 0.0 && angle >= -FRAC_PI_2 => Some(2),
-        _ => None,
+        angle if angle.abs() > FRAC_PI_2 => None,
+        angle => Some(if angle > 0.0 { 0 } else { 2 }),
     }
 }
 

@@ -240,19 +240,19 @@ impl Kobuki {
         let (before_ns, before_rad) = (physics.time_ns() - physics.step_ns(), self.gyro_heading_rad);
         self.gyro_heading_rad += rate * physics.step_s();
         let mut stamp_ns = (before_ns / ODOMETRY_PERIOD_NS + 1) * ODOMETRY_PERIOD_NS;
-        if stamp_ns > physics.time_ns() {
-            self.imu.end_step(physics);
-            return;
-        }
-        // Where one step takes in several reports, they all tell of its end.
-        let contact = self.contact.report(physics);
+        // Where one step takes in several reports, they all feel what there is at its end.
+        let mut felt = None;
         while stamp_ns <= physics.time_ns() {
             let heading_rad = before_rad + rate * (stamp_ns - before_ns) as f64 * 1e-9;
             let encoders = self.encoders_at(physics, stamp_ns);
             self.newest = (self.newest + 1) % REPORTS_KEPT;
             let odometry = self.odometer.update(stamp_ns, encoders, heading_rad);
-            self.reports[self.newest] =
-                Report { odometry, imu: self.imu.report(physics, &odometry), encoders, contact };
+            self.reports[self.newest] = Report {
+                odometry,
+                imu: self.imu.report(physics, &odometry),
+                encoders,
+                contact: *felt.get_or_insert_with(|| self.contact.report(physics)),
+            };
             stamp_ns += ODOMETRY_PERIOD_NS;
         }
         self.imu.end_step(physics);

@@ -1,6 +1,9 @@
 //! What a stream carries, and how its bytes are coded.
 
-use crate::payload::{CameraInfo, Clock, JointState, Odometry, Transform, VelocityCommand};
+use crate::payload::{
+    CameraInfo, Clock, JointState, ModelState, Odometry, SimulationCommand, SimulationResult, Transform,
+    VelocityCommand,
+};
 
 macro_rules! wire_enum {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $number:literal $text:literal,)+ }) => {
@@ -69,6 +72,12 @@ wire_enum! {
         Clock = 10 "clock",
         /// One [`VelocityCommand`], towards the robot.
         VelocityCommand = 11 "velocity_command",
+        /// One [`SimulationCommand`], towards the simulator; a text may follow it in the payload.
+        SimulationCommand = 14 "simulation_command",
+        /// One [`SimulationResult`]: the answer to a command.
+        SimulationResult = 15 "simulation_result",
+        /// An array of [`ModelState`].
+        ModelStates = 16 "model_states",
     }
 }
 
@@ -85,6 +94,9 @@ impl Kind {
             Self::JointStates => size_of::<JointState>(),
             Self::Clock => size_of::<Clock>(),
             Self::VelocityCommand => size_of::<VelocityCommand>(),
+            Self::SimulationCommand => size_of::<SimulationCommand>(),
+            Self::SimulationResult => size_of::<SimulationResult>(),
+            Self::ModelStates => size_of::<ModelState>(),
         })
     }
 }
@@ -129,6 +141,29 @@ impl Encoding {
     }
 }
 
+wire_enum! {
+    /// What a simulator is told to do (`SimulationCommand::operation`). Numbers are never reused; one that a simulator
+    /// does not know it refuses by number.
+    Operation {
+        /// Let simulated time stand.
+        Pause = 1 "pause",
+        /// Let it go on.
+        Resume = 2 "resume",
+        /// Run `steps` steps of physics with all that is published on the way, then pause.
+        Step = 3 "step",
+        /// Put every model back to where it was at the start, at rest; time goes on.
+        ResetWorld = 4 "reset_world",
+        /// Begin again at time 0: what follows are the bytes of a fresh start.
+        ResetSimulation = 5 "reset_simulation",
+        /// Give the model `name` a pose and a velocity, in the frame `reference`.
+        SetModelState = 6 "set_model_state",
+        /// Put the model in the text (URDF or SDF) into the world as `name`, at a pose in the frame `reference`.
+        Spawn = 7 "spawn",
+        /// Take the model `name` out of the world.
+        Delete = 8 "delete",
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,6 +177,10 @@ mod tests {
         for &encoding in Encoding::ALL {
             assert_eq!(Encoding::from_wire(encoding.to_wire()), Some(encoding));
             assert_eq!(encoding.as_str().parse(), Ok(encoding));
+        }
+        for &operation in Operation::ALL {
+            assert_eq!(Operation::from_wire(operation.to_wire()), Some(operation));
+            assert_eq!(operation.as_str().parse(), Ok(operation));
         }
         assert_eq!(Kind::from_wire(0), None);
         assert_eq!(Encoding::from_wire(9999), None);

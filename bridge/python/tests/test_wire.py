@@ -39,6 +39,9 @@ def test_every_offset_is_that_of_wire_md() -> None:
         "JointState": Kind.JOINT_STATES,
         "Clock": Kind.CLOCK,
         "VelocityCommand": Kind.VELOCITY_COMMAND,
+        "SimulationCommand": Kind.SIMULATION_COMMAND,
+        "SimulationResult": Kind.SIMULATION_RESULT,
+        "ModelState": Kind.MODEL_STATES,
     }
     for name, kind in sizes.items():
         found = re.search(rf"\*\*{name}\*\*, (\d+) bytes: (.*?)(?:\n\n|\Z)", text, re.DOTALL)
@@ -94,7 +97,7 @@ def test_no_header_leads_outside_the_payload() -> None:
         for field in draw.sample(["flags", "width", "height", "row_stride", "elem_stride", "payload_len"], 3):
             bits = draw.choice([2, 4, 8, 12, 31, 32])
             header[field] = draw.getrandbits(bits)
-        header["kind"], header["encoding"] = draw.randrange(14), draw.randrange(10)
+        header["kind"], header["encoding"] = draw.randrange(18), draw.randrange(10)
         try:
             wire.check(header[()], memory.size)
         except BadFrameError:

@@ -32,6 +32,9 @@ class Kind(IntEnum):
     JOINT_STATES = 9
     CLOCK = 10
     VELOCITY_COMMAND = 11
+    SIMULATION_COMMAND = 14
+    SIMULATION_RESULT = 15
+    MODEL_STATES = 16
 
 
 class Encoding(IntEnum):
@@ -106,6 +109,25 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
     Kind.JOINT_STATES: np.dtype([("name", "S64"), ("position", "<f8"), ("velocity", "<f8"), ("effort", "<f8")]),
     Kind.CLOCK: np.dtype([("now_ns", "<u8")]),
     Kind.VELOCITY_COMMAND: np.dtype([("linear", "<f8", 3), ("angular", "<f8", 3)]),
+    Kind.SIMULATION_COMMAND: np.dtype(
+        [
+            *(("id", "<u8"), ("operation", "<u2"), ("reserved", "<u2"), ("text_len", "<u4"), ("steps", "<u8")),
+            *(("name", "S64"), ("reference", "S64"), ("position", "<f8", 3), ("orientation", "<f8", 4)),
+            *(("linear", "<f8", 3), ("angular", "<f8", 3)),
+        ]
+    ),
+    Kind.SIMULATION_RESULT: np.dtype(
+        [
+            *(("id", "<u8"), ("time_ns", "<u8"), ("done", "<u2"), ("operation", "<u2"), ("reserved", "<u4")),
+            ("reason", "S488"),
+        ]
+    ),
+    Kind.MODEL_STATES: np.dtype(
+        [
+            *(("name", "S128"), ("position", "<f8", 3), ("orientation", "<f8", 4)),
+            *(("linear", "<f8", 3), ("angular", "<f8", 3)),
+        ]
+    ),
 }
 STRUCTS[Kind.STATIC_TRANSFORMS] = STRUCTS[Kind.TRANSFORMS]
 

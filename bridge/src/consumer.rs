@@ -12,7 +12,7 @@ use iceoryx2::{
     service::port_factory::PortFactory as _,
 };
 
-use crate::{Node, node::Ipc, stream::Frames};
+use crate::{Node, node::Ipc, remnants, stream::Frames};
 
 /// A process that follows a stream, by the name that it opened its node with.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -77,24 +77,32 @@ pub(crate) fn publisher(node: &Node, frames: &Frames) -> Consumer {
     holder
 }
 
-/// Whether a place of the stream is that of a process that is no more: somebody is just cleaning up after it, and the
-/// place will soon be free.
+/// Whether a place of the stream is that of a process that is no more: it will soon be free, since somebody is just
+/// cleaning up after it, or since it is raised here to be cleaned up after.
 pub(crate) fn place_of_the_dead(node: &Node, frames: &Frames) -> bool {
-    let mut living = HashSet::new();
-    let _ = IoxNode::<Ipc>::list(node.config(), |state| {
-        if !matches!(state, NodeState::Dead(_)) {
-            living.insert(state.node_id().value());
-        }
+    let (mut living, mut dead) = (HashSet::new(), HashSet::new());
+    let listed = IoxNode::<Ipc>::list(node.config(), |state| {
+        let nodes = if matches!(state, NodeState::Dead(_)) { &mut dead } else { &mut living };
+        nodes.insert(state.node_id().value());
         CallbackProgression::Continue
     });
-    let mut found = false;
-    let mut look = |id: UniqueNodeId| {
-        found |= !living.contains(&id.value());
+    let mut ports: HashMap<u128, Vec<u128>> = HashMap::new();
+    frames.dynamic_config().list_publishers(|publisher| {
+        ports.entry(publisher.node_id.value()).or_default().push(publisher.publisher_id.value());
         CallbackProgression::Continue
-    };
-    frames.dynamic_config().list_publishers(|publisher| look(publisher.node_id));
-    frames.dynamic_config().list_subscribers(|subscriber| look(subscriber.node_id));
-    found
+    });
+    frames.dynamic_config().list_subscribers(|subscriber| {
+        ports.entry(subscriber.node_id.value()).or_default().push(subscriber.subscriber_id.value());
+        CallbackProgression::Continue
+    });
+    ports.retain(|id, _| !living.contains(id));
+    if listed.is_ok() {
+        for (id, ports) in ports.iter().filter(|(id, _)| !dead.contains(id)) {
+            let own = node.iox().id().value();
+            let _ = remnants::raise(node.places(), own, frames.service_hash().as_str(), *id, ports);
+        }
+    }
+    !ports.is_empty()
 }
 
 fn named(names: &HashMap<u128, String>, id: UniqueNodeId) -> Consumer {

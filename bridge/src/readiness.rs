@@ -20,8 +20,7 @@ use crate::node::Ipc;
 
 /// Sleeps until the listener is notified, which it then takes note of, or the time has passed.
 ///
-/// iceoryx2's own `timed_wait` does the same by seven system calls instead of four, each a microsecond or two in a
-/// process that has slept: 30 µs of processor time a frame instead of XX.
+/// iceoryx2's own `timed_wait` does the same by seven system calls instead of two.
 pub(crate) fn wait_for(listener: &Listener<Ipc>, timeout: Duration) -> io::Result<()> {
     let timeout =
         Timespec { tv_sec: timeout.as_secs().cast_signed(), tv_nsec: timeout.subsec_nanos().into() };

@@ -17,8 +17,9 @@
 
 use std::{
     collections::HashSet,
-    fs,
-    os::unix::fs::PermissionsExt as _,
+    fs::{self, OpenOptions, Permissions},
+    io::{self, Write as _},
+    os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _, PermissionsExt as _},
     path::{Path, PathBuf},
 };
 
@@ -44,6 +45,33 @@ pub(crate) fn remove(config: &Config, places: &Places) {
     }
     places.remove_half_made_nodes();
     places.remove_ownerless();
+}
+
+/// Gives a node that is gone, and still has places in a stream, what iceoryx2 needs to free them: a description, tags,
+/// and a monitor that nobody locks.
+///
+/// Whoever cleans up removes a port's tag and then frees its place. If it is killed in between, the next one finds no
+/// tag, skips the place and removes the rest of the node: the place would be taken as long as the stream lives.
+pub(crate) fn raise(places: &Places, own: u128, service: &str, gone: u128, ports: &[u128]) -> io::Result<()> {
+    let (prefix, own, grave) =
+        (&places.prefix, places.nodes.join(own.to_string()), places.nodes.join(gone.to_string()));
+    let monitor = |suffix| places.nodes.join(format!("{prefix}{gone}.node_monitor{suffix}"));
+    // Another process does the same, or has not yet finished.
+    fs::DirBuilder::new().mode(0o750).create(&grave)?;
+    let tag = format!("{prefix}{service}.service_tag");
+    for port in ports {
+        fs::copy(own.join(&tag), grave.join(format!("{prefix}{port}.port_tag")))?;
+    }
+    fs::copy(own.join(&tag), grave.join(&tag))?;
+    let description = format!("{prefix}node.details");
+    fs::copy(own.join(&description), grave.join(&description))?;
+    let make = |path: PathBuf| OpenOptions::new().write(true).create_new(true).mode(0o600).open(path);
+    make(monitor(""))?;
+    make(monitor("_owner_lock"))?;
+    // From here on it can be seen. Its process: any but the one that looks.
+    let mut context = make(monitor("_context"))?;
+    context.write_all(&gone.to_ne_bytes())?;
+    context.set_permissions(Permissions::from_mode(0o400))
 }
 
 impl Places {

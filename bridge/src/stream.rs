@@ -6,7 +6,10 @@ use iceoryx2::{
     service::{
         Service as _,
         attribute::{AttributeKey, AttributeSet, AttributeValue},
-        builder::publish_subscribe::{PublishSubscribeCreateError, PublishSubscribeOpenError},
+        builder::{
+            event::{EventCreateError, EventOpenError, EventOpenOrCreateError},
+            publish_subscribe::{PublishSubscribeCreateError, PublishSubscribeOpenError},
+        },
         port_factory::{PortFactory as _, event, publish_subscribe},
         static_config::messaging_pattern::MessagingPattern,
     },
@@ -228,7 +231,10 @@ fn try_open(node: &Node, topic: &str) -> Result<Opened, Error> {
     let opened =
         node.iox().service_builder(&name).publish_subscribe::<[u8]>().user_header::<FrameHeader>().open();
     match opened {
-        Ok(frames) => Ok(Opened::Yes(frames, events(node, topic)?)),
+        Ok(frames) => match events(node, topic)? {
+            Some(events) => Ok(Opened::Yes(frames, events)),
+            None => Ok(Opened::NotThere),
+        },
         Err(E::DoesNotExist | E::IsMarkedForDestruction | E::HangsInCreation | E::Interrupt) => {
             Ok(Opened::NotThere)
         }
@@ -284,9 +290,14 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
                 .create_with_attributes(&spec.attributes()?);
             match created {
                 Ok(frames) => {
-                    let events = events(node, topic)?;
-                    node.settle();
-                    return Ok((frames, events));
+                    if let Some(events) = events(node, topic)? {
+                        node.settle();
+                        return Ok((frames, events));
+                    }
+                    if Instant::now() >= deadline {
+                        let detail = "another process hangs while it makes them";
+                        return Err(node.failed(format!("making the events of {topic}"), detail));
+                    }
                 }
                 Err(E::InsufficientPermissions) => return Err(node.refused(&format!("making {topic}"))),
                 // Somebody was quicker, or another is just taking it down.
@@ -309,14 +320,37 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
     }
 }
 
-/// The event service beside a stream.
-fn events(node: &Node, topic: &str) -> Result<Events, Error> {
+/// The event service beside a stream; `None` when another process is just making or removing it, or was killed while
+/// it did.
+fn events(node: &Node, topic: &str) -> Result<Option<Events>, Error> {
+    use EventCreateError as C;
+    use EventOpenError as O;
+    use EventOpenOrCreateError as E;
     let name = service_name(topic)?;
     let deadline = Instant::now() + node.patience().max(Duration::from_millis(50));
     loop {
         match node.iox().service_builder(&name).event().open_or_create() {
-            Ok(events) => return Ok(events),
+            Ok(events) => return Ok(Some(events)),
             Err(_) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(5)),
+            Err(
+                E::SystemInFlux
+                | E::EventOpenError(
+                    O::DoesNotExist
+                    | O::HangsInCreation
+                    | O::IsMarkedForDestruction
+                    | O::ServiceInCorruptedState
+                    | O::Interrupt,
+                )
+                | E::EventCreateError(
+                    C::AlreadyExists
+                    | C::IsBeingCreatedByAnotherInstance
+                    | C::ServiceInCorruptedState
+                    | C::Interrupt,
+                ),
+            ) => {
+                node.clean_up_dead();
+                return Ok(None);
+            }
             Err(error) => return Err(node.failed(format!("opening the events of {topic}"), error)),
         }
     }

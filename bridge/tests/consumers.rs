@@ -4,8 +4,8 @@ mod processes_kit;
 
 use std::time::{Duration, Instant};
 
-use belvedere_bridge::{Domain, Encoding, Error, Frame, Kind, Node, StreamSpec};
-use processes_kit::{PATIENCE, Process, Role, TestDomain, next, quantile, report};
+use belvedere_bridge::{Domain, Encoding, Error, Frame, Kind, Node, StreamSpec, clock::mono_ns};
+use processes_kit::{PATIENCE, Process, Random, Role, TestDomain, full, next, quantile, report};
 use rustix::process::Signal;
 
 const STREAM: &str = "camera/image_raw";
@@ -169,6 +169,46 @@ fn a_stopped_consumer_harms_nobody_and_knows_what_it_missed() {
     assert!(during < 3 * before + 500_000, "the publisher is not slowed: {during} ns after {before} ns");
 
     drop((stopped, others, publisher));
+    domain.assert_nothing_left_after_the_next_start();
+}
+
+#[test]
+fn a_consumer_stopped_while_it_opens_harms_nobody() {
+    let rounds = if full() { 400 } else { 30 };
+    let mut domain = TestDomain::new("opening");
+    let mut random = Random::new(8);
+    let other = Process::start(&domain, "consume", &[]);
+    let publisher = Process::start(&domain, "publish", &[&100]);
+    other.expect("frame");
+    std::thread::sleep(Duration::from_millis(200));
+    frames_of(&publisher);
+    let mut frames = frames_of(&other);
+    let mut newcomers_ns = Vec::new();
+    for _ in 0..rounds {
+        let stopped = Process::start(&domain, "consume", &[]);
+        std::thread::sleep(Duration::from_micros(random.below(30_000)));
+        stopped.signal(Signal::STOP);
+        let newcomer = Process::start(&domain, "consume", &[]);
+        newcomer.expect("frame");
+        newcomers_ns.push(mono_ns() - newcomer.started_mono_ns);
+        stopped.signal(Signal::CONT);
+        stopped.expect("frame");
+        frames.extend(frames_of(&other));
+    }
+    let mut sends: Vec<u64> = frames_of(&publisher).iter().map(|sent| sent.1).collect();
+    println!(
+        "{rounds} stops while opening: loan and send took p50 {} ns, max {} ns; another was in after p50 {:.1} ms, max \
+         {:.1} ms; {} frames missed by the first",
+        quantile(&mut sends, 0.5),
+        quantile(&mut sends, 1.0),
+        quantile(&mut newcomers_ns, 0.5) as f64 / 1e6,
+        quantile(&mut newcomers_ns, 1.0) as f64 / 1e6,
+        missed_in(&frames),
+    );
+    // A connection that is not completed is waited for 200 ms; the lock of those who open, two seconds.
+    assert!(quantile(&mut sends, 1.0) < 500_000_000, "the publisher does not wait for who hangs");
+    assert!(quantile(&mut newcomers_ns, 1.0) < 4_000_000_000, "nobody is kept out by who hangs");
+    drop((other, publisher));
     domain.assert_nothing_left_after_the_next_start();
 }
 

@@ -125,3 +125,27 @@ fn the_remnant_of_a_half_cleaned_node_goes() {
     domain.assert_nothing_left();
     assert!(!own.exists());
 }
+
+/// A process that cleans up removes the tag of a port and then frees its place in the stream. One that is killed in
+/// between leaves the place taken, and nothing that tells of it.
+#[test]
+fn a_place_that_nobody_has_is_freed() {
+    let mut domain = TestDomain::new("place");
+    let node = Node::open(&domain, "test").unwrap();
+    // Keeps the stream.
+    let mut subscriber = node.subscriber("camera/image_raw").unwrap();
+    let publisher = Process::start(&domain, "publish", &[]);
+    drop(next(&mut subscriber));
+    publisher.kill();
+    let pool = domain.pools().remove(0);
+    let port = pool.file_stem().unwrap().to_str().unwrap().rsplit_once('_').unwrap().1.to_owned();
+    let tag =
+        domain.files().into_iter().find(|path| path.ends_with(format!("{}{port}.port_tag", domain.prefix())));
+    std::fs::remove_file(tag.unwrap()).unwrap();
+
+    let successor = Process::start(&domain, "publish", &[]);
+    // What the first had sent is still to be had.
+    while !next(&mut subscriber).restarted() {}
+    drop((successor, subscriber, node));
+    domain.assert_nothing_left_after_the_next_start();
+}

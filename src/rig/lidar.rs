@@ -51,6 +51,8 @@ impl LidarChannel {
         let spec = StreamSpec::new(&plugin.topic, Kind::LaserScan, Encoding::RangesF32, bytes)
             .frame_id(&frame)
             .rate_hz(rate);
+        // As deep as that of messages: scans are small, come at 40 Hz, and mapping wants each of them.
+        let spec = StreamSpec { buffer: 16, ..spec };
         Ok(Self {
             scan: setting.open_rendered(spec)?,
             geometry: ScanGeometry {

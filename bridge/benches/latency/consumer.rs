@@ -85,7 +85,7 @@ impl Consumer {
 
     /// Nanoseconds that each of the frames was on its way.
     pub(crate) fn answer(&mut self) -> Vec<u64> {
-        self.line().split(' ').map(|number| number.parse().expect("a number")).collect()
+        self.line().split_whitespace().map(|number| number.parse().expect("a number")).collect()
     }
 
     /// Processor time that it has used until now.

@@ -41,25 +41,30 @@ class Lives(unittest.TestCase):
         except subprocess.TimeoutExpired:
             return False
 
+    def started(self, process):
+        """Stopped at the end, however that is."""
+        self.addCleanup(process.stop)
+        return process
+
     def test_each_may_start_late_and_be_killed(self):
         node = bridge(self.domain)
         with node:
             self.assertTrue(node.says(f"waiting for roscore at http://127.0.0.1:{self.port}"), node.output())
-            core = roscore(self.port)
+            core = self.started(roscore(self.port))
             self.assertTrue(node.says(f"waiting for a simulator in domain {self.domain}"), node.output())
-            robot = simulator(self.domain)
+            robot = self.started(simulator(self.domain))
             self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
             self.assertTrue(self.flows(), node.output())
 
             robot.stop(signal.SIGKILL)
             self.assertTrue(node.says("the simulator has gone"), node.output())
             self.assertTrue(node.running())
-            robot = simulator(self.domain)
+            robot = self.started(simulator(self.domain))
             self.assertTrue(self.flows(), node.output())
 
             core.stop(signal.SIGKILL)
             self.assertTrue(node.says("is gone; waiting for it"), node.output())
-            core = roscore(self.port)
+            core = self.started(roscore(self.port))
             self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
             self.assertTrue(self.flows(), node.output())
             with self.subTest("its parameters outlived the master"):
@@ -68,8 +73,6 @@ class Lives(unittest.TestCase):
             node.stop(signal.SIGKILL)
             with bridge(self.domain) as successor:
                 self.assertTrue(self.flows(), successor.output())
-            robot.stop()
-            core.stop()
 
     def test_a_subscriber_sees_it_go_on(self):
         """The subscriber is one and the same throughout; simulator and node are killed and come back."""

@@ -96,6 +96,15 @@ pub(crate) fn one_field_wrong() -> Vec<Case> {
         for byte in BYTES {
             add(FrameHeader { frame_id: text_of(byte), ..honest });
         }
+        // Thin rows of wide elements: more structs than the payload has bytes for.
+        add(FrameHeader {
+            width: 1,
+            height: 4000,
+            row_stride: 1,
+            elem_stride: 744,
+            payload_len: PAYLOAD_LEN as u64,
+            ..honest
+        });
         for available in AVAILABLE {
             cases.push(Case { header: honest, available });
         }

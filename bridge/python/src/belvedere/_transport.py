@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import os
 import re
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,12 @@ class Membership:
     def __init__(self, domain: str, name: str) -> None:
         if not _DOMAIN.fullmatch(domain):
             raise InvalidNameError(f"{domain!r} cannot be a domain: 1 to 24 of a-z A-Z 0-9 _ -")
+        if group := os.environ.get("BELVEDERE_GROUP"):
+            # Nothing would come: the domain that is shared with a group is another one.
+            raise BridgeError(
+                f"BELVEDERE_GROUP is {group!r}, and this package cannot open its files to a group: run it as the "
+                "simulator's user without that variable, or use the C++ or Rust library (see bridge/SECURITY.md)"
+            )
         # Its messages repeat what the errors say.
         iox2.set_log_level(iox2.LogLevel.Fatal)
         # Not from a file: a config/iceoryx2.toml in the working directory must not part two peers.

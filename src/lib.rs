@@ -6,6 +6,7 @@
 //! | [`world`] | the running world: physics, and the scene that the sensors see |
 //! | [`robot`] | the Kobuki base: drive, odometry, transforms, joint states |
 //! | [`rig`] | the sensors on their schedule, rendered straight into shared memory |
+//! | [`control`] | how other processes control it: pause, step, reset, move, spawn, delete |
 //! | [`simulation`] | all of it, advanced from frame to frame |
 //! | [`picture`] | frames as pictures for people |
 //! | [`cli`] | the `belvedere` command |
@@ -14,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod control;
 pub mod description;
 pub mod picture;
 pub mod rig;

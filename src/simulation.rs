@@ -1,5 +1,8 @@
-//! A world, its robot and its sensors, advanced from frame to frame.
+//! A world, its robot and its sensors, advanced from frame to frame, and controlled by other processes in between.
 
+mod operations;
+
+use crate::control::{Inbox, Resident, Role, Roster, SpawnOptions, StateStreams};
 use crate::description::model::{Model, World};
 use crate::description::{Problem, Severity};
 use crate::rig::base::BaseCommands;
@@ -7,7 +10,7 @@ use crate::rig::{Rig, RigError, RigOptions};
 use crate::robot::{Command, Drive, Robot};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
-use belvedere_bridge::payload::VelocityCommand;
+use belvedere_bridge::payload::{SimulationCommand, VelocityCommand};
 use belvedere_bridge::{Node, StreamSpec, Subscriber};
 
 /// How long a command from outside keeps the built-in drive off, in ns: as long as it holds for the base.
@@ -15,6 +18,8 @@ const COMMAND_HOLDS_NS: u64 = crate::robot::kobuki::COMMAND_TIMEOUT_NS;
 
 /// A running simulation of one robot.
 pub struct Simulation {
+    world: World,
+    roster: Roster,
     physics: Physics,
     robots: Vec<Robot>,
     scene: WorldScene,
@@ -23,6 +28,20 @@ pub struct Simulation {
     commands: Subscriber,
     commanded_ns: Option<u64>,
     base_commands: Option<BaseCommands>,
+    inbox: Inbox,
+    states: StateStreams,
+    spawn_options: SpawnOptions,
+    paused: bool,
+    steps: Option<Steps>,
+    epoch: u64,
+    /// Simulated time before the last return to 0.
+    before_resets_ns: u64,
+}
+
+/// A step command that is being followed.
+struct Steps {
+    command: SimulationCommand,
+    until_ns: u64,
 }
 
 impl Simulation {
@@ -40,8 +59,13 @@ impl Simulation {
         options: &RigOptions,
         notes: &mut Vec<Problem>,
     ) -> Result<Self, RigError> {
-        let mut physics =
-            Physics::new(world, &[(robot.clone(), drive.start_pose() * robot.world_from_model)])?;
+        let mut roster = Roster::default();
+        let of_world = world.models.iter().map(|model| (model, model.world_from_model, Role::World));
+        let of_robot = (robot, drive.start_pose() * robot.world_from_model, Role::Robot);
+        for (model, start, role) in of_world.chain([of_robot]) {
+            roster.add(Resident { name: model.name.clone(), model: model.clone(), start, role });
+        }
+        let mut physics = Physics::with_models(world, roster.places())?;
         notes.extend_from_slice(physics.notes());
         let models = [robot.clone()];
         let index = physics.robot(0);
@@ -52,7 +76,30 @@ impl Simulation {
         let commands = node.command_subscriber(&StreamSpec::velocity_command("/cmd_vel"))?;
         let base_commands = robots[0].base().map(|_| BaseCommands::open(node)).transpose()?;
         let rig = Rig::open(node, &models, &robots, &physics, options)?;
-        Ok(Self { physics, robots, scene, rig, drive, commands, commanded_ns: None, base_commands })
+        Ok(Self {
+            world: world.clone(),
+            inbox: Inbox::open(node)?,
+            states: StateStreams::open(node, &roster, &physics)?,
+            spawn_options: SpawnOptions::default(),
+            roster,
+            physics,
+            robots,
+            scene,
+            rig,
+            drive,
+            commands,
+            commanded_ns: None,
+            base_commands,
+            paused: false,
+            steps: None,
+            epoch: 0,
+            before_resets_ns: 0,
+        })
+    }
+
+    /// Where the files of models are that other processes spawn.
+    pub fn set_spawn_options(&mut self, options: SpawnOptions) {
+        self.spawn_options = options;
     }
 
     /// Stamp in ns of the frame that is due next.
@@ -60,17 +107,26 @@ impl Simulation {
         self.rig.next_stamp_ns()
     }
 
-    /// Brings physics to the next frame's stamp and publishes all that is due then.
+    /// Simulated time in ns to which [`Simulation::advance`] goes: that frame's stamp, or the end of a step command.
+    pub fn next_ns(&self) -> u64 {
+        self.next_stamp_ns().min(self.steps.as_ref().map_or(u64::MAX, |steps| steps.until_ns))
+    }
+
+    /// Brings physics to the next frame's stamp and publishes all that is due then; stops before it where a step
+    /// command ends.
     pub fn advance(&mut self) {
-        let stamp_ns = self.next_stamp_ns();
-        if let Some(commands) = &mut self.base_commands {
-            commands.apply(&mut self.robots[0], &self.physics);
-        }
+        let (stamp_ns, until_ns) = (self.next_stamp_ns(), self.next_ns());
         self.take_commands();
-        while self.physics.time_ns() < stamp_ns {
+        while self.physics.time_ns() < until_ns {
             self.step();
         }
-        self.rig.publish(stamp_ns, &self.physics, &self.robots, &mut self.scene);
+        if stamp_ns == until_ns {
+            self.rig.publish(stamp_ns, &self.physics, &self.robots, &mut self.scene);
+            self.states.publish(stamp_ns, &self.roster, &self.physics);
+        }
+        if self.next_stamp_ns() > self.physics.time_ns() {
+            self.finish_steps();
+        }
     }
 
     /// One physics step.
@@ -89,8 +145,11 @@ impl Simulation {
         }
     }
 
-    /// Hands the newest velocity command from outside to the robot.
+    /// Hands the newest commands from outside to the robot.
     fn take_commands(&mut self) {
+        if let Some(commands) = &mut self.base_commands {
+            commands.apply(&mut self.robots[0], &self.physics);
+        }
         let command: VelocityCommand = match self.commands.take_newest() {
             Ok(None) => return,
             Ok(Some(frame)) => match frame.message() {
@@ -121,5 +180,10 @@ impl Simulation {
     /// Simulated time in ns that physics has reached.
     pub fn time_ns(&self) -> u64 {
         self.physics.time_ns()
+    }
+
+    /// Simulated time in ns since the start, not set back by resets.
+    pub fn simulated_ns(&self) -> u64 {
+        self.before_resets_ns + self.physics.time_ns()
     }
 }

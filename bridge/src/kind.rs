@@ -1,8 +1,8 @@
 //! What a stream carries, and how its bytes are coded.
 
 use crate::payload::{
-    CameraInfo, Clock, CoreSensors, Imu, JointState, MotorPower, Odometry, ResetOdometry, RobotEvent,
-    Transform, VelocityCommand,
+    CameraInfo, Clock, CoreSensors, Imu, JointState, ModelState, MotorPower, Odometry, ResetOdometry,
+    RobotEvent, SimulationCommand, SimulationResult, Transform, VelocityCommand,
 };
 
 macro_rules! wire_enum {
@@ -75,6 +75,12 @@ wire_enum! {
         Imu = 12 "imu",
         /// One [`RobotEvent`], sent when it happens.
         RobotEvent = 13 "robot_event",
+        /// One [`SimulationCommand`], towards the simulator; a text may follow it in the payload.
+        SimulationCommand = 14 "simulation_command",
+        /// One [`SimulationResult`]: the answer to a command.
+        SimulationResult = 15 "simulation_result",
+        /// An array of [`ModelState`].
+        ModelStates = 16 "model_states",
         /// One [`CoreSensors`].
         CoreSensors = 17 "core_sensors",
         /// One [`ResetOdometry`], towards the robot.
@@ -102,6 +108,9 @@ impl Kind {
             Self::CoreSensors => size_of::<CoreSensors>(),
             Self::ResetOdometry => size_of::<ResetOdometry>(),
             Self::MotorPower => size_of::<MotorPower>(),
+            Self::SimulationCommand => size_of::<SimulationCommand>(),
+            Self::SimulationResult => size_of::<SimulationResult>(),
+            Self::ModelStates => size_of::<ModelState>(),
         })
     }
 }
@@ -146,6 +155,29 @@ impl Encoding {
     }
 }
 
+wire_enum! {
+    /// What a simulator is told to do (`SimulationCommand::operation`). Numbers are never reused; one that a simulator
+    /// does not know it refuses by number.
+    Operation {
+        /// Let simulated time stand.
+        Pause = 1 "pause",
+        /// Let it go on.
+        Resume = 2 "resume",
+        /// Run `steps` steps of physics with all that is published on the way, then pause.
+        Step = 3 "step",
+        /// Put every model back to where it was at the start, at rest; time goes on.
+        ResetWorld = 4 "reset_world",
+        /// Begin again at time 0: what follows are the bytes of a fresh start.
+        ResetSimulation = 5 "reset_simulation",
+        /// Give the model `name` a pose and a velocity, in the frame `reference`.
+        SetModelState = 6 "set_model_state",
+        /// Put the model in the text (URDF or SDF) into the world as `name`, at a pose in the frame `reference`.
+        Spawn = 7 "spawn",
+        /// Take the model `name` out of the world.
+        Delete = 8 "delete",
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -159,6 +191,10 @@ mod tests {
         for &encoding in Encoding::ALL {
             assert_eq!(Encoding::from_wire(encoding.to_wire()), Some(encoding));
             assert_eq!(encoding.as_str().parse(), Ok(encoding));
+        }
+        for &operation in Operation::ALL {
+            assert_eq!(Operation::from_wire(operation.to_wire()), Some(operation));
+            assert_eq!(operation.as_str().parse(), Ok(operation));
         }
         assert_eq!(Kind::from_wire(0), None);
         assert_eq!(Encoding::from_wire(9999), None);

@@ -75,11 +75,13 @@
 //! # Layers
 //! [`Text`], [`payload`], [`Kind`], [`Encoding`], [`FrameHeader`]: the bytes. [`Domain`]: names. [`Node`]:
 //! membership. [`StreamSpec`], [`StreamInfo`]: streams. [`Publisher`], [`LoanedFrame`], [`Subscriber`],
-//! [`Frame`], [`FrameView`]: the two ends. [`Synchronizer`]: several streams at once. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
+//! [`Frame`], [`FrameView`]: the two ends. [`Synchronizer`]: several streams at once. [`SimulationControl`]: commands to a
+//! simulator. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
 #![deny(unsafe_code)]
 
 pub mod clock;
 mod consumer;
+mod control;
 mod domain;
 mod error;
 mod frame;
@@ -105,12 +107,13 @@ mod versions;
 mod view;
 
 pub use consumer::Consumer;
+pub use control::SimulationControl;
 pub use domain::Domain;
 pub use error::{Error, FrameError, ICEORYX2_VERSION};
 pub use frame::Frame;
 pub use group::Group;
 pub use header::{FrameHeader, Intrinsics, ScanGeometry};
-pub use kind::{Encoding, Kind};
+pub use kind::{Encoding, Kind, Operation};
 pub use lossless::Lossless;
 pub use node::Node;
 pub use publisher::{LoanedFrame, Publisher};

@@ -2,6 +2,10 @@
 //! units and radians; orientations are quaternions x y z w. The frame that values are given in is the header's
 //! `frame_id`, their time its `stamp_ns`.
 
+mod control;
+
+pub use control::{ModelState, SimulationCommand, SimulationResult};
+
 use std::mem::{offset_of, size_of};
 
 use bytemuck::{Pod, Zeroable};

@@ -310,7 +310,7 @@ impl fmt::Debug for LoanedFrame<'_> {
 }
 
 /// A number that no publisher before has had; never 0.
-fn random_session() -> u64 {
+pub(crate) fn random_session() -> u64 {
     use std::hash::{BuildHasher, Hasher, RandomState};
     // Seeded by the system's random numbers for each process, by a counter within it.
     let mut hasher = RandomState::new().build_hasher();

@@ -106,6 +106,31 @@ impl StreamSpec {
         Self { max_publishers: 8, history: 0, ..Self::structs(topic, kind, 1) }
     }
 
+    /// The stream by which other processes control a simulation, of which the simulator makes the receiving end:
+    /// [`SimulationCommand`](crate::payload::SimulationCommand)s from up to 8 senders, each followed by at most
+    /// `text_len` bytes of text. A sender opens it for the longest text that it is going to send.
+    #[must_use]
+    pub fn simulation_command(text_len: usize) -> Self {
+        let command = Self::structs(Self::SIMULATION_COMMAND, Kind::SimulationCommand, 1);
+        let max_payload_len = command.max_payload_len + text_len;
+        Self { max_publishers: 8, max_subscribers: 2, history: 0, max_payload_len, ..command }
+    }
+
+    /// The stream of the answers to it.
+    #[must_use]
+    pub fn simulation_result() -> Self {
+        Self { history: 0, ..Self::structs(Self::SIMULATION_RESULT, Kind::SimulationResult, 1) }
+    }
+
+    /// Topic of the commands to a simulation.
+    pub const SIMULATION_COMMAND: &'static str = "simulation/command";
+    /// Topic of the answers to them.
+    pub const SIMULATION_RESULT: &'static str = "simulation/result";
+    /// Topic of the poses and velocities of all models.
+    pub const MODEL_STATES: &'static str = "simulation/model_states";
+    /// Topic of the poses and velocities of all links.
+    pub const LINK_STATES: &'static str = "simulation/link_states";
+
     /// The same with this frame.
     #[must_use]
     pub fn frame_id(mut self, frame_id: impl Into<String>) -> Self {

@@ -40,6 +40,17 @@ impl<const N: usize> Text<N> {
         Ok(Self(bytes))
     }
 
+    /// As much of a text as fits, for words to people.
+    #[must_use]
+    pub fn cut(text: &str) -> Self {
+        let text = text.split('\0').next().unwrap_or_default();
+        let mut end = text.len().min(N.saturating_sub(1));
+        while !text.is_char_boundary(end) {
+            end -= 1;
+        }
+        Self::new(&text[..end]).unwrap_or_default()
+    }
+
     /// The text up to the first NUL; what is not UTF-8 (a foreign writer's) ends it.
     #[must_use]
     pub fn as_str(&self) -> &str {
@@ -93,6 +104,8 @@ mod tests {
         assert_eq!(Text::<8>::new("").unwrap(), Text::EMPTY);
         assert_eq!(Text::<8>::new("12345678"), Err(TextError { len: 8, max: 7 }));
         assert!(Text::<8>::new("a\0b").is_err());
+        assert_eq!(Text::<4>::cut("abü").as_str(), "ab");
+        assert_eq!(Text::<8>::cut("a\0b").as_str(), "a");
     }
 
     #[test]

@@ -46,6 +46,33 @@ pub enum CliError {
         /// How long was waited.
         waited: Duration,
     },
+    /// A simulator did not do what it was told.
+    #[error("{operation} was refused: {reason}")]
+    Refused {
+        /// What it was told.
+        operation: &'static str,
+        /// Its words.
+        reason: String,
+    },
+    /// No simulator, or none that takes commands.
+    #[error(
+        "no answer from a simulator in domain \"{domain}\" within {:.1} s: start one (belvedere run --domain {domain}), name its domain with --domain, or give it more time with --timeout",
+        waited.as_secs_f64()
+    )]
+    NoAnswer {
+        /// Where it was looked for.
+        domain: Domain,
+        /// How long was waited.
+        waited: Duration,
+    },
+    /// A file that cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Input {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
     /// A consumer that is waited for took too long.
     #[error("at {:.3} s of simulated time {error} (--wait-for, --patience)", *time_ns as f64 * 1e-9)]
     HeldUp {

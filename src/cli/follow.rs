@@ -17,7 +17,7 @@ use super::error::CliError;
 #[derive(Clone, Debug, clap::Args)]
 pub struct DomainArgs {
     /// Name of the simulation to look at, as given to `belvedere run --domain`
-    #[arg(long, value_name = "NAME", env = "BELVEDERE_DOMAIN", default_value_t)]
+    #[arg(long, value_name = "NAME", env = "BELVEDERE_DOMAIN", default_value_t, global = true)]
     pub domain: Domain,
 }
 

@@ -85,12 +85,12 @@ fn print(streams: &[StreamInfo], json: bool) -> Result<(), CliError> {
     }
     let width = streams.iter().map(|stream| stream.topic.len() + 1).max().unwrap_or(0).max(5);
     print_line(&format!(
-        "{:width$}  {:17} {:10} {:>8} {:>12} {:>5} {:>5}  FRAME",
+        "{:width$}  {:18} {:10} {:>8} {:>12} {:>5} {:>5}  FRAME",
         "TOPIC", "KIND", "ENCODING", "RATE", "BYTES", "PUBS", "SUBS"
     ))?;
     for stream in streams {
         let line = format!(
-            "{:width$}  {:17} {:10} {:>8} {:>12} {:>5} {:>5}  {}",
+            "{:width$}  {:18} {:10} {:>8} {:>12} {:>5} {:>5}  {}",
             with_slash(&stream.topic),
             stream.kind.map_or("?", Kind::as_str),
             stream.encoding.map_or("?", Encoding::as_str),

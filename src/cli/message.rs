@@ -3,10 +3,10 @@
 use std::fmt;
 
 use belvedere_bridge::{
-    Encoding, FrameHeader, FrameView, Kind,
+    Encoding, FrameHeader, FrameView, Kind, Operation,
     payload::{
-        CameraInfo, Clock, CoreSensors, Imu, JointState, MotorPower, Odometry, ResetOdometry, RobotEvent,
-        Transform, VelocityCommand,
+        CameraInfo, Clock, CoreSensors, Imu, JointState, ModelState, MotorPower, Odometry, ResetOdometry,
+        RobotEvent, SimulationCommand, SimulationResult, Transform, VelocityCommand,
     },
 };
 use serde_json::Value;
@@ -137,6 +137,9 @@ pub fn decode(frame: &FrameView<'_>, limit: usize) -> Tree {
         Some(Kind::CoreSensors) => one(frame, core_sensors),
         Some(Kind::ResetOdometry) => one(frame, |_: &ResetOdometry| Vec::new()),
         Some(Kind::MotorPower) => one(frame, |power: &MotorPower| vec![("state", Whole(power.state.into()))]),
+        Some(Kind::SimulationCommand) => one(frame, simulation_command),
+        Some(Kind::SimulationResult) => one(frame, simulation_result),
+        Some(Kind::ModelStates) => each(frame, "states", limit, model_state),
         None => None,
     };
     let entries = entries.unwrap_or_else(|| unknown(frame, limit));
@@ -343,6 +346,45 @@ fn joints(frame: &FrameView<'_>) -> Option<Entries> {
         ("velocity", column(|joint| Number(joint.velocity))),
         ("effort", column(|joint| Number(joint.effort))),
     ])
+}
+
+fn simulation_command(command: &SimulationCommand) -> Entries {
+    vec![
+        ("id", Whole(command.id)),
+        ("operation", operation(command.operation)),
+        ("steps", Whole(command.steps)),
+        ("name", text(command.name.as_str())),
+        ("reference_frame", text(command.reference.as_str())),
+        ("pose", pose(command.position, command.orientation)),
+        ("twist", Map(vec![("linear", xyz(command.linear)), ("angular", xyz(command.angular))])),
+        ("text_len", Whole(command.text_len.into())),
+    ]
+}
+
+fn simulation_result(result: &SimulationResult) -> Entries {
+    vec![
+        ("id", Whole(result.id)),
+        ("operation", operation(result.operation)),
+        ("done", Flag(result.done == 1)),
+        ("reason", text(result.reason.as_str())),
+        ("time", seconds(result.time_ns)),
+    ]
+}
+
+fn operation(number: u16) -> Tree {
+    Operation::from_wire(number).map_or(Whole(number.into()), |operation| text(operation.as_str()))
+}
+
+fn model_state(state: &ModelState) -> Tree {
+    Map(vec![
+        ("name", text(state.name.as_str())),
+        ("pose", pose(state.position, state.orientation)),
+        ("twist", Map(vec![("linear", xyz(state.linear)), ("angular", xyz(state.angular))])),
+    ])
+}
+
+fn pose(position: [f64; 3], orientation: [f64; 4]) -> Tree {
+    Map(vec![("position", xyz(position)), ("orientation", xyzw(orientation))])
 }
 
 /// A kind that this version does not know, or one whose payload is not what its kind promises.

@@ -1,6 +1,7 @@
 //! The `belvedere` command and its subcommands.
 
 pub mod check;
+pub mod control;
 pub mod echo;
 pub mod error;
 pub mod follow;
@@ -49,6 +50,7 @@ enum Command {
     Echo(echo::EchoArgs),
     Snapshot(snapshot::SnapshotArgs),
     Check(check::CheckArgs),
+    Control(control::ControlArgs),
     /// Print a script that completes this command in a shell.
     ///
     /// For bash: belvedere completions bash > ~/.local/share/bash-completion/completions/belvedere
@@ -71,6 +73,7 @@ pub fn main() -> ExitCode {
         Some(Command::Echo(args)) => echo::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
         Some(Command::Check(args)) => check::run(args),
+        Some(Command::Control(args)) => control::run(args),
         Some(Command::Completions { shell }) => {
             clap_complete::generate(*shell, &mut Cli::command(), "belvedere", &mut std::io::stdout());
             Ok(())

@@ -3,6 +3,7 @@
 use super::error::CliError;
 use super::follow::{listen_for_stop, print_line, seconds, stop_wanted};
 use super::status::Status;
+use crate::control::SpawnOptions;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::robot::{LoadOptions, default_robot_name, load_robot};
@@ -53,6 +54,9 @@ pub struct RunArgs {
     /// Keep to the clock, or go as fast as it can
     #[arg(long, value_enum, default_value_t)]
     rate: Pace,
+    /// Begin with simulated time standing, until `belvedere control resume` or `step`
+    #[arg(long)]
+    paused: bool,
     /// What the robot does when nobody sends velocity commands
     #[arg(long, value_enum, default_value_t)]
     drive: Drive,
@@ -104,7 +108,12 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         execution: Execution::parallel(),
     };
     let mut notes = Vec::new();
+    let packages = packages(args);
     let mut simulation = Simulation::new(&world, &robot, args.drive, &node, &options, &mut notes)?;
+    simulation.set_spawn_options(SpawnOptions { packages, gazebo_compat: args.gazebo_compat });
+    if args.paused {
+        simulation.pause();
+    }
     for note in &notes {
         tracing::info!("{note}");
     }
@@ -116,16 +125,20 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     );
     let mut status = Status::new(simulation.rig());
     let ended = run_loop(&mut simulation, args, &node, &mut status);
-    let table = status.finish(simulation.rig(), simulation.time_ns());
+    let table = status.finish(simulation.rig(), simulation.simulated_ns());
     eprint!("{table}");
     ended?;
     if args.hash { print_hashes(simulation.rig()) } else { Ok(()) }
 }
 
+fn packages(args: &RunArgs) -> PackagePath {
+    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
+    PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref())
+}
+
 fn load(args: &RunArgs) -> Result<(World, Model), CliError> {
     let mut diagnostics = Diagnostics::default();
-    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-    let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
+    let packages = packages(args);
     let world = args.world.clone().unwrap_or_else(default_world);
     let world = load_world(&world, &packages, args.gazebo_compat, &mut diagnostics);
     let options = LoadOptions { packages, gazebo_compat: args.gazebo_compat, xacro_args: Vec::new() };
@@ -153,20 +166,32 @@ fn run_loop(
     let end_ns =
         args.duration.map_or(u64::MAX, |duration| u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX));
     let mut attendance = Attendance::new(&args.wait_for);
-    gather(&mut attendance, simulation.rig(), node, None)?;
-    let mut started = Instant::now();
-    while !stop_wanted() && simulation.next_stamp_ns() < end_ns {
-        if args.rate == Pace::Realtime && !wait_for(&mut started, simulation.next_stamp_ns()) {
+    gather(&mut attendance, simulation, node, None)?;
+    let mut pacer = Pacer::new(simulation);
+    while !stop_wanted() {
+        if simulation.is_paused() {
+            simulation.idle(NAP);
+            status.refresh(simulation.rig(), simulation.simulated_ns());
+            continue;
+        }
+        if simulation.next_stamp_ns() >= end_ns
+            || args.rate == Pace::Realtime && !pacer.wait_for_next(simulation)
+        {
             break;
         }
-        gather(&mut attendance, simulation.rig(), node, Some(args.patience))?;
+        gather(&mut attendance, simulation, node, Some(args.patience))?;
+        let epoch = simulation.epoch();
+        simulation.serve();
+        if simulation.is_paused() || simulation.epoch() != epoch {
+            continue;
+        }
         simulation.advance();
         if !args.wait_for.is_empty()
             && let Some(error) = simulation.rig().held_up()
         {
             return Err(CliError::HeldUp { error: error.to_string(), time_ns: simulation.time_ns() });
         }
-        status.refresh(simulation.rig(), simulation.time_ns());
+        status.refresh(simulation.rig(), simulation.simulated_ns());
     }
     Ok(())
 }
@@ -174,14 +199,14 @@ fn run_loop(
 /// Lets simulated time stand until all that are waited for are there; at the start for as long as it takes.
 fn gather(
     attendance: &mut Attendance,
-    rig: &Rig,
+    simulation: &mut Simulation,
     node: &Node,
     patience: Option<Duration>,
 ) -> Result<(), CliError> {
     let since = Instant::now();
     let mut told = String::new();
     loop {
-        let missing = attendance.missing(rig);
+        let missing = attendance.missing(simulation.rig());
         if missing.is_empty() {
             if !told.is_empty() {
                 tracing::info!("all consumers that are waited for are there");
@@ -201,25 +226,42 @@ fn gather(
         }
         // One that was killed leaves its place only by this.
         node.clean_up_dead();
-        std::thread::sleep(NAP);
+        simulation.idle(NAP);
     }
 }
 
-/// Waits until the wall clock has come to a stamp; false when the user wants to stop.
-fn wait_for(started: &mut Instant, stamp_ns: u64) -> bool {
-    let due = *started + Duration::from_nanos(stamp_ns);
-    loop {
-        if stop_wanted() {
-            return false;
+/// Keeps simulated time to the clock on the wall.
+struct Pacer {
+    epoch: u64,
+    /// A moment, and the simulated time that belongs to it.
+    at: Instant,
+    time_ns: u64,
+}
+
+impl Pacer {
+    fn new(simulation: &Simulation) -> Self {
+        Self { epoch: simulation.epoch(), at: Instant::now(), time_ns: simulation.time_ns() }
+    }
+
+    /// Waits until the wall clock has come to what is next; false when the user wants to stop.
+    fn wait_for_next(&mut self, simulation: &Simulation) -> bool {
+        if self.epoch != simulation.epoch() {
+            *self = Self::new(simulation);
         }
-        let now = Instant::now();
-        if now >= due {
-            if now - due > GIVE_UP {
-                *started += now - due;
+        let due = self.at + Duration::from_nanos(simulation.next_ns().saturating_sub(self.time_ns));
+        loop {
+            if stop_wanted() {
+                return false;
             }
-            return true;
+            let now = Instant::now();
+            if now >= due {
+                if now - due > GIVE_UP {
+                    self.at += now - due;
+                }
+                return true;
+            }
+            std::thread::sleep(NAP.min(due - now));
         }
-        std::thread::sleep(NAP.min(due - now));
     }
 }
 

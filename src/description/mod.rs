@@ -9,6 +9,7 @@ pub mod package;
 pub mod robot;
 mod sdf;
 pub mod sensor;
+pub mod single;
 mod urdf;
 pub mod values;
 pub mod world;

@@ -37,7 +37,7 @@ pub(super) struct BaseChannel {
     bumper: Outlet,
     cliff: Outlet,
     wheel_drop: Outlet,
-    /// What the events sent so far have told.
+    /// What the events sent so far have told, in a simulation that has begun again, too: its consumers know no other.
     told: Contact,
 }
 

@@ -249,6 +249,18 @@ impl Rig {
         }
     }
 
+    /// Begins every channel's schedule again at time 0, with the noise of its first frame.
+    pub fn restart(&mut self) {
+        for scheduled in &mut self.channels {
+            scheduled.next = 0;
+        }
+    }
+
+    /// Gives late subscribers the last message of every stream that keeps one: while nothing is published.
+    pub fn update(&self) {
+        self.outlets().into_iter().for_each(Outlet::update);
+    }
+
     /// The first time that a consumer was waited for in vain, if there was one.
     pub fn held_up(&self) -> Option<&BridgeError> {
         self.outlets().into_iter().find_map(Outlet::held_up)

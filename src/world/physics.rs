@@ -14,6 +14,7 @@ mod convert;
 mod insert;
 mod joint;
 mod lump;
+mod place;
 mod shape;
 mod touch;
 
@@ -22,7 +23,7 @@ pub use joint::JointState;
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::model::{LinkIndex, Model, World};
 use belvedere_sensors::Pose;
-use convert::{from_rapier, to_rapier, vector};
+use convert::{from_rapier, vector};
 use glam::DVec3;
 use joint::{Motion, MovingJoint};
 use rapier3d::dynamics::{FrictionModel, RigidBodyHandle};
@@ -66,8 +67,11 @@ struct Body {
     current: Pose,
 }
 
-/// Where a model's links and joints are found.
+/// Where a model's links and joints are found; empty for one that was taken out.
+#[derive(Default)]
 struct PlacedModel {
+    /// Of a model that never moves, and of the parts of others that do not.
+    world_from_model: Pose,
     links: Vec<PlacedLink>,
     /// None for a joint that does not move.
     joints: Vec<Option<MovingJoint>>,
@@ -80,7 +84,10 @@ struct PlacedModel {
 struct PlacedLink {
     body: Option<usize>,
     body_from_link: Pose,
+    model_from_link: Pose,
     colliders: Vec<ColliderHandle>,
+    /// Poses in the link of what `colliders` are, in the same order.
+    shapes: Vec<Pose>,
 }
 
 /// A link that moves, with what its pose is made of.
@@ -107,6 +114,20 @@ impl Physics {
     /// # Errors
     /// If the world's step is not a time from 1 µs to 0.1 s, or a pose or gravity is not finite.
     pub fn new(world: &World, robots: &[(Model, Pose)]) -> Result<Self, Problem> {
+        let models = world.models.iter().map(|model| (model, model.world_from_model, false));
+        let robots = robots.iter().map(|(model, pose)| (model, *pose, true));
+        Self::with_models(world, models.chain(robots).map(Some))
+    }
+
+    /// The same of any models with their poses, the world's own included, and whether each is a robot; `None` leaves
+    /// an index empty.
+    ///
+    /// # Errors
+    /// As [`Physics::new`].
+    pub fn with_models<'a>(
+        world: &World,
+        models: impl Iterator<Item = Option<(&'a Model, Pose, bool)>>,
+    ) -> Result<Self, Problem> {
         let step_ns = (world.max_step_size_s * 1e9).round();
         if !(MIN_STEP_NS as f64..=MAX_STEP_NS as f64).contains(&step_ns) {
             return Err(Problem {
@@ -142,21 +163,14 @@ impl Physics {
             first_robot: world.models.len(),
             notes: Vec::new(),
         };
-        let placed = world.models.iter().map(|model| (model, &model.world_from_model, false));
-        for (model, world_from_model, is_robot) in
-            placed.chain(robots.iter().map(|(model, pose)| (model, pose, true)))
-        {
-            if !(world_from_model.is_finite()
-                && model.links.iter().all(|link| link.model_from_link.is_finite()))
-            {
-                return Err(Problem {
-                    severity: Severity::Error,
-                    source: model.source.clone(),
-                    what: format!("the pose of model '{}' or of one of its links is not finite", model.name),
-                    remedy: "write finite numbers".into(),
-                });
+        for model in models {
+            match model {
+                Some((model, world_from_model, is_robot)) => {
+                    place::check_poses(model, &world_from_model)?;
+                    physics.add(model, &world_from_model, is_robot);
+                }
+                None => physics.skip(),
             }
-            physics.add(model, world_from_model, is_robot);
         }
         Ok(physics)
     }
@@ -357,26 +371,6 @@ impl Physics {
             if let Some(collider) = self.rapier.colliders.get_mut(*handle) {
                 collider.set_friction(friction as f32);
             }
-        }
-    }
-
-    /// Puts a model somewhere else, at rest, with its joints at zero. Links that never move stay.
-    pub fn place_model(&mut self, model: ModelIndex, world_from_model: &Pose) {
-        let placed = &mut self.models[model];
-        let bodies = placed.first_body..placed.end_body;
-        for joint in placed.joints.iter_mut().flatten() {
-            (joint.previous, joint.current) = (JointState::default(), JointState::default());
-        }
-        for body in self.bodies[bodies.clone()].iter_mut().filter(|body| body.carrier.is_none()) {
-            let rigid = &mut self.rapier.bodies[body.handle];
-            rigid.set_position(to_rapier(&(*world_from_model * body.model_at_rest)), true);
-            rigid.set_linvel(vector(DVec3::ZERO), true);
-            rigid.set_angvel(vector(DVec3::ZERO), true);
-            body.current = from_rapier(rigid.position());
-        }
-        self.carry();
-        for body in &mut self.bodies[bodies] {
-            body.previous = body.current;
         }
     }
 

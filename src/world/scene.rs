@@ -20,8 +20,7 @@ const INFINITE_M: f64 = 20_000.0;
 /// The scene of a running world.
 #[derive(Debug)]
 pub struct WorldScene {
-    builder: SceneBuilder,
-    moving: HashMap<(ModelIndex, LinkIndex), Vec<(InstanceId, Pose)>>,
+    assembly: Assembly,
     stamp_ns: Option<u64>,
 }
 
@@ -45,11 +44,8 @@ impl WorldScene {
         for light in &world.lights {
             assembly.builder.add_light(&lamp(light, world.shadows));
         }
-        let mut moving = assembly.placed;
-        let movable: std::collections::HashSet<_> =
-            physics.moving_links().map(|(model, link, _)| (model, link)).collect();
-        moving.retain(|key, _| movable.contains(key));
-        Ok(Self { builder: assembly.builder, moving, stamp_ns: None })
+        assembly.meshes.clear();
+        Ok(Self { assembly, stamp_ns: None })
     }
 
     /// Moves everything that moves to where it is at a time between the last two physics steps.
@@ -59,27 +55,74 @@ impl WorldScene {
         }
         self.stamp_ns = Some(stamp_ns);
         for (model, link, world_from_link) in physics.moving_links_at(stamp_ns) {
-            for (instance, link_from_shape) in self.moving.get(&(model, link)).into_iter().flatten() {
-                // Fails only for a pose that is not finite: what physics lost keeps its last place.
-                let _ = self.builder.set_pose(*instance, world_from_link * *link_from_shape);
-            }
+            self.assembly.set_pose((model, link), &world_from_link);
+        }
+    }
+
+    /// Takes over where physics has everything now, also what never moves by itself: after it was moved by hand.
+    pub fn replace(&mut self, physics: &Physics) {
+        self.stamp_ns = None;
+        let keys: Vec<_> = self.assembly.placed.keys().copied().collect();
+        for (model, link) in keys {
+            self.assembly.set_pose((model, link), &physics.world_from_link(model, link));
+        }
+    }
+
+    /// Adds a model whose frame is at `world_from_model`.
+    ///
+    /// # Errors
+    /// As [`WorldScene::new`]; nothing of it is seen then.
+    pub fn add_model(
+        &mut self,
+        index: ModelIndex,
+        model: &Model,
+        world_from_model: &Pose,
+    ) -> Result<(), Problem> {
+        self.stamp_ns = None;
+        let added = model.links.iter().enumerate().try_for_each(|(number, link)| {
+            self.assembly.add_link((index, number), link, &(*world_from_model * link.model_from_link))
+        });
+        self.assembly.meshes.clear();
+        if added.is_err() {
+            self.remove_model(index);
+        }
+        added
+    }
+
+    /// Lets a model be seen no more. Its places in the scene are used again.
+    pub fn remove_model(&mut self, index: ModelIndex) {
+        let assembly = &mut self.assembly;
+        let mut gone: Vec<_> = assembly
+            .placed
+            .extract_if(|(model, _), _| *model == index)
+            .flat_map(|(_, shapes)| shapes)
+            .collect();
+        // A map has no order; the same commands are to give the same scene.
+        gone.sort_unstable_by_key(|(instance, _)| std::cmp::Reverse(instance.0));
+        for (instance, _) in gone {
+            // It is there.
+            let _ = assembly.builder.set_visibility(instance, 0);
+            assembly.free.push(instance);
         }
     }
 
     /// The scene as it stands.
     pub fn scene(&self) -> Scene<'_> {
-        self.builder.scene()
+        self.assembly.builder.scene()
     }
 }
 
 /// A scene being put together; files and meshes that are used twice are taken in once.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Assembly {
     builder: SceneBuilder,
     textures: HashMap<PathBuf, TextureId>,
+    /// By address: only for as long as the models that they are of are borrowed.
     meshes: HashMap<*const Mesh, MeshId>,
     placed: HashMap<(ModelIndex, LinkIndex), Vec<(InstanceId, Pose)>>,
     bare: Option<MaterialId>,
+    /// Places of models that were taken out, the next to be used last.
+    free: Vec<InstanceId>,
 }
 
 impl Assembly {
@@ -133,12 +176,24 @@ impl Assembly {
         source: &Source,
         config: impl FnOnce(Pose) -> InstanceConfig,
     ) -> Result<(), Problem> {
-        let instance = self
-            .builder
-            .add_instance(&config(*world_from_link * link_from_shape))
-            .map_err(|error| refused(error, source))?;
+        let config = config(*world_from_link * link_from_shape);
+        let instance = match self.free.last().copied() {
+            Some(free) => self.builder.set_instance(free, &config).map(|()| free),
+            None => self.builder.add_instance(&config),
+        };
+        let instance = instance.map_err(|error| refused(error, source))?;
+        if self.free.last() == Some(&instance) {
+            self.free.pop();
+        }
         self.placed.entry(key).or_default().push((instance, link_from_shape));
         Ok(())
+    }
+
+    fn set_pose(&mut self, key: (ModelIndex, LinkIndex), world_from_link: &Pose) {
+        for (instance, link_from_shape) in self.placed.get(&key).into_iter().flatten() {
+            // Fails only for a pose that is not finite: what physics lost keeps its last place.
+            let _ = self.builder.set_pose(*instance, *world_from_link * *link_from_shape);
+        }
     }
 
     /// The shape and its pose in the frame of the visual or collision.

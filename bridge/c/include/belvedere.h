@@ -112,6 +112,12 @@ enum bv_kind
     BV_KIND_IMU = 12,
     // One bv_robot_event.
     BV_KIND_ROBOT_EVENT = 13,
+    // One bv_simulation_command, towards the simulator; a text may follow it.
+    BV_KIND_SIMULATION_COMMAND = 14,
+    // One bv_simulation_result.
+    BV_KIND_SIMULATION_RESULT = 15,
+    // An array of bv_model_state.
+    BV_KIND_MODEL_STATES = 16,
     // One bv_core_sensors.
     BV_KIND_CORE_SENSORS = 17,
     // One bv_reset_odometry.
@@ -391,6 +397,54 @@ typedef struct bv_motor_power {
     // 0 off, else on
     uint32_t state;
 } bv_motor_power;
+
+// What a simulator is to do. A text of text_len bytes follows it in the payload.
+typedef struct bv_simulation_command {
+    // chosen at random by the sender; the result names it
+    uint64_t id;
+    // 1 pause, 2 resume, 3 step, 4 reset_world, 5 reset_simulation, 6 set_model_state, 7 spawn, 8 delete
+    uint16_t operation;
+    uint16_t reserved;
+    // bytes of UTF-8 that follow, without a NUL
+    uint32_t text_len;
+    // steps of physics
+    uint64_t steps;
+    // the model that is meant
+    char name[64];
+    // the frame of what follows: a model, model::link, or nothing for the world
+    char reference[64];
+    double position[3];
+    // x y z w
+    double orientation[4];
+    double linear[3];
+    double angular[3];
+} bv_simulation_command;
+
+// What became of a command.
+typedef struct bv_simulation_result {
+    // the command's
+    uint64_t id;
+    // simulated time after it
+    uint64_t time_ns;
+    // 1 done, 0 refused
+    uint16_t done;
+    // the command's
+    uint16_t operation;
+    uint32_t reserved;
+    // why it was refused
+    char reason[488];
+} bv_simulation_result;
+
+// Where a model or a link is in the world, and how it moves.
+typedef struct bv_model_state {
+    // model, or model::link
+    char name[128];
+    double position[3];
+    // x y z w
+    double orientation[4];
+    double linear[3];
+    double angular[3];
+} bv_model_state;
 
 #ifdef __cplusplus
 extern "C" {

@@ -46,6 +46,12 @@ pub enum Kind {
     Imu = 12,
     /// One bv_robot_event.
     RobotEvent = 13,
+    /// One bv_simulation_command, towards the simulator; a text may follow it.
+    SimulationCommand = 14,
+    /// One bv_simulation_result.
+    SimulationResult = 15,
+    /// An array of bv_model_state.
+    ModelStates = 16,
     /// One bv_core_sensors.
     CoreSensors = 17,
     /// One bv_reset_odometry.
@@ -290,6 +296,57 @@ pub struct MotorPower {
     pub state: u32,
 }
 
+/// What a simulator is to do. A text of text_len bytes follows it in the payload.
+#[repr(C)]
+pub struct SimulationCommand {
+    /// chosen at random by the sender; the result names it
+    pub id: u64,
+    /// 1 pause, 2 resume, 3 step, 4 reset_world, 5 reset_simulation, 6 set_model_state, 7 spawn, 8 delete
+    pub operation: u16,
+    pub reserved: u16,
+    /// bytes of UTF-8 that follow, without a NUL
+    pub text_len: u32,
+    /// steps of physics
+    pub steps: u64,
+    /// the model that is meant
+    pub name: [c_char; 64],
+    /// the frame of what follows: a model, model::link, or nothing for the world
+    pub reference: [c_char; 64],
+    pub position: [f64; 3],
+    /// x y z w
+    pub orientation: [f64; 4],
+    pub linear: [f64; 3],
+    pub angular: [f64; 3],
+}
+
+/// What became of a command.
+#[repr(C)]
+pub struct SimulationResult {
+    /// the command's
+    pub id: u64,
+    /// simulated time after it
+    pub time_ns: u64,
+    /// 1 done, 0 refused
+    pub done: u16,
+    /// the command's
+    pub operation: u16,
+    pub reserved: u32,
+    /// why it was refused
+    pub reason: [c_char; 488],
+}
+
+/// Where a model or a link is in the world, and how it moves.
+#[repr(C)]
+pub struct ModelState {
+    /// model, or model::link
+    pub name: [c_char; 128],
+    pub position: [f64; 3],
+    /// x y z w
+    pub orientation: [f64; 4],
+    pub linear: [f64; 3],
+    pub angular: [f64; 3],
+}
+
 macro_rules! same_layout {
     ($here:ty, $there:ty, $($field:ident)*) => {
         const _: () = {
@@ -318,6 +375,10 @@ same_layout!(CoreSensors, payload::CoreSensors, time_stamp bumper wheel_drop cli
     left_pwm right_pwm charger battery bottom);
 same_layout!(ResetOdometry, payload::ResetOdometry, reserved);
 same_layout!(MotorPower, payload::MotorPower, state);
+same_layout!(SimulationCommand, payload::SimulationCommand, id operation reserved text_len steps name reference
+    position orientation linear angular);
+same_layout!(SimulationResult, payload::SimulationResult, id time_ns done operation reserved reason);
+same_layout!(ModelState, payload::ModelState, name position orientation linear angular);
 
 const _: () = {
     assert!(BV_MAGIC == wire::FrameHeader::MAGIC);
@@ -325,6 +386,6 @@ const _: () = {
     assert!(BV_HAS_INTENSITIES == wire::FrameHeader::HAS_INTENSITIES);
     assert!(size_of::<Block>() == 80);
     // A kind or encoding that is added there is missing here until this compiles again.
-    assert!(wire::Kind::ALL.len() == 16 && Kind::MotorPower as u16 == 19);
+    assert!(wire::Kind::ALL.len() == 19 && Kind::MotorPower as u16 == 19);
     assert!(wire::Encoding::ALL.len() == 8 && Encoding::Struct as u16 == 8);
 };

@@ -395,6 +395,26 @@ BELVEDERE_AT(bv_core_sensors, battery, 13);
 BELVEDERE_AT(bv_core_sensors, bottom, 14);
 static_assert(sizeof(bv_reset_odometry) == 8, "wire format");
 static_assert(sizeof(bv_motor_power) == 4, "wire format");
+static_assert(sizeof(bv_simulation_command) == 256, "wire format");
+BELVEDERE_AT(bv_simulation_command, operation, 8);
+BELVEDERE_AT(bv_simulation_command, text_len, 12);
+BELVEDERE_AT(bv_simulation_command, steps, 16);
+BELVEDERE_AT(bv_simulation_command, name, 24);
+BELVEDERE_AT(bv_simulation_command, reference, 88);
+BELVEDERE_AT(bv_simulation_command, position, 152);
+BELVEDERE_AT(bv_simulation_command, orientation, 176);
+BELVEDERE_AT(bv_simulation_command, linear, 208);
+BELVEDERE_AT(bv_simulation_command, angular, 232);
+static_assert(sizeof(bv_simulation_result) == 512, "wire format");
+BELVEDERE_AT(bv_simulation_result, time_ns, 8);
+BELVEDERE_AT(bv_simulation_result, done, 16);
+BELVEDERE_AT(bv_simulation_result, operation, 18);
+BELVEDERE_AT(bv_simulation_result, reason, 24);
+static_assert(sizeof(bv_model_state) == 232, "wire format");
+BELVEDERE_AT(bv_model_state, position, 128);
+BELVEDERE_AT(bv_model_state, orientation, 152);
+BELVEDERE_AT(bv_model_state, linear, 184);
+BELVEDERE_AT(bv_model_state, angular, 208);
 #undef BELVEDERE_AT
 
 }  // namespace belvedere

@@ -25,6 +25,10 @@ TOPICS = {
     "joint_states": ("joint_states", "struct", 50.0),
     "odom": ("odometry", "struct", 50.0),
     "scan": ("laser_scan", "ranges_f32", 5.5),
+    "simulation/command": ("simulation_command", "struct", None),
+    "simulation/link_states": ("model_states", "struct", 50.0),
+    "simulation/model_states": ("model_states", "struct", 50.0),
+    "simulation/result": ("simulation_result", "struct", None),
     "tf": ("transforms", "struct", 50.0),
     "tf_static": ("static_transforms", "struct", None),
 }
@@ -40,7 +44,7 @@ def test_all_streams_are_listed_and_read(node: belvedere.Node) -> None:
     listed = {stream.topic: (stream.kind, stream.encoding, stream.rate_hz) for stream in node.streams()}
     assert listed == TOPICS
     for topic, (kind, _, _) in TOPICS.items():
-        if kind != "velocity_command":
+        if kind not in ("velocity_command", "simulation_command", "simulation_result"):
             frame = first(node, topic)
             assert frame.kind.name.lower() == kind
             assert frame.array.size > 0

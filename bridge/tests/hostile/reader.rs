@@ -4,7 +4,10 @@ use std::{fmt::Write as _, hint::black_box};
 
 use belvedere_bridge::{
     FrameHeader, FrameView,
-    payload::{CameraInfo, Clock, JointState, Message, Odometry, Transform, VelocityCommand},
+    payload::{
+        CameraInfo, Clock, JointState, Message, ModelState, Odometry, SimulationCommand, SimulationResult,
+        Transform, VelocityCommand,
+    },
 };
 use bytemuck::Pod;
 
@@ -29,6 +32,9 @@ pub(crate) fn read_all(view: &FrameView<'_>) -> u64 {
     read_structs::<Odometry>(view);
     read_structs::<Transform>(view);
     read_structs::<VelocityCommand>(view);
+    read_structs::<SimulationCommand>(view);
+    read_structs::<SimulationResult>(view);
+    read_structs::<ModelState>(view);
     black_box(sum)
 }
 

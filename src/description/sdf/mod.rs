@@ -24,7 +24,7 @@ mod resources;
 mod world;
 
 use super::diagnostics::{Diagnostics, Source};
-use super::model::{Mesh, World};
+use super::model::{Mesh, Model, World};
 use super::ogre_material::OgreMaterial;
 use super::package::PackagePath;
 use super::values::numbers;
@@ -69,14 +69,7 @@ pub(super) fn load_world_file(
     gazebo_compat: bool,
     diagnostics: &mut Diagnostics,
 ) -> Option<World> {
-    let mut loader = Loader {
-        resources: Resources::new(packages, path),
-        gazebo_compat,
-        diagnostics,
-        open_files: vec![canonical(path)],
-        meshes: HashMap::new(),
-        material_scripts: HashMap::new(),
-    };
+    let mut loader = Loader::new(path, packages, gazebo_compat, diagnostics);
     let (root, version) = loader.read_root(path)?;
     let Some(world) = root.child("world") else {
         loader.diagnostics.error(
@@ -93,6 +86,54 @@ pub(super) fn load_world_file(
     Some(loader.world(world, Scope { folder, version }))
 }
 
+/// Reads the `<model>` of an SDF text that was parsed already, its `<pose>` as its place in the world.
+pub(super) fn load_model(
+    root: &Element,
+    packages: &PackagePath,
+    gazebo_compat: bool,
+    diagnostics: &mut Diagnostics,
+) -> Option<Model> {
+    let path = root.source.file.clone();
+    let mut loader = Loader::new(&path, packages, gazebo_compat, diagnostics);
+    let version = loader.version(root)?;
+    let models: Vec<&Element> = root.elements_named("model").collect();
+    let [element] = models[..] else {
+        loader.diagnostics.error(
+            &root.source,
+            format!("{} <model> elements in this text", models.len()),
+            "put exactly one <model name=\"…\"> into the <sdf>, and no <world>",
+        );
+        return None;
+    };
+    let parsed = loader.model(element, Scope { folder: Path::new(""), version })?;
+    if let Some(light) = parsed.lights.first() {
+        loader.diagnostics.error(
+            &light.source,
+            format!("the light '{}' cannot be added to a running world", light.name),
+            "remove the <light>, or put it into the world file",
+        );
+    }
+    Some(Model { world_from_model: parsed.pose.pose, ..parsed.model })
+}
+
+impl<'a> Loader<'a> {
+    fn new(
+        path: &Path,
+        packages: &'a PackagePath,
+        gazebo_compat: bool,
+        diagnostics: &'a mut Diagnostics,
+    ) -> Self {
+        Self {
+            resources: Resources::new(packages, path),
+            gazebo_compat,
+            diagnostics,
+            open_files: vec![canonical(path)],
+            meshes: HashMap::new(),
+            material_scripts: HashMap::new(),
+        }
+    }
+}
+
 impl Loader<'_> {
     /// Reads a file up to its `<sdf>` element and version.
     fn read_root(&mut self, path: &Path) -> Option<(Element, Version)> {
@@ -103,6 +144,12 @@ impl Loader<'_> {
                 return None;
             }
         };
+        let version = self.version(&root)?;
+        Some((root, version))
+    }
+
+    /// The version of an `<sdf>` element, if it is one.
+    fn version(&mut self, root: &Element) -> Option<Version> {
         // Gazebo's files from before SDF had its name begin with <gazebo>.
         if root.name != "sdf" && root.name != "gazebo" {
             self.diagnostics.error(
@@ -133,7 +180,7 @@ impl Loader<'_> {
                 version
             }
         };
-        Some((root, version))
+        Some(version)
     }
 
     /// What Gazebo goes on without: an error here, a warning with `--gazebo-compat`.

@@ -28,7 +28,9 @@ impl Physics {
             .map(|model_from_link| PlacedLink {
                 body: None,
                 body_from_link: *world_from_model * *model_from_link,
+                model_from_link: *model_from_link,
                 colliders: Vec::new(),
+                shapes: Vec::new(),
             })
             .collect();
         if model.is_static {
@@ -98,7 +100,13 @@ impl Physics {
         for (link, placed) in links.iter_mut().enumerate() {
             self.add_colliders(model, index, link, placed);
         }
-        self.models.push(PlacedModel { links, joints, first_body, end_body: self.bodies.len() });
+        self.models.push(PlacedModel {
+            world_from_model: *world_from_model,
+            links,
+            joints,
+            first_body,
+            end_body: self.bodies.len(),
+        });
     }
 
     /// Makes the body of some links, the first of which gives it its frame; none if it cannot move.
@@ -202,10 +210,8 @@ impl Physics {
                     self.bodies[carrier].model_at_rest.inverse() * body.model_at_rest
                 })
             });
-            let pose = rapier_from_body
-                * placed.body_from_link
-                * collision.link_from_collision
-                * collision_from_shape;
+            let link_from_shape = collision.link_from_collision * collision_from_shape;
+            let pose = rapier_from_body * placed.body_from_link * link_from_shape;
             let collider = ColliderBuilder::new(shape)
                 .position(to_rapier(&pose))
                 // Mass and inertia come from <inertial> alone.
@@ -220,6 +226,7 @@ impl Physics {
                 });
             let parent = placed.body.map(|body| self.bodies[body].handle);
             placed.colliders.push(self.rapier.insert_collider(collider, parent));
+            placed.shapes.push(link_from_shape);
         }
     }
 }

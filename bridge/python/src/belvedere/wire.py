@@ -34,6 +34,9 @@ class Kind(IntEnum):
     VELOCITY_COMMAND = 11
     IMU = 12
     ROBOT_EVENT = 13
+    SIMULATION_COMMAND = 14
+    SIMULATION_RESULT = 15
+    MODEL_STATES = 16
     CORE_SENSORS = 17
     RESET_ODOMETRY = 18
     MOTOR_POWER = 19
@@ -128,6 +131,25 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
     ),
     Kind.RESET_ODOMETRY: np.dtype([("reserved", "<u8")]),
     Kind.MOTOR_POWER: np.dtype([("state", "<u4")]),
+    Kind.SIMULATION_COMMAND: np.dtype(
+        [
+            *(("id", "<u8"), ("operation", "<u2"), ("reserved", "<u2"), ("text_len", "<u4"), ("steps", "<u8")),
+            *(("name", "S64"), ("reference", "S64"), ("position", "<f8", 3), ("orientation", "<f8", 4)),
+            *(("linear", "<f8", 3), ("angular", "<f8", 3)),
+        ]
+    ),
+    Kind.SIMULATION_RESULT: np.dtype(
+        [
+            *(("id", "<u8"), ("time_ns", "<u8"), ("done", "<u2"), ("operation", "<u2"), ("reserved", "<u4")),
+            ("reason", "S488"),
+        ]
+    ),
+    Kind.MODEL_STATES: np.dtype(
+        [
+            *(("name", "S128"), ("position", "<f8", 3), ("orientation", "<f8", 4)),
+            *(("linear", "<f8", 3), ("angular", "<f8", 3)),
+        ]
+    ),
 }
 STRUCTS[Kind.STATIC_TRANSFORMS] = STRUCTS[Kind.TRANSFORMS]
 

@@ -1,0 +1,112 @@
+//! The streams of commands and results.
+
+use belvedere_bridge::payload::{SimulationCommand, SimulationResult};
+use belvedere_bridge::{Error, Frame, Node, Operation, Publisher, StreamSpec, Subscriber, Text};
+use std::time::Duration;
+
+/// Longest text that a command may bring, in bytes: meshes are files of their own, so that descriptions are short.
+pub const MAX_TEXT_BYTES: usize = 4 << 20;
+
+/// A command as it came.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Its fixed part.
+    pub command: SimulationCommand,
+    /// Its text, or why there is none to be had.
+    pub text: Result<String, String>,
+}
+
+impl Request {
+    fn of(frame: &Frame) -> Option<Self> {
+        let command: SimulationCommand = match frame.message() {
+            Ok(command) => command,
+            Err(error) => {
+                tracing::warn!(%error, "what came as a simulation command is none");
+                return None;
+            }
+        };
+        let len = command.text_len as usize;
+        let bytes = frame.payload().get(size_of::<SimulationCommand>()..).unwrap_or_default();
+        let text = if len > MAX_TEXT_BYTES {
+            Err(format!("its text is {len} bytes long, at most {MAX_TEXT_BYTES} are taken"))
+        } else {
+            match bytes.get(..len) {
+                // Copied first: what is in shared memory may still be written by its sender.
+                Some(text) => String::from_utf8(text.to_vec()).map_err(|error| {
+                    format!("its text is not UTF-8 from byte {} on", error.utf8_error().valid_up_to())
+                }),
+                None => Err(format!("its text is cut off: {len} bytes announced, {} came", bytes.len())),
+            }
+        };
+        Some(Self { command, text })
+    }
+
+    /// What is to be done, if this version knows it.
+    pub fn operation(&self) -> Option<Operation> {
+        Operation::from_wire(self.command.operation)
+    }
+}
+
+/// The receiving end of commands and the sending end of results.
+#[derive(Debug)]
+pub struct Inbox {
+    commands: Subscriber,
+    results: Publisher,
+}
+
+impl Inbox {
+    /// Makes both streams.
+    ///
+    /// # Errors
+    /// When the bridge cannot.
+    pub fn open(node: &Node) -> Result<Self, Error> {
+        // Results first: who sees that stream knows that commands are heard.
+        let commands = node.command_subscriber(&StreamSpec::simulation_command(0))?;
+        let results = node.publisher(&StreamSpec::simulation_result())?;
+        Ok(Self { commands, results })
+    }
+
+    /// The oldest command that waits. One that cannot be read is dropped with a warning.
+    pub fn take(&mut self) -> Option<Request> {
+        loop {
+            match self.commands.take() {
+                Ok(Some(frame)) => {
+                    if let Some(request) = Request::of(&frame) {
+                        return Some(request);
+                    }
+                }
+                Ok(None) => return None,
+                Err(error @ Error::Frame { .. }) => {
+                    tracing::warn!(%error, "a simulation command was refused");
+                }
+                Err(error) => {
+                    tracing::warn!(%error, "simulation commands cannot be read");
+                    return None;
+                }
+            }
+        }
+    }
+
+    /// Sleeps until a command comes, at most so long.
+    pub fn wait(&mut self, at_most: Duration) {
+        if let Err(error) = self.commands.wait(at_most) {
+            tracing::warn!(%error, "simulation commands cannot be read");
+            std::thread::sleep(at_most);
+        }
+    }
+
+    /// Answers a command at a simulated time.
+    pub fn answer(&self, command: &SimulationCommand, time_ns: u64, outcome: &Result<(), String>) {
+        let result = SimulationResult {
+            id: command.id,
+            time_ns,
+            done: outcome.is_ok().into(),
+            operation: command.operation,
+            reserved: 0,
+            reason: Text::cut(outcome.as_ref().err().map_or("", String::as_str)),
+        };
+        if let Err(error) = self.results.send_structs(time_ns, &[result]) {
+            tracing::warn!(%error, "a simulation command could not be answered");
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! A model out of a command's text.
+
+use crate::description::Diagnostics;
+use crate::description::model::Model;
+use crate::description::package::PackagePath;
+use crate::description::single::load_model_text;
+
+/// Where the files are that spawned models name, and how these are read.
+#[derive(Debug, Clone)]
+pub struct SpawnOptions {
+    /// Where packages and `model://` files are found.
+    pub packages: PackagePath,
+    /// As for the world's own models.
+    pub gazebo_compat: bool,
+}
+
+impl Default for SpawnOptions {
+    /// Our own models alone.
+    fn default() -> Self {
+        Self { packages: PackagePath::new([], None), gazebo_compat: false }
+    }
+}
+
+impl SpawnOptions {
+    /// Reads a model to be spawned.
+    ///
+    /// # Errors
+    /// In words: what is wrong with the text, with its lines, or that it has sensors.
+    pub fn load(&self, text: &str, name: &str) -> Result<Model, String> {
+        let name = if name.is_empty() { "text" } else { name };
+        let mut diagnostics = Diagnostics::default();
+        let model = load_model_text(text, name, &self.packages, self.gazebo_compat, &mut diagnostics);
+        if let Some(error) = diagnostics.errors().next() {
+            return Err(error.to_string());
+        }
+        for problem in diagnostics.problems() {
+            tracing::info!("{problem}");
+        }
+        let model = model.ok_or("there is no model in its text")?;
+        if let Some(sensor) = model.sensors.first() {
+            return Err(format!(
+                "{}: sensor '{}' cannot be added to a running simulation; remove its <sensor>, or give it to the robot",
+                sensor.source, sensor.name
+            ));
+        }
+        Ok(model)
+    }
+}

@@ -1,0 +1,118 @@
+//! The streams of the poses and velocities of all models and links, filled while somebody follows them.
+
+use super::roster::Roster;
+use crate::rig::Rate;
+use crate::world::physics::Physics;
+use belvedere_bridge::payload::ModelState;
+use belvedere_bridge::{Error, Kind, Node, Publisher, StreamSpec, Text};
+use belvedere_sensors::Pose;
+use glam::DVec3;
+use std::time::{Duration, Instant};
+
+/// Rate in Hz: that of the robot's own state.
+const RATE_HZ: f64 = 50.0;
+/// Models that may be spawned beside those of the start.
+pub const MAX_SPAWNED_MODELS: usize = 64;
+/// Links that these may have together.
+pub const MAX_SPAWNED_LINKS: usize = 256;
+/// Time between two looks for new followers while simulated time stands.
+const PAUSED_PERIOD: Duration = Duration::from_millis(100);
+
+/// The two streams.
+#[derive(Debug)]
+pub struct StateStreams {
+    models: Publisher,
+    links: Publisher,
+    rate: Rate,
+    next: u64,
+    sent: Instant,
+    messages: Vec<ModelState>,
+}
+
+impl StateStreams {
+    /// Opens both for everybody who is there, and room for some more.
+    ///
+    /// # Errors
+    /// When the bridge cannot.
+    pub fn open(node: &Node, roster: &Roster, physics: &Physics) -> Result<Self, Error> {
+        let links: usize = roster.iter().map(|(_, resident)| resident.model.links.len()).sum();
+        let publisher = |topic, count| {
+            // Sent while it is followed: the last one may be of long ago.
+            node.publisher(&StreamSpec {
+                buffer: 4,
+                history: 0,
+                ..StreamSpec::structs(topic, Kind::ModelStates, count).frame_id("world").rate_hz(RATE_HZ)
+            })
+        };
+        Ok(Self {
+            models: publisher(StreamSpec::MODEL_STATES, roster.iter().count() + MAX_SPAWNED_MODELS)?,
+            links: publisher(StreamSpec::LINK_STATES, links + MAX_SPAWNED_LINKS)?,
+            rate: Rate::from_hz(RATE_HZ).unwrap_or(Rate::from_period_ns(physics.step_ns())),
+            next: 0,
+            sent: Instant::now(),
+            messages: Vec::new(),
+        })
+    }
+
+    /// Begins the schedule again.
+    pub fn restart(&mut self) {
+        self.next = 0;
+    }
+
+    /// Sends what is due at a stamp between the last two steps.
+    pub fn publish(&mut self, stamp_ns: u64, roster: &Roster, physics: &Physics) {
+        if self.rate.stamp_ns(self.next) <= stamp_ns {
+            while self.rate.stamp_ns(self.next) <= stamp_ns {
+                self.next += 1;
+            }
+            self.send(stamp_ns, roster, physics);
+        }
+    }
+
+    /// Sends the same again now and then, while simulated time stands: to those who have come since.
+    pub fn repeat(&mut self, roster: &Roster, physics: &Physics) {
+        if self.sent.elapsed() >= PAUSED_PERIOD {
+            self.send(physics.time_ns(), roster, physics);
+        }
+    }
+
+    /// Sends what is now.
+    pub fn send(&mut self, stamp_ns: u64, roster: &Roster, physics: &Physics) {
+        self.sent = Instant::now();
+        if self.models.subscribers() > 0 {
+            self.messages.clear();
+            self.messages.extend(roster.iter().map(|(index, resident)| {
+                let pose = physics.world_from_model_at(index, stamp_ns);
+                state(&resident.name, &pose, physics.model_velocity(index))
+            }));
+            send(&self.models, stamp_ns, &self.messages);
+        }
+        if self.links.subscribers() > 0 {
+            self.messages.clear();
+            for (index, resident) in roster.iter() {
+                self.messages.extend(resident.model.links.iter().enumerate().map(|(number, link)| {
+                    let name = format!("{}::{}", resident.name, link.name);
+                    let pose = physics.world_from_link_at(index, number, stamp_ns);
+                    state(&name, &pose, physics.link_velocity(index, number))
+                }));
+            }
+            send(&self.links, stamp_ns, &self.messages);
+        }
+    }
+}
+
+fn state(name: &str, pose: &Pose, (linear, angular): (DVec3, DVec3)) -> ModelState {
+    ModelState {
+        name: Text::cut(name),
+        position: pose.translation().to_array(),
+        orientation: pose.rotation().to_array(),
+        linear: linear.to_array(),
+        angular: angular.to_array(),
+    }
+}
+
+fn send(publisher: &Publisher, stamp_ns: u64, states: &[ModelState]) {
+    if let Err(error) = publisher.send_structs(stamp_ns, states) {
+        tracing::warn!(topic = publisher.topic(), %error, "frame dropped");
+    }
+}

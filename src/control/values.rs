@@ -1,0 +1,74 @@
+//! Poses and velocities of commands, checked.
+
+use belvedere_bridge::payload::SimulationCommand;
+use belvedere_sensors::Pose;
+use glam::{DQuat, DVec3};
+
+/// Farthest from a reference frame that something may be put, in m. Physics is in single precision: a step of 6 cm
+/// there.
+const FARTHEST_M: f64 = 1e6;
+/// Fastest that something may move by a command, in m/s or rad/s.
+const FASTEST: f64 = 1e4;
+
+/// The pose that a command gives, in its reference frame. An orientation of zeros, which is what a message that was
+/// not filled in has, is no rotation.
+///
+/// # Errors
+/// In words, if it is not finite, too far, or no rotation.
+pub fn pose(command: &SimulationCommand) -> Result<Pose, String> {
+    let position = vector(command.position, FARTHEST_M, "position")?;
+    let rotation = DQuat::from_array(command.orientation);
+    let length = rotation.length();
+    if command.orientation == [0.0; 4] {
+        return Ok(Pose::from_translation(position));
+    }
+    if !(length.is_finite() && length > 1e-6) {
+        return Err(format!("its orientation {:?} is no quaternion x y z w", command.orientation));
+    }
+    Ok(Pose::new(position, rotation.normalize()))
+}
+
+/// The velocity and rate of turn that a command gives, along the axes of its reference frame.
+///
+/// # Errors
+/// In words, if they are not finite or absurd.
+pub fn twist(command: &SimulationCommand) -> Result<(DVec3, DVec3), String> {
+    Ok((
+        vector(command.linear, FASTEST, "linear velocity")?,
+        vector(command.angular, FASTEST, "angular velocity")?,
+    ))
+}
+
+fn vector(values: [f64; 3], most: f64, what: &str) -> Result<DVec3, String> {
+    if values.iter().all(|value| value.abs() <= most) {
+        Ok(DVec3::from_array(values))
+    } else {
+        Err(format!("its {what} {values:?} is not three numbers of at most {most:e}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use belvedere_bridge::Operation;
+
+    #[test]
+    fn what_is_no_pose_is_refused() {
+        let command = SimulationCommand::new(Operation::SetModelState);
+        let with = |position, orientation| pose(&SimulationCommand { position, orientation, ..command });
+        assert_eq!(with([1.0, 2.0, 3.0], [0.0; 4]).unwrap().rotation(), DQuat::IDENTITY);
+        let turned = with([0.0; 3], [0.0, 0.0, 2.0, 2.0]).unwrap().rotation();
+        assert!((turned.length() - 1.0).abs() < 1e-15 && turned.z == turned.w);
+        for (position, orientation) in [
+            ([f64::NAN, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]),
+            ([0.0, f64::INFINITY, 0.0], [0.0, 0.0, 0.0, 1.0]),
+            ([0.0, 0.0, 2e6], [0.0, 0.0, 0.0, 1.0]),
+            ([0.0; 3], [f64::NAN, 0.0, 0.0, 1.0]),
+            ([0.0; 3], [0.0, 0.0, 0.0, 1e-9]),
+            ([0.0; 3], [f64::MAX; 4]),
+        ] {
+            assert!(with(position, orientation).is_err(), "{position:?} {orientation:?}");
+        }
+        assert!(twist(&SimulationCommand { angular: [f64::NAN; 3], ..command }).is_err());
+    }
+}

@@ -1,0 +1,168 @@
+//! Models are moved, put back, added and taken out while the world runs.
+
+use super::convert::{from_rapier, to_rapier, vector};
+use super::joint::{JointState, Motion};
+use super::{ModelIndex, Physics, PlacedModel};
+use crate::description::diagnostics::{Problem, Severity};
+use crate::description::model::Model;
+use belvedere_sensors::Pose;
+use glam::DVec3;
+
+impl Physics {
+    /// The body that a model's frame goes along with; none if nothing of it moves.
+    fn leading_body(&self, model: ModelIndex) -> Option<usize> {
+        let placed = &self.models[model];
+        (placed.first_body..placed.end_body).find(|body| self.bodies[*body].carrier.is_none())
+    }
+
+    /// Pose of a model's frame at a time between the last two steps.
+    pub fn world_from_model_at(&self, model: ModelIndex, stamp_ns: u64) -> Pose {
+        self.leading_body(model).map_or(self.models[model].world_from_model, |body| {
+            self.body_at(body, stamp_ns) * self.bodies[body].model_at_rest.inverse()
+        })
+    }
+
+    /// Pose of a model's frame now: that of its first body, as in Gazebo.
+    pub fn world_from_model(&self, model: ModelIndex) -> Pose {
+        self.world_from_model_at(model, self.time_ns)
+    }
+
+    /// Velocity of a model's origin in m/s and its rate of turn in rad/s, both in the world frame.
+    pub fn model_velocity(&self, model: ModelIndex) -> (DVec3, DVec3) {
+        let Some(body) = self.leading_body(model) else { return (DVec3::ZERO, DVec3::ZERO) };
+        let origin = vector(self.world_from_model(model).translation());
+        let rigid = &self.rapier.bodies[self.bodies[body].handle];
+        (rigid.velocity_at_point(origin).as_dvec3(), rigid.angvel().as_dvec3())
+    }
+
+    /// Moves a model as it is, joints included, so that its frame comes to `world_from_model`, and gives its origin a
+    /// velocity in m/s and a rate of turn in rad/s, both in the world frame. What is static moves too, and stands.
+    /// The wheels of a Kobuki do not turn by it: its odometry does not notice that it was carried.
+    pub fn move_model(&mut self, model: ModelIndex, world_from_model: &Pose, linear: DVec3, angular: DVec3) {
+        let moved_from_world = *world_from_model * self.world_from_model(model).inverse();
+        for index in self.models[model].first_body..self.models[model].end_body {
+            if self.bodies[index].carrier.is_none() {
+                let pose = moved_from_world * self.bodies[index].current;
+                self.set_body(index, &pose, world_from_model.translation(), linear, angular);
+            }
+        }
+        self.settle(model, world_from_model);
+    }
+
+    /// Puts a model somewhere as it was at the start: at rest, with its joints at zero. The wheels of a Kobuki keep
+    /// the turns that its encoders have counted.
+    pub fn place_model(&mut self, model: ModelIndex, world_from_model: &Pose) {
+        let placed = &mut self.models[model];
+        for joint in placed.joints.iter_mut().flatten() {
+            if matches!(joint.motion, Motion::Forces(_)) {
+                (joint.previous, joint.current) = (JointState::default(), JointState::default());
+            }
+        }
+        for index in self.models[model].first_body..self.models[model].end_body {
+            if self.bodies[index].carrier.is_none() {
+                let pose = *world_from_model * self.bodies[index].model_at_rest;
+                self.set_body(index, &pose, DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+            }
+        }
+        self.settle(model, world_from_model);
+    }
+
+    /// Gives a body a pose, and the velocity that it has in a rigid motion about `origin`.
+    fn set_body(&mut self, index: usize, pose: &Pose, origin: DVec3, linear: DVec3, angular: DVec3) {
+        let body = &mut self.bodies[index];
+        let rigid = &mut self.rapier.bodies[body.handle];
+        let centre = pose.transform_point(rigid.mass_properties().local_mprops.local_com.as_dvec3());
+        rigid.set_position(to_rapier(pose), true);
+        rigid.set_linvel(vector(linear + angular.cross(centre - origin)), true);
+        rigid.set_angvel(vector(angular), true);
+        rigid.reset_forces(true);
+        rigid.reset_torques(true);
+        body.current = from_rapier(rigid.position());
+    }
+
+    /// Takes along what does not move by itself, and forgets where the model came from.
+    fn settle(&mut self, model: ModelIndex, world_from_model: &Pose) {
+        self.carry();
+        let placed = &mut self.models[model];
+        for body in &mut self.bodies[placed.first_body..placed.end_body] {
+            body.previous = body.current;
+        }
+        placed.world_from_model = *world_from_model;
+        for link in placed.links.iter_mut().filter(|link| link.body.is_none()) {
+            link.body_from_link = *world_from_model * link.model_from_link;
+            for (handle, link_from_shape) in link.colliders.iter().zip(&link.shapes) {
+                if let Some(collider) = self.rapier.colliders.get_mut(*handle) {
+                    collider.set_position(to_rapier(&(link.body_from_link * *link_from_shape)));
+                }
+            }
+        }
+        // What rested on it, or where it is now, has to notice.
+        self.rapier.wake_up_all(true);
+    }
+
+    /// Adds a model to the running world, its frame at `world_from_model`. What was decided for the user is added to
+    /// [`Physics::notes`].
+    ///
+    /// # Errors
+    /// If a pose is not finite.
+    pub fn insert_model(&mut self, model: &Model, world_from_model: &Pose) -> Result<ModelIndex, Problem> {
+        check_poses(model, world_from_model)?;
+        let index = self.models.len();
+        self.add(model, world_from_model, false);
+        self.rapier.wake_up_all(true);
+        Ok(index)
+    }
+
+    /// Takes a model out of the running world. Its index stays empty, those of the others stay as they are.
+    pub fn remove_model(&mut self, model: ModelIndex) {
+        let removed = std::mem::take(&mut self.models[model]);
+        for link in removed.links.iter().filter(|link| link.body.is_none()) {
+            for collider in &link.colliders {
+                self.rapier.remove_collider(*collider);
+            }
+        }
+        let (first, end) = (removed.first_body, removed.end_body);
+        for body in self.bodies.drain(first..end).filter(|body| body.carrier.is_none()) {
+            self.rapier.remove_body_with_colliders(body.handle, true);
+        }
+        self.moving.retain(|link| link.model != model);
+        // Bodies behind it have moved up.
+        let count = end - first;
+        let up = |body: &mut usize| {
+            if *body >= end {
+                *body -= count;
+            }
+        };
+        for body in &mut self.bodies {
+            if let Some((carrier, ..)) = &mut body.carrier {
+                up(carrier);
+            }
+        }
+        self.moving.iter_mut().for_each(|link| up(&mut link.body));
+        for placed in &mut self.models {
+            up(&mut placed.first_body);
+            up(&mut placed.end_body);
+            placed.links.iter_mut().filter_map(|link| link.body.as_mut()).for_each(up);
+            placed.joints.iter_mut().flatten().flat_map(|joint| &mut joint.bodies).for_each(up);
+        }
+        self.rapier.wake_up_all(true);
+    }
+
+    /// Leaves an index empty, as [`Physics::remove_model`] does.
+    pub(super) fn skip(&mut self) {
+        self.models.push(PlacedModel::default());
+    }
+}
+
+/// Refuses a model with a pose that is not finite.
+pub(super) fn check_poses(model: &Model, world_from_model: &Pose) -> Result<(), Problem> {
+    if world_from_model.is_finite() && model.links.iter().all(|link| link.model_from_link.is_finite()) {
+        return Ok(());
+    }
+    Err(Problem {
+        severity: Severity::Error,
+        source: model.source.clone(),
+        what: format!("the pose of model '{}' or of one of its links is not finite", model.name),
+        remedy: "write finite numbers".into(),
+    })
+}

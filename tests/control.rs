@@ -10,9 +10,9 @@ use xxhash_rust::xxh3::xxh3_128;
 
 const ROBOT: &str = "turtlebot";
 const BOX: &str = "<sdf version='1.6'><model name='box'><link name='body'>
-  <inertial><mass>2</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>
-  <collision name='c'><geometry><box><size>0.4 0.4 0.4</size></box></geometry></collision>
-  <visual name='v'><geometry><box><size>0.4 0.4 0.4</size></box></geometry></visual>
+  <inertial><mass>2</mass><inertia><ixx>0.2</ixx><iyy>0.2</iyy><izz>0.1</izz></inertia></inertial>
+  <collision name='c'><geometry><box><size>0.4 0.4 1</size></box></geometry></collision>
+  <visual name='v'><geometry><box><size>0.4 0.4 1</size></box></geometry></visual>
 </link></model></sdf>";
 
 fn control(simulator: &Simulator) -> SimulationControl {
@@ -282,20 +282,20 @@ fn a_box_in_front_of_the_lidar_is_seen_until_it_is_deleted() {
     let free_m = ahead_m(&mut control, &mut scans);
     for round in 0..3 {
         // It falls from 0.3 m to the ground.
-        let spawned = SimulationCommand { position: [1.5, 0.0, 0.5], ..named(Operation::Spawn, "crate") };
+        let spawned = SimulationCommand { position: [1.5, 0.0, 0.8], ..named(Operation::Spawn, "crate") };
         done_with(&mut control, &spawned, BOX);
-        assert_near(state(&mut models, "crate").unwrap().position, [1.5, 0.0, 0.5], 1e-6);
+        assert_near(state(&mut models, "crate").unwrap().position, [1.5, 0.0, 0.8], 1e-6);
         step(&mut control, 200);
         let fallen = state(&mut models, "crate").unwrap();
-        assert_near(fallen.position, [1.5, 0.0, 0.2], 0.01);
+        assert_near(fallen.position, [1.5, 0.0, 0.5], 0.01);
         assert!(states(&mut links).iter().any(|link| link.name.as_str() == "crate::body"));
         let near_m = ahead_m(&mut control, &mut scans);
         assert!((1.0..1.4).contains(&near_m), "round {round}: {near_m} m, {free_m} m without the box");
         // A reset of the world puts it back into the air, one of the simulation too.
         done(&mut control, Operation::ResetWorld);
-        assert_near(state(&mut models, "crate").unwrap().position, [1.5, 0.0, 0.5], 1e-6);
+        assert_near(state(&mut models, "crate").unwrap().position, [1.5, 0.0, 0.8], 1e-6);
         assert_eq!(done(&mut control, Operation::ResetSimulation), 0);
-        assert_near(state(&mut models, "crate").unwrap().position, [1.5, 0.0, 0.5], 1e-6);
+        assert_near(state(&mut models, "crate").unwrap().position, [1.5, 0.0, 0.8], 1e-6);
         assert!(ahead_m(&mut control, &mut scans) < free_m - 0.5 || near_m < free_m - 0.5);
         done_with(&mut control, &named(Operation::Delete, "crate"), "");
         assert!(state(&mut models, "crate").is_none());
@@ -350,9 +350,9 @@ fn what_cannot_be_done_is_refused_in_words() {
     );
     say(&mut control, &spawn, &sensing, &["thing:5", "sensor 'eye'", "remove"]);
     let missing =
-        BOX.replace("<box><size>0.4 0.4 0.4</size></box>", "<mesh><uri>model://no/such.dae</uri></mesh>");
+        BOX.replace("<box><size>0.4 0.4 1</size></box>", "<mesh><uri>model://no/such.dae</uri></mesh>");
     say(&mut control, &spawn, &missing, &["no/such.dae"]);
-    let flat = BOX.replace("0.4 0.4 0.4", "0 1 1");
+    let flat = BOX.replace("0.4 0.4 1", "0 1 1");
     say(&mut control, &spawn, &flat, &["size"]);
     let deep = format!("<sdf version='1.6'>{}", "<a>".repeat(200_000));
     refusal(&mut control, &spawn, &deep);
@@ -411,7 +411,7 @@ fn the_command_line_says_what_was_done_and_why_not() {
         (&["pause"][..], 0, "pause: done at "),
         (&["step", "10"], 0, "step: done at "),
         (&["move", ROBOT, "0.5", "-0.25", "0", "-90"], 0, "move: done"),
-        (&["spawn", file, "--name", "crate", "--pose", "-1,-1,0.2,45"], 0, "spawn: done"),
+        (&["spawn", file, "--name", "crate", "--pose", "-1,-1,0.5,45"], 0, "spawn: done"),
         (&["states"], 0, "crate "),
         (&["states", "--json"], 0, "{\"angular\":"),
         (&["states", "--links"], 0, "crate::body"),

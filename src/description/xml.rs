@@ -7,6 +7,9 @@ use super::diagnostics::{Problem, Severity, Source};
 use std::path::Path;
 use std::sync::Arc;
 
+/// Deepest nesting of elements: far beyond any robot's or world's.
+const MAX_DEPTH: u32 = 200;
+
 /// An element with its attributes in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
@@ -62,6 +65,21 @@ impl Element {
             what: format!("broken XML: {error}"),
             remedy: "close or correct the element there".into(),
         })?;
+        // What follows goes down the tree by recursion.
+        let mut depths: Vec<u32> = Vec::new();
+        for node in document.descendants() {
+            let above = node.parent().and_then(|parent| depths.get(parent.id().get_usize()));
+            let depth = above.map_or(0, |above| above + 1);
+            if depth > MAX_DEPTH {
+                return Err(Problem {
+                    severity: Severity::Error,
+                    source: Source { file: file.clone(), line: document.text_pos_at(node.range().start).row },
+                    what: format!("elements are nested more than {MAX_DEPTH} deep"),
+                    remedy: "close those that are left open, or flatten them".into(),
+                });
+            }
+            depths.push(depth);
+        }
         Ok(convert(document.root_element(), &file, text))
     }
 
@@ -142,6 +160,16 @@ mod tests {
         assert_eq!(element.attribute("a"), Some("<1"));
         assert_eq!(element.text(), "t");
         assert_eq!(element.source.to_string(), "r.xacro:3");
+    }
+
+    #[test]
+    fn bottomless_nesting_is_refused() {
+        let nested = |depth| format!("{}\n{}", "<a>".repeat(depth), "</a>".repeat(depth));
+        assert!(Element::parse(&nested(200), Path::new("x")).is_ok());
+        for depth in [202, 100_000] {
+            let problem = Element::parse(&nested(depth), Path::new("x")).unwrap_err().to_string();
+            assert!(problem.contains("more than 200 deep"), "{problem}");
+        }
     }
 
     #[test]

@@ -164,6 +164,9 @@ typedef uint16_t bv_encoding;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// The commanding end of a simulation.
+typedef struct bv_control bv_control;
+
 // A frame where it lies in shared memory; unchanged until it is released. Its header was checked: rows and structs
 // lie within the payload.
 typedef struct bv_frame bv_frame;
@@ -292,6 +295,43 @@ typedef struct bv_velocity_command {
     double angular[3];
 } bv_velocity_command;
 
+// What a simulator is to do. A text of text_len bytes follows it in the payload.
+typedef struct bv_simulation_command {
+    // chosen at random by the sender; the result names it
+    uint64_t id;
+    // 1 pause, 2 resume, 3 step, 4 reset_world, 5 reset_simulation, 6 set_model_state, 7 spawn, 8 delete
+    uint16_t operation;
+    uint16_t reserved;
+    // bytes of UTF-8 that follow, without a NUL
+    uint32_t text_len;
+    // steps of physics
+    uint64_t steps;
+    // the model that is meant
+    char name[64];
+    // the frame of what follows: a model, model::link, or nothing for the world
+    char reference[64];
+    double position[3];
+    // x y z w
+    double orientation[4];
+    double linear[3];
+    double angular[3];
+} bv_simulation_command;
+
+// What became of a command.
+typedef struct bv_simulation_result {
+    // the command's
+    uint64_t id;
+    // simulated time after it
+    uint64_t time_ns;
+    // 1 done, 0 refused
+    uint16_t done;
+    // the command's
+    uint16_t operation;
+    uint32_t reserved;
+    // why it was refused
+    char reason[488];
+} bv_simulation_result;
+
 // As sensor_msgs/CameraInfo.
 typedef struct bv_camera_info {
     uint32_t width;
@@ -397,43 +437,6 @@ typedef struct bv_motor_power {
     // 0 off, else on
     uint32_t state;
 } bv_motor_power;
-
-// What a simulator is to do. A text of text_len bytes follows it in the payload.
-typedef struct bv_simulation_command {
-    // chosen at random by the sender; the result names it
-    uint64_t id;
-    // 1 pause, 2 resume, 3 step, 4 reset_world, 5 reset_simulation, 6 set_model_state, 7 spawn, 8 delete
-    uint16_t operation;
-    uint16_t reserved;
-    // bytes of UTF-8 that follow, without a NUL
-    uint32_t text_len;
-    // steps of physics
-    uint64_t steps;
-    // the model that is meant
-    char name[64];
-    // the frame of what follows: a model, model::link, or nothing for the world
-    char reference[64];
-    double position[3];
-    // x y z w
-    double orientation[4];
-    double linear[3];
-    double angular[3];
-} bv_simulation_command;
-
-// What became of a command.
-typedef struct bv_simulation_result {
-    // the command's
-    uint64_t id;
-    // simulated time after it
-    uint64_t time_ns;
-    // 1 done, 0 refused
-    uint16_t done;
-    // the command's
-    uint16_t operation;
-    uint32_t reserved;
-    // why it was refused
-    char reason[488];
-} bv_simulation_result;
 
 // Where a model or a link is in the world, and how it moves.
 typedef struct bv_model_state {
@@ -595,6 +598,24 @@ bv_status bv_velocity_send(struct bv_velocity_publisher *publisher,
 // robot a step or two of its simulation.
 // Requires: `publisher` came from bv_velocity_open and is not used afterwards.
 void bv_velocity_close(struct bv_velocity_publisher *publisher);
+
+// Gets ready to control the simulation of a domain, whether it runs already or not.
+// Requires: `node` is open; `out` can be written.
+bv_status bv_control_open(struct bv_node *node, struct bv_control **out);
+
+// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time. An id of 0 is
+// replaced by one that no other has; text_len is that of the text. A command that was refused is a success of this
+// function: look at result->done.
+// Requires: `control` is open; `command` can be read; `text` is NUL-terminated or NULL; `result` can be written.
+bv_status bv_control_call(struct bv_control *control,
+                          const struct bv_simulation_command *command,
+                          const char *text,
+                          uint32_t timeout_ms,
+                          struct bv_simulation_result *result);
+
+// Closes it; NULL is ignored.
+// Requires: `control` came from bv_control_open and is not used afterwards.
+void bv_control_close(struct bv_control *control);
 
 #ifdef __cplusplus
 }  // extern "C"

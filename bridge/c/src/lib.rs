@@ -7,6 +7,7 @@
 // What C sees is public to the linker, not to Rust.
 #![allow(unreachable_pub)]
 
+mod control;
 mod frame;
 mod layout;
 mod node;

@@ -1,16 +1,17 @@
 //! The C functions called as C calls them, against a publisher in Rust.
 
 use std::{
-    ffi::{CStr, CString},
-    ptr::null_mut,
+    ffi::{CStr, CString, c_char},
+    ptr::{null, null_mut},
 };
 
 use belvedere_bridge::{Domain, Encoding, Kind, Publisher, StreamSpec, payload};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::{
+    control::{bv_control_call, bv_control_close, bv_control_open},
     frame::{bv_frame_get_header, bv_frame_get_payload, bv_frame_missed, bv_frame_release},
-    layout::{BV_MAGIC, VelocityCommand},
+    layout::{BV_MAGIC, SimulationCommand, SimulationResult, VelocityCommand},
     node::{bv_node_close, bv_node_open, bv_streams, bv_streams_free},
     status::{Status, bv_last_error, guard},
     subscriber::{
@@ -85,6 +86,50 @@ fn frames_and_commands_cross() {
         bv_node_close(node);
         bv_subscriber_close(subscriber);
         bv_frame_release(frame);
+    }
+}
+
+/// A simulator that refuses everything, in the words that it was sent.
+#[test]
+fn a_simulation_is_controlled() {
+    let name = format!("cc-{}", std::process::id());
+    let rust = belvedere_bridge::Node::open(&Domain::new(&name).unwrap(), "test").unwrap();
+    let mut commands = rust.command_subscriber(&StreamSpec::simulation_command(0)).unwrap();
+    let results = rust.publisher(&StreamSpec::simulation_result()).unwrap();
+    let simulator = std::thread::spawn(move || {
+        assert!(commands.wait(std::time::Duration::from_secs(20)).unwrap());
+        let frame = commands.take().unwrap().unwrap();
+        let command: payload::SimulationCommand = frame.message().unwrap();
+        assert!(command.id != 0 && command.text_len == 5 && command.position == [1.0, 2.0, 3.0]);
+        let text = std::str::from_utf8(&frame.payload()[256..]).unwrap();
+        let result = payload::SimulationResult {
+            id: command.id,
+            time_ns: 7,
+            done: 0,
+            operation: command.operation,
+            reserved: 0,
+            reason: belvedere_bridge::Text::new(&format!("{} {text}", command.name)).unwrap(),
+        };
+        results.send_structs(7, &[result]).unwrap();
+        results
+    });
+    let name = CString::new(name).unwrap();
+    let (mut node, mut control) = (null_mut(), null_mut());
+    // SAFETY: as above; all fields of the structs are numbers, for which zeros are valid.
+    unsafe {
+        assert_eq!(bv_node_open(name.as_ptr(), c"test".as_ptr(), &raw mut node), Status::Ok);
+        assert_eq!(bv_control_open(node, &raw mut control), Status::Ok);
+        let mut command: SimulationCommand = std::mem::zeroed();
+        let mut result: SimulationResult = std::mem::zeroed();
+        (command.operation, command.position, command.name[0]) = (7, [1.0, 2.0, 3.0], b'n' as c_char);
+        let (command, result) = (&raw const command, &raw mut result);
+        assert_eq!(bv_control_call(control, command, c"model".as_ptr(), 20_000, result), Status::Ok);
+        assert_eq!(((*result).done, (*result).operation, (*result).time_ns), (0, 7, 7));
+        assert_eq!(CStr::from_ptr((&raw const (*result).reason).cast()), c"n model");
+        drop(simulator.join().unwrap());
+        assert_eq!(bv_control_call(control, command, null(), 50, result), Status::Nothing);
+        bv_control_close(control);
+        bv_node_close(node);
     }
 }
 

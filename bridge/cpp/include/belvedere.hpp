@@ -258,6 +258,24 @@ private:
     detail::Owned<bv_velocity_publisher, bv_velocity_close> handle_;
 };
 
+/// Controls a simulation: pause, resume, step, reset, move, spawn, delete.
+class Control {
+public:
+    explicit Control(bv_control* handle) : handle_(handle) {}
+    /// Sends a command, with the text of a model to be spawned, and waits for its result: none in time, none at all. One
+    /// that was refused has `done` 0 and a reason. An id of 0 is replaced by one that no other has.
+    std::optional<bv_simulation_result> call(const bv_simulation_command& command, std::chrono::milliseconds timeout,
+                                             const std::string& text = {}) {
+        bv_simulation_result result;
+        const auto status = bv_control_call(handle_.get(), &command, text.c_str(), detail::milliseconds(timeout), &result);
+        if (!detail::check(status)) return std::nullopt;
+        return result;
+    }
+
+private:
+    detail::Owned<bv_control, bv_control_close> handle_;
+};
+
 /// Membership of a domain; what was made from it outlives it.
 class Node {
 public:
@@ -289,6 +307,12 @@ public:
         bv_velocity_publisher* publisher = nullptr;
         detail::check(bv_velocity_open(handle_.get(), topic.c_str(), &publisher));
         return VelocityPublisher(publisher);
+    }
+    /// Controls the simulation of the domain, whether it runs already or not.
+    Control control() {
+        bv_control* control = nullptr;
+        detail::check(bv_control_open(handle_.get(), &control));
+        return Control(control);
     }
     /// What is published in the domain, by topic.
     std::vector<bv_stream_info> streams() {

@@ -1,0 +1,100 @@
+//! Commands to a simulator.
+
+use std::{ffi::c_char, time::Duration};
+
+use belvedere_bridge::{SimulationControl, Text, payload};
+
+use crate::{
+    layout::{SimulationCommand, SimulationResult},
+    node::Node,
+    status::{Status, close, give, guard, handle_arg, null, str_arg},
+};
+
+/// The commanding end of a simulation.
+pub struct Control(SimulationControl);
+
+/// Gets ready to control the simulation of a domain, whether it runs already or not.
+///
+/// # Safety
+/// `node` is open; `out` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bv_control_open(node: *mut Node, out: *mut *mut Control) -> Status {
+    guard(|| {
+        // SAFETY: an open node by this function's contract.
+        let node = unsafe { handle_arg(node, "node") }?;
+        let control = Control(SimulationControl::open(&node.0)?);
+        // SAFETY: `out` can be written by this function's contract.
+        unsafe { give(out, control) }
+    })
+}
+
+/// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time. An id of 0 is
+/// replaced by one that no other has; text_len is that of the text. A command that was refused is a success of this
+/// function: look at result->done.
+///
+/// # Safety
+/// `control` is open; `command` can be read; `text` is NUL-terminated or NULL; `result` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bv_control_call(
+    control: *mut Control,
+    command: *const SimulationCommand,
+    text: *const c_char,
+    timeout_ms: u32,
+    result: *mut SimulationResult,
+) -> Status {
+    guard(|| {
+        // SAFETY: an open handle by this function's contract.
+        let control = unsafe { handle_arg(control, "control") }?;
+        // SAFETY: readable or null by this function's contract.
+        let command = unsafe { command.as_ref() }.ok_or_else(|| null("command"))?;
+        // SAFETY: a NUL-terminated text by this function's contract.
+        let text = if text.is_null() { "" } else { unsafe { str_arg(text, "text") }? };
+        if result.is_null() {
+            return Err(null("result"));
+        }
+        let timeout = Duration::from_millis(timeout_ms.into());
+        let Some(answer) = control.0.call(&wire_command(command), text, timeout)? else {
+            return Ok(Status::Nothing);
+        };
+        let answer = SimulationResult {
+            id: answer.id,
+            time_ns: answer.time_ns,
+            done: answer.done,
+            operation: answer.operation,
+            reserved: answer.reserved,
+            reason: bytemuck::cast::<_, [u8; 488]>(answer.reason).map(|byte| byte as c_char),
+        };
+        // SAFETY: it can be written by this function's contract.
+        unsafe { result.write(answer) };
+        Ok(Status::Ok)
+    })
+}
+
+/// Closes it; NULL is ignored.
+///
+/// # Safety
+/// `control` came from bv_control_open and is not used afterwards.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bv_control_close(control: *mut Control) {
+    // SAFETY: this function's contract.
+    unsafe { close(control) };
+}
+
+fn wire_command(command: &SimulationCommand) -> payload::SimulationCommand {
+    let name = |text: &[c_char; 64]| -> Text<64> { bytemuck::cast(text.map(|byte| byte as u8)) };
+    let mut wire = payload::SimulationCommand::new(belvedere_bridge::Operation::Pause);
+    if command.id != 0 {
+        wire.id = command.id;
+    }
+    payload::SimulationCommand {
+        operation: command.operation,
+        steps: command.steps,
+        name: name(&command.name),
+        reference: name(&command.reference),
+        position: command.position,
+        orientation: command.orientation,
+        linear: command.linear,
+        angular: command.angular,
+        ..wire
+    }
+}

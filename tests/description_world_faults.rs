@@ -1,0 +1,197 @@
+//! World files: everything that can be wrong with one.
+
+mod sdf;
+
+use belvedere::description::Severity;
+use sdf::*;
+
+#[test]
+fn files_that_are_no_worlds() {
+    let folder = Folder::new();
+    let (world, problems) = load(folder.path("missing.world").to_str().unwrap(), false);
+    assert!(world.is_none() && problems[0].to_string().contains("missing.world: error: no such file"));
+    for (text, line, words) in [
+        ("<sdf version='1.6'>\n<world>\n</sdf>", 3, "broken XML"),
+        ("<robot name='r'/>", 1, "<robot>"),
+        ("\n<sdf version='2.0'><world name='w'/></sdf>", 2, "version '2.0'"),
+        ("<sdf version='1.6'><model name='m'/></sdf>", 1, "no <world>"),
+        ("", 1, "broken XML"),
+    ] {
+        let path = folder.write("test.world", text);
+        let (world, problems) = load(path.to_str().unwrap(), false);
+        assert!(world.is_none());
+        assert_one_error(&problems, line, &[words]);
+    }
+    folder.write("test.world", [0xff, 0xfe, 0x00]);
+    let (_, problems) = load(folder.path("test.world").to_str().unwrap(), false);
+    assert_one_error(&problems, 0, &["UTF-8"]);
+}
+
+#[test]
+fn bad_numbers() {
+    let shape = |shape: &str| visual(&format!("<geometry>{shape}</geometry>"));
+    assert_bad(
+        "1.6",
+        &shape("<box><size>1 -2 3</size></box>"),
+        2,
+        &["<size> of a box is '1 -2 3'", "above 0"],
+    );
+    assert_bad("1.6", &shape("<box><size>1 2</size></box>"), 2, &["too few numbers"]);
+    assert_bad("1.6", &shape("<box/>"), 2, &["no <size>"]);
+    assert_bad("1.6", &shape("<sphere><radius>0</radius></sphere>"), 2, &["<radius> of a sphere is '0'"]);
+    assert_bad("1.6", &shape("<cylinder><radius>1</radius><length>nan</length></cylinder>"), 2, &["'nan'"]);
+    assert_bad("1.6", &shape("<plane><normal>0 0 0</normal></plane>"), 2, &["<normal>"]);
+    assert_bad(
+        "1.6",
+        &model("<pose>0 0 nan 0 0 0</pose>"),
+        2,
+        &["<pose> is '0 0 nan 0 0 0'", "not a finite number"],
+    );
+    assert_bad("1.6", &model("<pose>0 0 0 0 0</pose>"), 2, &["too few"]);
+    assert_bad("1.6", &model("<inertial><mass>-1</mass></inertial>"), 2, &["-1 kg"]);
+    assert_bad(
+        "1.6",
+        &model("<inertial><inertia><ixx>0</ixx></inertia></inertial>"),
+        2,
+        &["moments of inertia"],
+    );
+    assert_bad(
+        "1.6",
+        "<physics type='ode'><max_step_size>0</max_step_size></physics>",
+        1,
+        &["<max_step_size> is 0"],
+    );
+    assert_bad("1.6", "<scene><ambient>-1 0 0 1</ambient></scene>", 1, &["negative"]);
+    assert_bad("1.6", "<scene><ambient>red</ambient></scene>", 1, &["'red'"]);
+    assert_bad("1.6", "<light type='lamp' name='x'/>", 1, &["'lamp'"]);
+    assert_bad(
+        "1.6",
+        "<light type='point' name='x'><attenuation><range>-1</range></attenuation></light>",
+        1,
+        &["-1"],
+    );
+    assert_bad("1.6", "<light type='spot' name='x'/>", 1, &["no <spot>"]);
+    assert_bad(
+        "1.6",
+        "<light type='directional' name='x'><direction>0 0 0</direction></light>",
+        1,
+        &["no length"],
+    );
+    assert_bad("1.6", "<model name='m'><static>maybe</static><link name='l'/></model>", 1, &["'maybe'"]);
+}
+
+#[test]
+fn bad_models() {
+    assert_bad("1.6", "<model><link name='l'/></model>", 1, &["<model> has no name"]);
+    assert_bad("1.6", "<model name='m'/>", 1, &["'m' has no link"]);
+    assert_bad(
+        "1.6",
+        "<model name='m'><link name='l'/>\n<link name='l'/></model>",
+        2,
+        &["two links", "test.world:2"],
+    );
+    let joint = |joint: &str| format!("<model name='m'><link name='left'/><link name='b'/>\n{joint}</model>");
+    assert_bad(
+        "1.6",
+        &joint("<joint name='j' type='fixed'><parent>lift</parent><child>b</child></joint>"),
+        2,
+        &["'lift', which is no link", "did you mean 'left'?"],
+    );
+    assert_bad("1.6", &joint("<joint name='j' type='fixed'><parent>b</parent></joint>"), 2, &["no <child>"]);
+    assert_bad(
+        "1.6",
+        &joint("<joint name='j' type='ball'><parent>left</parent><child>b</child></joint>"),
+        2,
+        &["'ball'", "revolute"],
+    );
+    assert_bad(
+        "1.6",
+        &joint(
+            "<joint name='j' type='revolute'><parent>left</parent><child>b</child><axis><xyz>0 0 0</xyz></axis></joint>",
+        ),
+        2,
+        &["0 0 0"],
+    );
+    assert_bad(
+        "1.6",
+        &joint(
+            "<joint name='j' type='revolute'><parent>left</parent><child>b</child><axis><xyz>0 0 1</xyz>\
+                <limit><lower>2</lower><upper>1</upper></limit></axis></joint>",
+        ),
+        2,
+        &["<lower> is 2 and <upper> is 1"],
+    );
+    let (world, problems) = Folder::new().load(
+        "1.6",
+        "<model name='m'><link name='l'/></model><model name='m'><link name='l'/></model>",
+        false,
+    );
+    assert_eq!((problems[0].severity, world.unwrap().models[1].name.as_str()), (Severity::Warning, "m_0"));
+}
+
+#[test]
+fn bad_includes() {
+    assert_bad(
+        "1.6",
+        "<include><uri>model://tag_cieling</uri></include>",
+        1,
+        &["model://tag_cieling", "did you mean 'model://tag_ceiling'?"],
+    );
+    assert_bad("1.6", "<include/>", 1, &["no <uri>"]);
+    assert_bad("1.6", "<include><uri>https://fuel.gazebosim.org/x</uri></include>", 1, &["https://"]);
+    // Gazebo goes on without the model.
+    let (world, problems) = Folder::new().load("1.6", "<include><uri>model://none</uri></include>", true);
+    assert!(world.is_some() && problems[0].severity == Severity::Warning);
+    // A circle of two files.
+    let folder = Folder::new();
+    for (name, other) in [("ping", "pong"), ("pong", "ping")] {
+        let text = format!(
+            "<sdf version='1.6'><model name='{name}'><link name='l'/><include><uri>model://{other}</uri></include></model></sdf>"
+        );
+        folder.write(&format!("{name}/model.sdf"), text);
+    }
+    let (_, problems) = folder.load("1.6", "<include><uri>model://ping</uri></include>", false);
+    let text = problems[0].to_string();
+    assert!(text.contains("pong/model.sdf:1") && text.contains("includes itself"), "{text}");
+    assert_eq!(problems.len(), 1);
+}
+
+#[test]
+fn bad_materials_and_textures() {
+    let folder = Folder::new();
+    folder.write(
+        "t/scripts/a.material",
+        "material A { technique { pass { texture_unit {\n texture gone.png\n } } } }",
+    );
+    folder.write("t/b.gif", b"");
+    let load = |material: &str| {
+        folder.load("1.6", &box_visual(&format!("<material>{material}</material>")), false).1
+    };
+    let problems = load("<script><uri>model://t/scripts</uri><name>A</name></script>");
+    let text = problems[0].to_string();
+    assert!(text.contains("a.material:2: error: there is no texture 'gone.png': looked for"), "{text}");
+    let problems = load("<script><uri>model://t/scripts</uri><name>AA</name></script>");
+    assert!(problems[0].to_string().contains("did you mean 'A'?"), "{problems:#?}");
+    assert_one_error(&load("<script><name>Gazebo/Gray5</name></script>"), 4, &["no material 'Gazebo/Gray5'"]);
+    let albedo = |file: &str| load(&format!("<pbr><metal><albedo_map>{file}</albedo_map></metal></pbr>"));
+    assert_one_error(&albedo("nowhere.png"), 4, &["no texture 'nowhere.png': looked for"]);
+    assert_one_error(&albedo("t/b.gif"), 4, &["b.gif", "convert it"]);
+    folder.write("t/scripts/a.material", "material A {\n technique {");
+    let text = load("<script><uri>model://t/scripts</uri><name>A</name></script>")[0].to_string();
+    assert!(text.contains("a.material:2"), "{text}");
+}
+
+#[test]
+fn bad_meshes_of_a_world() {
+    let folder = Folder::new();
+    folder.write("part.step", b"ISO");
+    let load =
+        |uri: &str| folder.load("1.6", &visual(&format!("<geometry><mesh>{uri}</mesh></geometry>")), false).1;
+    assert_one_error(&load("<uri>part.step</uri>"), 3, &["part.step", "stl, obj, dae"]);
+    assert_one_error(
+        &load("<uri>model://no/mesh.dae</uri>"),
+        3,
+        &["no mesh 'model://no/mesh.dae': looked for"],
+    );
+    assert_one_error(&load(""), 3, &["no <uri>"]);
+}

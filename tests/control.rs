@@ -124,7 +124,16 @@ fn steps_are_counted_exactly() {
     assert!(ended.done == 0 && ended.reason.as_str().contains("ended by a pause"), "{}", ended.reason);
 }
 
-const STREAMS: [&str; 6] = ["clock", "odom", "tf", "joint_states", "scan", "image_raw"];
+const STREAMS: [&str; 8] = [
+    "clock",
+    "odom",
+    "tf",
+    "joint_states",
+    "mobile_base/sensors/imu_data",
+    "mobile_base/sensors/core",
+    "scan",
+    "image_raw",
+];
 
 /// Stamp and hash of every frame of a second from time 0 on.
 fn first_second(simulator: &Simulator, subscribers: &mut [Subscriber]) -> Vec<Vec<(u64, u128)>> {
@@ -152,7 +161,7 @@ fn first_second(simulator: &Simulator, subscribers: &mut [Subscriber]) -> Vec<Ve
 }
 
 fn start_lossless(seed: &str) -> (Simulator, Vec<Subscriber>) {
-    let simulator = Simulator::start(&["--paused", "--rate", "max", "--seed", seed, "--wait-for", "test=6"]);
+    let simulator = Simulator::start(&["--paused", "--rate", "max", "--seed", seed, "--wait-for", "test=8"]);
     let node = simulator.node();
     let mut subscribers: Vec<_> = STREAMS.iter().map(|topic| node.subscriber(topic).unwrap()).collect();
     let started = Instant::now();

@@ -57,7 +57,6 @@ fn a_slow_consumer_gets_every_frame_from_the_first() {
     assert_eq!(images.missed_total() + infos.missed_total(), 0);
     let (success, said) = end(simulator);
     assert!(success, "{said}");
-    assert!(said.contains("waits for \"recorder\" ("), "{said}");
 }
 
 #[test]

@@ -14,6 +14,17 @@ namespace {
 // How often the domain is looked at.
 constexpr std::chrono::milliseconds kPeriod{500};
 
+/// Whether such a stream has consumers of the simulator for publishers.
+bool is_command(std::uint16_t kind) {
+    switch (kind) {
+        case BV_KIND_VELOCITY_COMMAND:
+        case BV_KIND_RESET_ODOMETRY:
+        case BV_KIND_MOTOR_POWER:
+        case BV_KIND_SIMULATION_COMMAND: return true;
+        default: return false;
+    }
+}
+
 }  // namespace
 
 Streams::Streams(Domain& domain, Found found)
@@ -39,7 +50,7 @@ void Streams::run() {
 void Streams::look() {
     const std::vector<bv_stream_info> streams = domain_.streams();
     const bool there = std::any_of(streams.begin(), streams.end(), [](const auto& stream) {
-        return stream.publishers > 0 && stream.kind != BV_KIND_VELOCITY_COMMAND;
+        return stream.publishers > 0 && !is_command(stream.kind);
     });
     if (there != simulator_is_there_.exchange(there))
         ROS_INFO_STREAM((there ? "found a simulator in domain " : "the simulator has gone from domain ") << domain_.name());

@@ -8,6 +8,7 @@
 #include "convert/camera_info.hpp"
 #include "convert/clock.hpp"
 #include "convert/image.hpp"
+#include "convert/imu.hpp"
 #include "convert/joint_states.hpp"
 #include "convert/laser_scan.hpp"
 #include "convert/odometry.hpp"
@@ -61,6 +62,7 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_LASER_SCAN: return serve(to_laser_scan, topic, kSmall);
         case BV_KIND_POINT_CLOUD: return serve(to_point_cloud, topic, kLarge);
         case BV_KIND_ODOMETRY: return serve(to_odometry, topic, kSmall);
+        case BV_KIND_IMU: return serve(to_imu, topic, kSmall);
         case BV_KIND_JOINT_STATES: return serve(to_joint_states, topic, kSmall);
         case BV_KIND_TRANSFORMS: {
             if (parameters_.transforms == Parameters::Transforms::none) return nullptr;
@@ -76,6 +78,14 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_CLOCK:
             if (!parameters_.publish_clock) return nullptr;
             return serve(to_clock, "/clock", kSmall);
+        // ROS has no type for these without packages that Debian lacks (kobuki_msgs, gazebo_msgs), or they are commands.
+        case BV_KIND_ROBOT_EVENT:
+        case BV_KIND_CORE_SENSORS:
+        case BV_KIND_RESET_ODOMETRY:
+        case BV_KIND_MOTOR_POWER:
+        case BV_KIND_SIMULATION_COMMAND:
+        case BV_KIND_SIMULATION_RESULT:
+        case BV_KIND_MODEL_STATES: return nullptr;
         default: throw Unrepresentable("its kind, " + std::to_string(stream.kind) + ", is not known here");
     }
 }

@@ -76,13 +76,23 @@ def free_port():
         return probe.getsockname()[1]
 
 
+#: Streams that the simulator itself reads.
+COMMANDS = {
+    "/cmd_vel",
+    "/mobile_base/commands/motor_power",
+    "/mobile_base/commands/reset_odometry",
+    "/simulation/command",
+}
+
+
 def subscribers_of_streams(domain):
-    """How many subscribers each stream of a domain has, by `belvedere list`."""
+    """How many subscribers each stream of a domain has but commands, by `belvedere list`."""
     lines = subprocess.run(
         [SIMULATOR, "list", "--domain", domain], check=True, capture_output=True, text=True, timeout=20
     ).stdout.splitlines()
     subscribers = lines[0].split().index("SUBS") - len(lines[0].split())
-    return {line.split()[0]: int(line.split()[subscribers]) for line in lines[1:]}
+    counts = {line.split()[0]: int(line.split()[subscribers]) for line in lines[1:]}
+    return {topic: count for topic, count in counts.items() if topic not in COMMANDS}
 
 
 def eventually(condition, timeout=10.0):

@@ -10,6 +10,7 @@
 #include "../src/convert/camera_info.hpp"
 #include "../src/convert/clock.hpp"
 #include "../src/convert/image.hpp"
+#include "../src/convert/imu.hpp"
 #include "../src/convert/joint_states.hpp"
 #include "../src/convert/laser_scan.hpp"
 #include "../src/convert/odometry.hpp"
@@ -208,6 +209,27 @@ TEST(Odometry, HasPoseVelocityAndCovariances) {
     EXPECT_EQ(odometry->twist.twist.angular.z, 9);
     EXPECT_EQ(odometry->pose.covariance[35], 135);
     EXPECT_EQ(odometry->twist.covariance[0], 200);
+}
+
+TEST(Imu, HasWhatIsMeasured) {
+    bv_imu from{};
+    for (int i = 0; i < 4; ++i) from.orientation[i] = 1 + i;
+    for (int i = 0; i < 3; ++i) from.angular_velocity[i] = 5 + i, from.linear_acceleration[i] = 8 + i;
+    for (int i = 0; i < 9; ++i) {
+        from.orientation_covariance[i] = 20 + i;
+        from.angular_velocity_covariance[i] = 30 + i;
+        from.linear_acceleration_covariance[i] = 40 + i;
+    }
+    auto known = Known::structs<bv_imu>(BV_KIND_IMU, {from});
+    const auto imu = to_imu(known.sample());
+    expect_header(imu->header);
+    EXPECT_EQ(imu->orientation.x, 1);
+    EXPECT_EQ(imu->orientation.w, 4);
+    EXPECT_EQ(imu->angular_velocity.z, 7);
+    EXPECT_EQ(imu->linear_acceleration.y, 9);
+    EXPECT_EQ(imu->orientation_covariance[8], 28);
+    EXPECT_EQ(imu->angular_velocity_covariance[0], 30);
+    EXPECT_EQ(imu->linear_acceleration_covariance[4], 44);
 }
 
 TEST(JointStates, AreInOrder) {

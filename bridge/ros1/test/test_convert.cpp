@@ -102,6 +102,20 @@ TEST(Image, TheLastRowMayComeWithoutItsPadding) {
     EXPECT_EQ(to_image(known.sample())->data.size(), 32u);
 }
 
+TEST(Image, TakesNoMoreMemoryThanThePayload) {
+    Known known(BV_KIND_IMAGE, BV_ENCODING_RGB8, 2, 1, 3);
+    known.header.row_stride = 4'000'000'000;
+    EXPECT_EQ(to_image(known.sample())->step, 6u);
+    EXPECT_EQ(to_image(known.sample())->data.size(), 6u);
+    known.header.width = 0;
+    known.header.height = 4'000'000'000;
+    EXPECT_TRUE(to_image(known.sample())->data.empty());
+    Known points(BV_KIND_POINT_CLOUD, BV_ENCODING_XYZ_RGB_F32, 2, 1, 32);
+    points.header.row_stride = 4'000'000'000;
+    EXPECT_EQ(to_point_cloud(points.sample())->row_step, 64u);
+    EXPECT_EQ(to_point_cloud(points.sample())->data.size(), 64u);
+}
+
 TEST(Image, RefusesWhatItCannotSay) {
     EXPECT_THROW(to_image(Known(BV_KIND_IMAGE, BV_ENCODING_XYZ_RGB_F32, 1, 1, 32).sample()), Unrepresentable);
     EXPECT_THROW(to_image(Known(BV_KIND_IMAGE, BV_ENCODING_RGB8, 2, 2, 4).sample()), Unrepresentable);

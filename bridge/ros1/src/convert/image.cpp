@@ -3,7 +3,7 @@
 #include <boost/make_shared.hpp>
 #include <sensor_msgs/image_encodings.h>
 
-#include <algorithm>
+#include "rows.hpp"
 
 namespace belvedere_ros {
 
@@ -41,12 +41,7 @@ sensor_msgs::ImagePtr to_image(const Sample& sample) {
     image->height = header.height;
     image->encoding = pixel.encoding;
     image->is_bigendian = false;
-    image->step = header.row_stride;
-    // assign() does not write zeros first, as resize() and a copy would. The last row may come without its padding.
-    const std::size_t size = static_cast<std::size_t>(header.height) * header.row_stride;
-    const std::uint8_t* begin = sample.payload.data();
-    image->data.assign(begin, begin + std::min(size, sample.payload.size()));
-    image->data.resize(size);
+    image->step = copy_rows(sample, image->data);
     return image;
 }
 

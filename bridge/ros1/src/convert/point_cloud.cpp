@@ -2,7 +2,7 @@
 
 #include <boost/make_shared.hpp>
 
-#include <algorithm>
+#include "rows.hpp"
 
 namespace belvedere_ros {
 
@@ -31,11 +31,7 @@ sensor_msgs::PointCloud2Ptr to_point_cloud(const Sample& sample) {
     cloud->is_bigendian = false;
     cloud->is_dense = false;
     cloud->point_step = header.elem_stride;
-    cloud->row_step = header.row_stride;
-    const std::size_t size = static_cast<std::size_t>(header.height) * header.row_stride;
-    const std::uint8_t* begin = sample.payload.data();
-    cloud->data.assign(begin, begin + std::min(size, sample.payload.size()));
-    cloud->data.resize(size);
+    cloud->row_step = copy_rows(sample, cloud->data);
     return cloud;
 }
 

@@ -60,7 +60,7 @@ impl Inbox {
     /// # Errors
     /// When the bridge cannot.
     pub fn open(node: &Node) -> Result<Self, Error> {
-        // Results first: who sees that stream knows that commands are heard.
+        // Commands first: who sees the stream of results knows that commands are heard.
         let commands = node.command_subscriber(&StreamSpec::simulation_command(0))?;
         let results = node.publisher(&StreamSpec::simulation_result())?;
         Ok(Self { commands, results })

@@ -126,10 +126,19 @@ impl StreamSpec {
     pub const SIMULATION_COMMAND: &'static str = "simulation/command";
     /// Topic of the answers to them.
     pub const SIMULATION_RESULT: &'static str = "simulation/result";
+    /// Topic of the settings of sensors.
+    pub const SENSOR_SETTINGS: &'static str = "simulation/sensor_settings";
     /// Topic of the poses and velocities of all models.
     pub const MODEL_STATES: &'static str = "simulation/model_states";
     /// Topic of the poses and velocities of all links.
     pub const LINK_STATES: &'static str = "simulation/link_states";
+
+    /// The stream of the settings of this many sensors: sent at the start and after each change, and given to whoever
+    /// comes later.
+    #[must_use]
+    pub fn sensor_settings(sensors: usize) -> Self {
+        Self { buffer: 4, ..Self::structs(Self::SENSOR_SETTINGS, Kind::SensorSettings, sensors) }
+    }
 
     /// The same with this frame.
     #[must_use]
@@ -199,7 +208,8 @@ pub struct StreamInfo {
     pub kind: Option<Kind>,
     /// How it is coded, likewise.
     pub encoding: Option<Encoding>,
-    /// Frames per second that are intended.
+    /// Frames per second that were intended when it was made; the rate of a sensor may have been changed since, see
+    /// [`StreamSpec::SENSOR_SETTINGS`].
     pub rate_hz: Option<f64>,
     /// The frame that the data are given in.
     pub frame_id: String,

@@ -3,7 +3,7 @@
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
-use super::{RigContext, RigError, Setting};
+use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
@@ -98,6 +98,17 @@ impl LidarChannel {
         }
         let outcome = self.scan.send(frame);
         self.scan.record(outcome, started.elapsed());
+    }
+
+    /// Takes other settings from its next frame on.
+    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+        let config = self.lidar.config();
+        self.lidar = Lidar::new(LidarConfig { noise: settings.noise(&config.noise)?, ..*config })?;
+        // Gazebo's plugin gives 0 at any rate.
+        if self.geometry.scan_time != 0.0 {
+            self.geometry.scan_time = 1.0 / settings.update_rate_hz();
+        }
+        Ok(())
     }
 
     pub(super) fn outlets(&self) -> [&Outlet; 1] {

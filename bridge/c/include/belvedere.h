@@ -124,6 +124,10 @@ enum bv_kind
     BV_KIND_RESET_ODOMETRY = 18,
     // One bv_motor_power.
     BV_KIND_MOTOR_POWER = 19,
+    // One bv_range.
+    BV_KIND_RANGE = 20,
+    // An array of bv_sensor_settings.
+    BV_KIND_SENSOR_SETTINGS = 21,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -299,14 +303,15 @@ typedef struct bv_velocity_command {
 typedef struct bv_simulation_command {
     // chosen at random by the sender; the result names it
     uint64_t id;
-    // 1 pause, 2 resume, 3 step, 4 reset_world, 5 reset_simulation, 6 set_model_state, 7 spawn, 8 delete
+    // 1 pause, 2 resume, 3 step, 4 reset_world, 5 reset_simulation, 6 set_model_state, 7 spawn, 8 delete,
+    // 9 configure
     uint16_t operation;
     uint16_t reserved;
     // bytes of UTF-8 that follow, without a NUL
     uint32_t text_len;
     // steps of physics
     uint64_t steps;
-    // the model that is meant
+    // the model that is meant; for configure a sensor, or a topic that it sends
     char name[64];
     // the frame of what follows: a model, model::link, or nothing for the world
     char reference[64];
@@ -437,6 +442,42 @@ typedef struct bv_motor_power {
     // 0 off, else on
     uint32_t state;
 } bv_motor_power;
+
+// As sensor_msgs/Range: distance to the nearest thing within a cone.
+typedef struct bv_range {
+    // 0 ultrasound, 1 infrared
+    uint32_t radiation_type;
+    // full angle of the cone, radians
+    float field_of_view;
+    // metres
+    float min_range;
+    // metres
+    float max_range;
+    // metres; -inf too near, +inf nothing in range
+    float range;
+} bv_range;
+
+// A number that can be set; all three are NaN where a sensor has no such setting.
+typedef struct bv_setting {
+    double value;
+    double min;
+    double max;
+} bv_setting;
+
+// What of a sensor can be changed, under the names by which the operation configure changes it.
+typedef struct bv_sensor_settings {
+    // the sensor's name in the robot's description
+    char name[64];
+    // the streams that it sends, without leading slashes; the rest is empty
+    char topics[6][256];
+    // frames per second
+    struct bv_setting update_rate;
+    // of colours in [0, 1] for a camera, of ranges in metres for a lidar
+    struct bv_setting noise_mean;
+    struct bv_setting noise_stddev;
+    // share of the light that a camera's description gives it, 1 as described
+    struct bv_setting exposure;
+} bv_sensor_settings;
 
 // Where a model or a link is in the world, and how it moves.
 typedef struct bv_model_state {

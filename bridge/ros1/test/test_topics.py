@@ -21,7 +21,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from processes import Process, bridge, eventually, simulator, subscribers_of_streams
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, Image, Imu
 from sensor_msgs.srv import SetCameraInfo
 from setups import SETUPS
 
@@ -210,6 +210,17 @@ class Robot(unittest.TestCase):
             if status.name == f"belvedere: {name}":
                 return status.level, status.message
         return None
+
+    def test_the_imu_at_rest(self):
+        """REP-145: it feels the floor push up; what is not measured says so."""
+        with Listener("/mobile_base/sensors/imu_data", Imu) as imu:
+            self.assertTrue(eventually(lambda: imu.count() > 20))
+        acceleration = imu.last.linear_acceleration
+        self.assertAlmostEqual(acceleration.z, 9.8, delta=0.2)
+        self.assertLess(math.hypot(acceleration.x, acceleration.y), 0.2)
+        for name in ("orientation", "angular_velocity", "linear_acceleration"):
+            covariance = getattr(imu.last, f"{name}_covariance")
+            self.assertTrue(covariance[0] == -1 or all(value >= 0 for value in covariance), name)
 
     def test_names_can_be_moved(self):
         with bridge(DOMAIN, "__ns:=/robot1", "image_raw:=eye/picture", "_publish_clock:=false") as node:

@@ -45,8 +45,7 @@ std::unique_ptr<Relay> Topics::relay(Domain& domain, const bv_stream_info& strea
     auto bell = std::make_shared<Bell>();
     auto out = output(stream, bell);
     if (!out) return nullptr;
-    const auto stamps = stream.kind == BV_KIND_STATIC_TRANSFORMS ? Relay::Stamps::any : Relay::Stamps::rising;
-    return std::make_unique<Relay>(domain, stream, std::move(out), std::move(bell), stamps);
+    return std::make_unique<Relay>(domain, stream, std::move(out), std::move(bell), Relay::stamps_of(stream));
 }
 
 std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::shared_ptr<Bell>& bell) const {

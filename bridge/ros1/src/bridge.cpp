@@ -17,7 +17,7 @@ constexpr double kEnough = 0.9;
 
 Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     : nh_(nh), parameters_(Parameters::read(private_nh)), domain_(parameters_.domain), topics_(nh, parameters_),
-      diagnostics_(nh, private_nh, private_nh.getNamespace()) {
+      diagnostics_(nh, private_nh, private_nh.getNamespace()), settings_(private_nh, domain_) {
     diagnostics_.setHardwareID("belvedere domain " + domain_.name());
     diagnostics_.add("simulator", [this](auto& status) { diagnose_simulator(status); });
     streams_ = std::make_unique<Streams>(domain_, [this](const bv_stream_info& stream) { serve(stream); });
@@ -71,6 +71,7 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto found = relays_.find(stream);
     if (found == relays_.end()) return;
+    if (const auto rate_hz = settings_.rate_hz(stream)) found->second.relay->expect(*rate_hz);
     const Flow::Report report = found->second.relay->report();
     const bool slow = report.nominal_rate_hz > 0 && report.rate_hz < kEnough * report.nominal_rate_hz;
     if (!report.problem.empty())

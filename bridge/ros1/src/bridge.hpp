@@ -14,6 +14,7 @@
 #include "domain.hpp"
 #include "parameters.hpp"
 #include "relay.hpp"
+#include "settings.hpp"
 #include "served.hpp"
 #include "streams.hpp"
 #include "topics.hpp"
@@ -48,6 +49,7 @@ private:
     std::map<std::string, Serving> relays_;
     std::map<std::string, std::unique_ptr<VelocityCommands>> commands_;
     std::set<std::string> skipped_;
+    Settings settings_;
     // The last that begin, the first that end: they use what is above.
     std::unique_ptr<Streams> streams_;
     ros::WallTimer diagnostics_timer_;

@@ -85,6 +85,8 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_SIMULATION_COMMAND:
         case BV_KIND_SIMULATION_RESULT:
         case BV_KIND_MODEL_STATES: return nullptr;
+        // By dynamic_reconfigure: see settings.hpp.
+        case BV_KIND_SENSOR_SETTINGS: return nullptr;
         default: throw Unrepresentable("its kind, " + std::to_string(stream.kind) + ", is not known here");
     }
 }

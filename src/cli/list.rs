@@ -98,6 +98,7 @@ fn print(streams: &[StreamInfo], json: bool) -> Result<(), CliError> {
                 "encoding": stream.encoding.map(Encoding::as_str),
                 "rate_hz": stream.rate_hz,
                 "frame_id": stream.frame_id,
+                "layers": stream.layers,
                 "publishers": stream.publishers,
                 "subscribers": stream.subscribers,
                 "max_payload_bytes": stream.max_payload_len,

@@ -12,6 +12,7 @@ mod lidar;
 mod mount;
 mod outlet;
 pub mod pictures;
+mod range;
 pub mod rate;
 pub mod schedule;
 pub mod settings;
@@ -35,6 +36,7 @@ use belvedere_sensors::trace::WorkspaceBuf;
 use camera::CameraChannel;
 use depth::DepthChannel;
 use lidar::LidarChannel;
+use range::RangeChannel;
 use state::{ClockChannel, StateChannel};
 
 /// Rate of the clock in Hz: a consumer's timers get within 10 ms of simulated time.
@@ -141,6 +143,7 @@ enum Channel {
     Camera(Box<CameraChannel>),
     Depth(Box<DepthChannel>),
     Lidar(Box<LidarChannel>),
+    Range(Box<RangeChannel>),
 }
 
 impl Channel {
@@ -153,6 +156,7 @@ impl Channel {
             Self::Camera(camera) => camera.outlets().into(),
             Self::Depth(depth) => depth.outlets().into(),
             Self::Lidar(lidar) => lidar.outlets().into(),
+            Self::Range(range) => range.outlets().into(),
         }
     }
 
@@ -160,7 +164,7 @@ impl Channel {
     fn is_rendered(&self) -> bool {
         match self {
             Self::Clock(_) | Self::State(_) | Self::Base(_) => false,
-            Self::Camera(_) | Self::Depth(_) | Self::Lidar(_) => {
+            Self::Camera(_) | Self::Depth(_) | Self::Lidar(_) | Self::Range(_) => {
                 self.outlets().into_iter().any(Outlet::is_wanted)
             }
         }
@@ -198,6 +202,7 @@ impl Scheduled {
             Channel::Camera(camera) => camera.configure(&settings),
             Channel::Depth(depth) => depth.configure(&settings),
             Channel::Lidar(lidar) => lidar.configure(&settings),
+            Channel::Range(range) => range.configure(&settings),
         };
         configured.map_err(|error| error.to_string())?;
         if rate_hz.to_bits() != tuning.now.update_rate_hz().to_bits() {
@@ -312,6 +317,7 @@ impl Rig {
                 Channel::Camera(camera) => camera.publish(&mut context, frame),
                 Channel::Depth(depth) => depth.publish(&mut context, frame),
                 Channel::Lidar(lidar) => lidar.publish(&mut context, frame),
+                Channel::Range(range) => range.publish(&mut context, frame),
             }
             scheduled.schedule.advance();
         }
@@ -412,6 +418,9 @@ fn open_sensor(sensor: &Sensor, setting: &Setting<'_>) -> Result<Option<Channel>
         }
         (SensorKind::Ray(ray), Some(Plugin::Laser(plugin))) => {
             Some(Channel::Lidar(LidarChannel::open(sensor, ray, plugin, setting)?.into()))
+        }
+        (SensorKind::Ray(ray), Some(Plugin::Range(plugin))) => {
+            Some(Channel::Range(RangeChannel::open(sensor, ray, plugin, setting)?.into()))
         }
         _ => {
             tracing::warn!(sensor = sensor.name, source = %sensor.source, "has no plugin that publishes it");

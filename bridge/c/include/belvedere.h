@@ -209,6 +209,8 @@ typedef struct bv_stream_info {
     uint16_t kind;
     // a bv_encoding; 0 unknown
     uint16_t encoding;
+    // layers of a lidar; 0 unknown
+    uint32_t layers;
 } bv_stream_info;
 
 // How pixels map to directions.

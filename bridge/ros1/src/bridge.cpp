@@ -16,7 +16,7 @@ constexpr double kEnough = 0.9;
 }  // namespace
 
 Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
-    : nh_(nh), parameters_(Parameters::read(private_nh)), domain_(parameters_.domain), topics_(nh, parameters_),
+    : nh_(nh), parameters_(Parameters::read(private_nh)), domain_(parameters_.domain), topics_(nh, private_nh, parameters_),
       diagnostics_(nh, private_nh, private_nh.getNamespace()), settings_(private_nh, domain_) {
     diagnostics_.setHardwareID("belvedere domain " + domain_.name());
     diagnostics_.add("simulator", [this](auto& status) { diagnose_simulator(status); });
@@ -54,6 +54,7 @@ void Bridge::serve(const bv_stream_info& stream) {
         ROS_INFO_STREAM("serving " << relay->topic());
         auto place = std::make_unique<Served::Place>(relay->topic(), domain_, stream);
         relays_[name] = {std::move(relay), std::move(place)};
+        if (stream.kind == BV_KIND_LASER_SCAN) relays_[name].time_offset = topics_.scan_parameters(name).time_offset;
         diagnostics_.add(name, [this, name](auto& status) { diagnose_topic(name, status); });
     } catch (const std::exception& error) {
         // Once: whatever it is will not change by itself.
@@ -90,6 +91,12 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
     status.add("subscribers", report.subscribers);
     status.addf("rate (Hz)", "%.2f", report.rate_hz);
     status.addf("nominal rate (Hz)", "%.2f", report.nominal_rate_hz);
+    if (const auto time_offset = found->second.time_offset) {
+        // REP-138's keys of laser scanners, as far as they mean something here.
+        status.add("Vendor Name", "Belvedere");
+        status.add("Device ID", domain_.name() + "/" + stream);
+        status.addf("User Time Offset", "%.3f s", *time_offset);
+    }
     status.add("frames", report.frames_total);
     status.add("frames missed", report.missed_total);
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -35,6 +36,8 @@ private:
     struct Serving {
         std::unique_ptr<Relay> relay;
         std::unique_ptr<Served::Place> place;
+        /// Of a laser scanner.
+        std::optional<double> time_offset = std::nullopt;
     };
 
     void diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const;

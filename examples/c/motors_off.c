@@ -14,7 +14,7 @@ int main(void) {
         fprintf(stderr, "%s\n", bv_last_error());
         return 1;
     }
-    for (int count = 0; count < 10; ++count) {  // while the command is taken, and the wheels come to rest
+    for (int count = 0; count < 30; ++count) {  // while the command is taken, and the wheels come to rest
         bv_frame *frame;
         if (bv_subscriber_wait(core, 5000) != BV_STATUS_OK) return 1;
         if (bv_subscriber_take(core, &frame) != BV_STATUS_OK) continue;

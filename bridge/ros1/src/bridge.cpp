@@ -30,11 +30,11 @@ void Bridge::serve(const bv_stream_info& stream) {
     const std::string name = stream.topic;
     const std::lock_guard<std::mutex> lock(mutex_);
     try {
-        if (stream.kind == BV_KIND_VELOCITY_COMMAND) {
-            if (commands_.count(name) != 0) return;
-            std::vector<std::string> topics = {name};
-            if (name == "cmd_vel") topics.insert(topics.end(), parameters_.velocity_topics.begin(), parameters_.velocity_topics.end());
-            commands_[name] = std::make_unique<VelocityCommands>(nh_, domain_, name, topics);
+        const auto others = parameters_.command_topics.find(stream.kind);
+        if (others != parameters_.command_topics.end()) {
+            std::set<std::string> topics(others->second.begin(), others->second.end());
+            topics.insert(name);
+            if (commands_.count(name) == 0) commands_[name] = Commands::to(stream, domain_, nh_, topics);
             return;
         }
         const auto known = relays_.find(name);

@@ -37,7 +37,7 @@ private:
     diagnostic_updater::Updater diagnostics_;
     std::mutex mutex_;
     std::map<std::string, std::unique_ptr<Relay>> relays_;
-    std::map<std::string, std::unique_ptr<VelocityCommands>> commands_;
+    std::map<std::string, std::unique_ptr<Commands>> commands_;
     std::set<std::string> skipped_;
     // The last that begin, the first that end: they use what is above.
     std::unique_ptr<Streams> streams_;

@@ -26,9 +26,4 @@ belvedere::Subscriber Domain::subscribe(const std::string& topic) {
     return node_.subscribe(topic);
 }
 
-belvedere::VelocityPublisher Domain::velocity(const std::string& topic) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return node_.velocity(topic);
-}
-
 }  // namespace belvedere_ros

@@ -64,9 +64,10 @@ void Relay::pass_on(const belvedere::Frame& frame) {
         session_ = header.session;
         last_stamp_ns_ = 0;
     }
+    // Kept from before the subscription: too old to be news.
+    if (stamps_ != Stamps::any && frame.is_from_history()) return;
     if (stamps_ == Stamps::rising) {
-        // Kept from before the subscription: too old to be news.
-        if (frame.is_from_history() || header.stamp_ns <= last_stamp_ns_) return;
+        if (header.stamp_ns <= last_stamp_ns_) return;
         last_stamp_ns_ = header.stamp_ns;
     }
     flow_.count(frame.missed());

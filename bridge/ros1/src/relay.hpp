@@ -23,6 +23,8 @@ public:
     enum class Stamps {
         /// After the one before, and not zero; and not older than the subscription.
         rising,
+        /// Whatever it is, as several events may happen at one time; but not older than the subscription.
+        new_ones,
         /// Whatever it is: what is sent holds always.
         any,
     };

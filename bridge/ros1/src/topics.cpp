@@ -7,12 +7,14 @@
 
 #include "convert/camera_info.hpp"
 #include "convert/clock.hpp"
+#include "convert/core_sensors.hpp"
 #include "convert/image.hpp"
 #include "convert/imu.hpp"
 #include "convert/joint_states.hpp"
 #include "convert/laser_scan.hpp"
 #include "convert/odometry.hpp"
 #include "convert/point_cloud.hpp"
+#include "convert/robot_event.hpp"
 #include "convert/transforms.hpp"
 
 namespace belvedere_ros {
@@ -39,14 +41,21 @@ Convert<tf2_msgs::TFMessage> only_changes(Convert<tf2_msgs::TFMessage> convert) 
     };
 }
 
+Relay::Stamps stamps(std::uint16_t kind) {
+    switch (kind) {
+        case BV_KIND_STATIC_TRANSFORMS: return Relay::Stamps::any;
+        case BV_KIND_ROBOT_EVENT: return Relay::Stamps::new_ones;
+        default: return Relay::Stamps::rising;
+    }
+}
+
 }  // namespace
 
 std::unique_ptr<Relay> Topics::relay(Domain& domain, const bv_stream_info& stream) const {
     auto bell = std::make_shared<Bell>();
     auto out = output(stream, bell);
     if (!out) return nullptr;
-    const auto stamps = stream.kind == BV_KIND_STATIC_TRANSFORMS ? Relay::Stamps::any : Relay::Stamps::rising;
-    return std::make_unique<Relay>(domain, stream, std::move(out), std::move(bell), stamps);
+    return std::make_unique<Relay>(domain, stream, std::move(out), std::move(bell), stamps(stream.kind));
 }
 
 std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::shared_ptr<Bell>& bell) const {
@@ -64,6 +73,15 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_ODOMETRY: return serve(to_odometry, topic, kSmall);
         case BV_KIND_IMU: return serve(to_imu, topic, kSmall);
         case BV_KIND_JOINT_STATES: return serve(to_joint_states, topic, kSmall);
+        case BV_KIND_CORE_SENSORS: return serve(to_core_sensors, topic, kSmall);
+        // Of one kind for the simulator, of three types for ROS: the stream's name says which.
+        case BV_KIND_ROBOT_EVENT: {
+            const std::string event = topic.substr(topic.rfind('/') + 1);
+            if (event == "bumper") return serve(to_bumper_event, topic, kSmall);
+            if (event == "cliff") return serve(to_cliff_event, topic, kSmall);
+            if (event == "wheel_drop") return serve(to_wheel_drop_event, topic, kSmall);
+            throw Unrepresentable("ROS has a type for events of bumper, cliff and wheel_drop, and it is named otherwise");
+        }
         case BV_KIND_TRANSFORMS: {
             if (parameters_.transforms == Parameters::Transforms::none) return nullptr;
             const bool all = parameters_.transforms == Parameters::Transforms::all;
@@ -78,11 +96,7 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_CLOCK:
             if (!parameters_.publish_clock) return nullptr;
             return serve(to_clock, "/clock", kSmall);
-        // ROS has no type for these without packages that Debian lacks (kobuki_msgs, gazebo_msgs), or they are commands.
-        case BV_KIND_ROBOT_EVENT:
-        case BV_KIND_CORE_SENSORS:
-        case BV_KIND_RESET_ODOMETRY:
-        case BV_KIND_MOTOR_POWER:
+        // ROS has no type for these without packages that Debian lacks (gazebo_msgs), or they are commands.
         case BV_KIND_SIMULATION_COMMAND:
         case BV_KIND_SIMULATION_RESULT:
         case BV_KIND_MODEL_STATES: return nullptr;

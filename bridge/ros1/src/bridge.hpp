@@ -14,6 +14,7 @@
 #include "domain.hpp"
 #include "parameters.hpp"
 #include "relay.hpp"
+#include "served.hpp"
 #include "streams.hpp"
 #include "topics.hpp"
 
@@ -26,6 +27,12 @@ public:
     Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
 
 private:
+    /// A stream that is served, to other processes and in this one.
+    struct Serving {
+        std::unique_ptr<Relay> relay;
+        std::unique_ptr<Served::Place> place;
+    };
+
     void serve(const bv_stream_info& stream);
     void diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const;
     void diagnose_topic(const std::string& stream, diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -36,7 +43,7 @@ private:
     Topics topics_;
     diagnostic_updater::Updater diagnostics_;
     std::mutex mutex_;
-    std::map<std::string, std::unique_ptr<Relay>> relays_;
+    std::map<std::string, Serving> relays_;
     std::map<std::string, std::unique_ptr<Commands>> commands_;
     std::set<std::string> skipped_;
     // The last that begin, the first that end: they use what is above.

@@ -29,6 +29,9 @@ public:
         any,
     };
 
+    /// What a stream needs.
+    static Stamps stamps_of(const bv_stream_info& stream);
+
     Relay(Domain& domain, const bv_stream_info& stream, std::unique_ptr<Output> output, std::shared_ptr<Bell> bell, Stamps stamps);
     ~Relay();
     Relay(const Relay&) = delete;
@@ -44,7 +47,7 @@ private:
     bool wanted() const;
     void run();
     void follow();
-    void pass_on(const belvedere::Frame& frame);
+    void pass_on(belvedere::Frame frame);
     void complain(const std::string& problem);
 
     Domain& domain_;

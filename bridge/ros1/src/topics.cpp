@@ -41,21 +41,13 @@ Convert<tf2_msgs::TFMessage> only_changes(Convert<tf2_msgs::TFMessage> convert) 
     };
 }
 
-Relay::Stamps stamps(std::uint16_t kind) {
-    switch (kind) {
-        case BV_KIND_STATIC_TRANSFORMS: return Relay::Stamps::any;
-        case BV_KIND_ROBOT_EVENT: return Relay::Stamps::new_ones;
-        default: return Relay::Stamps::rising;
-    }
-}
-
 }  // namespace
 
 std::unique_ptr<Relay> Topics::relay(Domain& domain, const bv_stream_info& stream) const {
     auto bell = std::make_shared<Bell>();
     auto out = output(stream, bell);
     if (!out) return nullptr;
-    return std::make_unique<Relay>(domain, stream, std::move(out), std::move(bell), stamps(stream.kind));
+    return std::make_unique<Relay>(domain, stream, std::move(out), std::move(bell), Relay::stamps_of(stream));
 }
 
 std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::shared_ptr<Bell>& bell) const {

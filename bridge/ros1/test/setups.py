@@ -56,6 +56,7 @@ ROBOT = {
     "/clock": Topic("rosgraph_msgs/Clock", rate=100.0),
     "/odom": Topic("nav_msgs/Odometry", "odom", 50.0, {"child_frame_id": "base_footprint"}),
     "/mobile_base/sensors/imu_data": Topic("sensor_msgs/Imu", "gyro_link", 50.0),
+    "/mobile_base/sensors/core": Topic("kobuki_msgs/SensorState", rate=50.0),
     "/joint_states": Topic(
         "sensor_msgs/JointState", rate=50.0, fields={"name": ["wheel_left_joint", "wheel_right_joint"]}
     ),

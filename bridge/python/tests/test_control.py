@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -123,7 +125,12 @@ def test_models_are_spawned_moved_and_deleted(still: belvedere.Node) -> None:
 def test_control_goes_on_with_the_next_simulator(simulator: Simulator, node: belvedere.Node) -> None:
     with node.control(timeout=30) as control:
         control.pause()
-        simulator.stop(signal.SIGKILL)
+        with ThreadPoolExecutor() as threads:
+            answer = threads.submit(control.step, 10**9)
+            time.sleep(0.5)
+            simulator.stop(signal.SIGKILL)
+            with pytest.raises(belvedere.StreamTimeoutError, match="ended, and not answered step"):
+                answer.result()
         simulator.start()
         assert control.pause() >= 0
         assert control.step(3) > 0

@@ -9,6 +9,7 @@ import tempfile
 import threading
 import time
 import unittest
+from pathlib import Path
 
 import rospy
 from geometry_msgs.msg import Twist
@@ -17,6 +18,7 @@ from nav_msgs.msg import Odometry
 from processes import SIMULATOR, bridge, eventually, simulator, subscribers_of_streams
 from std_msgs.msg import Empty
 
+WANDER = Path(__file__).resolve().parents[3] / "examples" / "ros1" / "wander.py"
 DOMAIN = f"kobuki-{os.getpid()}"
 ROBOT = "turtlebot"
 #: Of a Kobuki's encoders.
@@ -123,6 +125,20 @@ class Kobuki(unittest.TestCase):
             self.assertTrue(eventually(lambda: subscribers_of_streams(DOMAIN)["/mobile_base/events/bumper"] == 1))
             time.sleep(0.5)
             self.assertEqual(late.all(), [], "what happened before is no event")
+
+    def test_wandering(self):
+        """The example, before a wall."""
+        with tempfile.NamedTemporaryFile("w", suffix=".sdf") as wall:
+            wall.write(WALL)
+            wall.flush()
+            self.control("move", ROBOT, "0", "0", "0")
+            self.control("spawn", wall.name, "--pose", "0.45,0,0.5")
+            try:
+                done = subprocess.run([WANDER, "4"], capture_output=True, text=True, timeout=30, check=False)
+            finally:
+                self.control("delete", "wall")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("bumped ahead\n", done.stdout)
 
     def test_what_happens_at_once_is_told_of_each(self):
         """In the air, all cliff sensors lose the floor and both wheels drop in one report; on the ground they come back."""

@@ -33,7 +33,7 @@ class SimulationControl(Closing):
 
     Raises:
         RefusedError: with the simulator's reason.
-        StreamTimeoutError: no simulator has answered within ``timeout`` seconds.
+        StreamTimeoutError: no simulator has answered within ``timeout`` seconds, or it has ended meanwhile.
 
     """
 
@@ -128,6 +128,8 @@ class SimulationControl(Closing):
         while (result := self._take()) is None or result["id"] != command["id"]:
             if result is None:
                 self._sleep_until(deadline)
+            if self._results.publishers == 0:
+                raise StreamTimeoutError(f"the simulator has ended, and not answered {operation.name.lower()}")
         if not result["done"]:
             raise RefusedError(result["reason"].decode(errors="replace"))
         return int(result["time_ns"])

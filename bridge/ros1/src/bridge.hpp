@@ -26,6 +26,9 @@ public:
     /// Throws BadParameter, and belvedere::Error when the domain cannot be joined.
     Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
 
+    /// Serves a stream that is there, if it is not served yet; skips for ever, with one warning, what cannot be served.
+    void serve(const bv_stream_info& stream);
+
 private:
     /// A stream that is served, to other processes and in this one.
     struct Serving {
@@ -33,7 +36,6 @@ private:
         std::unique_ptr<Served::Place> place;
     };
 
-    void serve(const bv_stream_info& stream);
     void diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const;
     void diagnose_topic(const std::string& stream, diagnostic_updater::DiagnosticStatusWrapper& status);
 

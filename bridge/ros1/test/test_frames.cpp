@@ -4,10 +4,12 @@
 #include <belvedere_ros/frame_subscriber.hpp>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
+#include <rosgraph_msgs/Log.h>
 #include <sensor_msgs/Image.h>
 
 #include <atomic>
 #include <chrono>
+#include <cstring>
 #include <ctime>
 #include <map>
 #include <mutex>
@@ -139,11 +141,34 @@ TEST_F(Frames, ComeAndGoWithTheBridge) {
     }
 }
 
+// A simulator of a later version may have streams that this bridge knows nothing of.
+TEST_F(Frames, OfAnUnknownKindAreSkippedWithOneWarning) {
+    std::atomic<std::size_t> warnings{0};
+    const boost::function<void(const rosgraph_msgs::LogConstPtr&)> read = [&](const rosgraph_msgs::LogConstPtr& line) {
+        if (line->msg.find("stream weather is skipped: its kind, 999, is not known here") != std::string::npos) ++warnings;
+    };
+    const auto log = nh_.subscribe<rosgraph_msgs::Log>("/rosout", 100, read);
+    const auto served = bridge();
+    bv_stream_info stream{};
+    std::strcpy(stream.topic, "weather");
+    stream.kind = 999;
+    stream.publishers = 1;
+    for (int look = 0; look < 5; ++look) served->serve(stream);
+    EXPECT_TRUE(eventually([&] { return warnings > 0; }));
+    std::this_thread::sleep_for(300ms);
+    EXPECT_EQ(warnings, 1U);
+    std::atomic<std::size_t> images{0};
+    const boost::function<void(const sensor_msgs::ImageConstPtr&)> count = [&](const auto&) { ++images; };
+    const auto subscriber = nh_.subscribe<sensor_msgs::Image>(kTopic, 10, count);
+    EXPECT_TRUE(eventually([&] { return images > 2; })) << "the others are served";
+}
+
 }  // namespace
 }  // namespace belvedere_ros
 
 int main(int argc, char** argv) {
     testing::InitGoogleTest(&argc, argv);
     ros::init(argc, argv, "test_frames");
+    const ros::NodeHandle nh;  // as long as there is one, roscpp runs, and logs
     return RUN_ALL_TESTS();
 }

@@ -271,6 +271,15 @@ public:
         if (!detail::check(status)) return std::nullopt;
         return result;
     }
+    /// Whether there is a simulator that listens now; never sleeps.
+    bool is_connected() {
+        bool connected = false;
+        detail::check(bv_control_is_connected(handle_.get(), &connected));
+        return connected;
+    }
+    /// When the last result was sent, on the clock of a header's publish_mono_ns; 0 before the first. What was sent later
+    /// shows what the command has changed.
+    std::uint64_t answered_ns() const { return bv_control_answered_ns(handle_.get()); }
 
 private:
     detail::Owned<bv_control, bv_control_close> handle_;

@@ -7,11 +7,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 
 #include "commands.hpp"
 #include "domain.hpp"
+#include "gazebo/services.hpp"
 #include "parameters.hpp"
 #include "relay.hpp"
 #include "streams.hpp"
@@ -27,6 +29,7 @@ public:
 
 private:
     void serve(const bv_stream_info& stream);
+    bool gazebo_is_ours();
     void diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const;
     void diagnose_topic(const std::string& stream, diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -39,6 +42,8 @@ private:
     std::map<std::string, std::unique_ptr<Relay>> relays_;
     std::map<std::string, std::unique_ptr<VelocityCommands>> commands_;
     std::set<std::string> skipped_;
+    std::optional<bool> gazebo_is_ours_;
+    std::unique_ptr<gazebo::Services> gazebo_;
     // The last that begin, the first that end: they use what is above.
     std::unique_ptr<Streams> streams_;
     ros::WallTimer diagnostics_timer_;

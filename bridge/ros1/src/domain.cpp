@@ -26,6 +26,11 @@ belvedere::Subscriber Domain::subscribe(const std::string& topic) {
     return node_.subscribe(topic);
 }
 
+belvedere::Control Domain::control() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return node_.control();
+}
+
 belvedere::VelocityPublisher Domain::velocity(const std::string& topic) {
     const std::lock_guard<std::mutex> lock(mutex_);
     return node_.velocity(topic);

@@ -18,6 +18,7 @@ public:
     const std::string& name() const { return name_; }
     std::vector<bv_stream_info> streams();
     belvedere::Subscriber subscribe(const std::string& topic);
+    belvedere::Control control();
     belvedere::VelocityPublisher velocity(const std::string& topic);
 
 private:

@@ -37,6 +37,9 @@ struct Parameters {
     std::string odom_frame = "odom";
     /// ~velocity_topics (list): topics that move the robot besides the simulator's own cmd_vel.
     std::vector<std::string> velocity_topics = {"commands/velocity", "mobile_base/commands/velocity"};
+    /// ~gazebo_namespace (/gazebo): where the services and topics of Gazebo are; relative to the node's own namespace
+    /// without the slash; empty: nowhere.
+    std::string gazebo_namespace = "/gazebo";
     /// ~camera_info_url (text): where calibrations made by set_camera_info are kept, with ${NAME} for the camera's name.
     std::string camera_info_url;
 };

@@ -65,8 +65,8 @@ void Relay::pass_on(const belvedere::Frame& frame) {
         last_stamp_ns_ = 0;
     }
     if (stamps_ == Stamps::rising) {
-        // Kept from before the subscription: too old to be news.
-        if (frame.is_from_history() || header.stamp_ns <= last_stamp_ns_) return;
+        // Kept from before the subscription it is too old to be news; the same again is none. After a reset stamps begin anew.
+        if (frame.is_from_history() || header.stamp_ns == 0 || header.stamp_ns == last_stamp_ns_) return;
         last_stamp_ns_ = header.stamp_ns;
     }
     flow_.count(frame.missed());

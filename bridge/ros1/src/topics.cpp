@@ -11,6 +11,7 @@
 #include "convert/imu.hpp"
 #include "convert/joint_states.hpp"
 #include "convert/laser_scan.hpp"
+#include "convert/model_states.hpp"
 #include "convert/odometry.hpp"
 #include "convert/point_cloud.hpp"
 #include "convert/transforms.hpp"
@@ -45,7 +46,8 @@ std::unique_ptr<Relay> Topics::relay(Domain& domain, const bv_stream_info& strea
     auto bell = std::make_shared<Bell>();
     auto out = output(stream, bell);
     if (!out) return nullptr;
-    const auto stamps = stream.kind == BV_KIND_STATIC_TRANSFORMS ? Relay::Stamps::any : Relay::Stamps::rising;
+    const bool holds_on = stream.kind == BV_KIND_STATIC_TRANSFORMS || stream.kind == BV_KIND_MODEL_STATES;
+    const auto stamps = holds_on ? Relay::Stamps::any : Relay::Stamps::rising;
     return std::make_unique<Relay>(domain, stream, std::move(out), std::move(bell), stamps);
 }
 
@@ -78,14 +80,20 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_CLOCK:
             if (!parameters_.publish_clock) return nullptr;
             return serve(to_clock, "/clock", kSmall);
-        // ROS has no type for these without packages that Debian lacks (kobuki_msgs, gazebo_msgs), or they are commands.
+        case BV_KIND_MODEL_STATES: {
+            // As Gazebo names them, and again in a pause for those who have come since.
+            const std::string name = topic.substr(topic.rfind('/') + 1), there = parameters_.gazebo_namespace + '/' + name;
+            if (name == "model_states") return serve(to_model_states, there, kSmall);
+            if (name == "link_states") return serve(to_link_states, there, kSmall);
+            throw Unrepresentable("whose states they are is not known here");
+        }
+        // ROS has no type for these without packages that Debian lacks (kobuki_msgs), or they are commands.
         case BV_KIND_ROBOT_EVENT:
         case BV_KIND_CORE_SENSORS:
         case BV_KIND_RESET_ODOMETRY:
         case BV_KIND_MOTOR_POWER:
         case BV_KIND_SIMULATION_COMMAND:
-        case BV_KIND_SIMULATION_RESULT:
-        case BV_KIND_MODEL_STATES: return nullptr;
+        case BV_KIND_SIMULATION_RESULT: return nullptr;
         default: throw Unrepresentable("its kind, " + std::to_string(stream.kind) + ", is not known here");
     }
 }

@@ -658,7 +658,7 @@ void bv_velocity_close(struct bv_velocity_publisher *publisher);
 // Requires: `node` is open; `out` can be written.
 bv_status bv_control_open(struct bv_node *node, struct bv_control **out);
 
-// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time. An id of 0 is
+// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time, or the simulator ended. An id of 0 is
 // replaced by one that no other has; text_len is that of the text. A command that was refused is a success of this
 // function: look at result->done.
 // Requires: `control` is open; `command` can be read; `text` is NUL-terminated or NULL; `result` can be written.
@@ -667,6 +667,15 @@ bv_status bv_control_call(struct bv_control *control,
                           const char *text,
                           uint32_t timeout_ms,
                           struct bv_simulation_result *result);
+
+// Whether there is a simulator that listens now; never sleeps.
+// Requires: `control` is open; `connected` can be written.
+bv_status bv_control_is_connected(struct bv_control *control, bool *connected);
+
+// When the last result was sent, on the clock of bv_mono_ns; 0 before the first. Frames with a later publish_mono_ns
+// show what the command has changed.
+// Requires: `control` is open or NULL.
+uint64_t bv_control_answered_ns(const struct bv_control *control);
 
 // Closes it; NULL is ignored.
 // Requires: `control` came from bv_control_open and is not used afterwards.

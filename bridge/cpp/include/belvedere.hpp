@@ -349,6 +349,15 @@ public:
         if (!detail::check(status)) return std::nullopt;
         return result;
     }
+    /// Whether there is a simulator that listens now; never sleeps.
+    bool is_connected() {
+        bool connected = false;
+        detail::check(bv_control_is_connected(handle_.get(), &connected));
+        return connected;
+    }
+    /// When the last result was sent, on the clock of a header's publish_mono_ns; 0 before the first. What was sent later
+    /// shows what the command has changed.
+    std::uint64_t answered_ns() const { return bv_control_answered_ns(handle_.get()); }
 
 private:
     static bv_simulation_command command(bv_operation operation, const std::string& name = {}, const Place& place = {}) {
@@ -367,7 +376,7 @@ private:
     }
     std::uint64_t done(const bv_simulation_command& command, const std::string& text = {}) {
         const auto result = call(command, timeout_, text);
-        if (!result) throw Error(BV_STATUS_NOTHING, "no simulator answered within " + std::to_string(timeout_.count()) + " ms");
+        if (!result) throw Error(BV_STATUS_NOTHING, "no simulator answered; the most to wait was " + std::to_string(timeout_.count()) + " ms");
         const char* reason = result->reason;
         if (result->done == 0) throw Refused(std::string(reason, std::find(reason, reason + sizeof result->reason, '\0')));
         return result->time_ns;

@@ -7,11 +7,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 
 #include "commands.hpp"
 #include "domain.hpp"
+#include "gazebo/services.hpp"
 #include "parameters.hpp"
 #include "relay.hpp"
 #include "served.hpp"
@@ -36,6 +38,7 @@ private:
         std::unique_ptr<Served::Place> place;
     };
 
+    bool gazebo_is_ours();
     void diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const;
     void diagnose_topic(const std::string& stream, diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -48,6 +51,8 @@ private:
     std::map<std::string, Serving> relays_;
     std::map<std::string, std::unique_ptr<Commands>> commands_;
     std::set<std::string> skipped_;
+    std::optional<bool> gazebo_is_ours_;
+    std::unique_ptr<gazebo::Services> gazebo_;
     // The last that begin, the first that end: they use what is above.
     std::unique_ptr<Streams> streams_;
     ros::WallTimer diagnostics_timer_;

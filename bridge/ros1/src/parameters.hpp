@@ -44,6 +44,9 @@ struct Parameters {
         {BV_KIND_RESET_ODOMETRY, {"commands/reset_odometry", "mobile_base/commands/reset_odometry"}},
         {BV_KIND_MOTOR_POWER, {"commands/motor_power", "mobile_base/commands/motor_power"}},
     };
+    /// ~gazebo_namespace (/gazebo): where the services and topics of Gazebo are; relative to the node's own namespace
+    /// without the slash; empty: nowhere.
+    std::string gazebo_namespace = "/gazebo";
     /// ~camera_info_url (text): where calibrations made by set_camera_info are kept, with ${NAME} for the camera's name.
     std::string camera_info_url;
 };

@@ -18,7 +18,8 @@ constexpr milliseconds kRoom{10};
 
 Relay::Stamps Relay::stamps_of(const bv_stream_info& stream) {
     switch (stream.kind) {
-        case BV_KIND_STATIC_TRANSFORMS: return Stamps::any;
+        case BV_KIND_STATIC_TRANSFORMS:
+        case BV_KIND_MODEL_STATES: return Stamps::any;
         case BV_KIND_ROBOT_EVENT: return Stamps::new_ones;
         default: return Stamps::rising;
     }
@@ -87,7 +88,8 @@ void Relay::pass_on(belvedere::Frame frame) {
     // Kept from before the subscription: too old to be news.
     if (stamps_ != Stamps::any && frame.is_from_history()) return;
     if (stamps_ == Stamps::rising) {
-        if (header.stamp_ns <= last_stamp_ns_) return;
+        // The same again is no news either. After a reset stamps begin anew.
+        if (header.stamp_ns == 0 || header.stamp_ns == last_stamp_ns_) return;
         last_stamp_ns_ = header.stamp_ns;
     }
     flow_.count(frame.missed());

@@ -12,6 +12,7 @@
 #include "convert/imu.hpp"
 #include "convert/joint_states.hpp"
 #include "convert/laser_scan.hpp"
+#include "convert/model_states.hpp"
 #include "convert/odometry.hpp"
 #include "convert/point_cloud.hpp"
 #include "convert/robot_event.hpp"
@@ -88,10 +89,16 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_CLOCK:
             if (!parameters_.publish_clock) return nullptr;
             return serve(to_clock, "/clock", kSmall);
-        // ROS has no type for these without packages that Debian lacks (gazebo_msgs), or they are commands.
+        case BV_KIND_MODEL_STATES: {
+            // As Gazebo names them, and again in a pause for those who have come since.
+            const std::string name = topic.substr(topic.rfind('/') + 1), there = parameters_.gazebo_namespace + '/' + name;
+            if (name == "model_states") return serve(to_model_states, there, kSmall);
+            if (name == "link_states") return serve(to_link_states, there, kSmall);
+            throw Unrepresentable("whose states they are is not known here");
+        }
+        // Not for ROS: the services of Gazebo are in their place.
         case BV_KIND_SIMULATION_COMMAND:
-        case BV_KIND_SIMULATION_RESULT:
-        case BV_KIND_MODEL_STATES: return nullptr;
+        case BV_KIND_SIMULATION_RESULT: return nullptr;
         default: throw Unrepresentable("its kind, " + std::to_string(stream.kind) + ", is not known here");
     }
 }

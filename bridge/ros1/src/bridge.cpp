@@ -30,11 +30,11 @@ void Bridge::serve(const bv_stream_info& stream) {
     const std::string name = stream.topic;
     const std::lock_guard<std::mutex> lock(mutex_);
     try {
-        if (stream.kind == BV_KIND_VELOCITY_COMMAND) {
-            if (commands_.count(name) != 0) return;
-            std::vector<std::string> topics = {name};
-            if (name == "cmd_vel") topics.insert(topics.end(), parameters_.velocity_topics.begin(), parameters_.velocity_topics.end());
-            commands_[name] = std::make_unique<VelocityCommands>(nh_, domain_, name, topics);
+        const auto others = parameters_.command_topics.find(stream.kind);
+        if (others != parameters_.command_topics.end()) {
+            std::set<std::string> topics(others->second.begin(), others->second.end());
+            topics.insert(name);
+            if (commands_.count(name) == 0) commands_[name] = Commands::to(stream, domain_, nh_, topics);
             return;
         }
         if (stream.kind == BV_KIND_SIMULATION_RESULT) {
@@ -47,7 +47,7 @@ void Bridge::serve(const bv_stream_info& stream) {
         const auto known = relays_.find(name);
         if (known != relays_.end()) {
             // Another simulator may give the name to something else.
-            if (known->second->kind() == stream.kind || stream.kind == 0 || stream.publishers == 0) return;
+            if (known->second.relay->kind() == stream.kind || stream.kind == 0 || stream.publishers == 0) return;
             diagnostics_.removeByName(name);
             relays_.erase(known);
         } else if (stream.publishers == 0 || skipped_.count(name) != 0) {
@@ -59,7 +59,8 @@ void Bridge::serve(const bv_stream_info& stream) {
             return;
         }
         ROS_INFO_STREAM("serving " << relay->topic());
-        relays_[name] = std::move(relay);
+        auto place = std::make_unique<Served::Place>(relay->topic(), domain_, stream);
+        relays_[name] = {std::move(relay), std::move(place)};
         diagnostics_.add(name, [this, name](auto& status) { diagnose_topic(name, status); });
     } catch (const std::exception& error) {
         // Once: whatever it is will not change by itself.
@@ -91,7 +92,7 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto found = relays_.find(stream);
     if (found == relays_.end()) return;
-    const Flow::Report report = found->second->report();
+    const Flow::Report report = found->second.relay->report();
     const bool slow = report.nominal_rate_hz > 0 && report.rate_hz < kEnough * report.nominal_rate_hz;
     if (!report.problem.empty())
         status.summary(Status::WARN, report.problem);
@@ -105,7 +106,7 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
         status.summaryf(Status::WARN, "%.2f Hz instead of %.2f", report.rate_hz, report.nominal_rate_hz);
     else
         status.summary(Status::OK, "flows");
-    status.add("topic", found->second->topic());
+    status.add("topic", found->second.relay->topic());
     status.add("subscribers", report.subscribers);
     status.addf("rate (Hz)", "%.2f", report.rate_hz);
     status.addf("nominal rate (Hz)", "%.2f", report.nominal_rate_hz);

@@ -15,7 +15,7 @@ namespace {
 enum Operation : std::uint16_t { pause = 1, resume = 2, reset_world = 4, reset_simulation = 5, set_state = 6, spawn = 7, remove = 8 };
 
 constexpr std::uint32_t kQueue = 10;  // as Gazebo's
-constexpr double kRestPeriod = 5.0;
+constexpr double kRestPeriod = 1.0;
 
 void set_pose(bv_simulation_command& command, const geometry_msgs::Pose& pose) {
     const auto& [p, q] = std::tie(pose.position, pose.orientation);
@@ -29,6 +29,12 @@ void set_twist(bv_simulation_command& command, const geometry_msgs::Twist& twist
     const double linear[] = {l.x, l.y, l.z}, angular[] = {a.x, a.y, a.z};
     std::copy(std::begin(linear), std::end(linear), command.linear);
     std::copy(std::begin(angular), std::end(angular), command.angular);
+}
+
+/// A description as XML has it: Gazebo lets a script's text begin with an empty line, even before its declaration.
+std::string to_xml(const std::string& text) {
+    const std::size_t begin = text.find_first_not_of(" \t\r\n");
+    return begin != std::string::npos && text.compare(begin, 5, "<?xml") == 0 ? text.substr(begin) : text;
 }
 
 /// A few of the names that there are, for who has given another.
@@ -152,7 +158,7 @@ void Services::spawn_model(const gazebo_msgs::SpawnModelRequest& request, gazebo
     set_name(command.name, request.model_name);
     set_name(command.reference, request.reference_frame);
     set_pose(command, request.initial_pose);
-    simulator_.command(command, request.model_xml);
+    simulator_.command(command, to_xml(request.model_xml));
     response.status_message = "SpawnModel: Successfully spawned entity";
 }
 

@@ -19,7 +19,7 @@ constexpr milliseconds kLook{100};
 // What was sent so long ago is not now: states come 50 times in a simulated second, and ten times a second in a pause.
 constexpr std::uint64_t kNow_ns = 250'000'000;
 // How long the streams are kept after their last use.
-constexpr std::chrono::seconds kKeep{10};
+constexpr std::chrono::seconds kKeep{5};
 
 std::string seconds_of(milliseconds patience) {
     return std::to_string(patience.count() / 1000) + " s";

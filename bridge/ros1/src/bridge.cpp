@@ -2,6 +2,8 @@
 
 #include <exception>
 
+#include "gazebo/services.hpp"
+
 namespace belvedere_ros {
 
 namespace {
@@ -25,6 +27,8 @@ Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     diagnostics_timer_ =
         nh_.createWallTimer(ros::WallDuration(kDiagnosticPeriod), [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
 }
+
+Bridge::~Bridge() = default;
 
 void Bridge::serve(const bv_stream_info& stream) {
     const std::string name = stream.topic;

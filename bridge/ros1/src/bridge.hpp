@@ -13,7 +13,6 @@
 
 #include "commands.hpp"
 #include "domain.hpp"
-#include "gazebo/services.hpp"
 #include "parameters.hpp"
 #include "relay.hpp"
 #include "served.hpp"
@@ -22,11 +21,16 @@
 
 namespace belvedere_ros {
 
+namespace gazebo {
+class Services;
+}
+
 /// All that the node and the nodelet do.
 class Bridge {
 public:
     /// Throws BadParameter, and belvedere::Error when the domain cannot be joined.
     Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
+    ~Bridge();
 
     /// Serves a stream that is there, if it is not served yet; skips for ever, with one warning, what cannot be served.
     void serve(const bv_stream_info& stream);

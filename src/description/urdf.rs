@@ -21,6 +21,8 @@ mod material;
 mod tests;
 mod tree;
 
+pub(super) use files::name_files_absolutely;
+
 use super::diagnostics::{Diagnostics, Source};
 use super::model::{Link, Material, Mesh, Model};
 use super::package::PackagePath;
@@ -52,12 +54,7 @@ pub(super) fn load_urdf(
     gazebo_compat: bool,
     diagnostics: &mut Diagnostics,
 ) -> Option<Model> {
-    if robot.name != "robot" {
-        diagnostics.error(
-            &robot.source,
-            format!("the outermost element is <{}>", robot.name),
-            "a robot file begins with <robot>; an SDF file is given with --world",
-        );
+    if !is_robot(robot, diagnostics) {
         return None;
     }
     let mut loader =
@@ -77,6 +74,18 @@ pub(super) fn load_urdf(
     let is_tree = loader.build_tree(robot, &mut model);
     loader.extensions(robot, &mut model);
     is_tree.then_some(model)
+}
+
+/// Whether it is a robot's file at all; an error if not.
+pub(super) fn is_robot(root: &Element, diagnostics: &mut Diagnostics) -> bool {
+    if root.name != "robot" {
+        diagnostics.error(
+            &root.source,
+            format!("the outermost element is <{}>", root.name),
+            "a robot file begins with <robot>; an SDF file is given with --world",
+        );
+    }
+    root.name == "robot"
 }
 
 impl Loader<'_> {

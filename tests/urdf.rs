@@ -95,7 +95,7 @@ fn the_environment_chooses_as_for_run() {
     assert_eq!(printed, urdf(&["kobuki_hexagons_kinect"]).0);
 }
 
-/// Files of a user's own packages, of a package that only --package-path or ROS_PACKAGE_PATH name, of names with
+/// Files of a user's own packages, of a package that only --package-path or `ROS_PACKAGE_PATH` name, of names with
 /// spaces, beside the robot's own file.
 #[test]
 fn files_are_named_so_that_anybody_finds_them() {
@@ -141,6 +141,47 @@ fn files_are_named_so_that_anybody_finds_them() {
 
     let through_ros = belvedere().args(["urdf", robot]).env("ROS_PACKAGE_PATH", &packages).output().unwrap();
     assert_eq!(String::from_utf8(through_ros.stdout).unwrap(), printed);
+}
+
+/// What urdfdom would refuse: a robot without a name, materials defined twice, late, by Gazebo alone, or not at all.
+#[test]
+fn materials_are_defined_once_and_before_they_are_used() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("r.urdf.xacro");
+    let box_of =
+        |material: &str| format!("<visual><geometry><box size='1 1 1'/></geometry>{material}</visual>");
+    let text = format!(
+        "<robot><material name='Red'><color rgba='1 0 0 1'/></material><material name='Red'><color rgba='0 1 0 1'/></material>
+        <material name='Late'/><link name='a'>{}{}</link><link name='b'>{}{}</link><link name='c'>{}</link>
+        <joint name='ab' type='fixed'><parent link='a'/><child link='b'/></joint>
+        <joint name='ac' type='fixed'><parent link='a'/><child link='c'/></joint></robot>",
+        box_of("<material name='Red'/>"),
+        box_of("<material name='Late'/>"),
+        box_of("<material name='Gazebo/Green'/>"),
+        box_of("<material name='Nowhere'/>"),
+        box_of("<material name='Late'><color rgba='0 0 1 1'/></material>"),
+    );
+    fs::write(&file, text).unwrap();
+    let (printed, _) = urdf(&[file.to_str().unwrap()]);
+    let robot = Element::parse(&printed, Path::new("printed")).unwrap();
+    assert_eq!(robot.attribute("name"), Some("robot"));
+    let mut defined: Vec<_> = robot
+        .elements_named("material")
+        .map(|material| {
+            let color = material.child("color").unwrap_or_else(|| panic!("{printed}"));
+            (material.attribute("name").unwrap(), color.attribute("rgba").unwrap())
+        })
+        .collect();
+    defined.sort_unstable();
+    let names: Vec<_> = defined.iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, ["Gazebo/Green", "Late", "Nowhere", "Red"]);
+    assert_eq!((defined[1].1, defined[3].1), ("0 0 1 1", "1 0 0 1"));
+    let original = load(file.to_str().unwrap(), PackagePath::new([], None));
+    for (again, before) in read_again(&printed).links.iter().zip(&original.links) {
+        for (again, before) in again.visuals.iter().zip(&before.visuals) {
+            assert_eq!(again.material.diffuse, before.material.diffuse);
+        }
+    }
 }
 
 #[test]

@@ -66,8 +66,8 @@ pub fn load_robot(file_or_name: &str, options: &LoadOptions, diagnostics: &mut D
     }
 }
 
-/// Expands a robot as [`load_robot`] does and gives it as one plain URDF: without xacro, and with meshes and textures by
-/// absolute names, so that ROS's programs can read it. What is meant for Gazebo stays.
+/// Expands a robot as [`load_robot`] does and gives it as one plain URDF: without xacro, with meshes and textures by
+/// absolute names and each material defined once, so that ROS's programs can read it. What is meant for Gazebo stays.
 ///
 /// # Errors
 /// Whatever is wrong is added to `diagnostics`. None is returned when the file cannot be expanded; whether its content
@@ -81,8 +81,11 @@ pub fn expand_robot(
     let path = find_robot(file_or_name, packages, diagnostics)?;
     match xacro::expand(&path, packages, xacro_args, diagnostics) {
         Ok(mut robot) => {
-            urdf::name_files_absolutely(&mut robot, packages, diagnostics);
-            urdf::is_robot(&robot, diagnostics).then_some(robot)
+            if !urdf::is_robot(&robot, diagnostics) {
+                return None;
+            }
+            urdf::make_plain(&mut robot, packages, diagnostics);
+            Some(robot)
         }
         Err(problem) => {
             diagnostics.add(problem);

@@ -7,6 +7,7 @@
 //! | `tree` | the tree that links and joints make, and the poses in it |
 //! | `geometry`, `material` | shapes and their looks |
 //! | `files` | where `package://` and other names of files point to |
+//! | `plain` | the same robot for stricter readers |
 //! | `gazebo` | `<gazebo>`: sensors and what Gazebo overrides |
 //!
 //! `<transmission>` and whatever else neither moves nor shows anything here is passed over in silence.
@@ -17,11 +18,12 @@ mod geometry;
 mod joint;
 mod link;
 mod material;
+mod plain;
 #[cfg(test)]
 mod tests;
 mod tree;
 
-pub(super) use files::name_files_absolutely;
+pub(super) use plain::make_plain;
 
 use super::diagnostics::{Diagnostics, Source};
 use super::model::{Link, Material, Mesh, Model};

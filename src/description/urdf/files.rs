@@ -53,7 +53,7 @@ impl<'n> Named<'n> {
 
 /// Has every mesh and texture of an expanded robot named by a `file:///` URL, which ROS finds without knowing of our
 /// package path and of the files that the robot was made of. Those that do not exist keep their names, with a warning.
-pub(in crate::description) fn name_files_absolutely(
+pub(super) fn name_files_absolutely(
     robot: &mut Element,
     packages: &PackagePath,
     diagnostics: &mut Diagnostics,

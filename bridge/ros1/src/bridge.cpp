@@ -30,17 +30,24 @@ void Bridge::serve(const bv_stream_info& stream) {
     const std::string name = stream.topic;
     const std::lock_guard<std::mutex> lock(mutex_);
     try {
-        if (stream.kind == BV_KIND_VELOCITY_COMMAND) {
-            if (commands_.count(name) != 0) return;
-            std::vector<std::string> topics = {name};
-            if (name == "cmd_vel") topics.insert(topics.end(), parameters_.velocity_topics.begin(), parameters_.velocity_topics.end());
-            commands_[name] = std::make_unique<VelocityCommands>(nh_, domain_, name, topics);
+        const auto others = parameters_.command_topics.find(stream.kind);
+        if (others != parameters_.command_topics.end()) {
+            std::set<std::string> topics(others->second.begin(), others->second.end());
+            topics.insert(name);
+            if (commands_.count(name) == 0) commands_[name] = Commands::to(stream, domain_, nh_, topics);
             return;
         }
+        if (stream.kind == BV_KIND_SIMULATION_RESULT) {
+            // With the first simulator, as with Gazebo: who waits for a service waits for the world too.
+            if (stream.publishers > 0 && !gazebo_ && gazebo_is_ours())
+                gazebo_ = std::make_unique<gazebo::Services>(ros::NodeHandle(nh_, parameters_.gazebo_namespace), domain_);
+            return;
+        }
+        if (stream.kind == BV_KIND_MODEL_STATES && (stream.publishers == 0 || !gazebo_is_ours())) return;
         const auto known = relays_.find(name);
         if (known != relays_.end()) {
             // Another simulator may give the name to something else.
-            if (known->second->kind() == stream.kind || stream.kind == 0 || stream.publishers == 0) return;
+            if (known->second.relay->kind() == stream.kind || stream.kind == 0 || stream.publishers == 0) return;
             diagnostics_.removeByName(name);
             relays_.erase(known);
         } else if (stream.publishers == 0 || skipped_.count(name) != 0) {
@@ -52,12 +59,27 @@ void Bridge::serve(const bv_stream_info& stream) {
             return;
         }
         ROS_INFO_STREAM("serving " << relay->topic());
-        relays_[name] = std::move(relay);
+        auto place = std::make_unique<Served::Place>(relay->topic(), domain_, stream);
+        relays_[name] = {std::move(relay), std::move(place)};
         diagnostics_.add(name, [this, name](auto& status) { diagnose_topic(name, status); });
     } catch (const std::exception& error) {
         // Once: whatever it is will not change by itself.
         if (skipped_.insert(name).second) ROS_WARN_STREAM("stream " << name << " is skipped: " << error.what());
     }
+}
+
+/// Decided once: a service has one server, and the master would take it from the node that has it now.
+bool Bridge::gazebo_is_ours() {
+    if (!gazebo_is_ours_) {
+        const std::string& there = parameters_.gazebo_namespace;
+        gazebo_is_ours_ = !there.empty();
+        if (!there.empty() && gazebo::Services::are_at(ros::NodeHandle(nh_, there))) {
+            gazebo_is_ours_ = false;
+            ROS_WARN_STREAM("another node serves " << nh_.resolveName(there)
+                                                   << " already, so this one does not; give it a gazebo_namespace of its own, or an empty one");
+        }
+    }
+    return *gazebo_is_ours_;
 }
 
 void Bridge::diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const {
@@ -70,7 +92,7 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto found = relays_.find(stream);
     if (found == relays_.end()) return;
-    const Flow::Report report = found->second->report();
+    const Flow::Report report = found->second.relay->report();
     const bool slow = report.nominal_rate_hz > 0 && report.rate_hz < kEnough * report.nominal_rate_hz;
     if (!report.problem.empty())
         status.summary(Status::WARN, report.problem);
@@ -84,7 +106,7 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
         status.summaryf(Status::WARN, "%.2f Hz instead of %.2f", report.rate_hz, report.nominal_rate_hz);
     else
         status.summary(Status::OK, "flows");
-    status.add("topic", found->second->topic());
+    status.add("topic", found->second.relay->topic());
     status.add("subscribers", report.subscribers);
     status.addf("rate (Hz)", "%.2f", report.rate_hz);
     status.addf("nominal rate (Hz)", "%.2f", report.nominal_rate_hz);

@@ -7,13 +7,16 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 
 #include "commands.hpp"
 #include "domain.hpp"
+#include "gazebo/services.hpp"
 #include "parameters.hpp"
 #include "relay.hpp"
+#include "served.hpp"
 #include "streams.hpp"
 #include "topics.hpp"
 
@@ -25,8 +28,17 @@ public:
     /// Throws BadParameter, and belvedere::Error when the domain cannot be joined.
     Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
 
-private:
+    /// Serves a stream that is there, if it is not served yet; skips for ever, with one warning, what cannot be served.
     void serve(const bv_stream_info& stream);
+
+private:
+    /// A stream that is served, to other processes and in this one.
+    struct Serving {
+        std::unique_ptr<Relay> relay;
+        std::unique_ptr<Served::Place> place;
+    };
+
+    bool gazebo_is_ours();
     void diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const;
     void diagnose_topic(const std::string& stream, diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -36,9 +48,11 @@ private:
     Topics topics_;
     diagnostic_updater::Updater diagnostics_;
     std::mutex mutex_;
-    std::map<std::string, std::unique_ptr<Relay>> relays_;
-    std::map<std::string, std::unique_ptr<VelocityCommands>> commands_;
+    std::map<std::string, Serving> relays_;
+    std::map<std::string, std::unique_ptr<Commands>> commands_;
     std::set<std::string> skipped_;
+    std::optional<bool> gazebo_is_ours_;
+    std::unique_ptr<gazebo::Services> gazebo_;
     // The last that begin, the first that end: they use what is above.
     std::unique_ptr<Streams> streams_;
     ros::WallTimer diagnostics_timer_;

@@ -26,9 +26,9 @@ belvedere::Subscriber Domain::subscribe(const std::string& topic) {
     return node_.subscribe(topic);
 }
 
-belvedere::VelocityPublisher Domain::velocity(const std::string& topic) {
+belvedere::Control Domain::control() {
     const std::lock_guard<std::mutex> lock(mutex_);
-    return node_.velocity(topic);
+    return node_.control();
 }
 
 }  // namespace belvedere_ros

@@ -18,7 +18,12 @@ public:
     const std::string& name() const { return name_; }
     std::vector<bv_stream_info> streams();
     belvedere::Subscriber subscribe(const std::string& topic);
-    belvedere::VelocityPublisher velocity(const std::string& topic);
+    belvedere::Control control();
+    template <class Command>
+    belvedere::CommandPublisher<Command> commands(const std::string& topic) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        return node_.commands<Command>(topic);
+    }
 
 private:
     std::string name_;

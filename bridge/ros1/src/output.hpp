@@ -22,7 +22,7 @@ public:
     /// Who listens now, in this process or another.
     virtual std::uint32_t subscribers() const = 0;
     /// Converts and publishes. Throws Unrepresentable.
-    virtual void publish(const Sample& sample) = 0;
+    virtual void publish(belvedere::Frame frame) = 0;
 };
 
 /// A converter: the message of a frame, or null when there is nothing to say.
@@ -42,8 +42,8 @@ public:
 
     std::string topic() const override { return publisher_.getTopic(); }
     std::uint32_t subscribers() const override { return publisher_.getNumSubscribers(); }
-    void publish(const Sample& sample) override {
-        if (const auto message = convert_(sample)) publisher_.publish(message);
+    void publish(belvedere::Frame frame) override {
+        if (const auto message = convert_(Sample(frame))) publisher_.publish(message);
     }
 
 private:
@@ -63,8 +63,8 @@ public:
 
     std::string topic() const override { return publisher_.getTopic(); }
     std::uint32_t subscribers() const override { return publisher_.getNumSubscribers(); }
-    void publish(const Sample& sample) override {
-        if (const auto message = convert_(sample)) publisher_.publish(message);
+    void publish(belvedere::Frame frame) override {
+        if (const auto message = convert_(Sample(frame))) publisher_.publish(message);
     }
 
 private:

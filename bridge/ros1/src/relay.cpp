@@ -11,8 +11,19 @@ using std::chrono::milliseconds;
 
 // How soon a stream that could not be followed is tried again, and all is looked at even if nothing has happened.
 constexpr milliseconds kPatience{1000};
+// How soon it is looked whether a held frame was let go.
+constexpr milliseconds kRoom{10};
 
 }  // namespace
+
+Relay::Stamps Relay::stamps_of(const bv_stream_info& stream) {
+    switch (stream.kind) {
+        case BV_KIND_STATIC_TRANSFORMS:
+        case BV_KIND_MODEL_STATES: return Stamps::any;
+        case BV_KIND_ROBOT_EVENT: return Stamps::new_ones;
+        default: return Stamps::rising;
+    }
+}
 
 Relay::Relay(Domain& domain, const bv_stream_info& stream, std::unique_ptr<Output> output, std::shared_ptr<Bell> bell,
              Stamps stamps)
@@ -45,33 +56,45 @@ void Relay::follow() {
     const int frames = subscriber.fd();
     flow_.begin();
     while (wanted()) {
+        bool full = false;
         try {
-            while (const auto frame = subscriber.take()) pass_on(*frame);
+            while (wanted()) {
+                auto frame = subscriber.take();
+                if (!frame) break;
+                pass_on(std::move(*frame));
+            }
         } catch (const belvedere::Error& error) {
-            if (error.status() != BV_STATUS_BAD_FRAME) throw;
+            full = error.status() == BV_STATUS_LIMIT;
+            if (!full && error.status() != BV_STATUS_BAD_FRAME) throw;
             complain(error.what());
         }
         flow_.publishers(subscriber.publishers());
-        bell_->sleep(kPatience, frames);
+        // While all that may be held is held, there is something to read and no way to take it.
+        if (full)
+            bell_->sleep(kRoom);
+        else
+            bell_->sleep(kPatience, frames);
     }
     flow_.end();
 }
 
-void Relay::pass_on(const belvedere::Frame& frame) {
+void Relay::pass_on(belvedere::Frame frame) {
     const belvedere::Header& header = frame.header();
     if (header.kind != kind_) return complain("a frame is of kind " + std::to_string(header.kind) + " there");
     if (header.session != session_) {
         session_ = header.session;
         last_stamp_ns_ = 0;
     }
+    // Kept from before the subscription: too old to be news.
+    if (stamps_ != Stamps::any && frame.is_from_history()) return;
     if (stamps_ == Stamps::rising) {
-        // Kept from before the subscription: too old to be news.
-        if (frame.is_from_history() || header.stamp_ns <= last_stamp_ns_) return;
+        // The same again is no news either. After a reset stamps begin anew.
+        if (header.stamp_ns == 0 || header.stamp_ns == last_stamp_ns_) return;
         last_stamp_ns_ = header.stamp_ns;
     }
     flow_.count(frame.missed());
     try {
-        output_->publish(Sample(frame));
+        output_->publish(std::move(frame));
     } catch (const Unrepresentable& error) {
         complain(error.what());
     }

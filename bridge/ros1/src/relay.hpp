@@ -21,11 +21,16 @@ class Relay {
 public:
     /// What a frame's stamp must be to be passed on.
     enum class Stamps {
-        /// After the one before, and not zero; and not older than the subscription.
+        /// Another than that before, and not zero; and not older than the subscription.
         rising,
+        /// Whatever it is, as several events may happen at one time; but not older than the subscription.
+        new_ones,
         /// Whatever it is: what is sent holds always.
         any,
     };
+
+    /// What a stream needs.
+    static Stamps stamps_of(const bv_stream_info& stream);
 
     Relay(Domain& domain, const bv_stream_info& stream, std::unique_ptr<Output> output, std::shared_ptr<Bell> bell, Stamps stamps);
     ~Relay();
@@ -42,7 +47,7 @@ private:
     bool wanted() const;
     void run();
     void follow();
-    void pass_on(const belvedere::Frame& frame);
+    void pass_on(belvedere::Frame frame);
     void complain(const std::string& problem);
 
     Domain& domain_;

@@ -40,10 +40,12 @@ def camera_info(frame, rate, hfov, baseline, compat):
     })  # fmt: skip
 
 
-def scan(frame, rate, samples, half_angle, near, far):
+def scan(frame, rate, samples, half_angle, near, far, compat):
     return Topic("sensor_msgs/LaserScan", frame, rate, {
         "angle_min": -half_angle, "angle_max": half_angle, "angle_increment": 2 * half_angle / (samples - 1),
         "range_min": near, "range_max": far,
+        # All rays of one moment; gazebo_ros_laser leaves both at 0.
+        "time_increment": 0.0, "scan_time": 0.0 if compat else 1.0 / rate,
     }, samples)  # fmt: skip
 
 
@@ -52,10 +54,14 @@ def cloud(frame, rate):
     return Topic("sensor_msgs/PointCloud2", frame, rate, fields, 640 * 480 * 32)
 
 
+#: Of x, y and yaw; the plane says nothing of the rest.
+POSE_COVARIANCE = [[0.1, 0.1, 1e6, 1e6, 1e6, 0.05][i // 7] if i % 7 == 0 else 0.0 for i in range(36)]
+
 ROBOT = {
     "/clock": Topic("rosgraph_msgs/Clock", rate=100.0),
-    "/odom": Topic("nav_msgs/Odometry", "odom", 50.0, {"child_frame_id": "base_footprint"}),
+    "/odom": Topic("nav_msgs/Odometry", "odom", 50.0, {"child_frame_id": "base_footprint", "pose.covariance": POSE_COVARIANCE}),
     "/mobile_base/sensors/imu_data": Topic("sensor_msgs/Imu", "gyro_link", 50.0),
+    "/mobile_base/sensors/core": Topic("kobuki_msgs/SensorState", rate=50.0),
     "/joint_states": Topic(
         "sensor_msgs/JointState", rate=50.0, fields={"name": ["wheel_left_joint", "wheel_right_joint"]}
     ),
@@ -74,8 +80,17 @@ def ceiling_camera(compat):
             **ROBOT,
             "/image_raw": image(frame, 30.0),
             "/camera_info": camera_info(frame, 30.0, 1.3962634, 0.07, compat),
-            "/scan": scan("base_laser_link", 5.5, 360, 3.1415926, 0.10, 6.0),
+            "/scan": scan("base_laser_link", 5.5, 360, 3.1415926, 0.10, 6.0, compat),
         },
+    )
+
+
+def rplidar(compat):
+    """The lidar alone. With 360 rays over the whole circle the first and the last are the same ray, as in Gazebo."""
+    return Setup(
+        {"TURTLEBOT_STACKS": "nostack", "TURTLEBOT_3D_SENSOR": "rplidar"},
+        ["--gazebo-compat"] if compat else [],
+        {**ROBOT, "/scan": scan("base_laser_link", 5.5, 360, 3.1415926, 0.10, 6.0, compat)},
     )
 
 
@@ -94,7 +109,7 @@ def kinect_hokuyo(compat):
             "/camera/depth/image_raw": image(frame, 10.0, "32FC1", 4),
             "/camera/depth/camera_info": info,
             "/camera/depth/points": cloud(frame, 10.0),
-            "/rrbot/laser/scan": scan("hokuyo_link", 40.0, 720, 1.570796, 0.10, 30.0),
+            "/rrbot/laser/scan": scan("hokuyo_link", 40.0, 720, 1.570796, 0.10, 30.0, compat),
         },
     )
 
@@ -102,6 +117,8 @@ def kinect_hokuyo(compat):
 SETUPS = {
     "the ceiling camera": ceiling_camera(compat=False),
     "the ceiling camera, as Gazebo has it": ceiling_camera(compat=True),
+    "RPLidar": rplidar(compat=False),
+    "RPLidar, as Gazebo has it": rplidar(compat=True),
     "Kinect and Hokuyo": kinect_hokuyo(compat=False),
     "Kinect and Hokuyo, as Gazebo has them": kinect_hokuyo(compat=True),
 }

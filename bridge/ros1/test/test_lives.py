@@ -4,11 +4,15 @@
 import os
 import signal
 import subprocess
+import tempfile
 import time
 import unittest
 import xmlrpc.client
 
+import rosbag
+import rospy
 from processes import Process, bridge, eventually, free_port, roscore, simulator
+from std_msgs.msg import String
 
 CYCLES = int(os.environ.get("BELVEDERE_ROS_CYCLES", "20"))
 
@@ -19,6 +23,12 @@ class Lives(unittest.TestCase):
         self.port = free_port()
         os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{self.port}"
         self.master = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
+
+    def master_answers(self):
+        try:
+            return self.master.getPid("/test")[0] == 1
+        except OSError:
+            return False
 
     def knows_node(self, name="/belvedere"):
         try:
@@ -101,9 +111,36 @@ class Lives(unittest.TestCase):
                     self.assertFalse(self.knows_node(), f"{how.name} left the node registered")
                     self.assertNotIn("/odom", self.topics())
 
-    def test_rosnode_kill_ends_it(self):
+    def test_time_of_others_may_loop(self):
+        """With a bag's /clock that jumps back again and again, topics and diagnostics go on."""
+        with tempfile.TemporaryDirectory() as folder, roscore(self.port), simulator(self.domain):
+            bag = os.path.join(folder, "second.bag")
+            with rosbag.Bag(bag, "w") as out:
+                for tenth in range(11):
+                    out.write("/tick", String("tick"), rospy.Time(100, tenth * 100_000_000))
+            self.assertTrue(eventually(self.master_answers))
+            self.master.setParam("/test", "/use_sim_time", True)
+            with (
+                Process("rosbag", "play", "--clock", "--loop", "--quiet", bag) as play,
+                bridge(self.domain, "_publish_clock:=false") as node,
+                Process("rostopic", "echo", "-p", "/odom/header/stamp") as odometry,
+                Process("rostopic", "echo", "-p", "/diagnostics/header/stamp") as diagnostics,
+            ):
+                lines = lambda echo: echo.output().count("\n")  # noqa: E731
+                self.assertTrue(eventually(lambda: lines(odometry) > 20, 20.0), odometry.output())
+                before = lines(odometry), lines(diagnostics)
+                time.sleep(5.0)  # about five loops
+                self.assertGreater(lines(odometry) - before[0], 200, node.output())
+                self.assertGreaterEqual(lines(diagnostics) - before[1], 4, node.output())
+                self.assertTrue(play.running(), play.output())
+
+    def test_rosnode_sees_it_and_ends_it(self):
         with roscore(self.port), bridge(self.domain) as node:
             self.assertTrue(eventually(self.knows_node), node.output())
+            ping = subprocess.run(["rosnode", "ping", "-c", "1", "/belvedere"], capture_output=True, text=True, timeout=20)
+            self.assertIn("reply from", ping.stdout)
+            info = subprocess.run(["rosnode", "info", "/belvedere"], capture_output=True, text=True, timeout=20)
+            self.assertIn("/diagnostics [diagnostic_msgs/DiagnosticArray]", info.stdout)
             subprocess.run(["rosnode", "kill", "/belvedere"], check=True, capture_output=True, timeout=20)
             self.assertTrue(eventually(lambda: not node.running()), node.output())
             self.assertEqual(node.stop(), 0)

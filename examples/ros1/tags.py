@@ -50,6 +50,8 @@ def look(image, info):
 
 rospy.init_node("tags")
 bridge, detector, broadcaster = CvBridge(), apriltag("tag36h11"), tf2_ros.TransformBroadcaster()
-topics = message_filters.Subscriber("image_raw", Image, buff_size=1 << 24), message_filters.Subscriber("camera_info", CameraInfo)
-message_filters.TimeSynchronizer(topics, 5).registerCallback(look)
+# The newest picture and no other, as finding tags takes longer than a frame on a small machine.
+newest = {"queue_size": 1, "buff_size": 1 << 24}
+topics = message_filters.Subscriber("image_raw", Image, **newest), message_filters.Subscriber("camera_info", CameraInfo)
+message_filters.TimeSynchronizer(topics, 30).registerCallback(look)
 rospy.spin()

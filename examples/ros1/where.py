@@ -14,6 +14,7 @@ outer, inner, times = (arguments + ["odom", "base_camera_link", "0"][len(argumen
 rospy.init_node("where")
 buffer = tf2_ros.Buffer()
 listener = tf2_ros.TransformListener(buffer)
+rospy.sleep(0.5)  # the clock runs then: before, every wait would be over at once
 rate, said = rospy.Rate(10), 0
 while not rospy.is_shutdown() and (times == "0" or said < int(times)):
     try:

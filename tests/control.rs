@@ -5,6 +5,7 @@ mod live;
 use belvedere_bridge::payload::{ModelState, Odometry, SimulationCommand, SimulationResult};
 use belvedere_bridge::{Domain, Kind, Node, Operation, SimulationControl, StreamSpec, Subscriber, Text};
 use live::{PATIENCE, Simulator, next_frame, output};
+use rustix::process::Signal;
 use std::time::{Duration, Instant};
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -441,4 +442,57 @@ fn the_command_line_says_what_was_done_and_why_not() {
     let nobody = output(&["control", "pause", "--domain", &live::own_domain(), "--timeout", "0.2"]);
     let said = String::from_utf8(nobody.stderr).unwrap();
     assert!(nobody.status.code() == Some(1) && said.contains("belvedere run --domain"), "{said}");
+}
+
+#[test]
+fn what_is_sent_after_an_answer_shows_what_was_changed() {
+    let simulator = Simulator::start(&["--drive", "still"]);
+    let mut control = control(&simulator);
+    assert!(control.is_connected().unwrap());
+    assert_eq!(control.answered_ns(), 0);
+    let mut states = simulator.subscribe(StreamSpec::MODEL_STATES);
+    next_frame(&mut states);
+    for round in 0..40 {
+        // In a pause and out of it.
+        done(&mut control, if round % 2 == 0 { Operation::Pause } else { Operation::Resume });
+        let x = f64::from(round) * 0.1 - 2.0;
+        let moved = SimulationCommand { position: [x, 0.0, 2.5], ..named(Operation::SetModelState, "tag_ceiling") };
+        done_with(&mut control, &moved, "");
+        let frame = loop {
+            let frame = next_frame(&mut states);
+            if frame.header().publish_mono_ns > control.answered_ns() {
+                break frame;
+            }
+        };
+        let mut models = frame.view().structs::<ModelState>().unwrap();
+        let ceiling = models.find(|model| model.name.as_str() == "tag_ceiling").unwrap();
+        assert_near(ceiling.position, [x, 0.0, 2.5], 1e-6);
+    }
+}
+
+#[test]
+fn the_end_of_a_simulator_is_noticed_while_its_answer_is_waited_for() {
+    let domain = live::own_domain();
+    let node = Node::open(&Domain::new(&domain).unwrap(), "control").unwrap();
+    let mut control = SimulationControl::open(&node).unwrap();
+    assert!(!control.is_connected().unwrap());
+    let simulator = Simulator::start_in(domain.clone(), &["--drive", "still"]);
+    done(&mut control, Operation::Pause);
+    simulator.signal(Signal::STOP);
+    let ended = std::thread::scope(|scope| {
+        let waiting = scope.spawn(|| {
+            let asked = Instant::now();
+            let pause = SimulationCommand::new(Operation::Pause);
+            assert!(control.call(&pause, "", 10 * PATIENCE).unwrap().is_none());
+            asked.elapsed()
+        });
+        std::thread::sleep(Duration::from_millis(200));
+        simulator.kill();
+        waiting.join().unwrap()
+    });
+    assert!(ended < PATIENCE, "{ended:?}");
+    assert!(!control.is_connected().unwrap());
+    let _successor = Simulator::start_in(domain, &["--drive", "still"]);
+    done(&mut control, Operation::Pause);
+    assert!(control.is_connected().unwrap());
 }

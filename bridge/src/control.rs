@@ -7,6 +7,9 @@ use crate::{
     payload::{SimulationCommand, SimulationResult},
 };
 
+/// Time between two looks whether the simulator is still there while its result is waited for.
+const PATIENCE: Duration = Duration::from_millis(100);
+
 /// The commanding end of a simulation: sends a command and waits for its result.
 ///
 /// ```no_run
@@ -29,6 +32,7 @@ use crate::{
 pub struct SimulationControl {
     node: Node,
     results: Subscriber,
+    answered_ns: u64,
     /// The sending end, and the longest text that it can send.
     sender: Option<(Publisher, usize)>,
 }
@@ -41,11 +45,34 @@ impl SimulationControl {
     pub fn open(node: &Node) -> Result<Self, Error> {
         let mut results = node.subscriber(StreamSpec::SIMULATION_RESULT)?;
         results.take()?;
-        Ok(Self { node: node.clone(), results, sender: None })
+        Ok(Self { node: node.clone(), results, answered_ns: 0, sender: None })
+    }
+
+    /// Whether there is a simulator that listens now; never sleeps.
+    ///
+    /// # Errors
+    /// As [`Subscriber::take`].
+    pub fn is_connected(&mut self) -> Result<bool, Error> {
+        // One that has ended is let go by the first look, and its successor found by the second.
+        for _ in 0..2 {
+            // What comes now answers nobody who waits.
+            while self.results.take()?.is_some() {}
+            if self.results.publishers() > 0 {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// When the last result was sent, on the clock of [`FrameHeader::publish_mono_ns`](crate::FrameHeader); 0 before the
+    /// first. What was sent later shows what the command has changed.
+    #[must_use]
+    pub fn answered_ns(&self) -> u64 {
+        self.answered_ns
     }
 
     /// Sends a command, with a text if its operation has one, and waits for its result; `None` when there was no
-    /// simulator, or no result, within `timeout`. Its `text_len` is set here.
+    /// simulator, or no result, within `timeout`, or the simulator has ended meanwhile. Its `text_len` is set here.
     ///
     /// # Errors
     /// When the streams cannot be opened, or there is no memory for the text.
@@ -57,13 +84,11 @@ impl SimulationControl {
     ) -> Result<Option<SimulationResult>, Error> {
         let deadline = Instant::now() + timeout;
         // Without a simulator a sender would make the stream, and talk to itself. Old results are cleared away.
-        while self.results.take()?.is_some() || self.results.publishers() == 0 {
-            if self.results.publishers() == 0 {
-                if Instant::now() >= deadline {
-                    return Ok(None);
-                }
-                self.results.wait(Duration::from_millis(5))?;
+        while !self.is_connected()? {
+            if Instant::now() >= deadline {
+                return Ok(None);
             }
+            self.results.wait(Duration::from_millis(5))?;
         }
         let mut command = *command;
         command.text_len = u32::try_from(text.len()).unwrap_or(u32::MAX);
@@ -71,15 +96,18 @@ impl SimulationControl {
         loop {
             while let Some(frame) = self.results.take()? {
                 match frame.message::<SimulationResult>() {
-                    Ok(result) if result.id == command.id => return Ok(Some(result)),
+                    Ok(result) if result.id == command.id => {
+                        self.answered_ns = frame.header().publish_mono_ns;
+                        return Ok(Some(result));
+                    }
                     _ => {}
                 }
             }
             let left = deadline.saturating_duration_since(Instant::now());
-            if left.is_zero() {
+            if left.is_zero() || self.results.publishers() == 0 {
                 return Ok(None);
             }
-            self.results.wait(left)?;
+            self.results.wait(left.min(PATIENCE))?;
         }
     }
 

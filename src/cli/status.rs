@@ -103,7 +103,7 @@ fn table(outlets: &[&Outlet], before: &Sample, now: &Sample) -> String {
         let (earlier, tally) = (&before.tallies[index], &now.tallies[index]);
         let frames = tally.frames - earlier.frames;
         let made_ms = tally.busy.saturating_sub(earlier.busy).as_secs_f64() * 1e3 / frames.max(1) as f64;
-        let asked = outlet.rate_hz().map_or_else(|| "once".into(), |rate| format!("{rate:.2}"));
+        let asked = outlet.rate_hz().map_or_else(|| "-".into(), |rate| format!("{rate:.2}"));
         let made = if tally.busy.is_zero() { "-".into() } else { format!("{made_ms:.2}") };
         let subscribers = outlet.subscribers();
         let rate = match frames as f64 / seconds {

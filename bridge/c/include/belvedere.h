@@ -168,6 +168,42 @@ typedef uint16_t bv_encoding;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// What a simulator is told to do (bv_simulation_command.operation), and the fields that it looks at.
+enum bv_operation
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint16_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Let simulated time stand.
+    BV_OPERATION_PAUSE = 1,
+    // Let it go on.
+    BV_OPERATION_RESUME = 2,
+    // Run steps of physics with all that is published on the way, then pause: steps.
+    BV_OPERATION_STEP = 3,
+    // Every model where it was at the start, at rest; time goes on.
+    BV_OPERATION_RESET_WORLD = 4,
+    // Begin again at time 0.
+    BV_OPERATION_RESET_SIMULATION = 5,
+    // Move a model: name, reference, position, orientation, linear, angular.
+    BV_OPERATION_SET_MODEL_STATE = 6,
+    // Put the model of the text into the world: name, reference, position, orientation.
+    BV_OPERATION_SPAWN = 7,
+    // Take a model out: name.
+    BV_OPERATION_DELETE = 8,
+    // Change settings of the sensor, or of the one that sends the topic, name: `key=value` words in the text.
+    BV_OPERATION_CONFIGURE = 9,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum bv_operation bv_operation;
+#else
+typedef uint16_t bv_operation;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The sending end of a stream of commands to the robot.
+typedef struct bv_command_publisher bv_command_publisher;
+
 // The commanding end of a simulation.
 typedef struct bv_control bv_control;
 
@@ -305,8 +341,7 @@ typedef struct bv_velocity_command {
 typedef struct bv_simulation_command {
     // chosen at random by the sender; the result names it
     uint64_t id;
-    // 1 pause, 2 resume, 3 step, 4 reset_world, 5 reset_simulation, 6 set_model_state, 7 spawn, 8 delete,
-    // 9 configure
+    // a bv_operation
     uint16_t operation;
     uint16_t reserved;
     // bytes of UTF-8 that follow, without a NUL
@@ -628,7 +663,29 @@ uint64_t bv_synchronizer_skipped(const struct bv_synchronizer *synchronizer);
 // Requires: `synchronizer` is open or NULL.
 uint64_t bv_synchronizer_missed_total(const struct bv_synchronizer *synchronizer);
 
-// Opens a velocity command stream ("cmd_vel") for sending; several processes may.
+// Opens a stream of commands of a kind for sending; several processes may. A bv_kind, and the topic of a TurtleBot:
+// BV_KIND_VELOCITY_COMMAND, "cmd_vel"; BV_KIND_RESET_ODOMETRY, "mobile_base/commands/reset_odometry";
+// BV_KIND_MOTOR_POWER, "mobile_base/commands/motor_power".
+// Requires: `node` is open; `topic` is NUL-terminated; `out` can be written.
+bv_status bv_command_open(struct bv_node *node,
+                          const char *topic,
+                          uint16_t kind,
+                          struct bv_command_publisher **out);
+
+// Sends a command: the struct of the publisher's kind, and its size. The robot takes the newest of those that have
+// come since its last step.
+// Requires: `publisher` is open; `size` bytes of `command` can be read.
+bv_status bv_command_send(struct bv_command_publisher *publisher,
+                          const void *command,
+                          size_t size);
+
+// Closes it; NULL is ignored. A receiver that has not looked since this was opened misses what was sent: leave the
+// robot a step or two of its simulation.
+// Requires: `publisher` came from bv_command_open and is not used afterwards.
+void bv_command_close(struct bv_command_publisher *publisher);
+
+// Opens a velocity command stream ("cmd_vel") for sending; several processes may. As bv_command_open with
+// BV_KIND_VELOCITY_COMMAND.
 // Requires: `node` is open; `topic` is NUL-terminated; `out` can be written.
 bv_status bv_velocity_open(struct bv_node *node, const char *topic, struct bv_velocity_publisher **out);
 
@@ -637,8 +694,7 @@ bv_status bv_velocity_open(struct bv_node *node, const char *topic, struct bv_ve
 bv_status bv_velocity_send(struct bv_velocity_publisher *publisher,
                            const struct bv_velocity_command *command);
 
-// Closes it; NULL is ignored. A receiver that has not looked since this was opened misses what was sent: leave the
-// robot a step or two of its simulation.
+// Closes it; NULL is ignored. As bv_command_close.
 // Requires: `publisher` came from bv_velocity_open and is not used afterwards.
 void bv_velocity_close(struct bv_velocity_publisher *publisher);
 
@@ -646,7 +702,7 @@ void bv_velocity_close(struct bv_velocity_publisher *publisher);
 // Requires: `node` is open; `out` can be written.
 bv_status bv_control_open(struct bv_node *node, struct bv_control **out);
 
-// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time. An id of 0 is
+// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time, or the simulator ended. An id of 0 is
 // replaced by one that no other has; text_len is that of the text. A command that was refused is a success of this
 // function: look at result->done.
 // Requires: `control` is open; `command` can be read; `text` is NUL-terminated or NULL; `result` can be written.
@@ -655,6 +711,15 @@ bv_status bv_control_call(struct bv_control *control,
                           const char *text,
                           uint32_t timeout_ms,
                           struct bv_simulation_result *result);
+
+// Whether there is a simulator that listens now; never sleeps.
+// Requires: `control` is open; `connected` can be written.
+bv_status bv_control_is_connected(struct bv_control *control, bool *connected);
+
+// When the last result was sent, on the clock of bv_mono_ns; 0 before the first. Frames with a later publish_mono_ns
+// show what the command has changed.
+// Requires: `control` is open or NULL.
+uint64_t bv_control_answered_ns(const struct bv_control *control);
 
 // Closes it; NULL is ignored.
 // Requires: `control` came from bv_control_open and is not used afterwards.

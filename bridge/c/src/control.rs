@@ -28,7 +28,7 @@ pub unsafe extern "C" fn bv_control_open(node: *mut Node, out: *mut *mut Control
     })
 }
 
-/// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time. An id of 0 is
+/// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time, or the simulator ended. An id of 0 is
 /// replaced by one that no other has; text_len is that of the text. A command that was refused is a success of this
 /// function: look at result->done.
 ///
@@ -68,6 +68,36 @@ pub unsafe extern "C" fn bv_control_call(
         unsafe { result.write(answer) };
         Ok(Status::Ok)
     })
+}
+
+/// Whether there is a simulator that listens now; never sleeps.
+///
+/// # Safety
+/// `control` is open; `connected` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bv_control_is_connected(control: *mut Control, connected: *mut bool) -> Status {
+    guard(|| {
+        // SAFETY: an open handle by this function's contract.
+        let control = unsafe { handle_arg(control, "control") }?;
+        if connected.is_null() {
+            return Err(null("connected"));
+        }
+        let answer = control.0.is_connected()?;
+        // SAFETY: it can be written by this function's contract.
+        unsafe { connected.write(answer) };
+        Ok(Status::Ok)
+    })
+}
+
+/// When the last result was sent, on the clock of bv_mono_ns; 0 before the first. Frames with a later publish_mono_ns
+/// show what the command has changed.
+///
+/// # Safety
+/// `control` is open or NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bv_control_answered_ns(control: *const Control) -> u64 {
+    // SAFETY: an open handle, or null, by this function's contract.
+    unsafe { control.as_ref() }.map_or(0, |control| control.0.answered_ns())
 }
 
 /// Closes it; NULL is ignored.

@@ -64,6 +64,31 @@ pub enum Kind {
     SensorSettings = 21,
 }
 
+/// What a simulator is told to do (bv_simulation_command.operation), and the fields that it looks at.
+#[allow(dead_code)]
+#[derive(Clone, Copy)]
+#[repr(u16)]
+pub enum Operation {
+    /// Let simulated time stand.
+    Pause = 1,
+    /// Let it go on.
+    Resume = 2,
+    /// Run steps of physics with all that is published on the way, then pause: steps.
+    Step = 3,
+    /// Every model where it was at the start, at rest; time goes on.
+    ResetWorld = 4,
+    /// Begin again at time 0.
+    ResetSimulation = 5,
+    /// Move a model: name, reference, position, orientation, linear, angular.
+    SetModelState = 6,
+    /// Put the model of the text into the world: name, reference, position, orientation.
+    Spawn = 7,
+    /// Take a model out: name.
+    Delete = 8,
+    /// Change settings of the sensor, or of the one that sends the topic, name: `key=value` words in the text.
+    Configure = 9,
+}
+
 /// How an element is coded (bv_frame_header.encoding).
 #[allow(dead_code)]
 #[derive(Clone, Copy)]
@@ -344,8 +369,7 @@ pub struct SensorSettings {
 pub struct SimulationCommand {
     /// chosen at random by the sender; the result names it
     pub id: u64,
-    /// 1 pause, 2 resume, 3 step, 4 reset_world, 5 reset_simulation, 6 set_model_state, 7 spawn, 8 delete,
-    /// 9 configure
+    /// a bv_operation
     pub operation: u16,
     pub reserved: u16,
     /// bytes of UTF-8 that follow, without a NUL
@@ -432,7 +456,8 @@ const _: () = {
     assert!(BV_SCHEMA == wire::FrameHeader::SCHEMA);
     assert!(BV_HAS_INTENSITIES == wire::FrameHeader::HAS_INTENSITIES);
     assert!(size_of::<Block>() == 80);
-    // A kind or encoding that is added there is missing here until this compiles again.
+    // A kind, encoding or operation that is added there is missing here until this compiles again.
     assert!(wire::Kind::ALL.len() == 21 && Kind::SensorSettings as u16 == 21);
     assert!(wire::Encoding::ALL.len() == 8 && Encoding::Struct as u16 == 8);
+    assert!(wire::Operation::ALL.len() == 9 && Operation::Configure as u16 == 9);
 };

@@ -7,6 +7,7 @@
 // What C sees is public to the linker, not to Rust.
 #![allow(unreachable_pub)]
 
+mod command;
 mod control;
 mod frame;
 mod layout;
@@ -16,4 +17,3 @@ mod round_trip;
 mod status;
 mod subscriber;
 mod synchronizer;
-mod velocity;

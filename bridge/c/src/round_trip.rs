@@ -9,9 +9,13 @@ use belvedere_bridge::{Domain, Encoding, Kind, Publisher, StreamSpec, payload};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::{
+    command::{
+        bv_command_close, bv_command_open, bv_command_send, bv_velocity_close, bv_velocity_open,
+        bv_velocity_send,
+    },
     control::{bv_control_call, bv_control_close, bv_control_open},
     frame::{bv_frame_get_header, bv_frame_get_payload, bv_frame_missed, bv_frame_release},
-    layout::{BV_MAGIC, SimulationCommand, SimulationResult, VelocityCommand},
+    layout::{BV_MAGIC, MotorPower, ResetOdometry, SimulationCommand, SimulationResult, VelocityCommand},
     node::{bv_node_close, bv_node_open, bv_streams, bv_streams_free},
     status::{Status, bv_last_error, guard},
     subscriber::{
@@ -21,7 +25,6 @@ use crate::{
         bv_synchronizer_close, bv_synchronizer_open, bv_synchronizer_skipped, bv_synchronizer_take,
         bv_synchronizer_wait,
     },
-    velocity::{bv_velocity_close, bv_velocity_open, bv_velocity_send},
 };
 
 fn last_error() -> String {
@@ -86,6 +89,58 @@ fn frames_and_commands_cross() {
         bv_node_close(node);
         bv_subscriber_close(subscriber);
         bv_frame_release(frame);
+    }
+}
+
+/// Each kind of command as its struct, and nothing else.
+#[test]
+fn a_robot_is_told() {
+    let name = format!("ct-{}", std::process::id());
+    let rust = belvedere_bridge::Node::open(&Domain::new(&name).unwrap(), "test").unwrap();
+    let receiver = |topic, kind| rust.command_subscriber(&StreamSpec::command(topic, kind)).unwrap();
+    let (mut powers, mut resets) =
+        (receiver("power", Kind::MotorPower), receiver("reset", Kind::ResetOdometry));
+    let name = CString::new(name).unwrap();
+    let (mut node, mut power, mut reset) = (null_mut(), null_mut(), null_mut());
+    // SAFETY: as above; sizes are those of what is pointed to, or smaller.
+    unsafe {
+        assert_eq!(bv_node_open(name.as_ptr(), c"test".as_ptr(), &raw mut node), Status::Ok);
+        assert_eq!(
+            bv_command_open(node, c"power".as_ptr(), 19, &raw mut power),
+            Status::Ok,
+            "{}",
+            last_error()
+        );
+        assert_eq!(
+            bv_command_open(node, c"reset".as_ptr(), 18, &raw mut reset),
+            Status::Ok,
+            "{}",
+            last_error()
+        );
+        let off = MotorPower { state: 7 };
+        assert_eq!(bv_command_send(power, (&raw const off).cast(), size_of_val(&off)), Status::Ok);
+        let zero = ResetOdometry { reserved: 0 };
+        assert_eq!(bv_command_send(reset, (&raw const zero).cast(), size_of_val(&zero)), Status::Ok);
+        let got: payload::MotorPower = powers.take().unwrap().unwrap().message().unwrap();
+        assert_eq!(got.state, 7);
+        let got: payload::ResetOdometry = resets.take().unwrap().unwrap().message().unwrap();
+        assert_eq!(got.reserved, 0);
+
+        assert_eq!(bv_command_send(power, (&raw const off).cast(), 3), Status::InvalidArgument);
+        assert_eq!(last_error(), "size is 3, but a command of power has 4 bytes");
+        assert_eq!(bv_command_send(power, null(), 4), Status::InvalidArgument);
+        let mut none = null_mut();
+        for kind in [0, 1, 14, 9999] {
+            assert_eq!(
+                bv_command_open(node, c"power".as_ptr(), kind, &raw mut none),
+                Status::InvalidArgument
+            );
+            assert!(none.is_null() && last_error().contains("BV_KIND_MOTOR_POWER"), "{}", last_error());
+        }
+        bv_command_close(power);
+        bv_command_close(reset);
+        bv_command_close(null_mut());
+        bv_node_close(node);
     }
 }
 

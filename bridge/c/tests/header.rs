@@ -10,7 +10,7 @@ fn the_committed_header_is_current() {
     let config = cbindgen::Config::from_file(crate_dir.join("cbindgen.toml")).unwrap();
     let mut made = Vec::new();
     let mut builder = cbindgen::Builder::new().with_config(config);
-    for module in ["layout", "status", "node", "subscriber", "frame", "synchronizer", "velocity", "control"] {
+    for module in ["layout", "status", "node", "subscriber", "frame", "synchronizer", "command", "control"] {
         builder = builder.with_src(crate_dir.join(format!("src/{module}.rs")));
     }
     builder.generate().unwrap().write(&mut made);

@@ -35,7 +35,8 @@ using Header = bv_frame_header;
 
 class Error : public std::runtime_error {
 public:
-    explicit Error(bv_status status) : std::runtime_error(bv_last_error()), status_(status) {}
+    explicit Error(bv_status status) : Error(status, bv_last_error()) {}
+    Error(bv_status status, const std::string& text) : std::runtime_error(text), status_(status) {}
     bv_status status() const noexcept { return status_; }
 
 private:
@@ -246,23 +247,105 @@ private:
     detail::Owned<bv_synchronizer, bv_synchronizer_close> handle_;
 };
 
-/// Sends velocity commands to the robot; several processes may.
-class VelocityPublisher {
-public:
-    explicit VelocityPublisher(bv_velocity_publisher* handle) : handle_(handle) {}
-    /// Forward in m/s, turn to the left in rad/s.
-    void send(double forward, double turn) { send(bv_velocity_command{{forward, 0, 0}, {0, 0, turn}}); }
-    void send(const bv_velocity_command& command) { detail::check(bv_velocity_send(handle_.get(), &command)); }
+namespace detail {
 
-private:
-    detail::Owned<bv_velocity_publisher, bv_velocity_close> handle_;
+/// Which streams take a command, and which of them a TurtleBot has.
+template <class Command>
+struct CommandStream;
+template <>
+struct CommandStream<bv_velocity_command> {
+    static constexpr bv_kind kind = BV_KIND_VELOCITY_COMMAND;
+    static constexpr const char* topic = "cmd_vel";
+};
+template <>
+struct CommandStream<bv_reset_odometry> {
+    static constexpr bv_kind kind = BV_KIND_RESET_ODOMETRY;
+    static constexpr const char* topic = "mobile_base/commands/reset_odometry";
+};
+template <>
+struct CommandStream<bv_motor_power> {
+    static constexpr bv_kind kind = BV_KIND_MOTOR_POWER;
+    static constexpr const char* topic = "mobile_base/commands/motor_power";
 };
 
-/// Controls a simulation: pause, resume, step, reset, move, spawn, delete, configure.
+}  // namespace detail
+
+/// Sends commands to the robot: bv_velocity_command, bv_reset_odometry or bv_motor_power; several processes may. The
+/// robot takes what comes while this lives: leave it a step or two of its simulation after the last.
+template <class Command>
+class CommandPublisher {
+public:
+    explicit CommandPublisher(bv_command_publisher* handle) : handle_(handle) {}
+    void send(const Command& command) { detail::check(bv_command_send(handle_.get(), &command, sizeof command)); }
+
+private:
+    detail::Owned<bv_command_publisher, bv_command_close> handle_;
+};
+
+/// Sends velocities.
+class VelocityPublisher : public CommandPublisher<bv_velocity_command> {
+public:
+    using CommandPublisher::CommandPublisher;
+    using CommandPublisher::send;
+    /// Forward in m/s, turn to the left in rad/s.
+    void send(double forward, double turn) { send(bv_velocity_command{{forward, 0, 0}, {0, 0, turn}}); }
+};
+
+/// A command that the simulator did not follow; its text says why.
+class Refused : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// Where a model is to be.
+struct Place {
+    /// Metres.
+    std::array<double, 3> position{};
+    /// x y z w.
+    std::array<double, 4> orientation{0, 0, 0, 1};
+    /// The frame that they are given in: a model, model::link, or nothing for the world.
+    std::string reference{};
+};
+
+/// Controls a simulation. All but call() wait for the answer as long as was said to Node::control(), and give the
+/// simulated time in ns at which it was done. They throw Refused, and Error with BV_STATUS_NOTHING when no simulator
+/// answers in time.
 class Control {
 public:
-    explicit Control(bv_control* handle) : handle_(handle) {}
-    /// Sends a command, with the text of a model to be spawned or of settings, and waits for its result: none in time, none at all. One
+    explicit Control(bv_control* handle, std::chrono::milliseconds timeout = std::chrono::seconds(5))
+        : handle_(handle), timeout_(timeout) {}
+
+    /// Lets simulated time stand.
+    std::uint64_t pause() { return done(command(BV_OPERATION_PAUSE)); }
+    /// Lets it go on.
+    std::uint64_t resume() { return done(command(BV_OPERATION_RESUME)); }
+    /// Runs some steps of physics with all that is published on the way, then pauses.
+    std::uint64_t step(std::uint64_t steps = 1) {
+        bv_simulation_command step = command(BV_OPERATION_STEP);
+        step.steps = steps;
+        return done(step);
+    }
+    /// Puts every model back to where it was at the start, at rest; time goes on.
+    std::uint64_t reset_world() { return done(command(BV_OPERATION_RESET_WORLD)); }
+    /// Begins again at time 0: what follows are the bytes of a fresh start.
+    std::uint64_t reset() { return done(command(BV_OPERATION_RESET_SIMULATION)); }
+    /// Moves a model, which is at rest then.
+    std::uint64_t move(const std::string& model, const Place& place) {
+        return done(command(BV_OPERATION_SET_MODEL_STATE, model, place));
+    }
+    /// Puts the model of a text, URDF or SDF, into the world; without a name, under its own.
+    std::uint64_t spawn(const std::string& text, const std::string& name = {}, const Place& place = {}) {
+        return done(command(BV_OPERATION_SPAWN, name, place), text);
+    }
+    /// Takes a model out.
+    std::uint64_t remove(const std::string& model) { return done(command(BV_OPERATION_DELETE, model)); }
+    /// Changes settings of a sensor, named or told by a topic that it sends, from its next frame on: words such as
+    /// "update_rate=15 exposure=0.5", all of them or none.
+    std::uint64_t configure(const std::string& sensor, const std::string& settings) {
+        return done(command(BV_OPERATION_CONFIGURE, sensor), settings);
+    }
+
+    /// Sends any command, with the text of a model to be spawned or of settings, and waits for its result: none in time, none at all. One
     /// that was refused has `done` 0 and a reason. An id of 0 is replaced by one that no other has.
     std::optional<bv_simulation_result> call(const bv_simulation_command& command, std::chrono::milliseconds timeout,
                                              const std::string& text = {}) {
@@ -271,9 +354,41 @@ public:
         if (!detail::check(status)) return std::nullopt;
         return result;
     }
+    /// Whether there is a simulator that listens now; never sleeps.
+    bool is_connected() {
+        bool connected = false;
+        detail::check(bv_control_is_connected(handle_.get(), &connected));
+        return connected;
+    }
+    /// When the last result was sent, on the clock of a header's publish_mono_ns; 0 before the first. What was sent later
+    /// shows what the command has changed.
+    std::uint64_t answered_ns() const { return bv_control_answered_ns(handle_.get()); }
 
 private:
+    static bv_simulation_command command(bv_operation operation, const std::string& name = {}, const Place& place = {}) {
+        bv_simulation_command command{};
+        command.operation = operation;
+        put(command.name, name);
+        put(command.reference, place.reference);
+        std::copy(place.position.begin(), place.position.end(), command.position);
+        std::copy(place.orientation.begin(), place.orientation.end(), command.orientation);
+        return command;
+    }
+    template <std::size_t length>
+    static void put(char (&field)[length], const std::string& name) {
+        if (name.size() >= length) throw Refused("the name '" + name + "' has more than " + std::to_string(length - 1) + " bytes");
+        name.copy(field, length);
+    }
+    std::uint64_t done(const bv_simulation_command& command, const std::string& text = {}) {
+        const auto result = call(command, timeout_, text);
+        if (!result) throw Error(BV_STATUS_NOTHING, "no simulator answered; the most to wait was " + std::to_string(timeout_.count()) + " ms");
+        const char* reason = result->reason;
+        if (result->done == 0) throw Refused(std::string(reason, std::find(reason, reason + sizeof result->reason, '\0')));
+        return result->time_ns;
+    }
+
     detail::Owned<bv_control, bv_control_close> handle_;
+    std::chrono::milliseconds timeout_;
 };
 
 /// Membership of a domain; what was made from it outlives it.
@@ -303,16 +418,19 @@ public:
         detail::check(bv_synchronizer_open(handle_.get(), texts.data(), texts.size(), tolerance_ns, &synchronizer));
         return Synchronizer<sizeof...(Topics)>(synchronizer);
     }
-    VelocityPublisher velocity(const std::string& topic = "cmd_vel") {
-        bv_velocity_publisher* publisher = nullptr;
-        detail::check(bv_velocity_open(handle_.get(), topic.c_str(), &publisher));
-        return VelocityPublisher(publisher);
+    /// Commands to the robot of a kind, under the name that a TurtleBot has for them, or another.
+    template <class Command>
+    CommandPublisher<Command> commands(const std::string& topic = detail::CommandStream<Command>::topic) {
+        return CommandPublisher<Command>(open_commands<Command>(topic));
     }
-    /// Controls the simulation of the domain, whether it runs already or not.
-    Control control() {
+    VelocityPublisher velocity(const std::string& topic = detail::CommandStream<bv_velocity_command>::topic) {
+        return VelocityPublisher(open_commands<bv_velocity_command>(topic));
+    }
+    /// Controls the simulation of the domain, whether it runs already or not. The timeout is that of each answer.
+    Control control(std::chrono::milliseconds timeout = std::chrono::seconds(5)) {
         bv_control* control = nullptr;
         detail::check(bv_control_open(handle_.get(), &control));
-        return Control(control);
+        return Control(control, timeout);
     }
     /// What is published in the domain, by topic.
     std::vector<bv_stream_info> streams() {
@@ -325,6 +443,13 @@ public:
     }
 
 private:
+    template <class Command>
+    bv_command_publisher* open_commands(const std::string& topic) {
+        bv_command_publisher* publisher = nullptr;
+        detail::check(bv_command_open(handle_.get(), topic.c_str(), detail::CommandStream<Command>::kind, &publisher));
+        return publisher;
+    }
+
     detail::Owned<bv_node, bv_node_close> handle_;
 };
 

@@ -37,7 +37,7 @@ def the_program_with(text: str) -> str:
 
 
 def test_all_are_short() -> None:
-    assert len(PROGRAMS) == 4
+    assert len(PROGRAMS) == 5
     for program in PROGRAMS:
         assert program.count("\n") < 40
 
@@ -51,6 +51,13 @@ def test_sets_of_frames(kinect: belvedere.Node) -> None:
     assert len(lines) == 10
     for line in lines:
         assert line.startswith("True (480, 640, 3) (480, 640)")
+
+
+def test_commands(simulator: Simulator) -> None:
+    drove, rests, steps = run(the_program_with("motor_power"), simulator.domain).splitlines()
+    assert 0.1 < float(drove.split()[1]) < 0.4
+    assert rests == "and is at 0.00 m again, at rest"
+    assert float(steps.split()[3]) > 0
 
 
 @pytest.mark.parametrize(("topic", "shape"), [("image_raw", "(480, 640, 3)"), ("scan", "(1, 360)")])

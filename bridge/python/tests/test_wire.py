@@ -64,7 +64,8 @@ def test_numbers_and_names_are_those_of_wire_md() -> None:
     text = WIRE_MD.read_text()
     kinds = text[text.index("## Kinds") : text.index("## Encodings")]
     encodings = text[text.index("## Encodings") : text.index("## Structs")]
-    for table, enum in ((kinds, Kind), (encodings, Encoding)):
+    operations = text[text.index("| operation | name") :]
+    for table, enum in ((kinds, Kind), (encodings, Encoding), (operations, wire.Operation)):
         rows = {int(number): name for number, name in re.findall(r"^\| (\d+) \| (\w+) \|", table, re.MULTILINE)}
         names = {"F32C1": "32fc1", "U16C1": "16uc1"}
         assert rows == {member.value: names.get(member.name, member.name.lower()) for member in enum}

@@ -2,6 +2,8 @@
 
 #include <exception>
 
+#include "gazebo/services.hpp"
+
 namespace belvedere_ros {
 
 namespace {
@@ -26,17 +28,26 @@ Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
         nh_.createWallTimer(ros::WallDuration(kDiagnosticPeriod), [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
 }
 
+Bridge::~Bridge() = default;
+
 void Bridge::serve(const bv_stream_info& stream) {
     const std::string name = stream.topic;
     const std::lock_guard<std::mutex> lock(mutex_);
     try {
-        if (stream.kind == BV_KIND_VELOCITY_COMMAND) {
-            if (commands_.count(name) != 0) return;
-            std::vector<std::string> topics = {name};
-            if (name == "cmd_vel") topics.insert(topics.end(), parameters_.velocity_topics.begin(), parameters_.velocity_topics.end());
-            commands_[name] = std::make_unique<VelocityCommands>(nh_, domain_, name, topics);
+        const auto others = parameters_.command_topics.find(stream.kind);
+        if (others != parameters_.command_topics.end()) {
+            std::set<std::string> topics(others->second.begin(), others->second.end());
+            topics.insert(name);
+            if (commands_.count(name) == 0) commands_[name] = Commands::to(stream, domain_, nh_, topics);
             return;
         }
+        if (stream.kind == BV_KIND_SIMULATION_RESULT) {
+            // With the first simulator, as with Gazebo: who waits for a service waits for the world too.
+            if (stream.publishers > 0 && !gazebo_ && gazebo_is_ours())
+                gazebo_ = std::make_unique<gazebo::Services>(ros::NodeHandle(nh_, parameters_.gazebo_namespace), domain_);
+            return;
+        }
+        if (stream.kind == BV_KIND_MODEL_STATES && (stream.publishers == 0 || !gazebo_is_ours())) return;
         const auto known = relays_.find(name);
         if (known != relays_.end()) {
             // Another simulator may give the name to something else.
@@ -60,6 +71,20 @@ void Bridge::serve(const bv_stream_info& stream) {
         // Once: whatever it is will not change by itself.
         if (skipped_.insert(name).second) ROS_WARN_STREAM("stream " << name << " is skipped: " << error.what());
     }
+}
+
+/// Decided once: a service has one server, and the master would take it from the node that has it now.
+bool Bridge::gazebo_is_ours() {
+    if (!gazebo_is_ours_) {
+        const std::string& there = parameters_.gazebo_namespace;
+        gazebo_is_ours_ = !there.empty();
+        if (!there.empty() && gazebo::Services::are_at(ros::NodeHandle(nh_, there))) {
+            gazebo_is_ours_ = false;
+            ROS_WARN_STREAM("another node serves " << nh_.resolveName(there)
+                                                   << " already, so this one does not; give it a gazebo_namespace of its own, or an empty one");
+        }
+    }
+    return *gazebo_is_ours_;
 }
 
 void Bridge::diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const {

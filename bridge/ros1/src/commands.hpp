@@ -1,30 +1,24 @@
 // What ROS says to the robot.
 #pragma once
 
-#include <geometry_msgs/Twist.h>
 #include <ros/ros.h>
 
-#include <mutex>
+#include <memory>
+#include <set>
 #include <string>
-#include <vector>
 
 #include "domain.hpp"
-#include "reminder.hpp"
 
 namespace belvedere_ros {
 
-/// Takes velocities from several topics, and passes them on to one stream. Whatever comes last holds.
-class VelocityCommands {
+/// Takes commands of a kind from several topics, and passes them on to one stream. Whatever comes last holds.
+class Commands {
 public:
-    VelocityCommands(ros::NodeHandle nh, Domain& domain, const std::string& stream, const std::vector<std::string>& topics);
+    /// Those that a stream takes, or null for a stream of a kind that the robot is not told.
+    static std::unique_ptr<Commands> to(const bv_stream_info& stream, Domain& domain, ros::NodeHandle nh,
+                                        const std::set<std::string>& topics);
 
-private:
-    void send(const geometry_msgs::Twist& twist, const std::string& topic);
-
-    std::mutex mutex_;
-    Reminder trouble_;
-    belvedere::VelocityPublisher publisher_;
-    std::vector<ros::Subscriber> subscribers_;
+    virtual ~Commands() = default;
 };
 
 }  // namespace belvedere_ros

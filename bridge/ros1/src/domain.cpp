@@ -31,9 +31,4 @@ belvedere::Control Domain::control() {
     return node_.control();
 }
 
-belvedere::VelocityPublisher Domain::velocity(const std::string& topic) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return node_.velocity(topic);
-}
-
 }  // namespace belvedere_ros

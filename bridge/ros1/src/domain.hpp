@@ -19,7 +19,11 @@ public:
     std::vector<bv_stream_info> streams();
     belvedere::Subscriber subscribe(const std::string& topic);
     belvedere::Control control();
-    belvedere::VelocityPublisher velocity(const std::string& topic);
+    template <class Command>
+    belvedere::CommandPublisher<Command> commands(const std::string& topic) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        return node_.commands<Command>(topic);
+    }
 
 private:
     std::string name_;

@@ -1,6 +1,7 @@
 #include "parameters.hpp"
 
 #include <ros/console.h>
+#include <ros/names.h>
 
 #include <algorithm>
 #include <map>
@@ -26,6 +27,13 @@ std::vector<std::string> to_texts(Value& value) {
         texts.push_back(static_cast<std::string>(value[index]));
     }
     return texts;
+}
+
+std::string to_namespace(Value& value) {
+    std::string error;
+    if (value.getType() != Value::TypeString || !ros::names::validate(static_cast<std::string>(value), error))
+        throw BadParameter("a namespace, such as /gazebo, or empty");
+    return static_cast<std::string>(value);
 }
 
 Parameters::Transforms to_transforms(Value& value) {
@@ -70,7 +78,10 @@ Parameters Parameters::read(const ros::NodeHandle& private_nh) {
         {"publish_clock", [&](Value& value) { parameters.publish_clock = to_bool(value); }},
         {"transforms", [&](Value& value) { parameters.transforms = to_transforms(value); }},
         {"odom_frame", [&](Value& value) { parameters.odom_frame = to_text(value); }},
-        {"velocity_topics", [&](Value& value) { parameters.velocity_topics = to_texts(value); }},
+        {"velocity_topics", [&](Value& value) { parameters.command_topics[BV_KIND_VELOCITY_COMMAND] = to_texts(value); }},
+        {"reset_odometry_topics", [&](Value& value) { parameters.command_topics[BV_KIND_RESET_ODOMETRY] = to_texts(value); }},
+        {"motor_power_topics", [&](Value& value) { parameters.command_topics[BV_KIND_MOTOR_POWER] = to_texts(value); }},
+        {"gazebo_namespace", [&](Value& value) { parameters.gazebo_namespace = to_namespace(value); }},
         {"camera_info_url", [&](Value& value) { parameters.camera_info_url = to_text(value); }},
     };
     readers.merge(parameters.scan.readers());

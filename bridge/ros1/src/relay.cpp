@@ -17,7 +17,12 @@ constexpr milliseconds kRoom{10};
 }  // namespace
 
 Relay::Stamps Relay::stamps_of(const bv_stream_info& stream) {
-    return stream.kind == BV_KIND_STATIC_TRANSFORMS ? Stamps::any : Stamps::rising;
+    switch (stream.kind) {
+        case BV_KIND_STATIC_TRANSFORMS:
+        case BV_KIND_MODEL_STATES: return Stamps::any;
+        case BV_KIND_ROBOT_EVENT: return Stamps::new_ones;
+        default: return Stamps::rising;
+    }
 }
 
 Relay::Relay(Domain& domain, const bv_stream_info& stream, std::unique_ptr<Output> output, std::shared_ptr<Bell> bell,
@@ -80,9 +85,11 @@ void Relay::pass_on(belvedere::Frame frame) {
         session_ = header.session;
         last_stamp_ns_ = 0;
     }
+    // Kept from before the subscription: too old to be news.
+    if (stamps_ != Stamps::any && frame.is_from_history()) return;
     if (stamps_ == Stamps::rising) {
-        // Kept from before the subscription: too old to be news.
-        if (frame.is_from_history() || header.stamp_ns <= last_stamp_ns_) return;
+        // The same again is no news either. After a reset stamps begin anew.
+        if (header.stamp_ns == 0 || header.stamp_ns == last_stamp_ns_) return;
         last_stamp_ns_ = header.stamp_ns;
     }
     flow_.count(frame.missed());

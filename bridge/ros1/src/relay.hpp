@@ -21,8 +21,10 @@ class Relay {
 public:
     /// What a frame's stamp must be to be passed on.
     enum class Stamps {
-        /// After the one before, and not zero; and not older than the subscription.
+        /// Another than that before, and not zero; and not older than the subscription.
         rising,
+        /// Whatever it is, as several events may happen at one time; but not older than the subscription.
+        new_ones,
         /// Whatever it is: what is sent holds always.
         any,
     };

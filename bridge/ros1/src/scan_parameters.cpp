@@ -1,5 +1,7 @@
 #include "scan_parameters.hpp"
 
+#include <belvedere.h>
+
 #include <cmath>
 
 namespace belvedere_ros {

@@ -8,13 +8,16 @@
 #include "convert/adjusted_scan.hpp"
 #include "convert/camera_info.hpp"
 #include "convert/clock.hpp"
+#include "convert/core_sensors.hpp"
 #include "convert/image.hpp"
 #include "convert/imu.hpp"
 #include "convert/joint_states.hpp"
 #include "convert/laser_scan.hpp"
+#include "convert/model_states.hpp"
 #include "convert/odometry.hpp"
 #include "convert/point_cloud.hpp"
 #include "convert/range.hpp"
+#include "convert/robot_event.hpp"
 #include "convert/scan_cloud.hpp"
 #include "convert/transforms.hpp"
 
@@ -80,6 +83,15 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_ODOMETRY: return serve(to_odometry, topic, kSmall);
         case BV_KIND_IMU: return serve(to_imu, topic, kSmall);
         case BV_KIND_JOINT_STATES: return serve(to_joint_states, topic, kSmall);
+        case BV_KIND_CORE_SENSORS: return serve(to_core_sensors, topic, kSmall);
+        // Of one kind for the simulator, of three types for ROS: the stream's name says which.
+        case BV_KIND_ROBOT_EVENT: {
+            const std::string event = topic.substr(topic.rfind('/') + 1);
+            if (event == "bumper") return serve(to_bumper_event, topic, kSmall);
+            if (event == "cliff") return serve(to_cliff_event, topic, kSmall);
+            if (event == "wheel_drop") return serve(to_wheel_drop_event, topic, kSmall);
+            throw Unrepresentable("ROS has a type for events of bumper, cliff and wheel_drop, and it is named otherwise");
+        }
         case BV_KIND_TRANSFORMS: {
             if (parameters_.transforms == Parameters::Transforms::none) return nullptr;
             const bool all = parameters_.transforms == Parameters::Transforms::all;
@@ -94,14 +106,16 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_CLOCK:
             if (!parameters_.publish_clock) return nullptr;
             return serve(to_clock, "/clock", kSmall);
-        // ROS has no type for these without packages that Debian lacks (kobuki_msgs, gazebo_msgs), or they are commands.
-        case BV_KIND_ROBOT_EVENT:
-        case BV_KIND_CORE_SENSORS:
-        case BV_KIND_RESET_ODOMETRY:
-        case BV_KIND_MOTOR_POWER:
+        case BV_KIND_MODEL_STATES: {
+            // As Gazebo names them, and again in a pause for those who have come since.
+            const std::string name = topic.substr(topic.rfind('/') + 1), there = parameters_.gazebo_namespace + '/' + name;
+            if (name == "model_states") return serve(to_model_states, there, kSmall);
+            if (name == "link_states") return serve(to_link_states, there, kSmall);
+            throw Unrepresentable("whose states they are is not known here");
+        }
+        // Not for ROS: the services of Gazebo are in their place.
         case BV_KIND_SIMULATION_COMMAND:
         case BV_KIND_SIMULATION_RESULT:
-        case BV_KIND_MODEL_STATES: return nullptr;
         // By dynamic_reconfigure: see settings.hpp.
         case BV_KIND_SENSOR_SETTINGS: return nullptr;
         default: throw Unrepresentable("its kind, " + std::to_string(stream.kind) + ", is not known here");

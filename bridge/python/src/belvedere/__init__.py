@@ -6,6 +6,13 @@
 ...         print(frame.stamp_ns, frame.array.shape, frame.array.mean())
 """
 
+from belvedere._commands import (
+    CommandPublisher,
+    MotorPowerPublisher,
+    ResetOdometryPublisher,
+    VelocityPublisher,
+)
+from belvedere._control import SimulationControl
 from belvedere._errors import (
     BadFrameError,
     BridgeError,
@@ -13,6 +20,7 @@ from belvedere._errors import (
     IncompatibleError,
     InvalidNameError,
     LimitError,
+    RefusedError,
     ReleasedError,
     StreamTimeoutError,
 )
@@ -20,12 +28,12 @@ from belvedere._frame import Frame
 from belvedere._node import Node, StreamInfo
 from belvedere._subscriber import Subscriber
 from belvedere._synchronizer import Synchronizer
-from belvedere._velocity import VelocityPublisher
 from belvedere.wire import Encoding, Intrinsics, Kind, ScanGeometry
 
 __all__ = [
     "BadFrameError",
     "BridgeError",
+    "CommandPublisher",
     "Encoding",
     "Frame",
     "FrameInUseError",
@@ -34,9 +42,13 @@ __all__ = [
     "InvalidNameError",
     "Kind",
     "LimitError",
+    "MotorPowerPublisher",
     "Node",
+    "RefusedError",
     "ReleasedError",
+    "ResetOdometryPublisher",
     "ScanGeometry",
+    "SimulationControl",
     "StreamInfo",
     "StreamTimeoutError",
     "Subscriber",

@@ -30,4 +30,8 @@ class FrameInUseError(BridgeError, BufferError):
 
 
 class StreamTimeoutError(BridgeError, TimeoutError):
-    """No frame came in time."""
+    """No frame, or no answer of a simulator, came in time."""
+
+
+class RefusedError(BridgeError):
+    """A simulator did not do what it was told; the text is its reason."""

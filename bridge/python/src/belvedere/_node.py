@@ -9,10 +9,11 @@ import iceoryx2 as iox2
 
 from belvedere import _transport
 from belvedere._closing import Closing
+from belvedere._commands import MotorPowerPublisher, ResetOdometryPublisher, VelocityPublisher
+from belvedere._control import SimulationControl
 from belvedere._errors import BridgeError
 from belvedere._subscriber import Subscriber
 from belvedere._synchronizer import Synchronizer
-from belvedere._velocity import VelocityPublisher
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,6 +62,20 @@ class Node(Closing):
     def velocity_publisher(self, topic: str = "cmd_vel") -> VelocityPublisher:
         """Open a velocity command stream for sending; several processes may."""
         return VelocityPublisher(self._joined(), _transport.topic_of(topic))
+
+    def motor_power_publisher(self, topic: str = "mobile_base/commands/motor_power") -> MotorPowerPublisher:
+        """Open the stream that turns the robot's motors on and off."""
+        return MotorPowerPublisher(self._joined(), _transport.topic_of(topic))
+
+    def reset_odometry_publisher(
+        self, topic: str = "mobile_base/commands/reset_odometry"
+    ) -> ResetOdometryPublisher:
+        """Open the stream that lets the robot's odometry begin at zero."""
+        return ResetOdometryPublisher(self._joined(), _transport.topic_of(topic))
+
+    def control(self, timeout: float = 5.0) -> SimulationControl:
+        """Control the simulation of the domain, whether it runs already or not, waiting so long for each answer."""
+        return SimulationControl(self._joined(), timeout)
 
     def streams(self) -> list[StreamInfo]:
         """List what is there in the domain, by topic."""

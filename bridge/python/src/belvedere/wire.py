@@ -60,6 +60,20 @@ class Encoding(IntEnum):
     STRUCT = 8
 
 
+class Operation(IntEnum):
+    """What a simulator is told to do."""
+
+    PAUSE = 1
+    RESUME = 2
+    STEP = 3
+    RESET_WORLD = 4
+    RESET_SIMULATION = 5
+    SET_MODEL_STATE = 6
+    SPAWN = 7
+    DELETE = 8
+    CONFIGURE = 9
+
+
 #: The 256 bytes before every payload.
 HEADER = np.dtype(
     {

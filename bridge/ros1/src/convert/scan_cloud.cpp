@@ -3,6 +3,7 @@
 #include <boost/make_shared.hpp>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -55,13 +56,14 @@ sensor_msgs::PointCloud2Ptr to_scan_cloud(const Sample& sample) {
     if (header.encoding != BV_ENCODING_RANGES_F32 || header.elem_stride != sizeof(float))
         throw Unrepresentable("the scan is not of packed 32-bit floats");
     const bool has_intensities = (header.flags & BV_HAS_INTENSITIES) != 0;
+    if (header.height > std::numeric_limits<std::uint16_t>::max())
+        throw Unrepresentable("the lidar has more layers than rings can be numbered");
     // Before memory is taken for points that are not there.
     const std::size_t planes = has_intensities ? 2 : 1;
     const std::size_t row_stride = header.row_stride, row_bytes = header.width * sizeof(float);
-    if (header.height > 0 && (row_stride < row_bytes || (planes * header.height - 1) * row_stride + row_bytes > sample.payload.size()))
+    const bool is_empty = header.width == 0 || header.height == 0;
+    if (!is_empty && (row_stride < row_bytes || (planes * header.height - 1) * row_stride + row_bytes > sample.payload.size()))
         throw Unrepresentable("the scan ends before its last ray");
-    if (header.height > std::numeric_limits<std::uint16_t>::max())
-        throw Unrepresentable("the lidar has more layers than rings can be numbered");
 
     auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
     cloud->header = to_header(sample);
@@ -76,6 +78,7 @@ sensor_msgs::PointCloud2Ptr to_scan_cloud(const Sample& sample) {
     cloud->point_step = fields.step();
     cloud->row_step = header.width * fields.step();
     cloud->is_dense = true;
+    if (is_empty) return cloud;
     cloud->data.resize(static_cast<std::size_t>(header.height) * cloud->row_step);
 
     const bv_scan_geometry& geometry = header.block.scan;

@@ -1,0 +1,167 @@
+"""Commands to a running simulation, and their results."""
+
+from __future__ import annotations
+
+import secrets
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from belvedere import wire
+from belvedere._closing import Closing
+from belvedere._errors import BadFrameError, InvalidNameError, RefusedError, StreamTimeoutError
+from belvedere._sender import Sender
+from belvedere._subscriber import Subscriber
+from belvedere.wire import Operation
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from belvedere import _transport
+
+_COMMAND = wire.STRUCTS[wire.Kind.SIMULATION_COMMAND]
+_ORIGIN = (0.0, 0.0, 0.0)
+_UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+
+
+class SimulationControl(Closing):
+    """The commanding end of a simulation, made by ``Node.control``.
+
+    Every command is applied between two frames. It waits for the simulator's answer and returns the simulated time,
+    in nanoseconds, at which it was done.
+
+    Raises:
+        RefusedError: with the simulator's reason.
+        StreamTimeoutError: no simulator has answered within ``timeout`` seconds, or it has ended meanwhile.
+
+    """
+
+    def __init__(self, membership: _transport.Membership, timeout: float) -> None:
+        self.timeout = timeout
+        self._membership = membership
+        self._results = Subscriber(membership, "simulation/result")
+        self._sender = Sender(membership, "simulation/command", wire.Kind.SIMULATION_COMMAND)
+
+    def pause(self) -> int:
+        """Let simulated time stand."""
+        return self._call(Operation.PAUSE)
+
+    def resume(self) -> int:
+        """Let it go on."""
+        return self._call(Operation.RESUME)
+
+    def step(self, steps: int = 1) -> int:
+        """Run some steps of physics with all that is published on the way, then pause; wait until they are done."""
+        return self._call(Operation.STEP, steps=steps)
+
+    def reset_world(self) -> int:
+        """Put every model back to where it was at the start, at rest; time goes on."""
+        return self._call(Operation.RESET_WORLD)
+
+    def reset(self) -> int:
+        """Begin again at time 0: what follows are the bytes of a fresh start."""
+        return self._call(Operation.RESET_SIMULATION)
+
+    def move(
+        self,
+        model: str,
+        position: Sequence[float],
+        orientation: Sequence[float] = _UPRIGHT,
+        *,
+        linear: Sequence[float] = _ORIGIN,
+        angular: Sequence[float] = _ORIGIN,
+        reference: str = "",
+    ) -> int:
+        """Give a model a pose (metres; x y z w) and a velocity (m/s, rad/s), at rest if none is given.
+
+        All are in the frame ``reference``: a model, ``model::link``, or nothing for the world.
+        """
+        return self._call(
+            Operation.SET_MODEL_STATE,
+            name=model,
+            reference=reference,
+            position=position,
+            orientation=orientation,
+            linear=linear,
+            angular=angular,
+        )
+
+    def spawn(
+        self,
+        text: str,
+        name: str = "",
+        position: Sequence[float] = _ORIGIN,
+        orientation: Sequence[float] = _UPRIGHT,
+        *,
+        reference: str = "",
+    ) -> int:
+        """Put the model of a text, URDF or SDF, into the world under a name, or its own; without sensors."""
+        return self._call(
+            Operation.SPAWN, text, name=name, reference=reference, position=position, orientation=orientation
+        )
+
+    def delete(self, model: str) -> int:
+        """Take a model out of the world."""
+        return self._call(Operation.DELETE, name=model)
+
+    def configure(self, sensor: str, **settings: float) -> int:
+        """Change settings of a sensor, named or told by a topic that it sends, from its next frame on: all or none.
+
+        They are ``update_rate`` (Hz), ``noise_mean``, ``noise_stddev`` and, of a camera, ``exposure``;
+        ``simulation/sensor_settings`` tells what they are, and what they may be.
+        """
+        words = " ".join(f"{name}={float(value)!r}" for name, value in settings.items())
+        return self._call(Operation.CONFIGURE, words, name=sensor)
+
+    def close(self) -> None:
+        """Close it; the simulation goes on as it is."""
+        self._sender.close()
+        self._results.close()
+
+    def _call(self, operation: Operation, text: str = "", **fields: object) -> int:
+        command = np.zeros((), _COMMAND)
+        # The result names it; no other sender has the same.
+        command["id"] = secrets.randbelow(2**64 - 1) + 1
+        command["operation"] = operation
+        tail = text.encode()
+        command["text_len"] = len(tail)
+        for field, value in fields.items():
+            command[field] = _name(value) if isinstance(value, str) else value
+        deadline = time.monotonic() + self.timeout
+        # What a simulator that was killed has left would take the command, and not answer.
+        self._membership.node.try_cleanup_dead_nodes()
+        # The way back before the way there. Old results are cleared away.
+        while self._take() is not None or self._results.publishers == 0 or not self._sender.send(command, tail):
+            self._sleep_until(deadline)
+        while (result := self._take()) is None or result["id"] != command["id"]:
+            if result is None:
+                self._sleep_until(deadline)
+            if self._results.publishers == 0:
+                raise StreamTimeoutError(f"the simulator has ended, and not answered {operation.name.lower()}")
+        if not result["done"]:
+            raise RefusedError(result["reason"].decode(errors="replace"))
+        return int(result["time_ns"])
+
+    def _take(self) -> np.void | None:
+        frame = self._results.take()
+        if frame is None:
+            return None
+        with frame:
+            if frame.kind != wire.Kind.SIMULATION_RESULT:
+                raise BadFrameError(f"simulation/result has a frame of kind {frame.header['kind']}")
+            result: np.void = frame.array[0].copy()
+            return result
+
+    def _sleep_until(self, deadline: float) -> None:
+        left = deadline - time.monotonic()
+        if left <= 0:
+            raise StreamTimeoutError(f"no simulator has answered within {self.timeout} s")
+        self._results.wait(min(left, 0.02))
+
+
+def _name(text: str) -> bytes:
+    name, longest = text.encode(), _COMMAND["name"].itemsize - 1
+    if len(name) > longest:
+        raise InvalidNameError(f"the name {text!r} has {len(name)} bytes, and may have {longest}")
+    return name

@@ -1,0 +1,98 @@
+# Message packages of our own: C++ headers and Python modules by ROS's own generators, without catkin.
+
+# ros_message_package(<package> [DEPENDS <package>...])
+#
+# Makes the package in the folder of that name: its package.xml, msg/*.msg and srv/*.srv. DEPENDS names the packages whose
+# messages are fields of its own, and of these. Link with the library <package>_headers to include <package>/Message.h.
+#
+# Installed are headers, Python modules, and the definitions, by which rosmsg and rossrv know them. In a catkin workspace a
+# package of that name which ROS or the workspace has already is used instead; else it is made in the devel space.
+function(ros_message_package package)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" DEPENDS)
+  add_library(${package}_headers INTERFACE)
+
+  set(out "${PROJECT_BINARY_DIR}/messages")
+  set(python "${Python3_EXECUTABLE}")
+  if(COMMAND catkin_package)
+    find_package(${package} QUIET)
+    if(${package}_FOUND)
+      target_include_directories(${package}_headers SYSTEM INTERFACE ${${package}_INCLUDE_DIRS})
+      if(${package}_EXPORTED_TARGETS)
+        add_dependencies(${package}_headers ${${package}_EXPORTED_TARGETS})
+      endif()
+      return()
+    endif()
+    set(out "${CATKIN_DEVEL_PREFIX}")
+    set(python "${PYTHON_EXECUTABLE}")
+    set(python_dir "${CATKIN_GLOBAL_PYTHON_DESTINATION}")
+  else()
+    find_package(Python3 REQUIRED COMPONENTS Interpreter)
+    # Debian's Python looks there by itself when the prefix is /usr/local.
+    set(python_dir "lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/dist-packages")
+  endif()
+
+  # To look for the generators by find_package would need catkin.
+  _ros_path(gencpp_scripts lib/gencpp gen_cpp.py ros-message-generation)
+  _ros_path(genpy_scripts lib/genpy genmsg_py.py ros-message-generation)
+  _ros_path(gencpp_share share gencpp/msg.h.template ros-message-generation)
+  set(includes "-I${package}:${CMAKE_CURRENT_SOURCE_DIR}/${package}/msg")
+  foreach(dependency IN LISTS arg_DEPENDS)
+    string(REPLACE "_" "-" debian "ros-${dependency}")
+    _ros_path(${dependency}_share share ${dependency}/msg ${debian})
+    list(APPEND includes "-I${dependency}:${${dependency}_share}/${dependency}/msg")
+  endforeach()
+
+  set(source "${CMAKE_CURRENT_SOURCE_DIR}/${package}")
+  file(GLOB definitions CONFIGURE_DEPENDS "${source}/msg/*.msg" "${source}/srv/*.srv")
+  set(generated)
+  file(GENERATE OUTPUT "${out}/${python_dir}/${package}/__init__.py" CONTENT "")
+  install(FILES "${out}/${python_dir}/${package}/__init__.py" DESTINATION "${python_dir}/${package}")
+  foreach(kind msg srv)
+    set(of_kind ${definitions})
+    list(FILTER of_kind INCLUDE REGEX "\\.${kind}$")
+    if(NOT of_kind)
+      continue()
+    endif()
+    set(headers)
+    set(modules)
+    set(init)
+    foreach(definition IN LISTS of_kind)
+      get_filename_component(name "${definition}" NAME_WE)
+      set(own_headers "${out}/include/${package}/${name}.h")
+      if(kind STREQUAL srv)
+        list(APPEND own_headers "${out}/include/${package}/${name}Request.h" "${out}/include/${package}/${name}Response.h")
+      endif()
+      # Any may be a field of any other: each depends on all.
+      add_custom_command(OUTPUT ${own_headers}
+        COMMAND "${python}" "${gencpp_scripts}/gen_cpp.py" "${definition}" ${includes} -p ${package}
+          -o "${out}/include/${package}" -e "${gencpp_share}/gencpp"
+        DEPENDS ${definitions} VERBATIM)
+      list(APPEND headers ${own_headers})
+      list(APPEND modules "${out}/${python_dir}/${package}/${kind}/_${name}.py")
+      string(APPEND init "from ._${name} import *\n")
+    endforeach()
+    set(modules_dir "${python_dir}/${package}/${kind}")
+    add_custom_command(OUTPUT ${modules}
+      COMMAND "${python}" "${genpy_scripts}/gen${kind}_py.py" ${of_kind} ${includes} -p ${package} -o "${out}/${modules_dir}"
+      DEPENDS ${definitions} VERBATIM)
+    file(GENERATE OUTPUT "${out}/${modules_dir}/__init__.py" CONTENT "${init}")
+    list(APPEND generated ${headers} ${modules})
+    install(FILES ${headers} DESTINATION include/${package})
+    install(FILES ${modules} "${out}/${modules_dir}/__init__.py" DESTINATION "${modules_dir}")
+    install(FILES ${of_kind} DESTINATION share/${package}/${kind})
+  endforeach()
+  install(FILES "${source}/package.xml" DESTINATION share/${package})
+
+  add_custom_target(${package}_generated ALL DEPENDS ${generated})
+  add_dependencies(${package}_headers ${package}_generated)
+  target_include_directories(${package}_headers SYSTEM INTERFACE "${out}/include")
+endfunction()
+
+# Sets <variable> to the folder that has <file>: one named <suffix> under some prefix.
+function(_ros_path variable suffix file debian)
+  find_path(${variable} NAMES ${file} PATH_SUFFIXES ${suffix})
+  mark_as_advanced(${variable})
+  if(NOT ${variable})
+    message(FATAL_ERROR "${suffix}/${file} was not found under any prefix: install ${debian}, or add its prefix to CMAKE_PREFIX_PATH")
+  endif()
+endfunction()

@@ -1,0 +1,17 @@
+// Where all models, or all links, are in the world.
+#pragma once
+
+#include <gazebo_msgs/LinkStates.h>
+#include <gazebo_msgs/ModelStates.h>
+
+#include "header.hpp"
+
+namespace belvedere_ros {
+
+/// Names, poses and velocities in the world, in the order of the stream.
+gazebo_msgs::ModelStatesPtr to_model_states(const Sample& sample);
+
+/// The same of a stream of links: names are model::link.
+gazebo_msgs::LinkStatesPtr to_link_states(const Sample& sample);
+
+}  // namespace belvedere_ros

@@ -1,0 +1,17 @@
+// What has happened to a sensor of the base.
+#pragma once
+
+#include <kobuki_msgs/BumperEvent.h>
+#include <kobuki_msgs/CliffEvent.h>
+#include <kobuki_msgs/WheelDropEvent.h>
+
+#include "header.hpp"
+
+namespace belvedere_ros {
+
+/// Each of the three is Unrepresentable for an event of another source, and for a place that a Kobuki has no sensor at.
+kobuki_msgs::BumperEventPtr to_bumper_event(const Sample& sample);
+kobuki_msgs::CliffEventPtr to_cliff_event(const Sample& sample);
+kobuki_msgs::WheelDropEventPtr to_wheel_drop_event(const Sample& sample);
+
+}  // namespace belvedere_ros

@@ -1,0 +1,61 @@
+// The services by which programs control Gazebo, for a Belvedere simulator.
+#pragma once
+
+#include <gazebo_msgs/DeleteModel.h>
+#include <gazebo_msgs/GetLinkState.h>
+#include <gazebo_msgs/GetModelState.h>
+#include <gazebo_msgs/GetWorldProperties.h>
+#include <gazebo_msgs/ModelState.h>
+#include <gazebo_msgs/SetModelState.h>
+#include <gazebo_msgs/SpawnModel.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+#include <string>
+#include <vector>
+
+#include "../domain.hpp"
+#include "../reminder.hpp"
+#include "simulator.hpp"
+
+namespace belvedere_ros::gazebo {
+
+/// Named and answered as those of gazebo_ros, in a thread of their own: a simulator that is slow to answer keeps nothing
+/// else waiting. What cannot be done is answered with success false and the reason.
+class Services {
+public:
+    /// `nh` is that of Gazebo's namespace.
+    Services(const ros::NodeHandle& nh, Domain& domain);
+
+    /// Whether some node serves them there already.
+    static bool are_at(const ros::NodeHandle& nh);
+
+private:
+    void serve_empty(const std::string& name, std::uint16_t operation);
+    template <class Service>
+    void serve(const std::string& name, const std::string& speaker,
+               void (Services::*answer)(const typename Service::Request&, typename Service::Response&));
+
+    void get_model_state(const gazebo_msgs::GetModelStateRequest& request, gazebo_msgs::GetModelStateResponse& response);
+    void get_link_state(const gazebo_msgs::GetLinkStateRequest& request, gazebo_msgs::GetLinkStateResponse& response);
+    void get_world_properties(const gazebo_msgs::GetWorldPropertiesRequest& request, gazebo_msgs::GetWorldPropertiesResponse& response);
+    void set_model_state(const gazebo_msgs::SetModelStateRequest& request, gazebo_msgs::SetModelStateResponse& response);
+    void spawn_model(const gazebo_msgs::SpawnModelRequest& request, gazebo_msgs::SpawnModelResponse& response);
+    void delete_model(const gazebo_msgs::DeleteModelRequest& request, gazebo_msgs::DeleteModelResponse& response);
+
+    void move(const gazebo_msgs::ModelState& state);
+    void received(const gazebo_msgs::ModelState& state);
+
+    ros::CallbackQueue queue_;
+    ros::NodeHandle nh_;
+    Simulator simulator_;
+    Reminder trouble_;
+    std::uint32_t state_requests_ = 0;
+    std::vector<ros::ServiceServer> servers_;
+    ros::Subscriber states_;
+    ros::WallTimer rest_;
+    // The last that begins, the first that ends.
+    ros::AsyncSpinner spinner_;
+};
+
+}  // namespace belvedere_ros::gazebo

@@ -1,0 +1,129 @@
+// The converters of what a Kobuki says and is told, against known bytes; and that its messages are those of its driver.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "../src/convert/command.hpp"
+#include "../src/convert/core_sensors.hpp"
+#include "../src/convert/robot_event.hpp"
+#include "known.hpp"
+
+namespace belvedere_ros {
+namespace {
+
+template <class Message>
+const char* sum() {
+    return ros::message_traits::md5sum<Message>();
+}
+
+// The sums that roscpp and rospy compare: those of the released kobuki_msgs.
+TEST(KobukiMessages, AreThoseOfItsDriver) {
+    EXPECT_STREQ(sum<kobuki_msgs::BumperEvent>(), "ffe360cd50f14f9251d9844083e72ac5");
+    EXPECT_STREQ(sum<kobuki_msgs::CliffEvent>(), "c5b106efbb1427a94f517c5e05f06295");
+    EXPECT_STREQ(sum<kobuki_msgs::WheelDropEvent>(), "e102837d89384d67669a0df86b63f33b");
+    EXPECT_STREQ(sum<kobuki_msgs::MotorPower>(), "8f77c0161e0f2021493136bb5f3f0e51");
+    EXPECT_STREQ(sum<kobuki_msgs::SensorState>(), "430a4bfd78449c8740bfef32b26613a6");
+}
+
+Known event(std::uint32_t source, std::uint32_t index, std::uint32_t state, std::uint32_t value = 0) {
+    return Known::structs<bv_robot_event>(BV_KIND_ROBOT_EVENT, {{source, index, state, value}});
+}
+
+TEST(RobotEvent, HasItsPlaceAndState) {
+    using kobuki_msgs::BumperEvent;
+    using kobuki_msgs::CliffEvent;
+    const std::uint8_t bumpers[] = {BumperEvent::LEFT, BumperEvent::CENTER, BumperEvent::RIGHT};
+    const std::uint8_t cliffs[] = {CliffEvent::LEFT, CliffEvent::CENTER, CliffEvent::RIGHT};
+    for (std::uint32_t index = 0; index < 3; ++index) {
+        for (std::uint32_t state : {0u, 1u}) {
+            const auto bumper = to_bumper_event(event(0, index, state).sample());
+            EXPECT_EQ(bumper->bumper, bumpers[index]);
+            EXPECT_EQ(bumper->state, state == 1 ? BumperEvent::PRESSED : BumperEvent::RELEASED);
+            const auto cliff = to_cliff_event(event(1, index, state, 3021).sample());
+            EXPECT_EQ(cliff->sensor, cliffs[index]);
+            EXPECT_EQ(cliff->state, state == 1 ? CliffEvent::CLIFF : CliffEvent::FLOOR);
+            EXPECT_EQ(cliff->bottom, 3021);
+        }
+    }
+}
+
+TEST(RobotEvent, TheRightWheelIsTheSecond) {
+    using kobuki_msgs::WheelDropEvent;
+    EXPECT_EQ(to_wheel_drop_event(event(2, 0, 1).sample())->wheel, WheelDropEvent::LEFT);
+    const auto right = to_wheel_drop_event(event(2, 2, 1).sample());
+    EXPECT_EQ(right->wheel, WheelDropEvent::RIGHT);
+    EXPECT_EQ(right->wheel, 1);
+    EXPECT_EQ(right->state, WheelDropEvent::DROPPED);
+    EXPECT_EQ(to_wheel_drop_event(event(2, 2, 0).sample())->state, WheelDropEvent::RAISED);
+    EXPECT_THROW(to_wheel_drop_event(event(2, 1, 1).sample()), Unrepresentable);  // none in the middle
+}
+
+TEST(RobotEvent, RefusesWhatItCannotSay) {
+    EXPECT_THROW(to_bumper_event(event(1, 0, 1).sample()), Unrepresentable);
+    EXPECT_THROW(to_cliff_event(event(0, 0, 1).sample()), Unrepresentable);
+    EXPECT_THROW(to_bumper_event(event(0, 3, 1).sample()), Unrepresentable);
+    EXPECT_THROW(to_bumper_event(event(0, 0xffffffff, 1).sample()), Unrepresentable);
+    EXPECT_THROW(to_bumper_event(event(0, 0, 2).sample()), Unrepresentable);
+    EXPECT_THROW(to_bumper_event(Known::structs<bv_motor_power>(BV_KIND_ROBOT_EVENT, {{0}}).sample()), Unrepresentable);
+}
+
+TEST(CoreSensors, HasEveryField) {
+    bv_core_sensors from{};
+    from.time_stamp = 65'000;
+    from.bumper = kobuki_msgs::SensorState::BUMPER_LEFT;
+    from.wheel_drop = kobuki_msgs::SensorState::WHEEL_DROP_RIGHT;
+    from.cliff = kobuki_msgs::SensorState::CLIFF_CENTRE;
+    from.buttons = kobuki_msgs::SensorState::BUTTON2;
+    from.left_encoder = 60'000;
+    from.right_encoder = 7;
+    from.left_pwm = -128;
+    from.right_pwm = 127;
+    from.charger = kobuki_msgs::SensorState::ADAPTER_CHARGING;
+    from.battery = 165;
+    for (std::uint16_t i = 0; i < 3; ++i) from.bottom[i] = static_cast<std::uint16_t>(3000 + i);
+    auto known = Known::structs<bv_core_sensors>(BV_KIND_CORE_SENSORS, {from});
+    const auto state = to_core_sensors(known.sample());
+    expect_header(state->header);
+    EXPECT_EQ(state->time_stamp, 65'000);
+    EXPECT_EQ(state->bumper, 4);
+    EXPECT_EQ(state->wheel_drop, 1);
+    EXPECT_EQ(state->cliff, 2);
+    EXPECT_EQ(state->buttons, 4);
+    EXPECT_EQ(state->left_encoder, 60'000);
+    EXPECT_EQ(state->right_encoder, 7);
+    EXPECT_EQ(state->left_pwm, -128);
+    EXPECT_EQ(state->right_pwm, 127);
+    EXPECT_EQ(state->charger, 22);
+    EXPECT_EQ(state->battery, 165);
+    EXPECT_EQ(state->bottom, (std::vector<std::uint16_t>{3000, 3001, 3002}));
+    EXPECT_EQ(state->current, (std::vector<std::uint8_t>{0, 0}));
+    EXPECT_EQ(state->analog_input, (std::vector<std::uint16_t>{0, 0, 0, 0}));
+    EXPECT_THROW(to_core_sensors(event(0, 0, 0).sample()), Unrepresentable);
+}
+
+TEST(Commands, AreTheSimulators) {
+    geometry_msgs::Twist twist;
+    twist.linear.x = 1, twist.linear.y = 2, twist.linear.z = 3;
+    twist.angular.x = 4, twist.angular.y = 5, twist.angular.z = 6;
+    const bv_velocity_command velocity = from_twist(twist);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_EQ(velocity.linear[i], 1 + i);
+        EXPECT_EQ(velocity.angular[i], 4 + i);
+    }
+    twist.angular.y = std::nan("");
+    EXPECT_THROW(from_twist(twist), Unrepresentable);
+
+    kobuki_msgs::MotorPower power;
+    power.state = kobuki_msgs::MotorPower::ON;
+    EXPECT_EQ(from_motor_power(power).state, 1u);
+    power.state = kobuki_msgs::MotorPower::OFF;
+    EXPECT_EQ(from_motor_power(power).state, 0u);
+    power.state = 2;
+    EXPECT_THROW(from_motor_power(power), Unrepresentable);
+    EXPECT_EQ(from_empty({}).reserved, 0u);
+}
+
+}  // namespace
+}  // namespace belvedere_ros

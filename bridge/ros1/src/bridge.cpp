@@ -30,9 +30,10 @@ Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
 
 Bridge::~Bridge() = default;
 
+// Only by the thread of streams_, which so may read relays_ without the lock. The updater calls diagnose_topic() with its
+// own lock held: it is not to be called with ours.
 void Bridge::serve(const bv_stream_info& stream) {
     const std::string name = stream.topic;
-    const std::lock_guard<std::mutex> lock(mutex_);
     try {
         const auto others = parameters_.command_topics.find(stream.kind);
         if (others != parameters_.command_topics.end()) {
@@ -53,6 +54,7 @@ void Bridge::serve(const bv_stream_info& stream) {
             // Another simulator may give the name to something else.
             if (known->second.relay->kind() == stream.kind || stream.kind == 0 || stream.publishers == 0) return;
             diagnostics_.removeByName(name);
+            const std::lock_guard<std::mutex> lock(mutex_);
             relays_.erase(known);
         } else if (stream.publishers == 0 || skipped_.count(name) != 0) {
             return;
@@ -64,7 +66,10 @@ void Bridge::serve(const bv_stream_info& stream) {
         }
         ROS_INFO_STREAM("serving " << relay->topic());
         auto place = std::make_unique<Served::Place>(relay->topic(), domain_, stream);
-        relays_[name] = {std::move(relay), std::move(place)};
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            relays_[name] = {std::move(relay), std::move(place)};
+        }
         diagnostics_.add(name, [this, name](auto& status) { diagnose_topic(name, status); });
     } catch (const std::exception& error) {
         // Once: whatever it is will not change by itself.

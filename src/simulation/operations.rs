@@ -1,6 +1,7 @@
 //! What commands from other processes do to a simulation.
 
 use super::{Simulation, Steps};
+use crate::control::roster::MAX_NAME_BYTES;
 use crate::control::states::{MAX_SPAWNED_LINKS, MAX_SPAWNED_MODELS};
 use crate::control::{Request, Resident, Role, values};
 use crate::description::model::Model;
@@ -10,9 +11,6 @@ use belvedere_bridge::Operation;
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_sensors::Pose;
 use std::time::Duration;
-
-/// Longest name that a command can give, in bytes.
-const MAX_NAME_BYTES: usize = 63;
 
 /// Commands applied between two frames.
 const COMMANDS_AT_ONCE: usize = 16;

@@ -31,8 +31,10 @@ Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
 Bridge::~Bridge() = default;
 
 void Bridge::serve(const bv_stream_info& stream) {
+    // Whoever changes relays_ has both locks, and reads it with either. The updater calls diagnose_topic() with a lock of
+    // its own held: it is not to be called with the one that is taken there.
+    const std::lock_guard<std::mutex> serving(serving_);
     const std::string name = stream.topic;
-    const std::lock_guard<std::mutex> lock(mutex_);
     try {
         const auto others = parameters_.command_topics.find(stream.kind);
         if (others != parameters_.command_topics.end()) {
@@ -55,6 +57,7 @@ void Bridge::serve(const bv_stream_info& stream) {
             const bool same = now.relay->kind() == stream.kind && now.layers == stream.layers;
             if (same || stream.kind == 0 || stream.publishers == 0) return;
             diagnostics_.removeByName(name);
+            const std::lock_guard<std::mutex> lock(mutex_);
             relays_.erase(known);
         } else if (stream.publishers == 0 || skipped_.count(name) != 0) {
             return;
@@ -68,7 +71,10 @@ void Bridge::serve(const bv_stream_info& stream) {
         auto place = std::make_unique<Served::Place>(relay->topic(), domain_, stream);
         std::optional<double> time_offset;
         if (stream.kind == BV_KIND_LASER_SCAN) time_offset = topics_.scan_parameters(name).time_offset;
-        relays_[name] = {std::move(relay), std::move(place), stream.layers, time_offset};
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            relays_[name] = {std::move(relay), std::move(place), stream.layers, time_offset};
+        }
         diagnostics_.add(name, [this, name](auto& status) { diagnose_topic(name, status); });
     } catch (const std::exception& error) {
         // Once: whatever it is will not change by itself.

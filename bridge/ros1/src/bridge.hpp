@@ -55,7 +55,7 @@ private:
     Domain domain_;
     Topics topics_;
     diagnostic_updater::Updater diagnostics_;
-    std::mutex mutex_;
+    std::mutex serving_, mutex_;
     std::map<std::string, Serving> relays_;
     std::map<std::string, std::unique_ptr<Commands>> commands_;
     std::set<std::string> skipped_;

@@ -54,7 +54,9 @@ def poses():
 
 
 def camera(name, distortion):
-    told = "".join(f"<distortion{key}>{value}</distortion{key}>" for key, value in zip(("K1", "K2", "T1", "T2", "K3"), distortion))
+    told = "".join(
+        f"<distortion{key}>{value}</distortion{key}>" for key, value in zip(("K1", "K2", "T1", "T2", "K3"), distortion)
+    )
     return f"""
 <gazebo reference="eye">
   <sensor type="camera" name="{name}">

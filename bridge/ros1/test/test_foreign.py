@@ -211,7 +211,7 @@ class Ceiling(Running):
             half = listed[tag]["edge_m"] / 2
             square = numpy.array([[-half, half, 0], [half, half, 0], [half, -half, 0], [-half, -half, 0]])
             # The library's own corners begin at the bottom left.
-            _, _, place = cv2.solvePnP(square, numpy.array([corners[i] for i in (3, 2, 1, 0)]), camera, None, flags=cv2.SOLVEPNP_IPPE_SQUARE)
+            _, _, place = cv2.solvePnP(square, corners[[3, 2, 1, 0]], camera, None, flags=cv2.SOLVEPNP_IPPE_SQUARE)
             truth = numpy.mean(listed[tag]["corners_m"], axis=0)
             off = numpy.linalg.norm(world_from_optical @ place[:, 0] + position - truth)
             print(f"tag {tag}: {off * 1000:.1f} mm off")
@@ -244,7 +244,9 @@ class Bags(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             first, again = os.path.join(folder, "first.bag"), os.path.join(folder, "again.bag")
             with simulator(domain) as robot, bridge(domain) as node:
-                self.assertTrue(eventually(lambda: {"/odom", "/image_raw", "/scan"} <= published()), node.output() + robot.output())
+                self.assertTrue(
+                    eventually(lambda: {"/odom", "/image_raw", "/scan"} <= published()), node.output() + robot.output()
+                )
                 with Process("rosbag", "record", "--all", "-O", first, "--duration=3", "__name:=recorder") as recorder:
                     self.assertEqual(recorder.child.wait(30), 0, recorder.output())
             self.assertTrue(eventually(lambda: not {"/odom", "/tf_static"} & published()))
@@ -263,7 +265,9 @@ class Bags(unittest.TestCase):
         self.assertLessEqual(set(replayed_clocks), set(clocks))
         self.assertGreater(len(replayed_clocks), 0.8 * len(clocks))
         for topic, messages in recorded.items():
-            self.assertTrue(messages == replayed[topic], f"{topic}: {len(messages)} and {len(replayed[topic])} messages, or other bytes")
+            self.assertTrue(
+                messages == replayed[topic], f"{topic}: {len(messages)} and {len(replayed[topic])} messages, or other bytes"
+            )
 
 
 class Rates(unittest.TestCase):

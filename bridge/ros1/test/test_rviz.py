@@ -110,7 +110,7 @@ class Rviz(unittest.TestCase):
         self.seen = self.measure()
         return (
             min(self.seen["camera"], self.seen["kinect"]) > LIKENESS
-            and self.seen["scan"] > 300
+            and self.seen["scan"] > 200
             and self.seen["cloud"] > 20_000
             and self.seen["robot"] > 0.5
             and self.seen["wood"] > 300

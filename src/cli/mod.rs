@@ -13,6 +13,7 @@ pub mod run;
 pub mod snapshot;
 pub mod statistics;
 mod status;
+pub mod urdf;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
@@ -50,6 +51,7 @@ enum Command {
     Echo(echo::EchoArgs),
     Snapshot(snapshot::SnapshotArgs),
     Check(check::CheckArgs),
+    Urdf(urdf::UrdfArgs),
     Control(control::ControlArgs),
     /// Print a script that completes this command in a shell.
     ///
@@ -73,6 +75,7 @@ pub fn main() -> ExitCode {
         Some(Command::Echo(args)) => echo::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
         Some(Command::Check(args)) => check::run(args),
+        Some(Command::Urdf(args)) => urdf::run(args),
         Some(Command::Control(args)) => control::run(args),
         Some(Command::Completions { shell }) => {
             clap_complete::generate(*shell, &mut Cli::command(), "belvedere", &mut std::io::stdout());

@@ -4,6 +4,7 @@ use super::diagnostics::{Diagnostics, Source};
 use super::model::Model;
 use super::package::PackagePath;
 use super::values::nearest;
+use super::xml::Element;
 use super::{urdf, xacro};
 use std::path::{Path, PathBuf};
 
@@ -58,6 +59,34 @@ pub fn load_robot(file_or_name: &str, options: &LoadOptions, diagnostics: &mut D
     let path = find_robot(file_or_name, &options.packages, diagnostics)?;
     match xacro::expand(&path, &options.packages, &options.xacro_args, diagnostics) {
         Ok(robot) => urdf::load_urdf(&robot, &options.packages, options.gazebo_compat, diagnostics),
+        Err(problem) => {
+            diagnostics.add(problem);
+            None
+        }
+    }
+}
+
+/// Expands a robot as [`load_robot`] does and gives it as one plain URDF: without xacro, with meshes and textures by
+/// absolute names and each material defined once, so that ROS's programs can read it. What is meant for Gazebo stays.
+///
+/// # Errors
+/// Whatever is wrong is added to `diagnostics`. None is returned when the file cannot be expanded; whether its content
+/// makes a robot is not looked at.
+pub fn expand_robot(
+    file_or_name: &str,
+    packages: &PackagePath,
+    xacro_args: &[(String, String)],
+    diagnostics: &mut Diagnostics,
+) -> Option<Element> {
+    let path = find_robot(file_or_name, packages, diagnostics)?;
+    match xacro::expand(&path, packages, xacro_args, diagnostics) {
+        Ok(mut robot) => {
+            if !urdf::is_robot(&robot, diagnostics) {
+                return None;
+            }
+            urdf::make_plain(&mut robot, packages, diagnostics);
+            Some(robot)
+        }
         Err(problem) => {
             diagnostics.add(problem);
             None

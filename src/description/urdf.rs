@@ -7,6 +7,7 @@
 //! | `tree` | the tree that links and joints make, and the poses in it |
 //! | `geometry`, `material` | shapes and their looks |
 //! | `files` | where `package://` and other names of files point to |
+//! | `plain` | the same robot for stricter readers |
 //! | `gazebo` | `<gazebo>`: sensors and what Gazebo overrides |
 //!
 //! `<transmission>` and whatever else neither moves nor shows anything here is passed over in silence.
@@ -17,9 +18,12 @@ mod geometry;
 mod joint;
 mod link;
 mod material;
+mod plain;
 #[cfg(test)]
 mod tests;
 mod tree;
+
+pub(super) use plain::make_plain;
 
 use super::diagnostics::{Diagnostics, Source};
 use super::model::{Link, Material, Mesh, Model};
@@ -52,12 +56,7 @@ pub(super) fn load_urdf(
     gazebo_compat: bool,
     diagnostics: &mut Diagnostics,
 ) -> Option<Model> {
-    if robot.name != "robot" {
-        diagnostics.error(
-            &robot.source,
-            format!("the outermost element is <{}>", robot.name),
-            "a robot file begins with <robot>; an SDF file is given with --world",
-        );
+    if !is_robot(robot, diagnostics) {
         return None;
     }
     let mut loader =
@@ -77,6 +76,18 @@ pub(super) fn load_urdf(
     let is_tree = loader.build_tree(robot, &mut model);
     loader.extensions(robot, &mut model);
     is_tree.then_some(model)
+}
+
+/// Whether it is a robot's file at all; an error if not.
+pub(super) fn is_robot(root: &Element, diagnostics: &mut Diagnostics) -> bool {
+    if root.name != "robot" {
+        diagnostics.error(
+            &root.source,
+            format!("the outermost element is <{}>", root.name),
+            "a robot file begins with <robot>; an SDF file is given with --world",
+        );
+    }
+    root.name == "robot"
 }
 
 impl Loader<'_> {

@@ -3,6 +3,8 @@
 //! xacro moves elements from one file into another, so a parsed document's own positions are not enough:
 //! every [`Element`] carries its [`Source`] for life.
 
+mod write;
+
 use super::diagnostics::{Problem, Severity, Source};
 use std::path::Path;
 use std::sync::Arc;

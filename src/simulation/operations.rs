@@ -109,6 +109,10 @@ impl Simulation {
             Operation::SetModelState => self.set_model_state(command)?,
             Operation::Spawn => self.spawn(command, request.text.as_deref().map_err(Clone::clone)?)?,
             Operation::Delete => self.delete(command.name.as_str())?,
+            Operation::Configure => {
+                let text = request.text.as_deref().map_err(Clone::clone)?;
+                self.rig.configure(command.name.as_str(), text, self.physics.time_ns())?;
+            }
         }
         Ok(())
     }
@@ -160,7 +164,7 @@ impl Simulation {
         self.before_resets_ns += self.physics.time_ns();
         self.physics = physics;
         self.scene.replace(&self.physics);
-        self.rig.restart();
+        self.rig.restart()?;
         self.states.restart();
         self.commanded_ns = None;
         self.epoch += 1;

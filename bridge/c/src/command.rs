@@ -16,16 +16,16 @@ use crate::{
 /// The sending end of a stream of commands to the robot.
 pub struct CommandPublisher {
     publisher: Publisher,
-    send: Send,
+    send: SendBytes,
 }
 
 /// Sends the bytes of one command.
-type Send = fn(&Publisher, &[u8]) -> Result<(), Failure>;
+type SendBytes = fn(&Publisher, &[u8]) -> Result<(), Failure>;
 
 impl CommandPublisher {
     fn open(node: &Node, topic: &str, kind: u16) -> Result<Self, Failure> {
         let kind = Kind::from_wire(kind);
-        let (kind, send): (_, Send) = match kind {
+        let (kind, send): (_, SendBytes) = match kind {
             Some(kind @ Kind::VelocityCommand) => (kind, send::<payload::VelocityCommand>),
             Some(kind @ Kind::ResetOdometry) => (kind, send::<payload::ResetOdometry>),
             Some(kind @ Kind::MotorPower) => (kind, send::<payload::MotorPower>),

@@ -13,20 +13,25 @@
 
 #include "commands.hpp"
 #include "domain.hpp"
-#include "gazebo/services.hpp"
 #include "parameters.hpp"
 #include "relay.hpp"
+#include "settings.hpp"
 #include "served.hpp"
 #include "streams.hpp"
 #include "topics.hpp"
 
 namespace belvedere_ros {
 
+namespace gazebo {
+class Services;
+}
+
 /// All that the node and the nodelet do.
 class Bridge {
 public:
     /// Throws BadParameter, and belvedere::Error when the domain cannot be joined.
     Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
+    ~Bridge();
 
     /// Serves a stream that is there, if it is not served yet; skips for ever, with one warning, what cannot be served.
     void serve(const bv_stream_info& stream);
@@ -36,6 +41,8 @@ private:
     struct Serving {
         std::unique_ptr<Relay> relay;
         std::unique_ptr<Served::Place> place;
+        /// Of a laser scanner.
+        std::optional<double> time_offset = std::nullopt;
     };
 
     bool gazebo_is_ours();
@@ -47,10 +54,11 @@ private:
     Domain domain_;
     Topics topics_;
     diagnostic_updater::Updater diagnostics_;
-    std::mutex mutex_;
+    std::mutex serving_, mutex_;
     std::map<std::string, Serving> relays_;
     std::map<std::string, std::unique_ptr<Commands>> commands_;
     std::set<std::string> skipped_;
+    Settings settings_;
     std::optional<bool> gazebo_is_ours_;
     std::unique_ptr<gazebo::Services> gazebo_;
     // The last that begin, the first that end: they use what is above.

@@ -5,16 +5,19 @@ integers, or ((w + 1) / 2, (h + 1) / 2) as Gazebo says in its camera_info.
 """
 
 from dataclasses import dataclass, field
-from math import pi, tan
+from math import isnan, nan, pi, tan
 
 
 @dataclass
 class Topic:
     type: str
     frame: str = ""
-    rate: float = 0.0  # Hz; 0: once
+    rate: float = 0.0  # Hz; 0: once; NaN: when something happens
     fields: dict = field(default_factory=dict)  # of the message, by name
     length: int = -1  # of the payload
+
+    def is_event(self):
+        return isnan(self.rate)
 
 
 @dataclass
@@ -60,6 +63,10 @@ POSE_COVARIANCE = [[0.1, 0.1, 1e6, 1e6, 1e6, 0.05][i // 7] if i % 7 == 0 else 0.
 ROBOT = {
     "/clock": Topic("rosgraph_msgs/Clock", rate=100.0),
     "/odom": Topic("nav_msgs/Odometry", "odom", 50.0, {"child_frame_id": "base_footprint", "pose.covariance": POSE_COVARIANCE}),
+    "/mobile_base/sensors/core": Topic("kobuki_msgs/SensorState", rate=50.0, fields={"bumper": 0, "cliff": 0, "wheel_drop": 0}),
+    "/mobile_base/events/bumper": Topic("kobuki_msgs/BumperEvent", rate=nan),
+    "/mobile_base/events/cliff": Topic("kobuki_msgs/CliffEvent", rate=nan),
+    "/mobile_base/events/wheel_drop": Topic("kobuki_msgs/WheelDropEvent", rate=nan),
     "/mobile_base/sensors/imu_data": Topic("sensor_msgs/Imu", "gyro_link", 50.0),
     "/mobile_base/sensors/core": Topic("kobuki_msgs/SensorState", rate=50.0),
     "/joint_states": Topic(

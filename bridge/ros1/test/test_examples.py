@@ -1,17 +1,30 @@
 #!/usr/bin/env python3
 """The launch files and the examples, each as a user runs it. Brings its own roscore."""
 
+import json
 import os
 import subprocess
 import tempfile
+import time
 import unittest
 import xmlrpc.client
 from pathlib import Path
 
 from processes import Process, bridge, eventually, free_port, roscore, simulator
 
-ROOT = Path(__file__).resolve().parents[3]
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[2]
 EXAMPLES = ROOT / "examples" / "ros1"
+TRANSFORM_TOLERANCE = 1e-6  # m, and of a rotation matrix; URDF's angles go through other arithmetic there
+MAST = """<robot xmlns:xacro="http://ros.org/wiki/xacro"><xacro:macro name="mast" params="parent height">
+  <link name="mast_top"/>
+  <joint name="mast" type="fixed"><parent link="${parent}"/><child link="mast_top"/><origin xyz="0.1 0 ${height - 0.0102}"/></joint>
+</xacro:macro></robot>"""
+MINE = """<robot name="mine" xmlns:xacro="http://ros.org/wiki/xacro">
+  <xacro:include filename="$(find turtlebot_description)/urdf/turtlebot_library.urdf.xacro"/>
+  <xacro:include filename="$(find my_description)/mast.xacro"/>
+  <kobuki/><sensor_rplidar parent="base_link"/><xacro:mast parent="base_link" height="${0.5 + 0.01}"/>
+</robot>"""
 
 
 class Examples(unittest.TestCase):
@@ -36,6 +49,11 @@ class Examples(unittest.TestCase):
     def flows(self, topic):
         self.run_example("rostopic", "echo", "-n", "1", "--noarr", topic, timeout=20)
 
+    def x(self):
+        """How far the robot went, in metres, by tf."""
+        said = self.run_example(EXAMPLES / "where.py", "odom", "base_footprint", "1")
+        return float(said.split(": ")[1].split()[0])
+
     def roslaunch(self, *arguments, **environment):
         return Process("roslaunch", "-p", self.port, *arguments, **environment)
 
@@ -50,18 +68,49 @@ class Examples(unittest.TestCase):
             self.assertIn("success: True", known)
             self.assertTrue(self.master.getParam("/test", "/use_sim_time")[2])
 
-    def test_with_a_description_the_robots_transforms_come_from_robot_state_publisher(self):
-        urdf = """<robot name="r"><link name="base_footprint"/><link name="base_link"/>
-            <joint name="j" type="fixed"><parent link="base_footprint"/><child link="base_link"/></joint></robot>"""
-        with tempfile.NamedTemporaryFile("w", suffix=".urdf") as file:
-            file.write(urdf)
-            file.flush()
-            arguments = "gui:=false", f"domain:={self.domain}", f"robot_description:={file.name}"
-            with self.roslaunch("belvedere_ros", "turtlebot_world.launch", *arguments) as launch:
-                self.assertTrue(eventually(lambda: "/odom" in self.topics(), 20), launch.output())
-                senders = lambda topic: dict(self.master.getSystemState("/test")[2][0]).get(topic, [])  # noqa: E731
-                self.assertTrue(eventually(lambda: senders("/tf_static") == ["/robot_state_publisher"]), launch.output())
-                self.assertTrue(eventually(lambda: "/belvedere" in senders("/tf")), launch.output())
+    def test_robot_state_publisher_sends_the_tree_that_the_simulator_would(self):
+        arguments = "gui:=false", f"domain:={self.domain}", "world_file:=playground"
+        sensors = {"TURTLEBOT_STACKS": "hexagons", "TURTLEBOT_3D_SENSOR": "KinectHokuyo"}
+        with self.roslaunch("belvedere_ros", "turtlebot_world.launch", *arguments, **sensors) as launch:
+            senders = lambda topic: dict(self.master.getSystemState("/test")[2][0]).get(topic, [])  # noqa: E731
+            self.assertTrue(eventually(lambda: "/odom" in self.topics(), 20), launch.output())
+            self.assertTrue(eventually(lambda: senders("/tf_static") == ["/robot_state_publisher"]), launch.output())
+            self.assertTrue(eventually(lambda: set(senders("/tf")) == {"/belvedere", "/robot_state_publisher"}), launch.output())
+            # A second bridge sends all that the simulator says, on topics of its own.
+            names = "__ns:=/own", "/tf:=/own/tf", "/tf_static:=/own/tf_static", "_publish_clock:=false"
+            with bridge(self.domain, *names) as node:
+                self.assertTrue(eventually(lambda: {"/own/tf", "/own/tf_static"} <= self.topics()), node.output())
+                trees = json.loads(self.run_example("/usr/bin/python3", HERE / "trees.py", "/", "/own/", timeout=40))
+        ours, theirs = trees
+        self.assertEqual(set(ours), set(theirs))
+        self.assertGreater(len(ours), 30)
+        self.assertEqual(ours["odom base_footprint"]["topic"], "tf")
+        self.assertEqual(ours["base_link hokuyo_link"]["topic"], "tf_static")
+        for edge, transform in ours.items():
+            self.assertEqual(transform["topic"], theirs[edge]["topic"], edge)
+            # What moves may be of another moment: the robot settles on its wheels.
+            tolerance = TRANSFORM_TOLERANCE if transform["topic"] == "tf_static" else 1e-3
+            for a, b in zip(transform["matrix"], theirs[edge]["matrix"]):
+                self.assertAlmostEqual(a, b, delta=tolerance, msg=edge)
+
+    def test_a_robot_of_ones_own(self):
+        with tempfile.TemporaryDirectory() as folder:
+            package = Path(folder) / "my_description"
+            package.mkdir()
+            (package / "package.xml").write_text("<package><name>my_description</name></package>")
+            (package / "mast.xacro").write_text(MAST)
+            robot = package / "robot.urdf.xacro"
+            robot.write_text(MINE)
+            environment = {"ROS_PACKAGE_PATH": f"{folder}:{os.environ['ROS_PACKAGE_PATH']}"}
+            arguments = "gui:=false", f"domain:={self.domain}", "world_file:=empty", f"robot:={robot}"
+            with self.roslaunch("belvedere_ros", "turtlebot_world.launch", *arguments, **environment) as launch:
+                self.assertTrue(eventually(lambda: "/scan" in self.topics(), 20), launch.output())
+                described = self.master.getParam("/test", "/robot_description")[2]
+                self.assertIn('<link name="mast_top"', described)
+                self.assertNotIn("xacro", described)
+                self.assertTrue(eventually(lambda: "/tf_static" in self.topics()), launch.output())
+                said = self.run_example(EXAMPLES / "where.py", "base_footprint", "mast_top", "1")
+                self.assertIn(": 0.100 0.000 0.510, ", said)
 
     def test_nodelet(self):
         with simulator(self.domain), self.roslaunch(EXAMPLES / "nodelet.launch", BELVEDERE_DOMAIN=self.domain) as launch:
@@ -85,6 +134,22 @@ class Examples(unittest.TestCase):
             pictures = self.run_example(EXAMPLES / "first.py").splitlines()
             self.assertEqual(len(pictures), 10)
             self.assertTrue(all(line.startswith("640 x 480 at ") and "fx 381.36" in line for line in pictures), pictures)
+            with tempfile.TemporaryDirectory() as folder:
+                self.run_example(EXAMPLES / "pictures.py", f"{folder}/picture.png")
+                self.assertGreater(os.path.getsize(f"{folder}/picture.png"), 20_000)
+            with Process(EXAMPLES / "tags.py") as tags:
+                self.assertTrue(eventually(lambda: "tag_" in tags.output(), 20), tags.output())
+                tag = tags.output().split()[0]
+                x, y, z = self.run_example(EXAMPLES / "where.py", "odom", tag, "1").split(": ")[1].split(",")[0].split()
+                self.assertAlmostEqual(float(z), 2.498, delta=0.05)  # the ceiling
+            before = self.x()
+            with subprocess.Popen([EXAMPLES / "teleop.py"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL) as teleop:
+                time.sleep(2)
+                os.write(teleop.stdin.fileno(), b"w")
+                time.sleep(2)
+                os.write(teleop.stdin.fileno(), b" q")
+                self.assertEqual(teleop.wait(10), 0)
+            self.assertGreater(self.x() - before, 0.3)
             back = self.run_example(EXAMPLES / "drive_square.py")
             self.assertLess(float(back.split()[1]), 0.2, back)
 

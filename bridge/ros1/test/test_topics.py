@@ -45,6 +45,8 @@ class Listener:
             stamp = message.header.stamp
         elif hasattr(message, "clock"):
             stamp = message.clock
+        elif not hasattr(message, "transforms"):
+            stamp = rospy.Time()  # it has none
         else:
             stamp = message.transforms[0].header.stamp
         with self.lock:
@@ -87,7 +89,7 @@ class Topics(unittest.TestCase):
 
         listeners = {topic: Listener(topic, expected.type) for topic, expected in setup.topics.items()}
         self.assertTrue(
-            eventually(lambda: all(listener.count() > 0 for listener in listeners.values())),
+            eventually(lambda: all(listeners[topic].count() > 0 for topic in setup.topics if not setup.topics[topic].is_event())),
             {topic: listener.count() for topic, listener in listeners.items()},
         )
         # What Gazebo has otherwise are numbers, not rates.
@@ -103,6 +105,8 @@ class Topics(unittest.TestCase):
 
     def check_topic(self, listener, expected):
         stamps = listener.stamps_ns
+        if expected.is_event():
+            return self.assertEqual(stamps, [], "nothing has happened to it")
         if expected.rate > 0:
             self.assertGreater(stamps[0], 0)
             self.assertTrue(all(a < b for a, b in zip(stamps, stamps[1:])), "stamps do not rise")
@@ -196,7 +200,7 @@ class Robot(unittest.TestCase):
     def test_diagnostics(self):
         with Listener("/diagnostics", DiagnosticArray) as diagnostics, Listener("/odom", Odometry):
             flows = lambda: self.status(diagnostics, "odom") == (0, "flows")  # noqa: E731
-            self.assertTrue(eventually(flows, 15.0), diagnostics.last)
+            self.assertTrue(eventually(flows, 30.0), diagnostics.last)
             first, start = diagnostics.count(), time.monotonic()
             time.sleep(5.0)
             rate = (diagnostics.count() - first) / (time.monotonic() - start)

@@ -85,6 +85,7 @@ impl Loader<'_> {
     }
 }
 
-fn is_definition(material: &Element) -> bool {
+/// Whether it says more than a name.
+pub(super) fn is_definition(material: &Element) -> bool {
     material.child("color").is_some() || material.child("texture").is_some()
 }

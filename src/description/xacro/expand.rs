@@ -235,12 +235,12 @@ impl Expander<'_> {
                 Ok(())
             }
             "element" => {
-                let name = self.required(element, "xacro:name")?;
+                let name = self.xml_name(element, "xacro:name")?;
                 let renamed = Element { name, ..element.clone() };
                 self.element(&renamed, at_top, output)
             }
             "attribute" => {
-                let attribute = (self.required(element, "name")?, self.required(element, "value")?);
+                let attribute = (self.xml_name(element, "name")?, self.required(element, "value")?);
                 output.attributes.push(attribute);
                 Ok(())
             }
@@ -269,6 +269,23 @@ impl Expander<'_> {
                 if value.is_empty() && !may_be_empty { Err(missing()) } else { Ok(value) }
             })
             .map_err(|fault| self.problem(fault, &element.source))
+    }
+
+    /// A computed name of an element or attribute.
+    fn xml_name(&mut self, element: &Element, attribute: &str) -> Result<String, Problem> {
+        let name = self.required(element, attribute)?;
+        let begins = |c: char| c.is_alphabetic() || c == '_';
+        let goes_on = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
+        let is_name = name.split(':').count() <= 2
+            && name.split(':').all(|part| part.starts_with(begins) && part.chars().all(goes_on));
+        if is_name {
+            return Ok(name);
+        }
+        let fault = Fault::new(
+            format!("'{name}' cannot be the name of an element or attribute"),
+            "use letters, digits, '_', '-' and '.', a letter first",
+        );
+        Err(self.problem(fault, &element.source))
     }
 
     fn condition(&mut self, element: &Element, attribute: &str) -> Result<bool, Fault> {

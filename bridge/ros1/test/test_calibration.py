@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""What nodes that nobody here wrote make of the numbers that our cameras tell: camera_calibration finds them in the pictures
+of chessboards, image_proc takes the lens out by them. Needs a master at ROS_MASTER_URI."""
+
+import contextlib
+import io
+import os
+import subprocess
+import tempfile
+import threading
+import unittest
+
+import chessboards
+import cv2
+import numpy
+import rospy
+from camera_calibration.calibrator import ChessboardInfo, MonoCalibrator, Patterns
+from processes import SIMULATOR, Process, bridge, eventually, simulator
+from programs import program
+from sensor_msgs.msg import CameraInfo, Image
+
+DOMAIN = f"calibration-{os.getpid()}"
+FOCAL_TOLERANCE = 0.003
+CENTRE_TOLERANCE_PX = 1.5
+DISTORTION_TOLERANCE_PX = 0.6  # at the edge of the picture
+GREY_TOLERANCE = 0.2  # of 255, on average: the table of the lens is in fixed point
+
+
+def picture(message):
+    return numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.width)
+
+
+class Newest:
+    """The last messages of some topics."""
+
+    def __init__(self, **topics):
+        self.changed, self.last = threading.Condition(), {}
+        self.subscribers = [
+            rospy.Subscriber(topic, Image if "image" in topic else CameraInfo, self.receive, name, buff_size=1 << 24)
+            for name, topic in topics.items()
+        ]
+        self.names = set(topics)
+
+    def receive(self, message, name):
+        with self.changed:
+            self.last[name] = message
+            self.changed.notify_all()
+
+    def after(self, time_s, timeout=20):
+        """Messages of one stamp later than a time, one of each topic."""
+
+        def complete():
+            stamps = {message.header.stamp for message in self.last.values()}
+            return self.names == set(self.last) and len(stamps) == 1 and stamps.pop().to_sec() > time_s
+
+        with self.changed:
+            assert self.changed.wait_for(complete, timeout), {k: m.header.stamp.to_sec() for k, m in self.last.items()}
+            return dict(self.last)
+
+    def close(self):
+        for subscriber in self.subscribers:
+            subscriber.unregister()
+
+
+def look_at(board):
+    """Puts the cameras before a board; the simulated time in s when they were there."""
+    place = "0", str(board * chessboards.APART_M), "0"
+    command = SIMULATOR, "control", "move", "cameras", *place, "--domain", DOMAIN
+    done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=20)
+    return float(done.stdout.split()[-2])
+
+
+class Calibration(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.simulator = simulator(DOMAIN, *chessboards.write(cls.folder.name))
+        cls.node = bridge(DOMAIN)
+        wanted = {"/straight/image_raw", "/bent/image_raw"}
+        assert eventually(lambda: wanted <= set(dict(rospy.get_published_topics()))), cls.node.output() + cls.simulator.output()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.node.stop()
+        cls.simulator.stop()
+        cls.folder.cleanup()
+
+    def test_camera_calibration_finds_the_camera(self):
+        board = ChessboardInfo(n_cols=chessboards.COLUMNS, n_rows=chessboards.ROWS, dim=chessboards.SQUARE_M)
+        calibrator = MonoCalibrator([board], cv2.CALIB_FIX_K3, pattern=Patterns.Chessboard)
+        camera = Newest(image="/straight/image_raw", info="/straight/camera_info")
+        for index in range(chessboards.BOARDS):
+            seen = camera.after(look_at(index))
+            with contextlib.redirect_stdout(io.StringIO()):
+                calibrator.handle_msg(seen["image"])
+        camera.close()
+        self.assertGreaterEqual(len(calibrator.db), 20, "boards were not found, or too much alike")
+        with contextlib.redirect_stdout(io.StringIO()):
+            calibrator.do_calibration()
+        found, told = calibrator.intrinsics, numpy.reshape(seen["info"].K, (3, 3))
+        off = numpy.abs(found[[0, 1], [0, 1]] / told[0, 0] - 1)
+        centre = numpy.abs(found[:2, 2] - told[:2, 2])
+        corner = numpy.array([[[0.0, 0.0]], [[639.0, 479.0]], [[0.0, 239.5]], [[319.5, 0.0]]])
+        straightened = cv2.undistortPoints(corner, found, calibrator.distortion, P=found)
+        bent = numpy.abs(straightened - corner).max()
+        print(
+            f"{len(calibrator.db)} boards: fx {found[0, 0]:.3f}, fy {found[1, 1]:.3f} of {told[0, 0]:.3f} "
+            f"({off.max():.4%} off), centre {centre.max():.3f} px off, lens at most {bent:.3f} px from straight"
+        )
+        self.assertLess(off.max(), FOCAL_TOLERANCE)
+        self.assertLess(centre.max(), CENTRE_TOLERANCE_PX)
+        self.assertLess(bent, DISTORTION_TOLERANCE_PX)
+
+    def test_image_proc_takes_the_lens_out_that_camera_info_tells(self):
+        with Process(program("image_proc", "image_proc"), ROS_NAMESPACE="/bent") as theirs:
+            self.assertTrue(eventually(lambda: "/bent/image_rect" in dict(rospy.get_published_topics()), 20), theirs.output())
+            camera = Newest(image="/bent/image_raw", info="/bent/camera_info", rectified="/bent/image_rect")
+            seen = camera.after(look_at(0))
+            camera.close()
+        info, raw, rectified = seen["info"], picture(seen["image"]), picture(seen["rectified"])
+        self.assertEqual((info.distortion_model, info.D), ("plumb_bob", chessboards.DISTORTION))
+        # The same in our own words: each pixel of the straight picture is where the lens would have drawn it.
+        camera, y, x = numpy.reshape(info.K, (3, 3)), *numpy.indices(raw.shape).astype(float)
+        x, y = (x - camera[0, 2]) / camera[0, 0], (y - camera[1, 2]) / camera[1, 1]
+        (k1, k2, t1, t2, k3), r2 = info.D, x * x + y * y
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        bent_x = x * radial + 2 * t1 * x * y + t2 * (r2 + 2 * x * x)
+        bent_y = y * radial + t1 * (r2 + 2 * y * y) + 2 * t2 * x * y
+        place = camera[0, 0] * bent_x + camera[0, 2], camera[1, 1] * bent_y + camera[1, 2]
+        expected = cv2.remap(raw, *(axis.astype(numpy.float32) for axis in place), cv2.INTER_LINEAR)
+        self.assertGreater(numpy.abs(place[0] - numpy.indices(raw.shape)[1]).max(), 20, "hardly a lens")
+        difference = numpy.abs(rectified[2:-2, 2:-2].astype(int) - expected[2:-2, 2:-2])
+        print(f"image_proc's picture differs by {difference.max()} at most, {difference.mean():.4f} on average")
+        self.assertLess(difference.mean(), GREY_TOLERANCE)
+
+
+if __name__ == "__main__":
+    rospy.init_node("belvedere_calibration_test", disable_signals=True)
+    unittest.main(verbosity=2, warnings="ignore")

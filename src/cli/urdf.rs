@@ -1,0 +1,47 @@
+//! `belvedere urdf`: a robot as one plain URDF, for ROS's parameter `robot_description`.
+
+use super::error::CliError;
+use super::follow::print_line;
+use crate::description::package::PackagePath;
+use crate::description::robot::{default_robot_name, expand_robot};
+use crate::description::{Diagnostics, Severity};
+use std::path::PathBuf;
+
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
+/// Print a robot as one plain URDF, as ROS's parameter robot_description wants it.
+///
+/// All of xacro is done, and <gazebo> is kept. Meshes and textures are named by file:///, so that rviz finds them
+/// wherever they were found here. What belvedere makes of the robot is told by `belvedere check`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  belvedere urdf kobuki_hexagons_kinect > robot.urdf
+  belvedere urdf my_robot.urdf.xacro --package-path ~/catkin_ws/src
+  in a launch file: <param name=\"robot_description\" command=\"belvedere urdf kobuki_hexagons_kinect\"/>")]
+pub struct UrdfArgs {
+    /// A .urdf or .xacro file, or the name of a robot of ours
+    /// [default: the robot that `belvedere run` takes]
+    #[arg(value_name = "FILE|NAME")]
+    pub file: Option<String>,
+    /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
+    #[arg(long, value_name = "FOLDER")]
+    pub package_path: Vec<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CliError::Description`] if the file cannot be expanded; failures of standard output.
+pub fn run(args: &UrdfArgs) -> Result<(), CliError> {
+    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
+    let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
+    let file = args.file.clone().unwrap_or_else(default_robot_name);
+    let mut diagnostics = Diagnostics::default();
+    let robot = expand_robot(&file, &packages, &[], &mut diagnostics);
+    for problem in diagnostics.problems().iter().filter(|problem| problem.severity == Severity::Warning) {
+        tracing::warn!("{problem}");
+    }
+    match robot {
+        Some(robot) => print_line(robot.to_string().trim_end()),
+        None => Err(CliError::Description(diagnostics.errors().cloned().collect())),
+    }
+}

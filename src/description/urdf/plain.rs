@@ -1,0 +1,62 @@
+//! An expanded robot in the form that ROS's own reader of URDF takes, which is stricter than this one.
+
+use super::files::name_files_absolutely;
+use super::material::is_definition;
+use crate::description::diagnostics::Diagnostics;
+use crate::description::gazebo_materials::gazebo_material;
+use crate::description::model::Material;
+use crate::description::package::PackagePath;
+use crate::description::xml::{Element, Node};
+use std::collections::HashSet;
+
+/// Rewrites what urdfdom, the reader of `robot_state_publisher` and rviz, refuses or cannot find: a robot without a name,
+/// a material that is defined twice (a file that was included twice) or not before its first use, names of files
+/// that only this package path and the robot's own files explain. The robot stays the same to
+/// [`load_urdf`](super::load_urdf), but for the ambient part of those of Gazebo's own materials that URDF cannot tell.
+pub(in crate::description) fn make_plain(
+    robot: &mut Element,
+    packages: &PackagePath,
+    diagnostics: &mut Diagnostics,
+) {
+    if robot.attribute("name").is_none() {
+        robot.attributes.insert(0, ("name".into(), "robot".into()));
+    }
+    define_materials_once(robot);
+    name_files_absolutely(robot, packages, diagnostics);
+}
+
+/// The first definition of a name holds for all.
+fn define_materials_once(robot: &mut Element) {
+    let mut defined = HashSet::new();
+    robot.children.retain(|child| match child {
+        Node::Element(material) if material.name == "material" => {
+            let name = material.attribute("name").unwrap_or_default();
+            is_definition(material) && !name.is_empty() && defined.insert(name.to_owned())
+        }
+        _ => true,
+    });
+    let visuals = || robot.elements_named("link").flat_map(|link| link.elements_named("visual"));
+    let materials = || visuals().filter_map(|visual| visual.child("material"));
+    let name_of = |material: &Element| material.attribute("name").unwrap_or_default().to_owned();
+    let missing: Vec<Node> = materials()
+        .filter(|used| !is_definition(used) && !name_of(used).is_empty() && defined.insert(name_of(used)))
+        .map(|used| {
+            let elsewhere = materials().find(|other| is_definition(other) && name_of(other) == name_of(used));
+            Node::Element(elsewhere.cloned().unwrap_or_else(|| known_or_grey(used)))
+        })
+        .collect();
+    robot.children.splice(0..0, missing);
+}
+
+/// A definition of a material that has none in the file: Gazebo's, or else the grey that a shape has anyway.
+fn known_or_grey(used: &Element) -> Element {
+    let [red, green, blue] =
+        gazebo_material(used.attribute("name").unwrap_or_default()).unwrap_or_else(Material::default).diffuse;
+    let color = Element {
+        name: "color".into(),
+        attributes: vec![("rgba".into(), format!("{red} {green} {blue} 1"))],
+        children: Vec::new(),
+        source: used.source.clone(),
+    };
+    Element { children: vec![Node::Element(color)], ..used.clone() }
+}

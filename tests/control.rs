@@ -448,15 +448,16 @@ fn the_command_line_says_what_was_done_and_why_not() {
 fn what_is_sent_after_an_answer_shows_what_was_changed() {
     let simulator = Simulator::start(&["--drive", "still"]);
     let mut control = control(&simulator);
-    assert!(control.is_connected().unwrap());
-    assert_eq!(control.answered_ns(), 0);
     let mut states = simulator.subscribe(StreamSpec::MODEL_STATES);
     next_frame(&mut states);
+    assert!(control.is_connected().unwrap());
+    assert_eq!(control.answered_ns(), 0);
     for round in 0..40 {
         // In a pause and out of it.
         done(&mut control, if round % 2 == 0 { Operation::Pause } else { Operation::Resume });
         let x = f64::from(round) * 0.1 - 2.0;
-        let moved = SimulationCommand { position: [x, 0.0, 2.5], ..named(Operation::SetModelState, "tag_ceiling") };
+        let moved =
+            SimulationCommand { position: [x, 0.0, 2.5], ..named(Operation::SetModelState, "tag_ceiling") };
         done_with(&mut control, &moved, "");
         let frame = loop {
             let frame = next_frame(&mut states);
@@ -495,4 +496,24 @@ fn the_end_of_a_simulator_is_noticed_while_its_answer_is_waited_for() {
     let _successor = Simulator::start_in(domain, &["--drive", "still"]);
     done(&mut control, Operation::Pause);
     assert!(control.is_connected().unwrap());
+}
+
+#[test]
+fn a_robot_can_be_given_a_name() {
+    let simulator = Simulator::start(&["--drive", "still", "--name", "mobile_base"]);
+    let mut control = control(&simulator);
+    done_with(&mut control, &named(Operation::SetModelState, "mobile_base"), "");
+    let mut links = simulator.subscribe(StreamSpec::LINK_STATES);
+    assert!(state(&mut links, "mobile_base::base_link").is_some());
+    for (name, words) in [
+        ("world", "is the world itself"),
+        ("", "is the world itself"),
+        ("a::b", "'::' stands between"),
+        (&"n".repeat(64), "more than 63 bytes"),
+        ("tag_room", "a model of the world is called 'tag_room'"),
+    ] {
+        let refused = output(&["run", "--name", name, "--domain", &live::own_domain()]);
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert!(!refused.status.success() && said.contains(words), "{name}: {said}");
+    }
 }

@@ -41,6 +41,7 @@ pub fn camera_config(stddev: f32) -> CameraConfig {
         format: PixelFormat::Rgb8,
         near_m: 0.02,
         far_m: 300.0,
+        exposure: 1.0,
         noise: GaussianNoise::new(0.0, stddev, 0.0, 0.0, 0.0).expect("in range"),
         seed: 1,
         sensor: 0,

@@ -1,8 +1,8 @@
 //! What a stream carries, and how its bytes are coded.
 
 use crate::payload::{
-    CameraInfo, Clock, CoreSensors, Imu, JointState, ModelState, MotorPower, Odometry, ResetOdometry,
-    RobotEvent, SimulationCommand, SimulationResult, Transform, VelocityCommand,
+    CameraInfo, Clock, CoreSensors, Imu, JointState, ModelState, MotorPower, Odometry, Range, ResetOdometry,
+    RobotEvent, SensorSettings, SimulationCommand, SimulationResult, Transform, VelocityCommand,
 };
 
 macro_rules! wire_enum {
@@ -87,6 +87,10 @@ wire_enum! {
         ResetOdometry = 18 "reset_odometry",
         /// One [`MotorPower`], towards the robot.
         MotorPower = 19 "motor_power",
+        /// One [`Range`].
+        Range = 20 "range",
+        /// An array of [`SensorSettings`]: of every sensor that can be changed, as they are from the stamp on.
+        SensorSettings = 21 "sensor_settings",
     }
 }
 
@@ -111,6 +115,8 @@ impl Kind {
             Self::SimulationCommand => size_of::<SimulationCommand>(),
             Self::SimulationResult => size_of::<SimulationResult>(),
             Self::ModelStates => size_of::<ModelState>(),
+            Self::Range => size_of::<Range>(),
+            Self::SensorSettings => size_of::<SensorSettings>(),
         })
     }
 }
@@ -175,6 +181,8 @@ wire_enum! {
         Spawn = 7 "spawn",
         /// Take the model `name` out of the world.
         Delete = 8 "delete",
+        /// Change settings of the sensor `name`, or of the one that sends the topic `name`: `key=value` words in the text.
+        Configure = 9 "configure",
     }
 }
 

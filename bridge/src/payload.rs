@@ -3,8 +3,12 @@
 //! `frame_id`, their time its `stamp_ns`.
 
 mod control;
+mod range;
+mod settings;
 
 pub use control::{ModelState, SimulationCommand, SimulationResult};
+pub use range::Range;
+pub use settings::{SensorSettings, Setting};
 
 use std::mem::{offset_of, size_of};
 

@@ -30,6 +30,7 @@ const KIND: &str = "kind";
 const ENCODING: &str = "encoding";
 const RATE: &str = "rate_hz";
 const FRAME_ID: &str = "frame_id";
+const LAYERS: &str = "layers";
 
 /// What a stream is made with.
 ///
@@ -47,6 +48,8 @@ pub struct StreamSpec {
     pub frame_id: String,
     /// Frames per second that are intended; `None` when they come as they come.
     pub rate_hz: Option<f64>,
+    /// Layers of a lidar; `None` for what has none.
+    pub layers: Option<u32>,
     /// Largest payload in bytes.
     pub max_payload_len: usize,
     /// Publishers at a time: 1 for what the robot says, more for what it is told.
@@ -75,6 +78,7 @@ impl StreamSpec {
             encoding,
             frame_id: String::new(),
             rate_hz: None,
+            layers: None,
             max_payload_len,
             max_publishers: 1,
             max_subscribers: 8,
@@ -126,10 +130,19 @@ impl StreamSpec {
     pub const SIMULATION_COMMAND: &'static str = "simulation/command";
     /// Topic of the answers to them.
     pub const SIMULATION_RESULT: &'static str = "simulation/result";
+    /// Topic of the settings of sensors.
+    pub const SENSOR_SETTINGS: &'static str = "simulation/sensor_settings";
     /// Topic of the poses and velocities of all models.
     pub const MODEL_STATES: &'static str = "simulation/model_states";
     /// Topic of the poses and velocities of all links.
     pub const LINK_STATES: &'static str = "simulation/link_states";
+
+    /// The stream of the settings of this many sensors: sent at the start and after each change, and given to whoever
+    /// comes later.
+    #[must_use]
+    pub fn sensor_settings(sensors: usize) -> Self {
+        Self { buffer: 4, ..Self::structs(Self::SENSOR_SETTINGS, Kind::SensorSettings, sensors) }
+    }
 
     /// The same with this frame.
     #[must_use]
@@ -142,6 +155,13 @@ impl StreamSpec {
     #[must_use]
     pub fn rate_hz(mut self, rate_hz: f64) -> Self {
         self.rate_hz = Some(rate_hz);
+        self
+    }
+
+    /// The same with so many layers.
+    #[must_use]
+    pub fn layers(mut self, layers: u32) -> Self {
+        self.layers = Some(layers);
         self
     }
 
@@ -176,6 +196,7 @@ impl StreamSpec {
             Some((KIND, self.kind.to_string())),
             Some((ENCODING, self.encoding.to_string())),
             self.rate_hz.map(|rate| (RATE, rate.to_string())),
+            self.layers.map(|layers| (LAYERS, layers.to_string())),
             (!self.frame_id.is_empty()).then(|| (FRAME_ID, self.frame_id.clone())),
         ];
         let mut attributes = AttributeSpecifier::new();
@@ -199,8 +220,11 @@ pub struct StreamInfo {
     pub kind: Option<Kind>,
     /// How it is coded, likewise.
     pub encoding: Option<Encoding>,
-    /// Frames per second that are intended.
+    /// Frames per second that were intended when it was made; the rate of a sensor may have been changed since, see
+    /// [`StreamSpec::SENSOR_SETTINGS`].
     pub rate_hz: Option<f64>,
+    /// Layers of a lidar, if its maker said so.
+    pub layers: Option<u32>,
     /// The frame that the data are given in.
     pub frame_id: String,
     /// Publishers now: 0 when only subscribers are left of it.
@@ -434,6 +458,7 @@ fn describe(topic: String, frames: &Frames) -> StreamInfo {
         kind: attribute(attributes, KIND).and_then(|text| text.parse().ok()),
         encoding: attribute(attributes, ENCODING).and_then(|text| text.parse().ok()),
         rate_hz: attribute(attributes, RATE).and_then(|text| text.parse().ok()),
+        layers: attribute(attributes, LAYERS).and_then(|text| text.parse().ok()),
         frame_id: attribute(attributes, FRAME_ID).unwrap_or_default(),
         publishers: ports.number_of_publishers(),
         subscribers: ports.number_of_subscribers(),

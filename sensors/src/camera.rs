@@ -35,7 +35,11 @@ pub struct CameraConfig {
     pub near_m: f64,
     /// What is farther along the optical axis is not seen, in metres, more than `near_m`.
     pub far_m: f64,
-    /// Noise of a colour value in [0, 1]; one sample a pixel, the same for R, G and B.
+    /// Factor of the light that reaches the sensor, finite, 0 or more: 1 as the scene is lit. Colours are proportional to
+    /// it until they saturate at 1, as the electrons of a sensor are to its time of exposure (the linear model of EMVA
+    /// 1288); [`shade`](crate::shade) computes in such proportional colours, without gamma.
+    pub exposure: f32,
+    /// Noise of a colour value in [0, 1], which exposure leaves as it is; one sample a pixel, the same for R, G and B.
     pub noise: GaussianNoise,
     /// Seed of the simulation.
     pub seed: u64,
@@ -55,6 +59,8 @@ pub enum CameraError {
     Clip,
     /// The valid range of a depth camera is not 0 ≤ min < max.
     Cutoff,
+    /// The exposure is negative, NaN or infinite.
+    Exposure,
 }
 
 impl core::fmt::Display for CameraError {
@@ -64,6 +70,7 @@ impl core::fmt::Display for CameraError {
             Self::FieldOfView => "the angle of view must be more than 0 and less than π",
             Self::Clip => "the clip distances must be 0 < near < far",
             Self::Cutoff => "the valid depths must be 0 <= min < max",
+            Self::Exposure => "the exposure must be a finite number, 0 or more",
         })
     }
 }
@@ -84,7 +91,7 @@ impl core::error::Error for CameraError {}
 /// })?;
 /// let camera = Camera::new(CameraConfig {
 ///     width: 64, height: 48, horizontal_fov_rad: 1.0, format: PixelFormat::Rgb8, near_m: 0.02, far_m: 300.0,
-///     noise: GaussianNoise::NONE, seed: 1, sensor: 0,
+///     exposure: 1.0, noise: GaussianNoise::NONE, seed: 1, sensor: 0,
 /// })?;
 /// let mut pixels = vec![0; camera.frame_len()];
 /// let mut workspace = WorkspaceBuf::default();
@@ -100,6 +107,8 @@ pub struct Camera {
     config: CameraConfig,
     lens: Pinhole,
     bias: f32,
+    /// Whether colours stay as they are shaded.
+    is_ideal: bool,
 }
 
 impl Camera {
@@ -118,10 +127,14 @@ impl Camera {
         if !(config.near_m > 0.0 && config.near_m < config.far_m) {
             return Err(CameraError::Clip);
         }
+        if !(config.exposure.is_finite() && config.exposure >= 0.0) {
+            return Err(CameraError::Exposure);
+        }
         Ok(Self {
             config,
             lens: Pinhole::from_fov(config.width, config.height, config.horizontal_fov_rad),
             bias: config.noise.bias(config.seed, config.sensor, 0),
+            is_ideal: config.exposure == 1.0 && config.noise.is_none(),
         })
     }
 
@@ -180,9 +193,15 @@ impl Camera {
         Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m] }
     }
 
-    /// The noise of a tile. Samples are counted tile by tile, 64 to each, along the rows of tiles.
+    /// Exposure and noise of a tile. Samples are counted tile by tile, 64 to each, along the rows of tiles.
     #[inline(always)]
-    pub(crate) fn add_noise(&self, frame: u64, tile: u32, colours: &mut Colours) {
+    pub(crate) fn expose(&self, frame: u64, tile: u32, colours: &mut Colours) {
+        if self.is_ideal {
+            return;
+        }
+        if self.config.exposure != 1.0 {
+            pixel::expose(colours, self.config.exposure);
+        }
         if self.config.noise.is_none() {
             return;
         }
@@ -213,7 +232,7 @@ impl BandWork<Rows<'_>> for Painter<'_> {
             for column in 0..tiles {
                 tile.take(simd, band, &mut resolver, &rays, [column, row]);
                 shader.shade(simd, band.view, &tile, &rays, &mut colours);
-                camera.add_noise(capture.frame, (row * tiles + column) as u32, &mut colours);
+                camera.expose(capture.frame, (row * tiles + column) as u32, &mut colours);
                 pixel::write_tile(simd, &colours, camera.config.format, column * TILE_WIDTH, pixels, stride);
             }
         }

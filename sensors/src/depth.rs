@@ -258,7 +258,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 if wants_colour {
                     seen.take(simd, band, &mut resolver, &rays, [column, row]);
                     shader.shade(simd, band.view, &seen, &rays, &mut colours);
-                    camera.camera.add_noise(capture.frame, tile, &mut colours);
+                    camera.camera.expose(capture.frame, tile, &mut colours);
                 }
                 let truth = measure.tile(simd, band, &mut resolver, [column, row]);
                 let depths = camera.depths(&truth, capture.frame, tile);

@@ -28,6 +28,16 @@ impl PixelFormat {
     }
 }
 
+/// Light times a factor; clamped, where it is too much, when it becomes a byte.
+#[inline(always)]
+pub(crate) fn expose(colours: &mut Colours, exposure: f32) {
+    for channel in colours {
+        for value in channel {
+            *value *= exposure;
+        }
+    }
+}
+
 /// Adds to each lane's colour its noise, the same to all three channels. What leaves [0, 1] is clamped when it
 /// becomes a byte, as Gazebo does.
 #[inline(always)]

@@ -4,7 +4,7 @@ use super::error::CliError;
 use super::follow::print_line;
 use crate::description::model::{
     CameraPlugin, CameraSensor, Geometry, Joint, JointKind, Light, LightKind, LinkIndex, Model, Noise,
-    PixelFormat, Plugin, RaySensor, Sensor, SensorKind, World,
+    PixelFormat, Plugin, Radiation, RaySensor, Sensor, SensorKind, World,
 };
 use crate::description::package::PackagePath;
 use crate::description::robot::{LoadOptions, default_robot_name, load_robot, robot_names};
@@ -167,6 +167,7 @@ fn sensor_report(model: &Model, sensor: &Sensor) -> Vec<String> {
     let kind = match sensor.kind {
         SensorKind::Camera(_) => "camera",
         SensorKind::Depth(_) => "depth camera",
+        SensorKind::Ray(_) if matches!(sensor.plugin, Some(Plugin::Range(_))) => "rangefinder",
         SensorKind::Ray(_) => "lidar",
     };
     let mut lines = vec![format!("{kind} {} ({})", sensor.name, sensor.source)];
@@ -183,6 +184,15 @@ fn sensor_report(model: &Model, sensor: &Sensor) -> Vec<String> {
         Some(Plugin::Laser(laser)) => {
             say("topic", laser.topic.clone());
             say("frame", laser.frame_name.clone());
+        }
+        Some(Plugin::Range(range)) => {
+            say("topic", range.topic.clone());
+            say("frame", range.frame_name.clone());
+            let radiation = match range.radiation {
+                Radiation::Ultrasound => "ultrasound",
+                Radiation::Infrared => "infrared",
+            };
+            say("cone", format!("{} of {radiation}", angle(range.field_of_view_rad)));
         }
         Some(Plugin::Camera(camera)) => {
             say("topics", format!("{}, {}", camera.image_topic, camera.camera_info_topic));

@@ -1,13 +1,14 @@
-//! `belvedere control`: pause, step, reset a running simulation, and move, add and remove what is in it.
+//! `belvedere control`: pause, step, reset a running simulation, move, add and remove what is in it, and change its
+//! sensors.
 
 use super::error::CliError;
 use super::follow::{DomainArgs, print_line, seconds};
-use belvedere_bridge::payload::{ModelState, SimulationCommand, SimulationResult};
+use belvedere_bridge::payload::{Message, ModelState, SensorSettings, SimulationCommand, SimulationResult};
 use belvedere_bridge::{Node, Operation, SimulationControl, StreamSpec, Text};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Control a running simulation.
 ///
@@ -20,6 +21,7 @@ use std::time::{Duration, Instant};
   belvedere control move crate 1.5 0 0.1 90
   belvedere control spawn crate.sdf --name second_crate --pose 2,0,0.5
   belvedere control delete second_crate
+  belvedere control configure camera1 update_rate=15 exposure=0.5
   belvedere control reset --domain lab")]
 pub struct ControlArgs {
     #[command(subcommand)]
@@ -94,6 +96,21 @@ enum What {
         /// Its name, as `belvedere control states` gives it
         name: String,
     },
+    /// Change settings of a sensor from its next frame on; all of them, or none if one is refused
+    Configure {
+        /// Its name, as `belvedere control settings` gives it, or a topic that it sends
+        sensor: String,
+        /// What is to be changed, such as update_rate=15; noise_mean and noise_stddev are in metres for a lidar, and for
+        /// a camera of colours in [0, 1]; exposure is a factor of the light
+        #[arg(value_name = "SETTING=VALUE", required = true)]
+        settings: Vec<String>,
+    },
+    /// Print the settings of every sensor, and what they may be
+    Settings {
+        /// Print one JSON object a line
+        #[arg(long)]
+        json: bool,
+    },
     /// Print where every model is
     States {
         /// Every link, too
@@ -132,8 +149,10 @@ fn place(text: &str) -> Result<Place, String> {
 /// the bridge and of standard output.
 pub fn run(args: &ControlArgs) -> Result<(), CliError> {
     let node = Node::open(&args.domain.domain.domain, "belvedere control")?;
-    if let What::States { links, json } = args.operation {
-        return states(&node, args, links, json);
+    match args.operation {
+        What::States { links, json } => return states(&node, args, links, json),
+        What::Settings { json } => return settings(&node, args, json),
+        _ => {}
     }
     let (operation, command, text) = command(&args.operation)?;
     let result = SimulationControl::open(&node)?.call(&command, &text, args.domain.timeout)?;
@@ -158,6 +177,7 @@ fn command(what: &What) -> Result<(&'static str, SimulationCommand, String), Cli
         What::ResetWorld => (Operation::ResetWorld, "reset-world"),
         What::Move { .. } => (Operation::SetModelState, "move"),
         What::Spawn { .. } => (Operation::Spawn, "spawn"),
+        What::Configure { .. } | What::Settings { .. } => (Operation::Configure, "configure"),
         What::Delete { .. } | What::States { .. } => (Operation::Delete, "delete"),
     };
     let mut command = SimulationCommand::new(operation);
@@ -177,6 +197,10 @@ fn command(what: &What) -> Result<(&'static str, SimulationCommand, String), Cli
             (command.position, command.orientation) = (pose.position, turned(pose.yaw_deg));
         }
         What::Delete { name: model } => command.name = name(word, model)?,
+        What::Configure { sensor, settings } => {
+            command.name = name(word, sensor)?;
+            text = settings.join(" ");
+        }
         _ => {}
     }
     Ok((word, command, text))
@@ -190,20 +214,52 @@ fn name(operation: &'static str, text: &str) -> Result<Text<64>, CliError> {
     Text::new(text).map_err(|error| CliError::Refused { operation, reason: format!("'{text}': {error}") })
 }
 
+/// The structs of the first frame that comes, if one does in time.
+pub(super) fn first<T: Message>(
+    node: &Node,
+    topic: &str,
+    patience: Duration,
+) -> Result<Option<Vec<T>>, CliError> {
+    let mut subscriber = node.subscriber(topic)?;
+    if !subscriber.wait(patience)? {
+        return Ok(None);
+    }
+    let Some(frame) = subscriber.take()? else { return Ok(None) };
+    let structs = frame.view().structs().map(Iterator::collect);
+    Ok(Some(structs.map_err(|error| belvedere_bridge::Error::Frame { topic: topic.to_owned(), error })?))
+}
+
+/// Prints the settings of all sensors.
+fn settings(node: &Node, args: &ControlArgs, json: bool) -> Result<(), CliError> {
+    let sensors: Vec<SensorSettings> =
+        first(node, StreamSpec::SENSOR_SETTINGS, args.domain.timeout)?.ok_or_else(|| no_answer(args))?;
+    let width = sensors.iter().map(|sensor| sensor.name.as_str().len()).max().unwrap_or(0).max(6);
+    if !json {
+        print_line(&format!(
+            "{:width$}  {:12} {:>10} {:>10} {:>10}",
+            "SENSOR", "SETTING", "VALUE", "MIN", "MAX"
+        ))?;
+    }
+    for sensor in &sensors {
+        if json {
+            print_line(&super::message::sensor_settings(sensor).to_json().to_string())?;
+            continue;
+        }
+        let name = sensor.name.as_str();
+        for (setting, values) in sensor.by_name() {
+            if !values.value.is_nan() {
+                let (value, min, max) = (values.value, values.min, values.max);
+                print_line(&format!("{name:width$}  {setting:12} {value:>10} {min:>10} {max:>10}"))?;
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Prints the first states that come.
 fn states(node: &Node, args: &ControlArgs, links: bool, json: bool) -> Result<(), CliError> {
     let topic = if links { StreamSpec::LINK_STATES } else { StreamSpec::MODEL_STATES };
-    let mut subscriber = node.subscriber(topic)?;
-    let deadline = Instant::now() + args.domain.timeout;
-    if !subscriber.wait(deadline.saturating_duration_since(Instant::now()))? {
-        return Err(no_answer(args));
-    }
-    let frame = subscriber.take()?.ok_or_else(|| no_answer(args))?;
-    let view = frame.view();
-    let states: Vec<ModelState> = view
-        .structs()
-        .map_err(|error| belvedere_bridge::Error::Frame { topic: topic.to_owned(), error })?
-        .collect();
+    let states: Vec<ModelState> = first(node, topic, args.domain.timeout)?.ok_or_else(|| no_answer(args))?;
     let width = states.iter().map(|state| state.name.as_str().len()).max().unwrap_or(0).max(4);
     if !json {
         print_line(&format!(

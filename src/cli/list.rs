@@ -2,10 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use belvedere_bridge::{Encoding, Kind, Node, StreamInfo};
+use belvedere_bridge::payload::SensorSettings;
+use belvedere_bridge::{Encoding, Kind, Node, StreamInfo, StreamSpec};
 use serde_json::json;
 
 use super::{
+    control::first,
     error::CliError,
     follow::{DomainArgs, UntilArgs, listen_for_stop, print_line, stop_wanted, with_slash},
 };
@@ -57,11 +59,32 @@ pub fn run(args: &ListArgs) -> Result<(), CliError> {
         {
             break;
         }
-        let streams = node.streams()?;
+        let mut streams = node.streams()?;
         if streams.is_empty() && round == 0 {
             return Err(CliError::NoSimulator(args.domain.domain.clone()));
         }
+        take_changed_rates(&node, &mut streams)?;
         print(&streams, args.json)?;
+    }
+    Ok(())
+}
+
+/// How long a simulator that runs may take to tell its settings to who has just come.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// The rates that streams were made with are those of the description; a sensor's may have been changed since.
+fn take_changed_rates(node: &Node, streams: &mut [StreamInfo]) -> Result<(), CliError> {
+    let are_told = |stream: &StreamInfo| stream.topic == StreamSpec::SENSOR_SETTINGS && stream.publishers > 0;
+    if !streams.iter().any(are_told) {
+        return Ok(());
+    }
+    let sensors: Vec<SensorSettings> =
+        first(node, StreamSpec::SENSOR_SETTINGS, PATIENCE)?.unwrap_or_default();
+    for stream in streams {
+        if let Some(sensor) = sensors.iter().find(|sensor| sensor.topics().any(|topic| topic == stream.topic))
+        {
+            stream.rate_hz = Some(sensor.update_rate.value);
+        }
     }
     Ok(())
 }
@@ -75,6 +98,7 @@ fn print(streams: &[StreamInfo], json: bool) -> Result<(), CliError> {
                 "encoding": stream.encoding.map(Encoding::as_str),
                 "rate_hz": stream.rate_hz,
                 "frame_id": stream.frame_id,
+                "layers": stream.layers,
                 "publishers": stream.publishers,
                 "subscribers": stream.subscribers,
                 "max_payload_bytes": stream.max_payload_len,

@@ -5,8 +5,9 @@ use std::fmt;
 use belvedere_bridge::{
     Encoding, FrameHeader, FrameView, Kind, Operation,
     payload::{
-        CameraInfo, Clock, CoreSensors, Imu, JointState, ModelState, MotorPower, Odometry, ResetOdometry,
-        RobotEvent, SimulationCommand, SimulationResult, Transform, VelocityCommand,
+        CameraInfo, Clock, CoreSensors, Imu, JointState, ModelState, MotorPower, Odometry, Range,
+        ResetOdometry, RobotEvent, SensorSettings, Setting, SimulationCommand, SimulationResult, Transform,
+        VelocityCommand,
     },
 };
 use serde_json::Value;
@@ -140,6 +141,8 @@ pub fn decode(frame: &FrameView<'_>, limit: usize) -> Tree {
         Some(Kind::SimulationCommand) => one(frame, simulation_command),
         Some(Kind::SimulationResult) => one(frame, simulation_result),
         Some(Kind::ModelStates) => each(frame, "states", limit, model_state),
+        Some(Kind::Range) => one(frame, range),
+        Some(Kind::SensorSettings) => each(frame, "sensors", limit, sensor_settings),
         None => None,
     };
     let entries = entries.unwrap_or_else(|| unknown(frame, limit));
@@ -381,6 +384,32 @@ fn model_state(state: &ModelState) -> Tree {
         ("pose", pose(state.position, state.orientation)),
         ("twist", Map(vec![("linear", xyz(state.linear)), ("angular", xyz(state.angular))])),
     ])
+}
+
+fn range(range: &Range) -> Entries {
+    let radiation = match range.radiation_type {
+        Range::ULTRASOUND => "ultrasound",
+        Range::INFRARED => "infrared",
+        _ => "unknown",
+    };
+    vec![
+        ("radiation_type", text(radiation)),
+        ("field_of_view", Number(range.field_of_view.into())),
+        ("min_range", Number(range.min_range.into())),
+        ("max_range", Number(range.max_range.into())),
+        ("range", Number(range.range.into())),
+    ]
+}
+
+/// What a sensor has not is left out.
+pub(super) fn sensor_settings(sensor: &SensorSettings) -> Tree {
+    let topics = sensor.topics().map(text).collect();
+    let entries = [("name", text(sensor.name.as_str())), ("topics", List(topics, 0))];
+    let number = |Setting { value, min, max }| {
+        Map(vec![("value", Number(value)), ("min", Number(min)), ("max", Number(max))])
+    };
+    let settings = sensor.by_name().into_iter().filter(|(_, setting)| !setting.value.is_nan());
+    Map(entries.into_iter().chain(settings.map(|(name, setting)| (name, number(setting)))).collect())
 }
 
 fn pose(position: [f64; 3], orientation: [f64; 4]) -> Tree {

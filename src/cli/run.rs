@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::follow::{listen_for_stop, print_line, seconds, stop_wanted};
 use super::status::Status;
 use crate::control::SpawnOptions;
+use crate::control::roster::model_name;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::robot::{LoadOptions, default_robot_name, load_robot};
@@ -38,6 +39,9 @@ pub struct RunArgs {
     /// [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]
     #[arg(long, value_name = "FILE|NAME")]
     robot: Option<String>,
+    /// What the robot is called in the world [default: as its description has it]
+    #[arg(long, value_name = "NAME", value_parser = model_name)]
+    name: Option<String>,
     /// The world: an SDF file, or the name of one of ours
     /// [default: tag_ceiling, or TURTLEBOT_GAZEBO_WORLD_FILE]
     #[arg(long, value_name = "FILE|NAME")]
@@ -143,7 +147,18 @@ fn load(args: &RunArgs) -> Result<(World, Model), CliError> {
     let world = load_world(&world, &packages, args.gazebo_compat, &mut diagnostics);
     let options = LoadOptions { packages, gazebo_compat: args.gazebo_compat, xacro_args: Vec::new() };
     let robot = args.robot.clone().unwrap_or_else(default_robot_name);
-    let robot = load_robot(&robot, &options, &mut diagnostics);
+    let mut robot = load_robot(&robot, &options, &mut diagnostics);
+    if let (Some(robot), Some(name)) = (&mut robot, &args.name) {
+        robot.name.clone_from(name);
+        let models = world.iter().flat_map(|world| &world.models);
+        for model in models.filter(|model| model.name == *name) {
+            diagnostics.error(
+                &model.source,
+                format!("a model of the world is called '{name}'"),
+                "give the robot another --name",
+            );
+        }
+    }
     for problem in diagnostics.problems() {
         match problem.severity {
             Severity::Error => {}

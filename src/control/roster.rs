@@ -8,6 +8,25 @@ use belvedere_sensors::Pose;
 /// Names that mean the world itself; Gazebo's services know the same.
 const WORLD_NAMES: [&str; 4] = ["", "world", "map", "/map"];
 
+/// Longest name that a command can give, in bytes.
+pub const MAX_NAME_BYTES: usize = 63;
+
+/// A name that a model may be given from outside.
+///
+/// # Errors
+/// In words: it means the world, or something of a model's, or no command could name it.
+pub fn model_name(name: &str) -> Result<String, String> {
+    if WORLD_NAMES.contains(&name) {
+        Err(format!("'{name}' is the world itself"))
+    } else if name.contains("::") {
+        Err("'::' stands between a model and its link".to_owned())
+    } else if name.len() > MAX_NAME_BYTES {
+        Err(format!("it has more than {MAX_NAME_BYTES} bytes"))
+    } else {
+        Ok(name.to_owned())
+    }
+}
+
 /// How a model came into the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {

@@ -426,8 +426,11 @@ pub enum Plugin {
     Camera(CameraPlugin),
     /// `libgazebo_ros_openni_kinect.so`.
     DepthCamera(DepthCameraPlugin),
-    /// `libgazebo_ros_laser.so`, `libgazebo_ros_gpu_laser.so`.
+    /// Those of lidars: `libgazebo_ros_laser.so`, `libgazebo_ros_block_laser.so`, `libgazebo_ros_velodyne_laser.so`, and
+    /// their `gpu` sisters.
     Laser(LaserPlugin),
+    /// `libgazebo_ros_range.so`.
+    Range(RangePlugin),
 }
 
 /// Parameters shared by the camera plugins. Topics are resolved: absolute, camera name prefixed unless the
@@ -473,7 +476,31 @@ pub struct DepthCameraPlugin {
     pub depth_16uc1: bool,
 }
 
-/// Parameters of the laser plugin.
+/// Parameters of the plugin of rangefinders.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RangePlugin {
+    /// Absolute topic of the range.
+    pub topic: String,
+    /// `frameName`.
+    pub frame_name: String,
+    /// `updateRate`; none if 0 or not given.
+    pub update_rate_hz: Option<f64>,
+    /// `radiation`.
+    pub radiation: Radiation,
+    /// `fov` in radians, as messages say it; the beams are the sensor's.
+    pub field_of_view_rad: f64,
+}
+
+/// What a rangefinder sends out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Radiation {
+    /// Sound.
+    Ultrasound,
+    /// Infrared light.
+    Infrared,
+}
+
+/// Parameters of the laser plugins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LaserPlugin {
     /// Absolute topic of the scan.
@@ -492,6 +519,7 @@ impl Sensor {
             Some(Plugin::Camera(camera)) => camera.update_rate_hz,
             Some(Plugin::DepthCamera(depth)) => depth.camera.update_rate_hz,
             Some(Plugin::Laser(laser)) => laser.update_rate_hz,
+            Some(Plugin::Range(range)) => range.update_rate_hz,
             None => None,
         };
         match (self.update_rate_hz, plugin_rate) {

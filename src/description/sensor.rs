@@ -44,8 +44,8 @@ pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnos
         }
     };
     let update_rate_hz = reader.rate(sensor, "update_rate");
-    let kind = kind?;
-    let plugin = reader.plugin(sensor, &kind);
+    let mut kind = kind?;
+    let plugin = reader.plugin(sensor, &mut kind);
     Some(Sensor {
         name,
         link,

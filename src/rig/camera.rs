@@ -3,11 +3,12 @@
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Told, camera_config, encoding};
-use super::{RigContext, RigError, Setting};
+use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraPlugin, CameraSensor, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Intrinsics, Kind, StreamSpec};
-use belvedere_sensors::camera::Camera;
+use belvedere_sensors::camera::{Camera, CameraConfig};
+use belvedere_sensors::noise::GaussianNoiseError;
 use belvedere_sensors::trace::Capture;
 use std::time::Instant;
 
@@ -74,7 +75,21 @@ impl CameraChannel {
         self.info.send_structs(context.stamp_ns, &[self.info_message]);
     }
 
+    /// Takes other settings from its next frame on.
+    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+        self.camera = Camera::new(exposed(self.camera.config(), settings)?)?;
+        Ok(())
+    }
+
     pub(super) fn outlets(&self) -> [&Outlet; 2] {
         [&self.image, &self.info]
     }
+}
+
+/// The same camera with other settings.
+pub(super) fn exposed(
+    config: &CameraConfig,
+    settings: &Settings,
+) -> Result<CameraConfig, GaussianNoiseError> {
+    Ok(CameraConfig { exposure: settings.exposure(), noise: settings.noise(&config.noise)?, ..*config })
 }

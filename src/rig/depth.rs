@@ -1,9 +1,10 @@
 //! A Kinect: depth, colour and cloud from one look, and the infos.
 
+use super::camera::exposed;
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Told, camera_config, encoding};
-use super::{RigContext, RigError, Setting};
+use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraSensor, DepthCameraPlugin, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, LoanedFrame, StreamSpec};
@@ -137,6 +138,14 @@ impl DepthChannel {
         }
         self.colour_info.send_structs(context.stamp_ns, &[self.info_message]);
         self.depth_info.send_structs(context.stamp_ns, &[self.info_message]);
+    }
+
+    /// Takes other settings from its next frame on: noise and exposure are the colour picture's.
+    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+        let config = self.camera.config();
+        let camera = exposed(&config.camera, settings)?;
+        self.camera = DepthCamera::new(DepthCameraConfig { camera, ..*config })?;
+        Ok(())
     }
 
     pub(super) fn outlets(&self) -> [&Outlet; 5] {

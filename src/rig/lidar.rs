@@ -3,10 +3,11 @@
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
-use super::{RigContext, RigError, Setting};
+use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
+use belvedere_sensors::noise::GaussianNoiseError;
 use belvedere_sensors::trace::Capture;
 use std::time::Instant;
 
@@ -27,29 +28,16 @@ impl LidarChannel {
         setting: &Setting<'_>,
     ) -> Result<Self, RigError> {
         let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
-        let beams = |axis: &ScanAxis| Beams {
-            samples: axis.samples,
-            min_angle_rad: axis.min_angle_rad,
-            max_angle_rad: axis.max_angle_rad,
-        };
-        let (horizontal, vertical) = (beams(&ray.horizontal), beams(&ray.vertical));
-        let lidar = Lidar::new(LidarConfig {
-            horizontal,
-            vertical,
-            range_min_m: ray.range_min_m,
-            range_max_m: ray.range_max_m,
-            too_near: if setting.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
-            noise: noise(&ray.noise).map_err(|error| refused(&error))?,
-            seed: setting.seed,
-            sensor: setting.sensor,
-        })
-        .map_err(|error| refused(&error))?;
+        let config = lidar_config(ray, setting).map_err(|error| refused(&error))?;
+        let LidarConfig { horizontal, vertical, .. } = config;
+        let lidar = Lidar::new(config).map_err(|error| refused(&error))?;
         let frame = setting.frame_id(sensor, &plugin.frame_name);
         let rate = setting.rate.hz();
         // Ranges, and a plane of intensities after them.
         let bytes = lidar.beams() * size_of::<f32>() * 2;
         let spec = StreamSpec::new(&plugin.topic, Kind::LaserScan, Encoding::RangesF32, bytes)
             .frame_id(&frame)
+            .layers(vertical.samples)
             .rate_hz(rate);
         // As deep as that of messages: scans are small, come at 40 Hz, and mapping wants each of them.
         let spec = StreamSpec { buffer: 16, ..spec };
@@ -100,7 +88,40 @@ impl LidarChannel {
         self.scan.record(outcome, started.elapsed());
     }
 
+    /// Takes other settings from its next frame on.
+    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+        let config = self.lidar.config();
+        self.lidar = Lidar::new(LidarConfig { noise: settings.noise(&config.noise)?, ..*config })?;
+        // Gazebo's plugin gives 0 at any rate.
+        if self.geometry.scan_time != 0.0 {
+            self.geometry.scan_time = 1.0 / settings.update_rate_hz();
+        }
+        Ok(())
+    }
+
     pub(super) fn outlets(&self) -> [&Outlet; 1] {
         [&self.scan]
     }
+}
+
+/// The lidar of a description.
+pub(super) fn lidar_config(
+    ray: &RaySensor,
+    setting: &Setting<'_>,
+) -> Result<LidarConfig, GaussianNoiseError> {
+    let beams = |axis: &ScanAxis| Beams {
+        samples: axis.samples,
+        min_angle_rad: axis.min_angle_rad,
+        max_angle_rad: axis.max_angle_rad,
+    };
+    Ok(LidarConfig {
+        horizontal: beams(&ray.horizontal),
+        vertical: beams(&ray.vertical),
+        range_min_m: ray.range_min_m,
+        range_max_m: ray.range_max_m,
+        too_near: if setting.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
+        noise: noise(&ray.noise)?,
+        seed: setting.seed,
+        sensor: setting.sensor,
+    })
 }

@@ -12,13 +12,19 @@ mod lidar;
 mod mount;
 mod outlet;
 pub mod pictures;
+mod range;
 pub mod rate;
+pub mod schedule;
+pub mod settings;
 mod state;
 
 pub use outlet::{Outlet, Tally};
 pub use rate::Rate;
+pub use schedule::Schedule;
+pub use settings::Settings;
 
 use crate::description::model::{Model, Plugin, Sensor, SensorKind};
+use crate::description::values::nearest;
 use crate::description::{Problem, Severity};
 use crate::robot::Robot;
 use crate::world::physics::{ModelIndex, Physics};
@@ -30,6 +36,7 @@ use belvedere_sensors::trace::WorkspaceBuf;
 use camera::CameraChannel;
 use depth::DepthChannel;
 use lidar::LidarChannel;
+use range::RangeChannel;
 use state::{ClockChannel, StateChannel};
 
 /// Rate of the clock in Hz: a consumer's timers get within 10 ms of simulated time.
@@ -136,30 +143,86 @@ enum Channel {
     Camera(Box<CameraChannel>),
     Depth(Box<DepthChannel>),
     Lidar(Box<LidarChannel>),
+    Range(Box<RangeChannel>),
 }
 
 impl Channel {
+    /// Its streams.
+    fn outlets(&self) -> Vec<&Outlet> {
+        match self {
+            Self::Clock(clock) => clock.outlets().into(),
+            Self::State(state) => state.outlets().collect(),
+            Self::Base(base) => base.outlets().into(),
+            Self::Camera(camera) => camera.outlets().into(),
+            Self::Depth(depth) => depth.outlets().into(),
+            Self::Lidar(lidar) => lidar.outlets().into(),
+            Self::Range(range) => range.outlets().into(),
+        }
+    }
+
     /// Whether its next frame shows the scene to somebody.
     fn is_rendered(&self) -> bool {
         match self {
             Self::Clock(_) | Self::State(_) | Self::Base(_) => false,
-            Self::Camera(camera) => camera.outlets().into_iter().any(Outlet::is_wanted),
-            Self::Depth(depth) => depth.outlets().into_iter().any(Outlet::is_wanted),
-            Self::Lidar(lidar) => lidar.outlets().into_iter().any(Outlet::is_wanted),
+            Self::Camera(_) | Self::Depth(_) | Self::Lidar(_) | Self::Range(_) => {
+                self.outlets().into_iter().any(Outlet::is_wanted)
+            }
         }
     }
 }
 
 struct Scheduled {
+    /// As described.
     rate: Rate,
-    /// Number of the next frame.
-    next: u64,
+    schedule: Schedule,
     channel: Channel,
+    /// Of what can be changed while it runs.
+    tuning: Option<Tuning>,
+}
+
+/// A sensor's settings, described and as they are.
+struct Tuning {
+    sensor: String,
+    described: Settings,
+    now: Settings,
+}
+
+impl Scheduled {
+    fn new(rate: Rate, channel: Channel) -> Self {
+        Self { rate, schedule: Schedule::new(rate), channel, tuning: None }
+    }
+
+    /// Takes other settings from the next frame on.
+    fn configure(&mut self, settings: Settings, now_ns: u64) -> Result<(), String> {
+        let Some(tuning) = &mut self.tuning else { return Ok(()) };
+        let rate_hz = settings.update_rate_hz();
+        let rate = Rate::from_hz(rate_hz).ok_or_else(|| format!("{rate_hz} Hz is no rate"))?;
+        let configured = match &mut self.channel {
+            Channel::Clock(_) | Channel::State(_) | Channel::Base(_) => Ok(()),
+            Channel::Camera(camera) => camera.configure(&settings),
+            Channel::Depth(depth) => depth.configure(&settings),
+            Channel::Lidar(lidar) => lidar.configure(&settings),
+            Channel::Range(range) => range.configure(&settings),
+        };
+        configured.map_err(|error| error.to_string())?;
+        if rate_hz.to_bits() != tuning.now.update_rate_hz().to_bits() {
+            self.schedule.change_rate(rate, now_ns);
+        }
+        tuning.now = settings;
+        self.channel.outlets().into_iter().for_each(|outlet| outlet.set_rate_hz(rate_hz));
+        Ok(())
+    }
+
+    fn topics(&self) -> Vec<String> {
+        self.channel.outlets().into_iter().map(Outlet::topic).collect()
+    }
 }
 
 /// All channels of a simulation.
 pub struct Rig {
     channels: Vec<Scheduled>,
+    /// The stream of the settings of sensors.
+    settings: Outlet,
     workspace: WorkspaceBuf,
 }
 
@@ -178,7 +241,10 @@ impl Rig {
     ) -> Result<Self, RigError> {
         let mut workspace = WorkspaceBuf::default();
         workspace.execution = options.execution;
-        let mut rig = Self { channels: Vec::new(), workspace };
+        let sensors = models.iter().map(|model| model.sensors.len()).sum();
+        let settings = StreamSpec::sensor_settings(sensors);
+        let settings = Outlet::open(node, &settings, options.hashed, options.lossless.as_ref())?;
+        let mut rig = Self { channels: Vec::new(), settings, workspace };
         let mut sensor_number = 0;
         for (robot, (model, running)) in models.iter().zip(robots).enumerate() {
             let setting = |rate, sensor| Setting {
@@ -208,27 +274,30 @@ impl Rig {
             for sensor in &model.sensors {
                 let rate = sensor_rate(sensor, physics);
                 if let Some(channel) = open_sensor(sensor, &setting(rate, sensor_number))? {
-                    rig.add(rate, channel);
+                    let described = Settings::described(sensor, rate.hz());
+                    let tuning = Tuning { sensor: sensor.name.clone(), described, now: described };
+                    rig.channels.push(Scheduled { tuning: Some(tuning), ..Scheduled::new(rate, channel) });
                 }
                 sensor_number += 1;
             }
         }
+        rig.tell_settings(physics.time_ns());
         Ok(rig)
     }
 
     fn add(&mut self, rate: Rate, channel: Channel) {
-        self.channels.push(Scheduled { rate, next: 0, channel });
+        self.channels.push(Scheduled::new(rate, channel));
     }
 
     /// Stamp in ns of the frame that is due next.
     pub fn next_stamp_ns(&self) -> u64 {
-        self.channels.iter().map(|channel| channel.rate.stamp_ns(channel.next)).min().unwrap_or(u64::MAX)
+        self.channels.iter().map(|channel| channel.schedule.next_ns()).min().unwrap_or(u64::MAX)
     }
 
     /// Publishes every frame that is due at `stamp_ns`, for which physics must have arrived there.
     pub fn publish(&mut self, stamp_ns: u64, physics: &Physics, robots: &[Robot], scene: &mut WorldScene) {
         for scheduled in &mut self.channels {
-            if scheduled.rate.stamp_ns(scheduled.next) != stamp_ns {
+            if scheduled.schedule.next_ns() != stamp_ns {
                 continue;
             }
             if scheduled.channel.is_rendered() {
@@ -236,24 +305,90 @@ impl Rig {
             }
             let workspace = &mut self.workspace;
             let mut context = RigContext { stamp_ns, physics, robots, scene, workspace };
-            let frame = scheduled.next;
+            let frame = scheduled.schedule.next();
             match &mut scheduled.channel {
-                Channel::Clock(clock) => clock.publish(&mut context),
+                Channel::Clock(clock) => {
+                    clock.publish(&mut context);
+                    // Whoever has come since the last change gets the settings now.
+                    self.settings.update();
+                }
                 Channel::State(state) => state.publish(&mut context),
                 Channel::Base(base) => base.publish(&mut context),
                 Channel::Camera(camera) => camera.publish(&mut context, frame),
                 Channel::Depth(depth) => depth.publish(&mut context, frame),
                 Channel::Lidar(lidar) => lidar.publish(&mut context, frame),
+                Channel::Range(range) => range.publish(&mut context, frame),
             }
-            scheduled.next += 1;
+            scheduled.schedule.advance();
         }
     }
 
-    /// Begins every channel's schedule again at time 0, with the noise of its first frame.
-    pub fn restart(&mut self) {
+    /// Begins every channel's schedule again at time 0, with the noise of its first frame and the settings of its
+    /// description.
+    ///
+    /// # Errors
+    /// Never in practice: these settings held before.
+    pub fn restart(&mut self) -> Result<(), String> {
         for scheduled in &mut self.channels {
-            scheduled.next = 0;
+            if let Some(Tuning { described, .. }) = scheduled.tuning {
+                scheduled.configure(described, 0)?;
+            }
+            scheduled.schedule = Schedule::new(scheduled.rate);
         }
+        self.tell_settings(0);
+        Ok(())
+    }
+
+    /// Changes settings of a sensor, named or told by a topic that it sends: all that the text says, or nothing.
+    ///
+    /// # Errors
+    /// In words: there is no such sensor, or several of the name; what is wrong with the text.
+    pub fn configure(&mut self, sensor: &str, text: &str, now_ns: u64) -> Result<(), String> {
+        let scheduled = self.find(sensor)?;
+        if let Some(Tuning { now, .. }) = &scheduled.tuning {
+            let changed = now.changed(text)?;
+            scheduled.configure(changed, now_ns)?;
+        }
+        self.tell_settings(now_ns);
+        Ok(())
+    }
+
+    fn find(&mut self, sensor: &str) -> Result<&mut Scheduled, String> {
+        let topic = format!("/{}", sensor.trim_start_matches('/'));
+        let is_meant = |scheduled: &Scheduled| {
+            scheduled.tuning.as_ref().is_some_and(|tuning| tuning.sensor == sensor)
+                || scheduled.tuning.is_some() && scheduled.topics().contains(&topic)
+        };
+        let meant: Vec<usize> =
+            (0..self.channels.len()).filter(|&index| is_meant(&self.channels[index])).collect();
+        match meant[..] {
+            [index] => Ok(&mut self.channels[index]),
+            [] => {
+                let sensors = || self.channels.iter().filter_map(|channel| channel.tuning.as_ref());
+                let names: Vec<&str> = sensors().map(|tuning| tuning.sensor.as_str()).collect();
+                let near = nearest(sensor, names.iter().copied())
+                    .map(|near| format!("did you mean '{near}'? "))
+                    .unwrap_or_default();
+                let there = if names.is_empty() { "none".into() } else { names.join(", ") };
+                Err(format!(
+                    "there is no sensor '{sensor}', and none sends such a topic; {near}there are: {there}"
+                ))
+            }
+            _ => Err(format!(
+                "there are {} sensors '{sensor}'; name the one that is meant by a topic that it sends",
+                meant.len()
+            )),
+        }
+    }
+
+    /// Sends what can be changed, and what it is from `stamp_ns` on.
+    fn tell_settings(&mut self, stamp_ns: u64) {
+        let message = |scheduled: &Scheduled| {
+            let tuning = scheduled.tuning.as_ref()?;
+            Some(tuning.now.message(&tuning.sensor, &scheduled.topics()))
+        };
+        let messages: Vec<_> = self.channels.iter().filter_map(message).collect();
+        self.settings.send_structs(stamp_ns, &messages);
     }
 
     /// Gives late subscribers the last message of every stream that keeps one: while nothing is published.
@@ -268,18 +403,8 @@ impl Rig {
 
     /// Every stream, in the order in which they were opened.
     pub fn outlets(&self) -> Vec<&Outlet> {
-        let mut outlets = Vec::new();
-        for scheduled in &self.channels {
-            match &scheduled.channel {
-                Channel::Clock(clock) => outlets.extend(clock.outlets()),
-                Channel::State(state) => outlets.extend(state.outlets()),
-                Channel::Base(base) => outlets.extend(base.outlets()),
-                Channel::Camera(camera) => outlets.extend(camera.outlets()),
-                Channel::Depth(depth) => outlets.extend(depth.outlets()),
-                Channel::Lidar(lidar) => outlets.extend(lidar.outlets()),
-            }
-        }
-        outlets
+        let of_channels = self.channels.iter().flat_map(|scheduled| scheduled.channel.outlets());
+        of_channels.chain([&self.settings]).collect()
     }
 }
 
@@ -293,6 +418,9 @@ fn open_sensor(sensor: &Sensor, setting: &Setting<'_>) -> Result<Option<Channel>
         }
         (SensorKind::Ray(ray), Some(Plugin::Laser(plugin))) => {
             Some(Channel::Lidar(LidarChannel::open(sensor, ray, plugin, setting)?.into()))
+        }
+        (SensorKind::Ray(ray), Some(Plugin::Range(plugin))) => {
+            Some(Channel::Range(RangeChannel::open(sensor, ray, plugin, setting)?.into()))
         }
         _ => {
             tracing::warn!(sensor = sensor.name, source = %sensor.source, "has no plugin that publishes it");

@@ -9,7 +9,7 @@ use xxhash_rust::xxh3::Xxh3;
 /// A stream of the rig.
 pub struct Outlet {
     publisher: Publisher,
-    rate_hz: Option<f64>,
+    rate_hz: Cell<Option<f64>>,
     hash: Option<Xxh3>,
     tally: Tally,
     /// The first time that a consumer was waited for in vain.
@@ -43,7 +43,7 @@ impl Outlet {
         let spec = StreamSpec { lossless: lossless.cloned(), ..spec.clone() };
         Ok(Self {
             publisher: node.publisher(&spec)?,
-            rate_hz: spec.rate_hz,
+            rate_hz: Cell::new(spec.rate_hz),
             hash: hashed.then(Xxh3::new),
             tally: Tally::default(),
             held_up: OnceCell::new(),
@@ -58,7 +58,12 @@ impl Outlet {
 
     /// The rate that was asked for.
     pub fn rate_hz(&self) -> Option<f64> {
-        self.rate_hz
+        self.rate_hz.get()
+    }
+
+    /// Another rate is asked for now.
+    pub fn set_rate_hz(&self, rate_hz: f64) {
+        self.rate_hz.set(Some(rate_hz));
     }
 
     /// Subscribers now.

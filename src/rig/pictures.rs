@@ -28,6 +28,7 @@ pub fn camera_config(
         },
         near_m: camera.near_m,
         far_m: camera.far_m,
+        exposure: 1.0,
         noise: noise(&camera.noise)?,
         seed,
         sensor,

@@ -1,6 +1,7 @@
 //! What commands from other processes do to a simulation.
 
 use super::{Simulation, Steps};
+use crate::control::roster::MAX_NAME_BYTES;
 use crate::control::states::{MAX_SPAWNED_LINKS, MAX_SPAWNED_MODELS};
 use crate::control::{Request, Resident, Role, values};
 use crate::description::model::Model;
@@ -10,9 +11,6 @@ use belvedere_bridge::Operation;
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_sensors::Pose;
 use std::time::Duration;
-
-/// Longest name that a command can give, in bytes.
-const MAX_NAME_BYTES: usize = 63;
 
 /// Commands applied between two frames.
 const COMMANDS_AT_ONCE: usize = 16;
@@ -111,6 +109,10 @@ impl Simulation {
             Operation::SetModelState => self.set_model_state(command)?,
             Operation::Spawn => self.spawn(command, request.text.as_deref().map_err(Clone::clone)?)?,
             Operation::Delete => self.delete(command.name.as_str())?,
+            Operation::Configure => {
+                let text = request.text.as_deref().map_err(Clone::clone)?;
+                self.rig.configure(command.name.as_str(), text, self.physics.time_ns())?;
+            }
         }
         Ok(())
     }
@@ -162,7 +164,7 @@ impl Simulation {
         self.before_resets_ns += self.physics.time_ns();
         self.physics = physics;
         self.scene.replace(&self.physics);
-        self.rig.restart();
+        self.rig.restart()?;
         self.states.restart();
         self.commanded_ns = None;
         self.epoch += 1;

@@ -97,6 +97,7 @@ fn depth_camera(horizontal_fov_rad: f64, noise: GaussianNoise) -> DepthCamera {
         format: PixelFormat::Rgb8,
         near_m: 1e-3,
         far_m: 1e6,
+        exposure: 1.0,
         noise: GaussianNoise::NONE,
         seed: 1,
         sensor: 0,

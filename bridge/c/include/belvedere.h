@@ -124,6 +124,10 @@ enum bv_kind
     BV_KIND_RESET_ODOMETRY = 18,
     // One bv_motor_power.
     BV_KIND_MOTOR_POWER = 19,
+    // One bv_range.
+    BV_KIND_RANGE = 20,
+    // An array of bv_sensor_settings.
+    BV_KIND_SENSOR_SETTINGS = 21,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -186,6 +190,8 @@ enum bv_operation
     BV_OPERATION_SPAWN = 7,
     // Take a model out: name.
     BV_OPERATION_DELETE = 8,
+    // Change settings of the sensor, or of the one that sends the topic, name: `key=value` words in the text.
+    BV_OPERATION_CONFIGURE = 9,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -239,6 +245,8 @@ typedef struct bv_stream_info {
     uint16_t kind;
     // a bv_encoding; 0 unknown
     uint16_t encoding;
+    // layers of a lidar; 0 unknown
+    uint32_t layers;
 } bv_stream_info;
 
 // How pixels map to directions.
@@ -340,7 +348,7 @@ typedef struct bv_simulation_command {
     uint32_t text_len;
     // steps of physics
     uint64_t steps;
-    // the model that is meant
+    // the model that is meant; for configure a sensor, or a topic that it sends
     char name[64];
     // the frame of what follows: a model, model::link, or nothing for the world
     char reference[64];
@@ -471,6 +479,42 @@ typedef struct bv_motor_power {
     // 0 off, else on
     uint32_t state;
 } bv_motor_power;
+
+// As sensor_msgs/Range: distance to the nearest thing within a cone.
+typedef struct bv_range {
+    // 0 ultrasound, 1 infrared
+    uint32_t radiation_type;
+    // full angle of the cone, radians
+    float field_of_view;
+    // metres
+    float min_range;
+    // metres
+    float max_range;
+    // metres; -inf too near, +inf nothing in range
+    float range;
+} bv_range;
+
+// A number that can be set; all three are NaN where a sensor has no such setting.
+typedef struct bv_setting {
+    double value;
+    double min;
+    double max;
+} bv_setting;
+
+// What of a sensor can be changed, under the names by which the operation configure changes it.
+typedef struct bv_sensor_settings {
+    // the sensor's name in the robot's description
+    char name[64];
+    // the streams that it sends, without leading slashes; the rest is empty
+    char topics[6][256];
+    // frames per second
+    struct bv_setting update_rate;
+    // of colours in [0, 1] for a camera, of ranges in metres for a lidar
+    struct bv_setting noise_mean;
+    struct bv_setting noise_stddev;
+    // share of the light that a camera's description gives it, 1 as described
+    struct bv_setting exposure;
+} bv_sensor_settings;
 
 // Where a model or a link is in the world, and how it moves.
 typedef struct bv_model_state {

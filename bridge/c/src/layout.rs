@@ -58,6 +58,10 @@ pub enum Kind {
     ResetOdometry = 18,
     /// One bv_motor_power.
     MotorPower = 19,
+    /// One bv_range.
+    Range = 20,
+    /// An array of bv_sensor_settings.
+    SensorSettings = 21,
 }
 
 /// What a simulator is told to do (bv_simulation_command.operation), and the fields that it looks at.
@@ -81,6 +85,8 @@ pub enum Operation {
     Spawn = 7,
     /// Take a model out: name.
     Delete = 8,
+    /// Change settings of the sensor, or of the one that sends the topic, name: `key=value` words in the text.
+    Configure = 9,
 }
 
 /// How an element is coded (bv_frame_header.encoding).
@@ -319,6 +325,46 @@ pub struct MotorPower {
     pub state: u32,
 }
 
+/// As sensor_msgs/Range: distance to the nearest thing within a cone.
+#[allow(clippy::struct_field_names, reason = "those of sensor_msgs")]
+#[repr(C)]
+pub struct Range {
+    /// 0 ultrasound, 1 infrared
+    pub radiation_type: u32,
+    /// full angle of the cone, radians
+    pub field_of_view: f32,
+    /// metres
+    pub min_range: f32,
+    /// metres
+    pub max_range: f32,
+    /// metres; -inf too near, +inf nothing in range
+    pub range: f32,
+}
+
+/// A number that can be set; all three are NaN where a sensor has no such setting.
+#[repr(C)]
+pub struct Setting {
+    pub value: f64,
+    pub min: f64,
+    pub max: f64,
+}
+
+/// What of a sensor can be changed, under the names by which the operation configure changes it.
+#[repr(C)]
+pub struct SensorSettings {
+    /// the sensor's name in the robot's description
+    pub name: [c_char; 64],
+    /// the streams that it sends, without leading slashes; the rest is empty
+    pub topics: [[c_char; 256]; 6],
+    /// frames per second
+    pub update_rate: Setting,
+    /// of colours in [0, 1] for a camera, of ranges in metres for a lidar
+    pub noise_mean: Setting,
+    pub noise_stddev: Setting,
+    /// share of the light that a camera's description gives it, 1 as described
+    pub exposure: Setting,
+}
+
 /// What a simulator is to do. A text of text_len bytes follows it in the payload.
 #[repr(C)]
 pub struct SimulationCommand {
@@ -331,7 +377,7 @@ pub struct SimulationCommand {
     pub text_len: u32,
     /// steps of physics
     pub steps: u64,
-    /// the model that is meant
+    /// the model that is meant; for configure a sensor, or a topic that it sends
     pub name: [c_char; 64],
     /// the frame of what follows: a model, model::link, or nothing for the world
     pub reference: [c_char; 64],
@@ -398,6 +444,9 @@ same_layout!(CoreSensors, payload::CoreSensors, time_stamp bumper wheel_drop cli
     left_pwm right_pwm charger battery bottom);
 same_layout!(ResetOdometry, payload::ResetOdometry, reserved);
 same_layout!(MotorPower, payload::MotorPower, state);
+same_layout!(Range, payload::Range, radiation_type field_of_view min_range max_range range);
+same_layout!(Setting, payload::Setting, value min max);
+same_layout!(SensorSettings, payload::SensorSettings, name topics update_rate noise_mean noise_stddev exposure);
 same_layout!(SimulationCommand, payload::SimulationCommand, id operation reserved text_len steps name reference
     position orientation linear angular);
 same_layout!(SimulationResult, payload::SimulationResult, id time_ns done operation reserved reason);
@@ -409,7 +458,7 @@ const _: () = {
     assert!(BV_HAS_INTENSITIES == wire::FrameHeader::HAS_INTENSITIES);
     assert!(size_of::<Block>() == 80);
     // A kind, encoding or operation that is added there is missing here until this compiles again.
-    assert!(wire::Kind::ALL.len() == 19 && Kind::MotorPower as u16 == 19);
+    assert!(wire::Kind::ALL.len() == 21 && Kind::SensorSettings as u16 == 21);
     assert!(wire::Encoding::ALL.len() == 8 && Encoding::Struct as u16 == 8);
-    assert!(wire::Operation::ALL.len() == 8 && Operation::Delete as u16 == 8);
+    assert!(wire::Operation::ALL.len() == 9 && Operation::Configure as u16 == 9);
 };

@@ -28,6 +28,8 @@ pub struct StreamInfo {
     pub kind: u16,
     /// a bv_encoding; 0 unknown
     pub encoding: u16,
+    /// layers of a lidar; 0 unknown
+    pub layers: u32,
 }
 
 /// Joins a domain (NULL: that of the environment variable BELVEDERE_DOMAIN, else "default") under a name for
@@ -111,6 +113,7 @@ fn describe(stream: &Stream) -> StreamInfo {
         subscribers: stream.subscribers as u32,
         kind: stream.kind.map_or(0, belvedere_bridge::Kind::to_wire),
         encoding: stream.encoding.map_or(0, belvedere_bridge::Encoding::to_wire),
+        layers: stream.layers.unwrap_or(0),
     }
 }
 

@@ -339,8 +339,13 @@ public:
     }
     /// Takes a model out.
     std::uint64_t remove(const std::string& model) { return done(command(BV_OPERATION_DELETE, model)); }
+    /// Changes settings of a sensor, named or told by a topic that it sends, from its next frame on: words such as
+    /// "update_rate=15 exposure=0.5", all of them or none.
+    std::uint64_t configure(const std::string& sensor, const std::string& settings) {
+        return done(command(BV_OPERATION_CONFIGURE, sensor), settings);
+    }
 
-    /// Sends any command, with the text of a model to be spawned, and waits for its result: none in time, none at all. One
+    /// Sends any command, with the text of a model to be spawned or of settings, and waits for its result: none in time, none at all. One
     /// that was refused has `done` 0 and a reason. An id of 0 is replaced by one that no other has.
     std::optional<bv_simulation_result> call(const bv_simulation_command& command, std::chrono::milliseconds timeout,
                                              const std::string& text = {}) {
@@ -539,6 +544,20 @@ BELVEDERE_AT(bv_core_sensors, battery, 13);
 BELVEDERE_AT(bv_core_sensors, bottom, 14);
 static_assert(sizeof(bv_reset_odometry) == 8, "wire format");
 static_assert(sizeof(bv_motor_power) == 4, "wire format");
+static_assert(sizeof(bv_range) == 20, "wire format");
+BELVEDERE_AT(bv_range, field_of_view, 4);
+BELVEDERE_AT(bv_range, min_range, 8);
+BELVEDERE_AT(bv_range, max_range, 12);
+BELVEDERE_AT(bv_range, range, 16);
+static_assert(sizeof(bv_setting) == 24, "wire format");
+BELVEDERE_AT(bv_setting, min, 8);
+BELVEDERE_AT(bv_setting, max, 16);
+static_assert(sizeof(bv_sensor_settings) == 1696, "wire format");
+BELVEDERE_AT(bv_sensor_settings, topics, 64);
+BELVEDERE_AT(bv_sensor_settings, update_rate, 1600);
+BELVEDERE_AT(bv_sensor_settings, noise_mean, 1624);
+BELVEDERE_AT(bv_sensor_settings, noise_stddev, 1648);
+BELVEDERE_AT(bv_sensor_settings, exposure, 1672);
 static_assert(sizeof(bv_simulation_command) == 256, "wire format");
 BELVEDERE_AT(bv_simulation_command, operation, 8);
 BELVEDERE_AT(bv_simulation_command, text_len, 12);

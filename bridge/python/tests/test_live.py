@@ -35,6 +35,7 @@ TOPICS = {
     "simulation/command": ("simulation_command", "struct", None),
     "simulation/link_states": ("model_states", "struct", 50.0),
     "simulation/model_states": ("model_states", "struct", 50.0),
+    "simulation/sensor_settings": ("sensor_settings", "struct", None),
     "simulation/result": ("simulation_result", "struct", None),
     "tf": ("transforms", "struct", 50.0),
     "tf_static": ("static_transforms", "struct", None),

@@ -44,6 +44,8 @@ def test_every_offset_is_that_of_wire_md() -> None:
         "CoreSensors": Kind.CORE_SENSORS,
         "ResetOdometry": Kind.RESET_ODOMETRY,
         "MotorPower": Kind.MOTOR_POWER,
+        "Range": Kind.RANGE,
+        "SensorSettings": Kind.SENSOR_SETTINGS,
         "SimulationCommand": Kind.SIMULATION_COMMAND,
         "SimulationResult": Kind.SIMULATION_RESULT,
         "ModelState": Kind.MODEL_STATES,
@@ -52,7 +54,7 @@ def test_every_offset_is_that_of_wire_md() -> None:
         found = re.search(rf"\*\*{name}\*\*, (\d+) bytes: (.*?)(?:\n\n|\Z)", text, re.DOTALL)
         assert found is not None
         assert wire.STRUCTS[kind].itemsize == int(found[1])
-        named = dict(re.findall(r"[iuf]\d+(?:\[\d+\])? ([a-z_]+) (\d+)", found[2]))
+        named = dict(re.findall(r"(?:[iuf]\d+(?:\[\d+\])*|Setting) ([a-z_]+) (\d+)", found[2]))
         assert named
         for field, offset in named.items():
             assert wire.STRUCTS[kind].fields[field][1] == int(offset), (name, field)

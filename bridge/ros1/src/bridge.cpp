@@ -18,8 +18,8 @@ constexpr double kEnough = 0.9;
 }  // namespace
 
 Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
-    : nh_(nh), parameters_(Parameters::read(private_nh)), domain_(parameters_.domain), topics_(nh, parameters_),
-      diagnostics_(nh, private_nh, private_nh.getNamespace()) {
+    : nh_(nh), parameters_(Parameters::read(private_nh)), domain_(parameters_.domain), topics_(nh, private_nh, parameters_),
+      diagnostics_(nh, private_nh, private_nh.getNamespace()), settings_(private_nh, domain_) {
     diagnostics_.setHardwareID("belvedere domain " + domain_.name());
     diagnostics_.add("simulator", [this](auto& status) { diagnose_simulator(status); });
     streams_ = std::make_unique<Streams>(domain_, [this](const bv_stream_info& stream) { serve(stream); });
@@ -30,9 +30,10 @@ Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
 
 Bridge::~Bridge() = default;
 
-// Only by the thread of streams_, which so may read relays_ without the lock. The updater calls diagnose_topic() with its
-// own lock held: it is not to be called with ours.
 void Bridge::serve(const bv_stream_info& stream) {
+    // Whoever changes relays_ has both locks, and reads it with either. The updater calls diagnose_topic() with a lock of
+    // its own held: it is not to be called with the one that is taken there.
+    const std::lock_guard<std::mutex> serving(serving_);
     const std::string name = stream.topic;
     try {
         const auto others = parameters_.command_topics.find(stream.kind);
@@ -52,7 +53,9 @@ void Bridge::serve(const bv_stream_info& stream) {
         const auto known = relays_.find(name);
         if (known != relays_.end()) {
             // Another simulator may give the name to something else.
-            if (known->second.relay->kind() == stream.kind || stream.kind == 0 || stream.publishers == 0) return;
+            const Serving& now = known->second;
+            const bool same = now.relay->kind() == stream.kind && now.layers == stream.layers;
+            if (same || stream.kind == 0 || stream.publishers == 0) return;
             diagnostics_.removeByName(name);
             const std::lock_guard<std::mutex> lock(mutex_);
             relays_.erase(known);
@@ -66,9 +69,11 @@ void Bridge::serve(const bv_stream_info& stream) {
         }
         ROS_INFO_STREAM("serving " << relay->topic());
         auto place = std::make_unique<Served::Place>(relay->topic(), domain_, stream);
+        std::optional<double> time_offset;
+        if (stream.kind == BV_KIND_LASER_SCAN) time_offset = topics_.scan_parameters(name).time_offset;
         {
             const std::lock_guard<std::mutex> lock(mutex_);
-            relays_[name] = {std::move(relay), std::move(place)};
+            relays_[name] = {std::move(relay), std::move(place), stream.layers, time_offset};
         }
         diagnostics_.add(name, [this, name](auto& status) { diagnose_topic(name, status); });
     } catch (const std::exception& error) {
@@ -101,6 +106,7 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto found = relays_.find(stream);
     if (found == relays_.end()) return;
+    if (const auto rate_hz = settings_.rate_hz(stream)) found->second.relay->expect(*rate_hz);
     const Flow::Report report = found->second.relay->report();
     const bool slow = report.nominal_rate_hz > 0 && report.rate_hz < kEnough * report.nominal_rate_hz;
     if (!report.problem.empty())
@@ -119,6 +125,12 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
     status.add("subscribers", report.subscribers);
     status.addf("rate (Hz)", "%.2f", report.rate_hz);
     status.addf("nominal rate (Hz)", "%.2f", report.nominal_rate_hz);
+    if (const auto time_offset = found->second.time_offset) {
+        // REP-138's keys of laser scanners, as far as they mean something here.
+        status.add("Vendor Name", "Belvedere");
+        status.add("Device ID", domain_.name() + "/" + stream);
+        status.addf("User Time Offset", "%.3f s", *time_offset);
+    }
     status.add("frames", report.frames_total);
     status.add("frames missed", report.missed_total);
 }

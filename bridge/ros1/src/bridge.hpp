@@ -15,6 +15,7 @@
 #include "domain.hpp"
 #include "parameters.hpp"
 #include "relay.hpp"
+#include "settings.hpp"
 #include "served.hpp"
 #include "streams.hpp"
 #include "topics.hpp"
@@ -40,6 +41,9 @@ private:
     struct Serving {
         std::unique_ptr<Relay> relay;
         std::unique_ptr<Served::Place> place;
+        /// Of a laser scanner, else 0 and none.
+        std::uint32_t layers = 0;
+        std::optional<double> time_offset = std::nullopt;
     };
 
     bool gazebo_is_ours();
@@ -51,10 +55,11 @@ private:
     Domain domain_;
     Topics topics_;
     diagnostic_updater::Updater diagnostics_;
-    std::mutex mutex_;
+    std::mutex serving_, mutex_;
     std::map<std::string, Serving> relays_;
     std::map<std::string, std::unique_ptr<Commands>> commands_;
     std::set<std::string> skipped_;
+    Settings settings_;
     std::optional<bool> gazebo_is_ours_;
     std::unique_ptr<gazebo::Services> gazebo_;
     // The last that begin, the first that end: they use what is above.

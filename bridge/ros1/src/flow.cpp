@@ -11,6 +11,13 @@ constexpr std::size_t kReports = 5;
 
 }  // namespace
 
+void Flow::expect(double nominal_rate_hz) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (std::exchange(nominal_rate_hz_, nominal_rate_hz) == nominal_rate_hz) return;
+    // What came at the old rate says nothing of the new one.
+    if (!marks_.empty()) marks_ = {{Clock::now(), frames_total_}};
+}
+
 void Flow::begin() {
     const std::lock_guard<std::mutex> lock(mutex_);
     followed_ = true;

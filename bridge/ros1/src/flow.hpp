@@ -30,6 +30,8 @@ public:
 
     explicit Flow(double nominal_rate_hz) : nominal_rate_hz_(nominal_rate_hz) {}
 
+    /// Another rate is intended from now on.
+    void expect(double nominal_rate_hz);
     void begin();
     void end();
     void publishers(std::size_t count);
@@ -40,7 +42,7 @@ public:
 
 private:
     std::mutex mutex_;
-    const double nominal_rate_hz_;
+    double nominal_rate_hz_;
     bool followed_ = false;
     std::size_t publishers_ = 0;
     std::uint64_t frames_total_ = 0;

@@ -4,7 +4,6 @@
 #include <ros/names.h>
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <sstream>
 
@@ -18,18 +17,6 @@ std::string text_of(const Value& value) {
     std::ostringstream text;
     text << value;
     return text.str();
-}
-
-// A name of digits comes from the command line as a number.
-std::string to_text(Value& value) {
-    if (value.getType() == Value::TypeInt) return std::to_string(static_cast<int>(value));
-    if (value.getType() != Value::TypeString) throw BadParameter("text");
-    return static_cast<std::string>(value);
-}
-
-bool to_bool(Value& value) {
-    if (value.getType() != Value::TypeBoolean) throw BadParameter("true or false");
-    return static_cast<bool>(value);
 }
 
 std::vector<std::string> to_texts(Value& value) {
@@ -60,10 +47,33 @@ Parameters::Transforms to_transforms(Value& value) {
 
 }  // namespace
 
+// A name of digits comes from the command line as a number.
+std::string to_text(Value& value) {
+    if (value.getType() == Value::TypeInt) return std::to_string(static_cast<int>(value));
+    if (value.getType() != Value::TypeString) throw BadParameter("text");
+    return static_cast<std::string>(value);
+}
+
+bool to_bool(Value& value) {
+    if (value.getType() != Value::TypeBoolean) throw BadParameter("true or false");
+    return static_cast<bool>(value);
+}
+
+void read_all(const ros::NodeHandle& nh, const Readers& readers) {
+    for (const auto& [name, reader] : readers) {
+        Value value;
+        if (!nh.getParam(name, value)) continue;
+        try {
+            reader(value);
+        } catch (const BadParameter& expected) {
+            throw BadParameter(nh.resolveName(name) + " is " + text_of(value) + "; it must be " + expected.what());
+        }
+    }
+}
+
 Parameters Parameters::read(const ros::NodeHandle& private_nh) {
     Parameters parameters;
-    // How each is read; what is thrown is the kind of value that is expected.
-    const std::map<std::string, std::function<void(Value&)>> readers = {
+    Readers readers = {
         {"domain", [&](Value& value) { parameters.domain = to_text(value); }},
         {"publish_clock", [&](Value& value) { parameters.publish_clock = to_bool(value); }},
         {"transforms", [&](Value& value) { parameters.transforms = to_transforms(value); }},
@@ -74,15 +84,9 @@ Parameters Parameters::read(const ros::NodeHandle& private_nh) {
         {"gazebo_namespace", [&](Value& value) { parameters.gazebo_namespace = to_namespace(value); }},
         {"camera_info_url", [&](Value& value) { parameters.camera_info_url = to_text(value); }},
     };
-    for (const auto& [name, reader] : readers) {
-        Value value;
-        if (!private_nh.getParam(name, value)) continue;
-        try {
-            reader(value);
-        } catch (const BadParameter& expected) {
-            throw BadParameter(private_nh.resolveName(name) + " is " + text_of(value) + "; it must be " + expected.what());
-        }
-    }
+    readers.merge(parameters.scan.readers());
+    read_all(private_nh, readers);
+    parameters.scan.check(private_nh.getNamespace());
 
     Value all;
     const std::string own = private_nh.getNamespace();

@@ -5,17 +5,13 @@
 #include <ros/node_handle.h>
 
 #include <map>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-namespace belvedere_ros {
+#include "parameter_readers.hpp"
+#include "scan_parameters.hpp"
 
-/// A parameter that cannot be what it is; its text names it, its value and what it may be.
-class BadParameter : public std::runtime_error {
-public:
-    using std::runtime_error::runtime_error;
-};
+namespace belvedere_ros {
 
 struct Parameters {
     /// Which of the moving transforms are sent.
@@ -49,6 +45,8 @@ struct Parameters {
     std::string gazebo_namespace = "/gazebo";
     /// ~camera_info_url (text): where calibrations made by set_camera_info are kept, with ${NAME} for the camera's name.
     std::string camera_info_url;
+    /// Those of laser scanners that hold for every scan.
+    ScanParameters scan;
 };
 
 }  // namespace belvedere_ros

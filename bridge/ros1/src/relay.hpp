@@ -40,6 +40,8 @@ public:
     const std::string& stream() const { return stream_; }
     std::uint16_t kind() const { return kind_; }
     std::string topic() const { return output_->topic(); }
+    /// Another rate is intended than the stream was made with.
+    void expect(double rate_hz) { flow_.expect(rate_hz); }
     /// How it went since this was last asked.
     Flow::Report report();
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "convert/adjusted_scan.hpp"
 #include "convert/camera_info.hpp"
 #include "convert/clock.hpp"
 #include "convert/core_sensors.hpp"
@@ -15,7 +16,9 @@
 #include "convert/model_states.hpp"
 #include "convert/odometry.hpp"
 #include "convert/point_cloud.hpp"
+#include "convert/range.hpp"
 #include "convert/robot_event.hpp"
+#include "convert/scan_cloud.hpp"
 #include "convert/transforms.hpp"
 
 namespace belvedere_ros {
@@ -42,6 +45,15 @@ Convert<tf2_msgs::TFMessage> only_changes(Convert<tf2_msgs::TFMessage> convert) 
     };
 }
 
+/// Converts a scan as its parameters want it. An offset may put it before time began, where there are no stamps.
+template <class Message>
+Convert<Message> adjusted(boost::shared_ptr<Message> (*convert)(const Sample&), const ScanParameters& parameters) {
+    return [convert, parameters](const Sample& sample) -> boost::shared_ptr<Message> {
+        const AdjustedScan scan(sample, parameters);
+        return scan.sample().header.stamp_ns > 0 ? convert(scan.sample()) : nullptr;
+    };
+}
+
 }  // namespace
 
 std::unique_ptr<Relay> Topics::relay(Domain& domain, const bv_stream_info& stream) const {
@@ -61,7 +73,12 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_IMAGE:
         case BV_KIND_DEPTH_IMAGE: return std::make_unique<ImageOutput>(nh_, topic, kLarge, bell, to_image);
         case BV_KIND_CAMERA_INFO: return serve(camera_info_converter(topic), topic, kLarge);
-        case BV_KIND_LASER_SCAN: return serve(to_laser_scan, topic, kSmall);
+        case BV_KIND_LASER_SCAN: {
+            const ScanParameters scan = scan_parameters(topic);
+            if (stream.layers > 1) return serve(adjusted(to_scan_cloud, scan), topic, kLarge);
+            return serve(adjusted(to_laser_scan, scan), topic, kSmall);
+        }
+        case BV_KIND_RANGE: return serve(to_range, topic, kSmall);
         case BV_KIND_POINT_CLOUD: return serve(to_point_cloud, topic, kLarge);
         case BV_KIND_ODOMETRY: return serve(to_odometry, topic, kSmall);
         case BV_KIND_IMU: return serve(to_imu, topic, kSmall);
@@ -98,7 +115,9 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         }
         // Not for ROS: the services of Gazebo are in their place.
         case BV_KIND_SIMULATION_COMMAND:
-        case BV_KIND_SIMULATION_RESULT: return nullptr;
+        case BV_KIND_SIMULATION_RESULT:
+        // By dynamic_reconfigure: see settings.hpp.
+        case BV_KIND_SENSOR_SETTINGS: return nullptr;
         default: throw Unrepresentable("its kind, " + std::to_string(stream.kind) + ", is not known here");
     }
 }

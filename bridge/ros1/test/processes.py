@@ -83,16 +83,18 @@ COMMANDS = {
     "/mobile_base/commands/reset_odometry",
     "/simulation/command",
 }
+#: One that the bridge itself reads, whoever subscribes to what.
+SETTINGS = "/simulation/sensor_settings"
 
 
 def subscribers_of_streams(domain):
-    """How many subscribers each stream of a domain has but commands, by `belvedere list`."""
+    """How many subscribers each stream of a domain has but commands and settings, by `belvedere list`."""
     lines = subprocess.run(
         [SIMULATOR, "list", "--domain", domain], check=True, capture_output=True, text=True, timeout=20
     ).stdout.splitlines()
     subscribers = lines[0].split().index("SUBS") - len(lines[0].split())
     counts = {line.split()[0]: int(line.split()[subscribers]) for line in lines[1:]}
-    return {topic: count for topic, count in counts.items() if topic not in COMMANDS}
+    return {topic: count for topic, count in counts.items() if topic not in {*COMMANDS, SETTINGS}}
 
 
 def eventually(condition, timeout=10.0):

@@ -63,6 +63,9 @@ class Examples(unittest.TestCase):
         with self.roslaunch("belvedere_ros", "turtlebot_world.launch", *arguments, **sensors) as launch:
             self.assertTrue(eventually(lambda: "/camera/depth/points" in self.topics(), 20), launch.output())
             self.flows("/rrbot/laser/scan")
+            # As turtlebot_gazebo's launch file spawns it.
+            known = self.run_example("rosservice", "call", "/gazebo/get_model_state", "mobile_base", "", timeout=20)
+            self.assertIn("success: True", known)
             self.assertTrue(self.master.getParam("/test", "/use_sim_time")[2])
 
     def test_robot_state_publisher_sends_the_tree_that_the_simulator_would(self):

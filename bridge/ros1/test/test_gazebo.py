@@ -343,9 +343,11 @@ class Gazebo(unittest.TestCase):
                     else:
                         self.refused(getattr(face, name)(*arguments.get(name, ())), words)
                     self.assertLess(time.monotonic() - begin, 2.0)
-            with simulator(domain):
+            with simulator(domain, "--paused"):
                 self.assertTrue(eventually(lambda: face.get_model_state("turtlebot", "").success), node.output())
-                face.pause_physics()
+                self.assertEqual(face.get_world_properties().sim_time, 0)
+                face.unpause_physics()
+                self.assertTrue(eventually(lambda: face.get_world_properties().sim_time > 0.1), node.output())
 
     def test_whose_it_is(self):
         with bridge(DOMAIN, "__name:=second", "_publish_clock:=false") as node:

@@ -17,11 +17,12 @@ pub struct SimulationCommand {
     pub operation: u16,
     /// 0.
     pub reserved: u16,
-    /// Bytes of UTF-8 that follow this struct, without a NUL: the model to be spawned. 0 for other operations.
+    /// Bytes of UTF-8 that follow this struct, without a NUL: the model to be spawned, the settings to
+    /// be changed. 0 for other operations.
     pub text_len: u32,
     /// Steps of physics to run.
     pub steps: u64,
-    /// The model that is meant.
+    /// The model that is meant; of a sensor's settings, the sensor, or a topic that it sends.
     pub name: Text<64>,
     /// The frame that pose and velocity are given in: a model, `model::link`, or nothing for the world.
     pub reference: Text<64>,

@@ -85,6 +85,14 @@ impl GaussianNoise {
         }
     }
 
+    /// The same bias and rounding with another mean and standard deviation.
+    ///
+    /// # Errors
+    /// Names the one that is out of range.
+    pub fn with(self, mean: f32, stddev: f32) -> Result<Self, GaussianNoiseError> {
+        Self::new(mean, stddev, self.bias_mean, self.bias_stddev, self.precision)
+    }
+
     /// The mean of the noise without the bias.
     pub fn mean(&self) -> f32 {
         self.mean

@@ -26,6 +26,7 @@ pub(crate) const CAMERA: CameraConfig = CameraConfig {
     format: PixelFormat::Rgb8,
     near_m: 0.02,
     far_m: 300.0,
+    exposure: 1.0,
     noise: GaussianNoise::NONE,
     seed: 1,
     sensor: 0,

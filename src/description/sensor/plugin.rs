@@ -1,12 +1,15 @@
 //! `<plugin>`: the names under which a sensor's messages go out, and what they say.
 
 use super::reader::Reader;
-use crate::description::model::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Plugin, SensorKind};
+use crate::description::model::{
+    CameraPlugin, DepthCameraPlugin, LaserPlugin, Plugin, Radiation, RangePlugin, RaySensor, SensorKind,
+};
 use crate::description::values::{child_bool, child_text};
 use crate::description::xml::Element;
 
 /// The plugins that are understood, for messages.
-const SUPPORTED: &str = "libgazebo_ros_camera.so, libgazebo_ros_openni_kinect.so, libgazebo_ros_laser.so and libgazebo_ros_gpu_laser.so";
+const SUPPORTED: &str = "libgazebo_ros_camera.so, libgazebo_ros_openni_kinect.so, libgazebo_ros_laser.so, \
+    libgazebo_ros_block_laser.so and libgazebo_ros_velodyne_laser.so (also as gpu_laser), and libgazebo_ros_range.so";
 
 /// The defaults of `<imageTopicName>` and `<cameraInfoTopicName>`.
 struct CameraTopics {
@@ -15,8 +18,9 @@ struct CameraTopics {
 }
 
 impl Reader<'_> {
-    /// The first plugin of a sensor that is understood and fits it; warnings for the others.
-    pub(super) fn plugin(&mut self, sensor: &Element, kind: &SensorKind) -> Option<Plugin> {
+    /// The first plugin of a sensor that is understood and fits it; warnings for the others. What a plugin does to what
+    /// the sensor measures becomes the sensor's.
+    pub(super) fn plugin(&mut self, sensor: &Element, kind: &mut SensorKind) -> Option<Plugin> {
         let mut chosen = None;
         for element in sensor.elements_named("plugin") {
             let file = element.attribute("filename").unwrap_or_default();
@@ -27,7 +31,12 @@ impl Reader<'_> {
             let fits = match name {
                 "gazebo_ros_camera" => matches!(kind, SensorKind::Camera(_)),
                 "gazebo_ros_openni_kinect" => matches!(kind, SensorKind::Depth(_)),
-                "gazebo_ros_laser" | "gazebo_ros_gpu_laser" => matches!(kind, SensorKind::Ray(_)),
+                "gazebo_ros_laser"
+                | "gazebo_ros_gpu_laser"
+                | "gazebo_ros_block_laser"
+                | "gazebo_ros_velodyne_laser"
+                | "gazebo_ros_velodyne_gpu_laser"
+                | "gazebo_ros_range" => matches!(kind, SensorKind::Ray(_)),
                 _ => {
                     self.diagnostics.warning(
                         &element.source,
@@ -64,7 +73,7 @@ impl Reader<'_> {
                         self.camera_plugin(element, &topics).map(Plugin::Camera)
                     }
                     SensorKind::Depth(_) => self.depth_plugin(element).map(Plugin::DepthCamera),
-                    SensorKind::Ray(_) => self.laser_plugin(element).map(Plugin::Laser),
+                    SensorKind::Ray(ray) => self.ray_plugin(name, element, ray),
                 };
             }
         }
@@ -144,6 +153,57 @@ impl Reader<'_> {
             cutoff_m,
             cutoff_max_m,
             depth_16uc1,
+        })
+    }
+
+    fn ray_plugin(&mut self, name: &str, plugin: &Element, ray: &mut RaySensor) -> Option<Plugin> {
+        // Hokuyo's plugin leaves noise to the sensor.
+        if !matches!(name, "gazebo_ros_laser" | "gazebo_ros_gpu_laser") {
+            // Both are drawn, each for itself.
+            ray.noise.stddev =
+                libm::hypot(ray.noise.stddev, self.not_negative(Some(plugin), "gaussianNoise")?);
+        }
+        if name.starts_with("gazebo_ros_velodyne") {
+            ray.range_min_m = ray.range_min_m.max(self.not_negative(Some(plugin), "min_range")?);
+            if plugin.child("max_range").is_some() {
+                ray.range_max_m = ray.range_max_m.min(self.number(Some(plugin), "max_range", 0.0)?);
+            }
+            if ray.range_min_m >= ray.range_max_m {
+                self.diagnostics.error(
+                    Self::place(Some(plugin), "min_range", plugin),
+                    format!(
+                        "sensor '{}' and its plugin leave the ranges from {} to {} m",
+                        self.sensor, ray.range_min_m, ray.range_max_m
+                    ),
+                    "write <min_range> below <max_range> and below the sensor's own <max>",
+                );
+                return None;
+            }
+        }
+        if name == "gazebo_ros_range" {
+            return self.range_plugin(plugin).map(Plugin::Range);
+        }
+        self.laser_plugin(plugin).map(Plugin::Laser)
+    }
+
+    fn range_plugin(&mut self, plugin: &Element) -> Option<RangePlugin> {
+        let is_angle = |angle: f64| (0.0..=std::f64::consts::TAU).contains(&angle);
+        Some(RangePlugin {
+            topic: topic(plugin, "", "topicName", "/range"),
+            frame_name: child_text(plugin, "frameName").unwrap_or_else(|| "/world".into()),
+            update_rate_hz: self.rate(plugin, "updateRate")?,
+            // Whatever is not the one is the other there.
+            radiation: match child_text(plugin, "radiation").as_deref() {
+                None | Some("ultrasound") => Radiation::Ultrasound,
+                Some(_) => Radiation::Infrared,
+            },
+            field_of_view_rad: self.checked(
+                Some(plugin),
+                "fov",
+                0.05,
+                is_angle,
+                "write the full angle in radians, from 0 to 6.2832",
+            )?,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use super::parse_sensor;
 use crate::description::diagnostics::{Diagnostics, Severity};
-use crate::description::model::{Noise, PixelFormat, Plugin, Sensor, SensorKind};
+use crate::description::model::{Noise, PixelFormat, Plugin, Radiation, Sensor, SensorKind};
 use crate::description::xml::Element;
 use std::path::Path;
 
@@ -85,6 +85,57 @@ fn laser_plugin_defaults_to_world() {
     };
     assert_eq!(laser(""), ("/world".into(), "/world".into()));
     assert_eq!(laser("<topicName>scan</topicName><frameName>l</frameName>"), ("/scan".into(), "l".into()));
+}
+
+#[test]
+fn a_rangefinder_has_the_plugins_defaults() {
+    let range = |parameters: &str| {
+        let sensor = accepted(&format!(
+            "<sensor name='s' type='ray'><update_rate>20</update_rate>\
+             <ray><range><max>4</max></range><noise><stddev>0.03</stddev></noise></ray>\
+             <plugin name='p' filename='libgazebo_ros_range.so'>{parameters}</plugin></sensor>"
+        ));
+        let (Some(Plugin::Range(plugin)), SensorKind::Ray(ray)) = (&sensor.plugin, &sensor.kind) else {
+            panic!()
+        };
+        (plugin.clone(), ray.noise.stddev, sensor.effective_rate_hz())
+    };
+    let (plugin, stddev, rate) = range("");
+    assert_eq!((plugin.topic.as_str(), plugin.frame_name.as_str()), ("/range", "/world"));
+    assert_eq!((plugin.radiation, plugin.field_of_view_rad), (Radiation::Ultrasound, 0.05));
+    assert_eq!((stddev, rate), (0.03, Some(20.0)));
+    // The noise of both.
+    let (plugin, stddev, rate) = range(
+        "<topicName>sonar</topicName><radiation>infrared</radiation><fov>0.3</fov>\
+         <gaussianNoise>0.04</gaussianNoise><updateRate>5</updateRate>",
+    );
+    assert_eq!((plugin.topic.as_str(), plugin.radiation), ("/sonar", Radiation::Infrared));
+    assert_eq!((plugin.field_of_view_rad, rate), (0.3, Some(5.0)));
+    assert!((stddev - 0.05).abs() < 1e-12);
+}
+
+#[test]
+fn velodynes_plugin_limits_the_range_and_adds_noise() {
+    let lidar = |parameters: &str| {
+        format!(
+            "<sensor name='v' type='gpu_ray'><ray><range><min>0.3</min><max>131</max></range></ray>\
+             <plugin name='p' filename='libgazebo_ros_velodyne_gpu_laser.so'><topicName>points</topicName>\
+             {parameters}</plugin></sensor>"
+        )
+    };
+    let sensor = accepted(&lidar(
+        "<min_range>0.9</min_range><max_range>130</max_range><gaussianNoise>0.008</gaussianNoise>",
+    ));
+    let (Some(Plugin::Laser(plugin)), SensorKind::Ray(ray)) = (&sensor.plugin, &sensor.kind) else {
+        panic!()
+    };
+    assert_eq!(plugin.topic, "/points");
+    assert_eq!((ray.range_min_m, ray.range_max_m, ray.noise.stddev), (0.9, 130.0, 0.008));
+    let (_, problems) = parse(&lidar("<max_range>0.2</max_range>"));
+    assert!(
+        problems[0].contains("sensor 'v' and its plugin leave the ranges from 0.3 to 0.2 m"),
+        "{problems:?}"
+    );
 }
 
 #[test]

@@ -105,6 +105,15 @@ class SimulationControl(Closing):
         """Take a model out of the world."""
         return self._call(Operation.DELETE, name=model)
 
+    def configure(self, sensor: str, **settings: float) -> int:
+        """Change settings of a sensor, named or told by a topic that it sends, from its next frame on: all or none.
+
+        They are ``update_rate`` (Hz), ``noise_mean``, ``noise_stddev`` and, of a camera, ``exposure``;
+        ``simulation/sensor_settings`` tells what they are, and what they may be.
+        """
+        words = " ".join(f"{name}={float(value)!r}" for name, value in settings.items())
+        return self._call(Operation.CONFIGURE, words, name=sensor)
+
     def close(self) -> None:
         """Close it; the simulation goes on as it is."""
         self._sender.close()

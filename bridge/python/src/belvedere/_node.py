@@ -27,6 +27,8 @@ class StreamInfo(NamedTuple):
     encoding: str | None
     rate_hz: float | None
     frame_id: str | None
+    #: Of a lidar.
+    layers: int | None
 
 
 class Node(Closing):
@@ -85,13 +87,14 @@ class Node(Closing):
             said = {
                 attribute.key.to_string(): attribute.value.to_string() for attribute in service.attributes().values
             }
-            rate = said.get("rate_hz")
+            rate, layers = said.get("rate_hz"), said.get("layers")
             found[topic] = StreamInfo(
                 topic,
                 said.get("kind"),
                 said.get("encoding"),
                 float(rate) if rate else None,
                 said.get("frame_id"),
+                int(layers) if layers else None,
             )
         return [found[topic] for topic in sorted(found)]
 

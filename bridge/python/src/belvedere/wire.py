@@ -40,6 +40,8 @@ class Kind(IntEnum):
     CORE_SENSORS = 17
     RESET_ODOMETRY = 18
     MOTOR_POWER = 19
+    RANGE = 20
+    SENSOR_SETTINGS = 21
 
 
 class Encoding(IntEnum):
@@ -69,6 +71,7 @@ class Operation(IntEnum):
     SET_MODEL_STATE = 6
     SPAWN = 7
     DELETE = 8
+    CONFIGURE = 9
 
 
 #: The 256 bytes before every payload.
@@ -104,6 +107,9 @@ _SCAN_GEOMETRY = np.dtype(
         *(("vertical_angle_min", "<f8"), ("vertical_angle_increment", "<f8"), ("reserved", "<u8", 3)),
     ]
 )
+
+#: A number that can be set; NaN where a sensor has no such setting.
+_SETTING = np.dtype([("value", "<f8"), ("min", "<f8"), ("max", "<f8")])
 
 #: The structs of payloads, by kind.
 STRUCTS: dict[Kind, np.dtype[np.void]] = {
@@ -144,6 +150,18 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
     ),
     Kind.RESET_ODOMETRY: np.dtype([("reserved", "<u8")]),
     Kind.MOTOR_POWER: np.dtype([("state", "<u4")]),
+    Kind.RANGE: np.dtype(
+        [
+            *(("radiation_type", "<u4"), ("field_of_view", "<f4")),
+            *(("min_range", "<f4"), ("max_range", "<f4"), ("range", "<f4")),
+        ]
+    ),
+    Kind.SENSOR_SETTINGS: np.dtype(
+        [
+            *(("name", "S64"), ("topics", "S256", 6), ("update_rate", _SETTING)),
+            *(("noise_mean", _SETTING), ("noise_stddev", _SETTING), ("exposure", _SETTING)),
+        ]
+    ),
     Kind.SIMULATION_COMMAND: np.dtype(
         [
             *(("id", "<u8"), ("operation", "<u2"), ("reserved", "<u2"), ("text_len", "<u4"), ("steps", "<u8")),

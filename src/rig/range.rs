@@ -1,0 +1,106 @@
+//! A rangefinder and its stream: the nearest of the beams that fill its cone.
+
+use super::mount::Mount;
+use super::outlet::Outlet;
+use super::pictures::noise;
+use super::{RigContext, RigError, Setting, Settings, lidar::lidar_config};
+use crate::description::model::{Noise, Radiation, RangePlugin, RaySensor, Sensor};
+use belvedere_bridge::payload::Range;
+use belvedere_bridge::{Kind, StreamSpec};
+use belvedere_sensors::lidar::Lidar;
+use belvedere_sensors::noise::{GaussianNoise, Stream, normals16};
+use belvedere_sensors::trace::Capture;
+
+/// Noise channel of the range; that of the ranges of a lidar, which draws none here.
+const RANGE_CHANNEL: u16 = 2;
+
+/// A running rangefinder.
+pub(super) struct RangeChannel {
+    /// Without noise: that of the nearest beam is the sensor's.
+    lidar: Lidar,
+    noise: GaussianNoise,
+    /// Gazebo says the largest range where there is nothing, REP-117 +∞.
+    gazebo_compat: bool,
+    mount: Mount,
+    range: Outlet,
+    message: Range,
+    ranges: Vec<f32>,
+}
+
+impl RangeChannel {
+    pub(super) fn open(
+        sensor: &Sensor,
+        ray: &RaySensor,
+        plugin: &RangePlugin,
+        setting: &Setting<'_>,
+    ) -> Result<Self, RigError> {
+        let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
+        let exact = RaySensor { noise: Noise::default(), ..ray.clone() };
+        let config = lidar_config(&exact, setting).map_err(|error| refused(&error))?;
+        let lidar = Lidar::new(config).map_err(|error| refused(&error))?;
+        let frame = setting.frame_id(sensor, &plugin.frame_name);
+        let spec = StreamSpec::structs(&plugin.topic, Kind::Range, 1);
+        Ok(Self {
+            noise: noise(&ray.noise).map_err(|error| refused(&error))?,
+            gazebo_compat: setting.gazebo_compat,
+            mount: Mount::new(sensor, setting, &frame),
+            range: setting.open_rendered(spec.frame_id(&frame).rate_hz(setting.rate.hz()))?,
+            message: Range {
+                radiation_type: match plugin.radiation {
+                    Radiation::Ultrasound => Range::ULTRASOUND,
+                    Radiation::Infrared => Range::INFRARED,
+                },
+                field_of_view: plugin.field_of_view_rad as f32,
+                min_range: ray.range_min_m as f32,
+                max_range: ray.range_max_m as f32,
+                range: f32::NAN,
+            },
+            ranges: vec![0.0; lidar.beams()],
+            lidar,
+        })
+    }
+
+    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
+        if !self.range.is_wanted() {
+            return;
+        }
+        let scene = context.scene.scene();
+        self.lidar.sense(
+            &scene,
+            &Capture { world_from_sensor: self.mount.pose(context), frame: frame_number },
+            &mut context.workspace.lend(&scene, self.lidar.rays()),
+            &mut self.ranges,
+            &mut [],
+        );
+        // −∞, of something too near, is the nearest of all.
+        let nearest = self.ranges.iter().copied().fold(f32::INFINITY, f32::min);
+        let range = self.measured(nearest, frame_number);
+        self.range.send_structs(context.stamp_ns, &[Range { range, ..self.message }]);
+    }
+
+    /// With noise, which leaves neither limit, where there is a range.
+    fn measured(&self, nearest: f32, frame: u64) -> f32 {
+        let Range { min_range, max_range, .. } = self.message;
+        if !nearest.is_finite() {
+            return if self.gazebo_compat { max_range } else { nearest };
+        }
+        if self.noise.is_none() {
+            return nearest;
+        }
+        let config = self.lidar.config();
+        let (seed, sensor) = (config.seed, config.sensor);
+        let stream = Stream { seed, sensor, frame, channel: RANGE_CHANNEL };
+        let bias = self.noise.bias(seed, sensor, 0);
+        self.noise.apply(nearest, bias, normals16(&stream, 0)[0]).clamp(min_range, max_range)
+    }
+
+    /// Takes other settings from its next frame on.
+    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+        self.noise = settings.noise(&self.noise)?;
+        Ok(())
+    }
+
+    pub(super) fn outlets(&self) -> [&Outlet; 1] {
+        [&self.range]
+    }
+}

@@ -4,7 +4,6 @@ use super::files::name_files_absolutely;
 use super::material::is_definition;
 use crate::description::diagnostics::Diagnostics;
 use crate::description::gazebo_materials::gazebo_material;
-use crate::description::model::Material;
 use crate::description::package::PackagePath;
 use crate::description::xml::{Element, Node};
 use std::collections::HashSet;

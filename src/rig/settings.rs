@@ -1,7 +1,6 @@
 //! What of a sensor can be changed while it runs: the values, their limits, and the words that change them.
 
 use crate::description::model::{Noise, Sensor, SensorKind};
-use crate::description::values::nearest;
 use belvedere_bridge::Text;
 use belvedere_bridge::payload::{SensorSettings, Setting};
 use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseError};
@@ -95,10 +94,10 @@ impl Settings {
     }
 
     fn find(&self, name: &str) -> Result<usize, String> {
-        let index = NAMES.iter().position(|known| *known == name).ok_or_else(|| {
-            let near = nearest(name, NAMES).map(|near| format!("did you mean {near}? ")).unwrap_or_default();
-            format!("{name} is no setting; {near}this sensor has {}", self.in_words())
-        })?;
+        let index = NAMES
+            .iter()
+            .position(|known| *known == name)
+            .ok_or_else(|| format!("{name} is no setting; this sensor has {}", self.in_words()))?;
         if self.0[index].value.is_nan() {
             return Err(format!("this sensor has no {name}; it has {}", self.in_words()));
         }
@@ -162,10 +161,7 @@ mod tests {
                 "no setting is given; write NAME=VALUE, as update_rate (0.01 to 1000), noise_mean (-6 to 6)",
             ),
             ("update_rate", "'update_rate' is no setting; write NAME=VALUE"),
-            (
-                "updaterate=3",
-                "updaterate is no setting; did you mean update_rate? this sensor has update_rate",
-            ),
+            ("updaterate=3", "updaterate is no setting; this sensor has update_rate"),
             ("iso=3", "iso is no setting; this sensor has update_rate (0.01 to 1000), "),
             ("exposure=2", "this sensor has no exposure; it has update_rate"),
             ("update_rate=0", "update_rate is '0'; it must be a number from 0.01 to 1000"),

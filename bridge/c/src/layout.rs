@@ -326,6 +326,7 @@ pub struct MotorPower {
 }
 
 /// As sensor_msgs/Range: distance to the nearest thing within a cone.
+#[allow(clippy::struct_field_names, reason = "those of sensor_msgs")]
 #[repr(C)]
 pub struct Range {
     /// 0 ultrasound, 1 infrared

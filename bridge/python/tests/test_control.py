@@ -134,3 +134,21 @@ def test_control_goes_on_with_the_next_simulator(simulator: Simulator, node: bel
         simulator.start()
         assert control.pause() >= 0
         assert control.step(3) > 0
+
+
+def test_sensors_are_configured(still: belvedere.Node) -> None:
+    def settings(name: bytes) -> np.void:
+        return next(sensor for sensor in structs(still, "simulation/sensor_settings") if sensor["name"] == name)
+
+    camera = settings(b"camera1")
+    assert [*camera["topics"][:3]] == [b"image_raw", b"camera_info", b""]
+    assert camera["exposure"].item() == (1.0, 0.01, 100.0)
+    assert np.isnan(settings(b"laser")["exposure"]["value"])
+    with still.control() as control:
+        control.configure("/scan", update_rate=8, noise_mean=-1e-3)
+        laser = settings(b"laser")
+        assert (laser["update_rate"]["value"], laser["noise_mean"]["value"]) == (8.0, -1e-3)
+        with pytest.raises(belvedere.RefusedError, match=r"it must be a number from 0\.01 to 1000"):
+            control.configure("/scan", update_rate=0)
+    layers = {stream.topic: stream.layers for stream in still.streams()}
+    assert (layers["scan"], layers["clock"]) == (1, None)

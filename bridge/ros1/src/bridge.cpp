@@ -53,7 +53,9 @@ void Bridge::serve(const bv_stream_info& stream) {
         const auto known = relays_.find(name);
         if (known != relays_.end()) {
             // Another simulator may give the name to something else.
-            if (known->second.relay->kind() == stream.kind || stream.kind == 0 || stream.publishers == 0) return;
+            const Serving& now = known->second;
+            const bool same = now.relay->kind() == stream.kind && now.layers == stream.layers;
+            if (same || stream.kind == 0 || stream.publishers == 0) return;
             diagnostics_.removeByName(name);
             const std::lock_guard<std::mutex> lock(mutex_);
             relays_.erase(known);
@@ -67,10 +69,11 @@ void Bridge::serve(const bv_stream_info& stream) {
         }
         ROS_INFO_STREAM("serving " << relay->topic());
         auto place = std::make_unique<Served::Place>(relay->topic(), domain_, stream);
+        std::optional<double> time_offset;
+        if (stream.kind == BV_KIND_LASER_SCAN) time_offset = topics_.scan_parameters(name).time_offset;
         {
             const std::lock_guard<std::mutex> lock(mutex_);
-            Serving& served = relays_[name] = {std::move(relay), std::move(place)};
-            if (stream.kind == BV_KIND_LASER_SCAN) served.time_offset = topics_.scan_parameters(name).time_offset;
+            relays_[name] = {std::move(relay), std::move(place), stream.layers, time_offset};
         }
         diagnostics_.add(name, [this, name](auto& status) { diagnose_topic(name, status); });
     } catch (const std::exception& error) {

@@ -41,7 +41,8 @@ private:
     struct Serving {
         std::unique_ptr<Relay> relay;
         std::unique_ptr<Served::Place> place;
-        /// Of a laser scanner.
+        /// Of a laser scanner, else 0 and none.
+        std::uint32_t layers = 0;
         std::optional<double> time_offset = std::nullopt;
     };
 

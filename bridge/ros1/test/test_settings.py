@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Settings of sensors through dynamic_reconfigure, as dynparam and rqt_reconfigure use it.
+"""Settings of sensors through dynamic_reconfigure, as dynparam and rqt_reconfigure use it; rangefinders and lidars.
 
 Needs a master at ROS_MASTER_URI.
 """
 
+import functools
+import math
 import os
 import subprocess
 import threading
@@ -14,9 +16,11 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
 from processes import SIMULATOR, bridge, eventually, simulator
-from sensor_msgs.msg import CameraInfo, LaserScan
+from sensor_msgs import point_cloud2
+from sensor_msgs.msg import CameraInfo, LaserScan, PointCloud2, Range
 
 DOMAIN = f"settings-{os.getpid()}"
+ROBOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../tests/rangefinders.urdf")
 
 
 class Stamps:
@@ -134,6 +138,58 @@ class Settings(unittest.TestCase):
                     self.assertTrue(eventually(lambda: told(laser)["update_rate"] == 8.0))  # noqa: B023
                     laser.close()
             self.assertTrue(node.says("parameters of /given/camera1: exposure is '1e+06'; it must be a number from 0.01 to 100"))
+
+
+class Ranges(unittest.TestCase):
+    """Rangefinders, a lidar of several layers, and the parameters of laser scanners."""
+
+    def test_as_ros_has_them(self):
+        domain = f"{DOMAIN}-ranges"
+        rospy.set_param("/ranges", {"frame_id": "laser", "time_offset": -0.001})
+        rospy.set_param("/ranges/scan", {"angle_min": -0.5235988, "angle_max": 0.5235988, "publish_intensity": False})
+        with simulator(domain, "--robot", ROBOT, "--world", "empty"), bridge(domain, "__name:=ranges") as node:
+            first = functools.partial(rospy.wait_for_message, timeout=20)
+            down = first("/sonar/down", Range)
+            self.assertEqual((down.radiation_type, down.header.frame_id), (Range.ULTRASOUND, "sonar_link"))
+            self.assertAlmostEqual(down.range, 0.55, 2)
+            self.assertAlmostEqual(down.field_of_view, 0.2, 6)
+            self.assertEqual(first("/infrared/short", Range).range, math.inf)
+            self.assertEqual(first("/infrared/far", Range).range, -math.inf)
+
+            # Half a radian and a bit to either side, a degree apart; the same stamps as before, less a millisecond.
+            scan = first("/scan", LaserScan)
+            self.assertEqual((len(scan.ranges), len(scan.intensities)), (61, 0))
+            self.assertAlmostEqual(scan.angle_min, math.radians(-30), 5)
+            self.assertAlmostEqual(scan.angle_max, math.radians(30), 5)
+            self.assertEqual((scan.header.frame_id, scan.header.stamp.to_nsec() % 100_000_000), ("laser", 99_000_000))
+
+            cloud = first("/velodyne_points", PointCloud2)
+            self.assertEqual((cloud.width, cloud.height, cloud.point_step, cloud.is_dense), (8, 4, 22, False))
+            points = list(point_cloud2.read_points(cloud))
+            self.assertEqual([field.name for field in cloud.fields], ["x", "y", "z", "intensity", "ring", "time"])
+            # The two layers that look down see the ground a metre beneath, the others nothing.
+            for x, y, z, _, ring, time in points:
+                self.assertEqual(time, 0.0)
+                if ring < 2:
+                    self.assertAlmostEqual(z, -1.0, 2)
+                    self.assertGreater(math.hypot(x, y), 1.0)
+                else:
+                    self.assertTrue(math.isnan(x))
+
+            statuses = {}
+            rospy.Subscriber(
+                "/diagnostics", DiagnosticArray, lambda array: statuses.update({status.name: status for status in array.status})
+            )
+            self.assertTrue(eventually(lambda: "ranges: scan" in statuses))
+            keys = {value.key: value.value for value in statuses["ranges: scan"].values}
+            self.assertEqual((keys["User Time Offset"], keys["Device ID"]), ("-0.001 s", f"{domain}/scan"))
+            self.assertNotIn("is not a parameter", node.output())
+
+    def test_a_bad_one_is_named(self):
+        rospy.set_param("/bad", {"angle_min": "left"})
+        with bridge(f"{DOMAIN}-bad", "__name:=bad") as node:
+            self.assertTrue(node.says("/bad/angle_min is left; it must be a number"))
+            self.assertEqual(node.child.wait(10), 1)
 
 
 def rospy_service_exists(name):

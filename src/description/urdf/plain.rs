@@ -4,7 +4,6 @@ use super::files::name_files_absolutely;
 use super::material::is_definition;
 use crate::description::diagnostics::Diagnostics;
 use crate::description::gazebo_materials::gazebo_material;
-use crate::description::model::Material;
 use crate::description::package::PackagePath;
 use crate::description::xml::{Element, Node};
 use std::collections::HashSet;
@@ -51,7 +50,7 @@ fn define_materials_once(robot: &mut Element) {
 /// A definition of a material that has none in the file: Gazebo's, or else the grey that a shape has anyway.
 fn known_or_grey(used: &Element) -> Element {
     let [red, green, blue] =
-        gazebo_material(used.attribute("name").unwrap_or_default()).unwrap_or_else(Material::default).diffuse;
+        gazebo_material(used.attribute("name").unwrap_or_default()).unwrap_or_default().diffuse;
     let color = Element {
         name: "color".into(),
         attributes: vec![("rgba".into(), format!("{red} {green} {blue} 1"))],

@@ -77,7 +77,7 @@ TEST(Motion, IsSeenFromAnother) {
 }
 
 TEST(Command, NamesWhatFits) {
-    bv_simulation_command command = gazebo::command_of(6);
+    bv_simulation_command command = gazebo::command_of(BV_OPERATION_SET_MODEL_STATE);
     gazebo::set_name(command.name, std::string(63, 'n'));
     EXPECT_EQ(to_text(command.name), std::string(63, 'n'));
     gazebo::set_name(command.name, "short");

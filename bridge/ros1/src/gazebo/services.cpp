@@ -11,9 +11,6 @@ namespace belvedere_ros::gazebo {
 
 namespace {
 
-// Operations of a bv_simulation_command.
-enum Operation : std::uint16_t { pause = 1, resume = 2, reset_world = 4, reset_simulation = 5, set_state = 6, spawn = 7, remove = 8 };
-
 constexpr std::uint32_t kQueue = 10;  // as Gazebo's
 constexpr double kRestPeriod = 1.0;
 
@@ -51,10 +48,10 @@ std::string some_of(const States& states) {
 
 Services::Services(const ros::NodeHandle& nh, Domain& domain) : nh_(nh), simulator_(domain), spinner_(1, &queue_) {
     nh_.setCallbackQueue(&queue_);
-    serve_empty("pause_physics", Operation::pause);
-    serve_empty("unpause_physics", Operation::resume);
-    serve_empty("reset_world", Operation::reset_world);
-    serve_empty("reset_simulation", Operation::reset_simulation);
+    serve_empty("pause_physics", BV_OPERATION_PAUSE);
+    serve_empty("unpause_physics", BV_OPERATION_RESUME);
+    serve_empty("reset_world", BV_OPERATION_RESET_WORLD);
+    serve_empty("reset_simulation", BV_OPERATION_RESET_SIMULATION);
     serve<gazebo_msgs::GetModelState>("get_model_state", "GetModelState", &Services::get_model_state);
     serve<gazebo_msgs::GetLinkState>("get_link_state", "GetLinkState", &Services::get_link_state);
     serve<gazebo_msgs::GetWorldProperties>("get_world_properties", "GetWorldProperties", &Services::get_world_properties);
@@ -72,7 +69,7 @@ bool Services::are_at(const ros::NodeHandle& nh) {
     return ros::service::exists(nh.resolveName("get_world_properties"), false);
 }
 
-void Services::serve_empty(const std::string& name, std::uint16_t operation) {
+void Services::serve_empty(const std::string& name, bv_operation operation) {
     ros::AdvertiseServiceOptions options;
     options.init<std_srvs::Empty>(name, {});
     options.helper = boost::make_shared<EmptyService>([this, operation] { simulator_.command(command_of(operation)); });
@@ -154,7 +151,7 @@ void Services::set_model_state(const gazebo_msgs::SetModelStateRequest& request,
 }
 
 void Services::spawn_model(const gazebo_msgs::SpawnModelRequest& request, gazebo_msgs::SpawnModelResponse& response) {
-    bv_simulation_command command = command_of(Operation::spawn);
+    bv_simulation_command command = command_of(BV_OPERATION_SPAWN);
     set_name(command.name, request.model_name);
     set_name(command.reference, request.reference_frame);
     set_pose(command, request.initial_pose);
@@ -163,14 +160,14 @@ void Services::spawn_model(const gazebo_msgs::SpawnModelRequest& request, gazebo
 }
 
 void Services::delete_model(const gazebo_msgs::DeleteModelRequest& request, gazebo_msgs::DeleteModelResponse& response) {
-    bv_simulation_command command = command_of(Operation::remove);
+    bv_simulation_command command = command_of(BV_OPERATION_DELETE);
     set_name(command.name, request.model_name);
     simulator_.command(command);
     response.status_message = "DeleteModel: successfully deleted model";
 }
 
 void Services::move(const gazebo_msgs::ModelState& state) {
-    bv_simulation_command command = command_of(Operation::set_state);
+    bv_simulation_command command = command_of(BV_OPERATION_SET_MODEL_STATE);
     set_name(command.name, state.model_name);
     set_name(command.reference, state.reference_frame);
     set_pose(command, state.pose);

@@ -31,7 +31,7 @@ public:
     static bool are_at(const ros::NodeHandle& nh);
 
 private:
-    void serve_empty(const std::string& name, std::uint16_t operation);
+    void serve_empty(const std::string& name, bv_operation operation);
     template <class Service>
     void serve(const std::string& name, const std::string& speaker,
                void (Services::*answer)(const typename Service::Request&, typename Service::Response&));

@@ -104,7 +104,7 @@ void Simulator::rest() {
     }
 }
 
-bv_simulation_command command_of(std::uint16_t operation) {
+bv_simulation_command command_of(bv_operation operation) {
     bv_simulation_command command{};
     command.operation = operation;
     command.orientation[3] = 1.0;

@@ -65,7 +65,7 @@ private:
 };
 
 /// A command, its fields zero.
-bv_simulation_command command_of(std::uint16_t operation);
+bv_simulation_command command_of(bv_operation operation);
 
 /// Fills in a name; Refused when it is too long.
 void set_name(char (&field)[64], const std::string& name);

@@ -166,7 +166,7 @@ mod tests {
                 "updaterate=3",
                 "updaterate is no setting; did you mean update_rate? this sensor has update_rate",
             ),
-            ("gain=3", "gain is no setting; this sensor has update_rate (0.01 to 1000), "),
+            ("iso=3", "iso is no setting; this sensor has update_rate (0.01 to 1000), "),
             ("exposure=2", "this sensor has no exposure; it has update_rate"),
             ("update_rate=0", "update_rate is '0'; it must be a number from 0.01 to 1000"),
             ("update_rate=fast", "update_rate is 'fast'; it must be a number from 0.01 to 1000"),

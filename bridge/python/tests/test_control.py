@@ -148,7 +148,7 @@ def test_sensors_are_configured(still: belvedere.Node) -> None:
         control.configure("/scan", update_rate=8, noise_mean=-1e-3)
         laser = settings(b"laser")
         assert (laser["update_rate"]["value"], laser["noise_mean"]["value"]) == (8.0, -1e-3)
-        with pytest.raises(belvedere.RefusedError, match="it must be a number from 0.01 to 1000"):
+        with pytest.raises(belvedere.RefusedError, match=r"it must be a number from 0\.01 to 1000"):
             control.configure("/scan", update_rate=0)
     layers = {stream.topic: stream.layers for stream in still.streams()}
     assert (layers["scan"], layers["clock"]) == (1, None)

@@ -80,7 +80,8 @@ End serve(const Master& master, const sigset_t& signals) {
         bool gone = false;
         while (!signalled(signals) && ros::ok()) {
             const Master::State state = master.look(ros::this_node::getName());
-            if (state == Master::State::forgetful) return End::master_forgot;
+            // Told to end by `rosnode kill`, it is unregistered a moment before it is not ok.
+            if (state == Master::State::forgetful) return ros::isShuttingDown() ? End::asked_for : End::master_forgot;
             if (const bool now = state == Master::State::gone; now != gone) {
                 gone = now;
                 if (gone)

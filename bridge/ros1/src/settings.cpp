@@ -13,7 +13,6 @@ namespace belvedere_ros {
 namespace {
 
 constexpr const char* kStream = "simulation/sensor_settings";
-constexpr std::uint16_t kConfigure = 9;
 // How soon a stream that could not be followed is tried again, and all is looked at even if nothing has happened.
 constexpr std::chrono::milliseconds kPatience{1000};
 // How long a simulator may take to answer: as long as it works at a frame.
@@ -99,7 +98,7 @@ void Settings::take(const belvedere::Frame& frame) {
 std::string Settings::change(const bv_sensor_settings& sensor, const std::string& words) {
     const std::lock_guard<std::mutex> lock(control_mutex_);
     bv_simulation_command command{};
-    command.operation = kConfigure;
+    command.operation = BV_OPERATION_CONFIGURE;
     // A topic is of one sensor only.
     const std::string topic = to_text(sensor.topics[0]);
     const std::string name = topic.size() < sizeof command.name ? topic : to_text(sensor.name);

@@ -108,6 +108,15 @@ TEST(ScanCloud, TakesNoMemoryForRaysThatAreNotThere) {
     EXPECT_TRUE(to_scan_cloud(empty.sample())->data.empty());
 }
 
+TEST(ScanCloud, RefusesLinesThatItCannotCount) {
+    auto known = layers_of(1, 1, {1}, 0);
+    known.header.width = 250'000'000;  // of 18 bytes each: more than 2^32
+    known.header.row_stride = known.header.width * 4;
+    // Refused before anything is read, of which there is only the first.
+    const Sample sample(known.header, {known.bytes.data(), known.header.row_stride});
+    EXPECT_THROW(to_scan_cloud(sample), Unrepresentable);
+}
+
 TEST(AdjustedScan, IsCroppedToWholeRaysWithBothPlanes) {
     auto known = layers_of(5, 1, {1, 2, 3, 4, 5, 10, 20, 30, 40, 50}, BV_HAS_INTENSITIES);  // −0.5, 0, 0.5, 1, 1.5
     ScanParameters parameters;

@@ -37,7 +37,7 @@ pub struct CameraConfig {
     pub far_m: f64,
     /// Factor of the light that reaches the sensor, finite, 0 or more: 1 as the scene is lit. Colours are proportional to
     /// it until they saturate at 1, as the electrons of a sensor are to its time of exposure (the linear model of EMVA
-    /// 1288); [`shade`](crate::shade) computes in such proportional colours, without gamma.
+    /// 1288); shading computes in such proportional colours, without gamma.
     pub exposure: f32,
     /// Noise of a colour value in [0, 1], which exposure leaves as it is; one sample a pixel, the same for R, G and B.
     pub noise: GaussianNoise,

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// Print a robot as one plain URDF, as ROS's parameter robot_description wants it.
 ///
-/// All of xacro is done, and <gazebo> is kept. Meshes and textures are named by file:///, so that rviz finds them
+/// All of xacro is done, and `<gazebo>` is kept. Meshes and textures are named by file:///, so that rviz finds them
 /// wherever they were found here. What belvedere makes of the robot is told by `belvedere check`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:

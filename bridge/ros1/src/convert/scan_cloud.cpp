@@ -72,7 +72,7 @@ sensor_msgs::PointCloud2Ptr to_scan_cloud(const Sample& sample) {
     if (has_intensities) fields.add("intensity", sensor_msgs::PointField::FLOAT32, sizeof(float));
     fields.add("ring", sensor_msgs::PointField::UINT16, sizeof(std::uint16_t));
     fields.add("time", sensor_msgs::PointField::FLOAT32, sizeof(float));
-    if (header.width > std::numeric_limits<std::uint32_t>::max() / fields.step())
+    if (!is_empty && header.width > std::numeric_limits<std::uint32_t>::max() / fields.step())
         throw Unrepresentable("a line has more rays than a sensor_msgs/PointCloud2 can hold");
     cloud->width = header.width;
     cloud->height = header.height;

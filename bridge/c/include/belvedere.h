@@ -702,9 +702,9 @@ void bv_velocity_close(struct bv_velocity_publisher *publisher);
 // Requires: `node` is open; `out` can be written.
 bv_status bv_control_open(struct bv_node *node, struct bv_control **out);
 
-// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time, or the simulator ended. An id of 0 is
-// replaced by one that no other has; text_len is that of the text. A command that was refused is a success of this
-// function: look at result->done.
+// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time, or the simulator
+// ended. An id of 0 is replaced by one that no other has; text_len is that of the text. A command that was refused is
+// a success of this function: look at result->done.
 // Requires: `control` is open; `command` can be read; `text` is NUL-terminated or NULL; `result` can be written.
 bv_status bv_control_call(struct bv_control *control,
                           const struct bv_simulation_command *command,

@@ -28,9 +28,9 @@ pub unsafe extern "C" fn bv_control_open(node: *mut Node, out: *mut *mut Control
     })
 }
 
-/// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time, or the simulator ended. An id of 0 is
-/// replaced by one that no other has; text_len is that of the text. A command that was refused is a success of this
-/// function: look at result->done.
+/// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time, or the simulator
+/// ended. An id of 0 is replaced by one that no other has; text_len is that of the text. A command that was refused is
+/// a success of this function: look at result->done.
 ///
 /// # Safety
 /// `control` is open; `command` can be read; `text` is NUL-terminated or NULL; `result` can be written.

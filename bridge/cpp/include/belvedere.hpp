@@ -346,8 +346,8 @@ public:
         return done(command(BV_OPERATION_CONFIGURE, sensor), settings);
     }
 
-    /// Sends any command, with the text of a model to be spawned or of settings, and waits for its result: none in time, none at all. One
-    /// that was refused has `done` 0 and a reason. An id of 0 is replaced by one that no other has.
+    /// Sends any command, with the text of a model to be spawned or of settings, and waits for its result: none in time,
+    /// none at all. One that was refused has `done` 0 and a reason. An id of 0 is replaced by one that no other has.
     std::optional<bv_simulation_result> call(const bv_simulation_command& command, std::chrono::milliseconds timeout,
                                              const std::string& text = {}) {
         bv_simulation_result result;
@@ -377,12 +377,15 @@ private:
     }
     template <std::size_t length>
     static void put(char (&field)[length], const std::string& name) {
-        if (name.size() >= length) throw Refused("the name '" + name + "' has more than " + std::to_string(length - 1) + " bytes");
+        if (name.size() >= length)
+            throw Refused("the name '" + name + "' has more than " + std::to_string(length - 1) + " bytes");
         name.copy(field, length);
     }
     std::uint64_t done(const bv_simulation_command& command, const std::string& text = {}) {
         const auto result = call(command, timeout_, text);
-        if (!result) throw Error(BV_STATUS_NOTHING, "no simulator answered; the most to wait was " + std::to_string(timeout_.count()) + " ms");
+        if (!result)
+            throw Error(BV_STATUS_NOTHING,
+                        "no simulator answered; the most to wait was " + std::to_string(timeout_.count()) + " ms");
         const char* reason = result->reason;
         if (result->done == 0) throw Refused(std::string(reason, std::find(reason, reason + sizeof result->reason, '\0')));
         return result->time_ns;

@@ -5,19 +5,12 @@
 
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 namespace belvedere_ros {
 
 namespace {
 
 using Value = XmlRpc::XmlRpcValue;
-
-std::string text_of(const Value& value) {
-    std::ostringstream text;
-    text << value;
-    return text.str();
-}
 
 std::vector<std::string> to_texts(Value& value) {
     if (value.getType() != Value::TypeArray) throw BadParameter("a list of topics");
@@ -46,30 +39,6 @@ Parameters::Transforms to_transforms(Value& value) {
 }
 
 }  // namespace
-
-// A name of digits comes from the command line as a number.
-std::string to_text(Value& value) {
-    if (value.getType() == Value::TypeInt) return std::to_string(static_cast<int>(value));
-    if (value.getType() != Value::TypeString) throw BadParameter("text");
-    return static_cast<std::string>(value);
-}
-
-bool to_bool(Value& value) {
-    if (value.getType() != Value::TypeBoolean) throw BadParameter("true or false");
-    return static_cast<bool>(value);
-}
-
-void read_all(const ros::NodeHandle& nh, const Readers& readers) {
-    for (const auto& [name, reader] : readers) {
-        Value value;
-        if (!nh.getParam(name, value)) continue;
-        try {
-            reader(value);
-        } catch (const BadParameter& expected) {
-            throw BadParameter(nh.resolveName(name) + " is " + text_of(value) + "; it must be " + expected.what());
-        }
-    }
-}
 
 Parameters Parameters::read(const ros::NodeHandle& private_nh) {
     Parameters parameters;

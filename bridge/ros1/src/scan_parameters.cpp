@@ -45,6 +45,8 @@ ScanParameters ScanParameters::of_topic(const ros::NodeHandle& private_nh, const
 }
 
 void ScanParameters::check(const std::string& where) const {
+    if (std::abs(time_offset) > most_offset)
+        throw BadParameter(where + "/time_offset is " + std::to_string(time_offset) + "; it must be seconds, at most 1e9 either way");
     if (angle_min > angle_max)
         throw BadParameter(where + "/angle_min is " + std::to_string(angle_min) + "; it must not be above angle_max, " +
                            std::to_string(angle_max));

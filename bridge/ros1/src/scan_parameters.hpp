@@ -17,7 +17,9 @@ struct ScanParameters {
     /// ~angle_min, ~angle_max (radians): what lies outside is left out, ray by ray.
     double angle_min = -std::numeric_limits<double>::infinity();
     double angle_max = std::numeric_limits<double>::infinity();
-    /// ~time_offset (seconds): added to every stamp.
+    /// More than any clock is off, in seconds.
+    static constexpr double most_offset = 1e9;
+    /// ~time_offset (seconds, at most `most_offset` either way): added to every stamp.
     double time_offset = 0.0;
     /// ~publish_intensity (true): whether intensities are sent.
     bool publish_intensity = true;

@@ -163,6 +163,14 @@ TEST(AdjustedScan, HasAnotherFrameAndStampAndNoIntensities) {
     EXPECT_TRUE(scan->intensities.empty());
     parameters.time_offset = -1e6;
     EXPECT_EQ(AdjustedScan(known.sample(), parameters).sample().header.stamp_ns, 0u);
+    for (const double no_time : {1e300, std::nan("")}) {
+        auto odd = known;
+        odd.header.block.scan.time_increment = no_time;
+        parameters.angle_min = -0.1;  // the second ray is the first that is left
+        EXPECT_THROW(AdjustedScan(odd.sample(), parameters), Unrepresentable);
+    }
+    parameters.time_offset = 2e9;
+    EXPECT_THROW(parameters.check("/belvedere"), BadParameter);
     // Without any, it is what it was.
     EXPECT_EQ(to_laser_scan(AdjustedScan(known.sample(), {}).sample())->ranges, (std::vector<float>{1, 2}));
 }

@@ -13,6 +13,8 @@ constexpr double kEdge = 0.01;
 
 /// A stamp, moved by seconds; 0, which is no stamp, for what would be before time began.
 std::uint64_t moved(std::uint64_t stamp_ns, double seconds) {
+    if (!(std::abs(seconds) <= ScanParameters::most_offset))
+        throw Unrepresentable("its stamp cannot be moved by " + std::to_string(seconds) + " s");
     const auto offset_ns = static_cast<std::int64_t>(std::llround(seconds * 1e9));
     if (offset_ns >= 0) return stamp_ns + static_cast<std::uint64_t>(offset_ns);
     return stamp_ns - std::min(stamp_ns, static_cast<std::uint64_t>(-offset_ns));

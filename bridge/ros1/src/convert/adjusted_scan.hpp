@@ -9,7 +9,7 @@ namespace belvedere_ros {
 /// Sees the same ranges through a header of its own; as long as the frame lives.
 class AdjustedScan {
 public:
-    /// Throws Unrepresentable when no ray is left.
+    /// Throws Unrepresentable when no ray is left, or the scan's times are none.
     AdjustedScan(const Sample& scan, const ScanParameters& parameters);
 
     Sample sample() const { return {header_, payload_}; }

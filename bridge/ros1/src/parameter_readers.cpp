@@ -1,0 +1,43 @@
+#include "parameter_readers.hpp"
+
+#include <sstream>
+
+namespace belvedere_ros {
+
+using Value = XmlRpc::XmlRpcValue;
+
+namespace {
+
+std::string text_of(const Value& value) {
+    std::ostringstream text;
+    text << value;
+    return text.str();
+}
+
+}  // namespace
+
+// A name of digits comes from the command line as a number.
+std::string to_text(Value& value) {
+    if (value.getType() == Value::TypeInt) return std::to_string(static_cast<int>(value));
+    if (value.getType() != Value::TypeString) throw BadParameter("text");
+    return static_cast<std::string>(value);
+}
+
+bool to_bool(Value& value) {
+    if (value.getType() != Value::TypeBoolean) throw BadParameter("true or false");
+    return static_cast<bool>(value);
+}
+
+void read_all(const ros::NodeHandle& nh, const Readers& readers) {
+    for (const auto& [name, reader] : readers) {
+        Value value;
+        if (!nh.getParam(name, value)) continue;
+        try {
+            reader(value);
+        } catch (const BadParameter& expected) {
+            throw BadParameter(nh.resolveName(name) + " is " + text_of(value) + "; it must be " + expected.what());
+        }
+    }
+}
+
+}  // namespace belvedere_ros

@@ -74,6 +74,18 @@ fn build_s1(mesh: Mesh) -> Tree {
     Tree::new(black_box(&mesh), simd())
 }
 
+fn room_tree() -> (Tree, Mesh) {
+    let mesh = room_mesh();
+    (Tree::new(&mesh, simd()), mesh)
+}
+
+// The same tree once more over its vertices.
+#[library_benchmark(config = limit("refit_S1"), setup = room_tree)]
+fn refit_s1((mut tree, mesh): (Tree, Mesh)) -> (Tree, Mesh) {
+    tree.refit(black_box(&mesh.vertices), &mesh.triangles, simd());
+    (tree, mesh)
+}
+
 // A camera's 307,200 rays in the room.
 #[library_benchmark(config = limit("trace_S1_R1"), setup = room_camera)]
 fn trace_s1_r1((built, mut caster): (Built, Caster)) -> (Built, Caster) {
@@ -121,7 +133,7 @@ fn tag_room_rows((scene, camera, mut workspace, mut pixels): RoomView) -> RoomVi
 
 library_benchmark_group!(
     name = counts,
-    benchmarks = [build_s1, trace_s1_r1, trace_s1_r5, noise, tag_room_rows]
+    benchmarks = [build_s1, refit_s1, trace_s1_r1, trace_s1_r5, noise, tag_room_rows]
 );
 
 main!(library_benchmark_groups = counts);

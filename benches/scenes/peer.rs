@@ -16,6 +16,15 @@ impl Built {
         Self(TriMesh::new(vertices, mesh.triangles.clone()).expect("a mesh with triangles"))
     }
 
+    /// Follows vertices that moved: the same tree, new boxes.
+    pub fn refit(&mut self, vertices: &[[f32; 3]]) {
+        self.0.update_vertices(|ours| {
+            for (ours, vertex) in ours.iter_mut().zip(vertices) {
+                *ours = Vector::from_array(*vertex);
+            }
+        });
+    }
+
     /// Casts the chosen rays; `distances` gets one a ray, infinite for a miss.
     pub fn cast(&self, rays: &RaySet, chosen: impl Iterator<Item = usize>, distances: &mut Vec<f32>) {
         distances.clear();

@@ -79,7 +79,9 @@
 //! simulator. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
 #![deny(unsafe_code)]
 
+mod busy_poll;
 pub mod clock;
+mod connection;
 mod consumer;
 mod control;
 mod domain;

@@ -575,6 +575,19 @@ void bv_subscriber_close(struct bv_subscriber *subscriber);
 bv_status bv_subscriber_wait(struct bv_subscriber *subscriber,
                              uint32_t timeout_ms);
 
+// Looks for frames without sleeping when they are due, for at most `limit_us` a frame; 0, as at first: never.
+//
+// It takes the system 30 to 100 us to wake a process, which is most of a frame's age where it arrives. With this,
+// bv_subscriber_wait, and bv_subscriber_take in a loop that waits for bv_subscriber_fd, begin to look shortly before
+// the next frame of a periodic stream is due, by the times of those before, and have it a few microseconds after it
+// was sent. What comes much earlier or later, or without a period, wakes them as ever.
+//
+// The price is processor time: three mean deviations of the times of sending, 0.15 ms at least and half of
+// `limit_us` at most, of a core for each frame. On a single core it does nothing.
+// Requires: `subscriber` is open.
+bv_status bv_subscriber_set_busy_poll(struct bv_subscriber *subscriber,
+                                      uint32_t limit_us);
+
 // A descriptor for the poll, select or epoll of another event loop: the same over the subscriber's whole life, and
 // closed by bv_subscriber_close only. It is readable when frames may wait or it is time to look for the publisher:
 // call bv_subscriber_take then until it gives BV_STATUS_NOTHING. Do not read from it.

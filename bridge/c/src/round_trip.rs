@@ -19,7 +19,8 @@ use crate::{
     node::{bv_node_close, bv_node_open, bv_streams, bv_streams_free},
     status::{Status, bv_last_error, guard},
     subscriber::{
-        bv_subscribe, bv_subscriber_close, bv_subscriber_fd, bv_subscriber_take, bv_subscriber_wait,
+        bv_subscribe, bv_subscriber_close, bv_subscriber_fd, bv_subscriber_set_busy_poll, bv_subscriber_take,
+        bv_subscriber_wait,
     },
     synchronizer::{
         bv_synchronizer_close, bv_synchronizer_open, bv_synchronizer_skipped, bv_synchronizer_take,
@@ -55,6 +56,7 @@ fn frames_and_commands_cross() {
             last_error()
         );
         assert_eq!(bv_subscribe(node, c"/image".as_ptr(), &raw mut subscriber), Status::Ok);
+        assert_eq!(bv_subscriber_set_busy_poll(subscriber, 1000), Status::Ok);
         assert_eq!(bv_subscriber_wait(subscriber, 10), Status::Nothing);
         assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Nothing);
         assert!(frame.is_null());
@@ -255,6 +257,7 @@ fn mistakes_are_codes_with_words() {
         assert_eq!(bv_subscribe(null_mut(), c"x".as_ptr(), &raw mut subscriber), Status::InvalidArgument);
         assert!(last_error().contains("null"), "{}", last_error());
         assert_eq!(bv_subscriber_wait(null_mut(), 1), Status::InvalidArgument);
+        assert_eq!(bv_subscriber_set_busy_poll(null_mut(), 1), Status::InvalidArgument);
         assert_eq!(bv_subscriber_take(null_mut(), null_mut()), Status::InvalidArgument);
         assert!(bv_frame_get_header(null_mut()).is_null());
         bv_frame_release(null_mut());

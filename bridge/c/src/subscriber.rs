@@ -60,6 +60,28 @@ pub unsafe extern "C" fn bv_subscriber_wait(subscriber: *mut Subscriber, timeout
     })
 }
 
+/// Looks for frames without sleeping when they are due, for at most `limit_us` a frame; 0, as at first: never.
+///
+/// It takes the system 30 to 100 us to wake a process, which is most of a frame's age where it arrives. With this,
+/// bv_subscriber_wait, and bv_subscriber_take in a loop that waits for bv_subscriber_fd, begin to look shortly before
+/// the next frame of a periodic stream is due, by the times of those before, and have it a few microseconds after it
+/// was sent. What comes much earlier or later, or without a period, wakes them as ever.
+///
+/// The price is processor time: three mean deviations of the times of sending, 0.15 ms at least and half of
+/// `limit_us` at most, of a core for each frame. On a single core it does nothing.
+///
+/// # Safety
+/// `subscriber` is open.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bv_subscriber_set_busy_poll(subscriber: *mut Subscriber, limit_us: u32) -> Status {
+    guard(|| {
+        // SAFETY: an open subscriber by this function's contract.
+        let subscriber = unsafe { handle_arg(subscriber, "subscriber") }?;
+        subscriber.0.set_busy_poll(Duration::from_micros(limit_us.into()));
+        Ok(Status::Ok)
+    })
+}
+
 /// A descriptor for the poll, select or epoll of another event loop: the same over the subscriber's whole life, and
 /// closed by bv_subscriber_close only. It is readable when frames may wait or it is time to look for the publisher:
 /// call bv_subscriber_take then until it gives BV_STATUS_NOTHING. Do not read from it.

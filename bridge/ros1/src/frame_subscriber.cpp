@@ -31,7 +31,8 @@ private:
 
 class FrameSubscriber::Following : public Served::Seeker {
 public:
-    Following(std::string topic, Callback callback) : topic_(std::move(topic)), callback_(std::move(callback)) {
+    Following(std::string topic, Callback callback, std::chrono::microseconds busy_poll)
+        : topic_(std::move(topic)), callback_(std::move(callback)), busy_poll_(busy_poll) {
         Served::here().seek(topic_, *this);
     }
     ~Following() override { Served::here().forget(topic_, *this); }
@@ -44,18 +45,20 @@ public:
         relay_.reset();
         if (source == nullptr) return;
         relay_ = std::make_unique<Relay>(source->domain, source->stream, std::make_unique<FrameOutput>(topic_, callback_),
-                                         std::make_shared<Bell>(), Relay::stamps_of(source->stream));
+                                         std::make_shared<Bell>(), Relay::stamps_of(source->stream), busy_poll_);
     }
 
 private:
     const std::string topic_;
     const Callback callback_;
+    const std::chrono::microseconds busy_poll_;
     std::atomic<bool> is_served_{false};
     std::unique_ptr<Relay> relay_;
 };
 
-FrameSubscriber::FrameSubscriber(const ros::NodeHandle& nh, const std::string& topic, Callback callback)
-    : following_(std::make_unique<Following>(nh.resolveName(topic), std::move(callback))) {}
+FrameSubscriber::FrameSubscriber(const ros::NodeHandle& nh, const std::string& topic, Callback callback,
+                                 std::chrono::microseconds busy_poll)
+    : following_(std::make_unique<Following>(nh.resolveName(topic), std::move(callback), busy_poll)) {}
 
 FrameSubscriber::~FrameSubscriber() = default;
 

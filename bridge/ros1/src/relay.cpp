@@ -26,9 +26,9 @@ Relay::Stamps Relay::stamps_of(const bv_stream_info& stream) {
 }
 
 Relay::Relay(Domain& domain, const bv_stream_info& stream, std::unique_ptr<Output> output, std::shared_ptr<Bell> bell,
-             Stamps stamps)
-    : domain_(domain), stream_(stream.topic), kind_(stream.kind), stamps_(stamps), output_(std::move(output)),
-      bell_(std::move(bell)), flow_(stream.rate_hz), thread_([this] { run(); }) {}
+             Stamps stamps, std::chrono::microseconds busy_poll)
+    : domain_(domain), stream_(stream.topic), kind_(stream.kind), stamps_(stamps), busy_poll_(busy_poll),
+      output_(std::move(output)), bell_(std::move(bell)), flow_(stream.rate_hz), thread_([this] { run(); }) {}
 
 Relay::~Relay() {
     stopping_ = true;
@@ -53,6 +53,7 @@ void Relay::run() {
 
 void Relay::follow() {
     belvedere::Subscriber subscriber = domain_.subscribe(stream_);
+    subscriber.set_busy_poll(busy_poll_);
     const int frames = subscriber.fd();
     flow_.begin();
     while (wanted()) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,7 +33,9 @@ public:
     /// What a stream needs.
     static Stamps stamps_of(const bv_stream_info& stream);
 
-    Relay(Domain& domain, const bv_stream_info& stream, std::unique_ptr<Output> output, std::shared_ptr<Bell> bell, Stamps stamps);
+    /// Frames are looked for when they are due for at most `busy_poll`, see belvedere::Subscriber::set_busy_poll.
+    Relay(Domain& domain, const bv_stream_info& stream, std::unique_ptr<Output> output, std::shared_ptr<Bell> bell, Stamps stamps,
+          std::chrono::microseconds busy_poll = {});
     ~Relay();
     Relay(const Relay&) = delete;
     Relay& operator=(const Relay&) = delete;
@@ -56,6 +59,7 @@ private:
     const std::string stream_;
     const std::uint16_t kind_;
     const Stamps stamps_;
+    const std::chrono::microseconds busy_poll_;
     std::unique_ptr<Output> output_;
     std::shared_ptr<Bell> bell_;
     Flow flow_;

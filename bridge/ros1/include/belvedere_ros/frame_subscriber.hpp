@@ -13,6 +13,7 @@
 
 #include <belvedere.hpp>
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -47,7 +48,10 @@ public:
     using Callback = std::function<void(const FrameViewConstPtr&)>;
 
     /// The topic is resolved and remapped as that of a ros::Subscriber. Throws ros::InvalidNameException.
-    FrameSubscriber(const ros::NodeHandle& nh, const std::string& topic, Callback callback);
+    ///
+    /// With `busy_poll`, frames are looked for when they are due, for at most so long each, instead of slept for: they come
+    /// microseconds after they were sent, at the price of processor time (belvedere::Subscriber::set_busy_poll).
+    FrameSubscriber(const ros::NodeHandle& nh, const std::string& topic, Callback callback, std::chrono::microseconds busy_poll = {});
     /// No callback runs afterwards. Not to be called from the callback.
     ~FrameSubscriber();
     FrameSubscriber(const FrameSubscriber&) = delete;

@@ -1,0 +1,192 @@
+// Frames, and what they are received by. SPDX-License-Identifier: MIT OR Apache-2.0
+#ifndef BELVEDERE_FRAMES_HPP
+#define BELVEDERE_FRAMES_HPP
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "base.hpp"
+#include "wire.hpp"
+
+namespace belvedere {
+
+/// A received frame where it lies in shared memory; unchanged and valid as long as this lives.
+class Frame {
+public:
+    explicit Frame(bv_frame* handle) : handle_(handle) {}
+
+    const Header& header() const { return *bv_frame_get_header(handle_.get()); }
+    bv_kind kind() const { return static_cast<bv_kind>(header().kind); }
+    bv_encoding encoding() const { return static_cast<bv_encoding>(header().encoding); }
+
+    /// The frame that the data are given in.
+    std::string frame_id() const {
+        const char* id = header().frame_id;
+        return std::string(id, std::find(id, id + sizeof header().frame_id, '\0'));
+    }
+    /// How pixels map to directions. Throws std::invalid_argument for a kind that has none.
+    const bv_intrinsics& intrinsics() const {
+        if (kind() != BV_KIND_IMAGE && kind() != BV_KIND_DEPTH_IMAGE && kind() != BV_KIND_POINT_CLOUD)
+            throw std::invalid_argument("a frame of this kind has no intrinsics");
+        return header().block.intrinsics;
+    }
+
+    /// All bytes, aligned to 64.
+    Span<const std::uint8_t> payload() const {
+        return {bv_frame_get_payload(handle_.get()), static_cast<std::size_t>(header().payload_len)};
+    }
+
+    /// One row as values of T: bytes or pixels of an image, float of depth and ranges.
+    /// Throws std::out_of_range for a row that is not there or a T that does not fit.
+    template <class T>
+    Span<const T> row(std::uint32_t y) const {
+        return plane_row<T>(0, y);
+    }
+
+    /// One row of intensities behind the ranges.
+    template <class T = float>
+    Span<const T> intensity_row(std::uint32_t y) const {
+        const Header& h = header();
+        if ((h.flags & BV_HAS_INTENSITIES) == 0) throw std::out_of_range("the scan has no intensities");
+        return plane_row<T>(static_cast<std::size_t>(h.height) * h.row_stride, y);
+    }
+
+    /// The structs of a stream of fixed messages, such as bv_transform, copied out.
+    template <class T>
+    std::vector<T> structs() const {
+        static_assert(std::is_trivially_copyable<T>::value, "T must be one of the structs of belvedere.h");
+        const Header& h = header();
+        // The stride of rows is that of structs, so that no height makes more of them than the payload has.
+        if (h.encoding != BV_ENCODING_STRUCT || h.elem_stride < sizeof(T) || (h.height > 1 && h.row_stride < sizeof(T)))
+            throw std::out_of_range("the frame does not hold structs of this size");
+        std::vector<T> values(h.width == 0 ? 0 : h.height);
+        const Span<const std::uint8_t> bytes = payload();
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const std::size_t offset = i * h.row_stride;
+            if (offset + sizeof(T) > bytes.size()) throw std::out_of_range("the frame is too short for this struct");
+            std::memcpy(&values[i], bytes.data() + offset, sizeof(T));
+        }
+        return values;
+    }
+
+    /// Frames that were sent between the last one taken and this one.
+    std::uint64_t missed() const { return bv_frame_missed(handle_.get()); }
+    /// Whether the simulator was started again since the frame before.
+    bool restarted() const { return bv_frame_restarted(handle_.get()); }
+    /// Whether it was sent before the subscriber was connected: its age says nothing then.
+    bool is_from_history() const { return bv_frame_is_from_history(handle_.get()); }
+    /// Time since it was sent.
+    std::chrono::nanoseconds age() const {
+        return std::chrono::nanoseconds(static_cast<std::int64_t>(bv_frame_age_ns(handle_.get())));
+    }
+
+private:
+    template <class T>
+    Span<const T> plane_row(std::size_t plane, std::uint32_t y) const {
+        static_assert(std::is_trivially_copyable<T>::value, "T must be a plain value");
+        const Header& h = header();
+        const std::size_t bytes = static_cast<std::size_t>(h.width) * h.elem_stride;
+        const std::size_t offset = plane + static_cast<std::size_t>(y) * h.row_stride;
+        if (y >= h.height || offset % alignof(T) != 0 || bytes % sizeof(T) != 0 ||
+            offset + bytes > payload().size())
+            throw std::out_of_range("no such row in the frame");
+        return {reinterpret_cast<const T*>(payload().data() + offset), bytes / sizeof(T)};
+    }
+
+    detail::Owned<bv_frame, bv_frame_release> handle_;
+};
+
+/// The reading end of a stream: there before its publisher, and after. Goes on by itself when the publisher ends, or
+/// is killed, and starts again.
+class Subscriber {
+public:
+    explicit Subscriber(bv_subscriber* handle) : handle_(handle) {}
+
+    /// Sleeps until there is a frame; false when the time has passed, or a signal came, without one.
+    bool wait(std::chrono::milliseconds timeout) {
+        return detail::check(bv_subscriber_wait(handle_.get(), detail::count_of(timeout)));
+    }
+    /// Looks for frames without sleeping when they are due, for at most so long a frame: they are had microseconds after
+    /// they were sent, at the price of processor time; bv_subscriber_set_busy_poll() says how much. Zero, as at first: never.
+    void set_busy_poll(std::chrono::microseconds limit) {
+        detail::check(bv_subscriber_set_busy_poll(handle_.get(), detail::count_of(limit)));
+    }
+    /// The oldest frame that waits, if any; never sleeps. Two may be held at a time.
+    std::optional<Frame> take() { return take_with(bv_subscriber_take); }
+    /// The newest frame that waits, if any, dropping those before it; never sleeps.
+    std::optional<Frame> take_newest() { return take_with(bv_subscriber_take_newest); }
+
+    /// A descriptor for the poll, select or epoll of another event loop: the same over the subscriber's whole life.
+    /// It is readable when frames may wait or it is time to look for the publisher: take() then until there is none.
+    /// Do not read from it, nor close it.
+    int fd() {
+        int fd = -1;
+        detail::check(bv_subscriber_fd(handle_.get(), &fd));
+        return fd;
+    }
+
+    std::uint64_t missed_total() const { return bv_subscriber_missed_total(handle_.get()); }
+    std::size_t publishers() const { return bv_subscriber_publishers(handle_.get()); }
+    /// Time since the last frame: the sign that a stream has stopped.
+    std::chrono::nanoseconds silence() const {
+        return std::chrono::nanoseconds(static_cast<std::int64_t>(bv_subscriber_silence_ns(handle_.get())));
+    }
+
+private:
+    std::optional<Frame> take_with(bv_status (*take)(bv_subscriber*, bv_frame**)) {
+        bv_frame* frame = nullptr;
+        if (!detail::check(take(handle_.get(), &frame))) return std::nullopt;
+        return Frame(frame);
+    }
+
+    detail::Owned<bv_subscriber, bv_subscriber_close> handle_;
+};
+
+/// Gives the frames of N streams that were taken at the same time: a picture with its depth and its camera_info.
+/// Each frame is in one set at most, sets come in order, and a frame that can find no partner any more is skipped. One
+/// set may be kept while the next is waited for.
+template <std::size_t N>
+class Synchronizer {
+    static_assert(N >= 2 && N <= BV_SYNCHRONIZER_MAX, "a set is of 2 to 8 streams");
+
+public:
+    explicit Synchronizer(bv_synchronizer* handle) : handle_(handle) {}
+
+    /// Sleeps until there is a set; false when the time has passed, or a signal came, without one.
+    bool wait(std::chrono::milliseconds timeout) {
+        return detail::check(bv_synchronizer_wait(handle_.get(), detail::count_of(timeout)));
+    }
+    /// The next set, in the order of the topics, if it is complete; never sleeps.
+    std::optional<std::array<Frame, N>> take() {
+        bv_frame* frames[N];
+        if (!detail::check(bv_synchronizer_take(handle_.get(), frames))) return std::nullopt;
+        return set(frames, std::make_index_sequence<N>());
+    }
+
+    /// Frames that were taken and found no partner.
+    std::uint64_t skipped() const { return bv_synchronizer_skipped(handle_.get()); }
+    /// Frames that were sent and never taken, over all streams.
+    std::uint64_t missed_total() const { return bv_synchronizer_missed_total(handle_.get()); }
+
+private:
+    template <std::size_t... I>
+    static std::array<Frame, N> set(bv_frame* const (&frames)[N], std::index_sequence<I...>) {
+        return {Frame(frames[I])...};
+    }
+
+    detail::Owned<bv_synchronizer, bv_synchronizer_close> handle_;
+};
+
+}  // namespace belvedere
+
+#endif

@@ -1,0 +1,173 @@
+//! Looking for frames when they are due, instead of sleeping until they are announced.
+//!
+//! Shown by a publisher of iceoryx2 alone that announces nothing: who sleeps finds its frames by the subscriber's look
+//! at the stream every 100 ms, long after they were sent; who looks when they are due finds them at once.
+
+use std::{
+    ops::ControlFlow,
+    sync::atomic::{AtomicBool, Ordering},
+    time::{Duration, Instant},
+};
+
+use belvedere_bridge::{Domain, Encoding, Frame, FrameHeader, Kind, Node, StreamSpec, Subscriber, clock};
+use iceoryx2::prelude::{
+    Config, FileName, NodeBuilder, SemanticString as _, ServiceName, SignalHandlingMode, ipc,
+};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+const TOPIC: &str = "image";
+const PERIOD: Duration = Duration::from_millis(20);
+const LIMIT: Duration = Duration::from_millis(10);
+/// Younger than the sleeper's oldest waiting frame ever is: that is four to five periods old.
+const FRESH: Duration = Duration::from_millis(30);
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Sends a frame every period, in silence, until it is told to stop.
+fn publish_in_silence(domain: &Domain, stopping: &AtomicBool) {
+    let mut config = Config::default();
+    config.global.prefix = FileName::new(domain.prefix().as_bytes()).unwrap();
+    let node = NodeBuilder::new()
+        .config(&config)
+        .signal_handling_mode(SignalHandlingMode::Disabled)
+        .create::<ipc::Service>()
+        .unwrap();
+    let name = ServiceName::new(&format!("belvedere/{TOPIC}")).unwrap();
+    let frames = node
+        .service_builder(&name)
+        .publish_subscribe::<[u8]>()
+        .user_header::<FrameHeader>()
+        .subscriber_max_buffer_size(16)
+        .history_size(0)
+        .create()
+        .unwrap();
+    let _events = node.service_builder(&name).event().open_or_create().unwrap();
+    let port = frames.publisher_builder().initial_max_slice_len(8).create().unwrap();
+    let mut header = FrameHeader::new(Kind::Clock, Encoding::Struct);
+    header.payload_len = header.set_packed(1, 1) as u64;
+    header.session = 7;
+    let begin = Instant::now();
+    while !stopping.load(Ordering::Relaxed) {
+        header.seq += 1;
+        let next = begin + PERIOD * u32::try_from(header.seq).unwrap();
+        std::thread::sleep(next.saturating_duration_since(Instant::now()));
+        let mut sample = port.loan_slice(8).unwrap();
+        header.publish_mono_ns = clock::mono_ns();
+        *sample.user_header_mut() = header;
+        sample.send().unwrap();
+    }
+}
+
+fn age(frame: &Frame) -> Duration {
+    Duration::from_nanos(frame.age_ns())
+}
+
+/// Follows the silent stream by `wait` until `look` has seen enough of the first frames after each awakening.
+fn follow(
+    test: &str,
+    limit: Duration,
+    mut wait: impl FnMut(&mut Subscriber),
+    mut look: impl FnMut(&Frame) -> ControlFlow<()>,
+) {
+    let domain = Domain::new(&format!("{test}-{}", std::process::id())).unwrap();
+    let node = Node::open(&domain, test).unwrap();
+    let mut subscriber = node.subscriber(TOPIC).unwrap();
+    subscriber.set_busy_poll(limit);
+    let stopping = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| publish_in_silence(&domain, &stopping));
+        let begin = Instant::now();
+        let mut last = 0;
+        'following: while begin.elapsed() < PATIENCE {
+            wait(&mut subscriber);
+            let mut is_first = true;
+            while let Some(frame) = subscriber.take().unwrap() {
+                let seq = frame.header().seq;
+                assert!(last == 0 || seq == last + 1, "{seq} after {last}");
+                last = seq;
+                if std::mem::take(&mut is_first) && look(&frame).is_break() {
+                    break 'following;
+                }
+            }
+        }
+        stopping.store(true, Ordering::Relaxed);
+    });
+    // The last of ours takes along what iceoryx2's publisher leaves.
+    drop(subscriber);
+}
+
+/// Follows until twenty awakenings were fresh, which on a busy machine takes some that are not.
+fn until_twenty_are_fresh(test: &str, wait: impl FnMut(&mut Subscriber)) {
+    if std::thread::available_parallelism().unwrap().get() == 1 {
+        return println!("one core: nobody looks while the publisher waits for it");
+    }
+    let (mut fresh, mut seen) = (0, 0);
+    follow(test, LIMIT, wait, |frame| {
+        seen += 1;
+        fresh += usize::from(age(frame) < FRESH);
+        if fresh == 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert_eq!(fresh, 20, "of {seen}");
+}
+
+#[test]
+fn who_sleeps_finds_unannounced_frames_late() {
+    let mut ages = Vec::new();
+    let wait = |subscriber: &mut Subscriber| assert!(subscriber.wait(PATIENCE).unwrap());
+    follow("asleep", Duration::ZERO, wait, |frame| {
+        ages.push(age(frame));
+        if ages.len() == 8 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    // Some may not be: the first is found when the stream is, and a busy machine may keep the publisher waiting.
+    assert!(ages.iter().filter(|age| **age > FRESH).count() >= 5, "{ages:?}");
+}
+
+#[test]
+fn who_looks_when_they_are_due_finds_them_at_once() {
+    until_twenty_are_fresh("awake", |subscriber| assert!(subscriber.wait(PATIENCE).unwrap()));
+}
+
+#[test]
+fn so_does_a_loop_that_waits_for_the_descriptor() {
+    until_twenty_are_fresh("awake-fd", |subscriber| {
+        let timeout = Timespec { tv_sec: PATIENCE.as_secs().cast_signed(), tv_nsec: 0 };
+        let fd = PollFd::from_borrowed_fd(subscriber.readiness().unwrap(), PollFlags::IN);
+        poll(&mut [fd], Some(&timeout)).unwrap();
+    });
+}
+
+#[test]
+fn every_frame_of_every_publisher_comes_and_time_outs_end_the_wait() {
+    let node = Node::open(&Domain::new(&format!("lives-{}", std::process::id())).unwrap(), "lives").unwrap();
+    let mut subscriber = node.subscriber(TOPIC).unwrap();
+    subscriber.set_busy_poll(LIMIT);
+    let spec = StreamSpec { buffer: 64, ..StreamSpec::new(TOPIC, Kind::Image, Encoding::Mono8, 8) };
+    for _life in 0..3 {
+        let publisher = node.publisher(&spec).unwrap();
+        while publisher.subscribers() == 0 {
+            assert!(!subscriber.wait(Duration::from_millis(10)).unwrap(), "nothing was sent");
+        }
+        std::thread::scope(|scope| {
+            let sender = scope.spawn(move || {
+                for _ in 0..40 {
+                    std::thread::sleep(Duration::from_millis(5));
+                    let mut frame = publisher.loan(8).unwrap();
+                    frame.header_mut().set_packed(8, 1);
+                    frame.payload_mut().fill(1);
+                    frame.send().unwrap();
+                }
+                publisher
+            });
+            for seq in 0..40 {
+                assert!(subscriber.wait(PATIENCE).unwrap(), "{seq} never came");
+                assert_eq!(subscriber.take().unwrap().unwrap().header().seq, seq);
+            }
+            let publisher = sender.join().unwrap();
+            // The next is due, and does not come.
+            assert!(!subscriber.wait(Duration::from_millis(2)).unwrap());
+            drop(publisher);
+        });
+        assert!(!subscriber.wait(Duration::from_millis(200)).unwrap());
+        assert_eq!(subscriber.publishers(), 0);
+    }
+    assert_eq!(subscriber.missed_total(), 0);
+}

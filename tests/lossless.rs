@@ -2,11 +2,10 @@
 
 mod live;
 
-use belvedere_bridge::{Domain, Node, Subscriber};
-use live::{PATIENCE, belvedere, next_frame, own_domain};
+use live::{belvedere, follow, next_frame, own_domain};
 use std::io::Read as _;
 use std::process::{Child, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// `belvedere run` as fast as it can, with its words kept.
 fn start(domain: &str, arguments: &[&str]) -> Child {
@@ -17,20 +16,6 @@ fn start(domain: &str, arguments: &[&str]) -> Child {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the simulator's binary runs")
-}
-
-/// A consumer of this name that follows the topics.
-fn follow(domain: &str, name: &str, topics: &[&str]) -> Vec<Subscriber> {
-    let node = Node::open(&Domain::new(domain).unwrap(), name).unwrap();
-    let mut subscribers: Vec<_> = topics.iter().map(|topic| node.subscriber(topic).unwrap()).collect();
-    let started = Instant::now();
-    for subscriber in &mut subscribers {
-        while subscriber.publishers() == 0 {
-            subscriber.wait(Duration::from_millis(10)).unwrap();
-            assert!(started.elapsed() < PATIENCE, "{} is not published", subscriber.topic());
-        }
-    }
-    subscribers
 }
 
 /// How it ended and what it said.

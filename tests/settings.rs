@@ -3,19 +3,13 @@
 mod live;
 
 use belvedere_bridge::payload::{SensorSettings, Setting, SimulationCommand};
-use belvedere_bridge::{Domain, Node, Operation, SimulationControl, StreamSpec, Subscriber, Text};
-use live::{PATIENCE, Simulator, next_frame, output};
-use std::time::{Duration, Instant};
+use belvedere_bridge::{Operation, SimulationControl, StreamSpec, Subscriber, Text};
+use live::{PATIENCE, Simulator, follow, next_frame, output};
 use xxhash_rust::xxh3::xxh3_128;
 
 const CAMERA: &str = "camera1";
 const LIDAR: &str = "laser";
 const PAUSED: [&str; 6] = ["--paused", "--rate", "max", "--seed", "5", "--drive"];
-
-fn control(simulator: &Simulator) -> SimulationControl {
-    let node = Node::open(&Domain::new(simulator.domain()).unwrap(), "control").unwrap();
-    SimulationControl::open(&node).unwrap()
-}
 
 /// The time at which it was done, or why it was not.
 fn call(control: &mut SimulationControl, command: &SimulationCommand, text: &str) -> Result<u64, String> {
@@ -42,16 +36,8 @@ fn reset(control: &mut SimulationControl) {
 fn start(topics: &[&str]) -> (Simulator, SimulationControl, Vec<Subscriber>) {
     let waited = format!("test={}", topics.len());
     let simulator = Simulator::start(&[&PAUSED[..], &["still", "--wait-for", &waited]].concat());
-    let node = simulator.node();
-    let mut subscribers: Vec<_> = topics.iter().map(|topic| node.subscriber(topic).unwrap()).collect();
-    let started = Instant::now();
-    for subscriber in &mut subscribers {
-        while subscriber.publishers() == 0 {
-            subscriber.wait(Duration::from_millis(10)).unwrap();
-            assert!(started.elapsed() < PATIENCE);
-        }
-    }
-    let control = control(&simulator);
+    let subscribers = follow(simulator.domain(), "test", topics);
+    let control = simulator.control();
     (simulator, control, subscribers)
 }
 

@@ -9,7 +9,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use belvedere_bridge::{Domain, Frame, Node, Subscriber};
+use belvedere_bridge::{Domain, Error, Frame, Node, Subscriber, payload::Message};
 
 use super::error::CliError;
 
@@ -91,6 +91,21 @@ pub(super) fn subscribe(domain: &Domain, topic: &str, wait: bool) -> Result<Subs
         }
     }
     Ok(subscriber)
+}
+
+/// The structs of the first frame that comes, if one does in time.
+pub(super) fn first<T: Message>(
+    node: &Node,
+    topic: &str,
+    patience: Duration,
+) -> Result<Option<Vec<T>>, CliError> {
+    let mut subscriber = node.subscriber(topic)?;
+    if !subscriber.wait(patience)? {
+        return Ok(None);
+    }
+    let Some(frame) = subscriber.take()? else { return Ok(None) };
+    let structs = frame.view().structs().map(Iterator::collect);
+    Ok(Some(structs.map_err(|error| Error::Frame { topic: topic.to_owned(), error })?))
 }
 
 /// The most similar name, if one is similar at all: a typing error, or the right end of a longer name.

@@ -7,9 +7,8 @@ use belvedere_bridge::{Encoding, Kind, Node, StreamInfo, StreamSpec};
 use serde_json::json;
 
 use super::{
-    control::first,
     error::CliError,
-    follow::{DomainArgs, UntilArgs, listen_for_stop, print_line, stop_wanted, with_slash},
+    follow::{DomainArgs, UntilArgs, first, listen_for_stop, print_line, stop_wanted, with_slash},
 };
 
 /// List the topics of a running simulation.

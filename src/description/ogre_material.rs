@@ -1,7 +1,10 @@
 //! Ogre `.material` scripts, as far as they say how a surface looks: `ambient`, `diffuse`, `emissive`, and the
 //! first texture with its `scale`, of the first technique. Shaders, blending and further layers are passed over.
 
+mod script;
+
 use super::diagnostics::{Diagnostics, Problem, Severity, Source};
+use script::{Statement, problem, statements};
 use std::path::Path;
 
 /// One `material` of a script. None means that the script does not say.
@@ -53,9 +56,8 @@ pub fn parse_file(path: &Path) -> Result<Vec<OgreMaterial>, Problem> {
 /// assert_eq!(tag.texture_repeat, Some([2.0, 4.0]));
 /// ```
 pub fn parse(text: &str, path: &Path) -> Result<Vec<OgreMaterial>, Problem> {
-    let statements = Parser { tokens: tokens(text), next: 0, path }.statements(false)?;
     let mut materials = Vec::new();
-    for statement in &statements {
+    for statement in &statements(text, path)? {
         if statement.words.first().is_some_and(|word| word == "material") {
             materials.push(material(statement, path)?);
         }
@@ -99,153 +101,6 @@ pub fn inherited(
         );
     }
     Some(merged)
-}
-
-/// A line of a script with the block in braces that follows it, if any.
-struct Statement {
-    words: Vec<String>,
-    line: u32,
-    block: Vec<Statement>,
-}
-
-#[derive(PartialEq)]
-enum Token {
-    Word(String),
-    Open,
-    Close,
-    EndOfLine,
-}
-
-/// Splits a script into words, braces and ends of lines; each with its line.
-fn tokens(text: &str) -> Vec<(Token, u32)> {
-    let mut tokens = Vec::new();
-    let mut in_comment = false;
-    for (line, number) in text.lines().zip(1..) {
-        let mut rest = line;
-        while !rest.is_empty() {
-            if in_comment {
-                let Some(end) = rest.find("*/") else { break };
-                rest = &rest[end + 2..];
-                in_comment = false;
-            } else if rest.starts_with("//") {
-                break;
-            } else if let Some(after) = rest.strip_prefix("/*") {
-                rest = after;
-                in_comment = true;
-            } else if let Some(after) = rest.strip_prefix('{') {
-                tokens.push((Token::Open, number));
-                rest = after;
-            } else if let Some(after) = rest.strip_prefix('}') {
-                tokens.push((Token::Close, number));
-                rest = after;
-            } else if let Some(quoted) = rest.strip_prefix('"') {
-                let end = quoted.find('"').unwrap_or(quoted.len());
-                tokens.push((Token::Word(quoted[..end].to_owned()), number));
-                rest = quoted.get(end + 1..).unwrap_or("");
-            } else if rest.starts_with(char::is_whitespace) {
-                rest = rest.trim_start();
-            } else {
-                let end = word_end(rest);
-                tokens.push((Token::Word(rest[..end].to_owned()), number));
-                rest = &rest[end..];
-            }
-        }
-        tokens.push((Token::EndOfLine, number));
-    }
-    tokens
-}
-
-/// Where the word that `text` begins with ends. A single `/` belongs to names such as `Gazebo/Grey`; a colon
-/// stands by itself only between spaces.
-fn word_end(text: &str) -> usize {
-    let stop = |(at, c): (usize, char)| {
-        let comment = text[at..].starts_with("//") || text[at..].starts_with("/*");
-        (c.is_whitespace() || "{}\"".contains(c) || comment).then_some(at)
-    };
-    text.char_indices().find_map(stop).filter(|end| *end > 0).unwrap_or(text.len())
-}
-
-struct Parser<'a> {
-    tokens: Vec<(Token, u32)>,
-    next: usize,
-    path: &'a Path,
-}
-
-impl Parser<'_> {
-    fn statements(&mut self, in_block: bool) -> Result<Vec<Statement>, Problem> {
-        let mut statements: Vec<Statement> = Vec::new();
-        let mut words = Vec::new();
-        let mut words_line = 0;
-        loop {
-            let Some((token, line)) = self.tokens.get_mut(self.next) else {
-                if in_block {
-                    return Err(self.problem(
-                        self.last_line(),
-                        "a '{' is never closed",
-                        "add the missing '}'",
-                    ));
-                }
-                return Ok(statements);
-            };
-            let line = *line;
-            self.next += 1;
-            match token {
-                Token::Word(word) => {
-                    if words.is_empty() {
-                        words_line = line;
-                    }
-                    words.push(std::mem::take(word));
-                }
-                Token::EndOfLine => {
-                    if !words.is_empty() && !self.opens_next() {
-                        statements.push(Statement {
-                            words: std::mem::take(&mut words),
-                            line: words_line,
-                            block: Vec::new(),
-                        });
-                    }
-                }
-                Token::Open => {
-                    let words = std::mem::take(&mut words);
-                    let block = self.statements(true)?;
-                    statements.push(Statement { words, line: words_line.max(1), block });
-                }
-                Token::Close => {
-                    if !words.is_empty() {
-                        statements.push(Statement { words, line: words_line, block: Vec::new() });
-                    }
-                    if in_block {
-                        return Ok(statements);
-                    }
-                    return Err(self.problem(
-                        line,
-                        "a '}' closes nothing",
-                        "remove it, or add the missing '{'",
-                    ));
-                }
-            }
-        }
-    }
-
-    /// Whether the next thing, on whatever line, is a brace that opens the block of the words just read.
-    fn opens_next(&self) -> bool {
-        self.tokens[self.next..]
-            .iter()
-            .find(|(token, _)| *token != Token::EndOfLine)
-            .is_some_and(|(token, _)| *token == Token::Open)
-    }
-
-    fn last_line(&self) -> u32 {
-        self.tokens.last().map_or(0, |(_, line)| *line)
-    }
-
-    fn problem(&self, line: u32, what: &str, remedy: &str) -> Problem {
-        problem(self.path, line, what.into(), remedy)
-    }
-}
-
-fn problem(path: &Path, line: u32, what: String, remedy: &str) -> Problem {
-    Problem { severity: Severity::Error, source: Source::new(path, line), what, remedy: remedy.into() }
 }
 
 fn material(statement: &Statement, path: &Path) -> Result<OgreMaterial, Problem> {

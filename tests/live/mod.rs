@@ -1,6 +1,8 @@
 //! A simulator in another process, started and stopped by a test.
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
+pub(crate) mod control;
+
 use belvedere_bridge::{Domain, Frame, Node, Subscriber};
 use rustix::process::{Pid, Signal, kill_process};
 use std::path::Path;
@@ -112,6 +114,20 @@ impl Drop for Simulator {
             let _ = self.child.wait();
         }
     }
+}
+
+/// Subscribers of a consumer of this name, who have found the topics' publishers.
+pub(crate) fn follow(domain: &str, name: &str, topics: &[&str]) -> Vec<Subscriber> {
+    let node = Node::open(&Domain::new(domain).unwrap(), name).unwrap();
+    let mut subscribers: Vec<_> = topics.iter().map(|topic| node.subscriber(topic).unwrap()).collect();
+    let started = Instant::now();
+    for subscriber in &mut subscribers {
+        while subscriber.publishers() == 0 {
+            subscriber.wait(Duration::from_millis(10)).unwrap();
+            assert!(started.elapsed() < PATIENCE, "{} is not published", subscriber.topic());
+        }
+    }
+    subscribers
 }
 
 /// The next frame of a stream.

@@ -1,0 +1,117 @@
+//! What a stream tells of itself to whoever finds it, in attributes that its maker gives it.
+
+use super::{Frames, Opened, StreamSpec, open};
+use crate::{Encoding, Error, Kind, Node, domain::topic_of_service, node::Ipc};
+use iceoryx2::{
+    prelude::{AttributeSpecifier, CallbackProgression},
+    service::{
+        Service as _,
+        attribute::{AttributeKey, AttributeSet, AttributeValue},
+        port_factory::PortFactory as _,
+        static_config::messaging_pattern::MessagingPattern,
+    },
+};
+
+const KIND: &str = "kind";
+const ENCODING: &str = "encoding";
+const RATE: &str = "rate_hz";
+const FRAME_ID: &str = "frame_id";
+const LAYERS: &str = "layers";
+
+/// A stream that exists.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StreamInfo {
+    /// Its topic, without a leading slash.
+    pub topic: String,
+    /// What it carries, if its maker said so and this version knows it.
+    pub kind: Option<Kind>,
+    /// How it is coded, likewise.
+    pub encoding: Option<Encoding>,
+    /// Frames per second that were intended when it was made; the rate of a sensor may have been changed since, see
+    /// [`StreamSpec::SENSOR_SETTINGS`].
+    pub rate_hz: Option<f64>,
+    /// Layers of a lidar, if its maker said so.
+    pub layers: Option<u32>,
+    /// The frame that the data are given in.
+    pub frame_id: String,
+    /// Publishers now: 0 when only subscribers are left of it.
+    pub publishers: usize,
+    /// Subscribers now.
+    pub subscribers: usize,
+    /// Largest payload in bytes; 0 without a publisher.
+    pub max_payload_len: usize,
+}
+
+/// What a stream of this specification tells.
+pub(super) fn attributes(spec: &StreamSpec) -> Result<AttributeSpecifier, Error> {
+    let pairs = [
+        Some((KIND, spec.kind.to_string())),
+        Some((ENCODING, spec.encoding.to_string())),
+        spec.rate_hz.map(|rate| (RATE, rate.to_string())),
+        spec.layers.map(|layers| (LAYERS, layers.to_string())),
+        (!spec.frame_id.is_empty()).then(|| (FRAME_ID, spec.frame_id.clone())),
+    ];
+    let mut attributes = AttributeSpecifier::new();
+    for (key, value) in pairs.into_iter().flatten() {
+        let failed = |error| Error::transport(format!("describing {}", spec.topic), error);
+        let key = AttributeKey::try_from(key).map_err(|error| failed(format!("{error:?}")))?;
+        let value = AttributeValue::try_from(value.as_str()).map_err(|error| failed(format!("{error:?}")))?;
+        attributes = attributes.define(&key, &value).map_err(|error| failed(format!("{error:?}")))?;
+    }
+    Ok(attributes)
+}
+
+fn attribute(attributes: &AttributeSet, key: &str) -> Option<String> {
+    let key = AttributeKey::try_from(key).ok()?;
+    attributes.key_value(&key, 0).map(ToString::to_string)
+}
+
+/// The kind that its maker told, known to this version or not.
+pub(super) fn kind_told(frames: &Frames) -> Option<String> {
+    attribute(frames.attributes(), KIND)
+}
+
+/// Every stream of a node's domain, by topic.
+pub(crate) fn list(node: &Node) -> Result<Vec<StreamInfo>, Error> {
+    let mut topics = Vec::new();
+    Ipc::list(node.config(), |details| {
+        let details = details.static_details;
+        if matches!(details.messaging_pattern(), MessagingPattern::PublishSubscribe(_))
+            && let Some(topic) = topic_of_service(details.name().as_str())
+        {
+            topics.push(topic.to_owned());
+        }
+        CallbackProgression::Continue
+    })
+    .map_err(|error| node.failed(format!("listing domain \"{}\"", node.domain()), error))?;
+    topics.sort_unstable();
+    let mut streams = Vec::with_capacity(topics.len());
+    for topic in topics {
+        // Gone since, or somebody else's: not to be listed.
+        if let Ok(Opened::Yes(frames, _)) = open(node, &topic) {
+            streams.push(describe(topic, &frames));
+        }
+    }
+    Ok(streams)
+}
+
+fn describe(topic: String, frames: &Frames) -> StreamInfo {
+    let attributes = frames.attributes();
+    let ports = frames.dynamic_config();
+    let mut max_payload_len = 0;
+    ports.list_publishers(|publisher| {
+        max_payload_len = max_payload_len.max(publisher.max_slice_len);
+        CallbackProgression::Continue
+    });
+    StreamInfo {
+        topic,
+        kind: attribute(attributes, KIND).and_then(|text| text.parse().ok()),
+        encoding: attribute(attributes, ENCODING).and_then(|text| text.parse().ok()),
+        rate_hz: attribute(attributes, RATE).and_then(|text| text.parse().ok()),
+        layers: attribute(attributes, LAYERS).and_then(|text| text.parse().ok()),
+        frame_id: attribute(attributes, FRAME_ID).unwrap_or_default(),
+        publishers: ports.number_of_publishers(),
+        subscribers: ports.number_of_subscribers(),
+        max_payload_len,
+    }
+}

@@ -1,0 +1,199 @@
+//! Opening a stream that exists, or making it.
+
+use super::info::{attributes, kind_told};
+use super::{Events, Frames, StreamSpec};
+use crate::{
+    Error, FrameHeader, Node,
+    domain::{canonical_topic, service_name},
+    versions,
+};
+use iceoryx2::service::{
+    builder::{
+        event::{EventCreateError, EventOpenError, EventOpenOrCreateError},
+        publish_subscribe::{PublishSubscribeCreateError, PublishSubscribeOpenError},
+    },
+    port_factory::PortFactory as _,
+};
+use std::time::{Duration, Instant};
+
+/// Processes that may have one stream open at a time: subscribers, publishers, and those who only look.
+const MAX_NODES: usize = 40;
+
+/// How opening a stream went.
+pub(crate) enum Opened {
+    Yes(Frames, Events),
+    /// It does not exist (any more, or not yet completely).
+    NotThere,
+}
+
+/// Opens a stream that somebody else has made.
+pub(crate) fn open(node: &Node, topic: &str) -> Result<Opened, Error> {
+    let deadline = Instant::now() + node.patience();
+    loop {
+        match try_open(node, topic) {
+            Err(Error::Permission { .. }) if Instant::now() < deadline => {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            opened => return opened,
+        }
+    }
+}
+
+fn try_open(node: &Node, topic: &str) -> Result<Opened, Error> {
+    use PublishSubscribeOpenError as E;
+    let name = service_name(topic)?;
+    let opened =
+        node.iox().service_builder(&name).publish_subscribe::<[u8]>().user_header::<FrameHeader>().open();
+    match opened {
+        Ok(frames) => match events(node, topic)? {
+            Some(events) => Ok(Opened::Yes(frames, events)),
+            None => Ok(Opened::NotThere),
+        },
+        Err(E::DoesNotExist | E::IsMarkedForDestruction | E::HangsInCreation | E::Interrupt) => {
+            Ok(Opened::NotThere)
+        }
+        Err(E::InsufficientPermissions) => Err(node.refused(&format!("opening {topic}"))),
+        Err(E::ExceedsMaxNumberOfNodes) => {
+            Err(Error::TooManySubscribers { topic: topic.to_owned(), max: MAX_NODES })
+        }
+        Err(
+            error @ (E::VersionMismatch
+            | E::IncompatibleTypes
+            | E::ServiceInCorruptedState
+            | E::IncompatibleMessagingPattern
+            | E::UnableToAcquireTypeDefinition
+            | E::InvalidTypeDefinition),
+        ) => Err(versions::incompatible(node, topic, error)),
+        Err(error) => Err(node.failed(format!("opening {topic}"), error)),
+    }
+}
+
+/// Opens a stream, or makes it when it does not exist.
+pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, Events), Error> {
+    use PublishSubscribeCreateError as E;
+    let topic = canonical_topic(&spec.topic)?;
+    let name = service_name(topic)?;
+    let deadline = Instant::now() + Duration::from_secs(3);
+    loop {
+        let problem = match open(node, topic) {
+            Ok(Opened::Yes(frames, events)) => {
+                check_against(spec, topic, node, &frames)?;
+                return Ok((frames, events));
+            }
+            Ok(Opened::NotThere) => None,
+            // Half of a killed maker's stream is there until it has been cleaned up.
+            Err(error @ Error::Incompatible { .. }) => Some(error),
+            Err(error) => return Err(error),
+        };
+        if problem.is_none() {
+            let created = node
+                .iox()
+                .service_builder(&name)
+                .publish_subscribe::<[u8]>()
+                .user_header::<FrameHeader>()
+                .max_publishers(spec.max_publishers)
+                .max_subscribers(spec.max_subscribers)
+                .max_nodes(MAX_NODES)
+                .subscriber_max_buffer_size(spec.buffer)
+                .subscriber_max_borrowed_samples(spec.borrowed)
+                .history_size(spec.history)
+                .enable_safe_overflow(spec.lossless.is_none())
+                .create_with_attributes(&attributes(spec)?);
+            match created {
+                Ok(frames) => {
+                    if let Some(events) = events(node, topic)? {
+                        node.settle();
+                        return Ok((frames, events));
+                    }
+                    if Instant::now() >= deadline {
+                        let detail = "another process hangs while it makes them";
+                        return Err(node.failed(format!("making the events of {topic}"), detail));
+                    }
+                }
+                Err(E::InsufficientPermissions) => return Err(node.refused(&format!("making {topic}"))),
+                // Somebody was quicker, or another is just taking it down.
+                Err(
+                    E::AlreadyExists
+                    | E::IsBeingCreatedByAnotherInstance
+                    | E::HangsInCreation
+                    | E::ServiceInCorruptedState
+                    | E::Interrupt,
+                ) if Instant::now() < deadline => {}
+                Err(error) => return Err(node.failed(format!("making {topic}"), error)),
+            }
+        }
+        match problem {
+            Some(error) if Instant::now() >= deadline => return Err(error),
+            _ => {}
+        }
+        node.clean_up_dead();
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// The event service beside a stream; `None` when another process is just making or removing it, or was killed while
+/// it did.
+fn events(node: &Node, topic: &str) -> Result<Option<Events>, Error> {
+    use EventCreateError as C;
+    use EventOpenError as O;
+    use EventOpenOrCreateError as E;
+    let name = service_name(topic)?;
+    let deadline = Instant::now() + node.patience().max(Duration::from_millis(50));
+    loop {
+        match node.iox().service_builder(&name).event().open_or_create() {
+            Ok(events) => return Ok(Some(events)),
+            Err(_) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(5)),
+            Err(
+                E::SystemInFlux
+                | E::EventOpenError(
+                    O::DoesNotExist
+                    | O::HangsInCreation
+                    | O::IsMarkedForDestruction
+                    | O::ServiceInCorruptedState
+                    | O::Interrupt,
+                )
+                | E::EventCreateError(
+                    C::AlreadyExists
+                    | C::IsBeingCreatedByAnotherInstance
+                    | C::ServiceInCorruptedState
+                    | C::Interrupt,
+                ),
+            ) => {
+                node.clean_up_dead();
+                return Ok(None);
+            }
+            Err(error) => return Err(node.failed(format!("opening the events of {topic}"), error)),
+        }
+    }
+}
+
+/// Whether a stream that others keep open since an earlier publisher can be used for `spec`.
+fn check_against(spec: &StreamSpec, topic: &str, node: &Node, frames: &Frames) -> Result<(), Error> {
+    let found = frames.static_config();
+    let too_small = [
+        ("subscribers", found.max_subscribers(), spec.max_subscribers),
+        ("buffered frames", found.subscriber_max_buffer_size(), spec.buffer),
+        ("held frames", found.subscriber_max_borrowed_samples(), spec.borrowed),
+        ("frames of history", found.history_size(), spec.history),
+    ]
+    .into_iter()
+    .find(|(_, found, wanted)| found < wanted);
+    let incompatible = |detail| {
+        Err(Error::Incompatible { topic: topic.to_owned(), domain: node.domain().to_string(), detail })
+    };
+    if let Some((what, found, wanted)) = too_small {
+        return incompatible(format!(
+            "it was made with {found} {what}, {wanted} are asked for; close its consumers"
+        ));
+    }
+    if found.has_safe_overflow() == spec.lossless.is_some() {
+        return incompatible(
+            "it was made with the other of lossless and overflow; close its consumers".to_owned(),
+        );
+    }
+    let kind = kind_told(frames);
+    if kind.as_deref().is_some_and(|kind| kind != spec.kind.as_str()) {
+        tracing::warn!(topic, ?kind, "consumers keep this stream open from a publisher of another kind");
+    }
+    Ok(())
+}

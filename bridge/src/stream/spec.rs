@@ -1,0 +1,164 @@
+//! What a stream is made with.
+
+use crate::{Encoding, Error, FrameHeader, Kind, Lossless, Text};
+use iceoryx2::port::backpressure_strategy::BackpressureStrategy;
+
+/// What a stream is made with.
+///
+/// Its pool of `max_subscribers · (buffer + borrowed) + history + loaned` frames must fit into what is free of
+/// `/dev/shm`; what two subscribers need of it is taken at once, the rest as more come.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StreamSpec {
+    /// The ROS topic name, with or without a leading slash.
+    pub topic: String,
+    /// What it carries.
+    pub kind: Kind,
+    /// How it is coded.
+    pub encoding: Encoding,
+    /// The frame that the data are given in; at most 63 bytes.
+    pub frame_id: String,
+    /// Frames per second that are intended; `None` when they come as they come.
+    pub rate_hz: Option<f64>,
+    /// Layers of a lidar; `None` for what has none.
+    pub layers: Option<u32>,
+    /// Largest payload in bytes.
+    pub max_payload_len: usize,
+    /// Publishers at a time: 1 for what the robot says, more for what it is told.
+    pub max_publishers: usize,
+    /// Subscribers at a time.
+    pub max_subscribers: usize,
+    /// Frames that wait for a subscriber; the oldest gives way to a new one.
+    pub buffer: usize,
+    /// Frames that a subscriber may hold at a time.
+    pub borrowed: usize,
+    /// Frames that may be loaned and unsent at a time.
+    pub loaned: usize,
+    /// Frames that a late subscriber is given at first.
+    pub history: usize,
+    /// Whom the publisher waits for; nobody if it is `None`: who is slow loses the oldest of its waiting frames.
+    pub lossless: Option<Lossless>,
+}
+
+impl StreamSpec {
+    /// A stream from the robot: one publisher, 8 subscribers, buffer 2, 2 held, 2 loaned, history 1, overflow.
+    #[must_use]
+    pub fn new(topic: impl Into<String>, kind: Kind, encoding: Encoding, max_payload_len: usize) -> Self {
+        Self {
+            topic: topic.into(),
+            kind,
+            encoding,
+            frame_id: String::new(),
+            rate_hz: None,
+            layers: None,
+            max_payload_len,
+            max_publishers: 1,
+            max_subscribers: 8,
+            buffer: 2,
+            borrowed: 2,
+            loaned: 2,
+            history: 1,
+            lossless: None,
+        }
+    }
+
+    /// A stream of up to `max_count` structs of this kind. Its buffer is deeper than that of pictures: they are
+    /// small, every one counts (transforms, odometry), and after a long picture several come at once.
+    #[must_use]
+    pub fn structs(topic: impl Into<String>, kind: Kind, max_count: usize) -> Self {
+        let elem_size = kind.struct_size().unwrap_or(1);
+        Self { buffer: 16, ..Self::new(topic, kind, Encoding::Struct, elem_size * max_count.max(1)) }
+    }
+
+    /// A stream to the robot: velocity commands from up to 8 senders, no history, a deeper buffer.
+    #[must_use]
+    pub fn velocity_command(topic: impl Into<String>) -> Self {
+        Self::command(topic, Kind::VelocityCommand)
+    }
+
+    /// A stream to the robot of single structs of this kind, made as that of velocity commands.
+    #[must_use]
+    pub fn command(topic: impl Into<String>, kind: Kind) -> Self {
+        Self { max_publishers: 8, history: 0, ..Self::structs(topic, kind, 1) }
+    }
+
+    /// The stream by which other processes control a simulation, of which the simulator makes the receiving end:
+    /// [`SimulationCommand`](crate::payload::SimulationCommand)s from up to 8 senders, each followed by at most
+    /// `text_len` bytes of text. A sender opens it for the longest text that it is going to send.
+    #[must_use]
+    pub fn simulation_command(text_len: usize) -> Self {
+        let command = Self::structs(Self::SIMULATION_COMMAND, Kind::SimulationCommand, 1);
+        let max_payload_len = command.max_payload_len + text_len;
+        Self { max_publishers: 8, max_subscribers: 2, history: 0, max_payload_len, ..command }
+    }
+
+    /// The stream of the answers to it.
+    #[must_use]
+    pub fn simulation_result() -> Self {
+        Self { history: 0, ..Self::structs(Self::SIMULATION_RESULT, Kind::SimulationResult, 1) }
+    }
+
+    /// Topic of the commands to a simulation.
+    pub const SIMULATION_COMMAND: &'static str = "simulation/command";
+    /// Topic of the answers to them.
+    pub const SIMULATION_RESULT: &'static str = "simulation/result";
+    /// Topic of the settings of sensors.
+    pub const SENSOR_SETTINGS: &'static str = "simulation/sensor_settings";
+    /// Topic of the poses and velocities of all models.
+    pub const MODEL_STATES: &'static str = "simulation/model_states";
+    /// Topic of the poses and velocities of all links.
+    pub const LINK_STATES: &'static str = "simulation/link_states";
+
+    /// The stream of the settings of this many sensors: sent at the start and after each change, and given to whoever
+    /// comes later.
+    #[must_use]
+    pub fn sensor_settings(sensors: usize) -> Self {
+        Self { buffer: 4, ..Self::structs(Self::SENSOR_SETTINGS, Kind::SensorSettings, sensors) }
+    }
+
+    /// The same with this frame.
+    #[must_use]
+    pub fn frame_id(mut self, frame_id: impl Into<String>) -> Self {
+        self.frame_id = frame_id.into();
+        self
+    }
+
+    /// The same with this intended rate.
+    #[must_use]
+    pub fn rate_hz(mut self, rate_hz: f64) -> Self {
+        self.rate_hz = Some(rate_hz);
+        self
+    }
+
+    /// The same with so many layers.
+    #[must_use]
+    pub fn layers(mut self, layers: u32) -> Self {
+        self.layers = Some(layers);
+        self
+    }
+
+    /// Bytes of shared memory that one publisher's pool takes when all of its frames have been used.
+    #[must_use]
+    pub fn pool_bytes(&self) -> u64 {
+        // A frame's own header, iceoryx2's and alignment.
+        let frame_bytes = (self.max_payload_len + size_of::<FrameHeader>() + 64).next_multiple_of(64);
+        self.pool_frames() * frame_bytes as u64
+    }
+
+    /// Frames in one publisher's pool.
+    pub(crate) fn pool_frames(&self) -> u64 {
+        (self.max_subscribers * (self.buffer + self.borrowed) + self.history + self.loaned) as u64
+    }
+
+    /// The header that every frame of the stream begins with.
+    pub(crate) fn header(&self) -> Result<FrameHeader, Error> {
+        Ok(FrameHeader { frame_id: Text::new(&self.frame_id)?, ..FrameHeader::new(self.kind, self.encoding) })
+    }
+
+    pub(crate) fn backpressure(&self) -> BackpressureStrategy {
+        if self.lossless.is_some() {
+            BackpressureStrategy::RetryUntilDelivered
+        } else {
+            BackpressureStrategy::DiscardData
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! A sensor with all its parameters after defaults and plugins.
+
+use super::text::{angle, number, pose};
+use crate::description::model::{
+    CameraPlugin, CameraSensor, Model, Noise, PixelFormat, Plugin, Radiation, RaySensor, Sensor, SensorKind,
+};
+
+pub(super) fn report(model: &Model, sensor: &Sensor) -> Vec<String> {
+    let kind = match sensor.kind {
+        SensorKind::Camera(_) => "camera",
+        SensorKind::Depth(_) => "depth camera",
+        SensorKind::Ray(_) if matches!(sensor.plugin, Some(Plugin::Range(_))) => "rangefinder",
+        SensorKind::Ray(_) => "lidar",
+    };
+    let mut lines = vec![format!("{kind} {} ({})", sensor.name, sensor.source)];
+    let mut say = |what: &str, value: String| lines.push(format!("  {what:12} {value}"));
+    let link = &model.links[sensor.link].name;
+    say("link", format!("{link} {}", pose(&sensor.link_from_sensor)));
+    say("rate", rate(sensor));
+    match &sensor.kind {
+        SensorKind::Camera(camera) | SensorKind::Depth(camera) => camera_report(camera, &mut say),
+        SensorKind::Ray(ray) => ray_report(ray, &mut say),
+    }
+    match &sensor.plugin {
+        None => say("topics", "none: it has no plugin that is simulated".into()),
+        Some(Plugin::Laser(laser)) => {
+            say("topic", laser.topic.clone());
+            say("frame", laser.frame_name.clone());
+        }
+        Some(Plugin::Range(range)) => {
+            say("topic", range.topic.clone());
+            say("frame", range.frame_name.clone());
+            let radiation = match range.radiation {
+                Radiation::Ultrasound => "ultrasound",
+                Radiation::Infrared => "infrared",
+            };
+            say("cone", format!("{} of {radiation}", angle(range.field_of_view_rad)));
+        }
+        Some(Plugin::Camera(camera)) => {
+            say("topics", format!("{}, {}", camera.image_topic, camera.camera_info_topic));
+            camera_plugin_report(camera, &mut say);
+        }
+        Some(Plugin::DepthCamera(depth)) => {
+            say("topics", format!("{}, {}", depth.camera.image_topic, depth.camera.camera_info_topic));
+            say("", format!("{}, {}", depth.depth_image_topic, depth.depth_camera_info_topic));
+            say("", depth.point_cloud_topic.clone());
+            let coding = if depth.depth_16uc1 { "16UC1 in millimetres" } else { "32FC1 in metres" };
+            let (from, to) = (number(depth.cutoff_m), number(depth.cutoff_max_m));
+            say("depth", format!("{coding}, valid from {from} to {to} m"));
+            camera_plugin_report(&depth.camera, &mut say);
+        }
+    }
+    lines
+}
+
+fn rate(sensor: &Sensor) -> String {
+    let Some(effective) = sensor.effective_rate_hz() else { return "every step of physics".into() };
+    match sensor.update_rate_hz {
+        Some(own) if own > effective => {
+            format!("{} Hz (the sensor's own {} Hz, limited by its plugin)", number(effective), number(own))
+        }
+        _ => format!("{} Hz", number(effective)),
+    }
+}
+
+fn camera_report(camera: &CameraSensor, say: &mut impl FnMut(&str, String)) {
+    let format = match camera.format {
+        PixelFormat::Rgb8 => "rgb8",
+        PixelFormat::Bgr8 => "bgr8",
+        PixelFormat::Mono8 => "mono8",
+    };
+    let (width, height) = (camera.width, camera.height);
+    say("picture", format!("{width} x {height} {format}"));
+    let focal_length = 0.5 * f64::from(width) / libm::tan(0.5 * camera.horizontal_fov_rad);
+    let vertical_fov_rad = 2.0 * libm::atan(0.5 * f64::from(height) / focal_length);
+    say("view", format!("{} across, {} down", angle(camera.horizontal_fov_rad), angle(vertical_fov_rad)));
+    say("focal length", format!("{focal_length:.4} pixels"));
+    say("clip", format!("{} to {} m", number(camera.near_m), number(camera.far_m)));
+    say("noise", noise(&camera.noise, "of [0, 1]"));
+    if camera.distortion != [0.0; 5] {
+        say("lens", format!("k1, k2, k3, p1, p2 = {:?}", camera.distortion));
+    }
+}
+
+fn camera_plugin_report(camera: &CameraPlugin, say: &mut impl FnMut(&str, String)) {
+    say("frame", if camera.frame_name.is_empty() { "none".into() } else { camera.frame_name.clone() });
+    let mut info = Vec::new();
+    if camera.hack_baseline_m != 0.0 {
+        info.push(format!("baseline {} m", number(camera.hack_baseline_m)));
+    }
+    if camera.distortion != [0.0; 5] {
+        info.push(format!("k1, k2, k3, t1, t2 = {:?}", camera.distortion));
+    }
+    for (name, value) in [
+        ("cx", camera.principal_point[0]),
+        ("cy", camera.principal_point[1]),
+        ("focal length", camera.focal_length),
+    ] {
+        info.extend(value.map(|value| format!("{name} {}", number(value))));
+    }
+    if !info.is_empty() {
+        say("camera_info", info.join(", "));
+    }
+}
+
+fn ray_report(ray: &RaySensor, say: &mut impl FnMut(&str, String)) {
+    for (name, axis) in [("beams", ray.horizontal), ("lines", ray.vertical)] {
+        if name == "beams" || axis.samples > 1 {
+            let (from, to) = (angle(axis.min_angle_rad), angle(axis.max_angle_rad));
+            say(name, format!("{} from {from} to {to}", axis.samples));
+        }
+    }
+    say("range", format!("{} to {} m", number(ray.range_min_m), number(ray.range_max_m)));
+    if ray.range_resolution_m > 0.0 {
+        say("resolution", format!("{} m, not applied, as in Gazebo", number(ray.range_resolution_m)));
+    }
+    say("noise", noise(&ray.noise, "m"));
+}
+
+fn noise(noise: &Noise, unit: &str) -> String {
+    if *noise == Noise::default() {
+        return "none".into();
+    }
+    let mut parts =
+        vec![format!("gaussian, mean {}, stddev {} {unit}", number(noise.mean), number(noise.stddev))];
+    if noise.bias_mean != 0.0 || noise.bias_stddev != 0.0 {
+        let (mean, stddev) = (number(noise.bias_mean), number(noise.bias_stddev));
+        parts.push(format!("bias mean {mean}, bias stddev {stddev}"));
+    }
+    if noise.precision > 0.0 {
+        parts.push(format!("rounded to {}", number(noise.precision)));
+    }
+    parts.join(", ")
+}

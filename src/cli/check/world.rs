@@ -1,0 +1,101 @@
+//! A world: its physics, lights and models.
+
+use super::robot::joint_kind;
+use super::sensor;
+use super::text::{angle, number, pose, vector};
+use crate::description::model::{Geometry, Light, LightKind, World};
+
+pub(super) fn report(world: &World) -> Vec<String> {
+    let mut lines = vec![format!("world {} ({})", world.name, world.source)];
+    lines.push(format!(
+        "physics: step {} s, gravity {} m/s²",
+        number(world.max_step_size_s),
+        vector(world.gravity)
+    ));
+    let shadows = if world.shadows { "with shadows" } else { "without shadows" };
+    lines.push(format!("scene: ambient {:?}, background {:?}, {shadows}", world.ambient, world.background));
+    lines.extend(world.lights.iter().map(light_line));
+    for model in &world.models {
+        let fixed = if model.is_static { "static" } else { "moving" };
+        lines.push(format!("model {} {fixed} {}", model.name, pose(&model.world_from_model)));
+        for link in &model.links {
+            let shapes: Vec<_> = link.visuals.iter().map(|visual| shape(&visual.geometry)).collect();
+            let shown = if shapes.is_empty() { "nothing to see".into() } else { counted(&shapes) };
+            lines.push(format!("  {} {}: {shown}", link.name, pose(&link.model_from_link)));
+        }
+        for joint in &model.joints {
+            let (parent, child) = (&model.links[joint.parent].name, &model.links[joint.child].name);
+            lines.push(format!("  joint {} {parent} → {child}: {}", joint.name, joint_kind(joint)));
+        }
+        for sensor in &model.sensors {
+            lines.extend(sensor::report(model, sensor).iter().map(|line| format!("  {line}")));
+        }
+    }
+    lines.push(String::new());
+    lines
+}
+
+fn light_line(light: &Light) -> String {
+    let kind = match light.kind {
+        LightKind::Point => "point".to_owned(),
+        LightKind::Directional => "directional".to_owned(),
+        LightKind::Spot { inner_angle, outer_angle, .. } => {
+            format!("spot {} to {}", angle(inner_angle), angle(outer_angle))
+        }
+    };
+    let direction = match light.kind {
+        LightKind::Point => String::new(),
+        _ => {
+            format!(" towards {}", vector(light.world_from_light.transform_vector(light.direction)))
+        }
+    };
+    format!(
+        "light {} {kind} {}{direction}, diffuse {:?}, range {} m{}",
+        light.name,
+        pose(&light.world_from_light),
+        light.diffuse,
+        number(light.range_m),
+        if light.cast_shadows { ", casts shadows" } else { "" }
+    )
+}
+
+fn shape(geometry: &Geometry) -> String {
+    match geometry {
+        Geometry::Box { size } => format!("box {}", vector(*size)),
+        Geometry::Cylinder { radius, length } => {
+            format!("cylinder r {} l {}", number(*radius), number(*length))
+        }
+        Geometry::Sphere { radius } => format!("sphere r {}", number(*radius)),
+        Geometry::Capsule { radius, length } => {
+            format!("capsule r {} l {}", number(*radius), number(*length))
+        }
+        Geometry::Plane { size: [x, y], .. } => format!("plane {} {}", number(*x), number(*y)),
+        Geometry::Mesh(mesh) => format!("mesh {} of {} triangles", mesh.path.display(), mesh.triangles.len()),
+    }
+}
+
+/// Shapes in order, those alike counted where the first of them stands.
+fn counted(shapes: &[String]) -> String {
+    let mut groups: Vec<(&str, usize)> = Vec::new();
+    for shape in shapes {
+        match groups.iter_mut().find(|(other, _)| other == shape) {
+            Some((_, count)) => *count += 1,
+            None => groups.push((shape, 1)),
+        }
+    }
+    let texts = groups.iter().map(|(shape, count)| match count {
+        1 => (*shape).to_owned(),
+        many => format!("{many} × {shape}"),
+    });
+    texts.collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_alike_are_counted() {
+        assert_eq!(counted(&["a", "b", "a"].map(str::to_owned)), "2 × a, b");
+    }
+}

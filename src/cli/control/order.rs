@@ -1,0 +1,179 @@
+//! What a simulation can be told to do, and the command that is sent for it.
+
+use crate::cli::error::CliError;
+use belvedere_bridge::payload::SimulationCommand;
+use belvedere_bridge::{Operation, Text};
+use belvedere_sensors::Pose;
+use glam::DVec3;
+use std::path::PathBuf;
+
+// Its doc comment would be shown as the help text of `belvedere control`.
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
+#[derive(Clone, Debug, clap::Subcommand)]
+pub(super) enum Order {
+    /// Let simulated time stand
+    Pause,
+    /// Let simulated time go on
+    Resume,
+    /// Run some steps of physics, with all that is published on the way, then pause
+    Step {
+        /// How many
+        #[arg(default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+        steps: u64,
+    },
+    /// Begin again at time 0: the bytes of a fresh start follow
+    Reset,
+    /// Put every model back to where it was at the start, at rest; time goes on
+    ResetWorld,
+    /// Move a model; it is at rest then
+    Move {
+        /// Its name, as `belvedere control states` gives it
+        model: String,
+        /// Metres
+        #[arg(allow_negative_numbers = true)]
+        x: f64,
+        /// Metres
+        #[arg(allow_negative_numbers = true)]
+        y: f64,
+        /// Metres
+        #[arg(allow_negative_numbers = true)]
+        z: f64,
+        /// Degrees, counter-clockwise seen from above
+        #[arg(allow_negative_numbers = true, default_value_t = 0.0)]
+        yaw: f64,
+        /// The frame that they are given in: a model, MODEL::LINK or world
+        #[arg(long, value_name = "FRAME", default_value = "world")]
+        relative_to: String,
+    },
+    /// Put a model into the world: a URDF file without xacro, or an SDF file with one <model>; without sensors
+    Spawn {
+        /// The file
+        file: PathBuf,
+        /// What it is to be called [default: its own name]
+        #[arg(long, value_name = "NAME")]
+        name: Option<String>,
+        /// Where, in metres and degrees
+        #[arg(long, value_name = "X,Y,Z[,YAW]", value_parser = place, allow_hyphen_values = true, default_value = "0,0,0")]
+        pose: Place,
+        /// The frame that this is given in: a model, MODEL::LINK or world
+        #[arg(long, value_name = "FRAME", default_value = "world")]
+        relative_to: String,
+    },
+    /// Take a model out of the world
+    Delete {
+        /// Its name, as `belvedere control states` gives it
+        name: String,
+    },
+    /// Change settings of a sensor from its next frame on; all of them, or none if one is refused
+    Configure {
+        /// Its name, as `belvedere control settings` gives it, or a topic that it sends
+        sensor: String,
+        /// What is to be changed, such as update_rate=15; noise_mean and noise_stddev are in metres for a lidar, and for
+        /// a camera of colours in [0, 1]; exposure is a factor of the light
+        #[arg(value_name = "SETTING=VALUE", required = true)]
+        settings: Vec<String>,
+    },
+}
+
+impl Order {
+    /// What it is called on the command line.
+    pub(super) fn word(&self) -> &'static str {
+        match self {
+            Self::Pause => "pause",
+            Self::Resume => "resume",
+            Self::Step { .. } => "step",
+            Self::Reset => "reset",
+            Self::ResetWorld => "reset-world",
+            Self::Move { .. } => "move",
+            Self::Spawn { .. } => "spawn",
+            Self::Delete { .. } => "delete",
+            Self::Configure { .. } => "configure",
+        }
+    }
+
+    fn operation(&self) -> Operation {
+        match self {
+            Self::Pause => Operation::Pause,
+            Self::Resume => Operation::Resume,
+            Self::Step { .. } => Operation::Step,
+            Self::Reset => Operation::ResetSimulation,
+            Self::ResetWorld => Operation::ResetWorld,
+            Self::Move { .. } => Operation::SetModelState,
+            Self::Spawn { .. } => Operation::Spawn,
+            Self::Delete { .. } => Operation::Delete,
+            Self::Configure { .. } => Operation::Configure,
+        }
+    }
+
+    /// What to send, and its text.
+    pub(super) fn command(&self) -> Result<(SimulationCommand, String), CliError> {
+        let mut command = SimulationCommand::new(self.operation());
+        let mut text = String::new();
+        match self {
+            Self::Pause | Self::Resume | Self::Reset | Self::ResetWorld => {}
+            Self::Step { steps } => command.steps = *steps,
+            Self::Move { model, x, y, z, yaw, relative_to } => {
+                command.name = self.name(model)?;
+                command.reference = self.name(relative_to)?;
+                (command.position, command.orientation) = ([*x, *y, *z], turned(*yaw));
+            }
+            Self::Spawn { file, name, pose, relative_to } => {
+                text = std::fs::read_to_string(file)
+                    .map_err(|source| CliError::Input { path: file.clone(), source })?;
+                command.name = self.name(name.as_deref().unwrap_or_default())?;
+                command.reference = self.name(relative_to)?;
+                (command.position, command.orientation) = (pose.position, turned(pose.yaw_deg));
+            }
+            Self::Delete { name } => command.name = self.name(name)?,
+            Self::Configure { sensor, settings } => {
+                command.name = self.name(sensor)?;
+                text = settings.join(" ");
+            }
+        }
+        Ok((command, text))
+    }
+
+    fn name(&self, text: &str) -> Result<Text<64>, CliError> {
+        let refused =
+            |error| CliError::Refused { operation: self.word(), reason: format!("'{text}': {error}") };
+        Text::new(text).map_err(refused)
+    }
+}
+
+fn turned(yaw_deg: f64) -> [f64; 4] {
+    Pose::from_xyz_rpy(DVec3::ZERO, DVec3::Z * yaw_deg.to_radians()).rotation().to_array()
+}
+
+/// Metres and degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    position: [f64; 3],
+    yaw_deg: f64,
+}
+
+fn place(text: &str) -> Result<Place, String> {
+    let wrong = || "three or four numbers are wanted, such as 1.5,0,0.1 or 1.5,0,0.1,90".to_owned();
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|number| number.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(wrong))
+        .collect::<Result<_, _>>()?;
+    match numbers[..] {
+        [x, y, z] => Ok(Place { position: [x, y, z], yaw_deg: 0.0 }),
+        [x, y, z, yaw_deg] => Ok(Place { position: [x, y, z], yaw_deg }),
+        _ => Err(wrong()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_three_or_four_numbers() {
+        assert_eq!(place("1, -2,3"), Ok(Place { position: [1.0, -2.0, 3.0], yaw_deg: 0.0 }));
+        assert_eq!(place("1,2,3,90").unwrap().yaw_deg, 90.0);
+        for bad in ["", "1,2", "1,2,3,4,5", "a,b,c", "1,2,nan"] {
+            assert!(place(bad).is_err(), "{bad}");
+        }
+    }
+}

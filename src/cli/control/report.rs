@@ -1,0 +1,99 @@
+//! What is printed of a simulation from what it tells anyway: nothing is sent for it.
+
+use super::GlobalArgs;
+use crate::cli::error::CliError;
+use crate::cli::follow::{first, print_line};
+use crate::cli::message;
+use belvedere_bridge::payload::{ModelState, SensorSettings};
+use belvedere_bridge::{Node, StreamSpec};
+use belvedere_sensors::Pose;
+use glam::DVec3;
+
+// Its doc comment would be shown as the help text of `belvedere control`.
+#[derive(Clone, Copy, Debug, clap::Subcommand)]
+pub(super) enum Report {
+    /// Print the settings of every sensor, and what they may be
+    Settings {
+        /// Print one JSON object a line
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print where every model is
+    States {
+        /// Every link, too
+        #[arg(long)]
+        links: bool,
+        /// Print one JSON object a line
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+impl Report {
+    /// Prints it.
+    pub(super) fn print(self, node: &Node, global: &GlobalArgs) -> Result<(), CliError> {
+        match self {
+            Self::Settings { json } => settings(node, global, json),
+            Self::States { links, json } => states(node, global, links, json),
+        }
+    }
+}
+
+/// Prints the settings of all sensors.
+fn settings(node: &Node, global: &GlobalArgs, json: bool) -> Result<(), CliError> {
+    let sensors: Vec<SensorSettings> =
+        first(node, StreamSpec::SENSOR_SETTINGS, global.timeout)?.ok_or_else(|| global.no_answer())?;
+    let width = sensors.iter().map(|sensor| sensor.name.as_str().len()).max().unwrap_or(0).max(6);
+    if !json {
+        print_line(&format!(
+            "{:width$}  {:12} {:>10} {:>10} {:>10}",
+            "SENSOR", "SETTING", "VALUE", "MIN", "MAX"
+        ))?;
+    }
+    for sensor in &sensors {
+        if json {
+            print_line(&message::sensor_settings(sensor).to_json().to_string())?;
+            continue;
+        }
+        let name = sensor.name.as_str();
+        for (setting, values) in sensor.by_name() {
+            if !values.value.is_nan() {
+                let (value, min, max) = (values.value, values.min, values.max);
+                print_line(&format!("{name:width$}  {setting:12} {value:>10} {min:>10} {max:>10}"))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Prints the first states that come.
+fn states(node: &Node, global: &GlobalArgs, links: bool, json: bool) -> Result<(), CliError> {
+    let topic = if links { StreamSpec::LINK_STATES } else { StreamSpec::MODEL_STATES };
+    let states: Vec<ModelState> = first(node, topic, global.timeout)?.ok_or_else(|| global.no_answer())?;
+    let width = states.iter().map(|state| state.name.as_str().len()).max().unwrap_or(0).max(4);
+    if !json {
+        print_line(&format!(
+            "{:width$} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>7}",
+            "NAME", "X m", "Y m", "Z m", "ROLL °", "PITCH °", "YAW °", "m/s"
+        ))?;
+    }
+    for state in &states {
+        let [x, y, z] = state.position;
+        let rotation = glam::DQuat::from_array(state.orientation);
+        let [roll, pitch, yaw] = Pose::new(DVec3::ZERO, rotation).rpy().to_array().map(f64::to_degrees);
+        let speed = DVec3::from_array(state.linear).length();
+        let name = state.name.as_str();
+        print_line(&if json {
+            serde_json::json!({
+                "name": name, "position": state.position, "orientation": state.orientation,
+                "linear": state.linear, "angular": state.angular,
+            })
+            .to_string()
+        } else {
+            format!(
+                "{name:width$} {x:>9.3} {y:>9.3} {z:>9.3} {roll:>8.2} {pitch:>8.2} {yaw:>8.2} {speed:>7.3}"
+            )
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,145 @@
+//! What sensors measure: pictures, scans, clouds, and what belongs to them.
+
+use super::parts::{Entries, array, text, xyz, xyzw};
+use super::tree::Tree::{self, Flag, List, Map, Number, Text, Whole};
+use belvedere_bridge::payload::{CameraInfo, Imu, Range};
+use belvedere_bridge::{Encoding, FrameHeader, FrameView};
+
+pub(super) fn image(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
+    let header = frame.header();
+    let encoding = header.encoding()?;
+    let data = match encoding {
+        Encoding::F32C1 => numbers::<f32>(frame, frame.rows(), limit),
+        Encoding::U16C1 => List(
+            frame.numbers::<u16>(frame.rows()).take(limit).map(|value| Whole(value.into())).collect(),
+            pixels(header).saturating_sub(limit),
+        ),
+        _ => bytes(frame, limit),
+    };
+    Some(vec![
+        ("height", Whole(header.height.into())),
+        ("width", Whole(header.width.into())),
+        ("encoding", ros_encoding(encoding)),
+        ("is_bigendian", Flag(false)),
+        ("step", Whole(header.row_stride.into())),
+        ("data", data),
+    ])
+}
+
+/// The name that `sensor_msgs` has for it: `32fc1` is `32FC1` there, `rgb8` is `rgb8`.
+fn ros_encoding(encoding: Encoding) -> Tree {
+    let name = encoding.as_str();
+    Text(if name.ends_with("c1") { name.to_uppercase() } else { name.to_owned() })
+}
+
+pub(super) fn scan(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
+    let header = frame.header();
+    let geometry = header.scan_geometry()?;
+    let mut entries = vec![
+        ("angle_min", Number(geometry.angle_min)),
+        ("angle_max", Number(geometry.angle_max(header.width))),
+        ("angle_increment", Number(geometry.angle_increment)),
+        ("time_increment", Number(geometry.time_increment)),
+        ("scan_time", Number(geometry.scan_time)),
+        ("range_min", Number(geometry.range_min.into())),
+        ("range_max", Number(geometry.range_max.into())),
+    ];
+    if header.height > 1 {
+        entries.push(("layers", Whole(header.height.into())));
+        entries.push(("vertical_angle_min", Number(geometry.vertical_angle_min)));
+        entries.push(("vertical_angle_increment", Number(geometry.vertical_angle_increment)));
+    }
+    let intensities = if header.has_intensities() {
+        numbers::<f32>(frame, frame.intensity_rows(), limit)
+    } else {
+        List(Vec::new(), 0)
+    };
+    entries.push(("ranges", numbers::<f32>(frame, frame.rows(), limit)));
+    entries.push(("intensities", intensities));
+    Some(entries)
+}
+
+pub(super) fn cloud(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
+    let header = frame.header();
+    if header.encoding()? != Encoding::XyzRgbF32 {
+        return None;
+    }
+    let point = |[x, y, z, _, rgb]: [f32; 5]| {
+        let [blue, green, red, _] = rgb.to_bits().to_le_bytes();
+        Map(vec![
+            ("xyz", List([x, y, z].map(|value| Number(value.into())).to_vec(), 0)),
+            ("rgb", List([red, green, blue].map(|value| Whole(value.into())).to_vec(), 0)),
+        ])
+    };
+    Some(vec![
+        ("height", Whole(header.height.into())),
+        ("width", Whole(header.width.into())),
+        ("point_step", Whole(header.elem_stride.into())),
+        ("row_step", Whole(header.row_stride.into())),
+        (
+            "points",
+            List(
+                frame.numbers::<[f32; 5]>(frame.rows()).take(limit).map(point).collect(),
+                pixels(header).saturating_sub(limit),
+            ),
+        ),
+    ])
+}
+
+pub(super) fn camera_info(info: &CameraInfo) -> Entries {
+    vec![
+        ("height", Whole(info.height.into())),
+        ("width", Whole(info.width.into())),
+        ("distortion_model", text(info.distortion_model.as_str())),
+        ("D", array(&info.d[..(info.d_len as usize).min(info.d.len())])),
+        ("K", array(&info.k)),
+        ("R", array(&info.r)),
+        ("P", array(&info.p)),
+    ]
+}
+
+pub(super) fn imu(imu: &Imu) -> Entries {
+    vec![
+        ("orientation", xyzw(imu.orientation)),
+        ("orientation_covariance", array(&imu.orientation_covariance)),
+        ("angular_velocity", xyz(imu.angular_velocity)),
+        ("angular_velocity_covariance", array(&imu.angular_velocity_covariance)),
+        ("linear_acceleration", xyz(imu.linear_acceleration)),
+        ("linear_acceleration_covariance", array(&imu.linear_acceleration_covariance)),
+    ]
+}
+
+pub(super) fn range(range: &Range) -> Entries {
+    let radiation = match range.radiation_type {
+        Range::ULTRASOUND => "ultrasound",
+        Range::INFRARED => "infrared",
+        _ => "unknown",
+    };
+    vec![
+        ("radiation_type", text(radiation)),
+        ("field_of_view", Number(range.field_of_view.into())),
+        ("min_range", Number(range.min_range.into())),
+        ("max_range", Number(range.max_range.into())),
+        ("range", Number(range.range.into())),
+    ]
+}
+
+fn pixels(header: &FrameHeader) -> usize {
+    header.width as usize * header.height as usize
+}
+
+/// The payload as it is.
+pub(super) fn bytes(frame: &FrameView<'_>, limit: usize) -> Tree {
+    let payload = frame.payload();
+    let shown = payload.iter().take(limit).map(|&byte| Whole(byte.into())).collect();
+    List(shown, payload.len().saturating_sub(limit))
+}
+
+fn numbers<'a, T: bytemuck::Pod + Into<f64>>(
+    frame: &FrameView<'a>,
+    rows: impl Iterator<Item = &'a [u8]>,
+    limit: usize,
+) -> Tree {
+    let shown = frame.numbers::<T>(rows).take(limit).map(|value| Number(value.into())).collect();
+    List(shown, pixels(frame.header()).saturating_sub(limit))
+}

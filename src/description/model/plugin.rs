@@ -1,0 +1,93 @@
+//! The plugins that publish sensors: their topics, frames and rates.
+
+/// The plugin that publishes a sensor, with its parameters resolved to the plugin's own defaults.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Plugin {
+    /// `libgazebo_ros_camera.so`.
+    Camera(CameraPlugin),
+    /// `libgazebo_ros_openni_kinect.so`.
+    DepthCamera(DepthCameraPlugin),
+    /// Those of lidars: `libgazebo_ros_laser.so`, `libgazebo_ros_block_laser.so`, `libgazebo_ros_velodyne_laser.so`, and
+    /// their `gpu` sisters.
+    Laser(LaserPlugin),
+    /// `libgazebo_ros_range.so`.
+    Range(RangePlugin),
+}
+
+/// Parameters shared by the camera plugins. Topics are resolved: absolute, camera name prefixed unless the
+/// topic began with a slash.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraPlugin {
+    /// `cameraName`.
+    pub camera_name: String,
+    /// `updateRate`; none if 0 or not given.
+    pub update_rate_hz: Option<f64>,
+    /// Absolute topic of the picture.
+    pub image_topic: String,
+    /// Absolute topic of its `CameraInfo`.
+    pub camera_info_topic: String,
+    /// `frameName`.
+    pub frame_name: String,
+    /// `hackBaseline` in metres: P\[3\] = −f·baseline.
+    pub hack_baseline_m: f64,
+    /// k1, k2, k3, t1, t2 as written to `CameraInfo`.
+    pub distortion: [f64; 5],
+    /// `CxPrime`, `Cx`, `Cy` if given and not 0.
+    pub principal_point: [Option<f64>; 2],
+    /// `focalLength` in pixels if given and not 0.
+    pub focal_length: Option<f64>,
+}
+
+/// Parameters of the Kinect plugin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthCameraPlugin {
+    /// Colour picture and info, and what both share.
+    pub camera: CameraPlugin,
+    /// Absolute topic of the depth picture.
+    pub depth_image_topic: String,
+    /// Absolute topic of its `CameraInfo`.
+    pub depth_camera_info_topic: String,
+    /// Absolute topic of the cloud.
+    pub point_cloud_topic: String,
+    /// `pointCloudCutoff`: depth at or below is invalid.
+    pub cutoff_m: f64,
+    /// `pointCloudCutoffMax`: depth at or above is invalid.
+    pub cutoff_max_m: f64,
+    /// True for 16UC1 in millimetres (`useDepth16UC1MM`), false for 32FC1 in metres.
+    pub depth_16uc1: bool,
+}
+
+/// Parameters of the plugin of rangefinders.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RangePlugin {
+    /// Absolute topic of the range.
+    pub topic: String,
+    /// `frameName`.
+    pub frame_name: String,
+    /// `updateRate`; none if 0 or not given.
+    pub update_rate_hz: Option<f64>,
+    /// `radiation`.
+    pub radiation: Radiation,
+    /// `fov` in radians, as messages say it; the beams are the sensor's.
+    pub field_of_view_rad: f64,
+}
+
+/// What a rangefinder sends out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Radiation {
+    /// Sound.
+    Ultrasound,
+    /// Infrared light.
+    Infrared,
+}
+
+/// Parameters of the laser plugins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LaserPlugin {
+    /// Absolute topic of the scan.
+    pub topic: String,
+    /// `frameName`.
+    pub frame_name: String,
+    /// `updateRate`; none if 0 or not given.
+    pub update_rate_hz: Option<f64>,
+}

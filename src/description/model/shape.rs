@@ -1,0 +1,131 @@
+//! Shapes and how they look: what cameras see, what touches, and what lidars hit.
+
+use crate::description::diagnostics::Source;
+use belvedere_sensors::Pose;
+use glam::DVec3;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A shape that cameras see.
+#[derive(Debug, Clone)]
+pub struct Visual {
+    /// Name, empty if it has none.
+    pub name: String,
+    /// Pose of the shape in its link.
+    pub link_from_visual: Pose,
+    /// The shape.
+    pub geometry: Geometry,
+    /// How it looks.
+    pub material: Material,
+    /// Where it stands.
+    pub source: Source,
+}
+
+/// A shape that touches and that lidars hit.
+#[derive(Debug, Clone)]
+pub struct Collision {
+    /// Name, empty if it has none.
+    pub name: String,
+    /// Pose of the shape in its link.
+    pub link_from_collision: Pose,
+    /// The shape.
+    pub geometry: Geometry,
+    /// Coulomb friction (`mu1` / `<mu>`), if given.
+    pub friction: Option<f64>,
+    /// Reflectivity that a lidar reports as intensity (`<laser_retro>`), 0 if not given.
+    pub laser_retro: f32,
+    /// Where it stands.
+    pub source: Source,
+}
+
+/// A shape, centred on its frame.
+#[derive(Debug, Clone)]
+pub enum Geometry {
+    /// Full edge lengths. Every face carries the whole texture, upright where there is an up: seen from outside,
+    /// u grows to the right and v upwards, and the picture's first row is the top (v = 1).
+    ///
+    /// | face | right (u) | up (v) |
+    /// |---|---|---|
+    /// | +x | +y | +z |
+    /// | −x | −y | +z |
+    /// | +y | −x | +z |
+    /// | −y | +x | +z |
+    /// | +z | +x | +y |
+    /// | −z | +x | −y |
+    Box {
+        /// x, y, z.
+        size: DVec3,
+    },
+    /// Axis along z.
+    Cylinder {
+        /// Radius.
+        radius: f64,
+        /// Full length along z.
+        length: f64,
+    },
+    /// A ball.
+    Sphere {
+        /// Radius.
+        radius: f64,
+    },
+    /// Axis along z; `length` is that of the cylindrical part.
+    Capsule {
+        /// Radius.
+        radius: f64,
+        /// Length without the caps.
+        length: f64,
+    },
+    /// A rectangle through the origin. It collides as an infinite half space. With a normal along an axis its
+    /// texture lies as on the face of a [`Geometry::Box`] with that normal.
+    Plane {
+        /// Unit normal.
+        normal: DVec3,
+        /// Full edge lengths of the visible part.
+        size: [f64; 2],
+    },
+    /// Triangles from a file, already in metres.
+    Mesh(Arc<Mesh>),
+}
+
+/// Triangles of a file with the scale of the description applied.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    /// The file.
+    pub path: PathBuf,
+    /// Vertices in metres.
+    pub positions: Vec<[f32; 3]>,
+    /// Texture coordinates per vertex, v up; empty if there are none.
+    pub uvs: Vec<[f32; 2]>,
+    /// Vertex indices, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// What the file itself says of its look, used where the description says nothing.
+    pub material: Option<Material>,
+}
+
+/// How a surface looks. Colours are RGB in [0, 1] as the file gives them (no gamma, as in Gazebo classic).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Reflected light of lamps; multiplied by the texture if there is one.
+    pub diffuse: [f32; 3],
+    /// Reflected ambient light; multiplied by the texture if there is one.
+    pub ambient: [f32; 3],
+    /// Own light.
+    pub emissive: [f32; 3],
+    /// An image file over the surface.
+    pub texture: Option<PathBuf>,
+    /// How often the texture repeats over the surface (Ogre's `scale`, inverted), along u and v.
+    pub texture_repeat: [f32; 2],
+}
+
+impl Default for Material {
+    /// Gazebo's default: white-ish grey, no texture.
+    fn default() -> Self {
+        Self {
+            diffuse: [0.7; 3],
+            ambient: [0.7; 3],
+            emissive: [0.0; 3],
+            texture: None,
+            texture_repeat: [1.0; 2],
+        }
+    }
+}

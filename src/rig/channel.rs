@@ -1,0 +1,143 @@
+//! A channel: a sensor, or what a robot says of itself, with its streams. What all kinds of them have in common.
+
+use super::RigError;
+use super::base::BaseChannel;
+use super::camera::CameraChannel;
+use super::depth::DepthChannel;
+use super::lidar::LidarChannel;
+use super::outlet::Outlet;
+use super::range::RangeChannel;
+use super::rate::Rate;
+use super::settings::Settings;
+use super::state::{ClockChannel, StateChannel};
+use crate::description::model::{Model, Plugin, Sensor, SensorKind};
+use crate::robot::Robot;
+use crate::world::physics::{ModelIndex, Physics};
+use crate::world::scene::WorldScene;
+use belvedere_bridge::{Lossless, Node, StreamSpec};
+use belvedere_sensors::trace::WorkspaceBuf;
+
+/// What a channel needs to open.
+pub(super) struct Setting<'a> {
+    pub(super) node: &'a Node,
+    pub(super) physics: &'a Physics,
+    pub(super) model: &'a Model,
+    pub(super) model_index: ModelIndex,
+    pub(super) robot: usize,
+    pub(super) rate: Rate,
+    pub(super) seed: u64,
+    pub(super) sensor: u32,
+    pub(super) gazebo_compat: bool,
+    pub(super) hashed: bool,
+    pub(super) lossless: Option<&'a Lossless>,
+}
+
+impl Setting<'_> {
+    /// A stream of small messages, which are sent whether or not anybody follows: late consumers get the last one.
+    pub(super) fn open(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
+        Ok(Outlet::open(self.node, spec, self.hashed, self.lossless)?)
+    }
+
+    /// A stream that is rendered while somebody follows it. It keeps no frame for late consumers: the last one may be
+    /// of long ago.
+    pub(super) fn open_rendered(&self, spec: StreamSpec) -> Result<Outlet, RigError> {
+        self.open(&StreamSpec { history: 0, ..spec })
+    }
+
+    /// The frame that a sensor's messages name: the plugin's, or its link.
+    pub(super) fn frame_id(&self, sensor: &Sensor, frame_name: &str) -> String {
+        let link = &self.model.links[sensor.link].name;
+        if frame_name.is_empty() { link.clone() } else { frame_name.to_owned() }
+    }
+}
+
+/// What a channel needs to publish a frame.
+pub(super) struct RigContext<'a> {
+    pub(super) stamp_ns: u64,
+    pub(super) physics: &'a Physics,
+    pub(super) robots: &'a [Robot],
+    pub(super) scene: &'a WorldScene,
+    pub(super) workspace: &'a mut WorkspaceBuf,
+}
+
+/// The kinds of channels.
+pub(super) enum Channel {
+    Clock(Box<ClockChannel>),
+    State(Box<StateChannel>),
+    Base(Box<BaseChannel>),
+    Camera(Box<CameraChannel>),
+    Depth(Box<DepthChannel>),
+    Lidar(Box<LidarChannel>),
+    Range(Box<RangeChannel>),
+}
+
+impl Channel {
+    /// The channel of a sensor; none if it has no plugin that publishes it.
+    pub(super) fn of_sensor(sensor: &Sensor, setting: &Setting<'_>) -> Result<Option<Self>, RigError> {
+        Ok(match (&sensor.kind, &sensor.plugin) {
+            (SensorKind::Camera(camera), Some(Plugin::Camera(plugin))) => {
+                Some(Self::Camera(CameraChannel::open(sensor, camera, plugin, setting)?.into()))
+            }
+            (SensorKind::Depth(camera), Some(Plugin::DepthCamera(plugin))) => {
+                Some(Self::Depth(DepthChannel::open(sensor, camera, plugin, setting)?.into()))
+            }
+            (SensorKind::Ray(ray), Some(Plugin::Laser(plugin))) => {
+                Some(Self::Lidar(LidarChannel::open(sensor, ray, plugin, setting)?.into()))
+            }
+            (SensorKind::Ray(ray), Some(Plugin::Range(plugin))) => {
+                Some(Self::Range(RangeChannel::open(sensor, ray, plugin, setting)?.into()))
+            }
+            _ => {
+                tracing::warn!(sensor = sensor.name, source = %sensor.source, "has no plugin that publishes it");
+                None
+            }
+        })
+    }
+
+    /// Its streams.
+    pub(super) fn outlets(&self) -> Vec<&Outlet> {
+        match self {
+            Self::Clock(clock) => clock.outlets().into(),
+            Self::State(state) => state.outlets().collect(),
+            Self::Base(base) => base.outlets().into(),
+            Self::Camera(camera) => camera.outlets().into(),
+            Self::Depth(depth) => depth.outlets().into(),
+            Self::Lidar(lidar) => lidar.outlets().into(),
+            Self::Range(range) => range.outlets().into(),
+        }
+    }
+
+    /// Whether its next frame shows the scene to somebody.
+    pub(super) fn is_rendered(&self) -> bool {
+        match self {
+            Self::Clock(_) | Self::State(_) | Self::Base(_) => false,
+            Self::Camera(_) | Self::Depth(_) | Self::Lidar(_) | Self::Range(_) => {
+                self.outlets().into_iter().any(Outlet::is_wanted)
+            }
+        }
+    }
+
+    /// Sends its frame of this number.
+    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame: u64) {
+        match self {
+            Self::Clock(clock) => clock.publish(context),
+            Self::State(state) => state.publish(context),
+            Self::Base(base) => base.publish(context),
+            Self::Camera(camera) => camera.publish(context, frame),
+            Self::Depth(depth) => depth.publish(context, frame),
+            Self::Lidar(lidar) => lidar.publish(context, frame),
+            Self::Range(range) => range.publish(context, frame),
+        }
+    }
+
+    /// Takes other settings from its next frame on, if it has any.
+    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+        match self {
+            Self::Clock(_) | Self::State(_) | Self::Base(_) => Ok(()),
+            Self::Camera(camera) => camera.configure(settings),
+            Self::Depth(depth) => depth.configure(settings),
+            Self::Lidar(lidar) => lidar.configure(settings),
+            Self::Range(range) => range.configure(settings),
+        }
+    }
+}

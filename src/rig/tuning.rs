@@ -1,0 +1,85 @@
+//! Changing a sensor's settings while it runs, and telling what they are.
+
+use super::{Outlet, Rate, Rig, Scheduled, Settings};
+use crate::description::values::nearest;
+
+/// A sensor's settings, described and as they are.
+pub(super) struct Tuning {
+    pub(super) sensor: String,
+    pub(super) described: Settings,
+    pub(super) now: Settings,
+}
+
+impl Scheduled {
+    /// Takes other settings from the next frame on.
+    pub(super) fn configure(&mut self, settings: Settings, now_ns: u64) -> Result<(), String> {
+        let Some(tuning) = &mut self.tuning else { return Ok(()) };
+        let rate_hz = settings.update_rate_hz();
+        let rate = Rate::from_hz(rate_hz).ok_or_else(|| format!("{rate_hz} Hz is no rate"))?;
+        self.channel.configure(&settings).map_err(|error| error.to_string())?;
+        if rate_hz.to_bits() != tuning.now.update_rate_hz().to_bits() {
+            self.schedule.change_rate(rate, now_ns);
+        }
+        tuning.now = settings;
+        self.channel.outlets().into_iter().for_each(|outlet| outlet.set_rate_hz(rate_hz));
+        Ok(())
+    }
+
+    fn topics(&self) -> Vec<String> {
+        self.channel.outlets().into_iter().map(Outlet::topic).collect()
+    }
+}
+
+impl Rig {
+    /// Changes settings of a sensor, named or told by a topic that it sends: all that the text says, or nothing.
+    ///
+    /// # Errors
+    /// In words: there is no such sensor, or several of the name; what is wrong with the text.
+    pub fn configure(&mut self, sensor: &str, text: &str, now_ns: u64) -> Result<(), String> {
+        let scheduled = self.find(sensor)?;
+        if let Some(Tuning { now, .. }) = &scheduled.tuning {
+            let changed = now.changed(text)?;
+            scheduled.configure(changed, now_ns)?;
+        }
+        self.tell_settings(now_ns);
+        Ok(())
+    }
+
+    fn find(&mut self, sensor: &str) -> Result<&mut Scheduled, String> {
+        let topic = format!("/{}", sensor.trim_start_matches('/'));
+        let is_meant = |scheduled: &Scheduled| {
+            scheduled.tuning.as_ref().is_some_and(|tuning| tuning.sensor == sensor)
+                || scheduled.tuning.is_some() && scheduled.topics().contains(&topic)
+        };
+        let meant: Vec<usize> =
+            (0..self.channels.len()).filter(|&index| is_meant(&self.channels[index])).collect();
+        match meant[..] {
+            [index] => Ok(&mut self.channels[index]),
+            [] => {
+                let sensors = || self.channels.iter().filter_map(|channel| channel.tuning.as_ref());
+                let names: Vec<&str> = sensors().map(|tuning| tuning.sensor.as_str()).collect();
+                let near = nearest(sensor, names.iter().copied())
+                    .map(|near| format!("did you mean '{near}'? "))
+                    .unwrap_or_default();
+                let there = if names.is_empty() { "none".into() } else { names.join(", ") };
+                Err(format!(
+                    "there is no sensor '{sensor}', and none sends such a topic; {near}there are: {there}"
+                ))
+            }
+            _ => Err(format!(
+                "there are {} sensors '{sensor}'; name the one that is meant by a topic that it sends",
+                meant.len()
+            )),
+        }
+    }
+
+    /// Sends what can be changed, and what it is from `stamp_ns` on.
+    pub(super) fn tell_settings(&mut self, stamp_ns: u64) {
+        let message = |scheduled: &Scheduled| {
+            let tuning = scheduled.tuning.as_ref()?;
+            Some(tuning.now.message(&tuning.sensor, &scheduled.topics()))
+        };
+        let messages: Vec<_> = self.channels.iter().filter_map(message).collect();
+        self.settings.send_structs(stamp_ns, &messages);
+    }
+}

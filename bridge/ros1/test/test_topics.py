@@ -8,16 +8,15 @@ import math
 import operator
 import os
 import tempfile
-import threading
 import time
 import unittest
 
 import rosgraph
-import roslib.message
 import roslib.packages
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
+from listener import Listener
 from nav_msgs.msg import Odometry
 from processes import Process, bridge, eventually, simulator, subscribers_of_streams
 from rosgraph_msgs.msg import Clock
@@ -30,41 +29,6 @@ DOMAIN = f"ros-{os.getpid()}"
 RATE_TOLERANCE = 0.005
 LOSS_TOLERANCE = 0.05  # pictures hold two frames for a subscriber, 66 ms at 30 Hz, which a busy machine can take
 NUMBER_TOLERANCE = 1e-5  # LaserScan is of float32
-
-
-class Listener:
-    """Subscribes to a topic; keeps the stamps and the last message."""
-
-    def __init__(self, topic, kind):
-        self.stamps_ns, self.last, self.lock = [], None, threading.Lock()
-        message_class = roslib.message.get_message_class(kind) if isinstance(kind, str) else kind
-        self.subscriber = rospy.Subscriber(topic, message_class, self.receive, buff_size=1 << 25, tcp_nodelay=True)
-
-    def receive(self, message):
-        if hasattr(message, "header"):
-            stamp = message.header.stamp
-        elif hasattr(message, "clock"):
-            stamp = message.clock
-        elif not hasattr(message, "transforms"):
-            stamp = rospy.Time()  # it has none
-        else:
-            stamp = message.transforms[0].header.stamp
-        with self.lock:
-            self.stamps_ns.append(stamp.to_nsec())
-            self.last = message
-
-    def count(self):
-        with self.lock:
-            return len(self.stamps_ns)
-
-    def close(self):
-        self.subscriber.unregister()
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.close()
 
 
 def published():

@@ -1,8 +1,9 @@
-"""A subscriber of a test, and what has come to it."""
+"""Topics, as a test listens to them."""
 
 import collections
 import threading
 
+import rosgraph
 import roslib.message
 import rospy
 
@@ -62,3 +63,8 @@ def stamp_of(message):
     if hasattr(message, "transforms"):
         return message.transforms[0].header.stamp
     return rospy.Time()
+
+
+def published():
+    """Topics that have a publisher now."""
+    return {topic for topic, _ in rosgraph.Master("/test").getSystemState()[0]}

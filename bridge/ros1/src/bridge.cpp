@@ -2,8 +2,6 @@
 
 #include <exception>
 
-#include "gazebo/services.hpp"
-
 namespace belvedere_ros {
 
 namespace {
@@ -19,7 +17,8 @@ constexpr double kEnough = 0.9;
 
 Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     : nh_(nh), parameters_(Parameters::read(private_nh)), domain_(parameters_.domain), topics_(nh, private_nh, parameters_),
-      diagnostics_(nh, private_nh, private_nh.getNamespace()), settings_(private_nh, domain_) {
+      diagnostics_(nh, private_nh, private_nh.getNamespace()), settings_(private_nh, domain_),
+      gazebo_(nh, parameters_.gazebo_namespace, domain_) {
     diagnostics_.setHardwareID("belvedere domain " + domain_.name());
     diagnostics_.add("simulator", [this](auto& status) { diagnose_simulator(status); });
     streams_ = std::make_unique<Streams>(domain_, [this](const bv_stream_info& stream) { serve(stream); });
@@ -27,8 +26,6 @@ Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     diagnostics_timer_ =
         nh_.createWallTimer(ros::WallDuration(kDiagnosticPeriod), [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
 }
-
-Bridge::~Bridge() = default;
 
 void Bridge::serve(const bv_stream_info& stream) {
     // Whoever changes relays_ has both locks, and reads it with either. The updater calls diagnose_topic() with a lock of
@@ -45,20 +42,20 @@ void Bridge::serve(const bv_stream_info& stream) {
         }
         if (stream.kind == BV_KIND_SIMULATION_RESULT) {
             // With the first simulator, as with Gazebo: who waits for a service waits for the world too.
-            if (stream.publishers > 0 && !gazebo_ && gazebo_is_ours())
-                gazebo_ = std::make_unique<gazebo::Services>(ros::NodeHandle(nh_, parameters_.gazebo_namespace), domain_);
+            if (stream.publishers > 0) gazebo_.look();
             return;
         }
-        if (stream.kind == BV_KIND_MODEL_STATES && (stream.publishers == 0 || !gazebo_is_ours())) return;
         const auto known = relays_.find(name);
+        if (stream.kind == BV_KIND_MODEL_STATES && !gazebo_.is_ours()) {
+            if (known != relays_.end()) drop(known);
+            return;
+        }
         if (known != relays_.end()) {
             // Another simulator may give the name to something else.
             const Serving& now = known->second;
             const bool same = now.relay->kind() == stream.kind && now.layers == stream.layers;
             if (same || stream.kind == 0 || stream.publishers == 0) return;
-            diagnostics_.removeByName(name);
-            const std::lock_guard<std::mutex> lock(mutex_);
-            relays_.erase(known);
+            drop(known);
         } else if (stream.publishers == 0 || skipped_.count(name) != 0) {
             return;
         }
@@ -82,18 +79,10 @@ void Bridge::serve(const bv_stream_info& stream) {
     }
 }
 
-/// Decided once: a service has one server, and the master would take it from the node that has it now.
-bool Bridge::gazebo_is_ours() {
-    if (!gazebo_is_ours_) {
-        const std::string& there = parameters_.gazebo_namespace;
-        gazebo_is_ours_ = !there.empty();
-        if (!there.empty() && gazebo::Services::are_at(ros::NodeHandle(nh_, there))) {
-            gazebo_is_ours_ = false;
-            ROS_WARN_STREAM("another node serves " << nh_.resolveName(there)
-                                                   << " already, so this one does not; give it a gazebo_namespace of its own, or an empty one");
-        }
-    }
-    return *gazebo_is_ours_;
+void Bridge::drop(std::map<std::string, Serving>::iterator relay) {
+    diagnostics_.removeByName(relay->first);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    relays_.erase(relay);
 }
 
 void Bridge::diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const {

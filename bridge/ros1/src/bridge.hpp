@@ -13,6 +13,7 @@
 
 #include "commands.hpp"
 #include "domain.hpp"
+#include "gazebo/namespace.hpp"
 #include "parameters.hpp"
 #include "relay.hpp"
 #include "settings.hpp"
@@ -22,16 +23,11 @@
 
 namespace belvedere_ros {
 
-namespace gazebo {
-class Services;
-}
-
 /// All that the node and the nodelet do.
 class Bridge {
 public:
     /// Throws BadParameter, and belvedere::Error when the domain cannot be joined.
     Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
-    ~Bridge();
 
     /// Serves a stream that is there, if it is not served yet; skips for ever, with one warning, what cannot be served.
     void serve(const bv_stream_info& stream);
@@ -46,7 +42,7 @@ private:
         std::optional<double> time_offset = std::nullopt;
     };
 
-    bool gazebo_is_ours();
+    void drop(std::map<std::string, Serving>::iterator relay);
     void diagnose_simulator(diagnostic_updater::DiagnosticStatusWrapper& status) const;
     void diagnose_topic(const std::string& stream, diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -60,8 +56,7 @@ private:
     std::map<std::string, std::unique_ptr<Commands>> commands_;
     std::set<std::string> skipped_;
     Settings settings_;
-    std::optional<bool> gazebo_is_ours_;
-    std::unique_ptr<gazebo::Services> gazebo_;
+    gazebo::Namespace gazebo_;
     // The last that begin, the first that end: they use what is above.
     std::unique_ptr<Streams> streams_;
     ros::WallTimer diagnostics_timer_;

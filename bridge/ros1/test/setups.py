@@ -23,7 +23,6 @@ class Topic:
 @dataclass
 class Setup:
     environment: dict
-    arguments: list
     topics: dict
 
 
@@ -68,7 +67,6 @@ ROBOT = {
     "/mobile_base/events/cliff": Topic("kobuki_msgs/CliffEvent", rate=nan),
     "/mobile_base/events/wheel_drop": Topic("kobuki_msgs/WheelDropEvent", rate=nan),
     "/mobile_base/sensors/imu_data": Topic("sensor_msgs/Imu", "gyro_link", 50.0),
-    "/mobile_base/sensors/core": Topic("kobuki_msgs/SensorState", rate=50.0),
     "/joint_states": Topic(
         "sensor_msgs/JointState", rate=50.0, fields={"name": ["wheel_left_joint", "wheel_right_joint"]}
     ),
@@ -82,7 +80,6 @@ def ceiling_camera(compat):
     frame = "base_camera_link"
     return Setup(
         {"TURTLEBOT_STACKS": "nostack", "TURTLEBOT_3D_SENSOR": "camera"},
-        ["--gazebo-compat"] if compat else [],
         {
             **ROBOT,
             "/image_raw": image(frame, 30.0),
@@ -96,7 +93,6 @@ def rplidar(compat):
     """The lidar alone. With 360 rays over the whole circle the first and the last are the same ray, as in Gazebo."""
     return Setup(
         {"TURTLEBOT_STACKS": "nostack", "TURTLEBOT_3D_SENSOR": "rplidar"},
-        ["--gazebo-compat"] if compat else [],
         {**ROBOT, "/scan": scan("base_laser_link", 5.5, 360, 3.1415926, 0.10, 6.0, compat)},
     )
 
@@ -108,7 +104,6 @@ def kinect_hokuyo(compat):
     info = camera_info(frame, 10.0, 60.0 * pi / 180.0, 0.0, compat)
     return Setup(
         {"TURTLEBOT_STACKS": "hexagons", "TURTLEBOT_3D_SENSOR": "KinectHokuyo"},
-        ["--gazebo-compat"] if compat else [],
         {
             **ROBOT,
             "/camera/rgb/image_raw": image(frame, 10.0),
@@ -121,11 +116,5 @@ def kinect_hokuyo(compat):
     )
 
 
-SETUPS = {
-    "the ceiling camera": ceiling_camera(compat=False),
-    "the ceiling camera, as Gazebo has it": ceiling_camera(compat=True),
-    "RPLidar": rplidar(compat=False),
-    "RPLidar, as Gazebo has it": rplidar(compat=True),
-    "Kinect and Hokuyo": kinect_hokuyo(compat=False),
-    "Kinect and Hokuyo, as Gazebo has them": kinect_hokuyo(compat=True),
-}
+#: By name; each as described, or as Gazebo has it.
+SETUPS = {"the ceiling camera": ceiling_camera, "RPLidar": rplidar, "Kinect and Hokuyo": kinect_hokuyo}

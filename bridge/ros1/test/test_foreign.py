@@ -21,6 +21,7 @@ import rosbag
 import rospy
 from apriltag import apriltag
 from geometry_msgs.msg import Twist
+from listener import published
 from processes import SIMULATOR, Process, bridge, eventually, simulator
 from programs import program
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
@@ -60,10 +61,6 @@ def points(cloud, every):
     for row in range(0, cloud.height, every):
         for column in range(0, cloud.width, every):
             yield struct.unpack_from("<3f", cloud.data, row * cloud.row_step + column * cloud.point_step + x)
-
-
-def published():
-    return {topic for topic, _ in rospy.get_published_topics()}
 
 
 def states(domain):

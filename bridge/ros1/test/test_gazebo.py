@@ -9,8 +9,10 @@ import threading
 import time
 import unittest
 import xmlrpc.client
+from collections import Counter
 from pathlib import Path
 
+import rosgraph.xmlrpc
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from gazebo_msgs import msg, srv
@@ -86,6 +88,30 @@ class Face:
     def wait(self):
         for name in SERVICES:
             rospy.wait_for_service(f"{self.namespace}/{name}", 15)
+
+
+class Door(rosgraph.xmlrpc.ThreadingXMLRPCServer):
+    """A way to the master on which those who look for a service are answered together, when all have asked once."""
+
+    def __init__(self, master, askers):
+        super().__init__(("127.0.0.1", 0), log_requests=False)
+        self.master, self.uri = master, f"http://127.0.0.1:{self.server_address[1]}"
+        self.answered, self.together = set(), threading.Barrier(askers, timeout=20)
+
+    def _dispatch(self, method, parameters):
+        answer = getattr(xmlrpc.client.ServerProxy(self.master), method)(*parameters)
+        if method == "lookupService" and parameters[0] not in self.answered:
+            self.answered.add(parameters[0])
+            self.together.wait()
+        return answer
+
+    def __enter__(self):
+        threading.Thread(target=self.serve_forever, daemon=True).start()
+        return self
+
+    def __exit__(self, *_):
+        self.shutdown()
+        self.server_close()
 
 
 class Gazebo(unittest.TestCase):
@@ -351,7 +377,8 @@ class Gazebo(unittest.TestCase):
 
     def test_whose_it_is(self):
         with bridge(DOMAIN, "__name:=second", "_publish_clock:=false") as node:
-            self.assertTrue(node.says("another node serves /gazebo already"), node.output())
+            self.assertTrue(node.says("another node serves /gazebo, so this one does not while that runs"), node.output())
+            self.assertIn("give it a ~gazebo_namespace of its own", node.output())
         with bridge(DOMAIN, "__name:=silent", "_publish_clock:=false", "_gazebo_namespace:=") as node:
             self.assertTrue(node.says("/image_raw"), node.output())
             self.assertNotIn("/gazebo/", node.output())
@@ -359,6 +386,44 @@ class Gazebo(unittest.TestCase):
         with bridge(DOMAIN, "__name:=wrong", "_gazebo_namespace:=no good") as node:
             self.assertTrue(node.says("/wrong/gazebo_namespace is no good; it must be a namespace"), node.output())
             self.assertEqual(node.child.wait(10), 1)
+
+    def servers(self, namespace):
+        """Who serves its services and publishes its topics, each as often as it does."""
+        topics, _, services = self.master.getSystemState("/test")[2]
+        return Counter(node for name, nodes in topics + services if name.startswith(namespace + "/") for node in nodes)
+
+    def test_of_two_that_begin_at_once_one_serves(self):
+        """The other says so, once, and serves when that one ends."""
+        arguments = DOMAIN, "_publish_clock:=false", "_gazebo_namespace:=/both"
+        everything = len(SERVICES) + len(("model_states", "link_states"))
+        with (
+            Door(os.environ["ROS_MASTER_URI"], 2) as door,
+            bridge(*arguments, "__name:=one", ROS_MASTER_URI=door.uri) as one,
+            bridge(*arguments, "__name:=other", ROS_MASTER_URI=door.uri) as other,
+        ):
+            nodes = {"/one": one, "/other": other}
+            self.assertTrue(eventually(lambda: list(self.servers("/both").values()) == [everything]), self.servers("/both"))
+            time.sleep(1.5)  # three looks
+            (winner,) = self.servers("/both")
+            (loser,) = nodes.keys() - {winner}
+            warning = "another node serves /both, so this one does not while that runs"
+            self.assertEqual([nodes[name].output().count(warning) for name in (winner, loser)], [0, 1])
+            nodes[winner].stop()
+            self.assertTrue(eventually(lambda: self.servers("/both") == {loser: everything}), self.servers("/both"))
+            self.done(Face("/both").get_model_state("turtlebot", ""))
+
+    def test_whoever_takes_a_service_has_them_all(self):
+        """The master gives it to the last that registers it, and tells nobody."""
+        domain = DOMAIN + "-taken"
+        with simulator(domain), bridge(domain, "__name:=robbed", "_publish_clock:=false", "_gazebo_namespace:=/taken") as node:
+            served = lambda: self.servers("/taken")["/robbed"] == len(SERVICES) + 2  # noqa: E731
+            self.assertTrue(eventually(served), node.output())
+            taker = rospy.Service("/taken/get_world_properties", srv.GetWorldProperties, lambda _: None)
+            self.assertTrue(node.says("another node serves /taken"), node.output())
+            self.assertTrue(eventually(lambda: self.servers("/taken") == {rospy.get_name(): 1}), self.servers("/taken"))
+            taker.shutdown()
+            self.assertTrue(node.says("serving /taken, as the other node has ended"), node.output())
+            self.assertTrue(eventually(served), node.output())
 
     def test_the_nodelet_has_it_too(self):
         nodelet = "/usr/lib/nodelet/nodelet" if os.path.exists("/usr/lib/nodelet/nodelet") else "nodelet"

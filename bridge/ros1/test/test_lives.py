@@ -134,6 +134,27 @@ class Lives(unittest.TestCase):
                 self.assertGreaterEqual(lines(diagnostics) - before[1], 4, node.output())
                 self.assertTrue(play.running(), play.output())
 
+    def test_a_slow_master_stops_nothing(self):
+        """While the node waits for it to register topics, diagnostics go on; once each waited for the other for ever."""
+        with roscore(self.port) as core, bridge(self.domain) as node:
+            with simulator(self.domain):
+                self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
+            self.assertTrue(node.says("the simulator has gone"), node.output())
+            # Diagnostics speak of topics now. Those of another robot come up while the master stands still.
+            with Process("rostopic", "echo", "-p", "/diagnostics/header/stamp") as echo:
+                diagnostics = lambda: echo.output().count("\n")  # noqa: E731
+                self.assertTrue(eventually(lambda: diagnostics() > 1), echo.output())
+                core.child.send_signal(signal.SIGSTOP)
+                try:
+                    robot = self.started(simulator(self.domain, "--robot", "kobuki_hexagons_kinect"))
+                    self.assertTrue(eventually(lambda: node.output().count("found a simulator") == 2), robot.output())
+                    before = diagnostics()
+                    self.assertTrue(eventually(lambda: diagnostics() > before + 2, 5.0), node.output())
+                finally:
+                    core.child.send_signal(signal.SIGCONT)
+                self.assertTrue(eventually(lambda: "/camera/depth/points" in self.topics()), node.output())
+            self.assertEqual(node.stop(), 0, node.output())
+
     def test_rosnode_sees_it_and_ends_it(self):
         with roscore(self.port), bridge(self.domain) as node:
             self.assertTrue(eventually(self.knows_node), node.output())

@@ -8,45 +8,19 @@ import functools
 import math
 import os
 import subprocess
-import threading
 import unittest
 
 import roslib.packages
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
+from listener import Listener
 from processes import SIMULATOR, bridge, eventually, simulator
 from sensor_msgs import point_cloud2
 from sensor_msgs.msg import CameraInfo, LaserScan, PointCloud2, Range
 
 DOMAIN = f"settings-{os.getpid()}"
 ROBOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../tests/rangefinders.urdf")
-
-
-class Stamps:
-    """The stamps of a topic, in seconds."""
-
-    def __init__(self, topic, message_class):
-        self.stamps, self.last, self.lock = [], None, threading.Lock()
-        self.subscriber = rospy.Subscriber(topic, message_class, self.receive)
-
-    def receive(self, message):
-        with self.lock:
-            self.stamps.append(message.header.stamp.to_sec())
-            self.last = message
-
-    def period(self, count=4):
-        """Between the last ones, if it is the same between all of them."""
-        with self.lock:
-            last = self.stamps[-count:]
-        periods = [after - before for before, after in zip(last, last[1:])]
-        return periods[0] if len(last) == count and max(periods) - min(periods) < 1e-6 else None
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.subscriber.unregister()
 
 
 def told(client):
@@ -79,7 +53,7 @@ class Settings(unittest.TestCase):
             self.assertEqual((rate["type"], rate["min"], rate["max"], rate["default"]), ("double", 0.01, 1000.0, 5.5))
             self.assertEqual((noise["min"], noise["max"]), (-6.0, 6.0))
 
-            with Stamps("/scan", LaserScan) as scans, Stamps("/camera_info", CameraInfo) as infos:
+            with Listener("/scan", LaserScan) as scans, Listener("/camera_info", CameraInfo) as infos:
                 self.assertEqual(laser.update_configuration({"update_rate": 20})["update_rate"], 20.0)
                 self.assertTrue(eventually(lambda: abs((scans.period() or 0) - 0.05) < 1e-6))
                 self.assertAlmostEqual(scans.last.scan_time, 0.05, 6)

@@ -1,140 +1,24 @@
 #!/usr/bin/env python3
-"""What a ROS program sees of a running simulator: every topic of every set-up, and what the robot does when told.
-
-Needs a master at ROS_MASTER_URI. BELVEDERE_ROS_SECONDS says how long each set-up is listened to.
-"""
+"""What a ROS program sees of a running simulator, and what the robot does when told. Needs a master at ROS_MASTER_URI."""
 
 import math
-import operator
 import os
 import tempfile
-import threading
 import time
 import unittest
 
-import rosgraph
-import roslib.message
 import roslib.packages
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
+from listener import Listener, published
 from nav_msgs.msg import Odometry
 from processes import Process, bridge, eventually, simulator, subscribers_of_streams
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu
 from sensor_msgs.srv import SetCameraInfo
-from setups import SETUPS
 
-SECONDS = float(os.environ.get("BELVEDERE_ROS_SECONDS", "20"))
 DOMAIN = f"ros-{os.getpid()}"
-RATE_TOLERANCE = 0.005
-LOSS_TOLERANCE = 0.05  # pictures hold two frames for a subscriber, 66 ms at 30 Hz, which a busy machine can take
-NUMBER_TOLERANCE = 1e-5  # LaserScan is of float32
-
-
-class Listener:
-    """Subscribes to a topic; keeps the stamps and the last message."""
-
-    def __init__(self, topic, kind):
-        self.stamps_ns, self.last, self.lock = [], None, threading.Lock()
-        message_class = roslib.message.get_message_class(kind) if isinstance(kind, str) else kind
-        self.subscriber = rospy.Subscriber(topic, message_class, self.receive, buff_size=1 << 25, tcp_nodelay=True)
-
-    def receive(self, message):
-        if hasattr(message, "header"):
-            stamp = message.header.stamp
-        elif hasattr(message, "clock"):
-            stamp = message.clock
-        elif not hasattr(message, "transforms"):
-            stamp = rospy.Time()  # it has none
-        else:
-            stamp = message.transforms[0].header.stamp
-        with self.lock:
-            self.stamps_ns.append(stamp.to_nsec())
-            self.last = message
-
-    def count(self):
-        with self.lock:
-            return len(self.stamps_ns)
-
-    def close(self):
-        self.subscriber.unregister()
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.close()
-
-
-def published():
-    """Topics that have a publisher now."""
-    return {topic for topic, _ in rosgraph.Master("/test").getSystemState()[0]}
-
-
-class Topics(unittest.TestCase):
-    maxDiff = None
-
-    def test_every_set_up(self):
-        for index, (name, setup) in enumerate(SETUPS.items()):
-            domain = f"{DOMAIN}-{index}"
-            with self.subTest(name), simulator(domain, *setup.arguments, **setup.environment), bridge(domain) as node:
-                self.check_set_up(setup, domain, node)
-
-    def check_set_up(self, setup, domain, node):
-        # A latched topic is served like the others, but need not come again.
-        self.assertTrue(eventually(lambda: setup.topics.keys() <= published()), node.output())
-        idle = subscribers_of_streams(domain)
-        self.assertEqual({topic for topic, count in idle.items() if count}, {"/clock"}, "read while nobody subscribes")
-
-        listeners = {topic: Listener(topic, expected.type) for topic, expected in setup.topics.items()}
-        self.assertTrue(
-            eventually(lambda: all(listeners[topic].count() > 0 for topic in setup.topics if not setup.topics[topic].is_event())),
-            {topic: listener.count() for topic, listener in listeners.items()},
-        )
-        # What Gazebo has otherwise are numbers, not rates.
-        time.sleep(SECONDS / 4 if "--gazebo-compat" in setup.arguments else SECONDS)
-        for listener in listeners.values():
-            listener.close()
-        for topic, expected in setup.topics.items():
-            with self.subTest(topic=topic):
-                self.check_topic(listeners[topic], expected)
-
-        relieved = lambda: not any(n for t, n in subscribers_of_streams(domain).items() if t != "/clock")  # noqa: E731
-        self.assertTrue(eventually(relieved, 5.0), f"still read: {subscribers_of_streams(domain)}")
-
-    def check_topic(self, listener, expected):
-        stamps = listener.stamps_ns
-        if expected.is_event():
-            return self.assertEqual(stamps, [], "nothing has happened to it")
-        if expected.rate > 0:
-            self.assertGreater(stamps[0], 0)
-            self.assertTrue(all(a < b for a, b in zip(stamps, stamps[1:])), "stamps do not rise")
-            # By the stamps; a busy machine may cost a subscriber some messages.
-            gaps = [round((b - a) * 1e-9 * expected.rate) for a, b in zip(stamps, stamps[1:])]
-            rate = sum(gaps) * 1e9 / (stamps[-1] - stamps[0])
-            self.assertAlmostEqual(rate, expected.rate, delta=RATE_TOLERANCE * expected.rate)
-            self.assertLessEqual(sum(gaps) - len(gaps), 1 + LOSS_TOLERANCE * len(gaps), "messages lost")
-        else:
-            self.assertEqual(len(stamps), 1, "a latched topic comes once")
-        message = listener.last
-        if expected.frame:
-            self.assertEqual(message.header.frame_id, expected.frame)
-        for name, value in expected.fields.items():
-            self.check_field(name, operator.attrgetter(name)(message), value)
-        if expected.length >= 0:
-            payload = message.ranges if hasattr(message, "ranges") else message.data
-            self.assertEqual(len(payload), expected.length)
-
-    def check_field(self, name, is_there, value):
-        if isinstance(value, float):
-            self.assertAlmostEqual(is_there, value, delta=NUMBER_TOLERANCE, msg=name)
-        elif isinstance(value, list) and value and not isinstance(value[0], str):
-            self.assertEqual(len(is_there), len(value), name)
-            for a, b in zip(is_there, value):
-                self.assertAlmostEqual(a, b, delta=NUMBER_TOLERANCE, msg=name)
-        else:
-            self.assertEqual(is_there, value, name)
 
 
 class Robot(unittest.TestCase):

@@ -1,6 +1,9 @@
 #include "services.hpp"
 
 #include <boost/make_shared.hpp>
+#include <ros/connection_manager.h>
+#include <ros/network.h>
+#include <ros/service_manager.h>
 
 #include <exception>
 
@@ -12,6 +15,7 @@ namespace belvedere_ros::gazebo {
 namespace {
 
 constexpr std::uint32_t kQueue = 10;  // as Gazebo's
+constexpr const char* kFirst = "get_world_properties";
 constexpr double kRestPeriod = 1.0;
 
 void set_pose(bv_simulation_command& command, const geometry_msgs::Pose& pose) {
@@ -48,25 +52,37 @@ std::string some_of(const States& states) {
 
 Services::Services(const ros::NodeHandle& nh, Domain& domain) : nh_(nh), simulator_(domain), spinner_(1, &queue_) {
     nh_.setCallbackQueue(&queue_);
+    serve<gazebo_msgs::GetWorldProperties>(kFirst, "GetWorldProperties", &Services::get_world_properties);
+    rest_ = nh_.createWallTimer(ros::WallDuration(kRestPeriod), [this](const ros::WallTimerEvent&) { simulator_.rest(); });
+    spinner_.start();
+}
+
+void Services::serve_all() {
     serve_empty("pause_physics", BV_OPERATION_PAUSE);
     serve_empty("unpause_physics", BV_OPERATION_RESUME);
     serve_empty("reset_world", BV_OPERATION_RESET_WORLD);
     serve_empty("reset_simulation", BV_OPERATION_RESET_SIMULATION);
     serve<gazebo_msgs::GetModelState>("get_model_state", "GetModelState", &Services::get_model_state);
     serve<gazebo_msgs::GetLinkState>("get_link_state", "GetLinkState", &Services::get_link_state);
-    serve<gazebo_msgs::GetWorldProperties>("get_world_properties", "GetWorldProperties", &Services::get_world_properties);
     serve<gazebo_msgs::SetModelState>("set_model_state", "SetModelState", &Services::set_model_state);
     serve<gazebo_msgs::SpawnModel>("spawn_sdf_model", "SpawnModel", &Services::spawn_model);
     serve<gazebo_msgs::SpawnModel>("spawn_urdf_model", "SpawnModel", &Services::spawn_model);
     serve<gazebo_msgs::DeleteModel>("delete_model", "DeleteModel", &Services::delete_model);
     const boost::function<void(const gazebo_msgs::ModelStateConstPtr&)> receive = [this](const auto& state) { received(*state); };
     states_ = nh_.subscribe<gazebo_msgs::ModelState>("set_model_state", kQueue, receive);
-    rest_ = nh_.createWallTimer(ros::WallDuration(kRestPeriod), [this](const ros::WallTimerEvent&) { simulator_.rest(); });
-    spinner_.start();
+}
+
+bool Services::are_ours() const {
+    if (!servers_.front()) return false;  // another nodelet of this process was the first
+    std::string host;
+    std::uint32_t port = 0;
+    // A master that does not answer has given it to nobody else.
+    return !ros::ServiceManager::instance()->lookupService(servers_.front().getService(), host, port) ||
+           (host == ros::network::getHost() && port == ros::ConnectionManager::instance()->getTCPPort());
 }
 
 bool Services::are_at(const ros::NodeHandle& nh) {
-    return ros::service::exists(nh.resolveName("get_world_properties"), false);
+    return ros::service::exists(nh.resolveName(kFirst), false);
 }
 
 void Services::serve_empty(const std::string& name, bv_operation operation) {

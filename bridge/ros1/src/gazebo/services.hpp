@@ -24,8 +24,14 @@ namespace belvedere_ros::gazebo {
 /// else waiting. What cannot be done is answered with success false and the reason.
 class Services {
 public:
-    /// `nh` is that of Gazebo's namespace.
+    /// Serves the first of them, by which nodes know whose they are. `nh` is that of Gazebo's namespace.
     Services(const ros::NodeHandle& nh, Domain& domain);
+
+    /// Serves the others too. To be called once.
+    void serve_all();
+
+    /// Whether the master has the first of them here: false when another node has registered it since.
+    bool are_ours() const;
 
     /// Whether some node serves them there already.
     static bool are_at(const ros::NodeHandle& nh);

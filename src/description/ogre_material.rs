@@ -266,6 +266,7 @@ mod tests {
             ("material A\n{ technique { pass {\n diffuse 1 nan 0\n} } }", 3),
             ("material A { technique { pass { texture_unit {\n scale 0 1 } } } }", 2),
             ("material {\n}", 1),
+            (&format!("material A\n{}", "{".repeat(2_000_000)), 2),
         ] {
             let problem = parse(script, Path::new("a.material")).unwrap_err();
             assert_eq!(problem.source.line, line, "{script}: {problem}");

@@ -2,8 +2,8 @@
 //
 //   latency publish                 a process that publishes 640 x 480 RGB at 30 Hz on /plain
 //   latency between SECONDS TOPIC   between processes: shared memory; the bridge over TCPROS; the plain publisher
-//   latency inside SECONDS TOPIC    in the process of a bridge: its frames, its messages, and a plain publisher's; then, as long
-//                                   again, frames that are looked for when they are due
+//   latency inside SECONDS TOPIC    in the process of a bridge, one after the other: its frames; frames that are looked for when
+//                                   they are due; frames and messages; all beside a plain publisher
 //
 // Prints the p50 and p99 of each in milliseconds. bench/latency.py starts it all, and compares.
 
@@ -152,17 +152,18 @@ void follow_frames(ros::NodeHandle& nh, const std::string& topic, int seconds, s
 void measure_inside(int seconds, const std::string& topic) {
     ros::NodeHandle nh;
     Messages messages;
-    Milliseconds frames, polled, plain;
-    const auto one = messages.follow(nh, topic);
-    const auto two = follow_plain(nh, plain);
+    Milliseconds frames, polled, beside, plain;
+    const auto plain_subscription = follow_plain(nh, plain);
     ros::AsyncSpinner spinner(2);
     spinner.start();
     std::atomic<bool> stopping{false};
     std::thread publisher([&] { publish(stopping); });
     {
         const belvedere_ros::Bridge bridge(nh, ros::NodeHandle("~"));
-        follow_frames(nh, topic, seconds, {}, frames, &messages);
+        follow_frames(nh, topic, seconds, {}, frames, nullptr);
         follow_frames(nh, topic, seconds, kBusyPoll, polled, nullptr);
+        const auto subscription = messages.follow(nh, topic);
+        follow_frames(nh, topic, seconds, {}, beside, &messages);
     }
     stopping = true;
     publisher.join();
@@ -170,6 +171,7 @@ void measure_inside(int seconds, const std::string& topic) {
     Milliseconds bridge = messages.ages();
     print("frames inside", frames);
     print("frames inside, looked for", polled);
+    print("frames beside messages", beside);
     print("messages inside", bridge);
     print("plain inside", plain);
 }

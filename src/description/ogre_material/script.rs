@@ -12,7 +12,7 @@ pub(super) struct Statement {
 
 /// The statements of a script that came from `path`.
 pub(super) fn statements(text: &str, path: &Path) -> Result<Vec<Statement>, Problem> {
-    Parser { tokens: tokens(text), next: 0, path }.statements(false)
+    Parser { tokens: tokens(text), next: 0, path }.statements(0)
 }
 
 #[derive(PartialEq)]
@@ -72,6 +72,9 @@ fn word_end(text: &str) -> usize {
     text.char_indices().find_map(stop).filter(|end| *end > 0).unwrap_or(text.len())
 }
 
+/// Blocks within each other: each takes some of the stack.
+const MOST_DEPTH: usize = 64;
+
 struct Parser<'a> {
     tokens: Vec<(Token, u32)>,
     next: usize,
@@ -79,13 +82,14 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    fn statements(&mut self, in_block: bool) -> Result<Vec<Statement>, Problem> {
+    /// What stands in a block `depth` blocks deep; 0 is the whole script.
+    fn statements(&mut self, depth: usize) -> Result<Vec<Statement>, Problem> {
         let mut statements: Vec<Statement> = Vec::new();
         let mut words = Vec::new();
         let mut words_line = 0;
         loop {
             let Some((token, line)) = self.tokens.get_mut(self.next) else {
-                if in_block {
+                if depth > 0 {
                     return Err(self.problem(
                         self.last_line(),
                         "a '{' is never closed",
@@ -104,6 +108,10 @@ impl Parser<'_> {
                     words.push(std::mem::take(word));
                 }
                 Token::EndOfLine => {
+                    // The brace that opens a block may come lines after its words.
+                    let ends =
+                        self.tokens[self.next..].iter().take_while(|(token, _)| *token == Token::EndOfLine);
+                    self.next += ends.count();
                     if !words.is_empty() && !self.opens_next() {
                         statements.push(Statement {
                             words: std::mem::take(&mut words),
@@ -112,16 +120,23 @@ impl Parser<'_> {
                         });
                     }
                 }
+                Token::Open if depth == MOST_DEPTH => {
+                    return Err(self.problem(
+                        line,
+                        &format!("more than {MOST_DEPTH} blocks within each other"),
+                        "close some first: Ogre's own scripts have four",
+                    ));
+                }
                 Token::Open => {
                     let words = std::mem::take(&mut words);
-                    let block = self.statements(true)?;
+                    let block = self.statements(depth + 1)?;
                     statements.push(Statement { words, line: words_line.max(1), block });
                 }
                 Token::Close => {
                     if !words.is_empty() {
                         statements.push(Statement { words, line: words_line, block: Vec::new() });
                     }
-                    if in_block {
+                    if depth > 0 {
                         return Ok(statements);
                     }
                     return Err(self.problem(
@@ -134,12 +149,9 @@ impl Parser<'_> {
         }
     }
 
-    /// Whether the next thing, on whatever line, is a brace that opens the block of the words just read.
+    /// Whether the next token is a brace that opens the block of the words just read.
     fn opens_next(&self) -> bool {
-        self.tokens[self.next..]
-            .iter()
-            .find(|(token, _)| *token != Token::EndOfLine)
-            .is_some_and(|(token, _)| *token == Token::Open)
+        self.tokens.get(self.next).is_some_and(|(token, _)| *token == Token::Open)
     }
 
     fn last_line(&self) -> u32 {

@@ -94,6 +94,33 @@ TEST_F(Frames, AreWhatTheMessagesSay) {
     EXPECT_GE(compared, 3U);
 }
 
+TEST_F(Frames, AreTheSameWhetherSleptOrLookedFor) {
+    const auto served = bridge();
+    Received<std::uint64_t> slept, looked;
+    std::atomic<std::int64_t> last{-1};
+    const FrameSubscriber sleeper(nh_, kTopic, [&](const FrameViewConstPtr& view) {
+        slept.add(view->header().stamp, view->frame().header().seq);
+    });
+    const FrameSubscriber looker(
+        nh_, kTopic,
+        [&](const FrameViewConstPtr& view) {
+            const auto seq = static_cast<std::int64_t>(view->frame().header().seq);
+            EXPECT_GT(seq, last.exchange(seq)) << "once, and in order";
+            looked.add(view->header().stamp, view->frame().header().seq);
+        },
+        10ms);
+    ASSERT_TRUE(eventually([&] { return slept.count() >= 40 && looked.count() >= 40; }));
+    const auto sleepers = slept.take(), lookers = looked.take();
+    std::size_t both = 0;
+    for (const auto& [stamp, seq] : lookers) {
+        const auto same = sleepers.find(stamp);
+        if (same == sleepers.end()) continue;
+        EXPECT_EQ(same->second, seq);
+        ++both;
+    }
+    EXPECT_GE(both, 30U);
+}
+
 TEST_F(Frames, ThatAreKeptStayAsTheyAre) {
     std::mutex mutex;
     std::vector<FrameViewConstPtr> kept;

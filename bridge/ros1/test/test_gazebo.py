@@ -93,6 +93,9 @@ class Face:
 class Door(rosgraph.xmlrpc.ThreadingXMLRPCServer):
     """A way to the master on which those who look for a service are answered together, when all have asked once."""
 
+    request_queue_size = 64  # nodes come with many calls at once
+    daemon_threads = True
+
     def __init__(self, master, askers):
         super().__init__(("127.0.0.1", 0), log_requests=False)
         self.master, self.uri = master, f"http://127.0.0.1:{self.server_address[1]}"
@@ -408,7 +411,7 @@ class Gazebo(unittest.TestCase):
             (loser,) = nodes.keys() - {winner}
             warning = "another node serves /both, so this one does not while that runs"
             self.assertEqual([nodes[name].output().count(warning) for name in (winner, loser)], [0, 1])
-            nodes[winner].stop()
+            self.assertEqual(nodes[winner].stop(), 0, nodes[winner].output())
             self.assertTrue(eventually(lambda: self.servers("/both") == {loser: everything}), self.servers("/both"))
             self.done(Face("/both").get_model_state("turtlebot", ""))
 

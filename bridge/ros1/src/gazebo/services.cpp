@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::uint32_t kQueue = 10;  // as Gazebo's
 constexpr const char* kFirst = "get_world_properties";
+constexpr const char* kStates = "set_model_state";
 constexpr double kRestPeriod = 1.0;
 
 void set_pose(bv_simulation_command& command, const geometry_msgs::Pose& pose) {
@@ -69,7 +70,7 @@ void Services::serve_all() {
     serve<gazebo_msgs::SpawnModel>("spawn_urdf_model", "SpawnModel", &Services::spawn_model);
     serve<gazebo_msgs::DeleteModel>("delete_model", "DeleteModel", &Services::delete_model);
     const boost::function<void(const gazebo_msgs::ModelStateConstPtr&)> receive = [this](const auto& state) { received(*state); };
-    states_ = nh_.subscribe<gazebo_msgs::ModelState>("set_model_state", kQueue, receive);
+    states_ = nh_.subscribe<gazebo_msgs::ModelState>(kStates, kQueue, receive);
 }
 
 bool Services::are_ours() const {
@@ -195,7 +196,7 @@ void Services::received(const gazebo_msgs::ModelState& state) {
     try {
         move(state);
     } catch (const std::exception& error) {
-        if (trouble_.due()) ROS_WARN_STREAM(states_.getTopic() << ": " << error.what());
+        if (trouble_.due()) ROS_WARN_STREAM(nh_.resolveName(kStates) << ": " << error.what());
     }
 }
 

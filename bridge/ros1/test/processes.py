@@ -45,7 +45,7 @@ class Process:
         except subprocess.TimeoutExpired:
             self.child.kill()
             self.child.wait()
-            raise AssertionError(f"{self.child.args[0]} did not end within {timeout} s:\n{self.output()}") from None
+            raise AssertionError(f"{self.child.args[0]} did not end within {timeout} s:\n{self.output()}")
 
     def __enter__(self):
         return self

@@ -99,8 +99,9 @@ impl BusyPoll {
     pub(crate) fn sleep(&self) -> Duration {
         match self.until(clock::mono_ns()) {
             Until::Announced => Duration::MAX,
-            Until::Due(sleep) => sleep,
-            // It became due in between: a timer takes no zero.
+            // A timer takes zero for never.
+            Until::Due(sleep) => sleep.max(Duration::from_nanos(1)),
+            // It became due in between.
             Until::Late(_) => Duration::from_nanos(1),
         }
     }

@@ -105,6 +105,7 @@ mod stream;
 mod subscriber;
 mod synchronizer;
 mod text;
+mod unborn;
 mod versions;
 mod view;
 

@@ -21,6 +21,7 @@ use crate::{
     remains,
     sharing::{self, Sharing},
     stream,
+    unborn::Watch,
 };
 
 /// The iceoryx2 variant: ports may move between threads, and it interoperates with `ipc::Service`.
@@ -44,6 +45,8 @@ struct Shared {
     places: Places,
     /// In a domain that a group shares; after `iox`, whose last files it still opens.
     sharing: Option<Sharing>,
+    /// After `iox`, too: what that opens while it is dropped may be what is watched for.
+    _watch: Option<Watch>,
     /// Bytes of all pools that this node has made and not dropped.
     pool_bytes: AtomicU64,
     /// When it last looked for dead processes.
@@ -75,6 +78,7 @@ impl Node {
         })?;
         let sharing = domain.group().map(|group| Sharing::start(&domain, group, &places)).transpose()?;
         remains::clear_if_deserted(&config, &places);
+        let watch = Watch::start(&places);
         let iox = create(&domain, &config, &places, &name)?;
         match &sharing {
             Some(sharing) => sharing.settle(),
@@ -92,6 +96,7 @@ impl Node {
             domain,
             places,
             sharing,
+            _watch: watch,
             pool_bytes: AtomicU64::new(0),
             cleaned_mono_ns: AtomicU64::new(clock::mono_ns()),
         };

@@ -70,18 +70,21 @@ fn anybody_lives(config: &Config) -> bool {
 }
 
 /// Whether the process that made an identity runs. The third quarter of its bits is the process's number.
-fn runs(id: u128) -> bool {
+pub(crate) fn runs(id: u128) -> bool {
     Path::new(&format!("/proc/{}", (id >> 64) as u32)).exists()
 }
 
 /// Whether a process runs whose identities are in the name of a file, or of the directory that it is in.
 fn maker_runs(file: &Path) -> bool {
     let names = [file.file_name(), file.parent().and_then(Path::file_name)];
-    names.into_iter().flatten().filter_map(|name| name.to_str()).any(|name| {
-        let numbers = name.split(|letter: char| !letter.is_ascii_digit());
-        // Shorter ones are a domain's, a version's or part of a hash.
-        numbers.filter(|digits| digits.len() > 20).filter_map(|digits| digits.parse().ok()).any(runs)
-    })
+    names.into_iter().flatten().filter_map(|name| name.to_str()).flat_map(identities).any(runs)
+}
+
+/// The identities in a file's name.
+pub(crate) fn identities(name: &str) -> impl Iterator<Item = u128> {
+    let numbers = name.split(|letter: char| !letter.is_ascii_digit());
+    // Shorter ones are a domain's, a version's or part of a hash.
+    numbers.filter(|digits| digits.len() > 20).filter_map(|digits| digits.parse().ok())
 }
 
 fn remove_settled(file: &Path) {

@@ -8,12 +8,22 @@
 
 use std::{
     collections::HashMap,
+    ffi::OsStr,
     fs,
-    os::unix::fs::MetadataExt as _,
+    mem::MaybeUninit,
+    os::{
+        fd::OwnedFd,
+        unix::{ffi::OsStrExt as _, fs::MetadataExt as _},
+    },
     path::{Path, PathBuf},
-    sync::mpsc::{RecvTimeoutError, Sender, channel},
+    sync::Arc,
     thread::JoinHandle,
-    time::Duration,
+    time::{Duration, Instant},
+};
+
+use rustix::{
+    event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll},
+    fs::inotify::{CreateFlags, ReadFlags, Reader, WatchFlags, add_watch, init},
 };
 
 use crate::{
@@ -21,44 +31,45 @@ use crate::{
     remains::{identities, runs},
 };
 
-/// From one look to the next: twenty microseconds each.
-const INTERVAL: Duration = Duration::from_millis(250);
-/// So many looks at an empty file are enough when one of the processes that it is named after is no more: a living one
-/// needs some microseconds.
+/// From one look at an empty file to the next.
+const INTERVAL: Duration = Duration::from_millis(200);
+/// So many looks are enough when one of the processes that a file is named after is no more: a living one needs some
+/// microseconds to give it a size.
 const LOOKS_AT_THE_DEAD: u32 = 2;
 /// And so many when they live: another process may have got the number of the dead.
-const LOOKS: u32 = 8;
+const LOOKS: u32 = 10;
 
-/// Removes empty files of a domain from shared memory, from a thread of its own, until it is dropped: whoever waits for
-/// one finds it gone, and goes on.
+/// Removes files of a domain that stay empty from shared memory, from a thread of its own, until it is dropped: whoever
+/// waits for one finds it gone, and goes on. The thread sleeps until a file is made. (Four looks a second instead took
+/// 0.05 % of a core.)
 #[derive(Debug)]
 pub(crate) struct Watch {
-    /// Ends the thread when it is dropped.
-    life: Option<Sender<()>>,
+    stop: Arc<OwnedFd>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Watch {
-    /// `None` where nobody waits for ever, or no thread can be had.
+    /// `None` where nobody waits for ever; and where no watch or thread can be had: any other process of the domain does.
     pub(crate) fn start(places: &Places) -> Option<Self> {
         if !rustix::process::geteuid().is_root() {
             return None;
         }
-        let (life, end) = channel();
+        let inotify = init(CreateFlags::CLOEXEC | CreateFlags::NONBLOCK).ok()?;
+        add_watch(&inotify, SHM, WatchFlags::CREATE | WatchFlags::ONLYDIR).ok()?;
+        let stop = Arc::new(eventfd(0, EventfdFlags::CLOEXEC).ok()?);
+        let until = Arc::clone(&stop);
         let mut looks = Looks { places: places.clone(), empty: HashMap::new() };
-        let watch = move || {
-            while end.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                looks.look();
-            }
-        };
-        let thread = std::thread::Builder::new().name("belvedere watch".to_owned()).spawn(watch).ok()?;
-        Some(Self { life: Some(life), thread: Some(thread) })
+        let thread = std::thread::Builder::new()
+            .name("belvedere-unborn".to_owned())
+            .spawn(move || looks.run(&inotify, &until))
+            .ok()?;
+        Some(Self { stop, thread: Some(thread) })
     }
 }
 
 impl Drop for Watch {
     fn drop(&mut self) {
-        drop(self.life.take());
+        let _ = rustix::io::write(&self.stop, &1_u64.to_ne_bytes());
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -73,7 +84,45 @@ struct Looks {
 }
 
 impl Looks {
-    fn look(&mut self) {
+    fn run(&mut self, inotify: &OwnedFd, until: &OwnedFd) {
+        // What was there before the watch.
+        let mut next = self.look();
+        loop {
+            let left = next.map(|next| next.saturating_duration_since(Instant::now()));
+            let left = left.map(|left| Timespec {
+                tv_sec: left.as_secs().cast_signed(),
+                tv_nsec: left.subsec_nanos().into(),
+            });
+            let mut fds = [PollFd::new(until, PollFlags::IN), PollFd::new(inotify, PollFlags::IN)];
+            match poll(&mut fds, left.as_ref()) {
+                Ok(_) | Err(rustix::io::Errno::INTR) => {}
+                Err(_) => return,
+            }
+            if !fds[0].revents().is_empty() {
+                return;
+            }
+            let is_news = self.is_news(inotify);
+            if next.map_or(is_news, |next| Instant::now() >= next) {
+                next = self.look();
+            }
+        }
+    }
+
+    /// Whether a file of the domain was made, or more than can be told.
+    fn is_news(&self, inotify: &OwnedFd) -> bool {
+        let mut buffer = [MaybeUninit::uninit(); 4096];
+        let mut reader = Reader::new(inotify, &mut buffer);
+        let mut is_news = false;
+        while let Ok(event) = reader.next() {
+            let name = event.file_name().map(|name| Path::new(OsStr::from_bytes(name.to_bytes())));
+            is_news |= event.events().contains(ReadFlags::QUEUE_OVERFLOW)
+                || name.is_some_and(|name| self.places.has_prefix(name));
+        }
+        is_news
+    }
+
+    /// When to look again, if it need be.
+    fn look(&mut self) -> Option<Instant> {
         let mut empty = HashMap::new();
         for path in entries(Path::new(SHM)).filter(|path| self.places.has_prefix(path)) {
             let Ok(found) = fs::symlink_metadata(&path) else { continue };
@@ -91,6 +140,7 @@ impl Looks {
             }
         }
         self.empty = empty;
+        (!self.empty.is_empty()).then(|| Instant::now() + INTERVAL)
     }
 }
 

@@ -3,6 +3,8 @@
 //! Shown by a publisher of iceoryx2 alone that announces nothing: who sleeps finds its frames by the subscriber's look
 //! at the stream every 100 ms, long after they were sent; who looks when they are due finds them at once.
 
+mod processes_kit;
+
 use std::{
     ops::ControlFlow,
     sync::atomic::{AtomicBool, Ordering},
@@ -10,9 +12,7 @@ use std::{
 };
 
 use belvedere_bridge::{Domain, Encoding, Frame, FrameHeader, Kind, Node, StreamSpec, Subscriber, clock};
-use iceoryx2::prelude::{
-    Config, FileName, NodeBuilder, SemanticString as _, ServiceName, SignalHandlingMode, ipc,
-};
+use processes_kit::{PATIENCE, plain};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 const TOPIC: &str = "image";
@@ -20,18 +20,10 @@ const PERIOD: Duration = Duration::from_millis(20);
 const LIMIT: Duration = Duration::from_millis(10);
 /// Younger than the sleeper's oldest waiting frame ever is: that is four to five periods old.
 const FRESH: Duration = Duration::from_millis(30);
-const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Sends a frame every period, in silence, until it is told to stop.
 fn publish_in_silence(domain: &Domain, stopping: &AtomicBool) {
-    let mut config = Config::default();
-    config.global.prefix = FileName::new(domain.prefix().as_bytes()).unwrap();
-    let node = NodeBuilder::new()
-        .config(&config)
-        .signal_handling_mode(SignalHandlingMode::Disabled)
-        .create::<ipc::Service>()
-        .unwrap();
-    let name = ServiceName::new(&format!("belvedere/{TOPIC}")).unwrap();
+    let (node, name) = (plain::node(domain), plain::service(TOPIC));
     let frames = node
         .service_builder(&name)
         .publish_subscribe::<[u8]>()

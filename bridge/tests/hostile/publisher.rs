@@ -9,13 +9,13 @@ use belvedere_bridge::{Domain, Encoding, FrameHeader, Kind, Text};
 use bytemuck::Zeroable as _;
 use iceoryx2::{
     port::{backpressure_strategy::BackpressureStrategy, notifier::Notifier, publisher::Publisher},
-    prelude::{Config, FileName, NodeBuilder, SemanticString as _, ServiceName, SignalHandlingMode, ipc},
+    prelude::ipc,
     service::port_factory::{PortFactory as _, event, publish_subscribe},
 };
 
 use crate::{
     headers::{self, Case, PAYLOAD_LEN},
-    processes_kit::{PATIENCE, Random, Role, TestDomain, report},
+    processes_kit::{PATIENCE, Random, Role, TestDomain, plain, report},
 };
 
 pub(crate) const TOPIC: &str = "hostile";
@@ -32,14 +32,7 @@ struct Hostile {
 
 impl Hostile {
     fn open(domain: &Domain, max_len: usize, overflow: bool) -> Self {
-        let mut config = Config::default();
-        config.global.prefix = FileName::new(domain.prefix().as_bytes()).unwrap();
-        let node = NodeBuilder::new()
-            .config(&config)
-            .signal_handling_mode(SignalHandlingMode::Disabled)
-            .create::<ipc::Service>()
-            .unwrap();
-        let name = ServiceName::new(&format!("belvedere/{TOPIC}")).unwrap();
+        let (node, name) = (plain::node(domain), plain::service(TOPIC));
         let frames = node
             .service_builder(&name)
             .publish_subscribe::<[u8]>()

@@ -5,6 +5,7 @@
 #![allow(dead_code, unused_imports, unreachable_pub)] // Every test binary uses a part of it.
 
 pub mod files;
+pub mod plain;
 pub mod random;
 
 use std::{

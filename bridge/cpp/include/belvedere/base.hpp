@@ -1,4 +1,4 @@
-// What all of Belvedere's C++ interface stands on: failures, handles, values that somebody else owns. SPDX-License-Identifier: MIT OR Apache-2.0
+// Failures, handles, values that somebody else owns. SPDX-License-Identifier: MIT OR Apache-2.0
 #ifndef BELVEDERE_BASE_HPP
 #define BELVEDERE_BASE_HPP
 

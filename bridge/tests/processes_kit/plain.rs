@@ -1,0 +1,23 @@
+//! iceoryx2 without the bridge, in a domain of the bridge. See bridge/WIRE.md.
+
+use belvedere_bridge::Domain;
+use iceoryx2::{
+    node::Node,
+    prelude::{Config, FileName, NodeBuilder, SemanticString as _, ServiceName, SignalHandlingMode, ipc},
+};
+
+/// A node of iceoryx2 alone.
+pub fn node(domain: &Domain) -> Node<ipc::Service> {
+    let mut config = Config::default();
+    config.global.prefix = FileName::new(domain.prefix().as_bytes()).unwrap();
+    NodeBuilder::new()
+        .config(&config)
+        .signal_handling_mode(SignalHandlingMode::Disabled)
+        .create::<ipc::Service>()
+        .unwrap()
+}
+
+/// What iceoryx2 calls a stream.
+pub fn service(topic: &str) -> ServiceName {
+    ServiceName::new(&format!("belvedere/{topic}")).unwrap()
+}

@@ -1,41 +1,56 @@
 #!/usr/bin/env python3
 """Drives the robot round a square of 1 m, by odometry, and says how well it came back."""
 
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, cos, hypot, pi, remainder, sin
 
 import rospy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 
-SIDE_M, SPEED, TURN = 1.0, 0.25, 0.8  # m, m/s, rad/s
+SIDE_M, SPEED, TURN = 1.0, 0.25, 0.8  # m, and at most m/s, rad/s
+NEAR_M, AHEAD = 0.03, 0.2  # a corner is reached within this; within this angle of it the robot drives
 
 
-def pose():
-    """Where odometry says that the robot is: x, y, yaw."""
-    at = rospy.wait_for_message("odom", Odometry, timeout=10).pose.pose
-    q = at.orientation
-    return at.position.x, at.position.y, atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y**2 + q.z**2))
+class Robot:
+    def __init__(self):
+        self.commands = rospy.Publisher("cmd_vel", Twist, queue_size=1)
+        self.keep(rospy.wait_for_message("odom", Odometry, timeout=10))
+        rospy.Subscriber("odom", Odometry, self.keep, queue_size=1)
 
+    def keep(self, odometry):
+        """Where odometry says that the robot is: x, y, yaw."""
+        at = odometry.pose.pose
+        q = at.orientation
+        self.pose = at.position.x, at.position.y, atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y**2 + q.z**2))
 
-def move(commands, forward, turn, until):
-    twist = Twist()
-    twist.linear.x, twist.angular.z = forward, turn
-    while not rospy.is_shutdown() and not until(*pose()):
-        commands.publish(twist)
-    commands.publish(Twist())
+    def drive_to(self, goal_x, goal_y):
+        """Steers by what is left, slower as it nears: odometry that comes late costs time, not accuracy."""
+        rate = rospy.Rate(20)
+        while not rospy.is_shutdown():
+            x, y, yaw = self.pose
+            left = hypot(goal_x - x, goal_y - y)
+            if left < NEAR_M:
+                break
+            off = remainder(atan2(goal_y - y, goal_x - x) - yaw, 2 * pi)
+            twist = Twist()
+            twist.angular.z = max(-TURN, min(2 * off, TURN))
+            twist.linear.x = min(left, SPEED) if abs(off) < AHEAD else 0
+            self.commands.publish(twist)
+            rate.sleep()
+        self.commands.publish(Twist())
 
 
 def main():
     rospy.init_node("drive_square")
-    commands = rospy.Publisher("cmd_vel", Twist, queue_size=1)
-    x0, y0, heading = start = pose()
-    for _ in range(4):
-        x0, y0, _ = pose()
-        move(commands, SPEED, 0, lambda x, y, _: hypot(x - x0, y - y0) >= SIDE_M)
-        heading += pi / 2
-        move(commands, 0, TURN, lambda _x, _y, yaw: sin(heading - yaw) <= 0.02 and cos(heading - yaw) > 0)
-    x, y, _ = pose()
-    print(f"back, {hypot(x - start[0], y - start[1]):.2f} m from where it began")
+    robot = Robot()
+    x0, y0, heading = robot.pose
+    x, y = x0, y0
+    for side in range(4):
+        x += SIDE_M * cos(heading + side * pi / 2)
+        y += SIDE_M * sin(heading + side * pi / 2)
+        robot.drive_to(x, y)
+    x, y, _ = robot.pose
+    print(f"back, {hypot(x - x0, y - y0):.2f} m from where it began")
 
 
 if __name__ == "__main__":

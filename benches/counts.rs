@@ -11,10 +11,11 @@ mod scenes;
 mod tag_room;
 
 use belvedere::world::scene::WorldScene;
-use belvedere_sensors::camera::{Camera, CameraConfig};
+use belvedere_sensors::Capture;
+use belvedere_sensors::camera::Camera;
 use belvedere_sensors::noise::{Stream, fill_standard_normal_with};
 use belvedere_sensors::simd::{Level, best_level};
-use belvedere_sensors::trace::{Capture, WorkspaceBuf};
+use belvedere_sensors::trace::WorkspaceBuf;
 use gungraun::{
     Callgrind, CallgrindMetrics, EventKind, LibraryBenchmarkConfig, OutputFormat, library_benchmark,
     library_benchmark_group, main,
@@ -108,11 +109,11 @@ fn noise(mut normals: Vec<f32>) -> Vec<f32> {
     normals
 }
 
-type RoomView = (WorldScene, Camera, WorkspaceBuf, Vec<u8>);
+type RoomView = (WorldScene, Camera<'static>, WorkspaceBuf, Vec<u8>);
 
 fn room_view() -> RoomView {
     let scene = tag_room::scene(&tag_room::room());
-    let camera = Camera::new(CameraConfig { height: 16, ..tag_room::camera_config(0.007) });
+    let camera = Camera::new(tag_room::camera_of_height(16, 0.007));
     let camera = camera.expect("in range");
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = execution(simd());
@@ -125,7 +126,7 @@ fn room_view() -> RoomView {
 // Sixteen rows of the robot's colour picture, with textures, shadows and noise.
 #[library_benchmark(config = limit("tag_room_rows"), setup = room_view)]
 fn tag_room_rows((scene, camera, mut workspace, mut pixels): RoomView) -> RoomView {
-    let capture = Capture { world_from_sensor: tag_room::across(), frame: 0 };
+    let capture = Capture::new(0, scene.moment(tag_room::across()));
     let lent = &mut workspace.lend(&scene.scene(), camera.rays());
     camera.sense(&scene.scene(), black_box(&capture), lent, &mut pixels);
     (scene, camera, workspace, pixels)

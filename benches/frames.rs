@@ -3,11 +3,12 @@
 #[path = "tag_room/mod.rs"]
 mod tag_room;
 
+use belvedere_sensors::Capture;
 use belvedere_sensors::camera::Camera;
 use belvedere_sensors::depth::DepthFrame;
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
 use belvedere_sensors::noise::GaussianNoise;
-use belvedere_sensors::trace::{Capture, WorkspaceBuf};
+use belvedere_sensors::trace::WorkspaceBuf;
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::f64::consts::PI;
 use std::hint::black_box;
@@ -16,13 +17,13 @@ use tag_room::{across, camera_config, cast_each, compound, room, up};
 fn frames(criterion: &mut Criterion) {
     let world = room();
     let scene = tag_room::scene(&world);
-    let scene = scene.scene();
+    let (stage, scene) = (&scene, scene.scene());
     let mut workspace = WorkspaceBuf::default();
 
     let camera = Camera::new(camera_config(0.007)).expect("in range");
     let mut pixels = vec![0; camera.frame_len()];
     for (name, world_from_sensor) in [("rgb/ceiling", up()), ("rgb/room", across())] {
-        let capture = Capture { world_from_sensor, frame: 0 };
+        let capture = Capture::new(0, stage.moment(world_from_sensor));
         criterion.bench_function(name, |bencher| {
             bencher.iter(|| {
                 camera.sense(
@@ -37,7 +38,7 @@ fn frames(criterion: &mut Criterion) {
 
     let depth = tag_room::depth_camera();
     let mut depths = vec![0.0_f32; depth.pixels()];
-    let capture = Capture { world_from_sensor: across(), frame: 0 };
+    let capture = Capture::new(0, stage.moment(across()));
     criterion.bench_function("depth/belvedere", |bencher| {
         bencher.iter(|| {
             let output = DepthFrame { depth_32fc1: Some(&mut depths), ..DepthFrame::default() };

@@ -3,8 +3,8 @@
 
 mod live;
 
-use belvedere_bridge::StreamSpec;
 use belvedere_bridge::payload::{CameraInfo, Odometry, VelocityCommand};
+use belvedere_bridge::{DistortionModel, StreamSpec};
 use live::{Simulator, files_of, next_frame, output, own_domain};
 use std::time::Instant;
 
@@ -36,14 +36,39 @@ fn the_ceiling_cameras_info_is_the_articles() {
 }
 
 #[test]
+fn pictures_and_infos_say_the_lens() {
+    const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/lenses.urdf");
+    let simulator = Simulator::start(&["--robot", ROBOT, "--drive", "still"]);
+    let all = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.009, 0.01, 0.011, 0.012, 0.013, 0.014];
+    for (camera, model, parameters, p) in [
+        // As the file has it.
+        ("tilted", DistortionModel::RationalPolynomial, &all[..], [150.0, 151.0]),
+        // 80 over the radius at 1.2: 1.2 + 0.05·1.2³ − 0.01·1.2⁵ + 0.002·1.2⁷ + 0.0001·1.2⁹
+        ("fisheye", DistortionModel::Equidistant, &[0.05, -0.01, 0.002, 0.0001], [63.031_874; 2]),
+        // 80 over the radius at 1.2, over 1 − 0.2: with w = cos 1.2 − 0.2, sin 1.2 / (0.6·√(sin² + w²) + 0.4·w)
+        ("spheres", DistortionModel::DoubleSphere, &[-0.2, 0.6], [67.871_379; 2]),
+    ] {
+        let picture = next_frame(&mut simulator.subscribe(&format!("/{camera}/image_raw")));
+        let lens = *picture.header().intrinsics().unwrap();
+        assert_eq!((lens.model(), lens.parameters()), (Some(model), parameters), "{camera}");
+        let info: CameraInfo =
+            next_frame(&mut simulator.subscribe(&format!("/{camera}/camera_info"))).message().unwrap();
+        assert_eq!(info.distortion_model.as_str(), model.as_str());
+        assert_eq!(&info.d[..info.d_len as usize], parameters, "{camera}");
+        assert_eq!(info.k, [lens.fx, lens.skew, lens.cx, 0.0, lens.fy, lens.cy, 0.0, 0.0, 1.0]);
+        assert!((info.p[0] - p[0]).abs() < 1e-5 && (info.p[5] - p[1]).abs() < 1e-5, "{camera}: {:?}", info.p);
+    }
+}
+
+#[test]
 fn the_kinect_publishes_at_the_lower_of_both_rates() {
     let simulator = Simulator::start(&["--robot", "kobuki_hexagons_kinect", "--drive", "still"]);
     let node = simulator.node();
     let topics = [
         ("camera/rgb/image_raw", 640 * 480 * 3),
-        ("camera/rgb/camera_info", 352),
+        ("camera/rgb/camera_info", 400),
         ("camera/depth/image_raw", 640 * 480 * 4),
-        ("camera/depth/camera_info", 352),
+        ("camera/depth/camera_info", 400),
         ("camera/depth/points", 640 * 480 * 32),
     ];
     let mut subscribers: Vec<_> = topics.iter().map(|(topic, _)| node.subscriber(topic).unwrap()).collect();

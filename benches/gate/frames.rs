@@ -6,11 +6,12 @@ use super::idle;
 use crate::scenes::moving::{self, MovingBoxes};
 use crate::scenes::{RaySet, Scene, ours, peer};
 use crate::tag_room;
+use belvedere_sensors::Capture;
 use belvedere_sensors::Execution;
 use belvedere_sensors::camera::Camera;
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::{Capture, WorkspaceBuf};
+use belvedere_sensors::trace::WorkspaceBuf;
 use std::hint::black_box;
 
 /// The group of these entries.
@@ -137,13 +138,13 @@ fn tag_room_rgb(gate: &mut Gate<'_>, level: Level) {
         return;
     }
     let world = tag_room::room();
-    let scene = tag_room::scene(&world);
-    let scene = scene.scene();
+    let built = tag_room::scene(&world);
+    let scene = built.scene();
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = ours::execution(level);
     let camera = Camera::new(tag_room::camera_config(0.007)).expect("in range");
     let mut pixels = vec![0; camera.frame_len()];
-    let capture = Capture { world_from_sensor: tag_room::across(), frame: 0 };
+    let capture = Capture::new(0, built.moment(tag_room::across()));
 
     let mut sense = || {
         let workspace = &mut workspace.lend(&scene, camera.rays());

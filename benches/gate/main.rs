@@ -9,6 +9,7 @@ mod clock;
 mod frames;
 mod gate;
 mod idle;
+mod lenses;
 mod machine;
 mod measure;
 mod options;
@@ -63,6 +64,7 @@ fn run(options: &Options) -> Result<(), String> {
         casts::run(&mut gate, name, simd)?;
     }
     frames::run(&mut gate, simd);
+    lenses::run(&mut gate, simd);
 
     if gate.measured + gate.left_out == 0 {
         return Err(format!("no entry's name contains {:?}", options.filter));

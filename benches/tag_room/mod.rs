@@ -10,9 +10,11 @@ use belvedere::description::world::load_world;
 use belvedere::world::physics::Physics;
 use belvedere::world::scene::WorldScene;
 use belvedere_sensors::Pose;
-use belvedere_sensors::camera::{CameraConfig, PixelFormat};
-use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, OutOfRange};
+use belvedere_sensors::camera::CameraConfig;
+use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig};
 use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::optics::Intrinsics;
+use belvedere_sensors::optics::{Optics, PinholeGrid};
 use glam::DVec3;
 use parry3d::math::Pose as ParryPose;
 use parry3d::query::{Ray, RayCast as _};
@@ -33,19 +35,15 @@ pub fn scene(world: &World) -> WorldScene {
 }
 
 /// The robot's camera, with noise of so much of a colour value.
-pub fn camera_config(stddev: f32) -> CameraConfig {
-    CameraConfig {
-        width: 640,
-        height: 480,
-        horizontal_fov_rad: 1.396_263_4,
-        format: PixelFormat::Rgb8,
-        near_m: 0.02,
-        far_m: 300.0,
-        exposure: 1.0,
-        noise: GaussianNoise::new(0.0, stddev, 0.0, 0.0, 0.0).expect("in range"),
-        seed: 1,
-        sensor: 0,
-    }
+pub fn camera_config(stddev: f32) -> CameraConfig<'static> {
+    camera_of_height(480, stddev)
+}
+
+/// The same of another height.
+pub fn camera_of_height(height: u32, stddev: f32) -> CameraConfig<'static> {
+    CameraConfig::new(PinholeGrid::from_fov(640, height, 1.396_263_4).expect("in range"))
+        .noise(GaussianNoise::new(0.0, stddev, 0.0, 0.0, 0.0).expect("in range"))
+        .seed(1)
 }
 
 /// Looks straight up from where the robot's camera is.
@@ -59,15 +57,9 @@ pub fn across() -> Pose {
 }
 
 /// Its depth camera.
-pub fn depth_camera() -> DepthCamera {
-    DepthCamera::new(DepthCameraConfig {
-        camera: camera_config(0.0),
-        min_depth_m: 0.1,
-        max_depth_m: 20.0,
-        out_of_range: OutOfRange::Infinite,
-        noise: GaussianNoise::NONE,
-    })
-    .expect("in range")
+pub fn depth_camera() -> DepthCamera<'static> {
+    let config = DepthCameraConfig::new(camera_config(0.0)).min_depth_m(0.1).max_depth_m(20.0);
+    DepthCamera::new(config).expect("in range")
 }
 
 /// What the cameras see, as parry3d has it.
@@ -103,13 +95,14 @@ pub fn compound(world: &World) -> Compound {
 }
 
 /// The depth camera's rays through parry3d, one by one.
-pub fn cast_each(shapes: &Compound, depth: &DepthCamera, world_from_sensor: &Pose, depths: &mut [f32]) {
-    let lens = depth.camera().lens();
+pub fn cast_each(shapes: &Compound, depth: &DepthCamera<'_>, world_from_sensor: &Pose, depths: &mut [f32]) {
+    let Optics::Pinhole(grid) = depth.camera().config().optics else { return };
+    let (Intrinsics { fx, fy, cx, cy, .. }, [width, _]) = (grid.intrinsics(), grid.size());
     let origin = world_from_sensor.translation().as_vec3();
     for (index, depth) in depths.iter_mut().enumerate() {
-        let pixel = [index % lens.width as usize, index / lens.width as usize].map(|at| at as f64);
-        let optical = lens.unproject(pixel);
-        let ray = world_from_sensor.transform_vector(DVec3::new(1.0, -optical.x, -optical.y)).as_vec3();
+        let [column, row] = [index % width as usize, index / width as usize].map(|at| at as f64);
+        let ray = DVec3::new(1.0, (cx - column) / fx, (cy - row) / fy);
+        let ray = world_from_sensor.transform_vector(ray).as_vec3();
         *depth = shapes
             .cast_ray(&ParryPose::IDENTITY, &Ray::new(origin, ray), 20.0, true)
             .unwrap_or(f32::INFINITY);

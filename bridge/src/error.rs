@@ -167,7 +167,7 @@ pub enum FrameError {
     #[error("frame schema {0}, this build reads {schema}; use the same version of Belvedere on both sides", schema = crate::FrameHeader::SCHEMA)]
     Schema(u16),
     /// Its header has another size.
-    #[error("frame header of {0} bytes, expected 256")]
+    #[error("frame header of {0} bytes, expected 384")]
     HeaderLen(u16),
     /// It claims more payload than there is.
     #[error("frame claims {claimed} bytes of payload, {available} are there")]

@@ -36,7 +36,7 @@ impl Frame {
     /// `header` is [`checked_header`] of the sample.
     pub(crate) fn new(
         sample: Sample,
-        header: FrameHeader,
+        header: &FrameHeader,
         port: Arc<FramePort>,
         missed: u64,
         restarted: bool,
@@ -44,7 +44,7 @@ impl Frame {
         node: Node,
     ) -> Self {
         let from_history = header.publish_mono_ns < connected_mono_ns;
-        Self { header, sample, _port: port, missed, restarted, from_history, _node: node }
+        Self { header: *header, sample, _port: port, missed, restarted, from_history, _node: node }
     }
 
     /// What the payload is.

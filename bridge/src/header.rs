@@ -1,23 +1,23 @@
-//! [`FrameHeader`]: the 256 bytes before every payload.
+//! [`FrameHeader`]: the 384 bytes before every payload.
 
 use std::mem::{align_of, offset_of, size_of};
 
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
-use crate::{Encoding, FrameError, Kind, Text};
+use crate::{DistortionModel, Encoding, FrameError, Kind, MAX_DISTORTION, Text};
 
-/// The 256 bytes that describe a payload: what it is, when and from where it was taken, how it lies in memory.
+/// The 384 bytes that describe a payload: what it is, when and from where it was taken, how it lies in memory.
 ///
 /// Aligned to 64 bytes, so that the payload behind it starts on a cache line and a SIMD register boundary.
 #[derive(Clone, Copy, Debug, Pod, Zeroable, ZeroCopySend)]
 #[repr(C)]
 #[repr(align(64))]
-#[type_name("belvedere.FrameHeader.v1")]
+#[type_name("belvedere.FrameHeader.v2")]
 pub struct FrameHeader {
     /// [`FrameHeader::MAGIC`].
     pub magic: u32,
-    /// 256.
+    /// 384.
     pub header_len: u16,
     /// [`FrameHeader::SCHEMA`].
     pub schema: u16,
@@ -52,7 +52,7 @@ pub struct FrameHeader {
     /// `world_from_sensor`: its orientation, x y z w.
     pub orientation: [f32; 4],
     /// What only this kind has: [`Intrinsics`] or [`ScanGeometry`].
-    pub block: [u64; 10],
+    pub block: [u64; 26],
 }
 
 /// How an image's pixels map to directions; the block of images, depth images and organised clouds.
@@ -67,23 +67,45 @@ pub struct Intrinsics {
     pub cx: f64,
     /// Principal point, rows.
     pub cy: f64,
-    /// k1 k2 p1 p2 k3 0 0 0.
-    pub distortion: [f32; 8],
+    /// K\[1\]: pixels along a row for each unit of y.
+    pub skew: f64,
+    /// Parameters of the model, in the order that [`DistortionModel`] says; the first `distortion_len` hold.
+    pub distortion: [f64; MAX_DISTORTION],
     /// Nearest depth that is measured, metres.
     pub near: f32,
     /// Farthest depth that is measured, metres.
     pub far: f32,
     /// P\[3\] = −fx · baseline of a stereo partner, else 0.
     pub tx: f32,
-    /// [`Intrinsics::NO_DISTORTION`] or [`Intrinsics::PLUMB_BOB`].
-    pub distortion_model: u32,
+    /// A [`DistortionModel`] by its number; 0 for none.
+    pub distortion_model: u16,
+    /// How many of `distortion` hold.
+    pub distortion_len: u16,
+    /// 0.
+    pub reserved: [u64; 5],
 }
 
 impl Intrinsics {
-    /// A pinhole.
-    pub const NO_DISTORTION: u32 = 0;
-    /// Brown–Conrady with k1 k2 p1 p2 k3.
-    pub const PLUMB_BOB: u32 = 1;
+    /// Sets the model and its parameters; those beyond [`MAX_DISTORTION`] are left out.
+    pub fn set_distortion(&mut self, model: DistortionModel, parameters: &[f64]) {
+        let len = parameters.len().min(MAX_DISTORTION);
+        self.distortion = [0.0; MAX_DISTORTION];
+        self.distortion[..len].copy_from_slice(&parameters[..len]);
+        self.distortion_model = model.to_wire();
+        self.distortion_len = len as u16;
+    }
+
+    /// The parameters of the model.
+    #[must_use]
+    pub fn parameters(&self) -> &[f64] {
+        &self.distortion[..usize::from(self.distortion_len).min(MAX_DISTORTION)]
+    }
+
+    /// The model; `None` without one, or for one that this version does not know.
+    #[must_use]
+    pub fn model(&self) -> Option<DistortionModel> {
+        DistortionModel::from_wire(self.distortion_model)
+    }
 }
 
 /// Angles and limits of a lidar; the block of scans. Angles in radians: horizontal ones counter-clockwise about
@@ -108,7 +130,7 @@ pub struct ScanGeometry {
     /// From one layer to the next.
     pub vertical_angle_increment: f64,
     /// 0.
-    pub reserved: [u64; 3],
+    pub reserved: [u64; 19],
 }
 
 impl ScanGeometry {
@@ -122,7 +144,7 @@ impl ScanGeometry {
 // The wire format: every offset is pinned here, in the C and C++ headers and in WIRE.md.
 const _: () = {
     assert!(cfg!(target_endian = "little"), "the wire format is little-endian");
-    assert!(size_of::<FrameHeader>() == 256);
+    assert!(size_of::<FrameHeader>() == 384);
     assert!(align_of::<FrameHeader>() == 64);
     assert!(offset_of!(FrameHeader, magic) == 0);
     assert!(offset_of!(FrameHeader, header_len) == 4);
@@ -144,18 +166,21 @@ const _: () = {
     assert!(offset_of!(FrameHeader, orientation) == 160);
     assert!(offset_of!(FrameHeader, block) == 176);
 
-    assert!(size_of::<Intrinsics>() == 80);
+    assert!(size_of::<Intrinsics>() == 208);
     assert!(offset_of!(Intrinsics, fx) == 0);
     assert!(offset_of!(Intrinsics, fy) == 8);
     assert!(offset_of!(Intrinsics, cx) == 16);
     assert!(offset_of!(Intrinsics, cy) == 24);
-    assert!(offset_of!(Intrinsics, distortion) == 32);
-    assert!(offset_of!(Intrinsics, near) == 64);
-    assert!(offset_of!(Intrinsics, far) == 68);
-    assert!(offset_of!(Intrinsics, tx) == 72);
-    assert!(offset_of!(Intrinsics, distortion_model) == 76);
+    assert!(offset_of!(Intrinsics, skew) == 32);
+    assert!(offset_of!(Intrinsics, distortion) == 40);
+    assert!(offset_of!(Intrinsics, near) == 152);
+    assert!(offset_of!(Intrinsics, far) == 156);
+    assert!(offset_of!(Intrinsics, tx) == 160);
+    assert!(offset_of!(Intrinsics, distortion_model) == 164);
+    assert!(offset_of!(Intrinsics, distortion_len) == 166);
+    assert!(offset_of!(Intrinsics, reserved) == 168);
 
-    assert!(size_of::<ScanGeometry>() == 80);
+    assert!(size_of::<ScanGeometry>() == 208);
     assert!(offset_of!(ScanGeometry, angle_min) == 0);
     assert!(offset_of!(ScanGeometry, angle_increment) == 8);
     assert!(offset_of!(ScanGeometry, time_increment) == 16);
@@ -183,7 +208,7 @@ impl FrameHeader {
     /// "BLVD" in memory order.
     pub const MAGIC: u32 = u32::from_le_bytes(*b"BLVD");
     /// The version of this layout and of the payloads.
-    pub const SCHEMA: u16 = 1;
+    pub const SCHEMA: u16 = 2;
     /// Flag: a plane of intensities follows the ranges.
     pub const HAS_INTENSITIES: u32 = 1;
 

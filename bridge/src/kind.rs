@@ -94,6 +94,34 @@ wire_enum! {
     }
 }
 
+/// The most parameters that a [`DistortionModel`] has.
+pub const MAX_DISTORTION: usize = 14;
+
+wire_enum! {
+    /// How a lens maps directions to pixels: the names of `sensor_msgs/CameraInfo` where ROS has one, and the order of
+    /// the parameters. With K = (fx, fy, cx, cy) a direction (x, y, z) becomes the pixel (fx·u + cx, fy·v + cy).
+    DistortionModel {
+        /// Brown–Conrady: k1 k2 p1 p2 k3; all 0 for a pinhole. u, v are x/z, y/z, distorted.
+        PlumbBob = 1 "plumb_bob",
+        /// OpenCV's longer forms of it: k1 k2 p1 p2 k3 k4 k5 k6, then s1 s2 s3 s4 of a thin prism, then the tilts τx τy;
+        /// 8, 12 or 14 of them.
+        RationalPolynomial = 2 "rational_polynomial",
+        /// Kannala–Brandt, OpenCV's fisheye: k1 k2 k3 k4 of θ + k1 θ³ + k2 θ⁵ + k3 θ⁷ + k4 θ⁹.
+        Equidistant = 3 "equidistant",
+        /// Extended unified camera model: alpha beta. ROS has no name for it, nor for those that follow.
+        Eucm = 4 "eucm",
+        /// Double sphere: xi alpha.
+        DoubleSphere = 5 "double_sphere",
+        /// Mei's unified model: xi k1 k2 p1 p2.
+        Mei = 6 "mei",
+        /// Columns are angles about the camera's y, rows are elevations: u = atan2(x, z), v = atan2(y, √(x² + z²)).
+        Equirectangular = 7 "equirectangular",
+        /// SDF's: c1 c2 c3 f fun cutoff. The radius is c1·f·fun(θ/c2 + c3), f in pixels, fun 0 sin, 1 tan, 2 the angle
+        /// itself; beyond the angle cutoff nothing is seen. K is its scale in the middle.
+        WideAngle = 8 "wide_angle",
+    }
+}
+
 impl Kind {
     /// Size in bytes of one element of a kind whose payload is a fixed struct or an array of them; `None` for
     /// pictures, scans and clouds.

@@ -1,7 +1,7 @@
 //! Sensor frames in shared memory, handed from one process to others without a copy.
 //!
 //! A *stream* has the name of the ROS topic it would have. Its publisher [loans](Publisher::loan) a frame, which
-//! is a piece of shared memory, writes a [`FrameHeader`] of 256 bytes and the payload where they lie, and
+//! is a piece of shared memory, writes a [`FrameHeader`] of 384 bytes and the payload where they lie, and
 //! [sends](LoanedFrame::send) it: subscribers get its address. A *domain* is what one simulation shares; several
 //! run side by side under different names. The transport is iceoryx2; the layout of every byte is in
 //! `bridge/WIRE.md`.
@@ -116,7 +116,7 @@ pub use error::{Error, FrameError, ICEORYX2_VERSION};
 pub use frame::Frame;
 pub use group::Group;
 pub use header::{FrameHeader, Intrinsics, ScanGeometry};
-pub use kind::{Encoding, Kind, Operation};
+pub use kind::{DistortionModel, Encoding, Kind, MAX_DISTORTION, Operation};
 pub use lossless::Lossless;
 pub use node::Node;
 pub use publisher::{LoanedFrame, Publisher};

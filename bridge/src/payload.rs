@@ -14,7 +14,7 @@ use std::mem::{offset_of, size_of};
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::{Kind, Text};
+use crate::{Kind, MAX_DISTORTION, Text};
 
 /// A payload struct of the wire format.
 pub trait Message: Pod {
@@ -30,10 +30,10 @@ pub struct CameraInfo {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// `plumb_bob`, `rational_polynomial`, `equidistant`, or nothing without distortion.
+    /// A [`DistortionModel`](crate::DistortionModel) by its name, or nothing without distortion.
     pub distortion_model: Text<32>,
     /// Distortion parameters in the order of the model; the first `d_len` hold.
-    pub d: [f64; 8],
+    pub d: [f64; MAX_DISTORTION],
     /// How many of `d` hold.
     pub d_len: u32,
     /// 0.
@@ -245,16 +245,16 @@ impl Message for MotorPower {
 
 // The wire format: every offset is pinned here, in the C and C++ headers and in WIRE.md.
 const _: () = {
-    assert!(size_of::<CameraInfo>() == 352);
+    assert!(size_of::<CameraInfo>() == 400);
     assert!(offset_of!(CameraInfo, width) == 0);
     assert!(offset_of!(CameraInfo, height) == 4);
     assert!(offset_of!(CameraInfo, distortion_model) == 8);
     assert!(offset_of!(CameraInfo, d) == 40);
-    assert!(offset_of!(CameraInfo, d_len) == 104);
-    assert!(offset_of!(CameraInfo, reserved) == 108);
-    assert!(offset_of!(CameraInfo, k) == 112);
-    assert!(offset_of!(CameraInfo, r) == 184);
-    assert!(offset_of!(CameraInfo, p) == 256);
+    assert!(offset_of!(CameraInfo, d_len) == 152);
+    assert!(offset_of!(CameraInfo, reserved) == 156);
+    assert!(offset_of!(CameraInfo, k) == 160);
+    assert!(offset_of!(CameraInfo, r) == 232);
+    assert!(offset_of!(CameraInfo, p) == 304);
 
     assert!(size_of::<Odometry>() == 744);
     assert!(offset_of!(Odometry, child_frame_id) == 0);

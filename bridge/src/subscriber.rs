@@ -336,7 +336,7 @@ impl Subscriber {
         self.missed_total = self.missed_total.saturating_add(missed);
         let port = connection.port.clone();
         let since_mono_ns = connection.since_mono_ns;
-        Ok(Some(Frame::new(sample, header, port, missed, restarted, since_mono_ns, self.node.clone())))
+        Ok(Some(Frame::new(sample, &header, port, missed, restarted, since_mono_ns, self.node.clone())))
     }
 
     /// Looks for the stream when it is not open.

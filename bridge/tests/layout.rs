@@ -33,16 +33,19 @@ fn every_field_lies_where_the_wire_format_says() {
         fy: 2.0,
         cx: 3.0,
         cy: 4.0,
-        distortion: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8],
+        skew: 8.0,
+        distortion: std::array::from_fn(|index| 0.1 * index as f64),
         near: 5.0,
         far: 6.0,
         tx: 7.0,
-        distortion_model: 1,
+        distortion_model: 0xA1A2,
+        distortion_len: 0xB1B2,
+        reserved: [0xC1C2_C3C4_C5C6_C7C8; 5],
     });
     let mut expected = Vec::new();
     expected.extend(b"BLVD");
-    expected.extend(256_u16.to_le_bytes());
-    expected.extend(1_u16.to_le_bytes());
+    expected.extend(384_u16.to_le_bytes());
+    expected.extend(2_u16.to_le_bytes());
     expected.extend(2_u16.to_le_bytes());
     expected.extend(5_u16.to_le_bytes());
     expected.extend(0x0102_0304_u32.to_le_bytes());
@@ -60,10 +63,11 @@ fn every_field_lies_where_the_wire_format_says() {
     expected.extend([1.5_f64, -2.5, 3.5].iter().flat_map(|value| value.to_le_bytes()));
     expected.extend([0.25_f32, 0.5, 0.75, 1.0].iter().flat_map(|value| value.to_le_bytes()));
     assert_eq!(expected.len(), 176);
-    expected.extend([1.0_f64, 2.0, 3.0, 4.0].iter().flat_map(|value| value.to_le_bytes()));
-    let floats = [0.1_f32, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 5.0, 6.0, 7.0];
-    expected.extend(floats.iter().flat_map(|value| value.to_le_bytes()));
-    expected.extend(1_u32.to_le_bytes());
+    expected.extend([1.0_f64, 2.0, 3.0, 4.0, 8.0].iter().flat_map(|value| value.to_le_bytes()));
+    expected.extend((0..14).flat_map(|index| (0.1 * f64::from(index)).to_le_bytes()));
+    expected.extend([5.0_f32, 6.0, 7.0].iter().flat_map(|value| value.to_le_bytes()));
+    expected.extend([0xA1A2_u16, 0xB1B2].iter().flat_map(|value| value.to_le_bytes()));
+    expected.extend([0xC1C2_C3C4_C5C6_C7C8_u64; 5].iter().flat_map(|value| value.to_le_bytes()));
     assert_eq!(bytemuck::bytes_of(&header), expected);
 }
 
@@ -109,7 +113,7 @@ fn bad_headers_are_refused() {
     };
     for (bad, available) in [
         (FrameHeader { magic: 0, ..good }, len),
-        (FrameHeader { schema: 2, ..good }, len),
+        (FrameHeader { schema: 1, ..good }, len),
         (FrameHeader { header_len: 128, ..good }, len),
         (good, len - 1),
         (FrameHeader { payload_len: u64::MAX, ..good }, len),

@@ -16,14 +16,14 @@ use iceoryx2::prelude::*;
 #[derive(Debug, Clone, Copy, ZeroCopySend)]
 #[repr(C)]
 #[repr(align(64))]
-#[type_name("belvedere.FrameHeader.v2")]
+#[type_name("belvedere.FrameHeader.v3")]
 struct NextHeader([u64; 32]);
 
 /// A header of the same name and another size.
 #[derive(Debug, Clone, Copy, ZeroCopySend)]
 #[repr(C)]
 #[repr(align(64))]
-#[type_name("belvedere.FrameHeader.v1")]
+#[type_name("belvedere.FrameHeader.v2")]
 struct ShortHeader([u64; 16]);
 
 fn domain(test: &str) -> Domain {
@@ -61,8 +61,8 @@ fn another_header_is_named_beside_ours() {
     let next = domain("next");
     let stream = foreign_stream::<NextHeader>(&next);
     let text = told(&next);
-    assert!(text.contains("belvedere.FrameHeader.v2 of 256 bytes"), "{text}");
-    assert!(text.contains("belvedere.FrameHeader.v1 of 256 bytes"), "{text}");
+    assert!(text.contains("belvedere.FrameHeader.v3 of 256 bytes"), "{text}");
+    assert!(text.contains("belvedere.FrameHeader.v2 of 384 bytes"), "{text}");
     drop(stream);
     // A node of iceoryx2 alone leaves its counter; the last of ours takes it along.
     drop(Node::open(&next, "last").unwrap());
@@ -70,8 +70,8 @@ fn another_header_is_named_beside_ours() {
     let short = domain("short");
     let stream = foreign_stream::<ShortHeader>(&short);
     let text = told(&short);
-    assert!(text.contains("belvedere.FrameHeader.v1 of 128 bytes"), "{text}");
-    assert!(text.contains("belvedere.FrameHeader.v1 of 256 bytes"), "{text}");
+    assert!(text.contains("belvedere.FrameHeader.v2 of 128 bytes"), "{text}");
+    assert!(text.contains("belvedere.FrameHeader.v2 of 384 bytes"), "{text}");
     drop(stream);
     // A node of iceoryx2 alone leaves its counter; the last of ours takes it along.
     drop(Node::open(&short, "last").unwrap());
@@ -107,10 +107,10 @@ const PROGRAM: &str = r#"
 import ctypes, sys
 import iceoryx2 as iox2
 class FrameHeader(ctypes.Structure):
-    _fields_ = (("words", ctypes.c_uint64 * 32),)
+    _fields_ = (("words", ctypes.c_uint64 * 48),)
     @staticmethod
     def type_name():
-        return "belvedere.FrameHeader.v1"
+        return "belvedere.FrameHeader.v2"
 config = iox2.config.default()
 config.global_cfg.prefix = iox2.FileName.new(sys.argv[1])
 node = iox2.NodeBuilder.new().config(config).create(iox2.ServiceType.Ipc)

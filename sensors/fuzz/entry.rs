@@ -1,11 +1,12 @@
 //! What the fuzz target does with arbitrary bytes: a scene of them, sensed from anywhere. It must neither panic
 //! nor hang. The tests run it too, on bytes of their own.
 
-use belvedere_sensors::Pose;
-use belvedere_sensors::lens::Pinhole;
+use belvedere_sensors::optics::PinholeGrid;
+use belvedere_sensors::optics::{Optics, SphericalGrid};
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, MaterialId, Scene, SceneBuilder, Shape};
 use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays};
-use belvedere_sensors::trace::{CacheLine, Faces, Hits, RayGrid, SphericalGrid, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid};
+use belvedere_sensors::{Moment, Pose};
 use bytemuck::Zeroable;
 use glam::{DQuat, DVec3};
 
@@ -54,8 +55,8 @@ pub(crate) fn sense_scene(scene: &[u8], rays: &[u8]) {
     let mut lines = vec![CacheLine::zeroed(); scene.len().div_ceil(64)];
     let aligned: &mut [u8] = &mut bytemuck::cast_slice_mut(&mut lines)[..scene.len()];
     aligned.copy_from_slice(scene);
-    if let Ok(scene) = Scene::from_baked(aligned) {
-        cast(&scene, Bytes(rays));
+    if let Ok((scene, poses)) = Scene::from_baked(aligned) {
+        cast(&scene, poses, Bytes(rays));
     }
 }
 
@@ -79,7 +80,7 @@ fn sense_built(data: &[u8]) {
         // What is refused is refused; the scene goes on without it.
         let _ = builder.add_instance(&config);
     }
-    cast(&builder.scene(), bytes);
+    cast(&builder.scene(), builder.poses(), bytes);
 }
 
 fn instance(bytes: &mut Bytes<'_>, material: MaterialId) -> InstanceConfig {
@@ -89,14 +90,15 @@ fn instance(bytes: &mut Bytes<'_>, material: MaterialId) -> InstanceConfig {
 }
 
 /// Casts rays of all kinds.
-fn cast(scene: &Scene<'_>, mut bytes: Bytes<'_>) {
+fn cast(scene: &Scene<'_>, world_from_instance: &[Pose], mut bytes: Bytes<'_>) {
     let place = DVec3::new(bytes.metres().into(), bytes.metres().into(), bytes.metres().into());
     let pose = Pose::from_xyz_rpy(place, DVec3::new(bytes.metres().into(), bytes.metres().into(), 0.0));
+    let moment = Moment { world_from_sensor: pose, world_from_instance };
     let mut workspace = WorkspaceBuf::default();
     let steps = [bytes.metres().abs() * 0.05 + 1e-4, bytes.metres().abs() * 0.005 + 1e-4].map(f64::from);
     let grids = [
-        RayGrid::Pinhole(Pinhole::from_fov(9, 7, 1.2)),
-        RayGrid::Spherical(SphericalGrid {
+        Optics::Pinhole(PinholeGrid::from_fov(9, 7, 1.2).unwrap()),
+        Optics::Spherical(SphericalGrid {
             columns: 21,
             rows: 5,
             first_azimuth_rad: f64::from(bytes.metres()) * 0.1,
@@ -110,7 +112,9 @@ fn cast(scene: &Scene<'_>, mut bytes: Bytes<'_>) {
         let count = grid.size()[0] * grid.size()[1];
         let mut outputs = Outputs::new(count);
         let mut workspace = workspace.lend(scene, grid.rays());
-        cast_grid(scene, &pose, &grid, [1e-3, 1e6], u32::MAX, faces, &mut workspace, outputs.hits());
+        // What is refused is refused.
+        let _ =
+            cast_grid(scene, &moment, &grid, [1e-3, 1e6], u32::MAX, faces, &mut workspace, outputs.hits());
     }
     let (mut origins, mut directions, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
     while !bytes.0.is_empty() && origins.len() < MOST_RAYS {
@@ -124,8 +128,8 @@ fn cast(scene: &Scene<'_>, mut bytes: Bytes<'_>) {
     let mut outputs = Outputs::new(origins.len());
     let mut occluded = vec![false; origins.len()];
     let mut workspace = workspace.lend(scene, 0);
-    cast_rays(scene, place, &rays, u32::MAX, faces, &mut workspace, outputs.hits());
-    occluded_rays(scene, place, &rays, u32::MAX, faces, &mut workspace, &mut occluded);
+    cast_rays(scene, world_from_instance, place, &rays, u32::MAX, faces, &mut workspace, outputs.hits());
+    occluded_rays(scene, world_from_instance, place, &rays, u32::MAX, faces, &mut workspace, &mut occluded);
 }
 
 struct Outputs {

@@ -1,39 +1,45 @@
 //! Colour cameras: textured, lit, with shadows and Gazebo's pixel noise.
 
 use crate::execution::SplitRows;
-use crate::lens::Pinhole;
+use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normals64};
+use crate::optics::Optics;
 use crate::pixel;
 pub use crate::pixel::PixelFormat;
 use crate::scene::{Scene, visibility};
 use crate::shade::{Colours, Shader};
 use crate::simd::LANES;
-use crate::trace::grid::{Band, BandWork, Sight, trace_pinhole};
-use crate::trace::image::Projection;
+use crate::trace::Workspace;
+use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
 use crate::trace::packet::Faces;
 use crate::trace::resolve::Resolver;
 use crate::trace::tile::{CameraRays, TILE_HEIGHT, TILE_WIDTH, Tile};
 use crate::trace::view::View;
-use crate::trace::{Capture, RayGrid, Workspace};
 use fearless_simd::Simd;
 
 /// Largest width and height of a picture in pixels.
 pub const MAX_IMAGE_SIZE: u32 = 16384;
 
 /// What a camera is like.
+///
+/// ```
+/// use belvedere_sensors::camera::{CameraConfig, PixelFormat};
+/// use belvedere_sensors::optics::PinholeGrid;
+/// let config = CameraConfig::new(PinholeGrid::from_fov(640, 480, 1.2)?).format(PixelFormat::Mono8).far_m(100.0);
+/// assert_eq!((config.near_m, config.far_m), (0.02, 100.0));
+/// # Ok::<(), belvedere_sensors::optics::LensError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CameraConfig {
-    /// Pixels across, 1 … [`MAX_IMAGE_SIZE`].
-    pub width: u32,
-    /// Pixels down, 1 … [`MAX_IMAGE_SIZE`].
-    pub height: u32,
-    /// Full horizontal angle of view in radians, in (0, π).
-    pub horizontal_fov_rad: f64,
+#[non_exhaustive]
+pub struct CameraConfig<'a> {
+    /// Which way the ray of each pixel goes; 1 … [`MAX_IMAGE_SIZE`] pixels across and down.
+    pub optics: Optics<'a>,
     /// Layout of a pixel.
     pub format: PixelFormat,
-    /// What is nearer along the optical axis is not seen, in metres, more than 0.
+    /// What is nearer is not seen: metres along the optical axis of a pinhole, and along the ray of any other lens,
+    /// more than 0.
     pub near_m: f64,
-    /// What is farther along the optical axis is not seen, in metres, more than `near_m`.
+    /// What is farther is not seen, measured as `near_m`, more than it.
     pub far_m: f64,
     /// Factor of the light that reaches the sensor, finite, 0 or more: 1 as the scene is lit. Colours are proportional to
     /// it until they saturate at 1, as the electrons of a sensor are to its time of exposure (the linear model of EMVA
@@ -47,31 +53,95 @@ pub struct CameraConfig {
     pub sensor: u32,
 }
 
+impl<'a> CameraConfig<'a> {
+    /// An RGB camera that sees from 0.02 to 300 m, without noise, of seed and number 0.
+    pub fn new(optics: impl Into<Optics<'a>>) -> Self {
+        Self {
+            optics: optics.into(),
+            format: PixelFormat::Rgb8,
+            near_m: 0.02,
+            far_m: 300.0,
+            exposure: 1.0,
+            noise: GaussianNoise::NONE,
+            seed: 0,
+            sensor: 0,
+        }
+    }
+
+    setters! {
+        /// Sets the layout of a pixel.
+        format: PixelFormat,
+        /// Sets the nearest that is seen, in metres.
+        near_m: f64,
+        /// Sets the farthest that is seen, in metres.
+        far_m: f64,
+        /// Sets the exposure.
+        exposure: f32,
+        /// Sets the noise of a colour value.
+        noise: GaussianNoise,
+        /// Sets the seed of the simulation.
+        seed: u64,
+        /// Sets the number of the sensor in the simulation.
+        sensor: u32,
+    }
+
+    /// Sets which way the rays go.
+    #[must_use]
+    pub fn optics(mut self, optics: impl Into<Optics<'a>>) -> Self {
+        self.optics = optics.into();
+        self
+    }
+}
+
 /// Why a camera cannot be made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum CameraError {
     /// Width or height is 0 or more than [`MAX_IMAGE_SIZE`].
-    ImageSize,
-    /// The angle of view is not in (0, π).
-    FieldOfView,
+    ImageSize {
+        /// Pixels across and down.
+        size: [u32; 2],
+    },
+    /// The table of rays is not in square blocks: make it by [`RayTable::from_lens`](crate::optics::RayTable::from_lens).
+    Table,
     /// Not 0 < near < far.
-    Clip,
+    Clip {
+        /// In metres.
+        near_m: f64,
+        /// In metres.
+        far_m: f64,
+    },
     /// The valid range of a depth camera is not 0 ≤ min < max.
-    Cutoff,
+    Cutoff {
+        /// In metres.
+        min_m: f64,
+        /// In metres.
+        max_m: f64,
+    },
     /// The exposure is negative, NaN or infinite.
-    Exposure,
+    Exposure(f32),
 }
 
 impl core::fmt::Display for CameraError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::ImageSize => "width and height must be 1 to 16384 pixels",
-            Self::FieldOfView => "the angle of view must be more than 0 and less than π",
-            Self::Clip => "the clip distances must be 0 < near < far",
-            Self::Cutoff => "the valid depths must be 0 <= min < max",
-            Self::Exposure => "the exposure must be a finite number, 0 or more",
-        })
+        match self {
+            Self::ImageSize { size: [width, height] } => {
+                write!(
+                    f,
+                    "a picture of {width} × {height}: width and height must be 1 to {MAX_IMAGE_SIZE} pixels"
+                )
+            }
+            Self::Table => f.write_str("the table of a camera must be made by RayTable::from_lens"),
+            Self::Clip { near_m, far_m } => {
+                write!(f, "clip distances of {near_m} and {far_m} m: they must be 0 < near < far")
+            }
+            Self::Cutoff { min_m, max_m } => {
+                write!(f, "valid depths from {min_m} to {max_m} m: they must be 0 <= min < max")
+            }
+            Self::Exposure(exposure) => {
+                write!(f, "an exposure of {exposure}: it must be a finite number, 0 or more")
+            }
+        }
     }
 }
 
@@ -80,7 +150,7 @@ impl core::error::Error for CameraError {}
 /// A checked colour camera. It looks along +x of its frame, its picture's right is −y and down is −z.
 ///
 /// ```
-/// use belvedere_sensors::{camera::*, noise::GaussianNoise, scene::*, trace::*, Pose};
+/// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose};
 /// let mut builder = SceneBuilder::new();
 /// let red = builder.add_material(&MaterialConfig { emissive: [1.0, 0.0, 0.0], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
 /// builder.add_instance(&InstanceConfig {
@@ -89,13 +159,10 @@ impl core::error::Error for CameraError {}
 ///     material: red,
 ///     ..Default::default()
 /// })?;
-/// let camera = Camera::new(CameraConfig {
-///     width: 64, height: 48, horizontal_fov_rad: 1.0, format: PixelFormat::Rgb8, near_m: 0.02, far_m: 300.0,
-///     exposure: 1.0, noise: GaussianNoise::NONE, seed: 1, sensor: 0,
-/// })?;
+/// let camera = Camera::new(CameraConfig::new(PinholeGrid::from_fov(64, 48, 1.0)?))?;
 /// let mut pixels = vec![0; camera.frame_len()];
 /// let mut workspace = WorkspaceBuf::default();
-/// let capture = Capture { world_from_sensor: Pose::IDENTITY, frame: 0 };
+/// let capture = Capture::new(0, builder.moment(Pose::IDENTITY));
 /// let scene = builder.scene();
 /// camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
 /// let middle = 24 * camera.row_stride() + 32 * 3;
@@ -103,69 +170,76 @@ impl core::error::Error for CameraError {}
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
-pub struct Camera {
-    config: CameraConfig,
-    lens: Pinhole,
+pub struct Camera<'a> {
+    config: CameraConfig<'a>,
     bias: f32,
     /// Whether colours stay as they are shaded.
     is_ideal: bool,
 }
 
-impl Camera {
+impl<'a> Camera<'a> {
     /// Checks the configuration.
     ///
     /// # Errors
     /// A [`CameraError`] that names the value out of range.
-    pub fn new(config: CameraConfig) -> Result<Self, CameraError> {
-        let size = 1..=MAX_IMAGE_SIZE;
-        if !size.contains(&config.width) || !size.contains(&config.height) {
-            return Err(CameraError::ImageSize);
+    pub fn new(config: CameraConfig<'a>) -> Result<Self, CameraError> {
+        let size = config.optics.size().map(|size| size as u32);
+        if !size.iter().all(|size| (1..=MAX_IMAGE_SIZE).contains(size)) {
+            return Err(CameraError::ImageSize { size });
         }
-        if !(config.horizontal_fov_rad > 0.0 && config.horizontal_fov_rad < core::f64::consts::PI) {
-            return Err(CameraError::FieldOfView);
+        let fan = config.optics.fan();
+        if [fan.shift_x, fan.shift_y] != [2, 2] {
+            return Err(CameraError::Table);
         }
-        if !(config.near_m > 0.0 && config.near_m < config.far_m) {
-            return Err(CameraError::Clip);
+        let (near_m, far_m) = (config.near_m, config.far_m);
+        if !(near_m > 0.0 && near_m < far_m) {
+            return Err(CameraError::Clip { near_m, far_m });
         }
         if !(config.exposure.is_finite() && config.exposure >= 0.0) {
-            return Err(CameraError::Exposure);
+            return Err(CameraError::Exposure(config.exposure));
         }
         Ok(Self {
             config,
-            lens: Pinhole::from_fov(config.width, config.height, config.horizontal_fov_rad),
             bias: config.noise.bias(config.seed, config.sensor, 0),
             is_ideal: config.exposure == 1.0 && config.noise.is_none(),
         })
     }
 
     /// What it was made from.
-    pub fn config(&self) -> &CameraConfig {
+    pub fn config(&self) -> &CameraConfig<'a> {
         &self.config
     }
 
-    /// The projection that the picture really has.
-    pub fn lens(&self) -> &Pinhole {
-        &self.lens
+    /// Pixels across and down.
+    pub fn size(&self) -> [usize; 2] {
+        self.config.optics.size()
+    }
+
+    /// Tiles across and down.
+    pub(crate) fn tiles(&self) -> [usize; 2] {
+        let [width, height] = self.size();
+        [width.div_ceil(TILE_WIDTH), height.div_ceil(TILE_HEIGHT)]
     }
 
     /// Bytes from one row to the next: rows are not padded.
     pub fn row_stride(&self) -> usize {
-        self.config.width as usize * self.config.format.bytes()
+        self.size()[0] * self.config.format.bytes()
     }
 
     /// Bytes of a picture.
     pub fn frame_len(&self) -> usize {
-        self.row_stride() * self.config.height as usize
+        self.row_stride() * self.size()[1]
     }
 
     /// Takes a picture into `pixels`, top row first.
     ///
     /// # Panics
-    /// When `pixels` is not [`Camera::frame_len`] long, or the workspace does not fit the scene.
+    /// When `pixels` is not [`Camera::frame_len`] long, the workspace does not fit the scene, or the
+    /// moment does not have one pose for each instance.
     pub fn sense(
         &self,
         scene: &Scene<'_>,
-        capture: &Capture,
+        capture: &Capture<'_>,
         workspace: &mut Workspace<'_>,
         pixels: &mut [u8],
     ) {
@@ -173,19 +247,15 @@ impl Camera {
         let execution = workspace.execution;
         let mut memory = workspace.cut(scene, self.rays());
         let instances = scene.instances().len();
-        let view = View::new(scene, &capture.world_from_sensor, visibility::VISUAL, memory.view(instances));
+        let view = View::new(scene, &capture.moment, visibility::VISUAL, memory.view(instances));
         let rows = Rows { pixels, bytes: self.row_stride() * TILE_HEIGHT };
         let painter = Painter { camera: self, capture };
-        trace_pinhole(&view, &self.lens, &self.sight(), execution, &mut memory, rows, &painter);
+        trace_grid(&view, &self.config.optics, &self.sight(), execution, &mut memory, rows, &painter);
     }
 
     /// Rays that a [`Workspace`] must have room for.
     pub fn rays(&self) -> usize {
-        self.grid().rays()
-    }
-
-    pub(crate) fn grid(&self) -> RayGrid<'static> {
-        RayGrid::Pinhole(self.lens)
+        self.config.optics.rays()
     }
 
     /// Housings are seen from outside only: a camera within its own sees out.
@@ -206,41 +276,52 @@ impl Camera {
             return;
         }
         let stream =
-            Stream { seed: self.config.seed, sensor: self.config.sensor, frame, channel: COLOUR_CHANNEL };
+            Stream { seed: self.config.seed, sensor: self.config.sensor, frame, channel: Stream::COLOUR };
         pixel::add_noise(colours, &self.config.noise, self.bias, &normals64(&stream, 4 * tile));
     }
 }
 
 /// Paints the tiles of a picture.
 struct Painter<'a> {
-    camera: &'a Camera,
-    capture: &'a Capture,
+    camera: &'a Camera<'a>,
+    capture: &'a Capture<'a>,
 }
 
 impl BandWork<Rows<'_>> for Painter<'_> {
     #[inline(always)]
-    fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, output: Rows<'_>) {
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: Rows<'_>) {
         let Self { camera, capture } = self;
-        let rays = CameraRays::new(&camera.lens, &capture.world_from_sensor);
+        let rays = CameraRays::new(&band.rays, &capture.moment.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
         let mut tile = Tile::new();
         let mut shader = Shader::new();
         let mut colours = [[0.0; LANES]; 3];
-        let tiles = camera.lens.tiles()[0];
+        let tiles = camera.tiles()[0];
         let stride = camera.row_stride();
         for (row, pixels) in band.block_rows().zip(output.pixels.chunks_mut(output.bytes)) {
             for column in 0..tiles {
                 tile.take(simd, band, &mut resolver, &rays, [column, row]);
                 shader.shade(simd, band.view, &tile, &rays, &mut colours);
                 camera.expose(capture.frame, (row * tiles + column) as u32, &mut colours);
+                blacken(&mut colours, tile.missing);
                 pixel::write_tile(simd, &colours, camera.config.format, column * TILE_WIDTH, pixels, stride);
             }
         }
     }
 }
 
-/// Noise channel of colours.
-const COLOUR_CHANNEL: u16 = 0;
+/// Where there is no ray, a pixel is black.
+#[inline(always)]
+pub(crate) fn blacken(colours: &mut Colours, missing: u64) {
+    if missing == 0 {
+        return;
+    }
+    for channel in colours {
+        for lane in 0..LANES {
+            channel[lane] = if missing >> lane & 1 != 0 { 0.0 } else { channel[lane] };
+        }
+    }
+}
 
 /// Rows of pixels, cut between rows of tiles.
 struct Rows<'a> {

@@ -1,19 +1,23 @@
 //! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
 
-use crate::camera::{Camera, CameraConfig, CameraError};
+use crate::camera::{Camera, CameraConfig, CameraError, blacken};
 use crate::execution::SplitRows;
+use crate::memory::Cutter;
+use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normals64};
+use crate::optics::rays::Rays;
 use crate::pixel::{self, to_byte};
 use crate::scene::{Scene, visibility};
 use crate::shade::{Colours, Shader};
 use crate::simd::{LANES, Lanes};
-use crate::trace::grid::{Band, BandWork, trace_pinhole};
-use crate::trace::image::Projection;
+pub use crate::trace::TooNear;
+use crate::trace::Workspace;
+use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
+use crate::trace::image::NO_HIT;
 use crate::trace::measure::Measure;
 use crate::trace::resolve::Resolver;
 use crate::trace::tile::{CameraRays, TILE_HEIGHT, TILE_WIDTH, Tile};
 use crate::trace::view::View;
-use crate::trace::{Capture, Workspace};
 use fearless_simd::Simd;
 
 /// Bytes of a point of the cloud: x 0, y 4, z 8, rgb 16, all f32, as `gazebo_ros_openni_kinect` lays it out.
@@ -21,17 +25,50 @@ pub const POINT_STEP: usize = 32;
 
 /// What a depth camera is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DepthCameraConfig {
+#[non_exhaustive]
+pub struct DepthCameraConfig<'a> {
     /// Geometry, clip distances, and the colour picture.
-    pub camera: CameraConfig,
+    pub camera: CameraConfig<'a>,
     /// Depth at or below is too near, in metres.
     pub min_depth_m: f64,
     /// Depth at or above is too far, in metres; may be infinite.
     pub max_depth_m: f64,
     /// What stands for too near and too far.
     pub out_of_range: OutOfRange,
-    /// Noise of a depth in metres.
+    /// What happens to depths nearer than the camera's `near_m`. The colour picture does not show what is there in
+    /// either case, as that of a [`Camera`].
+    pub too_near: TooNear,
+    /// Noise of a depth in metres; what it takes to the limits or beyond is too near or too far.
     pub noise: GaussianNoise,
+}
+
+impl<'a> DepthCameraConfig<'a> {
+    /// A depth camera without noise, whose depths are limited by the clip distances alone.
+    pub fn new(camera: CameraConfig<'a>) -> Self {
+        Self {
+            camera,
+            min_depth_m: 0.0,
+            max_depth_m: f64::INFINITY,
+            out_of_range: OutOfRange::Infinite,
+            too_near: TooNear::Blocks,
+            noise: GaussianNoise::NONE,
+        }
+    }
+
+    setters! {
+        /// Sets the camera.
+        camera: CameraConfig<'a>,
+        /// Sets the depth at and below which is too near, in metres.
+        min_depth_m: f64,
+        /// Sets the depth at and above which is too far, in metres.
+        max_depth_m: f64,
+        /// Sets what stands for too near and too far.
+        out_of_range: OutOfRange,
+        /// Sets what happens to depths nearer than the camera's `near_m`.
+        too_near: TooNear,
+        /// Sets the noise of a depth in metres.
+        noise: GaussianNoise,
+    }
 }
 
 /// What a 32FC1 depth outside the valid range becomes. In 16UC1 it is 0 in any case, and in the cloud NaN.
@@ -58,51 +95,50 @@ pub struct DepthFrame<'a> {
 
 /// A checked depth camera; it looks along +x of its frame like a [`Camera`].
 #[derive(Debug, Clone, Copy)]
-pub struct DepthCamera {
-    config: DepthCameraConfig,
-    camera: Camera,
+pub struct DepthCamera<'a> {
+    config: DepthCameraConfig<'a>,
+    camera: Camera<'a>,
     bias: f32,
 }
 
-/// Noise channel of depths.
-const DEPTH_CHANNEL: u16 = 1;
-
-impl DepthCamera {
+impl<'a> DepthCamera<'a> {
     /// Checks the configuration.
     ///
     /// # Errors
     /// A [`CameraError`] that names the value out of range.
-    pub fn new(config: DepthCameraConfig) -> Result<Self, CameraError> {
-        if !(config.min_depth_m >= 0.0 && config.min_depth_m < config.max_depth_m) {
-            return Err(CameraError::Cutoff);
+    pub fn new(config: DepthCameraConfig<'a>) -> Result<Self, CameraError> {
+        let (min_m, max_m) = (config.min_depth_m, config.max_depth_m);
+        if !(min_m >= 0.0 && min_m < max_m) {
+            return Err(CameraError::Cutoff { min_m, max_m });
         }
         let camera = Camera::new(config.camera)?;
         Ok(Self { config, camera, bias: config.noise.bias(config.camera.seed, config.camera.sensor, 1) })
     }
 
     /// What it was made from.
-    pub fn config(&self) -> &DepthCameraConfig {
+    pub fn config(&self) -> &DepthCameraConfig<'a> {
         &self.config
     }
 
     /// The colour camera in the same place, pixel for pixel.
-    pub fn camera(&self) -> &Camera {
+    pub fn camera(&self) -> &Camera<'a> {
         &self.camera
     }
 
     /// Pixels of a frame.
     pub fn pixels(&self) -> usize {
-        self.config.camera.width as usize * self.config.camera.height as usize
+        self.camera.size().into_iter().product()
     }
 
     /// Takes a frame.
     ///
     /// # Panics
-    /// When a buffer is not exactly as long as a frame needs, or the workspace does not fit the scene.
+    /// When a buffer is not exactly as long as a frame needs, the workspace does not fit the scene, or the
+    /// moment does not have one pose for each instance.
     pub fn sense(
         &self,
         scene: &Scene<'_>,
-        capture: &Capture,
+        capture: &Capture<'_>,
         workspace: &mut Workspace<'_>,
         output: DepthFrame<'_>,
     ) {
@@ -118,15 +154,26 @@ impl DepthCamera {
         let execution = workspace.execution;
         let mut memory = workspace.cut(scene, self.rays());
         let instances = scene.instances().len();
-        let view = View::new(scene, &capture.world_from_sensor, visibility::VISUAL, memory.view(instances));
-        let rows = Rows {
-            output,
-            width: self.config.camera.width as usize,
-            colour_stride: self.camera.row_stride(),
+        let view = View::new(scene, &capture.moment, visibility::VISUAL, memory.view(instances));
+        let (optics, sight) = (&self.config.camera.optics, self.camera.sight());
+        let wants_depth =
+            output.depth_32fc1.is_some() || output.depth_16uc1.is_some() || output.points.is_some();
+        let blocks = self.config.too_near == TooNear::Blocks;
+        let reach = sight.range[0] * optics.longest_direction();
+        let blocked: &mut [u16] = if wants_depth && blocks && view.may_be_within(reach) {
+            let fan = optics.fan();
+            let across = fan.blocks_across();
+            let blocked = memory.take(across * fan.blocks_down());
+            let near = Sight { range: [0.0, sight.range[0]], ..sight };
+            let lanes = Blocked { lanes: &mut *blocked, across };
+            trace_grid(&view, optics, &near, execution, &mut Cutter(&mut *memory.0), lanes, &Blocking);
+            blocked
+        } else {
+            &mut []
         };
-        let (lens, sight) = (self.camera.lens(), self.camera.sight());
-        let measurer = Measurer { camera: self, capture };
-        trace_pinhole(&view, lens, &sight, execution, &mut memory, rows, &measurer);
+        let rows = Rows { output, width: self.camera.size()[0], colour_stride: self.camera.row_stride() };
+        let measurer = Measurer { camera: self, capture, blocked };
+        trace_grid(&view, optics, &sight, execution, &mut memory, rows, &measurer);
     }
 
     /// Rays that a [`Workspace`] must have room for.
@@ -134,21 +181,24 @@ impl DepthCamera {
         self.camera.rays()
     }
 
-    /// Measured depths in metres: REP-117 values where there is none.
+    /// Measured depths in metres: REP-117 values where there is none. What noise takes out of the valid range is out of
+    /// it, as what was there before.
     #[inline(always)]
     fn depths(&self, truth: &Lanes<f32>, frame: u64, tile: u32) -> Lanes<f32> {
         let config = &self.config;
         let mut noisy = *truth;
         if !config.noise.is_none() {
             let CameraConfig { seed, sensor, .. } = config.camera;
-            let normals = normals64(&Stream { seed, sensor, frame, channel: DEPTH_CHANNEL }, 4 * tile);
+            let normals = normals64(&Stream { seed, sensor, frame, channel: Stream::DEPTH }, 4 * tile);
             config.noise.apply_all(&mut noisy, self.bias, &normals);
         }
         let (min, max) = (config.min_depth_m as f32, config.max_depth_m as f32);
         let mut depths = [0.0; LANES];
         for lane in 0..LANES {
-            let truth = truth[lane];
-            let near = if truth <= min { f32::NEG_INFINITY } else { noisy[lane] };
+            let (truth, noisy) = (truth[lane], noisy[lane]);
+            let measured = if noisy <= min { f32::NEG_INFINITY } else { noisy };
+            let measured = if noisy >= max { f32::INFINITY } else { measured };
+            let near = if truth <= min { f32::NEG_INFINITY } else { measured };
             depths[lane] = if truth >= max { f32::INFINITY } else { near };
         }
         depths
@@ -160,10 +210,11 @@ impl DepthCamera {
         simd: S,
         depths: &Lanes<f32>,
         colours: &Colours,
+        rays: &Rays<'_>,
         [column, row]: [usize; 2],
         output: &mut DepthFrame<'_>,
     ) {
-        let width = self.config.camera.width as usize;
+        let width = self.camera.size()[0];
         let first = column * TILE_WIDTH;
         let tile_rows = || depths.as_chunks::<TILE_WIDTH>().0.iter();
         if let Some(depth) = &mut output.depth_32fc1 {
@@ -206,10 +257,10 @@ impl DepthCamera {
                 for (x, point) in
                     line[first * POINT_STEP..].chunks_exact_mut(POINT_STEP).take(TILE_WIDTH).enumerate()
                 {
-                    let pixel = [(first + x) as f64, (row * TILE_HEIGHT + y) as f64];
-                    let ray = self.camera.lens().unproject(pixel);
+                    let ray = rays.direction((first + x) as i32, (row * TILE_HEIGHT + y) as i32);
                     let colour = [0, 1, 2].map(|channel| colours[channel][y * TILE_WIDTH + x]);
-                    write_point(point, [ray.x as f32, ray.y as f32], depths[x], colour);
+                    let slopes = [((0.0 - ray.y) / ray.x) as f32, ((0.0 - ray.z) / ray.x) as f32];
+                    write_point(point, slopes, depths[x], colour);
                 }
             }
         }
@@ -230,23 +281,70 @@ fn write_point(point: &mut [u8], [right, down]: [f32; 2], depth: f32, colour: [f
 
 /// Measures the tiles of a frame.
 struct Measurer<'a> {
-    camera: &'a DepthCamera,
-    capture: &'a Capture,
+    camera: &'a DepthCamera<'a>,
+    capture: &'a Capture<'a>,
+    /// The lanes of each block that something too near is in the way of; empty if nothing is.
+    blocked: &'a [u16],
+}
+
+impl Measurer<'_> {
+    /// Takes away the depths of a tile that something is in the way of.
+    #[inline(always)]
+    fn block(&self, truth: &mut Lanes<f32>, across: usize, [column, row]: [usize; 2]) {
+        const PARTS: usize = TILE_WIDTH / 4;
+        let first = column * PARTS;
+        let Some(blocked) = self.blocked.get(row * across + first..row * across + across) else { return };
+        for (part, &lanes) in blocked.iter().take(PARTS).enumerate() {
+            let mut rest = lanes;
+            while rest != 0 {
+                let lane = rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                truth[lane / 4 * TILE_WIDTH + part * 4 + lane % 4] = f32::NEG_INFINITY;
+            }
+        }
+    }
+}
+
+/// Finds out where something is too near.
+struct Blocking;
+
+impl BandWork<Blocked<'_>> for Blocking {
+    #[inline(always)]
+    fn finish<S: Simd>(&self, _simd: S, band: &Band<'_>, blocked: Blocked<'_>) {
+        for (lanes, slots) in blocked.lanes.iter_mut().zip(band.target.slot.iter()) {
+            *lanes = 0;
+            for (lane, &slot) in slots.iter().enumerate() {
+                *lanes |= u16::from(slot != NO_HIT) << lane;
+            }
+        }
+    }
+}
+
+/// A bit for each lane of each block, cut between rows of blocks.
+struct Blocked<'a> {
+    lanes: &'a mut [u16],
+    across: usize,
+}
+
+impl SplitRows for Blocked<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let (lanes, rest) = self.lanes.split_at_mut(rows * self.across);
+        (Self { lanes, across: self.across }, Self { lanes: rest, across: self.across })
+    }
 }
 
 impl BandWork<Rows<'_>> for Measurer<'_> {
     #[inline(always)]
-    fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, rows: Rows<'_>) {
-        let Self { camera, capture } = self;
-        let lens = camera.camera.lens();
-        let rays = CameraRays::new(lens, &capture.world_from_sensor);
-        let measure = Measure::new(&capture.world_from_sensor);
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, rows: Rows<'_>) {
+        let Self { camera, capture, .. } = self;
+        let rays = CameraRays::new(&band.rays, &capture.moment.world_from_sensor);
+        let measure = Measure::new(&capture.moment.world_from_sensor);
         let wants_colour = rows.output.colour.is_some() || rows.output.points.is_some();
         let mut resolver = Resolver::new(band.view);
         let mut seen = Tile::new();
         let mut shader = Shader::new();
         let mut colours = [[0.0; LANES]; 3];
-        let tiles = lens.tiles()[0];
+        let tiles = camera.camera.tiles()[0];
         let mut rest = Some(rows);
         for row in band.block_rows() {
             let Some(rows) = rest.take() else { return };
@@ -259,10 +357,12 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                     seen.take(simd, band, &mut resolver, &rays, [column, row]);
                     shader.shade(simd, band.view, &seen, &rays, &mut colours);
                     camera.camera.expose(capture.frame, tile, &mut colours);
+                    blacken(&mut colours, seen.missing);
                 }
-                let truth = measure.tile(simd, band, &mut resolver, [column, row]);
+                let mut truth = measure.tile(simd, band, &mut resolver, [column, row]);
+                self.block(&mut truth, band.rays.fan().blocks_across(), [column, row]);
                 let depths = camera.depths(&truth, capture.frame, tile);
-                camera.write_tile(simd, &depths, &colours, [column, row], &mut rows.output);
+                camera.write_tile(simd, &depths, &colours, &band.rays, [column, row], &mut rows.output);
             }
         }
     }

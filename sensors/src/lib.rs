@@ -5,14 +5,14 @@
 //!
 //! 1. [`simd`]: the level token and the packet width; [`pose`]: rigid poses in f64.
 //! 2. [`noise`]: counter-based random numbers and Gazebo's Gaussian noise.
-//! 3. [`scene`]: what is looked at, as plain borrowed data.
-//! 4. [`trace`]: where rays meet it.
-//! 5. [`lens`]: which way the ray of a pixel goes.
+//! 3. [`scene`]: what is looked at, as plain borrowed data; [`moment`]: where everything is, and when.
+//! 4. [`optics`]: which way rays go: the rules of pinhole and lidar, and tables of any lens model.
+//! 5. [`trace`]: where rays meet the scene.
 //! 6. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once (`Result`); after that
 //!    `sense` fills the caller's slices, and neither fails nor allocates.
 //!
 //! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames
-//! (clouds, [`lens`]) have z forward, x right, y down. Pixel centres are integers.
+//! (clouds, [`optics`]) have z forward, x right, y down. Pixel centres are integers.
 //!
 //! What a sensor sees is decided by [`scene::visibility`]: cameras see visuals, lidars hit collision shapes.
 //!
@@ -29,12 +29,26 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+/// Named setters of a configuration's fields.
+macro_rules! setters {
+    ($($(#[$doc:meta])* $field:ident: $kind:ty,)*) => {$(
+        $(#[$doc])*
+        #[must_use]
+        pub const fn $field(mut self, $field: $kind) -> Self {
+            self.$field = $field;
+            self
+        }
+    )*};
+}
+
 pub mod camera;
 pub mod depth;
 mod execution;
-pub mod lens;
 pub mod lidar;
+mod memory;
+pub mod moment;
 pub mod noise;
+pub mod optics;
 #[cfg(feature = "parry")]
 pub mod parry;
 mod pixel;
@@ -47,4 +61,5 @@ pub mod simd;
 pub mod trace;
 
 pub use execution::Execution;
+pub use moment::{Capture, Moment};
 pub use pose::Pose;

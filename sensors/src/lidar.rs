@@ -1,24 +1,28 @@
 //! Lidars with fixed beams: ranges and intensities, with Gazebo's range noise.
 
 use crate::execution::SplitRows;
+use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normals64};
+use crate::optics::Optics;
+use crate::optics::{MAX_GRID_SIZE, SphericalGrid};
 use crate::scene::{Scene, visibility};
 use crate::simd::LANES;
-use crate::trace::grid::{Band, BandWork, Sight, trace_spherical};
-use crate::trace::image::{NO_HIT, Projection};
+pub use crate::trace::TooNear;
+use crate::trace::Workspace;
+use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
+use crate::trace::image::NO_HIT;
 use crate::trace::measure::Measure;
 use crate::trace::packet::Faces;
 use crate::trace::place::for_each_block;
 use crate::trace::resolve::Resolver;
 use crate::trace::view::View;
-use crate::trace::{Capture, RayGrid, SphericalGrid, Workspace};
 use fearless_simd::Simd;
 
 /// Most beams of a lidar.
 pub const MAX_BEAMS: u32 = 16_777_216;
 
 /// Most beams of a scan line, and most scan lines.
-pub const MAX_SAMPLES: u32 = 32_767;
+pub const MAX_SAMPLES: u32 = MAX_GRID_SIZE;
 
 /// Angles of the beams along one axis, first and last included.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,21 +61,12 @@ impl Beams {
     }
 }
 
-/// What happens to something nearer than the smallest range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TooNear {
-    /// REP-117: the range is −∞.
-    Blocks,
-    /// As Gazebo: the ray begins at the smallest range and sees what lies behind.
-    SeenThrough,
-}
-
 /// What a lidar is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LidarConfig {
     /// Beams of a scan line; angle 0 is +x, counter-clockwise about +z.
     pub horizontal: Beams,
-    /// Scan lines; angles up from the xy plane.
+    /// Scan lines; angles up from the xy plane, beyond ±π/2 over the pole and down on the other side.
     pub vertical: Beams,
     /// Smallest range in metres, at least 0.
     pub range_min_m: f64,
@@ -116,9 +111,6 @@ pub struct Lidar {
     bias: f32,
 }
 
-/// Noise channel of ranges.
-const RANGE_CHANNEL: u16 = 2;
-
 impl Lidar {
     /// Checks the configuration.
     ///
@@ -150,12 +142,12 @@ impl Lidar {
     /// 0 where there is no range.
     ///
     /// # Panics
-    /// When `ranges` is not [`Lidar::beams`] long, or `intensities` neither that nor empty, or the workspace does
-    /// not fit the scene.
+    /// When `ranges` is not [`Lidar::beams`] long, or `intensities` neither that nor empty, the workspace does not fit
+    /// the scene, or the moment does not have one pose for each instance.
     pub fn sense(
         &self,
         scene: &Scene<'_>,
-        capture: &Capture,
+        capture: &Capture<'_>,
         workspace: &mut Workspace<'_>,
         ranges: &mut [f32],
         intensities: &mut [f32],
@@ -169,23 +161,22 @@ impl Lidar {
         let grid = self.grid();
         let mut memory = workspace.cut(scene, self.rays());
         let instances = scene.instances().len();
-        let view =
-            View::new(scene, &capture.world_from_sensor, visibility::COLLISION, memory.view(instances));
+        let view = View::new(scene, &capture.moment, visibility::COLLISION, memory.view(instances));
         let nearest = match self.config.too_near {
             TooNear::Blocks => 0.0,
             TooNear::SeenThrough => self.config.range_min_m,
         };
         let sight = Sight { faces: Faces::Both, range: [nearest, self.config.range_max_m] };
         let samples = self.config.horizontal.samples as usize;
-        let rows_in_block = 1 << RayGrid::Spherical(grid).fan().shift_y;
+        let rows_in_block = 1 << Optics::Spherical(grid).fan().shift_y;
         let lines = Lines { ranges, intensities, samples, rows_in_block };
         let scanner = Scanner { lidar: self, capture };
-        trace_spherical(&view, &grid, &sight, execution, &mut memory, lines, &scanner);
+        trace_grid(&view, &Optics::Spherical(grid), &sight, execution, &mut memory, lines, &scanner);
     }
 
     /// Rays that a [`Workspace`] must have room for.
     pub fn rays(&self) -> usize {
-        RayGrid::Spherical(self.grid()).rays()
+        Optics::Spherical(self.grid()).rays()
     }
 
     fn grid(&self) -> SphericalGrid {
@@ -206,7 +197,7 @@ impl Lidar {
         let config = &self.config;
         let mut normals = [0.0; LANES];
         if !config.noise.is_none() {
-            let stream = Stream { seed: config.seed, sensor: config.sensor, frame, channel: RANGE_CHANNEL };
+            let stream = Stream { seed: config.seed, sensor: config.sensor, frame, channel: Stream::RANGE };
             normals = normals64(&stream, 4 * block);
         }
         let (min, max) = (config.range_min_m as f32, config.range_max_m as f32);
@@ -233,20 +224,20 @@ impl Lidar {
 /// Measures the beams of a scan.
 struct Scanner<'a> {
     lidar: &'a Lidar,
-    capture: &'a Capture,
+    capture: &'a Capture<'a>,
 }
 
 impl BandWork<Lines<'_>> for Scanner<'_> {
     #[inline(always)]
-    fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, lines: Lines<'_>) {
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, lines: Lines<'_>) {
         let Lines { ranges, intensities, samples, .. } = lines;
-        let measure = Measure::new(&self.capture.world_from_sensor);
+        let measure = Measure::new(&self.capture.moment.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
         for_each_block(
             band,
             #[inline(always)]
             |place, block| {
-                place.write(&measure.block::<S, P, false>(simd, band, &mut resolver, block), ranges);
+                place.write(&measure.block::<S, false>(simd, band, &mut resolver, block), ranges);
                 if !intensities.is_empty() {
                     let retro = band.target.slot[place.block]
                         .map(|slot| if slot == NO_HIT { 0.0 } else { resolver.laser_retro(slot) });

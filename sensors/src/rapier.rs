@@ -18,12 +18,28 @@ struct Placed {
     collider_from_instance: Pose,
 }
 
+/// A collider that is in the scene.
+#[derive(Debug, Default)]
+struct Mirrored {
+    /// Of its shape.
+    address: usize,
+    instances: Vec<Placed>,
+}
+
+/// A shape that is in the scene.
+struct Taken {
+    /// Kept, so that no other shape can have its address.
+    _shape: SharedShape,
+    parts: Vec<Part>,
+    /// How many colliders have it.
+    users: usize,
+}
+
 /// The mirror of a [`ColliderSet`] in a scene, which may hold other things as well.
 ///
 /// After each step, [`ColliderScene::update`] takes over the poses of the bodies that are awake, and of those that
-/// have fallen asleep since; what rests costs nothing. Colliders with the same [`SharedShape`] share its mesh. A
-/// collider that is removed leaves its instances to the next that is added: a scene in which things come and go
-/// does not grow.
+/// have fallen asleep since; what rests costs nothing. Colliders with the same [`SharedShape`] share its mesh, which
+/// goes with the last of them: a scene in which things come and go does not grow.
 ///
 /// ```
 /// use belvedere_sensors::{rapier::ColliderScene, scene::*};
@@ -44,11 +60,9 @@ struct Placed {
 /// ```
 #[derive(Default)]
 pub struct ColliderScene {
-    placed: HashMap<ColliderHandle, Vec<Placed>>,
-    /// Parts by the address of the shape, which the entry keeps alive, so that no other shape can have it.
-    shapes: HashMap<usize, (SharedShape, Vec<Part>)>,
-    /// Instances that show nothing.
-    free: Vec<InstanceId>,
+    placed: HashMap<ColliderHandle, Mirrored>,
+    /// By the address of the shape.
+    shapes: HashMap<usize, Taken>,
     /// Bodies that were awake at the last update.
     awake: Vec<RigidBodyHandle>,
 }
@@ -58,7 +72,6 @@ impl fmt::Debug for ColliderScene {
         f.debug_struct("ColliderScene")
             .field("placed", &self.placed)
             .field("shapes", &self.shapes.len())
-            .field("free", &self.free)
             .field("awake", &self.awake)
             .finish()
     }
@@ -85,26 +98,20 @@ impl ColliderScene {
     ) -> Result<(), ColliderError> {
         let handle = collider;
         let collider = colliders.get(handle).ok_or(ColliderError::NoSuchCollider(handle))?;
+        // The new before the old: a shape that stays is not built again.
+        let taken = self.take(builder, collider);
         self.remove(builder, handle);
-        let (_, parts) = match self.shapes.entry(address(collider)) {
-            Entry::Occupied(entry) => entry.into_mut(),
-            Entry::Vacant(entry) => {
-                let parts = builder.add_parry_shape(collider.shape(), [1.0; 3])?;
-                entry.insert((collider.shared_shape().clone(), parts))
-            }
-        };
+        let address = taken?;
+        let parts = self.shapes.get(&address).map_or(&[][..], |taken| &taken.parts);
         let look = InstanceConfig { world_from_instance: pose(collider.position()), ..*look };
-        let placed = self.placed.entry(handle).or_default();
-        for part in parts.iter() {
-            let config = part.instance(&look);
-            let added = match self.free.last() {
-                Some(&free) => builder.set_instance(free, &config).map(|()| free),
-                None => builder.add_instance(&config),
-            };
-            match added {
+        let mirrored = self.placed.entry(handle).or_default();
+        mirrored.address = address;
+        for part in parts {
+            match builder.add_instance(&part.instance(&look)) {
                 Ok(instance) => {
-                    self.free.pop_if(|free| *free == instance);
-                    placed.push(Placed { instance, collider_from_instance: part.shape_from_part });
+                    mirrored
+                        .instances
+                        .push(Placed { instance, collider_from_instance: part.shape_from_part });
                 }
                 Err(error) => {
                     self.remove(builder, handle);
@@ -117,19 +124,41 @@ impl ColliderScene {
 
     /// Takes a collider out of the scene; false if it is not in it. The set may still have it or not.
     pub fn remove(&mut self, builder: &mut SceneBuilder, collider: ColliderHandle) -> bool {
-        let Some(placed) = self.placed.remove(&collider) else { return false };
-        for Placed { instance, .. } in placed {
-            // Seen by nobody; the instance is there as long as the scene.
-            let hidden = builder.set_visibility(instance, 0);
-            debug_assert!(hidden.is_ok(), "instances are not removed");
-            self.free.push(instance);
+        let Some(mirrored) = self.placed.remove(&collider) else { return false };
+        for Placed { instance, .. } in mirrored.instances {
+            let removed = builder.remove_instance(instance);
+            debug_assert!(removed.is_ok(), "the instances of a collider are its mirror's alone");
+        }
+        if let Entry::Occupied(mut taken) = self.shapes.entry(mirrored.address) {
+            taken.get_mut().users -= 1;
+            if taken.get().users == 0 {
+                let removed = builder.remove_parry_shape(&taken.remove().parts);
+                debug_assert!(removed.is_ok(), "the meshes of a shape are its mirror's alone");
+            }
         }
         true
     }
 
+    /// Takes in a collider's shape, or counts one more that has it; where it is in `shapes`.
+    fn take(&mut self, builder: &mut SceneBuilder, collider: &Collider) -> Result<usize, ColliderError> {
+        let address = address(collider);
+        match self.shapes.entry(address) {
+            Entry::Occupied(mut taken) => taken.get_mut().users += 1,
+            Entry::Vacant(place) => {
+                let parts = builder.add_parry_shape(collider.shape(), [1.0; 3])?;
+                place.insert(Taken { _shape: collider.shared_shape().clone(), parts, users: 1 });
+            }
+        }
+        Ok(address)
+    }
+
     /// The instances that show a collider; none for one that is not mirrored.
     pub fn instances(&self, collider: ColliderHandle) -> impl Iterator<Item = InstanceId> + '_ {
-        self.placed.get(&collider).into_iter().flatten().map(|placed| placed.instance)
+        self.placed
+            .get(&collider)
+            .into_iter()
+            .flat_map(|mirrored| &mirrored.instances)
+            .map(|placed| placed.instance)
     }
 
     /// Takes over the poses of all colliders whose bodies may have moved since the last call: bodies that are awake
@@ -175,7 +204,7 @@ impl ColliderScene {
             return false;
         };
         let world_from_collider = pose(collider.position());
-        placed.iter().all(|part| {
+        placed.instances.iter().all(|part| {
             builder.set_pose(part.instance, world_from_collider * part.collider_from_instance).is_ok()
         })
     }

@@ -2,16 +2,17 @@
 
 mod common;
 
-use belvedere_sensors::Pose;
 use belvedere_sensors::camera::{Camera, CameraConfig};
-use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
+use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
+use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{
     HeightFieldId, InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, MeshId,
-    SceneBuilder, SceneError, Shape, TextureId, visibility,
+    Scene, SceneBuilder, SceneError, Shape, TextureId, visibility,
 };
-use belvedere_sensors::trace::{Capture, WorkspaceBuf};
-use common::{CAMERA, DEPTH_CAMERA, LIDAR, add_grey};
+use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Pose};
+use common::{LIDAR, add_grey, camera_of, depth_camera};
 use glam::{DQuat, DVec3};
 use proptest::array::uniform3;
 use proptest::collection::vec;
@@ -86,9 +87,9 @@ fn mesh() -> impl Strategy<Value = MeshParts> {
 fn sense_all(builder: &SceneBuilder, pose: Pose) {
     let scene = builder.scene();
     let mut workspace = WorkspaceBuf::default();
-    let capture = Capture { world_from_sensor: pose, frame: u64::MAX };
-    let small = CameraConfig { width: 37, height: 9, ..CAMERA };
-    let camera = DepthCamera::new(DepthCameraConfig { camera: small, ..DEPTH_CAMERA }).unwrap();
+    let capture = Capture::new(u64::MAX, builder.moment(pose));
+    let small = camera_of([37, 9], 1.2);
+    let camera = DepthCamera::new(depth_camera().camera(small)).unwrap();
     let (mut metres, mut millimetres) = (vec![0.0; camera.pixels()], vec![0; camera.pixels()]);
     let (mut colour, mut points) =
         (vec![0; camera.camera().frame_len()], vec![0; camera.pixels() * POINT_STEP]);
@@ -149,11 +150,15 @@ proptest! {
             });
         }
         for light in &lights {
-            builder.add_light(light);
+            let _ = builder.add_light(light);
         }
         let (instance, pose) = moved;
         let _ = builder.set_pose(InstanceId(instance), pose);
         sense_all(&builder, view);
+        let baked = builder.bake();
+        let (scene, poses) = Scene::from_baked(bytemuck::cast_slice(&baked)).expect("what is accepted can be read back");
+        prop_assert_eq!(scene.instances().len(), builder.scene().instances().len());
+        prop_assert_eq!(poses, builder.poses());
     }
 
     #[test]
@@ -163,13 +168,15 @@ proptest! {
         beams in (0_u32..40, prop_oneof![0_u32..20, any::<u32>()]),
     ) {
         let [fov, near, far, min, max, from, to, up] = numbers;
-        let camera = CameraConfig {
-            width: size.0, height: size.1, horizontal_fov_rad: fov, near_m: near, far_m: far, ..CAMERA
+        let Ok(grid) = PinholeGrid::from_fov(size.0, size.1, fov) else {
+            prop_assert!(size.0 == 0 || size.1 == 0 || !(fov > 0.0 && fov < core::f64::consts::PI) || fov < 1e-300);
+            return Ok(());
         };
+        let camera = CameraConfig::new(grid).near_m(near).far_m(far);
         if Camera::new(camera).is_ok() {
             prop_assert!(size.0 > 0 && size.1 > 0 && fov > 0.0 && near > 0.0 && near < far);
         }
-        let depth = DepthCameraConfig { camera, min_depth_m: min, max_depth_m: max, ..DEPTH_CAMERA };
+        let depth = depth_camera().camera(camera).min_depth_m(min).max_depth_m(max);
         if DepthCamera::new(depth).is_ok() {
             prop_assert!(min >= 0.0 && min < max);
         }
@@ -186,7 +193,7 @@ proptest! {
             add_grey(&mut builder, Shape::Sphere { radius: 2.0 }, Pose::IDENTITY);
             let scene = builder.scene();
             let mut ranges = vec![0.0; lidar.beams()];
-            let capture = Capture { world_from_sensor: Pose::IDENTITY, frame: 0 };
+            let capture = Capture::new(0, builder.moment(Pose::IDENTITY));
             lidar.sense(&scene, &capture, &mut WorkspaceBuf::default().lend(&scene, lidar.rays()), &mut ranges, &mut []);
             prop_assert!(ranges.iter().all(|range| !range.is_nan()));
         }
@@ -220,13 +227,28 @@ fn every_error_has_its_name() {
     builder.add_material(&MaterialConfig::default()).unwrap();
     let no_mesh = InstanceConfig { shape: Shape::Mesh(MeshId(1)), ..config };
     assert_eq!(builder.add_instance(&no_mesh), Err(SceneError::NoSuchMesh));
-    for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+    for radius in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e13, 1e-13] {
         let bad = InstanceConfig { shape: Shape::Sphere { radius }, ..config };
         assert_eq!(builder.add_instance(&bad), Err(SceneError::BadSize));
     }
-    for factor in [0.0, f64::NAN, f64::INFINITY] {
+    for factor in [0.0, f64::NAN, f64::INFINITY, -1e13, 1e-13] {
         let bad = InstanceConfig { scale: [1.0, factor, 1.0], ..config };
         assert_eq!(builder.add_instance(&bad), Err(SceneError::BadScale));
+    }
+    assert_eq!(builder.add_mesh(&corners[..2], &[[0.0; 2], [0.0, f32::NAN]], &[]), Err(SceneError::BadUv(1)));
+    let often = MaterialConfig { texture_repeat: [1.0, f32::INFINITY], ..MaterialConfig::default() };
+    assert_eq!(builder.add_material(&often), Err(SceneError::BadTextureRepeat));
+    let lamp = LightConfig {
+        kind: LightKind::Point { position: [0.0, 0.0, f64::NAN] },
+        diffuse: [1.0; 3],
+        range_m: 1.0,
+        attenuation: [1.0, 0.0, 0.0],
+        cast_shadows: false,
+    };
+    assert_eq!(builder.add_light(&lamp), Err(SceneError::BadLight));
+    for beyond in [DVec3::X * 1e13, DVec3::Y * f64::INFINITY] {
+        let bad = InstanceConfig { world_from_instance: Pose::from_translation(beyond), ..config };
+        assert_eq!(builder.add_instance(&bad), Err(SceneError::BadPose));
     }
     let nowhere = Pose::from_translation(DVec3::NAN);
     let bad = InstanceConfig { world_from_instance: nowhere, ..config };
@@ -234,4 +256,97 @@ fn every_error_has_its_name() {
     let ball = builder.add_instance(&config).unwrap();
     assert_eq!(builder.set_pose(ball, nowhere), Err(SceneError::BadPose));
     assert_eq!(builder.set_pose(InstanceId(1), Pose::IDENTITY), Err(SceneError::NoSuchInstance));
+}
+
+#[test]
+fn grids_that_cannot_be_cast_are_refused() {
+    use belvedere_sensors::optics::{Intrinsics, Pinhole};
+    use belvedere_sensors::optics::{MAX_GRID_SIZE, Optics, SphericalGrid};
+    use belvedere_sensors::scene::visibility::VISUAL;
+    use belvedere_sensors::trace::{CastError, Faces, Hits, Workspace, cast_grid};
+    let mut builder = SceneBuilder::new();
+    common::add_grey(&mut builder, Shape::Sphere { radius: 2.0 }, Pose::IDENTITY);
+    let scene = builder.scene();
+    let cast = |grid: &Optics, range: [f64; 2], pose: &Pose, length: usize| {
+        let mut distance = vec![7.0; length];
+        let mut memory = WorkspaceBuf::default();
+        let hits = Hits { distance: Some(&mut distance), ..Hits::default() };
+        let mut workspace = memory.lend(&scene, grid.rays());
+        let result =
+            cast_grid(&scene, &builder.moment(*pose), grid, range, VISUAL, Faces::Both, &mut workspace, hits);
+        match &result {
+            Ok(()) => assert!(distance.iter().all(|distance| (distance - 2.0).abs() < 2e-5)),
+            Err(error) => {
+                assert!(distance.iter().all(|&distance| distance == 7.0));
+                assert!(!error.to_string().is_empty());
+            }
+        }
+        result
+    };
+    let good = SphericalGrid {
+        columns: 8,
+        rows: 2,
+        first_azimuth_rad: 0.0,
+        azimuth_step_rad: 0.1,
+        first_elevation_rad: 0.0,
+        elevation_step_rad: 0.1,
+    };
+    let range = [0.0, f64::INFINITY];
+    let spherical = |grid| cast(&Optics::Spherical(grid), range, &Pose::IDENTITY, 16);
+    assert_eq!(spherical(good), Ok(()));
+    for value in [0, MAX_GRID_SIZE + 1, 65_000, u32::MAX] {
+        let columns = spherical(SphericalGrid { columns: value, ..good });
+        assert_eq!(columns, Err(CastError::Size { parameter: "columns", value }));
+        let rows = spherical(SphericalGrid { rows: value, ..good });
+        assert_eq!(rows, Err(CastError::Size { parameter: "rows", value }));
+    }
+    for value in [f64::NAN, f64::INFINITY] {
+        for grid in [
+            SphericalGrid { first_azimuth_rad: value, ..good },
+            SphericalGrid { azimuth_step_rad: value, ..good },
+            SphericalGrid { first_elevation_rad: value, ..good },
+            SphericalGrid { elevation_step_rad: value, ..good },
+        ] {
+            assert!(matches!(spherical(grid), Err(CastError::Number { .. })), "{grid:?}");
+        }
+    }
+    let good = Optics::Spherical(good);
+    for range in [[f64::NAN, 1.0], [0.0, f64::NAN], [-1.0, 1.0], [2.0, 1.0], [f64::INFINITY; 2]] {
+        let found = cast(&good, range, &Pose::IDENTITY, 16);
+        assert!(matches!(found, Err(CastError::Range { .. })), "{range:?}");
+    }
+    let nowhere = Pose::from_translation(DVec3::splat(f64::NAN));
+    assert_eq!(cast(&good, range, &nowhere, 16), Err(CastError::Pose));
+    let short = cast(&good, range, &Pose::IDENTITY, 15);
+    assert_eq!(short, Err(CastError::Output { parameter: "distance", value: 15, rays: 16 }));
+    let mut none = Workspace { buffer: &mut [], execution: belvedere_sensors::Execution::default() };
+    let here = builder.moment(Pose::IDENTITY);
+    let refused = cast_grid(&scene, &here, &good, range, VISUAL, Faces::Both, &mut none, Hits::default());
+    assert!(matches!(refused, Err(CastError::Workspace { value: 0, .. })));
+    // What no pinhole has is refused where one is made.
+    let lens = PinholeGrid::from_fov(8, 2, 1.0).unwrap();
+    let intrinsics = lens.intrinsics();
+    for bad in [
+        Intrinsics { fx: 0.0, ..intrinsics },
+        Intrinsics { fy: f64::NAN, ..intrinsics },
+        Intrinsics { cx: f64::INFINITY, ..intrinsics },
+    ] {
+        assert!(Pinhole::new(bad).is_err(), "{bad:?}");
+    }
+    assert!(PinholeGrid::new(0, 8, *lens.lens()).is_err());
+    let skewed = Pinhole::new(Intrinsics { skew: 0.1, ..intrinsics }).unwrap();
+    assert!(PinholeGrid::new(8, 2, skewed).is_err());
+    let large = Optics::Pinhole(PinholeGrid::new(8, 40_000, *lens.lens()).unwrap());
+    let refused = cast(&large, range, &Pose::IDENTITY, 16);
+    assert_eq!(refused, Err(CastError::Size { parameter: "height", value: 40_000 }));
+    // The most columns there may be, of more than a turn.
+    let many = SphericalGrid {
+        columns: MAX_GRID_SIZE,
+        rows: 1,
+        first_azimuth_rad: -3.2,
+        azimuth_step_rad: 6.4 / f64::from(MAX_GRID_SIZE),
+        first_elevation_rad: 0.0,
+        elevation_step_rad: 0.0,
+    };
+    assert_eq!(cast(&Optics::Spherical(many), range, &Pose::IDENTITY, MAX_GRID_SIZE as usize), Ok(()));
 }

@@ -8,7 +8,7 @@ use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{BakedError, Scene, SceneBuilder, Shape};
 use belvedere_sensors::trace::CacheLine;
 use bytemuck::Zeroable;
-use common::{CAMERA, DEPTH_CAMERA, LIDAR, add_grey, depth_image, picture, scan, scenery};
+use common::{LIDAR, add_grey, camera, depth_camera, depth_image, picture, scan, scenery};
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -40,17 +40,17 @@ fn frames_of_a_file_are_those_of_the_builder() {
     std::fs::remove_file(&path).unwrap();
     let lines = aligned(&bytes.unwrap());
     let baked = Scene::from_baked(bytemuck::cast_slice(&lines)).unwrap();
-    let built = builder.scene();
     let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
-    assert!(picture(&baked, CAMERA, pose) == picture(&built, CAMERA, pose));
-    assert!(depth_image(&baked, DEPTH_CAMERA, pose) == depth_image(&built, DEPTH_CAMERA, pose));
-    assert!(scan(&baked, LIDAR, pose) == scan(&built, LIDAR, pose));
+    assert!(picture(baked, camera(), pose) == picture(&builder, camera(), pose));
+    assert!(depth_image(baked, depth_camera(), pose) == depth_image(&builder, depth_camera(), pose));
+    assert!(scan(baked, LIDAR, pose) == scan(&builder, LIDAR, pose));
 }
 
 #[test]
 fn an_empty_scene_comes_back() {
     let lines = SceneBuilder::new().bake();
-    assert!(Scene::from_baked(bytemuck::cast_slice(&lines)).unwrap().instances().is_empty());
+    let (scene, poses) = Scene::from_baked(bytemuck::cast_slice(&lines)).unwrap();
+    assert!(scene.instances().is_empty() && poses.is_empty());
 }
 
 /// What is said of the scene after `spoil` has changed its bytes.
@@ -88,10 +88,10 @@ fn errors_say_what_is_wrong() {
     );
     // The x of the third instance's position.
     let fault = fault_of(|bytes| {
-        let third = section(bytes, 0) + 2 * 128;
+        let third = section(bytes, 14) + 2 * 56;
         bytes[third + 32..][..8].copy_from_slice(&f64::NAN.to_le_bytes());
     });
-    assert!(fault.contains("element 2 of section `instances`: translation cannot be NaN"), "{fault}");
+    assert!(fault.contains("element 2 of section `poses`: translation cannot be NaN"), "{fault}");
 }
 
 proptest! {
@@ -99,19 +99,21 @@ proptest! {
 
     #[test]
     fn spoilt_scenes_are_refused_or_sensed(
-        spoils in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..4_u32), 1..4),
+        spoils in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..5_u32), 1..4),
         rays in prop::collection::vec(any::<u8>(), 0..200),
     ) {
         let mut lines = everything().bake();
         let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
+        let poses = section(bytes, 14);
         for (place, byte, kind) in &spoils {
-            // Where few bytes decide much: header and instances are hit as often as all the rest.
-            let length = match kind {
-                0 => 320,
-                1 => 320 + 128 * 30,
-                _ => bytes.len(),
+            // Where few bytes decide much: header, instances and poses are hit as often as all the rest.
+            let range = match kind {
+                0 => 0..320,
+                1 => 0..320 + 72 * 30,
+                2 => poses..bytes.len(),
+                _ => 0..bytes.len(),
             };
-            bytes[place.index(length)] ^= byte;
+            bytes[range.start + place.index(range.len())] ^= byte;
         }
         entry::sense_scene(bytes, &rays);
     }

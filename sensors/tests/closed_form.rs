@@ -3,11 +3,10 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::depth::DepthCameraConfig;
 use belvedere_sensors::lidar::{Beams, LidarConfig, TooNear};
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use common::oracle::{Ray, first_hit, pixel_ray, scaled};
-use common::{CAMERA, DEPTH_CAMERA, LIDAR, add_grey, depth_image, look_at, scan};
+use common::{LIDAR, SIZE, add_grey, camera, depth_camera, depth_image, look_at, scan};
 use core::f64::consts::PI;
 use glam::DVec3;
 
@@ -50,10 +49,10 @@ fn views() -> [Pose; 6] {
 fn check_depths(depths: &[f32], shape: &Shape, shape_pose: &Pose, view: &Pose) -> usize {
     let mut covered = 0;
     for (index, &depth) in depths.iter().enumerate() {
-        let (column, row) = (index as u32 % CAMERA.width, index as u32 / CAMERA.width);
-        let ray = pixel_ray(&CAMERA, view, column, row);
+        let (column, row) = (index as u32 % SIZE[0], index as u32 / SIZE[0]);
+        let ray = pixel_ray(&camera(), view, column, row);
         let hit = |shape: &Shape| {
-            first_hit(shape, shape_pose, &ray, CAMERA.near_m, false).filter(|t| *t < CAMERA.far_m)
+            first_hit(shape, shape_pose, &ray, camera().near_m, false).filter(|t| *t < camera().far_m)
         };
         let at_edge =
             || hit(&scaled(shape, 1.0 + EDGE)).is_some() != hit(&scaled(shape, 1.0 - EDGE)).is_some();
@@ -80,7 +79,7 @@ fn depth_of_every_shape() {
         add_grey(&mut builder, shape, shape_pose());
         let mut covered = 0;
         for view in views() {
-            let depths = depth_image(&builder.scene(), DEPTH_CAMERA, view);
+            let depths = depth_image(&builder, depth_camera(), view);
             covered += check_depths(&depths, &shape, &shape_pose(), &view);
         }
         assert!(covered > 50_000, "{shape:?} covers only {covered} pixels of all views");
@@ -118,7 +117,7 @@ fn depth_of_a_mesh() {
     let mesh = builder.add_mesh(&corners, &[], &triangles).unwrap();
     add_grey(&mut builder, Shape::Mesh(mesh), shape_pose());
     for view in views() {
-        let depths = depth_image(&builder.scene(), DEPTH_CAMERA, view);
+        let depths = depth_image(&builder, depth_camera(), view);
         check_depths(&depths, &shape, &shape_pose(), &view);
     }
 }
@@ -130,7 +129,7 @@ fn a_hundred_kilometres_away_all_looks_the_same() {
         let mut builder = SceneBuilder::new();
         add_grey(&mut builder, shape, far * shape_pose());
         let view = far * views()[0];
-        let depths = depth_image(&builder.scene(), DEPTH_CAMERA, view);
+        let depths = depth_image(&builder, depth_camera(), view);
         check_depths(&depths, &shape, &(far * shape_pose()), &view);
     }
 }
@@ -150,13 +149,13 @@ fn the_nearest_of_many_shapes() {
         placed.push((shape, pose));
     }
     let view = look_at(DVec3::new(-6.0, 1.0, 2.0), DVec3::ZERO, 0.2);
-    let depths = depth_image(&builder.scene(), DEPTH_CAMERA, view);
+    let depths = depth_image(&builder, depth_camera(), view);
     let mut edges = 0;
     for (index, &depth) in depths.iter().enumerate() {
-        let ray = pixel_ray(&CAMERA, &view, index as u32 % CAMERA.width, index as u32 / CAMERA.width);
+        let ray = pixel_ray(&camera(), &view, index as u32 % SIZE[0], index as u32 / SIZE[0]);
         let truth = placed
             .iter()
-            .filter_map(|(shape, pose)| first_hit(shape, pose, &ray, CAMERA.near_m, false))
+            .filter_map(|(shape, pose)| first_hit(shape, pose, &ray, camera().near_m, false))
             .fold(f64::INFINITY, f64::min);
         let agrees = f64::from(depth) == truth || (f64::from(depth) - truth).abs() < RELATIVE_ERROR * truth;
         edges += usize::from(!agrees);
@@ -180,7 +179,7 @@ fn a_camera_sees_out_of_its_housing() {
     }
     let wall = Shape::Box { size: [0.1, 20.0, 20.0] };
     add_grey(&mut builder, wall, Pose::from_translation(DVec3::X * 2.05));
-    let depths = depth_image(&builder.scene(), DEPTH_CAMERA, Pose::IDENTITY);
+    let depths = depth_image(&builder, depth_camera(), Pose::IDENTITY);
     assert!(depths.iter().all(|depth| (depth - 2.0).abs() < 2e-5));
 }
 
@@ -194,10 +193,10 @@ fn wall_at(depth: f64) -> SceneBuilder {
 
 #[test]
 fn clip_distances_and_cutoffs() {
-    let mut config = DepthCameraConfig { min_depth_m: 0.4, max_depth_m: 5.0, ..DEPTH_CAMERA };
+    let mut config = depth_camera().min_depth_m(0.4).max_depth_m(5.0);
     (config.camera.near_m, config.camera.far_m) = (0.25, 8.0);
     for (depth, infinite) in [
-        (0.2, f32::INFINITY), // Before the near clip: culled, and nothing behind.
+        (0.2, f32::NEG_INFINITY), // Before the near clip.
         (0.3, f32::NEG_INFINITY),
         (0.5, 0.5),
         (4.875, 4.875),
@@ -206,15 +205,20 @@ fn clip_distances_and_cutoffs() {
     ] {
         let builder = wall_at(depth);
         config.out_of_range = belvedere_sensors::depth::OutOfRange::Infinite;
-        for seen in depth_image(&builder.scene(), config, Pose::IDENTITY) {
+        for seen in depth_image(&builder, config, Pose::IDENTITY) {
             let near_enough = (seen - infinite).abs() < 1e-5;
             assert!(seen == infinite || near_enough, "a wall at {depth} is seen at {seen}");
         }
         config.out_of_range = belvedere_sensors::depth::OutOfRange::Nan;
-        for seen in depth_image(&builder.scene(), config, Pose::IDENTITY) {
+        for seen in depth_image(&builder, config, Pose::IDENTITY) {
             assert_eq!(seen.is_nan(), infinite.is_infinite(), "a wall at {depth} is seen at {seen}");
         }
     }
+    // Culled, and nothing behind.
+    config.out_of_range = belvedere_sensors::depth::OutOfRange::Infinite;
+    config.too_near = TooNear::SeenThrough;
+    let depths = depth_image(&wall_at(0.2), config, Pose::IDENTITY);
+    assert!(depths.iter().all(|&depth| depth == f32::INFINITY));
 }
 
 /// A room of 8 × 6 m around the origin with a column in it, and the formula of a horizontal beam.
@@ -253,7 +257,7 @@ fn scans_of_a_room() {
             let position = DVec3::new(x, y, 0.1);
             let config = LidarConfig { horizontal, ..LIDAR };
             let pose = Pose::from_xyz_rpy(position, DVec3::Z * yaw);
-            let (ranges, _) = scan(&builder.scene(), config, pose);
+            let (ranges, _) = scan(&builder, config, pose);
             let mut at_edge = 0;
             for (beam, &range) in ranges.iter().enumerate() {
                 let step =
@@ -282,7 +286,7 @@ fn scan_lines_and_both_sides_of_shapes() {
         // From outside, and from inside (for the rectangle: from behind).
         let inside = shape_pose().transform_point(DVec3::new(0.01, 0.02, -0.03));
         for pose in [views()[0], Pose::from_xyz_rpy(inside, DVec3::new(0.1, 0.2, 0.3))] {
-            let (ranges, _) = scan(&builder.scene(), config, pose);
+            let (ranges, _) = scan(&builder, config, pose);
             let mut hits = 0;
             for (index, &range) in ranges.iter().enumerate() {
                 let (line, beam) = (index as u32 / 720, index as u32 % 720);
@@ -315,7 +319,7 @@ fn what_is_too_near_for_a_lidar() {
     add_grey(&mut builder, Shape::Sphere { radius: 0.05 }, Pose::IDENTITY);
     for (too_near, expected) in [(TooNear::Blocks, f32::NEG_INFINITY), (TooNear::SeenThrough, 2.0)] {
         let config = LidarConfig { too_near, ..LIDAR };
-        let (ranges, _) = scan(&builder.scene(), config, Pose::IDENTITY);
+        let (ranges, _) = scan(&builder, config, Pose::IDENTITY);
         // 719 beams' spacing apart, none looks straight ahead: the two in the middle are 0.0022 rad off.
         let ahead = ranges[360];
         assert!(ahead == expected || (ahead - expected).abs() < 1e-5, "{too_near:?}: {ahead}");
@@ -325,7 +329,7 @@ fn what_is_too_near_for_a_lidar() {
 #[test]
 fn ranges_end_where_the_lidar_says() {
     let config = LidarConfig { range_max_m: 2.5, ..LIDAR };
-    let (ranges, intensities) = scan(&wall_at(2.0).scene(), config, Pose::IDENTITY);
+    let (ranges, intensities) = scan(&wall_at(2.0), config, Pose::IDENTITY);
     assert!((ranges[360] - 2.0).abs() < 1e-4 && ranges[0] == f32::INFINITY);
     assert!(ranges.iter().all(|range| *range < 2.5 || *range == f32::INFINITY));
     assert!(intensities.iter().all(|intensity| *intensity == 0.0));

@@ -3,15 +3,17 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::lens::Pinhole;
+use belvedere_sensors::optics::Lens;
+use belvedere_sensors::optics::PinholeGrid;
+use belvedere_sensors::optics::{Optics, SphericalGrid};
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays};
-use belvedere_sensors::trace::{Faces, Hits, RayGrid, SphericalGrid, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
 use common::adversary;
 use common::brute::{Found, Pair, Tally};
 use common::exactness::{Dice, Scenario, scenarios, stands};
 use core::f64::consts::{FRAC_PI_2, TAU};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Outputs of a cast.
 struct Answers {
@@ -55,9 +57,9 @@ impl Answers {
 }
 
 /// A camera, a lidar that closes to a ring, and one with poles and single steps.
-fn grids() -> [RayGrid<'static>; 3] {
+fn grids() -> [Optics<'static>; 3] {
     let spherical = |columns, rows, azimuth: [f64; 2], elevation: [f64; 2]| {
-        RayGrid::Spherical(SphericalGrid {
+        Optics::Spherical(SphericalGrid {
             columns,
             rows,
             first_azimuth_rad: azimuth[0],
@@ -67,32 +69,33 @@ fn grids() -> [RayGrid<'static>; 3] {
         })
     };
     [
-        RayGrid::Pinhole(Pinhole::from_fov(71, 53, 1.5)),
+        Optics::Pinhole(PinholeGrid::from_fov(71, 53, 1.5).unwrap()),
         spherical(96, 33, [-3.0, TAU / 96.0], [FRAC_PI_2, -FRAC_PI_2 / 16.0]),
         spherical(250, 5, [1.0, -0.013], [-0.4, 0.17]),
     ]
 }
 
 /// Direction of a ray as the grids' documentation has it, in the axes of the sensor.
-fn direction(grid: &RayGrid, column: usize, row: usize) -> DVec3 {
+fn direction(grid: &Optics, column: usize, row: usize) -> DVec3 {
     let (column, row) = (column as f64, row as f64);
     match grid {
-        RayGrid::Pinhole(lens) => {
-            let optical = lens.unproject([column, row]);
-            DVec3::new(optical.z, -optical.x, -optical.y)
+        Optics::Pinhole(lens) => {
+            // Of length 1 along the axis, as t is the depth.
+            let optical = lens.lens().unproject(DVec2::new(column, row)).unwrap();
+            DVec3::new(1.0, -optical.x / optical.z, -optical.y / optical.z)
         }
-        RayGrid::Spherical(grid) => {
+        Optics::Spherical(grid) => {
             let (sin, cos) = (grid.first_azimuth_rad + column * grid.azimuth_step_rad).sin_cos();
             let (up, level) = (grid.first_elevation_rad + row * grid.elevation_step_rad).sin_cos();
             DVec3::new(cos * level, sin * level, up)
         }
-        RayGrid::Table(_) => unreachable!("tables have a test of their own"),
+        _ => unreachable!("tables have a test of their own"),
     }
 }
 
 fn check_grid(
     scenario: &Scenario,
-    grid: &RayGrid,
+    grid: &Optics,
     pose: &Pose,
     range: [f64; 2],
     faces: Faces,
@@ -104,7 +107,17 @@ fn check_grid(
     let mut answers = Answers::new(width * height);
     let mut workspace = WorkspaceBuf::default();
     let mut workspace = workspace.lend(&scene, grid.rays());
-    cast_grid(&scene, pose, grid, range, VISUAL, faces, &mut workspace, answers.hits());
+    cast_grid(
+        &scene,
+        &pair.builder.moment(*pose),
+        grid,
+        range,
+        VISUAL,
+        faces,
+        &mut workspace,
+        answers.hits(),
+    )
+    .unwrap();
     for row in 0..height {
         for column in 0..width {
             let direction = direction(grid, column, row);
@@ -170,8 +183,26 @@ fn single_rays_agree_with_the_oracle() {
             let mut answers = Answers::new(origins.len());
             let mut occluded = vec![false; origins.len()];
             let mut workspace = workspace.lend(&scene, 0);
-            cast_rays(&scene, scenario.centre, &rays, VISUAL, faces, &mut workspace, answers.hits());
-            occluded_rays(&scene, scenario.centre, &rays, VISUAL, faces, &mut workspace, &mut occluded);
+            cast_rays(
+                &scene,
+                scenario.pair.builder.poses(),
+                scenario.centre,
+                &rays,
+                VISUAL,
+                faces,
+                &mut workspace,
+                answers.hits(),
+            );
+            occluded_rays(
+                &scene,
+                scenario.pair.builder.poses(),
+                scenario.centre,
+                &rays,
+                VISUAL,
+                faces,
+                &mut workspace,
+                &mut occluded,
+            );
             for (index, &occluded) in occluded.iter().enumerate() {
                 let ray = (scenario.centre, wide(origins[index]), wide(directions[index]));
                 let range = ranges[index].map(f64::from);
@@ -200,7 +231,16 @@ fn origins_on_surfaces_see_what_is_beyond() {
         let mut answers = Answers::new(origins.len());
         let mut workspace = WorkspaceBuf::default();
         let mut workspace = workspace.lend(&scene, 0);
-        cast_rays(&scene, scenario.centre, &rays, VISUAL, Faces::Both, &mut workspace, answers.hits());
+        cast_rays(
+            &scene,
+            scenario.pair.builder.poses(),
+            scenario.centre,
+            &rays,
+            VISUAL,
+            Faces::Both,
+            &mut workspace,
+            answers.hits(),
+        );
         for ray in 0..origins.len() {
             let distance = f64::from(answers.distance[ray]);
             if distance.is_finite() {
@@ -229,7 +269,7 @@ fn random_scenes_agree_with_the_oracle() {
             let scenario = &hard.scenario;
             for pose in &hard.poses {
                 let faces = if dice.roll() < 0.5 { Faces::Front } else { Faces::Both };
-                let lens = Pinhole::from_fov(27, 21, 0.2 + 2.0 * dice.roll());
+                let lens = PinholeGrid::from_fov(27, 21, 0.2 + 2.0 * dice.roll()).unwrap();
                 let lidar = SphericalGrid {
                     columns: 40,
                     rows: 12,
@@ -239,7 +279,7 @@ fn random_scenes_agree_with_the_oracle() {
                     elevation_step_rad: 0.21,
                 };
                 let range = [1e-3 * scenario.size, 1e3 * scenario.size];
-                for grid in [RayGrid::Pinhole(lens), RayGrid::Spherical(lidar)] {
+                for grid in [Optics::Pinhole(lens), Optics::Spherical(lidar)] {
                     check_grid(scenario, &grid, pose, range, faces, &mut grids);
                 }
                 check_rays(&hard, pose.translation(), &mut dice, faces, &mut singles);
@@ -275,8 +315,26 @@ fn check_rays(hard: &adversary::Hard, place: DVec3, dice: &mut Dice, faces: Face
     let mut workspace = workspace.lend(&scene, 0);
     let mut answers = Answers::new(origins.len());
     let mut occluded = vec![false; origins.len()];
-    cast_rays(&scene, place, &rays, VISUAL, faces, &mut workspace, answers.hits());
-    occluded_rays(&scene, place, &rays, VISUAL, faces, &mut workspace, &mut occluded);
+    cast_rays(
+        &scene,
+        scenario.pair.builder.poses(),
+        place,
+        &rays,
+        VISUAL,
+        faces,
+        &mut workspace,
+        answers.hits(),
+    );
+    occluded_rays(
+        &scene,
+        scenario.pair.builder.poses(),
+        place,
+        &rays,
+        VISUAL,
+        faces,
+        &mut workspace,
+        &mut occluded,
+    );
     for (index, &occluded) in occluded.iter().enumerate() {
         let ray = (place, wide(origins[index]), wide(directions[index]));
         let found = answers.of(index);

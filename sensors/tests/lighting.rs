@@ -3,10 +3,9 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::scene::{Environment, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape};
 use common::oracle::{Ray, first_hit, pixel_ray, scaled};
-use common::{CAMERA, add, look_at, picture};
+use common::{SIZE, add, camera, look_at, picture};
 use glam::DVec3;
 
 const DIFFUSE: [f32; 3] = [0.9, 0.6, 0.3];
@@ -41,7 +40,7 @@ fn scene(light: &LightConfig, obstacle: bool) -> SceneBuilder {
     if obstacle {
         add(&mut builder, OBSTACLE, obstacle_pose(), material);
     }
-    builder.add_light(light);
+    builder.add_light(light).unwrap();
     builder
 }
 
@@ -68,10 +67,10 @@ fn attenuation(distance: f64) -> f64 {
 
 /// Compares every pixel of the floor with the formula; `None` where either answer is right.
 fn check(builder: &SceneBuilder, brightness: impl Fn(DVec3) -> Option<f64>) {
-    let pixels = picture(&builder.scene(), CAMERA, view());
+    let pixels = picture(builder, camera(), view());
     let (mut compared, mut skipped) = (0, 0);
     for (index, pixel) in pixels.as_chunks::<3>().0.iter().enumerate() {
-        let ray = pixel_ray(&CAMERA, &view(), index as u32 % CAMERA.width, index as u32 / CAMERA.width);
+        let ray = pixel_ray(&camera(), &view(), index as u32 % SIZE[0], index as u32 / SIZE[0]);
         let blocked = first_hit(&scaled(&OBSTACLE, 1.001), &obstacle_pose(), &ray, 0.0, false).is_some();
         let floor = first_hit(&FLOOR, &Pose::IDENTITY, &ray, 0.0, false);
         let (false, Some(t)) = (blocked && builder.scene().instances().len() > 1, floor) else { continue };
@@ -156,11 +155,7 @@ fn a_lamp_shines_out_of_its_bulb() {
             add(&mut builder, bulb, Pose::from_translation(LAMP_AT), glass);
         }
         // From where the bulb is out of sight.
-        picture(
-            &builder.scene(),
-            CAMERA,
-            look_at(DVec3::new(-2.0, -0.5, 1.0), DVec3::new(-1.0, 0.0, 0.0), 0.0),
-        )
+        picture(&builder, camera(), look_at(DVec3::new(-2.0, -0.5, 1.0), DVec3::new(-1.0, 0.0, 0.0), 0.0))
     };
     let bare = with_bulb(None);
     for bulb in [
@@ -176,8 +171,7 @@ fn a_lamp_shines_out_of_its_bulb() {
 #[test]
 fn a_lamp_in_the_floor_lights_nothing_and_breaks_nothing() {
     let on_floor = LightKind::Point { position: [0.3, 0.0, 0.0] };
-    let pixels =
-        picture(&scene(&lamp(on_floor), false).scene(), CameraConfig { far_m: 3.0, ..CAMERA }, view());
+    let pixels = picture(&scene(&lamp(on_floor), false), camera().far_m(3.0), view());
     let dark = colour(0.0).map(|channel| channel.round() as u8);
     assert!(pixels.as_chunks::<3>().0.iter().all(|pixel| *pixel == dark || *pixel == [0; 3]));
 }
@@ -193,9 +187,11 @@ fn a_mesh_shadows_itself() {
     let white = builder.add_material(&white).unwrap();
     let mesh = builder.add_mesh(&corners, &[], &triangles).unwrap();
     add(&mut builder, Shape::Mesh(mesh), Pose::IDENTITY, white);
-    builder.add_light(&LightConfig { range_m: 10.0, ..lamp(LightKind::Point { position: [0.0, 0.0, 2.0] }) });
+    builder
+        .add_light(&LightConfig { range_m: 10.0, ..lamp(LightKind::Point { position: [0.0, 0.0, 2.0] }) })
+        .unwrap();
     for (target, lit) in [(DVec3::ZERO, false), (DVec3::Y * 0.5, false), (DVec3::Y * 0.7, true)] {
-        let pixels = picture(&builder.scene(), CAMERA, look_at(DVec3::new(-1.5, 0.0, 0.5), target, 0.0));
+        let pixels = picture(&builder, camera(), look_at(DVec3::new(-1.5, 0.0, 0.5), target, 0.0));
         let middle = pixels[(240 * 640 + 320) * 3];
         assert_eq!(middle > 50, lit, "{target} is {middle}");
         assert!(lit || middle == 0);

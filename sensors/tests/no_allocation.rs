@@ -2,13 +2,14 @@
 
 mod common;
 
-use belvedere_sensors::Pose;
 use belvedere_sensors::camera::Camera;
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::lidar::Lidar;
+use belvedere_sensors::optics::{Optics, RayTable};
 use belvedere_sensors::scene::{SceneBuilder, visibility};
-use belvedere_sensors::trace::{CacheLine, Capture, Faces, Hits, RayGrid, RayTable, WorkspaceBuf, cast_grid};
-use common::{CAMERA, DEPTH_CAMERA, LIDAR, scenery};
+use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid};
+use belvedere_sensors::{Capture, Pose};
+use common::{LIDAR, camera, depth_camera, scenery};
 use core::cell::Cell;
 use std::alloc::{GlobalAlloc, Layout, System};
 
@@ -65,8 +66,8 @@ fn sensing_does_not_allocate() {
     let mut builder = SceneBuilder::new();
     let moving = scenery(&mut builder);
     let mut workspace = WorkspaceBuf::default();
-    let camera = Camera::new(CAMERA).unwrap();
-    let depth_camera = DepthCamera::new(DEPTH_CAMERA).unwrap();
+    let camera = Camera::new(camera()).unwrap();
+    let depth_camera = DepthCamera::new(depth_camera()).unwrap();
     let lidar = Lidar::new(LIDAR).unwrap();
     let mut pixels = vec![0; camera.frame_len()];
     let mut colour = vec![0; camera.frame_len()];
@@ -80,10 +81,9 @@ fn sensing_does_not_allocate() {
     }
     for frame in 0..3 {
         let pose = Pose::from_translation(glam::DVec3::new(-3.0 + 0.1 * frame as f64, 0.2, 0.5));
-        let capture = Capture { world_from_sensor: pose, frame };
         let calls = allocations(|| {
             builder.set_pose(moving, pose.inverse()).unwrap();
-            let scene = builder.scene();
+            let (scene, capture) = (builder.scene(), Capture::new(frame, builder.moment(pose)));
             camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
             let output = DepthFrame {
                 depth_32fc1: Some(&mut metres),
@@ -108,7 +108,7 @@ fn sensing_does_not_allocate() {
 fn tables_of_rays_do_not_allocate() {
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
-    let scene = builder.scene();
+    let (scene, moment) = (builder.scene(), builder.moment(Pose::IDENTITY));
     let (width, height) = (90, 60);
     let directions: Vec<_> = (0..width * height)
         .map(|ray| glam::Vec3::new(0.2, (ray % width) as f32 - 44.5, (ray / width) as f32 - 29.5))
@@ -120,17 +120,18 @@ fn tables_of_rays_do_not_allocate() {
     workspace.lend(&scene, 2 * directions.len());
     let calls = allocations(|| {
         let table = RayTable::build(width, height, &directions, &mut buffer).unwrap();
-        let grid = RayGrid::Table(&table);
+        let grid = Optics::Table(table);
         cast_grid(
             &scene,
-            &Pose::IDENTITY,
+            &moment,
             &grid,
             [0.0, f64::INFINITY],
             visibility::VISUAL,
             Faces::Both,
             &mut workspace.lend(&scene, grid.rays()),
             Hits { distance: Some(&mut distances), ..Hits::default() },
-        );
+        )
+        .unwrap();
     });
     assert_eq!(calls, 0);
     assert!(distances.iter().any(|distance| distance.is_finite()));

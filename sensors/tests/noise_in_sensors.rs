@@ -4,12 +4,11 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::camera::{CameraConfig, PixelFormat};
-use belvedere_sensors::depth::DepthCameraConfig;
+use belvedere_sensors::camera::PixelFormat;
 use belvedere_sensors::lidar::{Beams, LidarConfig};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
-use common::{CAMERA, DEPTH_CAMERA, LIDAR, add, depth_frame, glowing, picture_with, scan_frame};
+use common::{LIDAR, add, camera, depth_camera, depth_frame, glowing, picture_with, scan_frame};
 use core::f64::consts::{PI, SQRT_2};
 use glam::DVec3;
 
@@ -59,7 +58,7 @@ fn lidar(noise: GaussianNoise, sensor: u32) -> LidarConfig {
 }
 
 fn range_errors(noise: GaussianNoise, sensor: u32, frame: u64) -> Vec<f64> {
-    let (ranges, _) = scan_frame(&ball().scene(), lidar(noise, sensor), Pose::IDENTITY, frame);
+    let (ranges, _) = scan_frame(&ball(), lidar(noise, sensor), Pose::IDENTITY, frame);
     ranges.iter().map(|range| f64::from(*range) - 5.0).collect()
 }
 
@@ -84,10 +83,10 @@ fn ranges() {
 
 #[test]
 fn depths() {
-    let config = DepthCameraConfig { noise: gaussian(-0.01, 0.005), ..DEPTH_CAMERA };
+    let config = depth_camera().noise(gaussian(-0.01, 0.005));
     let builder = wall(0.5);
     let mut errors: Vec<f64> = (0..4)
-        .flat_map(|frame| depth_frame(&builder.scene(), config, Pose::IDENTITY, frame))
+        .flat_map(|frame| depth_frame(&builder, config, Pose::IDENTITY, frame))
         .map(|depth| f64::from(depth) - 2.0)
         .collect();
     let (mean, stddev) = mean_and_stddev(&errors);
@@ -97,14 +96,8 @@ fn depths() {
 }
 
 fn grey_levels(brightness: f32, format: PixelFormat, sensor: u32, frame: u64) -> Vec<u8> {
-    let config = CameraConfig { noise: gaussian(0.0, 0.007), format, sensor, ..CAMERA };
-    picture_with(
-        &wall(brightness).scene(),
-        config,
-        Pose::IDENTITY,
-        frame,
-        belvedere_sensors::Execution::default(),
-    )
+    let config = camera().noise(gaussian(0.0, 0.007)).format(format).sensor(sensor);
+    picture_with(&wall(brightness), config, Pose::IDENTITY, frame, belvedere_sensors::Execution::default())
 }
 
 #[test]
@@ -133,7 +126,7 @@ fn brightness_is_clamped() {
 #[test]
 fn ranges_are_clamped() {
     let config = LidarConfig { range_min_m: 4.99, range_max_m: 5.005, ..lidar(gaussian(0.0, 0.01), 0) };
-    let (ranges, _) = scan_frame(&ball().scene(), config, Pose::IDENTITY, 0);
+    let (ranges, _) = scan_frame(&ball(), config, Pose::IDENTITY, 0);
     assert!(ranges.iter().all(|range| (4.99..=5.005).contains(range)));
     // One sample in 6.3 lies beyond −1 σ, one in 3.24 beyond ½ σ.
     let at = |limit: f32| ranges.iter().filter(|range| **range == limit).count() as f64 / ranges.len() as f64;
@@ -146,7 +139,7 @@ fn biases_last_and_differ() {
     let mut biases = Vec::new();
     for sensor in 0..40 {
         let config = LidarConfig { horizontal: Beams::ONE, vertical: Beams::ONE, ..lidar(noise, sensor) };
-        let range = |frame| f64::from(scan_frame(&ball().scene(), config, Pose::IDENTITY, frame).0[0]) - 5.0;
+        let range = |frame| f64::from(scan_frame(&ball(), config, Pose::IDENTITY, frame).0[0]) - 5.0;
         assert_eq!(range(0), range(1000), "a bias is drawn once");
         biases.push(range(0));
     }
@@ -179,4 +172,56 @@ fn frames_sensors_and_neighbours_are_independent() {
     };
     assert!(correlation(&level(0, 0), &level(0, 1)).abs() < limit);
     assert!(correlation(&level(0, 0), &level(1, 0)).abs() < limit);
+}
+
+#[test]
+fn a_run_goes_on_where_indices_end() {
+    use belvedere_sensors::noise::{Stream, fill_standard_normal, normals16};
+    let stream = Stream { seed: 9, sensor: 1, frame: 2, channel: 77 };
+    let mut run = [0.0; 40];
+    fill_standard_normal(&stream, u32::MAX - 7, &mut run);
+    assert_eq!(run[..8], normals16(&stream, u32::MAX / 16)[8..]);
+    assert_eq!(run[8..24], normals16(&stream, 1 << 28));
+    assert_eq!(run[24..], normals16(&stream, (1 << 28) + 1));
+    // Blocks repeat after 2³⁰, when the counters are used up, and not before.
+    assert_ne!(normals16(&stream, 1 << 28), normals16(&stream, 0));
+    assert_ne!(normals16(&stream, (1 << 30) - 1), normals16(&stream, 0));
+    assert_eq!(normals16(&stream, 1 << 30), normals16(&stream, 0));
+}
+
+#[test]
+fn sensors_draw_from_the_channels_that_are_taken() {
+    use belvedere_sensors::noise::{Stream, fill_standard_normal};
+    let seed_and_sensor = |channel| Stream { seed: LIDAR.seed, sensor: 5, frame: 3, channel };
+    // 64 beams, whose normals come one after the other.
+    let beams = Beams { samples: 64, min_angle_rad: -1.0, max_angle_rad: 1.0 };
+    let config = LidarConfig { horizontal: beams, ..lidar(gaussian(0.0, 0.01), 5) };
+    let config = LidarConfig { vertical: Beams::ONE, ..config };
+    let (ranges, _) = scan_frame(&ball(), config, Pose::IDENTITY, 3);
+    let mut normals = [0.0; 64];
+    fill_standard_normal(&seed_and_sensor(Stream::RANGE), 0, &mut normals);
+    for (range, normal) in ranges.iter().zip(normals) {
+        assert!((range - (5.0 + 0.01 * normal)).abs() < 1e-5, "{range}, {normal}");
+    }
+    // The first tile of a picture.
+    let camera = common::camera_of([16, 4], 1.2).sensor(5);
+    let noise = gaussian(0.0, 0.01);
+    let depths = depth_frame(&wall(0.5), depth_camera().camera(camera).noise(noise), Pose::IDENTITY, 3);
+    fill_standard_normal(&seed_and_sensor(Stream::DEPTH), 0, &mut normals);
+    for (depth, normal) in depths.iter().zip(normals) {
+        assert!((depth - (2.0 + 0.01 * normal)).abs() < 1e-5, "{depth}, {normal}");
+    }
+    let camera = camera.noise(gaussian(0.0, 0.05)).format(PixelFormat::Rgb8);
+    let pixels = picture_with(&wall(0.5), camera, Pose::IDENTITY, 3, belvedere_sensors::Execution::default());
+    fill_standard_normal(&seed_and_sensor(Stream::COLOUR), 0, &mut normals);
+    for (pixel, normal) in pixels.as_chunks::<3>().0.iter().zip(normals) {
+        assert!((f32::from(pixel[0]) - 255.0 * (0.5 + 0.05 * normal)).abs() < 0.51, "{pixel:?}, {normal}");
+    }
+    // The bias of a noise that is nothing else.
+    let bias = GaussianNoise::new(0.0, 0.0, 0.0, 1.0, 0.0).unwrap().bias(LIDAR.seed, 5, 0);
+    let stream = Stream { frame: 0, ..seed_and_sensor(Stream::BIAS) };
+    fill_standard_normal(&stream, 0, &mut normals);
+    let flipped = Stream { channel: Stream::BIAS_SIGN, ..stream }.word(0) >> 31 == 1;
+    assert_eq!(bias, if flipped { -normals[0] } else { normals[0] });
+    assert_eq!(Stream::TAKEN, [0, 1, 2, 0xFFF0, 0xFFF1]);
 }

@@ -197,7 +197,7 @@ fn as_parry3d_finds() {
             let away = if number % 4 == 3 { 0.1 } else { 2.5 + 2.0 * scatter.next() };
             let eye = target + scatter.vector().normalize() * away * scale.abs().max_element();
             let view = look_at(eye, target, scatter.next());
-            let (ranges, _) = scan(&builder.scene(), config, view);
+            let (ranges, _) = scan(&builder, config, view);
             for (index, &range) in ranges.iter().enumerate() {
                 let (line, beam) = (index as u32 / BEAMS, index as u32 % BEAMS);
                 let (up, left) = (config.vertical.angle(line), config.horizontal.angle(beam));
@@ -388,10 +388,10 @@ mod colliders {
             mirror.add(&mut builder, &world.colliders, handle, &look).unwrap();
             assert_eq!(mirror.instances(handle).count(), 2);
             assert_eq!(builder.scene().instances().len(), 2, "instances are used again");
-            let (ranges, _) = scan(&builder.scene(), LIDAR, Pose::from_translation(DVec3::X * -2.0));
+            let (ranges, _) = scan(&builder, LIDAR, Pose::from_translation(DVec3::X * -2.0));
             assert!(ranges.iter().any(|range| range.is_finite()));
             assert!(mirror.remove(&mut builder, handle) && !mirror.remove(&mut builder, handle));
-            let (ranges, _) = scan(&builder.scene(), LIDAR, Pose::from_translation(DVec3::X * -2.0));
+            let (ranges, _) = scan(&builder, LIDAR, Pose::from_translation(DVec3::X * -2.0));
             assert!(ranges.iter().all(|range| range.is_infinite()));
             assert!(!mirror.refresh(&mut builder, &world.colliders, handle));
             let body = world.colliders[handle].parent().unwrap();
@@ -405,5 +405,33 @@ mod colliders {
         let handle = world.insert(RigidBodyBuilder::dynamic(), round).1;
         let refused = mirror.add(&mut builder, &world.colliders, handle, &look);
         assert_eq!(refused, Err(ColliderError::Shape(ParryError::NotTraced("RoundCuboid"))));
+    }
+
+    #[test]
+    fn meshes_go_with_the_last_collider_that_has_them() {
+        let mut world = PhysicsWorld::new();
+        let mut builder = SceneBuilder::new();
+        let material = builder.add_material(&MaterialConfig::default()).unwrap();
+        let look = InstanceConfig { material, ..Default::default() };
+        let mut mirror = ColliderScene::new();
+        let add = |world: &mut PhysicsWorld, shape: &SharedShape| {
+            world.insert(RigidBodyBuilder::dynamic(), ColliderBuilder::new(shape.clone())).1
+        };
+        let mut sizes = Vec::new();
+        for _ in 0..20 {
+            // Another shape each time, so its mesh is another, too.
+            let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].to_vec();
+            let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+            let shape = SharedShape::trimesh(corners, faces).unwrap();
+            let handles = [add(&mut world, &shape), add(&mut world, &shape)];
+            for handle in handles {
+                mirror.add(&mut builder, &world.colliders, handle, &look).unwrap();
+            }
+            sizes.push(builder.memory_len());
+            assert!(mirror.remove(&mut builder, handles[0]));
+            assert_eq!(mirror.instances(handles[1]).count(), 1, "the other still has it");
+            assert!(mirror.remove(&mut builder, handles[1]));
+        }
+        assert!(sizes.iter().all(|size| *size == sizes[0]), "{sizes:?}");
     }
 }

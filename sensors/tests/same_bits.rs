@@ -2,15 +2,15 @@
 
 mod common;
 
-use belvedere_sensors::camera::{CameraConfig, PixelFormat};
-use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
+use belvedere_sensors::camera::PixelFormat;
+use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scene::SceneBuilder;
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::{Capture, WorkspaceBuf};
-use belvedere_sensors::{Execution, Pose};
-use common::{CAMERA, DEPTH_CAMERA, LIDAR, picture_with, scenery};
+use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Execution, Pose};
+use common::{LIDAR, camera, camera_of, depth_camera, picture_with, scenery};
 use glam::DVec3;
 
 /// What is sensed of the scenery, by name, as bytes.
@@ -21,13 +21,12 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
     let noise = GaussianNoise::new(0.001, 0.007, 0.002, 0.001, 0.0).unwrap();
     // Neither side is a multiple of a tile's.
-    let camera = CameraConfig { width: 333, height: 245, noise, ..CAMERA };
+    let camera = camera_of([333, 245], 1.2).noise(noise);
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = execution;
-    let capture = Capture { world_from_sensor: pose, frame: 7 };
+    let capture = Capture::new(7, builder.moment(pose));
 
-    let depth_camera =
-        DepthCamera::new(DepthCameraConfig { camera, max_depth_m: 6.0, noise, ..DEPTH_CAMERA }).unwrap();
+    let depth_camera = DepthCamera::new(depth_camera().camera(camera).max_depth_m(6.0).noise(noise)).unwrap();
     let pixels = depth_camera.pixels();
     let (mut metres, mut millimetres) = (vec![0.0_f32; pixels], vec![0_u16; pixels]);
     let mut points = vec![0; pixels * POINT_STEP];
@@ -46,11 +45,8 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
 
     let bytes = |floats: &[f32]| floats.iter().flat_map(|x| x.to_bits().to_le_bytes()).collect();
     vec![
-        ("rgb8", picture_with(&scene, camera, pose, 7, execution)),
-        (
-            "mono8",
-            picture_with(&scene, CameraConfig { format: PixelFormat::Mono8, ..camera }, pose, 7, execution),
-        ),
+        ("rgb8", picture_with(&builder, camera, pose, 7, execution)),
+        ("mono8", picture_with(&builder, camera.format(PixelFormat::Mono8), pose, 7, execution)),
         ("32fc1", bytes(&metres)),
         ("16uc1", millimetres.iter().flat_map(|x| x.to_le_bytes()).collect()),
         ("points", points),
@@ -110,9 +106,9 @@ fn every_machine() {
     let expected: [(&str, u64); 6] = [
         ("rgb8", 0xb76f_385e_c290_95fe),
         ("mono8", 0x44d6_5f69_18fd_2d53),
-        ("32fc1", 0x1eaa_a1f9_865b_f6ba),
-        ("16uc1", 0x6088_fc64_b70d_22a5),
-        ("points", 0x67e3_5664_bdaa_7f69),
+        ("32fc1", 0xac8b_6948_ae96_ed87),
+        ("16uc1", 0x0283_b294_7731_a65d),
+        ("points", 0x8a1b_7794_e8df_5812),
         ("ranges", 0x0603_6eae_d035_e755),
     ];
     let found: Vec<_> =
@@ -128,10 +124,8 @@ fn every_run() {
     let pose = Pose::IDENTITY;
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
-    let config = CameraConfig { noise: GaussianNoise::new(0.0, 0.007, 0.0, 0.0, 0.0).unwrap(), ..CAMERA };
-    let picture = |seed, frame| {
-        picture_with(&builder.scene(), CameraConfig { seed, ..config }, pose, frame, Execution::default())
-    };
+    let config = camera().noise(GaussianNoise::new(0.0, 0.007, 0.0, 0.0, 0.0).unwrap());
+    let picture = |seed, frame| picture_with(&builder, config.seed(seed), pose, frame, Execution::default());
     assert!(picture(1, 0) == picture(1, 0));
     assert!(picture(1, 0) != picture(2, 0) && picture(1, 0) != picture(1, 1));
 }

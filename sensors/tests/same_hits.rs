@@ -3,11 +3,12 @@
 mod common;
 
 use belvedere_sensors::Execution;
-use belvedere_sensors::lens::Pinhole;
+use belvedere_sensors::optics::PinholeGrid;
+use belvedere_sensors::optics::{Optics, SphericalGrid};
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays};
-use belvedere_sensors::trace::{Faces, Hits, RayGrid, SphericalGrid, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
 use common::exactness::{Dice, Scenario, scenarios, stands};
 
 /// All that is told of a scene's hits, as bytes.
@@ -44,12 +45,22 @@ fn cast_all(scenario: &Scenario, execution: Execution) -> Vec<(&'static str, Vec
         first_elevation_rad: -1.55,
         elevation_step_rad: 0.048,
     };
-    for grid in [RayGrid::Pinhole(Pinhole::from_fov(331, 245, 1.4)), RayGrid::Spherical(ring)] {
+    for grid in [Optics::Pinhole(PinholeGrid::from_fov(331, 245, 1.4).unwrap()), Optics::Spherical(ring)] {
         let [width, height] = grid.size();
         for (pose, faces) in stands(scenario).iter().zip([Faces::Both, Faces::Both, Faces::Front]) {
             let mut workspace = workspace.lend(&scene, grid.rays());
             tell(width * height, &mut |hits| {
-                cast_grid(&scene, pose, &grid, range, VISUAL, faces, &mut workspace, hits);
+                cast_grid(
+                    &scene,
+                    &scenario.pair.builder.moment(*pose),
+                    &grid,
+                    range,
+                    VISUAL,
+                    faces,
+                    &mut workspace,
+                    hits,
+                )
+                .unwrap();
             });
         }
     }
@@ -60,10 +71,28 @@ fn cast_all(scenario: &Scenario, execution: Execution) -> Vec<(&'static str, Vec
     let rays = Rays { origins: &origins, directions: &directions, ranges: None };
     let mut workspace = workspace.lend(&scene, 0);
     tell(origins.len(), &mut |hits| {
-        cast_rays(&scene, scenario.centre, &rays, VISUAL, Faces::Both, &mut workspace, hits);
+        cast_rays(
+            &scene,
+            scenario.pair.builder.poses(),
+            scenario.centre,
+            &rays,
+            VISUAL,
+            Faces::Both,
+            &mut workspace,
+            hits,
+        );
     });
     let mut occluded = vec![false; origins.len()];
-    occluded_rays(&scene, scenario.centre, &rays, VISUAL, Faces::Both, &mut workspace, &mut occluded);
+    occluded_rays(
+        &scene,
+        scenario.pair.builder.poses(),
+        scenario.centre,
+        &rays,
+        VISUAL,
+        Faces::Both,
+        &mut workspace,
+        &mut occluded,
+    );
     told.push(("occluded", occluded.into_iter().map(u8::from).collect()));
     told
 }

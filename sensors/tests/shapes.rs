@@ -4,13 +4,12 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::depth::DepthCameraConfig;
 use belvedere_sensors::scene::tree::{LEAF, NONE, WIDTH};
 use belvedere_sensors::scene::{
     HeightField, HeightGrid, InstanceConfig, MaterialConfig, SceneBuilder, SceneError, Shape,
 };
 use common::oracle::{first_hit_scaled, pixel_ray, scaled};
-use common::{CAMERA, DEPTH_CAMERA, depth_image, look_at};
+use common::{camera_of, depth_camera, depth_image, look_at};
 use glam::DVec3;
 
 /// A pixel may disagree about hit and miss where a change of the shape's size by this part changes the answer.
@@ -40,17 +39,8 @@ fn check(shape: Shape, scale: DVec3, pose: Pose, view: Pose, far: f64) -> usize 
         ..Default::default()
     };
     builder.add_instance(&config).unwrap();
-    let camera = DepthCameraConfig {
-        camera: belvedere_sensors::camera::CameraConfig {
-            width: 160,
-            height: 120,
-            near_m: far * 1e-6,
-            far_m: far,
-            ..CAMERA
-        },
-        ..DEPTH_CAMERA
-    };
-    let depths = depth_image(&builder.scene(), camera, view);
+    let camera = depth_camera().camera(camera_of([160, 120], 1.2).near_m(far * 1e-6).far_m(far));
+    let depths = depth_image(&builder, camera, view);
     let mut covered = 0;
     for (index, &depth) in depths.iter().enumerate() {
         let (column, row) = (index as u32 % 160, index as u32 / 160);
@@ -396,16 +386,18 @@ fn lit_picture(config: &InstanceConfig, repeat: [f32; 2], view: Pose) -> Vec<u8>
     let (corners, faces) = cube();
     let uvs: Vec<[f32; 2]> = corners.iter().map(|[x, y, z]| [x + 0.3 * z, y - 0.2 * z]).collect();
     builder.add_mesh(&corners, &uvs, &faces).unwrap();
-    builder.add_light(&belvedere_sensors::scene::LightConfig {
-        kind: belvedere_sensors::scene::LightKind::Directional { direction: [-0.5, -0.7, -0.6] },
-        diffuse: [0.8; 3],
-        range_m: f32::INFINITY,
-        attenuation: [1.0, 0.0, 0.0],
-        cast_shadows: false,
-    });
+    builder
+        .add_light(&belvedere_sensors::scene::LightConfig {
+            kind: belvedere_sensors::scene::LightKind::Directional { direction: [-0.5, -0.7, -0.6] },
+            diffuse: [0.8; 3],
+            range_m: f32::INFINITY,
+            attenuation: [1.0, 0.0, 0.0],
+            cast_shadows: false,
+        })
+        .unwrap();
     builder.add_instance(&InstanceConfig { material, ..*config }).unwrap();
-    let camera = belvedere_sensors::camera::CameraConfig { width: 160, height: 120, ..CAMERA };
-    common::picture(&builder.scene(), camera, view)
+    let camera = camera_of([160, 120], 1.2);
+    common::picture(&builder, camera, view)
 }
 
 #[test]
@@ -500,9 +492,9 @@ fn a_mirrored_mesh_is_not_inside_out() {
         let mesh = builder.add_mesh(&corners, &[], &faces).unwrap();
         let look = |shape| InstanceConfig { shape, scale, material, ..Default::default() };
         let id = builder.add_instance(&look(Shape::Mesh(mesh))).unwrap();
-        let of_mesh = depth_image(&builder.scene(), DEPTH_CAMERA, view);
+        let of_mesh = depth_image(&builder, depth_camera(), view);
         builder.set_instance(id, &look(Shape::Box { size: [1.0; 3] })).unwrap();
-        let of_box = depth_image(&builder.scene(), DEPTH_CAMERA, view);
+        let of_box = depth_image(&builder, depth_camera(), view);
         let differ = of_mesh.iter().zip(&of_box).filter(|(a, b)| a != b && (**a - **b).abs() > 1e-5).count();
         assert!(differ < 20 && of_box.iter().filter(|depth| depth.is_finite()).count() > 10_000, "{differ}");
     }
@@ -523,10 +515,10 @@ fn same_bits_at_every_level() {
             InstanceConfig { shape, world_from_instance: pose, scale, material, ..Default::default() };
         builder.add_instance(&config).unwrap();
     }
-    let scene = builder.scene();
     let view = look_at(DVec3::new(-3.2, 0.3, 1.4), DVec3::ZERO, 0.1);
-    let camera = belvedere_sensors::camera::CameraConfig { width: 333, height: 245, ..CAMERA };
-    let at = |level| common::picture_with(&scene, camera, view, 7, Execution { level, ..Default::default() });
+    let camera = camera_of([333, 245], 1.2);
+    let at =
+        |level| common::picture_with(&builder, camera, view, 7, Execution { level, ..Default::default() });
     let expected = at(Level::baseline());
     assert!(expected.iter().filter(|value| **value > 0).count() > expected.len() / 2);
     let best = Level::new();

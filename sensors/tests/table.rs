@@ -2,16 +2,14 @@
 
 mod common;
 
-use belvedere_sensors::lens::Pinhole;
-use belvedere_sensors::scene::{Scene, SceneBuilder, Shape, visibility};
+use belvedere_sensors::optics::PinholeGrid;
+use belvedere_sensors::optics::{Optics, RayTable, SphericalGrid, TableError};
+use belvedere_sensors::scene::{SceneBuilder, Shape, visibility};
 use belvedere_sensors::trace::rays::{Rays, cast_rays};
-use belvedere_sensors::trace::{
-    CacheLine, Faces, Hits, RayGrid, RayTable, SphericalGrid, TableError, WorkspaceBuf, cast_grid,
-    workspace_len,
-};
+use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, workspace_len};
 use belvedere_sensors::{Execution, Pose};
 use bytemuck::Zeroable;
-use common::{add_grey, scenery};
+use common::{Stage, add_grey, scenery};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DQuat, DVec3};
 
@@ -42,8 +40,9 @@ impl Directions {
     }
 }
 
-fn pinhole(lens: &Pinhole) -> Directions {
-    Directions::new(lens.width, lens.height, |column, row| {
+fn pinhole(grid: &PinholeGrid) -> Directions {
+    let ([width, height], lens) = (grid.size(), grid.intrinsics());
+    Directions::new(width, height, |column, row| {
         let left = (lens.cx - f64::from(column)) / lens.fx;
         DVec3::new(1.0, left, (lens.cy - f64::from(row)) / lens.fy)
     })
@@ -160,35 +159,37 @@ impl Found {
     }
 }
 
-fn cast(scene: &Scene<'_>, pose: &Pose, grid: &RayGrid<'_>, execution: Execution) -> Found {
+fn cast(stage: &Stage<'_>, pose: &Pose, grid: &Optics<'_>, execution: Execution) -> Found {
     let [width, height] = grid.size();
     let mut found = Found::empty(width * height);
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = execution;
     cast_grid(
-        scene,
-        pose,
+        &stage.scene,
+        &stage.moment(*pose),
         grid,
         [0.0, f64::INFINITY],
         visibility::VISUAL,
         Faces::Both,
-        &mut workspace.lend(scene, grid.rays()),
+        &mut workspace.lend(&stage.scene, grid.rays()),
         found.hits(),
-    );
+    )
+    .unwrap();
     found
 }
 
-fn cast_each(scene: &Scene<'_>, origin: DVec3, directions: &[[f32; 3]]) -> Found {
+fn cast_each(stage: &Stage<'_>, origin: DVec3, directions: &[[f32; 3]]) -> Found {
     let mut found = Found::empty(directions.len());
     let rays = Rays { origins: &[[0.0; 3]], directions, ranges: None };
     let mut workspace = WorkspaceBuf::default();
     cast_rays(
-        scene,
+        &stage.scene,
+        stage.poses,
         origin,
         &rays,
         visibility::VISUAL,
         Faces::Both,
-        &mut workspace.lend(scene, 0),
+        &mut workspace.lend(&stage.scene, 0),
         found.hits(),
     );
     found
@@ -201,14 +202,14 @@ fn close(a: f32, b: f32, tolerance: f32) -> bool {
 
 /// Casts a table, and each of its rays alone. They hit the same at the same distance, unless there is an edge
 /// within 1e-6 of the ray. Returns how many hit anything.
-fn same_as_each(name: &str, scene: &Scene<'_>, eye: DVec3, directions: &Directions) -> usize {
+fn same_as_each(name: &str, stage: &Stage<'_>, eye: DVec3, directions: &Directions) -> usize {
     let (found, traced) = directions.table(|table| {
-        let found = cast(scene, &Pose::from_translation(eye), &RayGrid::Table(table), Execution::default());
+        let found = cast(stage, &Pose::from_translation(eye), &Optics::Table(*table), Execution::default());
         let rays =
             (0..directions.height).flat_map(|row| (0..directions.width).map(move |column| (column, row)));
         (found, rays.map(|(column, row)| table.direction(column, row)).collect::<Vec<_>>())
     });
-    let expected = cast_each(scene, eye, &traced);
+    let expected = cast_each(stage, eye, &traced);
     let mut unlike = 0;
     for (ray, direction) in traced.iter().enumerate() {
         if found.name(ray) == expected.name(ray) && close(found.distance[ray], expected.distance[ray], 1e-5) {
@@ -224,7 +225,7 @@ fn same_as_each(name: &str, scene: &Scene<'_>, eye: DVec3, directions: &Directio
                 (direction + off).as_vec3().to_array()
             })
             .collect();
-        let around = cast_each(scene, eye, &around);
+        let around = cast_each(stage, eye, &around);
         let explained = (0..16).any(|other| {
             around.name(other) == found.name(ray) && close(found.distance[ray], around.distance[other], 1e-5)
         });
@@ -243,15 +244,15 @@ fn same_as_each(name: &str, scene: &Scene<'_>, eye: DVec3, directions: &Directio
 
 /// Casts a grid and a table of its directions. Directions are rounded to single precision in the table, so an
 /// edge may pass between them; else they hit the same.
-fn same_as_grid(name: &str, grid: &RayGrid<'_>, directions: &Directions) {
+fn same_as_grid(name: &str, grid: &Optics<'_>, directions: &Directions) {
     let builder = scene();
-    let scene = builder.scene();
+    let stage = &Stage::from(&builder);
     let mut seen = 0;
     for (index, eye) in EYES.into_iter().enumerate() {
         let pose = Pose::from_xyz_rpy(eye, DVec3::new(0.1, 0.2, -2.0) * index as f64);
-        let expected = cast(&scene, &pose, grid, Execution::default());
+        let expected = cast(stage, &pose, grid, Execution::default());
         let found =
-            directions.table(|table| cast(&scene, &pose, &RayGrid::Table(table), Execution::default()));
+            directions.table(|table| cast(stage, &pose, &Optics::Table(*table), Execution::default()));
         let rays = found.distance.len();
         let (mut hits, mut other, mut farther) = (0, 0, 0);
         for ray in 0..rays {
@@ -277,8 +278,8 @@ fn same_as_grid(name: &str, grid: &RayGrid<'_>, directions: &Directions) {
 #[test]
 fn as_a_pinhole() {
     for (width, height) in [(320, 240), (333, 17), (1, 1), (61, 90)] {
-        let lens = Pinhole::from_fov(width, height, 1.2);
-        same_as_grid("pinhole", &RayGrid::Pinhole(lens), &pinhole(&lens));
+        let lens = PinholeGrid::from_fov(width, height, 1.2).unwrap();
+        same_as_grid("pinhole", &Optics::Pinhole(lens), &pinhole(&lens));
     }
 }
 
@@ -294,7 +295,7 @@ fn as_a_vlp_16() {
             first_elevation_rad: -15.0_f64.to_radians(),
             elevation_step_rad: 2.0_f64.to_radians(),
         };
-        same_as_grid("VLP-16", &RayGrid::Spherical(grid), &spherical(&grid));
+        same_as_grid("VLP-16", &Optics::Spherical(grid), &spherical(&grid));
     }
 }
 
@@ -329,14 +330,14 @@ fn as_each_ray() {
         ("ring", spherical(&ring), 0.5),
         ("sphere", spherical(&sphere), 0.5),
         ("column", spherical(&column), 0.2),
-        ("pinhole", pinhole(&Pinhole::from_fov(160, 120, 1.9)), 0.2),
+        ("pinhole", pinhole(&PinholeGrid::from_fov(160, 120, 1.9).unwrap()), 0.2),
     ];
     let builder = scene();
-    let scene = builder.scene();
+    let stage = &Stage::from(&builder);
     for (name, directions, least) in &tables {
         for eye in EYES {
             for directions in [directions, &directions.turned(some_turn())] {
-                let hits = same_as_each(name, &scene, eye, directions);
+                let hits = same_as_each(name, stage, eye, directions);
                 assert!(hits as f64 > least * directions.all.len() as f64, "{name}: {hits} hits");
             }
         }
@@ -371,7 +372,7 @@ fn any_directions() {
     });
     let same = Directions::new(70, 40, |_, _| DVec3::new(-0.3, 0.4, -0.2));
     let builder = scene();
-    let scene = builder.scene();
+    let stage = &Stage::from(&builder);
     for (name, directions) in [
         ("random", &random(64, 64)),
         ("random in a row", &random(500, 1)),
@@ -382,10 +383,10 @@ fn any_directions() {
         ("all the same", &same),
     ] {
         for eye in EYES {
-            same_as_each(name, &scene, eye, directions);
+            same_as_each(name, stage, eye, directions);
         }
     }
-    assert!(same_as_each("all the same", &scene, EYES[0], &same) == 70 * 40);
+    assert!(same_as_each("all the same", stage, EYES[0], &same) == 70 * 40);
 }
 
 /// From within boxes, next to walls, and where triangles reach all round the sensor.
@@ -396,11 +397,11 @@ fn things_all_round() {
     let huge = [[-50.0, -30.0, -2.0], [70.0, -30.0, -2.0], [0.0, 90.0, -2.0], [0.0, 0.0, 20.0]];
     let mesh = builder.add_mesh(&huge, &[], &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap();
     add_grey(&mut builder, Shape::Mesh(mesh), Pose::IDENTITY);
-    let scene = builder.scene();
+    let stage = &Stage::from(&builder);
     let tables = [
         ("fisheye", fisheye(200)),
         ("VLP-32C", vlp_32c(512, false)),
-        ("pinhole", pinhole(&Pinhole::from_fov(99, 77, 2.0))),
+        ("pinhole", pinhole(&PinholeGrid::from_fov(99, 77, 2.0).unwrap())),
     ];
     for (name, directions) in &tables {
         for eye in [
@@ -409,7 +410,7 @@ fn things_all_round() {
             DVec3::new(3.0, 0.1, -1.99),
             DVec3::new(-8.0, 0.9, 2.0),
         ] {
-            let hits = same_as_each(name, &scene, eye, directions);
+            let hits = same_as_each(name, stage, eye, directions);
             assert_eq!(hits, directions.all.len(), "{name} at {eye}: the mesh is closed");
         }
     }
@@ -435,11 +436,14 @@ fn the_same_bytes() {
     executions.push(Execution::parallel());
     let builder = scene();
     let pose = Pose::from_xyz_rpy(EYES[0], DVec3::new(0.1, 0.2, -0.4));
-    let tables =
-        [fisheye(300), vlp_32c(2000, true), pinhole(&Pinhole::from_fov(321, 243, 1.1)).turned(some_turn())];
+    let tables = [
+        fisheye(300),
+        vlp_32c(2000, true),
+        pinhole(&PinholeGrid::from_fov(321, 243, 1.1).unwrap()).turned(some_turn()),
+    ];
     for (index, directions) in tables.iter().enumerate() {
         directions.table(|table| {
-            let cast = |execution| cast(&builder.scene(), &pose, &RayGrid::Table(table), execution);
+            let cast = |execution| cast(&Stage::from(&builder), &pose, &Optics::Table(*table), execution);
             let expected = cast(executions[0]);
             for execution in &executions {
                 assert!(cast(*execution) == expected, "table {index} differs with {execution:?}");
@@ -465,16 +469,17 @@ fn bad_tables() {
         directions[5][2] = bad;
         assert_eq!(build(3, 2, &directions), Err(TableError::NotFinite { column: 2, row: 1 }));
     }
-    for (bad, length) in
-        [([0.0; 3], 0.0), ([0.0, 2.0, 0.0], 2.0), ([f32::MAX, 0.0, 0.0], f64::from(f32::MAX))]
-    {
+    for (bad, length) in [([0.0, 2.0, 0.0], 2.0), ([f32::MAX, 0.0, 0.0], f64::from(f32::MAX))] {
         let mut directions = good;
         directions[3] = bad;
         let error = build(3, 2, &directions);
         assert_eq!(error, Err(TableError::NotUnit { column: 0, row: 1, length }));
         assert!(error.unwrap_err().to_string().contains("column 0, row 1"));
     }
+    assert_eq!(build(3, 2, &[[0.0; 3]; 6]), Err(TableError::Empty));
     let mut directions = good;
+    directions[0] = [0.0; 3];
+    assert_eq!(build(3, 2, &directions), Ok([0.0; 3]), "a pixel without a ray");
     directions[0] = [1.000_05, 0.0, 0.0];
     assert_eq!(build(3, 2, &directions), Ok([1.0, 0.0, 0.0]));
     let required = RayTable::required_len(3, 2);

@@ -3,12 +3,11 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::camera::CameraConfig;
-use belvedere_sensors::lens::Pinhole;
+use belvedere_sensors::optics::Lens;
 use belvedere_sensors::scene::{
     Environment, MaterialConfig, MaterialId, SceneBuilder, Shape, fill_mip_levels, mip_levels, mip_texels,
 };
-use common::{CAMERA, add, look_at, picture};
+use common::{SIZE, add, camera, camera_of, look_at, picture};
 use core::f64::consts::PI;
 use glam::DVec3;
 
@@ -65,10 +64,10 @@ fn quarter(u: f64, v: f64) -> [u8; 3] {
 
 /// The colour of the pixel that shows a point of the world.
 fn colour_at(pixels: &[u8], view: &Pose, point: DVec3) -> [u8; 3] {
-    let lens = Pinhole::from_fov(CAMERA.width, CAMERA.height, CAMERA.horizontal_fov_rad);
+    let lens = common::pinhole(&camera());
     let seen = view.inverse().transform_point(point);
-    let [column, row] = lens.project(DVec3::new(-seen.y, -seen.z, seen.x)).unwrap();
-    let at = (row.round() as usize * CAMERA.width as usize + column.round() as usize) * 3;
+    let pixel = lens.lens().project(DVec3::new(-seen.y, -seen.z, seen.x)).unwrap().round();
+    let at = (pixel.y as usize * SIZE[0] as usize + pixel.x as usize) * 3;
     [pixels[at], pixels[at + 1], pixels[at + 2]]
 }
 
@@ -93,7 +92,7 @@ fn faces_of_a_box_and_a_rectangle() {
             let centre = if flat { DVec3::ZERO } else { outward * half };
             let eye = pose.transform_point(centre + outward * 1.5 + right * 0.2 + up * 0.1);
             let view = look_at(eye, pose.transform_point(centre), 0.3);
-            let pixels = picture(&builder.scene(), CAMERA, view);
+            let pixels = picture(&builder, camera(), view);
             for (u, v) in QUARTER_CENTRES {
                 let on_face = right * (2.0 * u - 1.0) * half + up * (2.0 * v - 1.0) * half;
                 let colour = colour_at(&pixels, &view, pose.transform_point(centre + on_face));
@@ -123,14 +122,14 @@ fn round_shapes_and_ends_of_a_cylinder() {
             };
             let point = DVec3::new(cos * across, sin * across, height);
             let view = look_at(DVec3::new(cos * 2.0, sin * 2.0, 0.0), DVec3::ZERO, 0.0);
-            let pixels = picture(&builder.scene(), CAMERA, view);
+            let pixels = picture(&builder, camera(), view);
             assert_eq!(colour_at(&pixels, &view, point), quarter(u, v), "({u}, {v}) of {shape:?}");
         }
         if let Shape::Cylinder { radius, length } = shape {
             for sign in [1.0, -1.0] {
                 let end = DVec3::Z * sign * length * 0.5;
                 let view = look_at(end * 3.0 + DVec3::X * 0.1, end, 0.0);
-                let pixels = picture(&builder.scene(), CAMERA, view);
+                let pixels = picture(&builder, camera(), view);
                 for (u, v) in QUARTER_CENTRES {
                     let on_end = DVec3::new(u - 0.5, (v - 0.5) * sign, 0.0) * 2.0 * radius;
                     assert_eq!(
@@ -150,7 +149,7 @@ fn repetition() {
     let pattern = quarters(&mut builder, [3.0, 2.0]);
     add(&mut builder, Shape::Rectangle { size: [1.2, 0.9] }, Pose::IDENTITY, pattern);
     let view = look_at(DVec3::new(0.1, -0.1, 1.5), DVec3::ZERO, 0.0);
-    let pixels = picture(&builder.scene(), CAMERA, view);
+    let pixels = picture(&builder, camera(), view);
     for column in 0..6 {
         for row in 0..4 {
             let (u, v) = ((f64::from(column) + 0.5) / 6.0, (f64::from(row) + 0.5) / 4.0);
@@ -175,7 +174,7 @@ fn texture_coordinates_of_a_mesh() {
         pose.transform_point(DVec3::new(0.5, 0.5, 0.0)),
         0.0,
     );
-    let pixels = picture(&builder.scene(), CAMERA, view);
+    let pixels = picture(&builder, camera(), view);
     for (x, y) in QUARTER_CENTRES {
         let colour = colour_at(&pixels, &view, pose.transform_point(DVec3::new(x, y, 0.0)));
         assert_eq!(colour, quarter(0.5 - 0.5 * x, 1.0 - y), "({x}, {y})");
@@ -184,7 +183,7 @@ fn texture_coordinates_of_a_mesh() {
 
 /// Mean and standard deviation of the red of some rows.
 fn statistics(pixels: &[u8], rows: core::ops::Range<usize>) -> (f64, f64) {
-    let row_stride = CAMERA.width as usize * 3;
+    let row_stride = SIZE[0] as usize * 3;
     let reds: Vec<f64> = pixels[rows.start * row_stride..rows.end * row_stride]
         .iter()
         .step_by(3)
@@ -210,7 +209,7 @@ fn a_chequered_floor_turns_grey_far_away() {
             pattern,
         );
         let view = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::Z * yaw);
-        let pixels = picture(&builder.scene(), CAMERA, view);
+        let pixels = picture(&builder, camera(), view);
         // f = 468 px: rows 243 … 252 show the floor at 134 to 37 m, where a pixel spans several squares.
         let (mean, deviation) = statistics(&pixels, 243..253);
         assert!((mean - 127.5).abs() < 2.0 && deviation < 12.0, "yaw {yaw}, far: {mean} ± {deviation}");
@@ -228,8 +227,7 @@ fn a_tag_far_away_keeps_its_brightness() {
     let pattern = material(&mut builder, 35, &texels, [1.0; 2]);
     let wall = Pose::from_xyz_rpy(DVec3::X * 5.0, DVec3::new(0.0, -PI / 2.0, 0.0));
     add(&mut builder, Shape::Rectangle { size: [0.4, 0.4] }, wall, pattern);
-    let pixels =
-        picture(&builder.scene(), CameraConfig { horizontal_fov_rad: 2.0, ..CAMERA }, Pose::IDENTITY);
+    let pixels = picture(&builder, camera_of(SIZE, 2.0), Pose::IDENTITY);
     let sum: f64 = pixels.iter().step_by(3).map(|red| f64::from(*red)).sum();
     // f = 205.5 px: 0.4 m at 5 m are 16.4 pixels across, give or take one at each edge.
     let mean = sum / 16.4_f64.powi(2);

@@ -5,12 +5,13 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::lens::Pinhole;
 use belvedere_sensors::lidar::{Beams, LidarConfig};
+use belvedere_sensors::optics::PinholeGrid;
+use belvedere_sensors::optics::{Optics, SphericalGrid};
 use belvedere_sensors::scene::visibility::VISUAL;
-use belvedere_sensors::scene::{Scene, SceneBuilder, Shape};
+use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::rays::{Rays, cast_rays};
-use belvedere_sensors::trace::{Faces, Hits, RayGrid, SphericalGrid, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
 use common::exactness::{Dice, geosphere};
 use common::{LIDAR, add_grey, scan};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -39,7 +40,7 @@ fn no_beam_of_a_lidar_escapes() {
     ] {
         builder.set_pose(ball, world_from_ball).unwrap();
         let pose = world_from_ball * Pose::from_translation(place);
-        let (ranges, _) = scan(&builder.scene(), all_round, pose);
+        let (ranges, _) = scan(&builder, all_round, pose);
         let (nearest, farthest) = (0.99 - place.length(), 1.01 + place.length());
         for (beam, &range) in ranges.iter().enumerate() {
             let (line, column) = (beam / 801, beam % 801);
@@ -98,18 +99,20 @@ fn all_inside(what: &str, distances: &[f32], size: f64) {
 }
 
 fn cast_a_grid(
-    scene: &Scene<'_>,
+    builder: &SceneBuilder,
     pose: &Pose,
-    grid: &RayGrid,
+    grid: &Optics,
     size: f64,
     workspace: &mut WorkspaceBuf,
 ) -> usize {
     let [width, height] = grid.size();
     let mut distance = vec![0.0; width * height];
     let hits = Hits { distance: Some(&mut distance), ..Hits::default() };
-    let mut workspace = workspace.lend(scene, grid.rays());
+    let scene = builder.scene();
+    let mut workspace = workspace.lend(&scene, grid.rays());
     let range = [1e-9, f64::INFINITY];
-    cast_grid(scene, pose, grid, range, VISUAL, Faces::Both, &mut workspace, hits);
+    cast_grid(&scene, &builder.moment(*pose), grid, range, VISUAL, Faces::Both, &mut workspace, hits)
+        .unwrap();
     all_inside(&format!("{grid:?} at {pose:?}"), &distance, size);
     distance.len()
 }
@@ -125,7 +128,7 @@ fn no_ray_of_a_grid_escapes() {
         let turn = if index % 3 == 0 { DVec3::ZERO } else { dice.turn() };
         let pose = *world_from_ball * Pose::from_xyz_rpy(place(&mut dice, index) * *size, turn);
         let sphere = |columns, rows, step: f64| {
-            RayGrid::Spherical(SphericalGrid {
+            Optics::Spherical(SphericalGrid {
                 columns,
                 rows,
                 first_azimuth_rad: -PI,
@@ -135,13 +138,13 @@ fn no_ray_of_a_grid_escapes() {
             })
         };
         let grid = match index % 4 {
-            0 => RayGrid::Pinhole(Pinhole::from_fov(256, 256, 2.0)),
+            0 => Optics::Pinhole(PinholeGrid::from_fov(256, 256, 2.0).unwrap()),
             // A ring, then an arc that ends where it begins, then lines of single beams.
             1 => sphere(512, 129, TAU / 512.0),
             2 => sphere(257, 181, TAU / 256.0),
             _ => sphere(2048, 17, TAU / 2048.0),
         };
-        cast += cast_a_grid(&builder.scene(), &pose, &grid, *size, &mut workspace);
+        cast += cast_a_grid(builder, &pose, &grid, *size, &mut workspace);
         if cast >= wanted() / 2 {
             break;
         }
@@ -179,7 +182,16 @@ fn no_single_ray_escapes() {
         let mut distance = vec![0.0; BATCH];
         let hits = Hits { distance: Some(&mut distance), ..Hits::default() };
         let rays = Rays { origins: &origins, directions: &directions, ranges: None };
-        cast_rays(&scene, reference, &rays, VISUAL, Faces::Both, &mut workspace.lend(&scene, 0), hits);
+        cast_rays(
+            &scene,
+            builder.poses(),
+            reference,
+            &rays,
+            VISUAL,
+            Faces::Both,
+            &mut workspace.lend(&scene, 0),
+            hits,
+        );
         all_inside(&format!("batch {index}"), &distance, *size);
         cast += BATCH;
         if cast >= wanted() / 2 {

@@ -2,10 +2,12 @@
 //!
 //! Lengths are metres, angles radians, masses kilograms. Poses are named `outer_from_inner`.
 
+mod lens;
 mod plugin;
 mod sensor;
 mod shape;
 
+pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
 pub use plugin::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Plugin, Radiation, RangePlugin};
 pub use sensor::{CameraSensor, Noise, PixelFormat, RaySensor, ScanAxis, Sensor, SensorKind};
 pub use shape::{Collision, Geometry, Material, Mesh, Visual};

@@ -3,6 +3,7 @@
 //! Defaults are those of sdf/1.6 and of the plugins of `gazebo_plugins` (ROS Noetic).
 
 mod camera;
+mod lens;
 mod noise;
 mod plugin;
 mod ray;
@@ -30,15 +31,18 @@ pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnos
     }
     let mut reader = Reader { sensor: name.clone(), diagnostics };
     let kind = match sensor.attribute("type").unwrap_or_default() {
-        "camera" => reader.camera(sensor, CAMERA_FAR_M).map(SensorKind::Camera),
-        "depth" | "depth_camera" => reader.camera(sensor, DEPTH_FAR_M).map(SensorKind::Depth),
+        "camera" => reader.camera(sensor, CAMERA_FAR_M, false).map(SensorKind::Camera),
+        "wideanglecamera" | "wide_angle_camera" => {
+            reader.camera(sensor, CAMERA_FAR_M, true).map(SensorKind::Camera)
+        }
+        "depth" | "depth_camera" => reader.camera(sensor, DEPTH_FAR_M, false).map(SensorKind::Depth),
         "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => reader.ray(sensor).map(SensorKind::Ray),
         other => {
             let what = if other.is_empty() { "no type".into() } else { format!("the type '{other}'") };
             diagnostics.warning(
                 &sensor.source,
                 format!("the sensor '{name}' has {what}, which is not simulated: it is left out"),
-                "these types are: camera, depth, ray, gpu_ray and lidar",
+                "these types are: camera, wideanglecamera, depth, ray, gpu_ray and lidar",
             );
             return None;
         }

@@ -1,20 +1,19 @@
 //! A colour camera and its two streams.
 
+use super::eye::{Eye, drawn_lens};
 use super::mount::Mount;
 use super::outlet::Outlet;
-use super::pictures::{Told, camera_config, encoding};
+use super::pictures::{Told, encoding};
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraPlugin, CameraSensor, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Intrinsics, Kind, StreamSpec};
-use belvedere_sensors::camera::{Camera, CameraConfig};
-use belvedere_sensors::noise::GaussianNoiseError;
-use belvedere_sensors::trace::Capture;
+use belvedere_sensors::Capture;
 use std::time::Instant;
 
 /// A running camera.
 pub(super) struct CameraChannel {
-    camera: Camera,
+    eye: Eye,
     mount: Mount,
     image: Outlet,
     info: Outlet,
@@ -30,15 +29,15 @@ impl CameraChannel {
         setting: &Setting<'_>,
     ) -> Result<Self, RigError> {
         let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
-        let config = camera_config(camera, setting.seed, setting.sensor).map_err(|error| refused(&error))?;
-        let made = Camera::new(config).map_err(|error| refused(&error))?;
-        let told = Told::of(made.lens(), plugin, setting.gazebo_compat);
+        let lens = drawn_lens(camera, plugin, setting.gazebo_compat);
+        let eye = Eye::new(camera, &lens, setting).map_err(|error| refused(&*error))?;
+        let frame_len = eye.camera().frame_len();
+        let told = Told::of(camera, plugin, setting.gazebo_compat);
         let frame = setting.frame_id(sensor, &plugin.frame_name);
         let rate = setting.rate.hz();
-        let image =
-            StreamSpec::new(&plugin.image_topic, Kind::Image, encoding(camera.format), made.frame_len())
-                .frame_id(&frame)
-                .rate_hz(rate);
+        let image = StreamSpec::new(&plugin.image_topic, Kind::Image, encoding(camera.format), frame_len)
+            .frame_id(&frame)
+            .rate_hz(rate);
         let info = StreamSpec::structs(&plugin.camera_info_topic, Kind::CameraInfo, 1)
             .frame_id(&frame)
             .rate_hz(rate);
@@ -48,14 +47,15 @@ impl CameraChannel {
             info_message: told.camera_info(camera.width, camera.height).map_err(|error| refused(&error))?,
             intrinsics: told.intrinsics(camera.near_m, camera.far_m),
             mount: Mount::new(sensor, setting, &frame),
-            camera: made,
+            eye,
         })
     }
 
     pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
         let started = Instant::now();
         let world_from_sensor = self.mount.pose(context);
-        let mut frame = self.image.loan(self.camera.frame_len());
+        let camera = self.eye.camera();
+        let mut frame = self.image.loan(camera.frame_len());
         if let Some(frame) = &mut frame {
             let header = frame.header_mut();
             header.set_packed(self.info_message.width, self.info_message.height);
@@ -63,10 +63,10 @@ impl CameraChannel {
             header.set_intrinsics(&self.intrinsics);
             Mount::write(&world_from_sensor, header);
             let scene = context.scene.scene();
-            self.camera.sense(
+            camera.sense(
                 &scene,
-                &Capture { world_from_sensor, frame: frame_number },
-                &mut context.workspace.lend(&scene, self.camera.rays()),
+                &Capture::new(frame_number, context.scene.moment(world_from_sensor)),
+                &mut context.workspace.lend(&scene, camera.rays()),
                 frame.payload_mut(),
             );
         }
@@ -77,19 +77,10 @@ impl CameraChannel {
 
     /// Takes other settings from its next frame on.
     pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
-        self.camera = Camera::new(exposed(self.camera.config(), settings)?)?;
-        Ok(())
+        self.eye.configure(settings)
     }
 
     pub(super) fn outlets(&self) -> [&Outlet; 2] {
         [&self.image, &self.info]
     }
-}
-
-/// The same camera with other settings.
-pub(super) fn exposed(
-    config: &CameraConfig,
-    settings: &Settings,
-) -> Result<CameraConfig, GaussianNoiseError> {
-    Ok(CameraConfig { exposure: settings.exposure(), noise: settings.noise(&config.noise)?, ..*config })
 }

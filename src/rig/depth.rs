@@ -1,21 +1,22 @@
 //! A Kinect: depth, colour and cloud from one look, and the infos.
 
-use super::camera::exposed;
+use super::eye::{Eye, drawn_lens};
 use super::mount::Mount;
 use super::outlet::Outlet;
-use super::pictures::{Told, camera_config, encoding};
+use super::pictures::{Told, encoding};
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraSensor, DepthCameraPlugin, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, LoanedFrame, StreamSpec};
-use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP};
-use belvedere_sensors::noise::GaussianNoise;
-use belvedere_sensors::trace::Capture;
+use belvedere_sensors::Capture;
+use belvedere_sensors::camera::CameraError;
+use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
 use std::time::Instant;
 
 /// A running depth camera.
 pub(super) struct DepthChannel {
-    camera: DepthCamera,
+    eye: Eye,
+    limits: Limits,
     mount: Mount,
     in_millimetres: bool,
     colour: Outlet,
@@ -36,16 +37,16 @@ impl DepthChannel {
         setting: &Setting<'_>,
     ) -> Result<Self, RigError> {
         let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
-        let config = DepthCameraConfig {
-            camera: camera_config(camera, setting.seed, setting.sensor).map_err(|error| refused(&error))?,
-            min_depth_m: plugin.cutoff_m,
-            max_depth_m: plugin.cutoff_max_m,
+        let lens = drawn_lens(camera, &plugin.camera, setting.gazebo_compat);
+        let eye = Eye::new(camera, &lens, setting).map_err(|error| refused(&*error))?;
+        let limits = Limits {
+            range_m: [plugin.cutoff_m, plugin.cutoff_max_m],
             out_of_range: if setting.gazebo_compat { OutOfRange::Nan } else { OutOfRange::Infinite },
-            // SDF's <noise> is the colour picture's; Gazebo classic knows none for depth.
-            noise: GaussianNoise::NONE,
+            too_near: if setting.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
         };
-        let made = DepthCamera::new(config).map_err(|error| refused(&error))?;
-        let told = Told::of(made.camera().lens(), &plugin.camera, setting.gazebo_compat);
+        let made = depth_camera(&eye, &limits).map_err(|error| refused(&error))?;
+        let (pixels, colour_len) = (made.pixels(), made.camera().frame_len());
+        let told = Told::of(camera, &plugin.camera, setting.gazebo_compat);
         let frame = setting.frame_id(sensor, &plugin.camera.frame_name);
         let rate = setting.rate.hz();
         let open = |spec: StreamSpec| setting.open_rendered(spec.frame_id(&frame).rate_hz(rate));
@@ -53,11 +54,9 @@ impl DepthChannel {
             let spec = StreamSpec::structs(topic, Kind::CameraInfo, 1);
             setting.open(&spec.frame_id(&frame).rate_hz(rate))
         };
-        let pixels = made.pixels();
         let (depth_encoding, depth_bytes) =
             if plugin.depth_16uc1 { (Encoding::U16C1, 2) } else { (Encoding::F32C1, 4) };
         let names = &plugin.camera;
-        let colour_len = made.camera().frame_len();
         let (near, far) = (plugin.cutoff_m, plugin.cutoff_max_m);
         Ok(Self {
             colour: open(StreamSpec::new(
@@ -85,15 +84,17 @@ impl DepthChannel {
             colour_intrinsics: told.intrinsics(camera.near_m, camera.far_m),
             depth_intrinsics: told.intrinsics(near, far),
             mount: Mount::new(sensor, setting, &frame),
-            camera: made,
+            eye,
+            limits,
         })
     }
 
     pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
         let started = Instant::now();
         let world_from_sensor = self.mount.pose(context);
-        let pixels = self.camera.pixels();
-        let mut colour = self.colour.loan(self.camera.camera().frame_len());
+        let Ok(camera) = depth_camera(&self.eye, &self.limits) else { return };
+        let pixels = camera.pixels();
+        let mut colour = self.colour.loan(camera.camera().frame_len());
         let mut depth = self.depth.loan(pixels * if self.in_millimetres { 2 } else { 4 });
         let mut points = self.points.loan(pixels * POINT_STEP);
         let parts = [
@@ -117,10 +118,10 @@ impl DepthChannel {
                 depth_32fc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
             }
             let scene = context.scene.scene();
-            self.camera.sense(
+            camera.sense(
                 &scene,
-                &Capture { world_from_sensor, frame: frame_number },
-                &mut context.workspace.lend(&scene, self.camera.rays()),
+                &Capture::new(frame_number, context.scene.moment(world_from_sensor)),
+                &mut context.workspace.lend(&scene, camera.rays()),
                 DepthFrame {
                     depth_32fc1,
                     depth_16uc1,
@@ -142,13 +143,24 @@ impl DepthChannel {
 
     /// Takes other settings from its next frame on: noise and exposure are the colour picture's.
     pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
-        let config = self.camera.config();
-        let camera = exposed(&config.camera, settings)?;
-        self.camera = DepthCamera::new(DepthCameraConfig { camera, ..*config })?;
-        Ok(())
+        self.eye.configure(settings)
     }
 
     pub(super) fn outlets(&self) -> [&Outlet; 5] {
         [&self.colour, &self.colour_info, &self.depth, &self.depth_info, &self.points]
     }
+}
+
+/// Which depths there are, and what stands for the others.
+struct Limits {
+    range_m: [f64; 2],
+    out_of_range: OutOfRange,
+    too_near: TooNear,
+}
+
+/// SDF's `<noise>` is the colour picture's; Gazebo classic knows none for depth.
+fn depth_camera<'a>(eye: &'a Eye, limits: &Limits) -> Result<DepthCamera<'a>, CameraError> {
+    let [min_m, max_m] = limits.range_m;
+    let config = DepthCameraConfig::new(eye.config()).min_depth_m(min_m).max_depth_m(max_m);
+    DepthCamera::new(config.out_of_range(limits.out_of_range).too_near(limits.too_near))
 }

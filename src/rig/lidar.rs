@@ -6,9 +6,9 @@ use super::pictures::noise;
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
+use belvedere_sensors::Capture;
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
 use belvedere_sensors::noise::GaussianNoiseError;
-use belvedere_sensors::trace::Capture;
 use std::time::Instant;
 
 /// A running lidar.
@@ -53,7 +53,7 @@ impl LidarChannel {
                 range_max: ray.range_max_m as f32,
                 vertical_angle_min: vertical.min_angle_rad,
                 vertical_angle_increment: vertical.increment(),
-                reserved: [0; 3],
+                reserved: [0; 19],
             },
             size: [horizontal.samples, vertical.samples],
             mount: Mount::new(sensor, setting, &frame),
@@ -78,7 +78,7 @@ impl LidarChannel {
             let scene = context.scene.scene();
             self.lidar.sense(
                 &scene,
-                &Capture { world_from_sensor, frame: frame_number },
+                &Capture::new(frame_number, context.scene.moment(world_from_sensor)),
                 &mut context.workspace.lend(&scene, self.lidar.rays()),
                 ranges,
                 intensities,

@@ -10,6 +10,7 @@ mod camera;
 mod channel;
 mod depth;
 mod error;
+mod eye;
 mod lidar;
 mod mount;
 mod outlet;

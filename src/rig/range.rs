@@ -7,9 +7,9 @@ use super::{RigContext, RigError, Setting, Settings, lidar::lidar_config};
 use crate::description::model::{Noise, Radiation, RangePlugin, RaySensor, Sensor};
 use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, StreamSpec};
+use belvedere_sensors::Capture;
 use belvedere_sensors::lidar::Lidar;
 use belvedere_sensors::noise::{GaussianNoise, Stream, normals16};
-use belvedere_sensors::trace::Capture;
 
 /// Noise channel of the range; that of the ranges of a lidar, which draws none here.
 const RANGE_CHANNEL: u16 = 2;
@@ -67,7 +67,7 @@ impl RangeChannel {
         let scene = context.scene.scene();
         self.lidar.sense(
             &scene,
-            &Capture { world_from_sensor: self.mount.pose(context), frame: frame_number },
+            &Capture::new(frame_number, context.scene.moment(self.mount.pose(context))),
             &mut context.workspace.lend(&scene, self.lidar.rays()),
             &mut self.ranges,
             &mut [],

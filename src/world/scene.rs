@@ -4,11 +4,11 @@ use crate::description::diagnostics::{Problem, Severity, Source};
 use crate::description::model as description;
 use crate::description::model::{Geometry, LinkIndex, Mesh, Model, World};
 use crate::world::physics::{ModelIndex, Physics};
-use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
     Environment, InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, MeshId,
     Scene, SceneBuilder, SceneError, Shape, TextureId, visibility,
 };
+use belvedere_sensors::{Moment, Pose};
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,8 @@ impl WorldScene {
             }
         }
         for light in &world.lights {
-            assembly.builder.add_light(&lamp(light, world.shadows));
+            let added = assembly.builder.add_light(&lamp(light, world.shadows));
+            added.map_err(|error| refused(error, &light.source))?;
         }
         assembly.meshes.clear();
         Ok(Self { assembly, stamp_ns: None })
@@ -89,7 +90,7 @@ impl WorldScene {
         added
     }
 
-    /// Lets a model be seen no more. Its places in the scene are used again.
+    /// Lets a model be seen no more. Its places and memory in the scene are used again.
     pub fn remove_model(&mut self, index: ModelIndex) {
         let assembly = &mut self.assembly;
         let mut gone: Vec<_> = assembly
@@ -98,18 +99,40 @@ impl WorldScene {
             .flat_map(|(_, shapes)| shapes)
             .collect();
         // A map has no order; the same commands are to give the same scene.
-        gone.sort_unstable_by_key(|(instance, _)| std::cmp::Reverse(instance.0));
-        for (instance, _) in gone {
+        gone.sort_unstable_by_key(|placed| std::cmp::Reverse(placed.instance.0));
+        for placed in &gone {
             // It is there.
-            let _ = assembly.builder.set_visibility(instance, 0);
-            assembly.free.push(instance);
+            let _ = assembly.builder.remove_instance(placed.instance);
+        }
+        // What others use as well, or is gone already, is refused.
+        for Placed { shape, material, .. } in gone {
+            if let Shape::Mesh(mesh) = shape {
+                let _ = assembly.builder.remove_mesh(mesh);
+            }
+            if assembly.bare != Some(material) {
+                let _ = assembly.builder.remove_material(material);
+            }
         }
     }
 
-    /// The scene as it stands.
+    /// The moment at which everything is where it was moved last, and a sensor at `world_from_sensor`.
+    pub fn moment(&self, world_from_sensor: Pose) -> Moment<'_> {
+        self.assembly.builder.moment(world_from_sensor)
+    }
+
+    /// What there is to see.
     pub fn scene(&self) -> Scene<'_> {
         self.assembly.builder.scene()
     }
+}
+
+/// An instance, where it is in its link, and what it is made of.
+#[derive(Debug)]
+struct Placed {
+    instance: InstanceId,
+    link_from_shape: Pose,
+    shape: Shape,
+    material: MaterialId,
 }
 
 /// A scene being put together; files and meshes that are used twice are taken in once.
@@ -119,10 +142,8 @@ struct Assembly {
     textures: HashMap<PathBuf, TextureId>,
     /// By address: only for as long as the models that they are of are borrowed.
     meshes: HashMap<*const Mesh, MeshId>,
-    placed: HashMap<(ModelIndex, LinkIndex), Vec<(InstanceId, Pose)>>,
+    placed: HashMap<(ModelIndex, LinkIndex), Vec<Placed>>,
     bare: Option<MaterialId>,
-    /// Places of models that were taken out, the next to be used last.
-    free: Vec<InstanceId>,
 }
 
 impl Assembly {
@@ -177,20 +198,14 @@ impl Assembly {
         config: impl FnOnce(Pose) -> InstanceConfig,
     ) -> Result<(), Problem> {
         let config = config(*world_from_link * link_from_shape);
-        let instance = match self.free.last().copied() {
-            Some(free) => self.builder.set_instance(free, &config).map(|()| free),
-            None => self.builder.add_instance(&config),
-        };
-        let instance = instance.map_err(|error| refused(error, source))?;
-        if self.free.last() == Some(&instance) {
-            self.free.pop();
-        }
-        self.placed.entry(key).or_default().push((instance, link_from_shape));
+        let instance = self.builder.add_instance(&config).map_err(|error| refused(error, source))?;
+        let InstanceConfig { shape, material, .. } = config;
+        self.placed.entry(key).or_default().push(Placed { instance, link_from_shape, shape, material });
         Ok(())
     }
 
     fn set_pose(&mut self, key: (ModelIndex, LinkIndex), world_from_link: &Pose) {
-        for (instance, link_from_shape) in self.placed.get(&key).into_iter().flatten() {
+        for Placed { instance, link_from_shape, .. } in self.placed.get(&key).into_iter().flatten() {
             // Fails only for a pose that is not finite: what physics lost keeps its last place.
             let _ = self.builder.set_pose(*instance, *world_from_link * *link_from_shape);
         }

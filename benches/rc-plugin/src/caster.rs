@@ -119,9 +119,9 @@ impl Caster {
         let mut workspace = Workspace { buffer: self.workspace.as_mut_slice(), execution };
         let hits =
             Hits { distance: Some(t), normal: Some(normal), primitive: Some(primitive), ..Hits::default() };
-        cast_grid(
+        let cast = cast_grid(
             &scene.scene(),
-            &sensor.pose(origins[0]),
+            &scene.moment(sensor.pose(origins[0])),
             &sensor.grid,
             [0.0, f64::INFINITY],
             u32::MAX,
@@ -129,6 +129,9 @@ impl Caster {
             &mut workspace,
             hits,
         );
+        if let Err(error) = cast {
+            eprintln!("belvedere: {error}");
+        }
     }
 
     /// Casts rays of which nothing is known.

@@ -3,8 +3,8 @@
 //! against each of its rays.
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::lens::Pinhole;
-use belvedere_sensors::trace::{RayGrid, SphericalGrid};
+use belvedere_sensors::optics::{Intrinsics, Pinhole};
+use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
 use core::f64::consts::TAU;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -14,7 +14,7 @@ const TOLERANCE: f64 = 3e-7;
 /// A grid of rays, and how it is turned in the world.
 #[derive(Clone, Copy)]
 pub(crate) struct Sensor {
-    pub(crate) grid: RayGrid<'static>,
+    pub(crate) grid: Optics<'static>,
     world_from_sensor: DMat3,
 }
 
@@ -38,16 +38,17 @@ impl Sensor {
     fn direction(&self, column: usize, row: usize) -> DVec3 {
         let (column, row) = (column as f64, row as f64);
         let in_sensor = match self.grid {
-            RayGrid::Pinhole(lens) => {
-                DVec3::new(1.0, (lens.cx - column) / lens.fx, (lens.cy - row) / lens.fy).normalize()
+            Optics::Pinhole(grid) => {
+                let Intrinsics { fx, fy, cx, cy, .. } = grid.intrinsics();
+                DVec3::new(1.0, (cx - column) / fx, (cy - row) / fy).normalize()
             }
-            RayGrid::Spherical(grid) => {
+            Optics::Spherical(grid) => {
                 let (sin, cos) = (grid.first_azimuth_rad + grid.azimuth_step_rad * column).sin_cos();
                 let (up, level) = (grid.first_elevation_rad + grid.elevation_step_rad * row).sin_cos();
                 DVec3::new(cos * level, sin * level, up)
             }
-            // Nothing is fitted by a table.
-            RayGrid::Table(_) => return DVec3::ZERO,
+            // Nothing is fitted by another.
+            _ => return DVec3::ZERO,
         };
         self.world_from_sensor * in_sensor
     }
@@ -78,18 +79,11 @@ impl Table<'_> {
         let left = up.cross(forward);
         let corner = top[0] / top[0].dot(forward);
         let (cx, cy) = (0.5 * last_column as f64, 0.5 * last_row as f64);
-        let lens = Pinhole {
-            width: self.width as u32,
-            height: self.height as u32,
-            fx: cx / corner.dot(left),
-            fy: cy / corner.dot(up),
-            cx,
-            cy,
-        };
-        (lens.fx > 0.0 && lens.fy > 0.0 && lens.fx.is_finite() && lens.fy.is_finite()).then_some(Sensor {
-            grid: RayGrid::Pinhole(lens),
-            world_from_sensor: DMat3::from_cols(forward, left, up),
-        })
+        let (fx, fy) = (cx / corner.dot(left), cy / corner.dot(up));
+        let lens = Pinhole::new(Intrinsics { fx, fy, cx, cy, skew: 0.0 }).ok()?;
+        let grid = PinholeGrid::new(self.width as u32, self.height as u32, lens).ok()?;
+        let world_from_sensor = DMat3::from_cols(forward, left, up);
+        Some(Sensor { grid: Optics::Pinhole(grid), world_from_sensor })
     }
 
     fn fit_spherical(&self) -> Option<Sensor> {
@@ -108,7 +102,7 @@ impl Table<'_> {
         let forward = DVec3::new(first.x, first.y, 0.0).try_normalize()?;
         let left = DVec3::Z.cross(forward);
         Some(Sensor {
-            grid: RayGrid::Spherical(grid),
+            grid: Optics::Spherical(grid),
             world_from_sensor: DMat3::from_cols(forward, left, DVec3::Z),
         })
     }

@@ -2,10 +2,11 @@
 
 use super::super::rays::{RaySet, Source};
 use super::Built;
-use belvedere_sensors::lens::Pinhole;
+use belvedere_sensors::optics::{Intrinsics, Pinhole};
+use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
 use belvedere_sensors::scene::visibility;
 use belvedere_sensors::trace::rays::{Rays, cast_rays};
-use belvedere_sensors::trace::{Faces, Hits, RayGrid, SphericalGrid, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
 use belvedere_sensors::{Execution, Pose};
 use core::f64::consts::PI;
 use glam::DVec3;
@@ -31,7 +32,7 @@ pub struct Caster {
 /// What is cast.
 enum Work {
     /// The frame of a sensor.
-    Grid(RayGrid<'static>, Pose),
+    Grid(Box<Optics<'static>>, Pose),
     /// Rays of which nothing is known.
     Single { origins: Vec<[f32; 3]>, directions: Vec<[f32; 3]> },
 }
@@ -40,7 +41,7 @@ impl Caster {
     pub fn new(rays: &RaySet, execution: Execution, wanted: Wanted) -> Self {
         let work = match &rays.source {
             Source::Pinhole { world_from_sensor, focal_px } => {
-                Work::Grid(RayGrid::Pinhole(lens(rays, *focal_px)), *world_from_sensor)
+                Work::Grid(Box::new(lens(rays, *focal_px).into()), *world_from_sensor)
             }
             Source::Rings { world_from_sensor, elevations_rad } => {
                 let azimuth_step_rad = -2.0 * PI / rays.width as f64;
@@ -52,7 +53,7 @@ impl Caster {
                     first_elevation_rad: elevations_rad[0],
                     elevation_step_rad: elevations_rad.get(1).map_or(0.0, |next| next - elevations_rad[0]),
                 };
-                Work::Grid(RayGrid::Spherical(grid), *world_from_sensor)
+                Work::Grid(Box::new(grid.into()), *world_from_sensor)
             }
             Source::Random => {
                 Work::Single { origins: rays.origins.clone(), directions: rays.directions.clone() }
@@ -84,16 +85,18 @@ impl Caster {
         match &self.work {
             Work::Grid(grid, world_from_sensor) => cast_grid(
                 &scene,
-                world_from_sensor,
+                &built.builder.moment(*world_from_sensor),
                 grid,
                 [0.0, f64::INFINITY],
                 visibility::VISUAL,
                 faces,
                 &mut self.workspace.lend(&scene, grid.rays()),
                 hits,
-            ),
+            )
+            .expect("a grid that can be cast"),
             Work::Single { origins, directions } => cast_rays(
                 &scene,
+                built.builder.poses(),
                 DVec3::ZERO,
                 &Rays { origins, directions, ranges: None },
                 visibility::VISUAL,
@@ -107,13 +110,8 @@ impl Caster {
 }
 
 /// Pixel centres are integers to us, and halves in the ray sets: the middle is the same.
-fn lens(rays: &RaySet, focal_px: f64) -> Pinhole {
-    Pinhole {
-        width: rays.width as u32,
-        height: rays.height as u32,
-        fx: focal_px,
-        fy: focal_px,
-        cx: (rays.width as f64 - 1.0) * 0.5,
-        cy: (rays.height as f64 - 1.0) * 0.5,
-    }
+fn lens(rays: &RaySet, focal_px: f64) -> PinholeGrid {
+    let [cx, cy] = [rays.width, rays.height].map(|side| (side as f64 - 1.0) * 0.5);
+    let lens = Pinhole::new(Intrinsics { fx: focal_px, fy: focal_px, cx, cy, skew: 0.0 });
+    lens.and_then(|lens| PinholeGrid::new(rays.width as u32, rays.height as u32, lens)).expect("in range")
 }

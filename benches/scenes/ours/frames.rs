@@ -2,19 +2,21 @@
 
 use super::super::rays::{RaySet, Source};
 use super::{Built, execution};
-use belvedere_sensors::camera::{CameraConfig, PixelFormat};
-use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange};
+use belvedere_sensors::camera::CameraConfig;
+use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
 use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{InstanceConfig, InstanceId, MaterialConfig, SceneBuilder, Shape, visibility};
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::{Capture, WorkspaceBuf};
-use belvedere_sensors::{Execution, Pose};
+use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Execution, Pose};
 
 /// A depth camera with the rays of R1.
 pub struct DepthFrames {
-    camera: DepthCamera,
-    capture: Capture,
+    camera: DepthCamera<'static>,
+    world_from_sensor: Pose,
+    frame: u64,
     workspace: WorkspaceBuf,
     depths: Vec<f32>,
 }
@@ -29,17 +31,23 @@ impl DepthFrames {
         let fov = 2.0 * libm::atan(rays.width as f64 * 0.5 / focal_px);
         let mut workspace = WorkspaceBuf::default();
         workspace.execution = execution;
-        let capture = Capture { world_from_sensor: *world_from_sensor, frame: 0 };
-        Self { camera: depth_camera(fov, noise), capture, workspace, depths: vec![0.0; rays.len()] }
+        Self {
+            camera: depth_camera(fov, noise),
+            world_from_sensor: *world_from_sensor,
+            frame: 0,
+            workspace,
+            depths: vec![0.0; rays.len()],
+        }
     }
 
     /// Takes the next frame.
     pub fn sense(&mut self, built: &Built) {
         let scene = built.builder.scene();
-        self.capture.frame += 1;
+        self.frame += 1;
+        let capture = Capture::new(self.frame, built.builder.moment(self.world_from_sensor));
         let output = DepthFrame { depth_32fc1: Some(&mut self.depths), ..DepthFrame::default() };
         let workspace = &mut self.workspace.lend(&scene, self.camera.rays());
-        self.camera.sense(&scene, &self.capture, workspace, output);
+        self.camera.sense(&scene, &capture, workspace, output);
     }
 }
 
@@ -79,7 +87,7 @@ impl Moving {
         for (instance, pose) in self.boxes.iter().zip(poses) {
             self.builder.set_pose(*instance, *pose).expect("our own pose");
         }
-        let capture = Capture { world_from_sensor: Pose::IDENTITY, frame: 0 };
+        let capture = Capture::new(0, self.builder.moment(Pose::IDENTITY));
         let mut ranges = [0.0; FAN.samples as usize];
         let scene = self.builder.scene();
         let workspace = &mut self.workspace.lend(&scene, self.lidar.rays());
@@ -89,27 +97,10 @@ impl Moving {
 }
 
 /// A depth camera of 640 × 480 pixels that sees without end.
-fn depth_camera(horizontal_fov_rad: f64, noise: GaussianNoise) -> DepthCamera {
-    let camera = CameraConfig {
-        width: 640,
-        height: 480,
-        horizontal_fov_rad,
-        format: PixelFormat::Rgb8,
-        near_m: 1e-3,
-        far_m: 1e6,
-        exposure: 1.0,
-        noise: GaussianNoise::NONE,
-        seed: 1,
-        sensor: 0,
-    };
-    let config = DepthCameraConfig {
-        camera,
-        min_depth_m: 0.0,
-        max_depth_m: f64::INFINITY,
-        out_of_range: OutOfRange::Infinite,
-        noise,
-    };
-    DepthCamera::new(config).expect("in range")
+fn depth_camera(horizontal_fov_rad: f64, noise: GaussianNoise) -> DepthCamera<'static> {
+    let lens = PinholeGrid::from_fov(640, 480, horizontal_fov_rad).expect("in range");
+    let camera = CameraConfig::new(lens).near_m(1e-3).far_m(1e6).seed(1);
+    DepthCamera::new(DepthCameraConfig::new(camera).noise(noise)).expect("in range")
 }
 
 /// A lidar that sees without end.

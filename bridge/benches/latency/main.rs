@@ -2,7 +2,7 @@
 //! `cargo bench -p belvedere-bridge --bench latency`.
 //!
 //! Publisher and consumer are two processes; this program starts itself again as the consumer. Both ways wait for an
-//! event and then receive; both carry the time of sending in a header of 256 bytes. Frames go out every millisecond,
+//! event and then receive; both carry the time of sending in a header of 384 bytes. Frames go out every millisecond,
 //! so that the consumer sleeps before each. Rounds of both ways alternate, and what counts is the ratio of medians
 //! within a round: the pace of the machine cancels out.
 //!

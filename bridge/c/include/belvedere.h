@@ -33,7 +33,7 @@
 #define BV_MAGIC 1146506306
 
 // Version of the layout in this file.
-#define BV_SCHEMA 1
+#define BV_SCHEMA 2
 
 // Flag: a plane of intensities of the same shape follows the ranges, at row_stride * height.
 #define BV_HAS_INTENSITIES 1
@@ -201,6 +201,37 @@ typedef uint16_t bv_operation;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// How a lens maps directions to pixels, and its parameters (bv_intrinsics.distortion_model).
+enum bv_distortion_model
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint16_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // k1 k2 p1 p2 k3; all 0 for a pinhole.
+    BV_DISTORTION_MODEL_PLUMB_BOB = 1,
+    // k1 k2 p1 p2 k3 k4 k5 k6, then s1 s2 s3 s4, then tau_x tau_y: 8, 12 or 14.
+    BV_DISTORTION_MODEL_RATIONAL_POLYNOMIAL = 2,
+    // k1 k2 k3 k4 of Kannala and Brandt, OpenCV's fisheye.
+    BV_DISTORTION_MODEL_EQUIDISTANT = 3,
+    // alpha beta
+    BV_DISTORTION_MODEL_EUCM = 4,
+    // xi alpha
+    BV_DISTORTION_MODEL_DOUBLE_SPHERE = 5,
+    // xi k1 k2 p1 p2
+    BV_DISTORTION_MODEL_MEI = 6,
+    // none
+    BV_DISTORTION_MODEL_EQUIRECTANGULAR = 7,
+    // c1 c2 c3 f fun cutoff of SDF's lens; f in pixels, fun 0 sin, 1 tan, 2 the angle itself.
+    BV_DISTORTION_MODEL_WIDE_ANGLE = 8,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum bv_distortion_model bv_distortion_model;
+#else
+typedef uint16_t bv_distortion_model;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // The sending end of a stream of commands to the robot.
 typedef struct bv_command_publisher bv_command_publisher;
 
@@ -255,16 +286,21 @@ typedef struct bv_intrinsics {
     double fy;
     double cx;
     double cy;
-    // k1 k2 p1 p2 k3 0 0 0
-    float distortion[8];
+    // K[1]
+    double skew;
+    // parameters of the model, in its order
+    double distortion[14];
     // metres
     float near;
     // metres
     float far;
     // P[3]
     float tx;
-    // 0 none, 1 plumb_bob
-    uint32_t distortion_model;
+    // a bv_distortion_model; 0 none
+    uint16_t distortion_model;
+    // how many of distortion hold
+    uint16_t distortion_len;
+    uint64_t reserved[5];
 } bv_intrinsics;
 
 // Angles (radians) and limits (metres) of a lidar.
@@ -279,7 +315,7 @@ typedef struct bv_scan_geometry {
     float range_max;
     double vertical_angle_min;
     double vertical_angle_increment;
-    uint64_t reserved[3];
+    uint64_t reserved[19];
 } bv_scan_geometry;
 
 // What only this kind has.
@@ -288,14 +324,14 @@ typedef union bv_block {
     struct bv_intrinsics intrinsics;
     // scans
     struct bv_scan_geometry scan;
-    uint64_t raw[10];
+    uint64_t raw[26];
 } bv_block;
 
-// The 256 bytes before every payload.
+// The 384 bytes before every payload.
 typedef struct bv_frame_header {
     // BV_MAGIC
     uint32_t magic;
-    // 256
+    // 384
     uint16_t header_len;
     // BV_SCHEMA
     uint16_t schema;
@@ -378,8 +414,10 @@ typedef struct bv_simulation_result {
 typedef struct bv_camera_info {
     uint32_t width;
     uint32_t height;
+    // the model's name: plumb_bob, rational_polynomial, equidistant, eucm, double_sphere, mei, equirectangular, wide_angle
     char distortion_model[32];
-    double d[8];
+    // parameters of the model, in its order
+    double d[14];
     // how many of d hold
     uint32_t d_len;
     uint32_t reserved;

@@ -11,7 +11,7 @@ use belvedere_bridge::payload;
 /// First field of every frame header: "BLVD" in memory order.
 pub const BV_MAGIC: u32 = 0x4456_4C42;
 /// Version of the layout in this file.
-pub const BV_SCHEMA: u16 = 1;
+pub const BV_SCHEMA: u16 = 2;
 /// Flag: a plane of intensities of the same shape follows the ranges, at row_stride * height.
 pub const BV_HAS_INTENSITIES: u32 = 1;
 
@@ -112,6 +112,29 @@ pub enum Encoding {
     Struct = 8,
 }
 
+/// How a lens maps directions to pixels, and its parameters (bv_intrinsics.distortion_model).
+#[allow(dead_code)]
+#[derive(Clone, Copy)]
+#[repr(u16)]
+pub enum DistortionModel {
+    /// k1 k2 p1 p2 k3; all 0 for a pinhole.
+    PlumbBob = 1,
+    /// k1 k2 p1 p2 k3 k4 k5 k6, then s1 s2 s3 s4, then tau_x tau_y: 8, 12 or 14.
+    RationalPolynomial = 2,
+    /// k1 k2 k3 k4 of Kannala and Brandt, OpenCV's fisheye.
+    Equidistant = 3,
+    /// alpha beta
+    Eucm = 4,
+    /// xi alpha
+    DoubleSphere = 5,
+    /// xi k1 k2 p1 p2
+    Mei = 6,
+    /// none
+    Equirectangular = 7,
+    /// c1 c2 c3 f fun cutoff of SDF's lens; f in pixels, fun 0 sin, 1 tan, 2 the angle itself.
+    WideAngle = 8,
+}
+
 /// How pixels map to directions.
 #[derive(Clone, Copy)]
 #[repr(C)]
@@ -120,16 +143,21 @@ pub struct Intrinsics {
     pub fy: f64,
     pub cx: f64,
     pub cy: f64,
-    /// k1 k2 p1 p2 k3 0 0 0
-    pub distortion: [f32; 8],
+    /// K[1]
+    pub skew: f64,
+    /// parameters of the model, in its order
+    pub distortion: [f64; 14],
     /// metres
     pub near: f32,
     /// metres
     pub far: f32,
     /// P[3]
     pub tx: f32,
-    /// 0 none, 1 plumb_bob
-    pub distortion_model: u32,
+    /// a bv_distortion_model; 0 none
+    pub distortion_model: u16,
+    /// how many of distortion hold
+    pub distortion_len: u16,
+    pub reserved: [u64; 5],
 }
 
 /// Angles (radians) and limits (metres) of a lidar.
@@ -146,7 +174,7 @@ pub struct ScanGeometry {
     pub range_max: f32,
     pub vertical_angle_min: f64,
     pub vertical_angle_increment: f64,
-    pub reserved: [u64; 3],
+    pub reserved: [u64; 19],
 }
 
 /// What only this kind has.
@@ -157,15 +185,15 @@ pub union Block {
     pub intrinsics: Intrinsics,
     /// scans
     pub scan: ScanGeometry,
-    pub raw: [u64; 10],
+    pub raw: [u64; 26],
 }
 
-/// The 256 bytes before every payload.
+/// The 384 bytes before every payload.
 #[repr(C)]
 pub struct FrameHeader {
     /// BV_MAGIC
     pub magic: u32,
-    /// 256
+    /// 384
     pub header_len: u16,
     /// BV_SCHEMA
     pub schema: u16,
@@ -206,8 +234,10 @@ pub struct FrameHeader {
 pub struct CameraInfo {
     pub width: u32,
     pub height: u32,
+    /// the model's name: plumb_bob, rational_polynomial, equidistant, eucm, double_sphere, mei, equirectangular, wide_angle
     pub distortion_model: [c_char; 32],
-    pub d: [f64; 8],
+    /// parameters of the model, in its order
+    pub d: [f64; 14],
     /// how many of d hold
     pub d_len: u32,
     pub reserved: u32,
@@ -427,7 +457,8 @@ macro_rules! same_layout {
 
 same_layout!(FrameHeader, wire::FrameHeader, magic header_len schema kind encoding flags seq session stamp_ns
     publish_mono_ns width height row_stride elem_stride payload_len frame_id position orientation block);
-same_layout!(Intrinsics, wire::Intrinsics, fx fy cx cy distortion near far tx distortion_model);
+same_layout!(Intrinsics, wire::Intrinsics, fx fy cx cy skew distortion near far tx distortion_model
+    distortion_len reserved);
 same_layout!(ScanGeometry, wire::ScanGeometry, angle_min angle_increment time_increment scan_time range_min
     range_max vertical_angle_min vertical_angle_increment reserved);
 same_layout!(CameraInfo, payload::CameraInfo, width height distortion_model d d_len reserved k r p);
@@ -456,9 +487,10 @@ const _: () = {
     assert!(BV_MAGIC == wire::FrameHeader::MAGIC);
     assert!(BV_SCHEMA == wire::FrameHeader::SCHEMA);
     assert!(BV_HAS_INTENSITIES == wire::FrameHeader::HAS_INTENSITIES);
-    assert!(size_of::<Block>() == 80);
+    assert!(size_of::<Block>() == 208);
     // A kind, encoding or operation that is added there is missing here until this compiles again.
     assert!(wire::Kind::ALL.len() == 21 && Kind::SensorSettings as u16 == 21);
     assert!(wire::Encoding::ALL.len() == 8 && Encoding::Struct as u16 == 8);
+    assert!(wire::DistortionModel::ALL.len() == 8 && DistortionModel::WideAngle as u16 == 8);
     assert!(wire::Operation::ALL.len() == 9 && Operation::Configure as u16 == 9);
 };

@@ -15,7 +15,9 @@ use crate::{
     },
     control::{bv_control_call, bv_control_close, bv_control_open},
     frame::{bv_frame_get_header, bv_frame_get_payload, bv_frame_missed, bv_frame_release},
-    layout::{BV_MAGIC, MotorPower, ResetOdometry, SimulationCommand, SimulationResult, VelocityCommand},
+    layout::{
+        BV_MAGIC, CameraInfo, MotorPower, ResetOdometry, SimulationCommand, SimulationResult, VelocityCommand,
+    },
     node::{bv_node_close, bv_node_open, bv_streams, bv_streams_free},
     status::{Status, bv_last_error, guard},
     subscriber::{
@@ -91,6 +93,54 @@ fn frames_and_commands_cross() {
         bv_node_close(node);
         bv_subscriber_close(subscriber);
         bv_frame_release(frame);
+    }
+}
+
+/// All coefficients of a lens, in a picture and in its info.
+#[test]
+fn a_lens_crosses() {
+    let name = format!("cl-{}", std::process::id());
+    let rust = belvedere_bridge::Node::open(&Domain::new(&name).unwrap(), "test").unwrap();
+    let pictures = rust.publisher(&StreamSpec::new("image", Kind::Image, Encoding::Mono8, 1)).unwrap();
+    let infos = rust.publisher(&StreamSpec::structs("info", Kind::CameraInfo, 1)).unwrap();
+    let parameters: [f64; 14] = std::array::from_fn(|index| 0.1 * index as f64 - 0.5);
+    let name = CString::new(name).unwrap();
+    let (mut node, mut subscriber, mut frame) = (null_mut(), null_mut(), null_mut());
+    // SAFETY: as above.
+    unsafe {
+        assert_eq!(bv_node_open(name.as_ptr(), c"test".as_ptr(), &raw mut node), Status::Ok);
+        assert_eq!(bv_subscribe(node, c"image".as_ptr(), &raw mut subscriber), Status::Ok);
+        assert_eq!(bv_subscriber_wait(subscriber, 10), Status::Nothing);
+        for count in [0, 4, 5, 8, 12, 14] {
+            let mut lens = belvedere_bridge::Intrinsics { fx: 300.0, skew: 0.5, ..Default::default() };
+            lens.set_distortion(belvedere_bridge::DistortionModel::RationalPolynomial, &parameters[..count]);
+            let mut loaned = pictures.loan(1).unwrap();
+            loaned.header_mut().set_packed(1, 1);
+            loaned.header_mut().set_intrinsics(&lens);
+            loaned.send().unwrap();
+            assert_eq!(bv_subscriber_wait(subscriber, 10_000), Status::Ok);
+            assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Ok);
+            let block = (*bv_frame_get_header(frame)).block.intrinsics;
+            assert_eq!((block.fx, block.skew, block.distortion_model), (300.0, 0.5, 2));
+            assert_eq!(block.distortion[..block.distortion_len.into()], parameters[..count]);
+            assert_eq!(block.distortion[count..], [0.0; 14][count..]);
+            bv_frame_release(frame);
+        }
+        bv_subscriber_close(subscriber);
+        let mut info = <payload::CameraInfo as bytemuck::Zeroable>::zeroed();
+        (info.d, info.d_len, info.p[11]) = (parameters, 14, 7.0);
+        info.distortion_model = belvedere_bridge::Text::new("rational_polynomial").unwrap();
+        assert_eq!(bv_subscribe(node, c"info".as_ptr(), &raw mut subscriber), Status::Ok);
+        assert_eq!(bv_subscriber_wait(subscriber, 10), Status::Nothing);
+        infos.send_structs(0, &[info]).unwrap();
+        assert_eq!(bv_subscriber_wait(subscriber, 10_000), Status::Ok);
+        assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Ok);
+        let read = bv_frame_get_payload(frame).cast::<std::ffi::c_void>().cast::<CameraInfo>().read();
+        assert_eq!(CStr::from_ptr(read.distortion_model.as_ptr()), c"rational_polynomial");
+        assert_eq!((read.d, read.d_len, read.p[11]), (parameters, 14, 7.0));
+        bv_frame_release(frame);
+        bv_subscriber_close(subscriber);
+        bv_node_close(node);
     }
 }
 

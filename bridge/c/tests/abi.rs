@@ -57,11 +57,11 @@ fn a_moved_field_and_a_changed_signature_are_seen() {
         (
             "float near;\n    // metres\n    float far;",
             "float far;\n    // metres\n    float near;",
-            "near at 64",
+            "near at 152",
         ),
         ("uint32_t timeout_ms", "uint64_t timeout_ms", "bv_subscriber_wait("),
         ("BV_STATUS_LIMIT = -7", "BV_STATUS_LIMIT = -17", "BV_STATUS_LIMIT = -7"),
-        ("double p[12];", "double p[16];", "bv_camera_info size 352"),
+        ("double p[12];", "double p[16];", "bv_camera_info size 400"),
         ("uint64_t bv_mono_ns(void);", "", "bv_mono_ns("),
     ] {
         assert!(header.contains(what), "{what}");

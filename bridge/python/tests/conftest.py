@@ -57,6 +57,17 @@ def node(simulator: Simulator) -> Iterator[belvedere.Node]:
 
 
 @pytest.fixture
+def lenses() -> Iterator[belvedere.Node]:
+    """Join the domain of a robot whose cameras have various lenses."""
+    robot = ROOT / "tests" / "lenses.urdf"
+    simulator = Simulator(f"lenses-{os.getpid()}", "--robot", str(robot), "--drive", "still")
+    simulator.start()
+    with belvedere.Node("pytest", domain=simulator.domain) as node:
+        yield node
+    simulator.stop(signal.SIGINT)
+
+
+@pytest.fixture
 def kinect() -> Iterator[belvedere.Node]:
     """Join the domain of a robot with a depth camera."""
     simulator = Simulator(f"kinect-{os.getpid()}", "--robot", "kobuki_hexagons_kinect")

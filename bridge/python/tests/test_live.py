@@ -182,3 +182,28 @@ def test_names_that_cannot_be(node: belvedere.Node, name: str) -> None:
         node.subscribe(name)
     with pytest.raises(belvedere.InvalidNameError):
         belvedere.Node(domain=name)
+
+
+@pytest.mark.parametrize(
+    ("camera", "model", "parameters"),
+    [
+        (
+            "tilted",
+            belvedere.DistortionModel.RATIONAL_POLYNOMIAL,
+            (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.009, 0.01, 0.011, 0.012, 0.013, 0.014),
+        ),
+        ("fisheye", belvedere.DistortionModel.EQUIDISTANT, (0.05, -0.01, 0.002, 0.0001)),
+        ("spheres", belvedere.DistortionModel.DOUBLE_SPHERE, (-0.2, 0.6)),
+    ],
+)
+def test_pictures_and_infos_say_the_lens(
+    lenses: belvedere.Node, camera: str, model: belvedere.DistortionModel, parameters: tuple[float, ...]
+) -> None:
+    with first(lenses, f"{camera}/image_raw") as picture:
+        lens = picture.intrinsics
+    assert (lens.distortion_model, lens.distortion) == (model, parameters)
+    with first(lenses, f"{camera}/camera_info") as frame:
+        info = frame.array[0].copy()
+    assert info["distortion_model"] == model.name.lower().encode()
+    assert tuple(info["d"][: info["d_len"]]) == parameters
+    assert info["k"].tolist() == [[lens.fx, lens.skew, lens.cx], [0, lens.fy, lens.cy], [0, 0, 1]]

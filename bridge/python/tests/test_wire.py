@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import random
 import re
+import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from belvedere import BadFrameError, Encoding, Kind, wire
+from belvedere import BadFrameError, DistortionModel, Encoding, Kind, wire
 
 WIRE_MD = Path(__file__).parents[2] / "WIRE.md"
 
@@ -25,13 +26,13 @@ def good_header() -> np.ndarray:
 
 def test_every_offset_is_that_of_wire_md() -> None:
     text = WIRE_MD.read_text()
-    table = text[text.index("## Header: 256 bytes") : text.index("### Block of image")]
+    table = text[text.index("## Header: 384 bytes") : text.index("### Block of image")]
     rows = re.findall(r"^\| (\d+) \| (?:[uf]\d+(?:\[\d+\])?|\d+ bytes) \| (\w+) \|", table, re.MULTILINE)
     assert len(rows) == 19
     assert [(name, int(offset)) for offset, name in rows] == [
         (name, wire.HEADER.fields[name][1]) for name in wire.HEADER.names
     ]
-    assert wire.HEADER.itemsize == 256
+    assert wire.HEADER.itemsize == 384
     sizes = {
         "CameraInfo": Kind.CAMERA_INFO,
         "Odometry": Kind.ODOMETRY,
@@ -65,10 +66,32 @@ def test_numbers_and_names_are_those_of_wire_md() -> None:
     kinds = text[text.index("## Kinds") : text.index("## Encodings")]
     encodings = text[text.index("## Encodings") : text.index("## Structs")]
     operations = text[text.index("| operation | name") :]
-    for table, enum in ((kinds, Kind), (encodings, Encoding), (operations, wire.Operation)):
+    models = text[text.index("| model | name") : text.index("### Block of laser_scan")]
+    tables = ((kinds, Kind), (encodings, Encoding), (models, DistortionModel), (operations, wire.Operation))
+    for table, enum in tables:
         rows = {int(number): name for number, name in re.findall(r"^\| (\d+) \| (\w+) \|", table, re.MULTILINE)}
         names = {"F32C1": "32fc1", "U16C1": "16uc1"}
         assert rows == {member.value: names.get(member.name, member.name.lower()) for member in enum}
+
+
+def test_a_picture_has_all_coefficients_of_its_lens() -> None:
+    text = WIRE_MD.read_text()
+    block = text[text.index("### Block of image") : text.index("| model | name")]
+    at = {
+        name: int(offset)
+        for offset, name in re.findall(r"^\| (\d+) \| [uf]\d+(?:\[\d+\])? \| (\w+) \|", block, re.MULTILINE)
+    }
+    coefficients = tuple(0.1 * index - 0.6 for index in range(14))
+    header = bytearray(wire.HEADER_LEN)
+    struct.pack_into("<5d", header, at["fx"], 381.5, 382.5, 319.5, 239.5, 0.25)
+    struct.pack_into("<14d", header, at["distortion"], *coefficients)
+    struct.pack_into("<3f2H", header, at["near"], 0.5, 8.0, -2.0, DistortionModel.RATIONAL_POLYNOMIAL, 14)
+    lens = wire.intrinsics(np.frombuffer(header, wire.HEADER)[0])
+    assert lens == wire.Intrinsics(381.5, 382.5, 319.5, 239.5, 0.25, coefficients, 0.5, 8.0, -2.0, 2)
+    struct.pack_into("<2H", header, at["distortion_model"], DistortionModel.EQUIDISTANT, 4)
+    assert wire.intrinsics(np.frombuffer(header, wire.HEADER)[0]).distortion == coefficients[:4]
+    struct.pack_into("<H", header, at["distortion_len"], 65535)
+    assert wire.intrinsics(np.frombuffer(header, wire.HEADER)[0]).distortion == coefficients
 
 
 def test_a_good_header_passes() -> None:
@@ -79,7 +102,7 @@ def test_a_good_header_passes() -> None:
     ("field", "value", "says"),
     [
         ("magic", 1, "magic"),
-        ("schema", 2, "schema is 2"),
+        ("schema", 1, "schema is 1"),
         ("header_len", 128, "header_len is 128"),
         ("payload_len", 37, "payload_len is 37, but 36"),
         ("width", 5, "row_stride"),

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "../src/convert/camera_info.hpp"
@@ -85,9 +86,9 @@ TEST(CameraInfo, HasMatricesAndTheModelsCoefficients) {
     bv_camera_info from{};
     from.width = 640;
     from.height = 480;
-    std::strcpy(from.distortion_model, "plumb_bob");
-    from.d_len = 5;
-    for (int i = 0; i < 8; ++i) from.d[i] = 0.1 * i;
+    std::strcpy(from.distortion_model, "rational_polynomial");
+    from.d_len = 14;
+    for (int i = 0; i < 14; ++i) from.d[i] = 0.1 * i;
     for (int i = 0; i < 9; ++i) from.k[i] = 100 + i, from.r[i] = 200 + i;
     for (int i = 0; i < 12; ++i) from.p[i] = 300 + i;
     auto known = Known::structs<bv_camera_info>(BV_KIND_CAMERA_INFO, {from});
@@ -95,16 +96,22 @@ TEST(CameraInfo, HasMatricesAndTheModelsCoefficients) {
     expect_header(info->header);
     EXPECT_EQ(info->width, 640u);
     EXPECT_EQ(info->height, 480u);
-    EXPECT_EQ(info->distortion_model, "plumb_bob");
-    EXPECT_EQ(info->D, std::vector<double>(from.d, from.d + 5));
+    EXPECT_EQ(info->distortion_model, "rational_polynomial");
+    EXPECT_EQ(info->D, std::vector<double>(from.d, from.d + 14));
     EXPECT_TRUE(std::equal(info->K.begin(), info->K.end(), from.k));
     EXPECT_TRUE(std::equal(info->R.begin(), info->R.end(), from.r));
     EXPECT_TRUE(std::equal(info->P.begin(), info->P.end(), from.p));
+    // As many as the model has, and never more than there are.
+    for (const auto& [said, told] : {std::pair{5u, 5u}, {4u, 4u}, {0u, 0u}, {4'000'000'000u, 14u}}) {
+        from.d_len = said;
+        known = Known::structs<bv_camera_info>(BV_KIND_CAMERA_INFO, {from});
+        EXPECT_EQ(to_camera_info(known.sample())->D, std::vector<double>(from.d, from.d + told));
+    }
 }
 
 TEST(CameraInfo, RefusesSomethingSmaller) {
     EXPECT_THROW(to_camera_info(Known::structs<bv_clock>(BV_KIND_CAMERA_INFO, {{1}}).sample()), Unrepresentable);
-    EXPECT_THROW(to_camera_info(Known(BV_KIND_CAMERA_INFO, BV_ENCODING_STRUCT, 0, 0, 352).sample()), Unrepresentable);
+    EXPECT_THROW(to_camera_info(Known(BV_KIND_CAMERA_INFO, BV_ENCODING_STRUCT, 0, 0, sizeof(bv_camera_info)).sample()), Unrepresentable);
 }
 
 Known scan_of(const std::vector<float>& planes, std::uint32_t rays, std::uint32_t flags) {

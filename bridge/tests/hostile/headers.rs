@@ -65,10 +65,10 @@ pub(crate) fn one_field_wrong() -> Vec<Case> {
         for magic in [0, !FrameHeader::MAGIC, FrameHeader::MAGIC.swap_bytes(), FrameHeader::MAGIC + 1] {
             add(FrameHeader { magic, ..honest });
         }
-        for header_len in [0, 255, 257, u16::MAX] {
+        for header_len in [0, 256, 383, 385, u16::MAX] {
             add(FrameHeader { header_len, ..honest });
         }
-        for schema in [0, 2, u16::MAX] {
+        for schema in [0, 1, 3, u16::MAX] {
             add(FrameHeader { schema, ..honest });
         }
         for flags in [1, 2, 3, u32::MAX] {
@@ -79,7 +79,7 @@ pub(crate) fn one_field_wrong() -> Vec<Case> {
             add(FrameHeader { session: word, ..honest });
             add(FrameHeader { stamp_ns: word, ..honest });
             add(FrameHeader { publish_mono_ns: word, ..honest });
-            add(FrameHeader { block: [word; 10], ..honest });
+            add(FrameHeader { block: [word; 26], ..honest });
             add(FrameHeader { position: [f64::from_bits(word); 3], ..honest });
             add(FrameHeader { orientation: [f32::from_bits(word as u32); 4], ..honest });
         }
@@ -136,7 +136,7 @@ pub(crate) fn at_random(random: &mut Random) -> Case {
     header.stamp_ns = random.one_of(&WORDS);
     header.publish_mono_ns = random.one_of(&WORDS);
     header.frame_id = text_of(random.one_of(&BYTES));
-    header.block = [random.next(); 10];
+    header.block = [random.next(); 26];
     match random.below(40) {
         0 => header.magic = random.next() as u32,
         1 => header.schema = random.next() as u16,
@@ -162,7 +162,7 @@ pub(crate) fn is_acceptable(case: &Case) -> bool {
         5 => 2,
         6 => 32,
         8 => match Kind::from_wire(header.kind) {
-            Some(Kind::CameraInfo) => 352,
+            Some(Kind::CameraInfo) => 400,
             Some(Kind::Odometry) => 744,
             Some(Kind::Transforms | Kind::StaticTransforms) => 184,
             Some(Kind::JointStates) => 88,
@@ -180,7 +180,7 @@ pub(crate) fn is_acceptable(case: &Case) -> bool {
         },
         _ => 1,
     };
-    if (header.magic, header.schema, header.header_len) != (0x4456_4C42, 1, 256)
+    if (header.magic, header.schema, header.header_len) != (0x4456_4C42, 2, 384)
         || u128::from(header.payload_len) > case.available as u128
     {
         return false;

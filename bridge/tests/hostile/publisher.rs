@@ -149,7 +149,7 @@ pub(crate) fn rewrite(role: &Role) {
                 // Every frame that was used has an honest header, once.
                 let bytes = std::fs::read(&pool).unwrap();
                 let magic = FrameHeader::MAGIC.to_le_bytes();
-                places = (0..bytes.len().saturating_sub(PAYLOAD_LEN + 256))
+                places = (0..bytes.len().saturating_sub(PAYLOAD_LEN + 384))
                     .step_by(64)
                     .filter(|&at| bytes[at..at + 4] == magic)
                     .collect();
@@ -158,7 +158,7 @@ pub(crate) fn rewrite(role: &Role) {
                 let case = headers::at_random(&mut random);
                 let header = if random.below(2) == 0 { honest } else { case.header };
                 file.write_all_at(bytemuck::bytes_of(&header), place as u64).unwrap();
-                let at = place as u64 + 256 + random.below(PAYLOAD_LEN as u64 - 64);
+                let at = place as u64 + 384 + random.below(PAYLOAD_LEN as u64 - 64);
                 file.write_all_at(&[random.next() as u8; 64], at).unwrap();
                 rewritten += 1;
             }

@@ -19,8 +19,8 @@ const BLOCK: usize = 16;
 const BATCH: usize = 64;
 
 /// Writes the samples `first_index`, `first_index + 1`, … of the stream as standard normals. A sample depends
-/// on its index alone: however a run is split into calls, the values are the same. Indices past 2³² − 1 wrap
-/// round to 0.
+/// on its index alone: however a run is split into calls, the values are the same. A run that goes on past index
+/// 2³² − 1 takes the blocks of [`normals16`] that follow, which no index names.
 ///
 /// This form is compiled into its caller, with whatever instructions the caller may use;
 /// [`fill_standard_normal_with`] is for callers outside a `vectorize` context.
@@ -75,7 +75,7 @@ fn fill_vectorized<S: Simd>(simd: S, stream: &Stream, first_index: u32, out: &mu
 }
 
 /// The standard normals 16·`block` … 16·`block` + 15 of the stream, for kernels: it compiles to the vector
-/// instructions of the `vectorize` context that it is called in.
+/// instructions of the `vectorize` context that it is called in. Block 2³⁰ is block 0 again.
 #[must_use]
 #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
 #[inline(always)]

@@ -13,7 +13,8 @@
 //! | key 1 | sensor | |
 //!
 //! Every block of 16 samples takes four counters of four words. Sample 16·b + 4·w + c is word w of counter
-//! 4·b + c: the words of one kind lie side by side, as vectors want them.
+//! 4·b + c: the words of one kind lie side by side, as vectors want them. There are 2³⁰ blocks, of which the indices of
+//! samples reach the first quarter.
 
 use super::philox::{philox4x32, philox4x32_lanes};
 
@@ -29,16 +30,24 @@ pub struct Stream {
     pub sensor: u32,
     /// Which frame of the sensor; the low 48 bits count, which are 8900 years at 1 kHz.
     pub frame: u64,
-    /// Which use of random numbers within the frame: additive noise, dropout, …; [`Stream::BIAS`] and above are
-    /// this crate's own.
+    /// Which use of random numbers within the frame: additive noise, dropout, … The sensors of this crate draw from the
+    /// channels in [`Stream::TAKEN`]; all others are free, also of a sensor's own seed and number.
     pub channel: u16,
 }
 
 impl Stream {
-    /// The first of the channels reserved for constants that are drawn once per sensor.
+    /// The channel of a camera's colours: a sample for each pixel, of tiles of 16 × 4.
+    pub const COLOUR: u16 = 0;
+    /// The channel of a depth camera's depths, as [`Stream::COLOUR`].
+    pub const DEPTH: u16 = 1;
+    /// The channel of a lidar's ranges.
+    pub const RANGE: u16 = 2;
+    /// The channel of biases, which are drawn once per sensor, in frame 0.
     pub const BIAS: u16 = 0xFFF0;
     /// The channel of the signs of the biases.
-    pub(super) const BIAS_SIGN: u16 = Self::BIAS + 1;
+    pub const BIAS_SIGN: u16 = 0xFFF1;
+    /// The channels that this crate's sensors and noise models draw from.
+    pub const TAKEN: [u16; 5] = [Self::COLOUR, Self::DEPTH, Self::RANGE, Self::BIAS, Self::BIAS_SIGN];
 
     /// The random word of sample `index`, uniform on all of `u32`.
     #[must_use]
@@ -56,8 +65,9 @@ impl Stream {
         ((self.word(index) >> 9) as f32 + 0.5) * (1.0 / (1_u32 << 23) as f32)
     }
 
-    /// The words of `LANES` consecutive counters from `first_counter` on, wrapping round: `[w][c]` is word w of
-    /// counter `first_counter` + c. `LANES` is a multiple of 4 and `first_counter` four times a block number.
+    /// The words of `LANES` consecutive counters from `first_counter` on: `[w][c]` is word w of counter
+    /// `first_counter` + c, where 0 follows 2³² − 1. `LANES` is a multiple of 4 and `first_counter` four times a block
+    /// number.
     #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
     #[inline(always)]
     pub(super) fn words<const LANES: usize>(&self, first_counter: u32) -> [[u32; LANES]; 4] {

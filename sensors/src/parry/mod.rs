@@ -111,7 +111,7 @@ impl SceneBuilder {
     /// ```
     ///
     /// # Errors
-    /// [`ParryError`]. Meshes that were taken in before the error stay in the scene, unused.
+    /// [`ParryError`]; nothing of the shape is in the scene then.
     pub fn add_parry_shape(
         &mut self,
         shape: &dyn parry3d::shape::Shape,
@@ -121,8 +121,24 @@ impl SceneBuilder {
             return Err(SceneError::BadScale.into());
         }
         let mut parts = Vec::new();
-        convert::Converter { builder: self, scale: DVec3::from_array(scale), parts: &mut parts }
-            .add(shape.as_typed_shape(), Pose::IDENTITY)?;
+        let added = convert::Converter { builder: self, scale: DVec3::from_array(scale), parts: &mut parts }
+            .add(shape.as_typed_shape(), Pose::IDENTITY);
+        if let Err(error) = added {
+            self.remove_parry_shape(&parts)?;
+            return Err(error);
+        }
         Ok(parts)
+    }
+
+    /// Takes out the meshes and height fields of a shape that [`SceneBuilder::add_parry_shape`] took in.
+    ///
+    /// # Errors
+    /// [`SceneError::InUse`] when there are still instances of them.
+    pub fn remove_parry_shape(&mut self, parts: &[Part]) -> Result<(), SceneError> {
+        parts.iter().try_for_each(|part| match part.shape {
+            Shape::Mesh(mesh) => self.remove_mesh(mesh),
+            Shape::HeightField(field) => self.remove_height_field(field),
+            _ => Ok(()),
+        })
     }
 }

@@ -25,13 +25,4 @@ impl Aabb {
         }
         bounds
     }
-
-    pub(crate) fn union(&self, other: &Self) -> Self {
-        let mut bounds = *self;
-        for axis in 0..3 {
-            bounds.min[axis] = bounds.min[axis].min(other.min[axis]);
-            bounds.max[axis] = bounds.max[axis].max(other.max[axis]);
-        }
-        bounds
-    }
 }

@@ -14,8 +14,10 @@ mod error;
 
 pub use error::BakedError;
 
+use super::builder::Packed;
 use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneBuilder, Texture};
+use crate::pose::Pose;
 use crate::trace::CacheLine;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
@@ -23,11 +25,11 @@ use bytemuck::{Pod, Zeroable};
 /// `BLVDRSCN`, read as a little-endian number.
 const MAGIC: u64 = u64::from_le_bytes(*b"BLVDRSCN");
 /// Of the layout of all elements.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const LINE: usize = size_of::<CacheLine>();
 
 /// What the sections hold, in their order.
-const SECTIONS: [(&str, usize); 14] = [
+const SECTIONS: [(&str, usize); 15] = [
     ("instances", size_of::<Instance>()),
     ("meshes", size_of::<Mesh>()),
     ("uvs", size_of::<[f32; 2]>()),
@@ -42,6 +44,7 @@ const SECTIONS: [(&str, usize); 14] = [
     ("textures", size_of::<Texture>()),
     ("texels", size_of::<[u8; 4]>()),
     ("lights", size_of::<Light>()),
+    ("poses", size_of::<Pose>()),
 ];
 
 /// The first line.
@@ -76,7 +79,7 @@ const fn head_len() -> usize {
 }
 
 impl SceneBuilder {
-    /// Writes the scene as bytes from which [`Scene::from_baked`] lends it again.
+    /// Writes the scene and the present poses as bytes from which [`Scene::from_baked`] lends them again.
     /// `bytemuck::cast_slice` gives the bytes to write to a file.
     ///
     /// ```
@@ -85,12 +88,13 @@ impl SceneBuilder {
     /// let material = builder.add_material(&MaterialConfig::default())?;
     /// builder.add_instance(&InstanceConfig { material, ..Default::default() })?;
     /// let baked = builder.bake();
-    /// let scene = Scene::from_baked(bytemuck::cast_slice(&baked)).unwrap();
-    /// assert_eq!(scene.instances().len(), 1);
+    /// let (scene, poses) = Scene::from_baked(bytemuck::cast_slice(&baked)).unwrap();
+    /// assert_eq!((scene.instances().len(), poses.len()), (1, 1));
     /// # Ok::<(), SceneError>(())
     /// ```
     pub fn bake(&self) -> Vec<CacheLine> {
-        let scene = self.scene();
+        let packed = Packed::new(self);
+        let scene = packed.scene(self);
         let sections: [&[u8]; SECTIONS.len()] = [
             bytemuck::cast_slice(scene.instances),
             bytemuck::cast_slice(scene.meshes),
@@ -106,6 +110,7 @@ impl SceneBuilder {
             bytemuck::cast_slice(scene.textures),
             bytemuck::cast_slice(scene.texels),
             bytemuck::cast_slice(scene.lights),
+            bytemuck::cast_slice(self.poses()),
         ];
         let mut table = [Section::zeroed(); SECTIONS.len()];
         let mut length = head_len();
@@ -135,7 +140,7 @@ impl SceneBuilder {
 }
 
 impl<'a> Scene<'a> {
-    /// The scene that [`SceneBuilder::bake`] wrote. The bytes must begin at a multiple of 64, as every mapped file
+    /// The scene that [`SceneBuilder::bake`] wrote, and the pose of each instance. The bytes must begin at a multiple of 64, as every mapped file
     /// and every slice of [`CacheLine`]s does; the scene borrows them as they lie.
     ///
     /// Everything is checked: a scene that is returned can be sensed whoever wrote it, at a cost in proportion to
@@ -143,7 +148,7 @@ impl<'a> Scene<'a> {
     ///
     /// # Errors
     /// [`BakedError`] names the section, the element and what is wrong with it.
-    pub fn from_baked(bytes: &'a [u8]) -> Result<Self, BakedError> {
+    pub fn from_baked(bytes: &'a [u8]) -> Result<(Self, &'a [Pose]), BakedError> {
         if !(bytes.as_ptr() as usize).is_multiple_of(LINE) {
             return Err(BakedError::Misaligned);
         }
@@ -189,6 +194,7 @@ impl<'a> Scene<'a> {
             textures,
             texels,
             lights,
+            poses,
         ] = sections;
         let scene = Self {
             instances: bytemuck::cast_slice(instances),
@@ -207,7 +213,8 @@ impl<'a> Scene<'a> {
             lights: bytemuck::cast_slice(lights),
             environment: Environment { ambient: header.ambient, background: header.background },
         };
-        check::scene(&scene)?;
-        Ok(scene)
+        let poses = bytemuck::cast_slice(poses);
+        check::scene(&scene, poses)?;
+        Ok((scene, poses))
     }
 }

@@ -1,6 +1,6 @@
 //! Shapes and where they stand.
 
-use super::SceneError;
+use super::{SceneError, limits};
 use crate::pose::Pose;
 use bytemuck::{Pod, Zeroable};
 use glam::DMat3;
@@ -86,7 +86,7 @@ pub mod visibility {
 pub struct InstanceConfig {
     /// The shape.
     pub shape: Shape,
-    /// Where it stands.
+    /// Where it stands at first. A [`SceneBuilder`](super::SceneBuilder) keeps it beside the instance, which has none.
     pub world_from_instance: Pose,
     /// What its lengths are multiplied by along each of its axes, before it is turned and moved; negative ones
     /// mirror it. What was outside stays outside, also for a mirrored mesh.
@@ -129,12 +129,10 @@ pub(crate) const KIND_HEIGHT_FIELD: u32 = 9;
 /// yet small enough that areas in single precision stay finite.
 const ENDLESS: f64 = 1e15;
 
-/// An instance as it lies in a scene's memory.
-#[allow(clippy::struct_field_names, reason = "a transform is named by both its frames")]
+/// An instance as it lies in a scene's memory. Where it is, a [`Moment`](crate::Moment) says.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct Instance {
-    pub(crate) world_from_instance: Pose,
     /// Box and rectangle: half edges. Sphere: radius. Ellipsoid: radii. Cylinder, capsule, cone: radius, half
     /// length.
     pub(crate) size: [f64; 3],
@@ -149,11 +147,10 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Checks and packs a configuration. Indices are checked by the scene that takes it in.
+    /// Checks and packs a configuration, all but its pose. Indices are checked by the scene that takes it in.
     ///
     /// # Errors
-    /// [`SceneError::BadSize`] for a length that is not positive and finite, [`SceneError::BadScale`] for a scale
-    /// that is 0 or not finite, [`SceneError::BadPose`] for a pose that is not finite.
+    /// [`SceneError::BadSize`], [`SceneError::BadScale`], [`SceneError::BadPose`].
     pub fn new(config: &InstanceConfig) -> Result<Self, SceneError> {
         let (kind, size, mesh) = match config.shape {
             Shape::Box { size } => (KIND_BOX, size.map(|edge| edge * 0.5), 0),
@@ -167,17 +164,7 @@ impl Instance {
             Shape::Mesh(mesh) => (KIND_MESH, [1.0; 3], mesh.0),
             Shape::HeightField(field) => (KIND_HEIGHT_FIELD, [1.0; 3], field.0),
         };
-        if !size.iter().all(|length| length.is_finite() && *length > 0.0) {
-            return Err(SceneError::BadSize);
-        }
-        if !config.scale.iter().all(|factor| factor.is_finite() && *factor != 0.0) {
-            return Err(SceneError::BadScale);
-        }
-        if !config.world_from_instance.is_finite() {
-            return Err(SceneError::BadPose);
-        }
-        Ok(Self {
-            world_from_instance: config.world_from_instance,
+        let instance = Self {
             size,
             scale: config.scale,
             kind,
@@ -186,7 +173,10 @@ impl Instance {
             visibility: config.visibility,
             laser_retro: config.laser_retro,
             reserved: 0,
-        })
+        };
+        limits::instance(&instance)?;
+        limits::pose(&config.world_from_instance)?;
+        Ok(instance)
     }
 
     /// Whether the shape is convex: it cannot stand in its own light.
@@ -194,16 +184,14 @@ impl Instance {
         self.kind != KIND_MESH && self.kind != KIND_HEIGHT_FIELD
     }
 
-    /// The instance's axes in the world: turned, and as long as the scale makes them.
-    pub(crate) fn scaled_axes(&self) -> DMat3 {
-        let axes = self.world_from_instance.rotation_matrix();
+    /// The instance's axes in the world: turned, and as long as the scale makes them. `axes` are turned only.
+    pub(crate) fn scaled_axes(&self, axes: &DMat3) -> DMat3 {
         let [x, y, z] = self.scale;
         DMat3::from_cols(axes.x_axis * x, axes.y_axis * y, axes.z_axis * z)
     }
 
     /// The inverse of [`Instance::scaled_axes`].
-    pub(crate) fn inverse_scaled_axes(&self) -> DMat3 {
-        let axes = self.world_from_instance.rotation_matrix();
+    pub(crate) fn inverse_scaled_axes(&self, axes: &DMat3) -> DMat3 {
         let [x, y, z] = self.scale;
         DMat3::from_cols(axes.x_axis / x, axes.y_axis / y, axes.z_axis / z).transpose()
     }

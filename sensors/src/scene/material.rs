@@ -83,6 +83,10 @@ pub enum LightKind {
     },
 }
 
+/// Index of a lamp in its scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct LightId(pub u32);
+
 /// A lamp and what it gives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightConfig {

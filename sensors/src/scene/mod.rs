@@ -1,7 +1,7 @@
-//! What the sensors look at: shapes with poses, materials, textures and lights, in borrowed slices.
+//! What the sensors look at: shapes, materials, textures and lights, in borrowed slices.
 //!
 //! A [`Scene`] borrows plain (`Pod`) data that somebody else owns: a [`SceneBuilder`] with the feature `alloc`,
-//! a static table, a mapped file. World poses are f64; each frame is traced relative to its sensor.
+//! a static table, a mapped file. Where its instances are is no part of it: a [`Moment`](crate::Moment) says that.
 //!
 //! The surface parameters (u, v) of textures, u to the right and v up when the face is looked at from outside:
 //!
@@ -25,6 +25,7 @@ mod baked;
 pub mod build;
 mod height_field;
 mod instance;
+pub(crate) mod limits;
 mod material;
 mod single;
 mod texture;
@@ -43,7 +44,7 @@ pub(crate) use instance::{
     KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH,
     KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
 };
-pub use material::{Environment, Light, LightConfig, LightKind, Material, MaterialConfig};
+pub use material::{Environment, Light, LightConfig, LightId, LightKind, Material, MaterialConfig};
 pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
 pub use single::MeshScene;
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
@@ -110,6 +111,11 @@ impl<'a> Scene<'a> {
         self.lights
     }
 
+    /// Whether anything may be textured.
+    pub(crate) fn has_textures(&self) -> bool {
+        !self.textures.is_empty()
+    }
+
     /// Slots of an instance: every triangle that a ray may hit has one of its own, any other shape one in all.
     pub(crate) fn slots(&self, instance: &Instance) -> u32 {
         match instance.kind {
@@ -139,12 +145,18 @@ impl<'a> Scene<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// A length is not positive and finite.
+    /// A length is not between 1e-12 m and 1e12 m.
     BadSize,
-    /// A scale is 0 or not finite.
+    /// A scale is not between 1e-12 and 1e12, or between −1e12 and −1e-12.
     BadScale,
-    /// A pose is not finite.
+    /// A pose is not finite, its rotation is none, or it is more than 1e12 m away along an axis.
     BadPose,
+    /// A lamp's position is not finite, or more than 1e12 m away along an axis.
+    BadLight,
+    /// How often a texture repeats is not finite, or beyond ±1e12.
+    BadTextureRepeat,
+    /// The texture coordinates of the vertex of that index are not finite, or beyond ±1e12.
+    BadUv(usize),
     /// Vertex of that index is not finite.
     BadVertex(usize),
     /// Vertex of that index is farther from the mesh's origin than [`build::MAX_COORDINATE`].
@@ -171,6 +183,15 @@ pub enum SceneError {
     NoSuchTexture,
     /// No instance of that index.
     NoSuchInstance,
+    /// No lamp of that index.
+    NoSuchLight,
+    /// What is to be taken out is still used.
+    InUse {
+        /// By what: an `instance` or a `material`.
+        user: &'static str,
+        /// By which: its index, the first one's if there are several.
+        index: u32,
+    },
     /// A buffer of the caller's does not hold what it must.
     BufferTooSmall {
         /// Which one.
@@ -189,9 +210,16 @@ pub enum SceneError {
 impl core::fmt::Display for SceneError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::BadSize => f.write_str("a length is not positive and finite"),
-            Self::BadScale => f.write_str("a scale is 0 or not finite"),
-            Self::BadPose => f.write_str("a pose is not finite"),
+            Self::BadSize => f.write_str("a length is not between 1e-12 m and 1e12 m"),
+            Self::BadScale => f.write_str("a scale is not between 1e-12 and 1e12 in size"),
+            Self::BadPose => f.write_str("a pose is not finite, or is more than 1e12 m away"),
+            Self::BadLight => f.write_str("a lamp's position is not finite, or is more than 1e12 m away"),
+            Self::BadTextureRepeat => {
+                f.write_str("how often a texture repeats is not finite, or beyond 1e12")
+            }
+            Self::BadUv(index) => {
+                write!(f, "the texture coordinates of vertex {index} are not finite, or beyond 1e12")
+            }
             Self::BadVertex(index) => write!(f, "vertex {index} is not finite"),
             Self::VertexTooFar(index) => {
                 write!(f, "vertex {index} is farther than 1e12 m from the origin of its mesh")
@@ -211,6 +239,8 @@ impl core::fmt::Display for SceneError {
             Self::NoSuchMaterial => f.write_str("no such material in the scene"),
             Self::NoSuchTexture => f.write_str("no such texture in the scene"),
             Self::NoSuchInstance => f.write_str("no such instance in the scene"),
+            Self::NoSuchLight => f.write_str("no such lamp in the scene"),
+            Self::InUse { user, index } => write!(f, "it is still used by {user} {index}: remove that first"),
             Self::TooMany => f.write_str("more elements than 32-bit indices can count"),
         }
     }

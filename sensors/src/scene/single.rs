@@ -4,6 +4,8 @@ use super::instance::{Instance, InstanceConfig, MeshId, Shape};
 use super::material::{Environment, Material, MaterialConfig};
 use super::tree::{Facet, TriangleBlock, WIDTH, WideNode};
 use super::{Mesh, Scene, SceneError};
+use crate::moment::Moment;
+use crate::pose::Pose;
 
 /// A mesh that stands at the world's origin, seen by all sensors, in the default material. Nothing is copied, so
 /// making one takes no time: for who keeps trees in memory of his own and casts rays at one of them.
@@ -72,6 +74,11 @@ impl<'a> MeshScene<'a> {
             blocks,
             facets,
         })
+    }
+
+    /// The moment at which a sensor is at `world_from_sensor`.
+    pub fn moment(&self, world_from_sensor: Pose) -> Moment<'static> {
+        Moment { world_from_sensor, world_from_instance: &[Pose::IDENTITY] }
     }
 
     /// Lends the scene to sensors.

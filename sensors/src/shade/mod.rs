@@ -57,7 +57,7 @@ impl Shader {
         simd: S,
         view: &View<'_>,
         tile: &Tile,
-        rays: &CameraRays,
+        rays: &CameraRays<'_>,
         colours: &mut Colours,
     ) {
         simd.vectorize(
@@ -94,7 +94,7 @@ impl Shader {
         simd: S,
         view: &View<'_>,
         tile: &Tile,
-        rays: &CameraRays,
+        rays: &CameraRays<'_>,
         (placed, lanes): (u32, u64),
         colours: &mut Colours,
     ) {
@@ -125,7 +125,12 @@ impl Shader {
                         store_where(simd, mine, normal, &mut self.surfaces.normal[axis], row);
                     }
                     if textured && mine.any_true() {
-                        footprints[row].take(mine, &face.footprint(simd, tile, row));
+                        let footprint = if rays.steps.is_some() {
+                            face.footprint::<S, true>(simd, tile, row)
+                        } else {
+                            face.footprint::<S, false>(simd, tile, row)
+                        };
+                        footprints[row].take(mine, &footprint);
                     }
                 }
             }

@@ -1,16 +1,17 @@
 //! Casting whole grids of rays, for those who want hits rather than a sensor's frame.
 
-use super::grid::{Band, BandWork, RayGrid, Sight, trace_grid};
+use super::grid::{Band, BandWork, Sight, trace_grid};
 use super::hit_point::{HitPoints, block_index, has_solids};
-use super::image::{NO_HIT, Projection};
+use super::image::NO_HIT;
 use super::measure::Measure;
-use super::memory::Workspace;
+use super::memory::{Workspace, workspace_len};
 use super::packet::Faces;
 use super::place::{Place, for_each_block};
 use super::resolve::{Resolver, local_slot};
 use super::view::View;
 use crate::execution::SplitRows;
-use crate::pose::Pose;
+use crate::moment::Moment;
+use crate::optics::{MAX_GRID_SIZE, Optics};
 use crate::scene::Scene;
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
@@ -35,34 +36,47 @@ pub struct Hits<'a> {
 /// (least and most distance in metres; for a pinhole, depth) on an instance that `visibility` has a bit in
 /// common with.
 ///
+/// # Errors
+/// A [`CastError`] that names what cannot be: sizes, numbers, a range, an output that is not one element a ray, or a
+/// workspace that is too small (see [`Workspace::fits`]). Nothing is written then.
+///
 /// # Panics
-/// When an output is not one element a ray, or the workspace does not fit: see [`Workspace::fits`].
+/// When the moment does not have one pose for each instance.
 #[allow(clippy::too_many_arguments, reason = "each is one thing the answer depends on")]
 pub fn cast_grid(
     scene: &Scene<'_>,
-    world_from_sensor: &Pose,
-    grid: &RayGrid<'_>,
+    moment: &Moment<'_>,
+    grid: &Optics<'_>,
     range: [f64; 2],
     visibility: u32,
     faces: Faces,
     workspace: &mut Workspace<'_>,
     hits: Hits<'_>,
-) {
+) -> Result<(), CastError> {
+    check_grid(grid)?;
+    let [least, most] = range;
+    if !(least >= 0.0 && least < most) {
+        return Err(CastError::Range { least, most });
+    }
+    if !moment.world_from_sensor.is_finite() {
+        return Err(CastError::Pose);
+    }
     let [width, height] = grid.size();
-    let check = |length: Option<usize>| {
-        assert!(
-            length.is_none_or(|length| length == width * height),
-            "an output must hold one element a ray"
-        );
-    };
-    check(hits.distance.as_ref().map(|values| values.len()));
-    check(hits.normal.as_ref().map(|values| values.len()));
-    check(hits.instance.as_ref().map(|values| values.len()));
-    check(hits.primitive.as_ref().map(|values| values.len()));
-    check(hits.barycentrics.as_ref().map(|values| values.len()));
+    let rays = width * height;
+    for (parameter, length) in hits.lengths() {
+        if let Some(value) = length
+            && value != rays
+        {
+            return Err(CastError::Output { parameter, value, rays });
+        }
+    }
+    let need = workspace_len(scene.instances().len(), grid.rays());
+    if workspace.buffer.len() < need {
+        return Err(CastError::Workspace { value: workspace.buffer.len(), need });
+    }
     let execution = workspace.execution;
     let mut memory = workspace.cut(scene, grid.rays());
-    let view = View::new(scene, world_from_sensor, visibility, memory.view(scene.instances().len()));
+    let view = View::new(scene, moment, visibility, memory.view(scene.instances().len()));
     let rays_in_block_row = width << grid.fan().shift_y;
     let output = Rows { hits, rays_in_block_row };
     let sight = Sight { faces, range };
@@ -74,10 +88,130 @@ pub fn cast_grid(
         &mut memory,
         output,
         &Cast {
-            rays: Measure::new(world_from_sensor),
-            points: HitPoints::new(world_from_sensor, range[0], faces),
+            rays: Measure::new(&moment.world_from_sensor),
+            points: HitPoints::new(&moment.world_from_sensor, range[0], faces),
         },
     );
+    Ok(())
+}
+
+/// Why a grid cannot be cast.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum CastError {
+    /// Columns, rows, width or height of a grid: not 1 to [`MAX_GRID_SIZE`].
+    Size {
+        /// Which of them.
+        parameter: &'static str,
+        /// What it is.
+        value: u32,
+    },
+    /// An angle, a step or a centre is NaN or infinite.
+    Number {
+        /// Which of them.
+        parameter: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// Not 0 ≤ least < most distance.
+    Range {
+        /// Least distance.
+        least: f64,
+        /// Greatest.
+        most: f64,
+    },
+    /// The sensor's pose is NaN or infinite.
+    Pose,
+    /// An output is not as long as the grid has rays.
+    Output {
+        /// Which of [`Hits`].
+        parameter: &'static str,
+        /// How long it is.
+        value: usize,
+        /// How long it must be.
+        rays: usize,
+    },
+    /// The workspace is too small.
+    Workspace {
+        /// Its cache lines.
+        value: usize,
+        /// Those that it takes.
+        need: usize,
+    },
+}
+
+impl core::fmt::Display for CastError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match *self {
+            Self::Size { parameter, value } => {
+                write!(f, "{parameter} of the grid is {value}; it must be 1 to {MAX_GRID_SIZE}")
+            }
+            Self::Number { parameter, value } => {
+                write!(f, "{parameter} of the grid is {value}; it must be a finite number")
+            }
+            Self::Range { least, most } => {
+                write!(f, "the range is {least} to {most} m; it must be 0 <= least < most")
+            }
+            Self::Pose => f.write_str("the sensor's pose must be finite numbers"),
+            Self::Output { parameter, value, rays } => {
+                write!(f, "the output {parameter} holds {value} elements; it must hold one a ray, {rays}")
+            }
+            Self::Workspace { value, need } => {
+                write!(f, "the workspace is {value} cache lines long; it must be {need} at least")
+            }
+        }
+    }
+}
+
+impl core::error::Error for CastError {}
+
+fn check_grid(grid: &Optics<'_>) -> Result<(), CastError> {
+    let size = |parameter, value| {
+        if (1..=MAX_GRID_SIZE).contains(&value) { Ok(()) } else { Err(CastError::Size { parameter, value }) }
+    };
+    let number = |parameter, value: f64| {
+        if value.is_finite() { Ok(()) } else { Err(CastError::Number { parameter, value }) }
+    };
+    match grid {
+        Optics::Pinhole(lens) => {
+            let [width, height] = lens.size();
+            size("width", width)?;
+            size("height", height)
+        }
+        Optics::Spherical(grid) => {
+            size("columns", grid.columns)?;
+            size("rows", grid.rows)?;
+            number("first_azimuth_rad", grid.first_azimuth_rad)?;
+            number("azimuth_step_rad", grid.azimuth_step_rad)?;
+            number("first_elevation_rad", grid.first_elevation_rad)?;
+            number("elevation_step_rad", grid.elevation_step_rad)
+        }
+        // Checked when it was made.
+        Optics::Table(_) => Ok(()),
+    }
+}
+
+impl Hits<'_> {
+    /// Elements of those outputs that there are.
+    fn lengths(&self) -> [(&'static str, Option<usize>); 5] {
+        [
+            ("distance", self.distance.as_ref().map(|values| values.len())),
+            ("normal", self.normal.as_ref().map(|values| values.len())),
+            ("instance", self.instance.as_ref().map(|values| values.len())),
+            ("primitive", self.primitive.as_ref().map(|values| values.len())),
+            ("barycentrics", self.barycentrics.as_ref().map(|values| values.len())),
+        ]
+    }
+
+    /// Panics unless each output holds `rays` elements.
+    pub(super) fn check(&self, rays: usize) {
+        for (parameter, length) in self.lengths() {
+            assert!(
+                length.is_none_or(|length| length == rays),
+                "the output {parameter} must hold one element a ray"
+            );
+        }
+    }
 }
 
 /// Hits, cut between rows of blocks.
@@ -120,7 +254,7 @@ struct Cast {
 
 impl BandWork<Rows<'_>> for Cast {
     #[inline(always)]
-    fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, output: Rows<'_>) {
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: Rows<'_>) {
         let mut hits = output.hits;
         let mut resolver = Resolver::new(band.view);
         // Two loops: short ones keep what they need in registers.
@@ -129,7 +263,7 @@ impl BandWork<Rows<'_>> for Cast {
                 band,
                 #[inline(always)]
                 |place, block| {
-                    place.write(&self.rays.block::<S, P, false>(simd, band, &mut resolver, block), distance);
+                    place.write(&self.rays.block::<S, false>(simd, band, &mut resolver, block), distance);
                 },
             );
         }

@@ -27,8 +27,8 @@ pub(crate) struct Face {
     uv: [f32; 2],
     /// Change of u and of v per metre.
     gradient: [[f32; 3]; 2],
-    /// For the ray of the next pixel along the row, and of that down the column: how the ray's approach to the face
-    /// changes, and u and v at depth 1.
+    /// Of a pinhole, for the ray of the next pixel along the row, and of that down the column: how the ray's approach to
+    /// the face changes, and u and v at t = 1.
     approach: [f32; 2],
     change: [[f32; 2]; 2],
 }
@@ -50,7 +50,7 @@ impl Face {
         placed: &Placed,
         face: u32,
         repeat: [f32; 2],
-        rays: &CameraRays,
+        rays: &CameraRays<'_>,
     ) -> Self {
         // Any point of the face will do.
         let mut point = DVec3::ZERO;
@@ -68,7 +68,7 @@ impl Face {
             normal: normal.as_vec3().to_array(),
             uv: [0.0; 2],
             gradient: [[0.0; 3]; 2],
-            approach: rays.steps.map(|step| normal.dot(step) as f32),
+            approach: rays.steps.map_or([0.0; 2], |steps| steps.map(|step| normal.dot(step) as f32)),
             change: [[0.0; 2]; 2],
         };
         for axis in 0..2 {
@@ -77,7 +77,7 @@ impl Face {
             let gradient = in_frame(surface.uv_gradient[axis]) * repeat;
             face.uv[axis] = (uv - floor(uv)) as f32;
             face.gradient[axis] = gradient.as_vec3().to_array();
-            for (change, step) in face.change.iter_mut().zip(&rays.steps) {
+            for (change, step) in face.change.iter_mut().zip(rays.steps.iter().flatten()) {
                 change[axis] = gradient.dot(*step) as f32;
             }
         }
@@ -87,18 +87,31 @@ impl Face {
     /// What the pixels of a row cover of the texture: how far the hit moves on the face from one to the next
     /// (Igehy 1999, "Tracing ray differentials").
     #[inline(always)]
-    pub(crate) fn footprint<S: Simd>(&self, simd: S, tile: &Tile, row: usize) -> Footprint<S> {
-        let depth = load_row(simd, &tile.depth, row);
+    pub(crate) fn footprint<S: Simd, const PINHOLE: bool>(
+        &self,
+        simd: S,
+        tile: &Tile,
+        row: usize,
+    ) -> Footprint<S> {
+        let t = load_row(simd, &tile.t, row);
         let moved = [
             along(simd, &self.gradient[0], &tile.point, row),
             along(simd, &self.gradient[1], &tile.point, row),
         ];
         let per_approach = f32x16::splat(simd, 1.0) / along(simd, &self.normal, &tile.direction, row);
-        let mut steps = [[depth; 2]; 2];
+        let mut steps = [[t; 2]; 2];
         for side in 0..2 {
-            let back = per_approach * self.approach[side];
-            for axis in 0..2 {
-                steps[side][axis] = depth * self.change[side][axis] - moved[axis] * back;
+            if PINHOLE {
+                let back = per_approach * self.approach[side];
+                for axis in 0..2 {
+                    steps[side][axis] = t * self.change[side][axis] - moved[axis] * back;
+                }
+            } else {
+                let back = per_approach * along(simd, &self.normal, &tile.steps[side], row);
+                for axis in 0..2 {
+                    let change = along(simd, &self.gradient[axis], &tile.steps[side], row);
+                    steps[side][axis] = t * change - moved[axis] * back;
+                }
             }
         }
         Footprint { uv: [moved[0] + self.uv[0], moved[1] + self.uv[1]], steps }

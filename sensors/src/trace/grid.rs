@@ -1,63 +1,14 @@
 //! Frames of rays from one point, band by band.
 
-use super::image::{Fan, PinholeFan, Projection, RayTable, SphericalFan, Steps, TableFan, Target, walk};
-use super::memory::Cutter;
+use super::image::{Target, walk};
 use super::packet::Faces;
 use super::view::View;
 use crate::execution::{Execution, SplitRows, for_each_row};
-use crate::lens::Pinhole;
+use crate::memory::Cutter;
+use crate::optics::rays::{Fan, PinholeFan, Projection, Rays, SphericalFan, Steps, TableFan, each};
+use crate::optics::{Optics, SphericalGrid};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Simd, dispatch};
-
-/// Directions of rays from a sensor, which looks along +x, y is left, z is up; row after row.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum RayGrid<'a> {
-    /// Pixels of a camera.
-    Pinhole(Pinhole),
-    /// Columns by azimuth around z from +x, rows by elevation, both in equal steps.
-    Spherical(SphericalGrid),
-    /// Any directions, from a table.
-    Table(&'a RayTable<'a>),
-}
-
-/// The rays of a spinning lidar. Angles in radians; azimuth is counter-clockwise seen from +z, elevation up.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SphericalGrid {
-    /// Columns, 1 … 16384.
-    pub columns: u32,
-    /// Rows, 1 … 16384.
-    pub rows: u32,
-    /// Of the first column.
-    pub first_azimuth_rad: f64,
-    /// From a column to the next.
-    pub azimuth_step_rad: f64,
-    /// Of the first row.
-    pub first_elevation_rad: f64,
-    /// From a row to the next.
-    pub elevation_step_rad: f64,
-}
-
-impl RayGrid<'_> {
-    /// Rays across and down.
-    pub fn size(&self) -> [usize; 2] {
-        let fan = self.fan();
-        [fan.width as usize, fan.height as usize]
-    }
-
-    /// Rays, filled up to whole blocks: what [`super::Workspace`] must have room for.
-    pub fn rays(&self) -> usize {
-        let fan = self.fan();
-        fan.blocks_across() * fan.blocks_down() * WIDTH
-    }
-
-    pub(crate) fn fan(&self) -> Fan {
-        match self {
-            Self::Pinhole(lens) => Fan::square(lens.width, lens.height),
-            Self::Spherical(grid) => Fan::new(grid.columns, grid.rows),
-            Self::Table(table) => table.fan(),
-        }
-    }
-}
 
 /// What counts as seen.
 #[derive(Debug, Clone, Copy)]
@@ -79,6 +30,11 @@ struct Bands {
     /// Rows of blocks in a band; the last may have fewer.
     block_rows: usize,
     count: usize,
+    /// Blocks of the grid.
+    blocks: usize,
+    /// From where [`Target::farthest`] of a band begins to where that of the next does: whole cache lines, so that no
+    /// two threads write to one, and sixteen more than a band has blocks.
+    farthest_stride: usize,
 }
 
 impl Bands {
@@ -87,29 +43,40 @@ impl Bands {
         let wanted = RAYS_IN_BAND.div_ceil(rays_in_row).max(fan.blocks_down().div_ceil(MOST_BANDS));
         let count = fan.blocks_down().div_ceil(wanted);
         let block_rows = fan.blocks_down().div_ceil(count);
-        Self { block_rows, count: fan.blocks_down().div_ceil(block_rows) }
+        Self {
+            block_rows,
+            count: fan.blocks_down().div_ceil(block_rows),
+            blocks: fan.blocks_across() * fan.blocks_down(),
+            farthest_stride: (block_rows * fan.blocks_across() + WIDTH).next_multiple_of(WIDTH),
+        }
+    }
+
+    /// Elements of `farthest` of all bands.
+    fn farthest_len(&self, fan: &Fan) -> usize {
+        let before_last = (self.count - 1) * self.block_rows * fan.blocks_across();
+        (self.count - 1) * self.farthest_stride + (self.blocks - before_last) + WIDTH
     }
 }
 
 /// What is done with each band once it has been traced.
 pub(crate) trait BandWork<O>: Sync {
     /// Works on a band of traced rays, inside `simd.vectorize`; `output` is cut by rows of blocks.
-    fn finish<S: Simd, P: Projection>(&self, simd: S, band: &Band<'_, P>, output: O);
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: O);
 }
 
 /// A traced band of a grid.
-pub(crate) struct Band<'a, P> {
+pub(crate) struct Band<'a> {
     pub(crate) view: &'a View<'a>,
-    pub(crate) projection: P,
+    pub(crate) rays: Rays<'a>,
     /// First and last row of the grid.
     pub(crate) rows: [i32; 2],
     pub(crate) target: Target<'a>,
 }
 
-impl<P: Projection> Band<'_, P> {
+impl Band<'_> {
     /// First and last row of blocks.
     pub(crate) fn block_rows(&self) -> core::ops::RangeInclusive<usize> {
-        let shift = self.projection.fan().shift_y;
+        let shift = self.rays.fan().shift_y;
         (self.rows[0] >> shift) as usize..=(self.rows[1] >> shift) as usize
     }
 }
@@ -117,74 +84,26 @@ impl<P: Projection> Band<'_, P> {
 /// Traces all rays of a grid and hands each band to `work`.
 pub(crate) fn trace_grid<O: SplitRows, W: BandWork<O>>(
     view: &View<'_>,
-    grid: &RayGrid<'_>,
+    grid: &Optics<'_>,
     sight: &Sight,
     execution: Execution,
     memory: &mut Cutter<'_>,
     output: O,
     work: &W,
 ) {
-    match grid {
-        RayGrid::Pinhole(lens) => trace_pinhole(view, lens, sight, execution, memory, output, work),
-        RayGrid::Spherical(grid) => trace_spherical(view, grid, sight, execution, memory, output, work),
-        RayGrid::Table(table) => {
-            trace_bands(view, TableFan::new(table), sight, execution, memory, output, work);
-        }
-    }
-}
-
-/// Traces all pixels of a pinhole camera.
-pub(crate) fn trace_pinhole<O: SplitRows, W: BandWork<O>>(
-    view: &View<'_>,
-    lens: &Pinhole,
-    sight: &Sight,
-    execution: Execution,
-    memory: &mut Cutter<'_>,
-    output: O,
-    work: &W,
-) {
-    trace_bands(view, PinholeFan::new(lens), sight, execution, memory, output, work);
-}
-
-/// Traces all beams of a spinning lidar.
-pub(crate) fn trace_spherical<O: SplitRows, W: BandWork<O>>(
-    view: &View<'_>,
-    grid: &SphericalGrid,
-    sight: &Sight,
-    execution: Execution,
-    memory: &mut Cutter<'_>,
-    output: O,
-    work: &W,
-) {
-    let fan = Fan::new(grid.columns, grid.rows);
-    let azimuth = Steps { first: grid.first_azimuth_rad, step: grid.azimuth_step_rad };
-    let elevation = Steps { first: grid.first_elevation_rad, step: grid.elevation_step_rad };
-    let tables = memory.take(SphericalFan::table_len(&fan));
-    let projection = dispatch!(execution.level, simd => simd.vectorize(
-        #[inline(always)]
-        || SphericalFan::new(fan, azimuth, elevation, tables)
-    ));
-    trace_bands(view, projection, sight, execution, memory, output, work);
-}
-
-fn trace_bands<P: Projection + Sync, O: SplitRows, W: BandWork<O>>(
-    view: &View<'_>,
-    projection: P,
-    sight: &Sight,
-    execution: Execution,
-    memory: &mut Cutter<'_>,
-    output: O,
-    work: &W,
-) {
-    let fan = *projection.fan();
+    let rays = match grid {
+        Optics::Pinhole(lens) => Rays::Pinhole(PinholeFan::new(lens)),
+        Optics::Spherical(grid) => Rays::Spherical(spherical(grid, execution, memory)),
+        Optics::Table(table) => Rays::Table(TableFan::new(table)),
+    };
+    let fan = *rays.fan();
     let bands = Bands::new(&fan);
-    let blocks = fan.blocks_across() * fan.blocks_down();
-    let margin = bands.count * 3 * WIDTH;
     let output = BandOutput {
-        inverse: memory.take(blocks),
-        slot: memory.take(blocks),
-        farthest: memory.take(blocks + margin),
+        inverse: memory.take(bands.blocks),
+        slot: memory.take(bands.blocks),
+        farthest: memory.take(bands.farthest_len(&fan)),
         output,
+        farthest_stride: bands.farthest_stride,
         block_rows: bands.block_rows,
         blocks_across: fan.blocks_across(),
     };
@@ -199,17 +118,49 @@ fn trace_bands<P: Projection + Sync, O: SplitRows, W: BandWork<O>>(
             slot: &mut output.slot[..blocks],
             farthest: &mut output.farthest[..blocks + WIDTH],
         };
-        let projection = projection.with_rows(rows);
         dispatch!(execution.level, simd => {
             target.clear(inverse_far);
-            draw(simd, view, projection, rows, sight, &mut target);
-            let band = Band { view, projection, rows, target };
+            if let Rays::Table(table) = &rays && table.has_missing() {
+                leave_out(&rays, rows, &mut target);
+            }
+            each!(rays, rule => draw(simd, view, rule.with_rows(rows), rows, sight, &mut target));
+            let band = Band { view, rays, rows, target };
             simd.vectorize(
                 #[inline(always)]
                 || work.finish(simd, &band, output.output),
             );
         });
     });
+}
+
+/// The angles of a spinning lidar, with their tables.
+fn spherical<'a>(grid: &SphericalGrid, execution: Execution, memory: &mut Cutter<'a>) -> SphericalFan<'a> {
+    let fan = Fan::new(grid.columns, grid.rows);
+    let azimuth = Steps { first: grid.first_azimuth_rad, step: grid.azimuth_step_rad };
+    let elevation = Steps { first: grid.first_elevation_rad, step: grid.elevation_step_rad };
+    let tables = memory.take(SphericalFan::table_len(&fan));
+    dispatch!(execution.level, simd => simd.vectorize(
+        #[inline(always)]
+        || SphericalFan::new(fan, azimuth, elevation, tables)
+    ))
+}
+
+/// Sees to it that lanes without a ray hit nothing: nothing is nearer than 0 m.
+fn leave_out(rays: &Rays<'_>, rows: [i32; 2], target: &mut Target<'_>) {
+    let fan = rays.fan();
+    let across = fan.blocks_across();
+    let first_row = (rows[0] >> fan.shift_y) as usize;
+    for block in 0..target.inverse.len() {
+        let mut lanes = rays.missing(block % across, first_row + block / across);
+        if lanes == 0 {
+            continue;
+        }
+        while lanes != 0 {
+            target.inverse[block][lanes.trailing_zeros() as usize] = f32::INFINITY;
+            lanes &= lanes - 1;
+        }
+        target.update_farthest(block);
+    }
 }
 
 /// [`walk`], compiled once for each kind of grid and SIMD level, whatever is done with the band afterwards.
@@ -233,30 +184,71 @@ struct BandOutput<'a, O> {
     slot: &'a mut [[u32; WIDTH]],
     farthest: &'a mut [f32],
     output: O,
+    farthest_stride: usize,
     block_rows: usize,
     blocks_across: usize,
 }
 
 impl<O: SplitRows> SplitRows for BandOutput<'_, O> {
     fn split_rows(self, bands: usize) -> (Self, Self) {
-        let Self { block_rows, blocks_across, .. } = self;
+        let Self { farthest_stride, block_rows, blocks_across, .. } = self;
         let blocks = bands * block_rows * blocks_across;
         let (inverse, inverse_rest) = self.inverse.split_at_mut(blocks);
         let (slot, slot_rest) = self.slot.split_at_mut(blocks);
-        // Rounded up to a whole line, so that no two threads write to one.
-        let (farthest, farthest_rest) =
-            self.farthest.split_at_mut((blocks + bands * 2 * WIDTH).next_multiple_of(WIDTH));
+        let (farthest, farthest_rest) = self.farthest.split_at_mut(bands * farthest_stride);
         let (output, output_rest) = self.output.split_rows(bands * block_rows);
         (
-            Self { inverse, slot, farthest, output, block_rows, blocks_across },
+            Self { inverse, slot, farthest, output, farthest_stride, block_rows, blocks_across },
             Self {
                 inverse: inverse_rest,
                 slot: slot_rest,
                 farthest: farthest_rest,
                 output: output_rest,
+                farthest_stride,
                 block_rows,
                 blocks_across,
             },
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::memory::BAND_MARGIN;
+
+    fn check(fan: &Fan) {
+        let bands = Bands::new(fan);
+        let (down, across) = (fan.blocks_down(), fan.blocks_across());
+        let size = [fan.width, fan.height];
+        assert!((1..=MOST_BANDS).contains(&bands.count), "{size:?}: {} bands", bands.count);
+        assert!((bands.count - 1) * bands.block_rows < down && down <= bands.count * bands.block_rows);
+        let len = bands.farthest_len(fan);
+        for band in 0..bands.count {
+            let rows = bands.block_rows.min(down - band * bands.block_rows);
+            // Sixteen past the end of a band's own are read.
+            let end = band * bands.farthest_stride + rows * across + WIDTH;
+            let next = if band + 1 < bands.count { (band + 1) * bands.farthest_stride } else { len };
+            assert!(end <= next, "{size:?}: band {band} ends at {end}, the next begins at {next}");
+        }
+        assert!(bands.farthest_stride.is_multiple_of(WIDTH));
+        assert!(len <= bands.blocks + BAND_MARGIN, "{size:?}: {len} elements for {} blocks", bands.blocks);
+    }
+
+    #[test]
+    fn bands_of_all_sizes_have_room() {
+        for width in 1..=200 {
+            for height in 1..=200 {
+                check(&Fan::square(width, height));
+                check(&Fan::new(width, height));
+            }
+        }
+        let stream = crate::noise::Stream { seed: 11, sensor: 0, frame: 0, channel: 0 };
+        for sample in 0..10_000 {
+            let size = [2 * sample, 2 * sample + 1]
+                .map(|index| 1 + stream.word(index) % crate::optics::MAX_GRID_SIZE);
+            check(&Fan::square(size[0], size[1]));
+            check(&Fan::new(size[0], size[1]));
+        }
     }
 }

@@ -2,7 +2,7 @@
 //! solids, barycentrics of triangles.
 
 use super::grid::Band;
-use super::image::{NO_HIT, Projection};
+use super::image::NO_HIT;
 use super::packet::Faces;
 use super::resolve::{Hit, Resolver};
 use super::shapes::match_solid;
@@ -24,8 +24,8 @@ pub(crate) struct HitPoints {
 
 /// Index of a block, given by column and row among those of the grid, in its band.
 #[inline(always)]
-pub(crate) fn block_index<P: Projection>(band: &Band<'_, P>, [column, row]: [usize; 2]) -> usize {
-    (row - *band.block_rows().start()) * band.projection.fan().blocks_across() + column
+pub(crate) fn block_index(band: &Band<'_>, [column, row]: [usize; 2]) -> usize {
+    (row - *band.block_rows().start()) * band.rays.fan().blocks_across() + column
 }
 
 fn is_solid(hit: &Hit<'_>) -> bool {
@@ -43,9 +43,9 @@ impl HitPoints {
     }
 
     /// Unit normals in the frame where rays of a block hit solids; the slots of the others are [`NO_HIT`].
-    pub(crate) fn solid_normals<P: Projection>(
+    pub(crate) fn solid_normals(
         &self,
-        band: &Band<'_, P>,
+        band: &Band<'_>,
         resolver: &mut Resolver<'_>,
         block: [usize; 2],
     ) -> ([u32; WIDTH], [[f32; 3]; WIDTH]) {
@@ -61,8 +61,7 @@ impl HitPoints {
                 slots[lane] = NO_HIT;
                 continue;
             }
-            let directions =
-                directions.get_or_insert_with(|| band.projection.exact_block(block[0], block[1]));
+            let directions = directions.get_or_insert_with(|| band.rays.exact_block(block[0], block[1]));
             let rough = 1.0 / f64::from(band.target.inverse[block_index(band, block)][lane]);
             let point = self.on_solid(band.view, &hit, directions.map(|axis| axis[lane]), rough);
             let instance = band.view.instance(hit.placed);
@@ -75,16 +74,16 @@ impl HitPoints {
     }
 
     /// Weights of the second and third corners of the triangles that the rays of a block hit; 0 elsewhere.
-    pub(crate) fn barycentrics<P: Projection>(
+    pub(crate) fn barycentrics(
         &self,
-        band: &Band<'_, P>,
+        band: &Band<'_>,
         resolver: &mut Resolver<'_>,
         block: [usize; 2],
     ) -> [[f32; 2]; WIDTH] {
         let index = block_index(band, block);
         let slots = &band.target.slot[index];
         let mut weights = [[0.0; 2]; WIDTH];
-        let directions = band.projection.exact_block(block[0], block[1]);
+        let directions = band.rays.exact_block(block[0], block[1]);
         for lane in 0..WIDTH {
             if slots[lane] == NO_HIT {
                 continue;

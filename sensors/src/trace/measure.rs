@@ -1,9 +1,10 @@
 //! How far the rays of a block reach.
 
 use super::grid::Band;
-use super::image::{GRAZING, NO_HIT, Projection};
+use super::image::{GRAZING, NO_HIT};
 use super::resolve::Resolver;
 use super::tile::{BLOCKS, TILE_HEIGHT, across_f32};
+use crate::optics::rays::Rays;
 use crate::pose::Pose;
 use crate::scene::tree::WIDTH;
 use crate::simd::{LANES, Lanes, store_row};
@@ -24,25 +25,25 @@ impl Measure {
         Self { axes, rows: axes.transpose().as_mat3().to_cols_array_2d() }
     }
 
-    /// t of a block's hits, or metres along the rays unless it is `DEPTH` that is asked for; +∞ where nothing is
-    /// hit. Where a ray grazes a triangle, it is worked out in double precision.
+    /// Metres along the rays of a block, or along the optical axis if it is `DEPTH` that is asked for; +∞ where nothing
+    /// is hit. Where a ray grazes a triangle, it is worked out in double precision.
     #[inline(always)]
-    pub(crate) fn block<S: Simd, P: Projection, const DEPTH: bool>(
+    pub(crate) fn block<S: Simd, const DEPTH: bool>(
         &self,
         simd: S,
-        band: &Band<'_, P>,
+        band: &Band<'_>,
         resolver: &mut Resolver<'_>,
         [column, row]: [usize; 2],
     ) -> [f32; WIDTH] {
-        let fan = band.projection.fan();
+        let fan = band.rays.fan();
         let block = (row - *band.block_rows().start()) * fan.blocks_across() + column;
         let slots = u32x16::load_array_ref(simd, &band.target.slot[block]);
         let inverse = f32x16::load_array_ref(simd, &band.target.inverse[block]);
         let hit = slots.simd_ne(u32x16::splat(simd, NO_HIT));
         let far = if DEPTH {
-            f32x16::splat(simd, 1.0) / inverse
+            band.rays.depths(simd, inverse, column, row)
         } else {
-            band.projection.distances(simd, inverse, column, row)
+            band.rays.distances(simd, inverse, column, row)
         };
         let mut values = [0.0; WIDTH];
         hit.select(far, f32x16::splat(simd, f32::INFINITY)).store_array(&mut values);
@@ -50,7 +51,7 @@ impl Measure {
         if lanes == 0 {
             return values;
         }
-        let directions = band.projection.unit_directions(simd, column, row);
+        let directions = band.rays.unit_directions(simd, column, row);
         let mut rough = [[0.0; WIDTH]; 3];
         for axis in 0..3 {
             let [x, y, z] = self.rows[axis];
@@ -63,29 +64,32 @@ impl Measure {
             if resolver.grazes(&hit, [rough[0][lane], rough[1][lane], rough[2][lane]]) {
                 let (x, y) = fan.lane_position(lane);
                 let ray = [(column << fan.shift_x) + x, (row << fan.shift_y) + y];
-                let mut direction = band.projection.direction(ray[0] as i32, ray[1] as i32);
+                let mut direction = band.rays.direction(ray[0] as i32, ray[1] as i32);
+                // A pinhole's t is the depth, whatever else counts it along the ray.
+                let forward = if DEPTH && !matches!(band.rays, Rays::Pinhole(_)) { direction.x } else { 1.0 };
                 if !DEPTH {
                     direction = direction.normalize();
                 }
-                values[lane] = resolver.exact(&hit, self.axes * direction, f64::from(values[lane])) as f32;
+                let rough = f64::from(values[lane]) / forward;
+                values[lane] = (resolver.exact(&hit, self.axes * direction, rough) * forward) as f32;
             }
         }
         values
     }
 
-    /// Depths of a tile of a pinhole camera, row after row.
+    /// Depths of a tile, row after row.
     #[inline(always)]
-    pub(crate) fn tile<S: Simd, P: Projection>(
+    pub(crate) fn tile<S: Simd>(
         &self,
         simd: S,
-        band: &Band<'_, P>,
+        band: &Band<'_>,
         resolver: &mut Resolver<'_>,
         [tile_column, row]: [usize; 2],
     ) -> Lanes<f32> {
         let mut blocks = [[f32::INFINITY; WIDTH]; BLOCKS];
         let first = tile_column * BLOCKS;
-        for part in 0..BLOCKS.min(band.projection.fan().blocks_across() - first) {
-            blocks[part] = self.block::<S, P, true>(simd, band, resolver, [first + part, row]);
+        for part in 0..BLOCKS.min(band.rays.fan().blocks_across() - first) {
+            blocks[part] = self.block::<S, true>(simd, band, resolver, [first + part, row]);
         }
         // Moved in registers: what is stored in parts and then loaded as a whole waits for the memory.
         let mut depths = [0.0; LANES];

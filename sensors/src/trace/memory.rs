@@ -1,16 +1,13 @@
-//! The memory that a frame works in: one buffer of the caller's, cut into typed slices.
+//! The memory that a frame works in: one buffer of the caller's.
 
-use super::image::Fan;
 use super::view::{Placed, ViewMemory, top_nodes};
 use crate::execution::Execution;
+use crate::memory::{CacheLine, Cutter, lines};
+use crate::optics::rays::Fan;
 use crate::scene::tree::{WIDTH, WideNode};
 use crate::scene::{Aabb, Scene};
-use bytemuck::{Pod, Zeroable};
-
-/// 64 bytes that begin where a line of the cache does.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C, align(64))]
-pub struct CacheLine([u8; 64]);
+#[cfg(feature = "alloc")]
+use bytemuck::Zeroable;
 
 /// What a sensor needs to trace a frame, lent by the caller.
 #[derive(Debug)]
@@ -26,15 +23,13 @@ pub struct Workspace<'a> {
 /// `rays` are those of a grid filled up to whole blocks, as the sensors' own `rays()` tell them.
 pub const fn workspace_len(instances: usize, rays: usize) -> usize {
     let blocks = rays.div_ceil(WIDTH);
-    view_lines(instances) + 2 * blocks + lines((blocks + BAND_MARGIN) * 4) + Fan::most_table_lines(rays)
+    // 1/t and slots, the farthest of each block, the tables of a grid, and a depth camera's rays that are blocked.
+    let traced = 2 * blocks + lines((blocks + BAND_MARGIN) * 4) + Fan::most_table_lines(rays);
+    view_lines(instances) + traced + lines(blocks * 2)
 }
 
 /// `farthest` of each band is read up to sixteen past its end, and begins on a cache line of its own.
-const BAND_MARGIN: usize = 3 * WIDTH * super::grid::MOST_BANDS;
-
-const fn lines(bytes: usize) -> usize {
-    bytes.div_ceil(size_of::<CacheLine>())
-}
+pub(super) const BAND_MARGIN: usize = 3 * WIDTH * super::grid::MOST_BANDS;
 
 const fn view_lines(instances: usize) -> usize {
     lines(instances * size_of::<Placed>())
@@ -43,18 +38,7 @@ const fn view_lines(instances: usize) -> usize {
         + lines(top_nodes(instances) * size_of::<WideNode>())
 }
 
-/// Cuts typed slices off a buffer.
-pub(crate) struct Cutter<'a>(pub(crate) &'a mut [CacheLine]);
-
 impl<'a> Cutter<'a> {
-    /// The next `count` elements. They begin on a cache line.
-    pub(crate) fn take<T: Pod>(&mut self, count: usize) -> &'a mut [T] {
-        let bytes = count * size_of::<T>();
-        let (part, rest) = core::mem::take(&mut self.0).split_at_mut(lines(bytes));
-        self.0 = rest;
-        bytemuck::cast_slice_mut(&mut bytemuck::cast_slice_mut::<CacheLine, u8>(part)[..bytes])
-    }
-
     /// What a [`super::view::View`] of so many instances needs.
     pub(crate) fn view(&mut self, instances: usize) -> ViewMemory<'a> {
         ViewMemory {

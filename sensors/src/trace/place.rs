@@ -1,13 +1,14 @@
 //! Where the rays of a block lie in the rows of an output.
 
 use super::grid::Band;
-use super::image::{Fan, NO_HIT, Projection};
+use super::image::NO_HIT;
+use crate::optics::rays::Fan;
 use crate::scene::tree::WIDTH;
 
 /// Calls `work` for each block of a band, with its column and row among the blocks of the grid.
 #[inline(always)]
-pub(crate) fn for_each_block<P: Projection>(band: &Band<'_, P>, mut work: impl FnMut(&Place, [usize; 2])) {
-    let fan = band.projection.fan();
+pub(crate) fn for_each_block(band: &Band<'_>, mut work: impl FnMut(&Place, [usize; 2])) {
+    let fan = band.rays.fan();
     for row in band.block_rows() {
         for column in 0..fan.blocks_across() {
             work(&Place::new(fan, band.rows, column, row), [column, row]);

@@ -134,7 +134,8 @@ impl<'a> Resolver<'a> {
         sine * sine < 1.0 / GRAZING_SQUARED
     }
 
-    /// t of a ray from the frame's origin on the plane of the triangle that it hits, in double precision.
+    /// t of a ray from the frame's origin on the plane of the triangle that it hits, in double precision, and no nearer
+    /// or farther than its corners: of a ray that all but lies in the plane, rounding makes any t.
     pub(crate) fn exact(&self, hit: &Hit<'_>, direction: DVec3, rough: f64) -> f64 {
         let [a, b, c] = self.corners(hit);
         let normal = (b - a).cross(c - a);
@@ -142,6 +143,16 @@ impl<'a> Resolver<'a> {
         let origin = DVec3::from_array(hit.instance.origin_in_instance);
         let t = normal.dot(a - origin) / normal.dot(direction);
         // A ray along the plane has no better answer.
-        if t.is_finite() && t > 0.0 { t } else { rough }
+        let t = if t.is_finite() && t > 0.0 { t } else { rough };
+        let per_square = 1.0 / direction.length_squared();
+        let [a, b, c] = [a, b, c].map(|corner| (corner - origin).dot(direction) * per_square);
+        let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+        if t < least {
+            least
+        } else if t > most && most > 0.0 {
+            most
+        } else {
+            t
+        }
     }
 }

@@ -3,8 +3,12 @@
 //! Of the instances, few lie between a lamp and a tile. The [`occluders`](super::occluders) of each lamp remember those
 //! for the neighbourhood of the last tile, so that the tree over the instances is seldom walked. Boxes, of which rooms
 //! are built, are tested in single precision; the rest in double.
+//!
+//! A convex instance never stands in its own light. Points on meshes and height fields, which may, are [lifted](lift)
+//! above their triangles first.
 
 use super::any_hit::{activate, hit_lanes, intersect_instance, walk};
+use super::lift::lift;
 use super::occluders::Occluders;
 use super::packet::{Faces, Packet, PacketBounds};
 use super::tile::Tile;
@@ -15,7 +19,7 @@ use crate::simd::{LANES, load_row};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 use glam::DVec3;
 
-/// Shadow rays stop this part of the way before the surface that they are to light.
+/// Shadow rays stop this part of the way before the surface that they are to light, unless it is lifted.
 const SHADOW_BIAS: f32 = 1e-5;
 /// Parallel ones start this many metres above it, and as much again for each metre that it is away from the sensor.
 const PARALLEL_BIAS: f64 = 1e-6;
@@ -51,7 +55,8 @@ impl Shadows {
             || {
                 let Self { occluders, packet } = self;
                 let bounds = from_lamp(position, &tile.bounds);
-                let mut rays = ShadowRays { view, tile, packet, position, lit, dark: 0, is_aimed: false };
+                let mut rays =
+                    ShadowRays { view, tile, packet, position, lit, dark: 0, is_aimed: false, lifted: 0 };
                 if let Some(occluders) = occluders.get_mut(lamp)
                     && occluders.cover(simd, view, position, &tile.bounds)
                 {
@@ -104,6 +109,17 @@ impl Shadows {
                 }
                 packet.shared_origin = false;
                 packet.t_min = PARALLEL_BIAS * (1.0 + farthest);
+                let lifted = lift(simd, view, tile, lit, &mut packet.origin);
+                if lifted != 0 {
+                    // These begin where they are.
+                    for axis in 0..3 {
+                        let back = towards[axis] * packet.t_min;
+                        for lane in 0..LANES {
+                            let moved = if lifted >> lane & 1 != 0 { back } else { 0.0 };
+                            packet.origin[axis][lane] -= moved;
+                        }
+                    }
+                }
                 activate(packet, lit, f64::INFINITY);
                 let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
                 let mut dark = 0;
@@ -159,6 +175,8 @@ struct ShadowRays<'a> {
     dark: u64,
     /// Whether the packet holds these rays.
     is_aimed: bool,
+    /// Those whose ends are lifted, once they are aimed.
+    lifted: u64,
 }
 
 impl ShadowRays<'_> {
@@ -218,23 +236,35 @@ impl ShadowRays<'_> {
     }
 
     fn meet_other<S: Simd>(&mut self, simd: S, index: u32, active: u64) -> u64 {
-        let Self { view, tile, position, .. } = *self;
-        let packet = &mut *self.packet;
+        let Self { view, tile, position, lit, .. } = *self;
         let aim = !core::mem::replace(&mut self.is_aimed, true);
+        let (packet, lifted) = (&mut *self.packet, &mut self.lifted);
         simd.vectorize(
             #[inline(always)]
             || {
                 if aim {
                     for axis in 0..3 {
+                        for lane in 0..LANES {
+                            packet.direction[axis][lane] = f64::from(tile.point[axis][lane]);
+                        }
+                    }
+                    *lifted = lift(simd, view, tile, lit, &mut packet.direction);
+                    for axis in 0..3 {
                         packet.origin[axis] = [position[axis]; LANES];
                         for lane in 0..LANES {
-                            packet.direction[axis][lane] = f64::from(tile.point[axis][lane]) - position[axis];
+                            packet.direction[axis][lane] -= position[axis];
                         }
                     }
                     packet.shared_origin = true;
                     packet.t_min = 0.0;
                 }
                 activate(packet, active, 1.0 - f64::from(SHADOW_BIAS));
+                if active & *lifted != 0 {
+                    for lane in 0..LANES {
+                        let whole = active & *lifted & 1 << lane != 0;
+                        packet.t[lane] = if whole { 1.0 } else { packet.t[lane] };
+                    }
+                }
                 intersect_instance(simd, view, index, packet, Faces::Front, 1.0);
                 hit_lanes(packet)
             },

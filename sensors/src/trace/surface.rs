@@ -81,7 +81,7 @@ impl Surfaces {
         tile: &Tile,
         placed: u32,
         repeat: Option<[f32; 2]>,
-        rays: &CameraRays,
+        rays: &CameraRays<'_>,
     ) {
         if let Some(repeat) = repeat {
             self.add_kind::<true>(view, tile, placed, repeat, rays);
@@ -97,7 +97,7 @@ impl Surfaces {
         tile: &Tile,
         index: u32,
         repeat: [f32; 2],
-        rays: &CameraRays,
+        rays: &CameraRays<'_>,
     ) {
         let instance = view.instance(index);
         let placed = &view.placed[index as usize];
@@ -147,7 +147,7 @@ impl Surfaces {
         tile: &Tile,
         index: u32,
         placed: &Placed,
-        (repeat, rays): ([f32; 2], &CameraRays),
+        (repeat, rays): ([f32; 2], &CameraRays<'_>),
         surface: impl Fn(usize, DVec3) -> Surface,
     ) {
         let inverse = placed.inverse.map(DVec3::from_array);
@@ -232,13 +232,25 @@ impl Surfaces {
                 + normal[2][lane] * direction[2][lane];
             per_approach[lane] = 1.0 / approach;
         }
-        for (side, step) in rays.steps.into_iter().enumerate() {
-            let [x, y, z] = to_local(step).as_vec3().to_array();
+        for side in 0..2 {
+            let mut step = [[0.0; LANES]; 3];
+            if let Some(steps) = rays.steps {
+                step = to_local(steps[side]).as_vec3().to_array().map(|step| [step; LANES]);
+            } else {
+                for axis in 0..3 {
+                    let [x, y, z] = inverse[axis].as_vec3().to_array();
+                    let [steps_x, steps_y, steps_z] = &tile.steps[side];
+                    for lane in 0..LANES {
+                        step[axis][lane] = x * steps_x[lane] + y * steps_y[lane] + z * steps_z[lane];
+                    }
+                }
+            }
             let mut moved = [[0.0; LANES]; 3];
             for lane in 0..LANES {
+                let [x, y, z] = [step[0][lane], step[1][lane], step[2][lane]];
                 let across = normal[0][lane] * x + normal[1][lane] * y + normal[2][lane] * z;
                 let back = across * per_approach[lane];
-                let t = tile.depth[lane];
+                let t = tile.t[lane];
                 moved[0][lane] = (x - direction[0][lane] * back) * t;
                 moved[1][lane] = (y - direction[1][lane] * back) * t;
                 moved[2][lane] = (z - direction[2][lane] * back) * t;

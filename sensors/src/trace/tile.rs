@@ -4,15 +4,15 @@
 //! in proportion to the distance, and less than a thousandth of a pixel at any.
 
 use super::grid::Band;
-use super::image::{GRAZING, NO_HIT, Projection};
+use super::image::{GRAZING, NO_HIT};
 use super::packet::MISS;
 use super::resolve::Resolver;
-use crate::lens::Pinhole;
+use crate::optics::rays::Rays;
 use crate::pose::Pose;
 use crate::scene::tree::WIDTH;
-use crate::simd::{LANES, Lanes, store_row};
+use crate::simd::{LANES, Lanes, load_row, store_row};
 use fearless_simd::{Select, Simd, SimdBase, SimdCombine, SimdMask, f32x4, f32x16, u32x4, u32x16};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Pixels across a tile: a row of one is one vector.
 pub(crate) const TILE_WIDTH: usize = WIDTH;
@@ -22,31 +22,39 @@ pub(crate) const TILE_HEIGHT: usize = LANES / TILE_WIDTH;
 pub(super) const BLOCKS: usize = TILE_WIDTH / 4;
 
 /// The rays of a camera in the axes of the world.
-pub(crate) struct CameraRays {
+pub(crate) struct CameraRays<'a> {
+    rays: Rays<'a>,
+    /// Columns: forward, left and up.
+    axes: DMat3,
+    /// The same in single precision.
+    columns: [[f32; 3]; 3],
+    /// Of a pinhole, centre and 1/focal length in 1/pixels.
     centre: [f32; 2],
-    /// 1/focal length, in 1/pixels.
     per_focal: [f32; 2],
-    /// Forward, left and up.
-    axes: [[f32; 3]; 3],
-    /// How a ray's direction changes to the next pixel along a row, and to that down a column.
-    pub(crate) steps: [DVec3; 2],
+    /// Of a pinhole, how a ray's direction changes to the next pixel along a row, and to that down a column. Of others
+    /// it differs from pixel to pixel: [`Tile::steps`].
+    pub(crate) steps: Option<[DVec3; 2]>,
 }
 
-impl CameraRays {
-    pub(crate) fn new(lens: &Pinhole, world_from_sensor: &Pose) -> Self {
+impl<'a> CameraRays<'a> {
+    pub(crate) fn new(rays: &Rays<'a>, world_from_sensor: &Pose) -> Self {
         let axes = world_from_sensor.rotation_matrix();
-        Self {
-            centre: [lens.cx as f32, lens.cy as f32],
-            per_focal: [(1.0 / lens.fx) as f32, (1.0 / lens.fy) as f32],
-            axes: axes.as_mat3().to_cols_array_2d(),
-            steps: [axes.y_axis * (-1.0 / lens.fx), axes.z_axis * (-1.0 / lens.fy)],
+        let columns = axes.as_mat3().to_cols_array_2d();
+        let mut made =
+            Self { rays: *rays, axes, columns, centre: [0.0; 2], per_focal: [0.0; 2], steps: None };
+        if let Rays::Pinhole(pinhole) = rays {
+            let lens = pinhole.intrinsics();
+            made.centre = [lens.cx as f32, lens.cy as f32];
+            made.per_focal = [(1.0 / lens.fx) as f32, (1.0 / lens.fy) as f32];
+            made.steps = Some([axes.y_axis * (-1.0 / lens.fx), axes.z_axis * (-1.0 / lens.fy)]);
         }
+        made
     }
 
-    /// Directions of sixteen rays from a pixel on along its row, of length 1 along the optical axis.
+    /// Directions of sixteen rays of a pinhole from a pixel on along its row, of length 1 along the optical axis.
     #[inline(always)]
-    fn row<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 3] {
-        let [forward, left, up] = &self.axes;
+    fn pinhole_row<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 3] {
+        let [forward, left, up] = &self.columns;
         let columns = f32x16::load_array_ref(simd, &ACROSS) + column as f32;
         let across = (f32x16::splat(simd, self.centre[0]) - columns) * self.per_focal[0];
         let above = (self.centre[1] - row as f32) * self.per_focal[1];
@@ -55,6 +63,46 @@ impl CameraRays {
             directions[axis] = across * left[axis] + (forward[axis] + up[axis] * above);
         }
         directions
+    }
+
+    /// Directions of the rays of a tile, of length 1, row after row.
+    #[inline(always)]
+    fn unit_rows<S: Simd>(&self, simd: S, [tile_column, row]: [usize; 2], directions: &mut [Lanes<f32>; 3]) {
+        let [forward, left, up] = &self.columns;
+        let mut blocks = [[[0.0; WIDTH]; BLOCKS]; 3];
+        let first = tile_column * BLOCKS;
+        for part in 0..BLOCKS.min(self.rays.fan().blocks_across() - first) {
+            let [x, y, z] = self.rays.unit_directions(simd, first + part, row);
+            for axis in 0..3 {
+                (x * forward[axis] + (y * left[axis] + z * up[axis])).store_array(&mut blocks[axis][part]);
+            }
+        }
+        for axis in 0..3 {
+            for row in 0..TILE_HEIGHT {
+                let values = across_f32(simd, &blocks[axis].each_ref(), row);
+                store_row(values, &mut directions[axis], row);
+            }
+        }
+    }
+
+    /// How the direction of a pixel's ray changes to the next along its row, and to that down its column; backwards
+    /// where there is none.
+    fn steps_at(&self, column: usize, row: usize) -> [DVec3; 2] {
+        let fan = self.rays.fan();
+        let [column, row] = [column as i32, row as i32];
+        let step = |side: usize| {
+            let size = [fan.width, fan.height][side];
+            for offset in [1, -1] {
+                let mut next = [column, row];
+                next[side] += offset;
+                if (0..size).contains(&next[side]) && self.rays.has(next[0], next[1]) {
+                    let change = self.rays.direction(next[0], next[1]) - self.rays.direction(column, row);
+                    return self.axes * change * f64::from(offset);
+                }
+            }
+            DVec3::ZERO
+        };
+        [step(0), step(1)]
     }
 }
 
@@ -77,23 +125,41 @@ pub(super) fn across_f32<S: Simd>(simd: S, blocks: &[&[f32; WIDTH]; BLOCKS], row
     left.combine(right)
 }
 
+/// The lanes of a tile that have no ray.
+fn missing_lanes(rays: &Rays<'_>, [tile_column, block_row]: [usize; 2]) -> u64 {
+    let first = tile_column * BLOCKS;
+    let mut lanes = 0;
+    for part in 0..BLOCKS.min(rays.fan().blocks_across() - first) {
+        let missing = u64::from(rays.missing(first + part, block_row));
+        for row in 0..TILE_HEIGHT {
+            lanes |= (missing >> (4 * row) & 0xf) << (row * TILE_WIDTH + part * 4);
+        }
+    }
+    lanes
+}
+
 const ACROSS: [f32; TILE_WIDTH] =
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
 /// What the rays of a tile have hit, row after row.
 pub(crate) struct Tile {
-    /// Of length 1 along the optical axis.
+    /// In units of t.
     pub(crate) direction: [Lanes<f32>; 3],
     /// The point that was hit; the sensor itself where none was.
     pub(crate) point: [Lanes<f32>; 3],
-    /// Depth of the point along the optical axis; 0 where nothing was hit.
-    pub(crate) depth: Lanes<f32>,
+    /// Where on its ray the point lies; 0 where nothing was hit.
+    pub(crate) t: Lanes<f32>,
+    /// How directions change to the next pixel along the row, and to that down the column, where that is not the same
+    /// for all of a picture.
+    pub(crate) steps: [[Lanes<f32>; 3]; 2],
     /// Index among the placed instances, or [`MISS`].
     pub(crate) placed: Lanes<u32>,
     /// Of meshes and height fields, which triangle: its slot from the instance's first.
     pub(crate) local: Lanes<u32>,
     /// The lanes that have hit something, a bit each.
     pub(crate) hits: u64,
+    /// Those that have no ray.
+    pub(crate) missing: u64,
     /// Least and most of the points that were hit, along each axis.
     pub(crate) bounds: [[f32; 2]; 3],
 }
@@ -103,30 +169,54 @@ impl Tile {
         Self {
             direction: [[0.0; LANES]; 3],
             point: [[0.0; LANES]; 3],
-            depth: [0.0; LANES],
+            t: [0.0; LANES],
+            steps: [[[0.0; LANES]; 3]; 2],
             placed: [MISS; LANES],
             local: [0; LANES],
             hits: 0,
+            missing: 0,
             bounds: [[0.0; 2]; 3],
         }
     }
 
     /// Takes the hits of a tile out of a band. Rays outside the grid miss.
     #[inline(always)]
-    pub(crate) fn take<S: Simd, P: Projection>(
+    pub(crate) fn take<S: Simd>(
         &mut self,
         simd: S,
-        band: &Band<'_, P>,
+        band: &Band<'_>,
         resolver: &mut Resolver<'_>,
-        rays: &CameraRays,
+        rays: &CameraRays<'_>,
+        tile: [usize; 2],
+    ) {
+        // Apart, so that a pinhole's loop is as short as it can be.
+        if rays.steps.is_some() {
+            self.take_rays::<S, true>(simd, band, resolver, rays, tile);
+        } else {
+            self.take_rays::<S, false>(simd, band, resolver, rays, tile);
+        }
+    }
+
+    #[inline(always)]
+    fn take_rays<S: Simd, const PINHOLE: bool>(
+        &mut self,
+        simd: S,
+        band: &Band<'_>,
+        resolver: &mut Resolver<'_>,
+        rays: &CameraRays<'_>,
         [tile_column, block_row]: [usize; 2],
     ) {
-        let across = band.projection.fan().blocks_across();
+        let across = band.rays.fan().blocks_across();
         let first = (block_row - *band.block_rows().start()) * across;
         let (mut slots, mut inverses) = ([&[NO_HIT; WIDTH]; BLOCKS], [&[1.0; WIDTH]; BLOCKS]);
         for part in 0..BLOCKS.min(across - tile_column * BLOCKS) {
             let block = first + tile_column * BLOCKS + part;
             (slots[part], inverses[part]) = (&band.target.slot[block], &band.target.inverse[block]);
+        }
+
+        if !PINHOLE {
+            rays.unit_rows(simd, [tile_column, block_row], &mut self.direction);
+            self.missing = missing_lanes(&band.rays, [tile_column, block_row]);
         }
 
         // Step 1: points, row by row, each of which runs through four blocks.
@@ -139,16 +229,21 @@ impl Tile {
         for row in 0..TILE_HEIGHT {
             let (slots, inverse) = (across_u32(simd, &slots, row), across_f32(simd, &inverses, row));
             let hit = slots.simd_ne(u32x16::splat(simd, NO_HIT));
-            let depth = hit.select(f32x16::splat(simd, 1.0) / inverse, zero);
-            let direction = rays.row(simd, tile_column * TILE_WIDTH, block_row * TILE_HEIGHT + row);
+            let t = hit.select(f32x16::splat(simd, 1.0) / inverse, zero);
+            let direction = if PINHOLE {
+                rays.pinhole_row(simd, tile_column * TILE_WIDTH, block_row * TILE_HEIGHT + row)
+            } else {
+                let [x, y, z] = &self.direction;
+                [load_row(simd, x, row), load_row(simd, y, row), load_row(simd, z, row)]
+            };
             for axis in 0..3 {
-                let point = direction[axis] * depth;
+                let point = direction[axis] * t;
                 store_row(direction[axis], &mut self.direction[axis], row);
                 store_row(point, &mut self.point[axis], row);
                 low[axis] = (hit & point.simd_lt(low[axis])).select(point, low[axis]);
                 high[axis] = (hit & point.simd_gt(high[axis])).select(point, high[axis]);
             }
-            store_row(depth, &mut self.depth, row);
+            store_row(t, &mut self.t, row);
             slots.store_array(&mut slot[row]);
             self.hits |= hit.to_bitmask() << (row * TILE_WIDTH);
             let doubtful = slots.simd_ge(u32x16::splat(simd, GRAZING)) & hit;
@@ -179,6 +274,10 @@ impl Tile {
             }
         }
 
+        if !PINHOLE && band.view.scene.has_textures() {
+            self.find_steps(rays, [tile_column, block_row]);
+        }
+
         // Step 3: where a ray runs along a triangle, in double precision.
         while grazing != 0 {
             let lane = grazing.trailing_zeros() as usize % LANES;
@@ -186,13 +285,29 @@ impl Tile {
             let hit = resolver.hit(slot.as_flattened()[lane]);
             let direction = DVec3::from_array([0, 1, 2].map(|axis| f64::from(self.direction[axis][lane])));
             if resolver.grazes(&hit, direction.normalize().as_vec3().to_array()) {
-                let depth = resolver.exact(&hit, direction, f64::from(self.depth[lane]));
-                self.depth[lane] = depth as f32;
+                let t = resolver.exact(&hit, direction, f64::from(self.t[lane]));
+                self.t[lane] = t as f32;
                 for axis in 0..3 {
-                    let point = (direction[axis] * depth) as f32;
+                    let point = (direction[axis] * t) as f32;
                     self.point[axis][lane] = point;
                     let [low, high] = &mut self.bounds[axis];
                     (*low, *high) = (low.min(point), high.max(point));
+                }
+            }
+        }
+    }
+
+    /// Works out [`Tile::steps`] of the lanes that have hit something.
+    fn find_steps(&mut self, rays: &CameraRays<'_>, [tile_column, block_row]: [usize; 2]) {
+        let mut rest = self.hits;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % LANES;
+            rest &= rest - 1;
+            let (x, y) = (lane % TILE_WIDTH, lane / TILE_WIDTH);
+            let steps = rays.steps_at(tile_column * TILE_WIDTH + x, block_row * TILE_HEIGHT + y);
+            for side in 0..2 {
+                for axis in 0..3 {
+                    self.steps[side][axis][lane] = steps[side][axis] as f32;
                 }
             }
         }

@@ -1,8 +1,8 @@
 //! A scene as one sensor sees it at one moment: its instances placed around the sensor, under a tree.
 
-use crate::pose::Pose;
+use crate::moment::Moment;
 use crate::scene::tree::{LEAF, NONE, WIDTH, WideNode};
-use crate::scene::{Aabb, HeightGrid, Instance, KIND_HEIGHT_FIELD, KIND_MESH, Scene};
+use crate::scene::{Aabb, HeightGrid, Instance, KIND_HEIGHT_FIELD, KIND_MESH, Scene, limits};
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 
@@ -106,6 +106,8 @@ pub(crate) struct View<'a> {
     pub(crate) sensor_from_world: DMat3,
     /// Position of the frame's origin in the world.
     pub(crate) origin_in_world: DVec3,
+    /// Whether any instance may stand in its own light.
+    pub(crate) has_concave: bool,
 }
 
 /// Nodes of a tree over that many instances.
@@ -129,23 +131,28 @@ pub(crate) struct ViewMemory<'a> {
 
 impl<'a> View<'a> {
     /// Places what `visibility` lets the sensor see around it.
+    ///
+    /// # Panics
+    /// When the moment does not have one pose for each instance.
     pub(crate) fn new(
         scene: &Scene<'a>,
-        world_from_sensor: &Pose,
+        moment: &Moment<'_>,
         visibility: u32,
         memory: ViewMemory<'a>,
     ) -> Self {
-        let origin_in_world = world_from_sensor.translation();
-        let sensor_from_world = world_from_sensor.rotation_matrix().transpose();
+        moment.check(scene);
+        let origin_in_world = moment.world_from_sensor.translation();
+        let sensor_from_world = moment.world_from_sensor.rotation_matrix().transpose();
         let ViewMemory { placed, bounds, order, nodes } = memory;
-        let (mut count, mut slots) = (0, 0);
-        for (index, instance) in scene.instances.iter().enumerate() {
-            if instance.visibility & visibility == 0 {
+        let (mut count, mut slots, mut has_concave) = (0, 0, false);
+        for (index, (instance, pose)) in scene.instances.iter().zip(moment.world_from_instance).enumerate() {
+            if instance.visibility & visibility == 0 || limits::pose(pose).is_err() {
                 continue;
             }
-            let axes = instance.scaled_axes();
-            let translation = instance.world_from_instance.translation() - origin_in_world;
-            let inverse = instance.inverse_scaled_axes();
+            let turn = pose.rotation_matrix();
+            let axes = instance.scaled_axes(&turn);
+            let translation = pose.translation() - origin_in_world;
+            let inverse = instance.inverse_scaled_axes(&turn);
             let origin = inverse * -translation;
             let mesh = (instance.kind == KIND_MESH).then(|| &scene.meshes[instance.mesh as usize]);
             let turned = axes != DMat3::IDENTITY;
@@ -169,6 +176,7 @@ impl<'a> View<'a> {
             };
             bounds[count] = bounds_in_frame(scene, instance, &axes, translation);
             slots += scene.slots(instance);
+            has_concave |= !instance.is_convex();
             count += 1;
         }
         let used = build_top(&bounds[..count], &mut order[..count], nodes);
@@ -179,6 +187,7 @@ impl<'a> View<'a> {
             sensor_from_frame: ToSensor::new(&sensor_from_world, DVec3::ZERO),
             sensor_from_world,
             origin_in_world,
+            has_concave,
         }
     }
 
@@ -228,17 +237,22 @@ fn bounds_in_frame(scene: &Scene<'_>, instance: &Instance, axes: &DMat3, transla
 ///
 /// A scene's instances move, and are few: what matters is that this takes a few microseconds a hundred.
 fn build_top(bounds: &[Aabb], order: &mut [u64], nodes: &mut [WideNode]) -> usize {
-    let all = bounds.iter().fold(Aabb::EMPTY, |all, one| all.union(one));
+    // A key is the place on the curve, then the index: the fewer boxes there are, the finer is the curve.
+    let index_bits = usize::BITS - bounds.len().leading_zeros();
+    let cell_bits = ((64 - index_bits) / 3).min(21);
+    let half = (1_u32 << (cell_bits - 1)) as f32;
+    let per_metre = half / most_reach(bounds);
     let cell = |bounds: &Aabb, axis: usize| {
-        let middle = (bounds.min[axis] * 0.5 + bounds.max[axis] * 0.5) - all.min[axis];
-        let extent = (all.max[axis] - all.min[axis]).max(f32::MIN_POSITIVE);
-        ((middle / extent * 1024.0) as u32).min(1023)
+        // Casts are limited to the numbers of the type; what is farther out comes into the outermost cell.
+        let place = (middle(bounds, axis) * per_metre + half) as u32;
+        spread(place.min((1 << cell_bits) - 1))
     };
     for (index, (key, bounds)) in order.iter_mut().zip(bounds).enumerate() {
-        let code = spread(cell(bounds, 0)) | spread(cell(bounds, 1)) << 1 | spread(cell(bounds, 2)) << 2;
-        *key = u64::from(code) << 32 | index as u64;
+        let code = cell(bounds, 0) | cell(bounds, 1) << 1 | cell(bounds, 2) << 2;
+        *key = code << index_bits | index as u64;
     }
     order.sort_unstable();
+    let index_mask = (1_u64 << index_bits) - 1;
 
     // Level by level from the leaves up, each level before the one below it in memory.
     let used = top_nodes(bounds.len());
@@ -256,7 +270,7 @@ fn build_top(bounds: &[Aabb], order: &mut [u64], nodes: &mut [WideNode]) -> usiz
                 let element = node * WIDTH + lane;
                 if element < elements {
                     (wide.child[lane], last) = if below.is_empty() {
-                        let index = order[element] as u32;
+                        let index = (order[element] & index_mask) as u32;
                         (LEAF | index, bounds[index as usize])
                     } else {
                         let index = below.start + element;
@@ -289,20 +303,119 @@ fn bounds_of(node: &WideNode) -> Aabb {
     bounds
 }
 
-/// Ten bits, two zeros between each.
-fn spread(bits: u32) -> u32 {
-    let mut x = bits & 0x3ff;
-    x = (x | x << 16) & 0x0300_00ff;
-    x = (x | x << 8) & 0x0300_f00f;
-    x = (x | x << 4) & 0x030c_30c3;
-    (x | x << 2) & 0x0924_9249
+fn middle(bounds: &Aabb, axis: usize) -> f32 {
+    bounds.min[axis] * 0.5 + bounds.max[axis] * 0.5
 }
 
-/// Where a frame is taken from, and what makes its noise its own.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Capture {
-    /// Pose of the sensor at the moment of capture.
-    pub world_from_sensor: Pose,
-    /// Number of the frame; noise is a function of seed, sensor, frame and sample.
-    pub frame: u64,
+/// A power of two that the coordinates of the centres do not exceed, but for one in sixteen at most.
+///
+/// A few things far away, or of great size, must not decide how finely all others are told apart: a body that has
+/// fallen out of the world, or a floor of 20 km that lies to one side.
+fn most_reach(bounds: &[Aabb]) -> f32 {
+    // How many have which exponent.
+    let mut count = [0_u32; 256];
+    for bounds in bounds {
+        let reach = (0..3).map(|axis| middle(bounds, axis).abs()).fold(f32::MIN_POSITIVE, f32::max);
+        count[(reach.to_bits() >> 23) as usize & 0xff] += 1;
+    }
+    let mut left = (bounds.len() / 16) as u32;
+    // No box reaches 2¹²⁷ m, and below 2⁻⁶³ m nothing needs to be told apart.
+    let mut exponent = 254;
+    while exponent > 64 && count[exponent - 1] <= left {
+        exponent -= 1;
+        left -= count[exponent];
+    }
+    f32::from_bits((exponent as u32) << 23)
+}
+
+/// 21 bits, two zeros between each.
+fn spread(bits: u32) -> u64 {
+    let mut x = u64::from(bits) & 0x1f_ffff;
+    x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+#[cfg(all(test, feature = "alloc"))]
+mod tests {
+    use super::*;
+    use crate::pose::Pose;
+    use crate::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape, visibility};
+    use crate::trace::WorkspaceBuf;
+    use alloc::vec;
+
+    /// 500 boxes within 30 m, and a few more things.
+    fn visits(others: &[(Shape, Pose)]) -> usize {
+        let mut builder = SceneBuilder::new();
+        let material = builder.add_material(&MaterialConfig::default()).expect("a plain material");
+        let mut add = |shape, world_from_instance| {
+            let config = InstanceConfig { shape, world_from_instance, material, ..Default::default() };
+            builder.add_instance(&config).expect("a valid instance");
+        };
+        for index in 0..500 {
+            let i = f64::from(index);
+            let place = DVec3::new((i * 0.618).fract() - 0.5, (i * 0.414).fract() - 0.5, (i * 0.732).fract());
+            add(Shape::Box { size: [0.4; 3] }, Pose::from_translation(place * 30.0));
+        }
+        for (shape, pose) in others {
+            add(*shape, *pose);
+        }
+        let scene = builder.scene();
+        let mut workspace = WorkspaceBuf::default();
+        let mut lent = workspace.lend(&scene, 0);
+        let mut memory = lent.cut(&scene, 0);
+        let moment = builder.moment(Pose::from_translation(DVec3::new(1.0, 2.0, 3.0)));
+        let view = View::new(&scene, &moment, visibility::VISUAL, memory.view(scene.instances().len()));
+        (0..2000).map(|ray| nodes_on(&view, direction(ray))).sum()
+    }
+
+    /// Directions all round.
+    fn direction(ray: u32) -> [f32; 3] {
+        let i = f64::from(ray);
+        let part = |step: f64| ((i * step).fract() - 0.5) as f32;
+        [part(0.754_877_7), part(0.569_840_3), part(0.430_159_7) + 1e-3]
+    }
+
+    /// How many nodes a ray from the origin meets.
+    fn nodes_on(view: &View<'_>, direction: [f32; 3]) -> usize {
+        let meets = |node: &WideNode, lane: usize| {
+            let (mut near, mut far) = (0.0_f32, f32::INFINITY);
+            for axis in 0..3 {
+                let ends = [node.min[axis][lane], node.max[axis][lane]].map(|x| x / direction[axis]);
+                near = near.max(ends[0].min(ends[1]));
+                far = far.min(ends[0].max(ends[1]));
+            }
+            near <= far
+        };
+        let (mut visited, mut stack) = (0, vec![0]);
+        while let Some(index) = stack.pop() {
+            let node = &view.nodes[index as usize];
+            visited += 1;
+            for lane in (0..WIDTH).filter(|&lane| node.child[lane] != NONE && meets(node, lane)) {
+                if node.child[lane] & LEAF == 0 {
+                    stack.push(node.child[lane]);
+                }
+            }
+        }
+        visited
+    }
+
+    #[test]
+    fn a_huge_or_distant_thing_spoils_no_tree() {
+        let floor = |size: f64, at: DVec3| (Shape::Rectangle { size: [size; 2] }, Pose::from_translation(at));
+        let none = visits(&[]);
+        let fallen = (Shape::Sphere { radius: 0.5 }, Pose::from_translation(DVec3::Z * -3e8));
+        let others = [
+            ("a floor of 20 km", floor(20_000.0, DVec3::ZERO)),
+            ("a floor of 20 km that lies to one side", floor(20_000.0, DVec3::new(9_900.0, 9_900.0, 0.0))),
+            ("an endless plane", (Shape::Plane, Pose::IDENTITY)),
+            ("a ball that has fallen for hours", fallen),
+        ];
+        for (name, other) in others {
+            let found = visits(&[other]);
+            assert!(found * 10 <= none * 11, "{name}: {found} nodes, and {none} without it");
+        }
+    }
 }

@@ -1,45 +1,51 @@
 //! What the tests of the sensors share.
 #![allow(dead_code, reason = "each test uses its part")]
+#![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
 pub(crate) mod adversary;
 pub(crate) mod brute;
 pub(crate) mod exactness;
 pub(crate) mod oracle;
 
-use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat};
-use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange};
+use belvedere_sensors::camera::{Camera, CameraConfig};
+use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
 use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::optics::Optics;
+use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{
     InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, Scene, SceneBuilder,
     Shape,
 };
-use belvedere_sensors::trace::{Capture, WorkspaceBuf};
-use belvedere_sensors::{Execution, Pose};
+use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Execution, Moment, Pose};
 use glam::DVec3;
 
-/// A camera of 640 × 480 pixels without noise.
-pub(crate) const CAMERA: CameraConfig = CameraConfig {
-    width: 640,
-    height: 480,
-    horizontal_fov_rad: 1.2,
-    format: PixelFormat::Rgb8,
-    near_m: 0.02,
-    far_m: 300.0,
-    exposure: 1.0,
-    noise: GaussianNoise::NONE,
-    seed: 1,
-    sensor: 0,
-};
+/// Pixels across and down of [`camera`].
+pub(crate) const SIZE: [u32; 2] = [640, 480];
+
+/// A camera of 640 × 480 pixels without noise, 1.2 rad wide.
+pub(crate) fn camera() -> CameraConfig<'static> {
+    camera_of(SIZE, 1.2)
+}
+
+/// The same of another size and angle of view.
+pub(crate) fn camera_of([width, height]: [u32; 2], horizontal_fov_rad: f64) -> CameraConfig<'static> {
+    CameraConfig::new(PinholeGrid::from_fov(width, height, horizontal_fov_rad).unwrap()).seed(1)
+}
+
+/// The pinhole of a camera that has one.
+pub(crate) fn pinhole(config: &CameraConfig<'_>) -> PinholeGrid {
+    match config.optics {
+        Optics::Pinhole(lens) => lens,
+        _ => panic!("the camera has another lens"),
+    }
+}
 
 /// A depth camera of that geometry, whose depths are limited by the clip distances alone.
-pub(crate) const DEPTH_CAMERA: DepthCameraConfig = DepthCameraConfig {
-    camera: CAMERA,
-    min_depth_m: 0.0,
-    max_depth_m: f64::INFINITY,
-    out_of_range: OutOfRange::Infinite,
-    noise: GaussianNoise::NONE,
-};
+pub(crate) fn depth_camera() -> DepthCameraConfig<'static> {
+    DepthCameraConfig::new(camera())
+}
 
 /// A lidar in the plane, half a turn wide.
 pub(crate) const LIDAR: LidarConfig = LidarConfig {
@@ -86,69 +92,112 @@ pub(crate) fn add_grey(builder: &mut SceneBuilder, shape: Shape, pose: Pose) -> 
     add(builder, shape, pose, grey)
 }
 
-fn capture(pose: Pose, frame: u64) -> Capture {
-    Capture { world_from_sensor: pose, frame }
+/// A scene, and where its instances are.
+#[derive(Clone, Copy)]
+pub(crate) struct Stage<'a> {
+    pub(crate) scene: Scene<'a>,
+    pub(crate) poses: &'a [Pose],
+}
+
+impl<'a> From<&'a SceneBuilder> for Stage<'a> {
+    fn from(builder: &'a SceneBuilder) -> Self {
+        Self { scene: builder.scene(), poses: builder.poses() }
+    }
+}
+
+impl<'a> From<(Scene<'a>, &'a [Pose])> for Stage<'a> {
+    fn from((scene, poses): (Scene<'a>, &'a [Pose])) -> Self {
+        Self { scene, poses }
+    }
+}
+
+impl<'a> Stage<'a> {
+    /// With a sensor.
+    pub(crate) fn moment(&self, world_from_sensor: Pose) -> Moment<'a> {
+        Moment { world_from_sensor, world_from_instance: self.poses }
+    }
+
+    fn capture(&self, pose: Pose, frame: u64) -> Capture<'a> {
+        Capture::new(frame, self.moment(pose))
+    }
 }
 
 /// Takes frame 0 of a depth camera.
-pub(crate) fn depth_image(scene: &Scene<'_>, config: DepthCameraConfig, pose: Pose) -> Vec<f32> {
-    depth_frame(scene, config, pose, 0)
+pub(crate) fn depth_image<'a>(
+    stage: impl Into<Stage<'a>>,
+    config: DepthCameraConfig<'_>,
+    pose: Pose,
+) -> Vec<f32> {
+    depth_frame(stage, config, pose, 0)
 }
 
 /// Takes a frame of a depth camera.
-pub(crate) fn depth_frame(scene: &Scene<'_>, config: DepthCameraConfig, pose: Pose, frame: u64) -> Vec<f32> {
+pub(crate) fn depth_frame<'a>(
+    stage: impl Into<Stage<'a>>,
+    config: DepthCameraConfig<'_>,
+    pose: Pose,
+    frame: u64,
+) -> Vec<f32> {
+    let stage = stage.into();
     let camera = DepthCamera::new(config).expect("a valid camera");
     let mut depth = vec![0.0; camera.pixels()];
     let output = DepthFrame { depth_32fc1: Some(&mut depth), ..DepthFrame::default() };
     camera.sense(
-        scene,
-        &capture(pose, frame),
-        &mut WorkspaceBuf::default().lend(scene, camera.rays()),
+        &stage.scene,
+        &stage.capture(pose, frame),
+        &mut WorkspaceBuf::default().lend(&stage.scene, camera.rays()),
         output,
     );
     depth
 }
 
 /// Takes frame 0 of a colour camera.
-pub(crate) fn picture(scene: &Scene<'_>, config: CameraConfig, pose: Pose) -> Vec<u8> {
-    picture_with(scene, config, pose, 0, Execution::default())
+pub(crate) fn picture<'a>(stage: impl Into<Stage<'a>>, config: CameraConfig<'_>, pose: Pose) -> Vec<u8> {
+    picture_with(stage, config, pose, 0, Execution::default())
 }
 
 /// Takes a frame of a colour camera in some way of execution.
-pub(crate) fn picture_with(
-    scene: &Scene<'_>,
-    config: CameraConfig,
+pub(crate) fn picture_with<'a>(
+    stage: impl Into<Stage<'a>>,
+    config: CameraConfig<'_>,
     pose: Pose,
     frame: u64,
     execution: Execution,
 ) -> Vec<u8> {
+    let stage = stage.into();
     let camera = Camera::new(config).expect("a valid camera");
     let mut pixels = vec![0; camera.frame_len()];
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = execution;
-    camera.sense(scene, &capture(pose, frame), &mut workspace.lend(scene, camera.rays()), &mut pixels);
+    camera.sense(
+        &stage.scene,
+        &stage.capture(pose, frame),
+        &mut workspace.lend(&stage.scene, camera.rays()),
+        &mut pixels,
+    );
     pixels
 }
 
 /// Takes frame 0 of a lidar: ranges and intensities.
-pub(crate) fn scan(scene: &Scene<'_>, config: LidarConfig, pose: Pose) -> (Vec<f32>, Vec<f32>) {
-    scan_frame(scene, config, pose, 0)
+pub(crate) fn scan<'a>(stage: impl Into<Stage<'a>>, config: LidarConfig, pose: Pose) -> (Vec<f32>, Vec<f32>) {
+    scan_frame(stage, config, pose, 0)
 }
 
 /// Takes a frame of a lidar: ranges and intensities.
-pub(crate) fn scan_frame(
-    scene: &Scene<'_>,
+pub(crate) fn scan_frame<'a>(
+    stage: impl Into<Stage<'a>>,
     config: LidarConfig,
     pose: Pose,
     frame: u64,
 ) -> (Vec<f32>, Vec<f32>) {
+    let stage = stage.into();
     let lidar = Lidar::new(config).expect("a valid lidar");
     let (mut ranges, mut intensities) = (vec![0.0; lidar.beams()], vec![0.0; lidar.beams()]);
     let mut workspace = WorkspaceBuf::default();
     lidar.sense(
-        scene,
-        &capture(pose, frame),
-        &mut workspace.lend(scene, lidar.rays()),
+        &stage.scene,
+        &stage.capture(pose, frame),
+        &mut workspace.lend(&stage.scene, lidar.rays()),
         &mut ranges,
         &mut intensities,
     );
@@ -202,13 +251,15 @@ pub(crate) fn scenery(builder: &mut SceneBuilder) -> InstanceId {
         (LightKind::Spot { position, direction: [0.5, 0.0, -1.0], cos_inner: 0.95, cos_outer: 0.8 }, 20.0),
     ] {
         let attenuation = [0.9, 0.05, 0.02];
-        builder.add_light(&LightConfig {
-            kind,
-            diffuse: [0.5, 0.45, 0.4],
-            range_m,
-            attenuation,
-            cast_shadows: true,
-        });
+        builder
+            .add_light(&LightConfig {
+                kind,
+                diffuse: [0.5, 0.45, 0.4],
+                range_m,
+                attenuation,
+                cast_shadows: true,
+            })
+            .unwrap();
     }
     last
 }

@@ -28,11 +28,10 @@ impl Ray {
 }
 
 /// The ray of a camera's pixel, with t the depth.
-pub(crate) fn pixel_ray(camera: &CameraConfig, pose: &Pose, column: u32, row: u32) -> Ray {
-    let focal = f64::from(camera.width) / 2.0 / (camera.horizontal_fov_rad / 2.0).tan();
-    let right = f64::from(column) - (f64::from(camera.width) - 1.0) / 2.0;
-    let down = f64::from(row) - (f64::from(camera.height) - 1.0) / 2.0;
-    let direction = pose.rotation() * DVec3::new(1.0, -right / focal, -down / focal);
+pub(crate) fn pixel_ray(camera: &CameraConfig<'_>, pose: &Pose, column: u32, row: u32) -> Ray {
+    let lens = super::pinhole(camera).intrinsics();
+    let (right, down) = (f64::from(column) - lens.cx, f64::from(row) - lens.cy);
+    let direction = pose.rotation() * DVec3::new(1.0, -right / lens.fx, -down / lens.fy);
     Ray { origin: pose.translation(), direction }
 }
 

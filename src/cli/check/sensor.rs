@@ -2,7 +2,8 @@
 
 use super::text::{angle, number, pose};
 use crate::description::model::{
-    CameraPlugin, CameraSensor, Model, Noise, PixelFormat, Plugin, Radiation, RaySensor, Sensor, SensorKind,
+    AngleFunction, CameraPlugin, CameraSensor, LensIntrinsics, LensModel, Model, Noise, PixelFormat, Plugin,
+    Radiation, RaySensor, Sensor, SensorKind,
 };
 
 pub(super) fn report(model: &Model, sensor: &Sensor) -> Vec<String> {
@@ -71,15 +72,77 @@ fn camera_report(camera: &CameraSensor, say: &mut impl FnMut(&str, String)) {
     };
     let (width, height) = (camera.width, camera.height);
     say("picture", format!("{width} x {height} {format}"));
-    let focal_length = 0.5 * f64::from(width) / libm::tan(0.5 * camera.horizontal_fov_rad);
-    let vertical_fov_rad = 2.0 * libm::atan(0.5 * f64::from(height) / focal_length);
-    say("view", format!("{} across, {} down", angle(camera.horizontal_fov_rad), angle(vertical_fov_rad)));
-    say("focal length", format!("{focal_length:.4} pixels"));
+    let across = angle(camera.horizontal_fov_rad);
+    let LensIntrinsics { fx, fy, cx, cy, skew } = camera.lens.intrinsics;
+    match camera.lens.model {
+        LensModel::Pinhole => {
+            let down = angle(2.0 * libm::atan(0.5 * f64::from(height) / fy));
+            say("view", format!("{across} across, {down} down"));
+        }
+        LensModel::BrownConrady { .. } => say("view", format!("{across} across, before distortion")),
+        LensModel::WideAngle { scale_to_hfov: false, .. } => {}
+        _ if camera.lens.has_own_focal_length => {}
+        _ => say("view", format!("{across} across")),
+    }
+    if fx == fy {
+        say("focal length", format!("{fx:.4} pixels"));
+    } else {
+        say("focal length", format!("{fx:.4} pixels across, {fy:.4} down"));
+    }
+    let middle = [width, height].map(|size| 0.5 * (f64::from(size) - 1.0));
+    if [cx, cy] != middle {
+        say("middle", format!("column {}, row {}", number(cx), number(cy)));
+    }
+    if skew != 0.0 {
+        say("skew", number(skew));
+    }
+    if let Some(lens) = lens(&camera.lens.model) {
+        say("lens", lens);
+    }
     say("clip", format!("{} to {} m", number(camera.near_m), number(camera.far_m)));
     say("noise", noise(&camera.noise, "of [0, 1]"));
-    if camera.distortion != [0.0; 5] {
-        say("lens", format!("k1, k2, k3, p1, p2 = {:?}", camera.distortion));
+    if let Some(p) = camera.lens.projection {
+        let values = [p.fx, p.fy, p.cx, p.cy, p.tx, p.ty].map(number).join(", ");
+        say("projection", format!("fx, fy, cx, cy, tx, ty = {values}"));
     }
+}
+
+/// The model and its parameters; none for a pinhole.
+fn lens(model: &LensModel) -> Option<String> {
+    const COEFFICIENTS: [&str; 14] =
+        ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tau_x", "tau_y"];
+    let parameters: Vec<(&str, f64)> = match model {
+        LensModel::Pinhole => return None,
+        LensModel::BrownConrady { coefficients } => {
+            COEFFICIENTS.into_iter().zip(coefficients.iter().copied()).collect()
+        }
+        LensModel::KannalaBrandt { k } => ["k1", "k2", "k3", "k4"].into_iter().zip(*k).collect(),
+        LensModel::Eucm { alpha, beta } => vec![("alpha", *alpha), ("beta", *beta)],
+        LensModel::DoubleSphere { xi, alpha } => vec![("xi", *xi), ("alpha", *alpha)],
+        LensModel::Mei { xi, k1, k2, p1, p2 } => {
+            vec![("xi", *xi), ("k1", *k1), ("k2", *k2), ("p1", *p1), ("p2", *p2)]
+        }
+        LensModel::Equirectangular => Vec::new(),
+        LensModel::WideAngle { map, cutoff_angle_rad, .. } => {
+            let factor = number(map.c1 * map.focal_px);
+            let function = match map.function {
+                AngleFunction::Sine => "sin",
+                AngleFunction::Tangent => "tan",
+                AngleFunction::Identity => "",
+            };
+            let (c2, c3) = (number(map.c2), number(map.c3));
+            let cutoff = angle(*cutoff_angle_rad);
+            return Some(format!(
+                "wide angle, radius {factor} {function}(angle / {c2} + {c3}) pixels, up to {cutoff}"
+            ));
+        }
+    };
+    if parameters.is_empty() {
+        return Some(model.name().into());
+    }
+    let (names, values): (Vec<_>, Vec<_>) =
+        parameters.into_iter().map(|(name, value)| (name, value.to_string())).unzip();
+    Some(format!("{}, {} = {}", model.name(), names.join(", "), values.join(", ")))
 }
 
 fn camera_plugin_report(camera: &CameraPlugin, say: &mut impl FnMut(&str, String)) {
@@ -89,7 +152,8 @@ fn camera_plugin_report(camera: &CameraPlugin, say: &mut impl FnMut(&str, String
         info.push(format!("baseline {} m", number(camera.hack_baseline_m)));
     }
     if camera.distortion != [0.0; 5] {
-        info.push(format!("k1, k2, k3, t1, t2 = {:?}", camera.distortion));
+        let values = camera.distortion.map(|value| value.to_string()).join(", ");
+        info.push(format!("k1, k2, k3, t1, t2 = {values}"));
     }
     for (name, value) in [
         ("cx", camera.principal_point[0]),

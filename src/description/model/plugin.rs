@@ -30,8 +30,10 @@ pub struct CameraPlugin {
     pub frame_name: String,
     /// `hackBaseline` in metres: P\[3\] = −f·baseline.
     pub hack_baseline_m: f64,
-    /// k1, k2, k3, t1, t2 as written to `CameraInfo`.
+    /// k1, k2, k3, t1, t2 as written to `CameraInfo`; all 0 for those of the lens.
     pub distortion: [f64; 5],
+    /// `autoDistortion`: `CameraInfo` has the coefficients of the lens, in Gazebo as well.
+    pub auto_distortion: bool,
     /// `CxPrime`, `Cx`, `Cy` if given and not 0.
     pub principal_point: [Option<f64>; 2],
     /// `focalLength` in pixels if given and not 0.

@@ -1,6 +1,6 @@
 //! Sensors: what they measure, how, and how often.
 
-use super::{LinkIndex, Plugin};
+use super::{Lens, LinkIndex, Plugin};
 use crate::description::diagnostics::Source;
 use belvedere_sensors::Pose;
 
@@ -57,7 +57,8 @@ pub enum SensorKind {
 /// `<camera>` of SDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraSensor {
-    /// Full horizontal angle of view in radians.
+    /// Full horizontal angle of view in radians: of the picture before distortion, if the lens is a pinhole that
+    /// distorts. Where the lens has a focal length of its own, it is not looked at by others than pinholes.
     pub horizontal_fov_rad: f64,
     /// Pixels across.
     pub width: u32,
@@ -71,8 +72,8 @@ pub struct CameraSensor {
     pub far_m: f64,
     /// Noise of a colour value in [0, 1].
     pub noise: Noise,
-    /// SDF `<distortion>`: k1, k2, k3, p1, p2.
-    pub distortion: [f64; 5],
+    /// SDF `<lens>` and `<distortion>`.
+    pub lens: Lens,
 }
 
 /// `<ray>` or `<lidar>` of SDF.

@@ -1,44 +1,45 @@
-//! `<camera>`: angle of view, picture, clip distances, noise, distortion.
+//! `<camera>`: angle of view, picture, clip distances, noise; its lens is in `lens.rs`.
 
+use super::lens::Picture;
 use super::reader::Reader;
 use crate::description::model::{CameraSensor, PixelFormat};
 use crate::description::values::child_text;
 use crate::description::xml::Element;
-use std::f64::consts::PI;
 
 /// Most pixels along a side.
 const MAX_IMAGE_SIZE: u32 = 16384;
 
 impl Reader<'_> {
     /// The `<camera>` of a sensor; `far_m` is the far clip distance if none is given.
-    pub(super) fn camera(&mut self, sensor: &Element, far_m: f64) -> Option<CameraSensor> {
+    pub(super) fn camera(
+        &mut self,
+        sensor: &Element,
+        far_m: f64,
+        is_wide_angle: bool,
+    ) -> Option<CameraSensor> {
         let camera = sensor.child("camera");
         let image = camera.and_then(|camera| camera.child("image"));
         let clip = camera.and_then(|camera| camera.child("clip"));
 
-        let horizontal_fov_rad = self.checked(
-            camera,
-            "horizontal_fov",
-            1.047,
-            |angle| angle > 0.0 && angle < PI,
-            "write the full angle in radians, above 0 and below 3.14159",
-        );
         let width = self.count(image, "width", 320, MAX_IMAGE_SIZE);
         let height = self.count(image, "height", 240, MAX_IMAGE_SIZE);
         let format = self.format(image);
         let distances = self.clip(clip, sensor, far_m);
         let noise = self.noise(camera);
-        let distortion = self.distortion(camera);
+        self.not_simulated(camera);
+        let (width, height) = (width?, height?);
+        let lens = self.lens(camera, &Picture { width, height, is_wide_angle });
         let (near_m, far_m) = distances?;
+        let (lens, horizontal_fov_rad) = lens?;
         Some(CameraSensor {
-            horizontal_fov_rad: horizontal_fov_rad?,
-            width: width?,
-            height: height?,
+            horizontal_fov_rad,
+            width,
+            height,
             format: format?,
             near_m,
             far_m,
             noise: noise?,
-            distortion: distortion?,
+            lens,
         })
     }
 
@@ -81,10 +82,38 @@ impl Reader<'_> {
         None
     }
 
-    fn distortion(&mut self, camera: Option<&Element>) -> Option<[f64; 5]> {
-        let element = camera.and_then(|camera| camera.child("distortion"));
-        let values = ["k1", "k2", "k3", "p1", "p2"].map(|name| self.number(element, name, 0.0));
-        let [k1, k2, k3, p1, p2] = values;
-        Some([k1?, k2?, k3?, p1?, p2?])
+    /// A warning for each element that has no effect here and would have one elsewhere.
+    fn not_simulated(&mut self, camera: Option<&Element>) {
+        let Some(camera) = camera else { return };
+        for child in camera.elements() {
+            let text = child.text();
+            let remedy = match child.name.as_str() {
+                "horizontal_fov" | "image" | "clip" | "noise" | "distortion" | "lens" => continue,
+                "save" => match child.attribute("enabled").unwrap_or_default() {
+                    "true" | "1" => "take it out, and keep pictures with `belvedere snapshot`",
+                    _ => continue,
+                },
+                "triggered" if text == "false" || text == "0" => continue,
+                "visibility_mask" if text == "4294967295" => continue,
+                "pose" if text.split_whitespace().all(|number| number.parse() == Ok(0.0)) => continue,
+                "triggered" | "trigger_topic" => "take it out: pictures are sent at <update_rate>",
+                "visibility_mask" => "take it out: a camera sees every visual",
+                "pose" => "write it in <sensor>, for all that it measures",
+                "depth_camera" => "write <clip> in <camera>, and the limits of the depth in the plugin",
+                "camera_info_topic" => "write <cameraInfoTopicName> in the plugin",
+                "optical_frame_id" => "write <frameName> in the plugin",
+                _ => "take it out: a camera has horizontal_fov, image, clip, noise, distortion and lens",
+            };
+            let what = format!("{} is not simulated and left out", self.what(&child.name));
+            self.diagnostics.warning(&child.source, what, remedy);
+        }
+        let parts: [(&str, &[&str]); 2] =
+            [("image", &["width", "height", "format"]), ("clip", &["near", "far"])];
+        for (name, read) in parts {
+            if let Some(part) = camera.child(name) {
+                let remedy = format!("take it out: <{name}> has {}", read.join(", "));
+                self.left_out(part, |name| read.contains(&name), &remedy);
+            }
+        }
     }
 }

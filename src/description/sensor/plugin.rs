@@ -2,7 +2,8 @@
 
 use super::reader::Reader;
 use crate::description::model::{
-    CameraPlugin, DepthCameraPlugin, LaserPlugin, Plugin, Radiation, RangePlugin, RaySensor, SensorKind,
+    CameraPlugin, DepthCameraPlugin, LaserPlugin, Lens, LensModel, Plugin, Radiation, RangePlugin, RaySensor,
+    SensorKind,
 };
 use crate::description::values::{child_bool, child_text};
 use crate::description::xml::Element;
@@ -68,11 +69,18 @@ impl Reader<'_> {
                 );
             } else {
                 chosen = match kind {
-                    SensorKind::Camera(_) => {
+                    SensorKind::Camera(camera) => {
                         let topics = CameraTopics { image: "image_raw", info: "camera_info" };
-                        self.camera_plugin(element, &topics).map(Plugin::Camera)
+                        let plugin = self.camera_plugin(element, &topics);
+                        plugin.map(|plugin| {
+                            self.compare_lenses(element, &plugin, &camera.lens);
+                            Plugin::Camera(plugin)
+                        })
                     }
-                    SensorKind::Depth(_) => self.depth_plugin(element).map(Plugin::DepthCamera),
+                    SensorKind::Depth(camera) => self.depth_plugin(element).map(|plugin| {
+                        self.compare_lenses(element, &plugin.camera, &camera.lens);
+                        Plugin::DepthCamera(plugin)
+                    }),
                     SensorKind::Ray(ray) => self.ray_plugin(name, element, ray),
                 };
             }
@@ -102,9 +110,30 @@ impl Reader<'_> {
             update_rate_hz: update_rate_hz?,
             hack_baseline_m: hack_baseline_m?,
             distortion: [k1?, k2?, k3?, t1?, t2?],
+            auto_distortion: child_bool(plugin, "autoDistortion", self.diagnostics).unwrap_or(false),
             principal_point: [given(cx?).or(given(cx_prime?)), given(cy?)],
             focal_length: given(focal_length?),
         })
+    }
+
+    /// A warning where the plugin's coefficients contradict the lens of the `<camera>`.
+    fn compare_lenses(&mut self, plugin: &Element, parameters: &CameraPlugin, lens: &Lens) {
+        let [k1, k2, k3, t1, t2] = parameters.distortion;
+        if parameters.distortion == [0.0; 5] || parameters.auto_distortion {
+            return;
+        }
+        let (what, remedy) = match &lens.model {
+            LensModel::Pinhole => return,
+            LensModel::BrownConrady { coefficients } if *coefficients == [k1, k2, t1, t2, k3] => return,
+            LensModel::BrownConrady { .. } => (
+                "hold instead of those in <distortion> of the <camera>, in camera_info and in the picture",
+                "write the same numbers in both: with --gazebo-compat the picture has those of <distortion>",
+            ),
+            _ => ("are left out: camera_info has the parameters of the <lens>", "take them out"),
+        };
+        let place = plugin.elements().find(|child| child.name.starts_with("distortion")).unwrap_or(plugin);
+        let what = format!("the distortion coefficients in the plugin of sensor '{}' {what}", self.sensor);
+        self.diagnostics.warning(&place.source, what, remedy);
     }
 
     /// `distortionK1`, or `distortion_k1` as the Kinect's files write it.

@@ -64,6 +64,14 @@ impl Reader<'_> {
             .map(|rate| (rate > 0.0).then_some(rate))
     }
 
+    /// A warning for each child of an element that is not looked at.
+    pub(super) fn left_out(&mut self, parent: &Element, is_read: impl Fn(&str) -> bool, remedy: &str) {
+        for child in parent.elements().filter(|child| !is_read(&child.name)) {
+            let what = format!("{} is not simulated and left out", self.what(&child.name));
+            self.diagnostics.warning(&child.source, what, remedy);
+        }
+    }
+
     /// What errors call the value in the child element `name`.
     pub(super) fn what(&self, name: &str) -> String {
         format!("<{name}> of sensor '{}'", self.sensor)

@@ -2,8 +2,12 @@
 
 use super::parse_sensor;
 use crate::description::diagnostics::{Diagnostics, Severity};
-use crate::description::model::{Noise, PixelFormat, Plugin, Radiation, Sensor, SensorKind};
+use crate::description::model::{
+    AngleFunction, AngleMap, CameraSensor, LensIntrinsics, LensModel, LensProjection, Noise, PixelFormat,
+    Plugin, Radiation, Sensor, SensorKind,
+};
 use crate::description::xml::Element;
+use std::f64::consts::PI;
 use std::path::Path;
 
 fn parse(text: &str) -> (Option<Sensor>, Vec<String>) {
@@ -43,7 +47,7 @@ fn camera_plugin_resolves_topics_against_the_camera_name() {
          <stddev>0.007</stddev></noise></camera><plugin name='p' filename='libgazebo_ros_camera.so'>\
          <cameraName>head</cameraName><imageTopicName>/image_raw</imageTopicName><updateRate>10</updateRate>\
          <hackBaseline>0.07</hackBaseline><distortionK1>0.1</distortionK1><distortionT2>0.2</distortionT2>\
-         <Cy>12</Cy></plugin></sensor>",
+         <autoDistortion>true</autoDistortion><Cy>12</Cy></plugin></sensor>",
     );
     assert_eq!(sensor.effective_rate_hz(), Some(10.0));
     let SensorKind::Camera(camera) = &sensor.kind else { panic!() };
@@ -54,6 +58,7 @@ fn camera_plugin_resolves_topics_against_the_camera_name() {
         ("/image_raw", "/head/camera_info")
     );
     assert_eq!((plugin.hack_baseline_m, plugin.distortion), (0.07, [0.1, 0.0, 0.0, 0.0, 0.2]));
+    assert!(plugin.auto_distortion);
     assert_eq!((plugin.principal_point, plugin.focal_length), ([None, Some(12.0)], None));
 }
 
@@ -62,7 +67,8 @@ fn kinect_plugin_has_its_own_defaults() {
     let sensor = accepted(
         "<sensor name='k' type='depth'><plugin name='p' filename='libgazebo_ros_openni_kinect.so'>\
          <cameraName>camera</cameraName><pointCloudTopicName>depth/points</pointCloudTopicName>\
-         <distortion_k2>0.5</distortion_k2><useDepth16UC1MM>true</useDepth16UC1MM></plugin></sensor>",
+         <distortion_k2>0.5</distortion_k2><useDepth16UC1MM>true</useDepth16UC1MM></plugin>\
+         <camera><distortion><k2>0.5</k2></distortion></camera></sensor>",
     );
     let Some(Plugin::DepthCamera(plugin)) = &sensor.plugin else { panic!() };
     assert_eq!(plugin.camera.image_topic, "/camera/ir/image_raw");
@@ -194,4 +200,258 @@ fn what_is_not_simulated_gives_a_warning() {
         parse("<sensor name='s' type='camera'><plugin name='p' filename='libother.so'/></sensor>");
     assert!(sensor.unwrap().plugin.is_none());
     assert!(problems.len() == 1 && problems[0].contains("libgazebo_ros_openni_kinect.so"), "{problems:?}");
+}
+
+/// A camera of 640 × 480 with this inside, and what was warned of.
+fn camera_of(kind: &str, inside: &str) -> (Option<CameraSensor>, Vec<String>) {
+    let (sensor, problems) = parse(&format!(
+        "<sensor name='c' type='{kind}'><camera><image><width>640</width><height>480</height></image>\n{inside}\
+         </camera></sensor>"
+    ));
+    let camera = sensor.map(|sensor| match sensor.kind {
+        SensorKind::Camera(camera) | SensorKind::Depth(camera) => camera,
+        SensorKind::Ray(_) => panic!(),
+    });
+    (camera, problems)
+}
+
+fn lens_of(kind: &str, inside: &str) -> CameraSensor {
+    let (camera, problems) = camera_of(kind, inside);
+    assert!(problems.is_empty(), "{inside}: {problems:?}");
+    camera.unwrap()
+}
+
+#[test]
+fn a_distortion_has_as_many_coefficients_as_its_longest_model() {
+    let pinhole = lens_of("camera", "<horizontal_fov>1.396</horizontal_fov>");
+    assert_eq!(pinhole.lens.model, LensModel::Pinhole);
+    let focal = 320.0 / libm::tan(0.698);
+    let LensIntrinsics { fx, fy, cx, cy, skew } = pinhole.lens.intrinsics;
+    assert!((fx - focal).abs() < 1e-9);
+    assert_eq!((fy, cx, cy, skew), (fx, 319.5, 239.5, 0.0));
+    for (inside, expected) in [
+        ("<k1>.1</k1><p2>.2</p2><k3>.3</k3>", &[0.1, 0.0, 0.0, 0.2, 0.3][..]),
+        ("<k1>.1</k1><k6>.6</k6>", &[0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.6]),
+        ("<s1>.1</s1>", &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0]),
+        ("<k2>1</k2><tau_y>-.1</tau_y>", &[0., 1., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., -0.1]),
+    ] {
+        let camera = lens_of("depth", &format!("<distortion>{inside}</distortion>"));
+        assert_eq!(camera.lens.model, LensModel::BrownConrady { coefficients: expected.to_vec() });
+    }
+    let zeros = "<distortion><k1>0</k1><p1>0</p1><center>0.5 0.5</center></distortion>";
+    assert_eq!(lens_of("camera", zeros).lens.model, LensModel::Pinhole);
+    let off = lens_of("camera", "<distortion><k1>-.2</k1><center>0.25 0.75</center></distortion>");
+    assert_eq!((off.lens.intrinsics.cx, off.lens.intrinsics.cy), (159.5, 359.5));
+}
+
+#[test]
+fn a_lens_fits_its_angle_of_view_into_the_picture() {
+    let widest = |model: &LensModel| model.widest_view_rad();
+    for (inside, fov, model, focal) in [
+        (
+            "<type>kannala_brandt</type><k1>.1</k1><k4>-.001</k4>",
+            3.0,
+            LensModel::KannalaBrandt { k: [0.1, 0.0, 0.0, -0.001] },
+            // θ = 1.5: 1.5 + 0.1·1.5³ − 0.001·1.5⁹
+            320.0 / (1.5 + 0.337_5 - 0.038_443_359_375),
+        ),
+        (
+            "<type>eucm</type><alpha>.5</alpha><beta>1</beta>",
+            PI,
+            LensModel::Eucm { alpha: 0.5, beta: 1.0 },
+            160.0,
+        ),
+        (
+            "<type>double_sphere</type><xi>0</xi><alpha>.5</alpha>",
+            PI,
+            LensModel::DoubleSphere { xi: 0.0, alpha: 0.5 },
+            160.0,
+        ),
+        (
+            "<type>mei</type><xi>1</xi><k1>.5</k1><p1>.01</p1>",
+            PI,
+            LensModel::Mei { xi: 1.0, k1: 0.5, k2: 0.0, p1: 0.01, p2: 0.0 },
+            320.0 / 1.5,
+        ),
+        ("<type>equirectangular</type>", 6.283_186, LensModel::Equirectangular, 320.0 / PI),
+    ] {
+        let text = format!("<horizontal_fov>{fov}</horizontal_fov><lens>{inside}</lens>");
+        let camera = lens_of("camera", &text);
+        assert_eq!(camera.lens.model, model);
+        assert!((camera.lens.intrinsics.fx - focal).abs() < 1e-9 * focal, "{inside}: {:?}", camera.lens);
+        assert!(camera.horizontal_fov_rad <= widest(&model));
+    }
+    let lens = "<lens><type>eucm</type><alpha>.6</alpha><beta>1.1</beta><intrinsics><fx>300</fx><fy>301</fy>\
+                <cx>320.5</cx><cy>240.5</cy><s>.25</s></intrinsics>\
+                <projection><p_fx>290</p_fx><tx>-30</tx></projection></lens>";
+    let camera = lens_of("camera", lens);
+    let expected = LensIntrinsics { fx: 300.0, fy: 301.0, cx: 320.5, cy: 240.5, skew: 0.25 };
+    assert_eq!((camera.lens.intrinsics, camera.lens.has_own_focal_length), (expected, true));
+    let expected = LensProjection { fx: 290.0, fy: 301.0, cx: 320.5, cy: 240.5, tx: -30.0, ty: 0.0 };
+    assert_eq!(camera.lens.projection, Some(expected));
+    // A pinhole's angle of view follows.
+    let camera = lens_of("camera", "<lens><intrinsics><fx>320</fx></intrinsics></lens>");
+    assert!((camera.horizontal_fov_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    assert_eq!((camera.lens.intrinsics.fy, camera.lens.intrinsics.cx), (320.0, 319.5));
+}
+
+#[test]
+fn sdfs_wide_angle_lenses_are_maps_of_the_angle() {
+    for (kind, c1, c2, function, radius) in [
+        ("stereographic", 2.0, 2.0, AngleFunction::Tangent, 2.0 * libm::tan(0.5)),
+        ("equidistant", 1.0, 1.0, AngleFunction::Identity, 1.0),
+        ("equisolid_angle", 2.0, 2.0, AngleFunction::Sine, 2.0 * libm::sin(0.5)),
+        ("orthographic", 1.0, 1.0, AngleFunction::Sine, libm::sin(1.0)),
+        ("gnomonical", 1.0, 1.0, AngleFunction::Tangent, libm::tan(1.0)),
+    ] {
+        let text = format!("<horizontal_fov>2</horizontal_fov><lens><type>{kind}</type></lens>");
+        let camera = lens_of("wideanglecamera", &text);
+        let focal_px = 320.0 / radius;
+        let LensModel::WideAngle { map, scale_to_hfov: true, cutoff_angle_rad } = camera.lens.model else {
+            panic!("{:?}", camera.lens)
+        };
+        assert!((cutoff_angle_rad - 0.5 * PI).abs() < 1e-4);
+        assert!(
+            (map.focal_px - focal_px).abs() < 1e-9 && (camera.lens.intrinsics.fx - focal_px).abs() < 1e-9
+        );
+        assert_eq!(map, AngleMap { c1, c2, c3: 0.0, focal_px: map.focal_px, function });
+    }
+    // Not scaled: <f> is in halves of the width. SDF's default is a stereographic lens.
+    let camera = lens_of(
+        "wide_angle_camera",
+        "<lens><type>custom</type><scale_to_hfov>false</scale_to_hfov><cutoff_angle>2.5</cutoff_angle>\
+         <custom_function><c1>1.05</c1><c2>4</c2><f>1.5</f><fun>tan</fun></custom_function></lens>",
+    );
+    let map = AngleMap { c1: 1.05, c2: 4.0, c3: 0.0, focal_px: 480.0, function: AngleFunction::Tangent };
+    let expected = LensModel::WideAngle { map, scale_to_hfov: false, cutoff_angle_rad: 2.5 };
+    assert_eq!((camera.lens.model, camera.lens.intrinsics.fx), (expected, 126.0));
+    let camera = lens_of("wideanglecamera", "");
+    assert!(matches!(camera.lens.model, LensModel::WideAngle { map: AngleMap { c1: 2.0, .. }, .. }));
+}
+
+#[test]
+fn a_wrong_lens_gives_one_error_with_its_line() {
+    for (inside, expected) in [
+        (
+            "<distortion><k4>nan</k4></distortion>",
+            "<k4> of sensor 'c' is 'nan': 'nan' is not a finite number",
+        ),
+        ("<distortion><tau_x>1.6</tau_x></distortion>", "<tau_x> of sensor 'c' is 1.6; write an angle"),
+        ("<distortion><center>0.5</center></distortion>", "<center> of sensor 'c' is '0.5': too few"),
+        ("<distortion><center>320 240</center></distortion>", "<center> of sensor 'c' is 320 240; write two"),
+        ("<lens><type>fisheye</type></lens>", "is of type 'fisheye'; did you mean"),
+        ("<lens><type>custom</type></lens>", "has no <custom_function>; write"),
+        ("<lens><type>eucm</type><alpha>1.5</alpha><beta>1</beta></lens>", "<alpha> of sensor 'c' is 1.5"),
+        (
+            "<lens><type>eucm</type><alpha>.5</alpha></lens>",
+            "<beta> of sensor 'c' is missing; write a number",
+        ),
+        ("<lens><type>double_sphere</type><xi>-1</xi><alpha>.5</alpha></lens>", "<xi> of sensor 'c' is -1"),
+        ("<lens><type>mei</type><xi>inf</xi></lens>", "<xi> of sensor 'c' is 'inf'"),
+        ("<lens><intrinsics><fx>0</fx></intrinsics></lens>", "<fx> of sensor 'c' is 0; write a focal length"),
+        ("<lens><projection><p_fy>-1</p_fy></projection></lens>", "<p_fy> of sensor 'c' is -1"),
+        (
+            "<lens><type>equidistant</type><cutoff_angle>4</cutoff_angle></lens>",
+            "<cutoff_angle> of sensor 'c' is 4",
+        ),
+        (
+            "<lens><type>custom</type><custom_function><fun>cot</fun></custom_function></lens>",
+            "<fun> of sensor 'c' is 'cot'; write sin, tan or id",
+        ),
+        (
+            "<lens><type>custom</type><custom_function><c2>0</c2></custom_function></lens>",
+            "<c2> of sensor 'c' is 0; write a number above 0",
+        ),
+        (
+            "<horizontal_fov>4</horizontal_fov><lens><type>orthographic</type></lens>",
+            "<horizontal_fov> of sensor 'c' is 4; write the full angle in radians, above 0 and at most 3.14159",
+        ),
+        (
+            "<distortion><k1>1</k1></distortion><lens><type>kannala_brandt</type></lens>",
+            "has a <distortion>, which is a pinhole's, and a lens of type kannala_brandt; take one",
+        ),
+        // It folds back at 1.15 rad.
+        (
+            "<horizontal_fov>2.5</horizontal_fov><lens><type>kannala_brandt</type><k1>-.25</k1></lens>",
+            "<horizontal_fov> of sensor 'c' is 2.5; write the full angle in radians, above 0 and at most 2.30",
+        ),
+    ] {
+        let (camera, problems) = camera_of("camera", inside);
+        assert!(camera.is_none() && problems.len() == 1, "{inside}: {problems:?}");
+        assert!(
+            problems[0].starts_with("s.sdf:2: error: ") && problems[0].contains(expected),
+            "{problems:?}"
+        );
+    }
+}
+
+#[test]
+fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
+    for (kind, inside, expected) in [
+        ("camera", "<save enabled='true'><path>p</path></save>", "<save> of sensor 'c' is not simulated"),
+        ("camera", "<depth_camera><output>points</output></depth_camera>", "<depth_camera> of sensor 'c'"),
+        ("camera", "<visibility_mask>1</visibility_mask>", "a camera sees every visual"),
+        ("camera", "<pose>0 0 1 0 0 0</pose>", "write it in <sensor>"),
+        ("camera", "<optical_frame_id>o</optical_frame_id>", "write <frameName> in the plugin"),
+        ("camera", "<segmentation_type>semantic</segmentation_type>", "<segmentation_type> of sensor 'c'"),
+        ("camera", "<clip><near>.1</near><fog>1</fog></clip>", "<fog> of sensor 'c' is not simulated"),
+        ("camera", "<distortion><k7>1</k7></distortion>", "<k7> of sensor 'c' is not simulated"),
+        ("camera", "<distortion><center>0 0</center></distortion>", "has no effect: all coefficients are 0"),
+        (
+            "camera",
+            "<lens><cutoff_angle>1</cutoff_angle></lens>",
+            "a lens of type gnomonical has no parameters",
+        ),
+        (
+            "camera",
+            "<lens><env_texture_size>512</env_texture_size></lens>",
+            "each pixel is traced; take it out",
+        ),
+        (
+            "camera",
+            "<lens><type>mei</type><xi>1</xi><k3>1</k3></lens>",
+            "a lens of type mei has xi, k1, k2, p1, p2",
+        ),
+        (
+            "wideanglecamera",
+            "<lens><intrinsics><fx>300</fx></intrinsics></lens>",
+            "<intrinsics> of sensor 'c' is left",
+        ),
+        (
+            "camera",
+            "<distortion><k1>1</k1><center>0 0</center></distortion><lens><intrinsics><cx>9</cx></intrinsics></lens>",
+            "<center> of sensor 'c' is left out: <intrinsics> gives a principal point",
+        ),
+    ] {
+        let (camera, problems) = camera_of(kind, inside);
+        assert!(camera.is_some() && problems.len() == 1, "{inside}: {problems:?}");
+        assert!(
+            problems[0].starts_with("s.sdf:2: warning: ") && problems[0].contains(expected),
+            "{problems:?}"
+        );
+    }
+    let aliased = "<image><width>640</width><anti_aliasing>4</anti_aliasing></image>";
+    let (_, problems) = parse(&format!("<sensor name='c' type='camera'><camera>{aliased}</camera></sensor>"));
+    assert!(problems.len() == 1 && problems[0].contains("<anti_aliasing> of sensor 'c'"), "{problems:?}");
+    let harmless =
+        "<save enabled='false'><path>p</path></save><triggered>false</triggered><pose>0 0 0 0 0 0</pose>";
+    lens_of("camera", harmless);
+
+    // A plugin's coefficients are the lens's, unless the camera has others.
+    let plugin = |coefficients: &str, lens: &str| {
+        parse(&format!(
+            "<sensor name='c' type='camera'><camera>{lens}</camera>\
+             <plugin name='p' filename='libgazebo_ros_camera.so'>\n{coefficients}</plugin></sensor>"
+        ))
+        .1
+    };
+    let coefficients = "<distortionK1>.1</distortionK1><distortionT1>.2</distortionT1>";
+    assert!(plugin(coefficients, "").is_empty());
+    let problems = plugin(coefficients, "<distortion><k1>.3</k1></distortion>");
+    assert!(problems.len() == 1 && problems[0].starts_with("s.sdf:2: warning: "), "{problems:?}");
+    assert!(problems[0].contains("hold instead of those in <distortion>"), "{problems:?}");
+    let same = "<distortion><k1>.1</k1><p1>.2</p1></distortion>";
+    assert!(plugin(coefficients, same).is_empty());
+    let fisheye = "<lens><type>equirectangular</type></lens>";
+    assert!(plugin(coefficients, fisheye)[0].contains("camera_info has the parameters of the <lens>"));
 }

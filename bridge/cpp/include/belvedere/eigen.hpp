@@ -59,11 +59,11 @@ inline EigenPoints eigen_points(const Frame& frame) {
 }
 EigenPoints eigen_points(Frame&&) = delete;
 
-/// fx 0 cx, 0 fy cy, 0 0 1. Throws std::invalid_argument for a kind without intrinsics.
+/// fx skew cx, 0 fy cy, 0 0 1. Throws std::invalid_argument for a kind without intrinsics.
 inline Eigen::Matrix3d eigen_camera_matrix(const Frame& frame) {
     const bv_intrinsics& lens = frame.intrinsics();
     Eigen::Matrix3d matrix;
-    matrix << lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1;
+    matrix << lens.fx, lens.skew, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1;
     return matrix;
 }
 

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -39,6 +40,15 @@ public:
         if (kind() != BV_KIND_IMAGE && kind() != BV_KIND_DEPTH_IMAGE && kind() != BV_KIND_POINT_CLOUD)
             throw std::invalid_argument("a frame of this kind has no intrinsics");
         return header().block.intrinsics;
+    }
+    /// Which way the lens distorts; 0 for no model. Throws std::invalid_argument for a kind without intrinsics.
+    bv_distortion_model distortion_model() const {
+        return static_cast<bv_distortion_model>(intrinsics().distortion_model);
+    }
+    /// The parameters of that model, as many as it has.
+    Span<const double> distortion() const {
+        const bv_intrinsics& lens = intrinsics();
+        return {lens.distortion, std::min<std::size_t>(lens.distortion_len, std::size(lens.distortion))};
     }
 
     /// All bytes, aligned to 64.

@@ -4,6 +4,8 @@
 
 #include <opencv2/core.hpp>
 
+#include <vector>
+
 #include "../belvedere.hpp"
 
 namespace belvedere {
@@ -39,16 +41,18 @@ inline cv::Mat cv_mat(const Frame& frame) {
 /// The frame would be released before the picture is looked at.
 cv::Mat cv_mat(Frame&&) = delete;
 
-/// fx 0 cx, 0 fy cy, 0 0 1. Throws std::invalid_argument for a kind without intrinsics.
+/// fx skew cx, 0 fy cy, 0 0 1. Throws std::invalid_argument for a kind without intrinsics.
 inline cv::Matx33d cv_camera_matrix(const Frame& frame) {
     const bv_intrinsics& lens = frame.intrinsics();
-    return {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1};
+    return {lens.fx, lens.skew, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1};
 }
 
-/// k1 k2 p1 p2 k3, as cv::undistort takes them.
-inline cv::Vec<double, 5> cv_distortion(const Frame& frame) {
-    const float* d = frame.intrinsics().distortion;
-    return {d[0], d[1], d[2], d[3], d[4]};
+/// As many parameters as the frame's distortion_model() has, in its order. OpenCV takes those of plumb_bob (5) and
+/// rational_polynomial (8, 12 or 14) in cv::undistort and its kin, and those of equidistant (4) in cv::fisheye; the
+/// other models it does not have.
+inline std::vector<double> cv_distortion(const Frame& frame) {
+    const Span<const double> d = frame.distortion();
+    return {d.begin(), d.end()};
 }
 
 }  // namespace belvedere

@@ -28,12 +28,13 @@ from belvedere._frame import Frame
 from belvedere._node import Node, StreamInfo
 from belvedere._subscriber import Subscriber
 from belvedere._synchronizer import Synchronizer
-from belvedere.wire import Encoding, Intrinsics, Kind, ScanGeometry
+from belvedere.wire import DistortionModel, Encoding, Intrinsics, Kind, ScanGeometry
 
 __all__ = [
     "BadFrameError",
     "BridgeError",
     "CommandPublisher",
+    "DistortionModel",
     "Encoding",
     "Frame",
     "FrameInUseError",

@@ -1,4 +1,4 @@
-"""The wire format, version 1, as numpy sees it; ``bridge/WIRE.md`` has every offset in words."""
+"""The wire format, version 2, as numpy sees it; ``bridge/WIRE.md`` has every offset in words."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from belvedere._errors import BadFrameError
 
 MAGIC = int.from_bytes(b"BLVD", "little")
-SCHEMA = 1
-HEADER_LEN = 256
+SCHEMA = 2
+HEADER_LEN = 384
 #: Flag: a plane of intensities follows the ranges.
 HAS_INTENSITIES = 1
 #: Name, size and alignment of the user header, which iceoryx2 compares.
-HEADER_TYPE_NAME = "belvedere.FrameHeader.v1"
+HEADER_TYPE_NAME = "belvedere.FrameHeader.v2"
 
 
 class Kind(IntEnum):
@@ -60,6 +60,27 @@ class Encoding(IntEnum):
     STRUCT = 8
 
 
+class DistortionModel(IntEnum):
+    """How a lens maps directions to pixels, and its parameters; in lower case the name in a camera_info."""
+
+    #: k1 k2 p1 p2 k3; all 0 for a pinhole.
+    PLUMB_BOB = 1
+    #: k1 k2 p1 p2 k3 k4 k5 k6, then s1 s2 s3 s4, then τx τy: 8, 12 or 14.
+    RATIONAL_POLYNOMIAL = 2
+    #: k1 k2 k3 k4 of Kannala and Brandt, OpenCV's fisheye.
+    EQUIDISTANT = 3
+    #: alpha beta
+    EUCM = 4
+    #: xi alpha
+    DOUBLE_SPHERE = 5
+    #: xi k1 k2 p1 p2
+    MEI = 6
+    #: None.
+    EQUIRECTANGULAR = 7
+    #: c1 c2 c3 f fun cutoff of SDF's lens; f in pixels, fun 0 sin, 1 tan, 2 the angle itself.
+    WIDE_ANGLE = 8
+
+
 class Operation(IntEnum):
     """What a simulator is told to do."""
 
@@ -74,7 +95,7 @@ class Operation(IntEnum):
     CONFIGURE = 9
 
 
-#: The 256 bytes before every payload.
+#: The 384 bytes before every payload.
 HEADER = np.dtype(
     {
         "names": [
@@ -87,7 +108,7 @@ HEADER = np.dtype(
             *("<u4", "<u2", "<u2", "<u2", "<u2", "<u4"),
             *("<u8", "<u8", "<u8", "<u8"),
             *("<u4", "<u4", "<u4", "<u4", "<u8"),
-            *("S64", ("<f8", 3), ("<f4", 4), "V80"),
+            *("S64", ("<f8", 3), ("<f4", 4), "V208"),
         ],
         "offsets": [0, 4, 6, 8, 10, 12, 16, 24, 32, 40, 48, 52, 56, 60, 64, 72, 136, 160, 176],
         "itemsize": HEADER_LEN,
@@ -96,15 +117,16 @@ HEADER = np.dtype(
 
 _INTRINSICS = np.dtype(
     [
-        *(("fx", "<f8"), ("fy", "<f8"), ("cx", "<f8"), ("cy", "<f8"), ("distortion", "<f4", 8)),
-        *(("near", "<f4"), ("far", "<f4"), ("tx", "<f4"), ("distortion_model", "<u4")),
+        *(("fx", "<f8"), ("fy", "<f8"), ("cx", "<f8"), ("cy", "<f8"), ("skew", "<f8"), ("distortion", "<f8", 14)),
+        *(("near", "<f4"), ("far", "<f4"), ("tx", "<f4"), ("distortion_model", "<u2"), ("distortion_len", "<u2")),
+        ("reserved", "<u8", 5),
     ]
 )
 _SCAN_GEOMETRY = np.dtype(
     [
         *(("angle_min", "<f8"), ("angle_increment", "<f8"), ("time_increment", "<f8"), ("scan_time", "<f8")),
         *(("range_min", "<f4"), ("range_max", "<f4")),
-        *(("vertical_angle_min", "<f8"), ("vertical_angle_increment", "<f8"), ("reserved", "<u8", 3)),
+        *(("vertical_angle_min", "<f8"), ("vertical_angle_increment", "<f8"), ("reserved", "<u8", 19)),
     ]
 )
 
@@ -115,7 +137,7 @@ _SETTING = np.dtype([("value", "<f8"), ("min", "<f8"), ("max", "<f8")])
 STRUCTS: dict[Kind, np.dtype[np.void]] = {
     Kind.CAMERA_INFO: np.dtype(
         [
-            *(("width", "<u4"), ("height", "<u4"), ("distortion_model", "S32"), ("d", "<f8", 8)),
+            *(("width", "<u4"), ("height", "<u4"), ("distortion_model", "S32"), ("d", "<f8", 14)),
             *(("d_len", "<u4"), ("reserved", "<u4")),
             *(("k", "<f8", (3, 3)), ("r", "<f8", (3, 3)), ("p", "<f8", (3, 4))),
         ]
@@ -210,13 +232,15 @@ class Intrinsics(NamedTuple):
     fy: float
     cx: float
     cy: float
-    #: k1 k2 p1 p2 k3 0 0 0
+    #: K[1]
+    skew: float
+    #: As many parameters as the model has, in the order that DistortionModel says.
     distortion: tuple[float, ...]
     near: float
     far: float
     #: P[3] = −fx · baseline
     tx: float
-    #: 0 none, 1 plumb_bob
+    #: A DistortionModel; 0 for none.
     distortion_model: int
 
 
@@ -236,8 +260,8 @@ class ScanGeometry(NamedTuple):
 def intrinsics(header: np.void) -> Intrinsics:
     """The block of an image, depth image or cloud."""
     block = np.frombuffer(header["block"].tobytes(), _INTRINSICS)[0]
-    fx, fy, cx, cy, _, near, far, tx, model = block.item()
-    return Intrinsics(fx, fy, cx, cy, tuple(block["distortion"].tolist()), near, far, tx, model)
+    fx, fy, cx, cy, skew, _, near, far, tx, model, count, _ = block.item()
+    return Intrinsics(fx, fy, cx, cy, skew, tuple(block["distortion"][:count].tolist()), near, far, tx, model)
 
 
 def scan_geometry(header: np.void) -> ScanGeometry:

@@ -1,22 +1,20 @@
 //! Whether the sections of a baked scene are a scene.
 
 use super::BakedError;
-use crate::Execution;
 use crate::scene::build::{MAX_COORDINATE, fill_facets};
+use crate::scene::limits::{self, Refusal};
 use crate::scene::material::LIGHT_SPOT;
 use crate::scene::texture::{mip_levels, mip_texels};
 use crate::scene::tree::{Facet, TriangleBlock, WIDTH};
 use crate::scene::{
     HeightField, KIND_HEIGHT_FIELD, KIND_MESH, Mesh, NO_TEXTURE, Scene, validate_scratch_len, validate_tree,
 };
+use crate::{Execution, Pose};
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
 
-/// Lengths, scales and distances within 1/that … that keep all products of f64 and f32 finite.
-const MOST: f64 = MAX_COORDINATE as f64;
-
 /// All checks.
-pub(super) fn scene(scene: &Scene<'_>) -> Result<(), BakedError> {
+pub(super) fn scene(scene: &Scene<'_>, world_from_instance: &[Pose]) -> Result<(), BakedError> {
     count("facets", scene.facets.len(), scene.blocks.len().saturating_mul(WIDTH))?;
     meshes(scene)?;
     facets(scene)?;
@@ -24,6 +22,7 @@ pub(super) fn scene(scene: &Scene<'_>) -> Result<(), BakedError> {
     textures(scene)?;
     materials(scene)?;
     instances(scene)?;
+    poses(scene, world_from_instance)?;
     lights(scene)
 }
 
@@ -52,13 +51,9 @@ impl Element {
         if holds { Ok(()) } else { Err(BakedError::Value { section, element, field, value }) }
     }
 
-    fn all(
-        self,
-        field: &'static str,
-        values: impl IntoIterator<Item = f64>,
-        holds: impl Fn(f64) -> bool,
-    ) -> Result<(), BakedError> {
-        values.into_iter().try_for_each(|value| self.require(holds(value), field, value))
+    /// The checks that a builder makes too.
+    fn accept(self, checked: Result<(), Refusal>) -> Result<(), BakedError> {
+        checked.or_else(|Refusal { field, value, .. }| self.require(false, field, value))
     }
 
     /// An index below a number of elements.
@@ -79,10 +74,6 @@ impl Element {
         *end += count;
         Ok(())
     }
-}
-
-fn wide<const N: usize>(values: [f32; N]) -> [f64; N] {
-    values.map(f64::from)
 }
 
 /// Meshes lie one after the other, so that checking them takes time in proportion to the bytes.
@@ -125,9 +116,11 @@ fn meshes(scene: &Scene<'_>) -> Result<(), BakedError> {
     count("triangles", scene.triangles.len(), triangles)?;
     count("nodes", scene.nodes.len(), nodes)?;
     count("blocks", scene.blocks.len(), blocks)?;
-    scene.uvs.iter().enumerate().try_for_each(|(index, &uv)| {
-        Element::of("uvs", index).all("uv", wide(uv), |value| value.abs() <= MOST)
-    })
+    scene
+        .uvs
+        .iter()
+        .enumerate()
+        .try_for_each(|(index, &uv)| Element::of("uvs", index).accept(limits::uv(index, uv)))
 }
 
 /// Positions of vertices, which lie nowhere but in the blocks: where two of these disagree, one of them is not
@@ -201,14 +194,13 @@ fn materials(scene: &Scene<'_>) -> Result<(), BakedError> {
         if material.texture != NO_TEXTURE {
             element.index("texture", material.texture, scene.textures.len())?;
         }
-        element.all("texture repeat", wide(material.texture_repeat), |value| value.abs() <= MOST)?;
+        element.accept(limits::material(material))?;
     }
     Ok(())
 }
 
 fn instances(scene: &Scene<'_>) -> Result<(), BakedError> {
     let mut slots = 0_u64;
-    let length = |value: f64| (1.0 / MOST..=MOST).contains(&value.abs());
     for (index, instance) in scene.instances.iter().enumerate() {
         let element = Element::of("instances", index);
         element.require(instance.kind <= KIND_HEIGHT_FIELD, "kind", f64::from(instance.kind))?;
@@ -218,16 +210,20 @@ fn instances(scene: &Scene<'_>) -> Result<(), BakedError> {
             KIND_HEIGHT_FIELD => element.index("height field", instance.mesh, scene.height_fields.len())?,
             _ => {}
         }
-        let pose = instance.world_from_instance;
-        let turn = pose.rotation().length_squared();
-        element.require((turn - 1.0).abs() <= 1e-6, "squared length of the rotation", turn)?;
-        element.all("translation", pose.translation().to_array(), |value| value.abs() <= MOST)?;
-        element.all("size", instance.size, |value| value > 0.0 && length(value))?;
-        element.all("scale", instance.scale, length)?;
-        slots += u64::from(scene.slots(instance));
+        element.accept(limits::instance(instance))?;
+        // What nobody sees is given none.
+        slots += if instance.visibility == 0 { 0 } else { u64::from(scene.slots(instance)) };
         if slots >= 1 << 31 {
             return Err(BakedError::TooManyTriangles);
         }
+    }
+    Ok(())
+}
+
+fn poses(scene: &Scene<'_>, poses: &[Pose]) -> Result<(), BakedError> {
+    count("poses", poses.len(), scene.instances.len())?;
+    for (index, pose) in poses.iter().enumerate() {
+        Element::of("poses", index).accept(limits::pose(pose))?;
     }
     Ok(())
 }
@@ -236,9 +232,7 @@ fn lights(scene: &Scene<'_>) -> Result<(), BakedError> {
     for (index, light) in scene.lights.iter().enumerate() {
         let element = Element::of("lights", index);
         element.require(light.kind <= LIGHT_SPOT, "kind", f64::from(light.kind))?;
-        element.all("position", light.position, |value| value.abs() <= MOST)?;
-        let length = light.direction.iter().map(|value| value * value).sum::<f64>();
-        element.require((length - 1.0).abs() <= 1e-6, "squared length of the direction", length)?;
+        element.accept(limits::light(light))?;
     }
     Ok(())
 }

@@ -132,7 +132,7 @@ pub fn plan<'a>(
     let (items, rest) = scratch.split_at_mut(triangles.len());
     let (binary, rest) = rest.split_at_mut(2 * most.blocks);
     let ways: &mut [u64] = bytemuck::cast_slice_mut(rest);
-    let mut make = |power| {
+    let mut make = |power| -> Result<_, SceneError> {
         for (index, item) in items.iter_mut().enumerate() {
             let corners = bounds::corners(positions, triangles, index)?;
             *item = bounds::bounds_of(corners).with_tags(index as u32, 0);

@@ -203,7 +203,7 @@ fn join([low, high]: [f32; 2], [other_low, other_high]: [f32; 2]) -> [f32; 2] {
 impl super::Scene<'_> {
     /// A height field of the scene; none if it has no such.
     pub fn height_field(&self, id: HeightFieldId) -> Option<HeightGrid<'_>> {
-        let field = self.height_fields.get(id.0 as usize)?;
+        let field = self.height_fields.get(id.0 as usize).filter(|field| field.rows > 0)?;
         Some(HeightGrid::of(field, self.heights, self.extents))
     }
 }

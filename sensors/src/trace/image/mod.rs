@@ -1,8 +1,8 @@
 //! The image-order path: all rays of a frame that start in one point, at once.
 //!
 //! Not "for each ray walk the tree", but "walk the tree once, front to back, and find the rays": hierarchical
-//! rasterisation with an exact test for every ray. The rays lie in blocks of sixteen ([`fan`]); sixteen boxes at
-//! a time are projected onto the grid of rays ([`projection`]), and dropped where no ray passes or where all
+//! rasterisation with an exact test for every ray. The rays lie in blocks of sixteen ; sixteen boxes at
+//! a time are projected onto the grid of rays , and dropped where no ray passes or where all
 //! that do have already hit something nearer ([`walk`]). Sixteen triangles at a time become edge planes through
 //! the origin ([`triangles`]), which a ray tests with four dot products, and are drawn by one of three loops,
 //! depending on how many rays they cover.
@@ -10,23 +10,12 @@
 //! What is kept of a ray is 1/t of its nearest hit, linear in the direction over a plane (and 0 if nothing is
 //! hit), and the hit's slot: which triangle of which instance it is.
 
-pub(crate) mod fan;
-mod pinhole;
-mod projection;
 mod sharp;
 mod solid;
-mod spherical;
 mod strip;
-mod table;
 mod target;
 mod triangles;
 mod walk;
 
-pub(crate) use fan::Fan;
-pub(crate) use pinhole::PinholeFan;
-pub(crate) use projection::Projection;
-pub(crate) use spherical::{SphericalFan, Steps};
-pub(crate) use table::TableFan;
-pub use table::{RayTable, TableError};
 pub(crate) use target::{GRAZING, GRAZING_SQUARED, NO_HIT, Target};
 pub(crate) use walk::walk;

@@ -1,8 +1,8 @@
 //! Shapes that are not made of triangles: exact, in double precision, block by block.
 
-use super::projection::Projection;
 use super::target::Target;
 use super::triangles::Rules;
+use crate::optics::rays::Projection;
 use crate::scene::tree::WIDTH;
 use crate::trace::packet::Faces;
 use crate::trace::shapes::match_solid;

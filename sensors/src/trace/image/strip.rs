@@ -4,10 +4,10 @@
 //! block, all but a few of the sixteen triangles are dropped at once, and each of these meets the sixteen rays
 //! at once. No triangle needs a rectangle of its own.
 
-use super::fan::Fan;
-use super::projection::{Planes, Projection, min};
 use super::target::Target;
 use super::triangles::{Leaf, Rules, facing, inside, set_up, splat};
+use crate::optics::rays::Fan;
+use crate::optics::rays::{Planes, Projection, min};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
 

@@ -5,9 +5,9 @@
 //! triangles with a common edge decide alike, and no ray slips between them. A ray is inside where all three are
 //! on the same side as the triangle, and there 1/t = n·d / n·a.
 
-use super::projection::{Planes, Points, Projection, Rectangles, max, min};
 use super::sharp::{BLURRED_SQUARED, PlaneArrays, Source, THIN_SQUARED};
 use super::target::{GRAZING, Target};
+use crate::optics::rays::{Planes, Points, Projection, Rectangles, max, min};
 use crate::scene::tree::WIDTH;
 use crate::trace::packet::Faces;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};

@@ -1,11 +1,11 @@
 //! Once through the trees, front to back.
 
-use super::projection::{Points, Projection, max};
 use super::sharp::Source;
 use super::solid::{self, Part};
 use super::strip;
 use super::target::Target;
 use super::triangles::{self, Leaf, Rules};
+use crate::optics::rays::{Points, Projection, max};
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
 use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
 use crate::trace::packet::Faces;

@@ -1,18 +1,18 @@
 //! Casting many rays at a scene.
 
 use super::bundle::RAYS;
-use super::describe::Description;
+use super::describe::{Description, on_triangle};
 use super::doubt_of;
 use super::scene::{FrameRay, SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};
 use super::walk::Tree;
 use super::wave::Wave;
-use crate::Pose;
 use crate::execution::{SplitRows, for_each_row};
 use crate::scene::tree::{NONE, WIDTH};
 use crate::scene::{KIND_MESH, Scene};
 use crate::simd::Level;
 use crate::trace::view::View;
 use crate::trace::{Faces, Hits, Workspace};
+use crate::{Moment, Pose};
 use fearless_simd::{Simd, dispatch};
 use glam::DVec3;
 
@@ -48,14 +48,16 @@ impl Rays<'_> {
 }
 
 /// Finds where rays first hit something on an instance that `visibility` has a bit in common with. Rays need
-/// have nothing in common.
+/// have nothing in common. `world_from_instance` has a pose for each instance of the scene; rays have no sensor, so
+/// there is no whole [`Moment`].
 ///
 /// # Panics
-/// When an input or output is not one element a ray, or the workspace does not fit: see
-/// [`Workspace::fits`], with 0 rays.
+/// When an input or output is not one element a ray, the workspace does not fit (see [`Workspace::fits`], with 0
+/// rays), or there is not one pose for each instance.
 #[allow(clippy::too_many_arguments, reason = "each is one thing the answer depends on")]
 pub fn cast_rays(
     scene: &Scene<'_>,
+    world_from_instance: &[Pose],
     reference_in_world: DVec3,
     rays: &Rays<'_>,
     visibility: u32,
@@ -65,18 +67,12 @@ pub fn cast_rays(
 ) {
     rays.check();
     let count = rays.directions.len();
-    let check = |length: Option<usize>| {
-        assert!(length.is_none_or(|length| length == count), "an output must hold one element a ray");
-    };
-    check(hits.distance.as_ref().map(|values| values.len()));
-    check(hits.normal.as_ref().map(|values| values.len()));
-    check(hits.instance.as_ref().map(|values| values.len()));
-    check(hits.primitive.as_ref().map(|values| values.len()));
-    check(hits.barycentrics.as_ref().map(|values| values.len()));
+    hits.check(count);
     let execution = workspace.execution;
     let mut memory = workspace.cut(scene, 0);
-    let pose = Pose::from_translation(reference_in_world);
-    let view = View::new(scene, &pose, visibility, memory.view(scene.instances().len()));
+    let world_from_sensor = Pose::from_translation(reference_in_world);
+    let moment = Moment { world_from_sensor, world_from_instance };
+    let view = View::new(scene, &moment, visibility, memory.view(scene.instances().len()));
     let chunks = 0..count.div_ceil(CHUNK);
     for_each_row(execution, chunks, Output::Hits(hits), &|chunk, output| {
         let first = chunk * CHUNK;
@@ -89,8 +85,10 @@ pub fn cast_rays(
 ///
 /// # Panics
 /// As [`cast_rays`].
+#[allow(clippy::too_many_arguments, reason = "each is one thing the answer depends on")]
 pub fn occluded_rays(
     scene: &Scene<'_>,
+    world_from_instance: &[Pose],
     reference_in_world: DVec3,
     rays: &Rays<'_>,
     visibility: u32,
@@ -103,8 +101,9 @@ pub fn occluded_rays(
     assert!(occluded.len() == count, "an output must hold one element a ray");
     let execution = workspace.execution;
     let mut memory = workspace.cut(scene, 0);
-    let pose = Pose::from_translation(reference_in_world);
-    let view = View::new(scene, &pose, visibility, memory.view(scene.instances().len()));
+    let world_from_sensor = Pose::from_translation(reference_in_world);
+    let moment = Moment { world_from_sensor, world_from_instance };
+    let view = View::new(scene, &moment, visibility, memory.view(scene.instances().len()));
     let chunks = 0..count.div_ceil(CHUNK);
     for_each_row(execution, chunks, Output::Occluded(occluded), &|chunk, output| {
         let first = chunk * CHUNK;
@@ -303,13 +302,17 @@ fn store(view: &View<'_>, ray: &FrameRay, hit: &SceneHit, at: usize, hits: &mut 
     }
 }
 
-/// One mesh in its own frame, as a view with one instance would show it: for those who have trees, and no scene.
+/// One mesh in its own frame, as a scene with one instance would show it: for those who have trees, and no scene.
+///
+/// # Panics
+/// When an input or output is not one element a ray.
 pub fn cast_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &mut Hits<'_>) {
     rays.check();
+    hits.check(rays.directions.len());
     dispatch!(level, simd => each_bundle(simd, tree, rays, #[inline(always)] |wave, first, count| {
         wave.nearest_hits(simd, tree, count, faces == Faces::Front);
         for id in 0..count {
-            store_in_mesh(tree, wave, id, first + id, hits);
+            store_in_mesh(tree, wave, id, (rays, first + id), hits);
         }
     }));
 }
@@ -347,7 +350,13 @@ fn each_bundle<S: Simd>(
 }
 
 #[inline(always)]
-fn store_in_mesh(tree: Tree<'_>, wave: &Wave, id: usize, index: usize, hits: &mut Hits<'_>) {
+fn store_in_mesh(
+    tree: Tree<'_>,
+    wave: &Wave,
+    id: usize,
+    (rays, index): (&Rays<'_>, usize),
+    hits: &mut Hits<'_>,
+) {
     let slot = wave.bundle.hit[id][0];
     let hit = slot != NONE;
     if let Some(distance) = &mut hits.distance {
@@ -357,6 +366,19 @@ fn store_in_mesh(tree: Tree<'_>, wave: &Wave, id: usize, index: usize, hits: &mu
     if let Some(primitive) = &mut hits.primitive {
         let block = tree.blocks.get(slot as usize / WIDTH);
         primitive[index] = block.map_or(NONE, |block| block.triangle[slot as usize % WIDTH]);
+    }
+    if let Some(instance) = &mut hits.instance {
+        instance[index] = if hit { 0 } else { NONE };
+    }
+    if let Some(barycentrics) = &mut hits.barycentrics
+        && let Some(block) = tree.blocks.get(slot as usize / WIDTH)
+    {
+        let ray = rays.get(index);
+        let wide = |v: [f32; 3]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+        let point =
+            wide(ray.origin) + wide(ray.direction) * (wave.settled.t[id] * f64::from(wave.bundle.unit[id]));
+        let (_, _, weights) = on_triangle(block, slot as usize % WIDTH, point);
+        barycentrics[index] = weights.map(|weight| weight as f32);
     }
     if let Some(normal) = &mut hits.normal
         && hit

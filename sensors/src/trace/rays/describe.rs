@@ -57,7 +57,7 @@ fn in_frame(placed: &Placed, normal: DVec3) -> [f32; 3] {
 }
 
 /// Normal, triangle, and weights of the second and third corner at a point.
-fn on_triangle(block: &TriangleBlock, lane: usize, point: DVec3) -> (DVec3, u32, [f64; 2]) {
+pub(super) fn on_triangle(block: &TriangleBlock, lane: usize, point: DVec3) -> (DVec3, u32, [f64; 2]) {
     let corner =
         |corner: usize| DVec3::from_array([0, 1, 2].map(|axis| f64::from(block.corners[corner][axis][lane])));
     let a = corner(0);

@@ -39,8 +39,17 @@ fn cast(builder: &SceneBuilder, reference: DVec3, rays: &Rays<'_>, faces: Faces)
             primitive: Some(&mut primitive),
             barycentrics: Some(&mut found.barycentrics),
         };
-        cast_rays(&scene, reference, rays, u32::MAX, faces, &mut workspace, hits);
-        occluded_rays(&scene, reference, rays, u32::MAX, faces, &mut workspace, &mut occluded);
+        cast_rays(&scene, builder.poses(), reference, rays, u32::MAX, faces, &mut workspace, hits);
+        occluded_rays(
+            &scene,
+            builder.poses(),
+            reference,
+            rays,
+            u32::MAX,
+            faces,
+            &mut workspace,
+            &mut occluded,
+        );
         for index in 0..count {
             assert_eq!(occluded[index], found.distance[index].is_finite(), "ray {index}");
             assert_eq!(occluded[index], found.instance[index] != u32::MAX);

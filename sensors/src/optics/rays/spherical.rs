@@ -8,10 +8,31 @@ use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
 use glam::DVec3;
 
+/// The rays of a spinning lidar. Angles in radians; azimuth is counter-clockwise seen from +z, elevation up. Any finite
+/// angles will do: azimuth a and elevation e are the direction (cos a cos e, sin a cos e, sin e), so beyond a pole rays
+/// look the other way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SphericalGrid {
+    /// Columns, 1 … [`MAX_GRID_SIZE`](crate::optics::MAX_GRID_SIZE).
+    pub columns: u32,
+    /// Rows, 1 … [`MAX_GRID_SIZE`](crate::optics::MAX_GRID_SIZE).
+    pub rows: u32,
+    /// Of the first column.
+    pub first_azimuth_rad: f64,
+    /// From a column to the next.
+    pub azimuth_step_rad: f64,
+    /// Of the first row.
+    pub first_elevation_rad: f64,
+    /// From a row to the next.
+    pub elevation_step_rad: f64,
+}
+
 /// More than the error of [`atan2`] and of the roundings around it, in radians.
 const ANGLE_MARGIN: f32 = 4e-6;
 /// Nearer than that in metres, ranges are not told apart when something is projected.
 const TINY: f32 = 1e-12;
+/// Grids that are narrower, in radians, are bounded as a whole.
+const NARROW: f64 = 1e-5;
 
 /// Cosines and sines of the grid's angles, in the caller's memory.
 #[derive(Debug, Clone, Copy)]
@@ -41,10 +62,18 @@ pub(crate) struct SphericalFan<'a> {
     columns_per_radian: f32,
     first_elevation: f32,
     rows_per_radian: f32,
-    /// Columns in a whole turn.
+    /// What intervals of columns and of rows are widened by.
+    column_margin: f32,
+    row_margin: f32,
+    /// Columns and rows in a whole turn.
     turn: f32,
+    row_turn: f32,
     /// The columns close to a ring: the first follows the last.
     ring: bool,
+    /// The columns go on for more than a turn.
+    overlaps: bool,
+    /// Some rows lie beyond a pole, where rays look the other way.
+    tumbles: bool,
 }
 
 /// Angles of a grid in radians: that of the first column or row, and the step to the next.
@@ -55,6 +84,34 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
+    /// The same directions by a first angle of at most `most` (π or more) to both sides, and a step of at most half
+    /// a turn: single precision must tell the angles apart.
+    fn reduced(self, most: f64) -> Self {
+        let within = |angle: f64, most: f64| {
+            if angle.abs() <= most {
+                return angle;
+            }
+            let (sin, cos) = libm::sincos(angle);
+            libm::atan2(sin, cos)
+        };
+        Self { first: within(self.first, most), step: within(self.step, core::f64::consts::PI) }
+    }
+
+    /// Of the last of so many.
+    fn last(self, count: i32) -> f64 {
+        self.first + self.step * f64::from(count - 1)
+    }
+
+    /// Columns or rows per radian, and what bounds are widened by.
+    fn density(self, count: i32) -> (f64, f32) {
+        let margin = |per_radian: f64| 0.01 + ANGLE_MARGIN * per_radian.abs() as f32;
+        if self.step.abs() * f64::from(count - 1) < NARROW {
+            // Angles that are all but the same: either none of them or all.
+            return (1e3, margin(1e3) + (count - 1) as f32);
+        }
+        (1.0 / self.step, margin(1.0 / self.step))
+    }
+
     /// The angles of the middles of blocks of 2^`shift` columns or rows, which lie `half` a block from the first.
     #[inline(always)]
     fn of_blocks(self, half: f64, shift: u32) -> Self {
@@ -97,6 +154,8 @@ impl<'a> SphericalFan<'a> {
     /// Fills the tables.
     #[inline(always)]
     pub(crate) fn new(fan: Fan, azimuth: Steps, elevation: Steps, tables: &'a mut [[f32; WIDTH]]) -> Self {
+        let (azimuth, elevation) =
+            (azimuth.reduced(core::f64::consts::TAU), elevation.reduced(core::f64::consts::PI));
         let columns = (fan.width as usize).div_ceil(WIDTH);
         let (cos_azimuth, rest) = tables.split_at_mut(columns);
         let (sin_azimuth, rest) = rest.split_at_mut(columns);
@@ -160,9 +219,11 @@ impl<'a> SphericalFan<'a> {
             [-1.0, 1.0]
         };
         let radius = sqrt(reach[0] * reach[0] + reach[1] * reach[1]);
-        // A single column or row has no step; any will do.
-        let step = |steps: Steps| if steps.step == 0.0 { 1e-3 } else { steps.step };
-        let turn = core::f64::consts::TAU / step(azimuth).abs();
+        let (columns_per_radian, column_margin) = azimuth.density(fan.width);
+        let (rows_per_radian, row_margin) = elevation.density(fan.height);
+        let turn = core::f64::consts::TAU * columns_per_radian.abs();
+        let beyond = |angle: f64| angle.abs() > core::f64::consts::FRAC_PI_2;
+        let tumbles = beyond(elevation.first) || beyond(elevation.last(fan.height));
         Self {
             fan,
             azimuths,
@@ -178,11 +239,16 @@ impl<'a> SphericalFan<'a> {
             radius: radius as f32 * 1.0001 + 2e-6,
             arc,
             first_azimuth: azimuth.first as f32,
-            columns_per_radian: (1.0 / step(azimuth)) as f32,
+            columns_per_radian: columns_per_radian as f32,
             first_elevation: elevation.first as f32,
-            rows_per_radian: (1.0 / step(elevation)) as f32,
+            rows_per_radian: rows_per_radian as f32,
+            column_margin,
+            row_margin,
             turn: turn as f32,
-            ring: (turn - f64::from(fan.width)).abs() < 1e-6,
+            row_turn: (core::f64::consts::TAU * rows_per_radian.abs()) as f32,
+            ring: (turn - f64::from(fan.width)).abs() < 1e-6 && !tumbles,
+            overlaps: turn < f64::from(fan.width),
+            tumbles,
         }
     }
 
@@ -224,16 +290,14 @@ impl<'a> SphericalFan<'a> {
         all_round: mask32x16<S>,
         candidates: mask32x16<S>,
     ) -> Rectangles<S> {
-        let ends = |low: f32x16<S>, high: f32x16<S>, first: f32, per_radian: f32| {
-            let (a, b) = ((low - first) * per_radian, (high - first) * per_radian);
-            [min(a, b), max(a, b)]
-        };
-        let margin = 0.01 + ANGLE_MARGIN * self.rows_per_radian.abs();
-        let rows = ends(elevation[0], elevation[1], self.first_elevation, self.rows_per_radian);
-        let [first_row, last_row] = whole(simd, rows, margin, self.rows);
+        if self.tumbles {
+            return self.rectangles_beyond(simd, middle, [from, to], elevation, all_round, candidates);
+        }
+        let rows = indices(elevation, self.first_elevation, self.rows_per_radian);
+        let [first_row, last_row] = whole(simd, rows, self.row_margin, self.rows);
 
-        let margin = 0.01 + ANGLE_MARGIN * self.columns_per_radian.abs();
-        let columns = ends(middle + from, middle + to, self.first_azimuth, self.columns_per_radian);
+        let margin = self.column_margin;
+        let columns = indices([middle + from, middle + to], self.first_azimuth, self.columns_per_radian);
         let first = columns[0] - margin;
         let length = (columns[1] - columns[0]) + 2.0 * margin;
         let turn = f32x16::splat(simd, self.turn);
@@ -250,16 +314,20 @@ impl<'a> SphericalFan<'a> {
         } else {
             // From both ends at once: all of it, which is rare.
             let begin = both.select(zero, comes_round.select(zero, first));
-            let end = both.select(
+            let mut end = both.select(
                 last_column,
                 comes_round.select(min(last - turn, last_column), min(last, last_column)),
             );
+            if self.overlaps {
+                // And once more a turn later.
+                end = (first + turn).simd_le(last_column).select(last_column, end);
+            }
             (simd.ceil_f32x16(begin), simd.floor_f32x16(end))
         };
         let all_round = all_round | length.simd_ge(turn - 1.0);
         let begin = all_round.select(zero, begin);
         let end = all_round.select(last_column, end);
-        let limit = f32x16::splat(simd, 60_000.0);
+        let limit = f32x16::splat(simd, 65_535.0);
         let first_column = simd.cvt_i32_f32x16(min(begin, limit));
         let last = simd.cvt_i32_f32x16(min(end, limit));
         // A ring's interval that starts after the last column starts at the first.
@@ -278,6 +346,91 @@ impl<'a> SphericalFan<'a> {
             & first_column.simd_lt(width);
         Rectangles { first_column, last_column: last, first_row, last_row, some }
     }
+
+    /// The same of a grid with rows beyond a pole: something is seen at its own elevation, and at its elevation over
+    /// the pole by the columns that look the other way.
+    #[inline(never)]
+    fn rectangles_beyond<S: Simd>(
+        &self,
+        simd: S,
+        middle: f32x16<S>,
+        [from, to]: [f32x16<S>; 2],
+        [low, high]: [f32x16<S>; 2],
+        all_round: mask32x16<S>,
+        candidates: mask32x16<S>,
+    ) -> Rectangles<S> {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let half_turn = f32x16::splat(simd, PI);
+                let columns = [0, self.fan.width - 1];
+                let window = |middle: f32x16<S>, elevation: [f32x16<S>; 2]| {
+                    let across =
+                        indices([middle + from, middle + to], self.first_azimuth, self.columns_per_radian);
+                    let across = over_turns(across, self.column_margin, self.turn, columns);
+                    let all = [f32x16::splat(simd, 0.0), f32x16::splat(simd, columns[1] as f32)];
+                    let across = [0, 1].map(|end| all_round.select(all[end], across[end]));
+                    let down = indices(elevation, self.first_elevation, self.rows_per_radian);
+                    let down = over_turns(down, self.row_margin, self.row_turn, self.rows);
+                    let some = across[0].simd_le(across[1]) & down[0].simd_le(down[1]) & candidates;
+                    ([across[0], down[0]], [across[1], down[1]], some)
+                };
+                let (first, last, ahead) = window(middle, [low, high]);
+                let (first_over, last_over, over) =
+                    window(middle + half_turn, [half_turn - high, half_turn - low]);
+                let both = |own: f32x16<S>, other: f32x16<S>, joined: f32x16<S>| {
+                    ahead.select(over.select(joined, own), other)
+                };
+                let first = [0, 1].map(|axis| {
+                    let value = both(first[axis], first_over[axis], min(first[axis], first_over[axis]));
+                    simd.cvt_i32_f32x16(value)
+                });
+                let last = [0, 1].map(|axis| {
+                    let value = both(last[axis], last_over[axis], max(last[axis], last_over[axis]));
+                    simd.cvt_i32_f32x16(value)
+                });
+                Rectangles {
+                    first_column: first[0],
+                    last_column: last[0],
+                    first_row: first[1],
+                    last_row: last[1],
+                    some: ahead | over,
+                }
+            },
+        )
+    }
+}
+
+/// Intervals of columns or rows from intervals of angles.
+#[inline(always)]
+fn indices<S: Simd>([low, high]: [f32x16<S>; 2], first: f32, per_radian: f32) -> [f32x16<S>; 2] {
+    let (a, b) = ((low - first) * per_radian, (high - first) * per_radian);
+    [min(a, b), max(a, b)]
+}
+
+/// The first and last whole number from `least` to `most` that lie in the intervals, widened by `margin`, or in those
+/// any number of `turn`s away; first > last if there are none.
+#[inline(always)]
+fn over_turns<S: Simd>(
+    [first, last]: [f32x16<S>; 2],
+    margin: f32,
+    turn: f32,
+    [least, most]: [i32; 2],
+) -> [f32x16<S>; 2] {
+    let simd = first.simd;
+    let (first, last) = (first - margin, last + margin);
+    let length = last - first;
+    let [least, most] = [least, most].map(|end| f32x16::splat(simd, end as f32));
+    // The earliest that ends within, and the latest that begins within.
+    let after = last - least;
+    let earliest = (after - simd.floor_f32x16(after / turn) * turn) + least - length;
+    let before = most - first;
+    let latest = most - (before - simd.floor_f32x16(before / turn) * turn) + length;
+    let all = length.simd_ge(f32x16::splat(simd, turn - 1.0));
+    let begin = all.select(least, simd.ceil_f32x16(max(earliest, least)));
+    let end = all.select(most, simd.floor_f32x16(min(latest, most)));
+    // What begins too late might be beyond what integers hold.
+    [min(begin, most + 1.0), max(end, least - 1.0)]
 }
 
 /// Signed distance of 0 from an interval: 0 inside.

@@ -8,12 +8,12 @@ use glam::DVec3;
 /// Sixteen rectangles of the grid, both ends included. Columns may run past the last one, to be counted on from
 /// column 0, where a grid closes to a ring.
 pub(crate) struct Rectangles<S: Simd> {
-    pub(super) first_column: i32x16<S>,
-    pub(super) last_column: i32x16<S>,
-    pub(super) first_row: i32x16<S>,
-    pub(super) last_row: i32x16<S>,
+    pub(crate) first_column: i32x16<S>,
+    pub(crate) last_column: i32x16<S>,
+    pub(crate) first_row: i32x16<S>,
+    pub(crate) last_row: i32x16<S>,
     /// Those that hold a ray.
-    pub(super) some: mask32x16<S>,
+    pub(crate) some: mask32x16<S>,
 }
 
 /// Coordinates of sixteen points: all x, all y, all z.
@@ -94,7 +94,7 @@ pub(crate) trait Projection: Copy {
 
 /// Lower and upper bounds of three points, coordinate by coordinate.
 #[inline(always)]
-pub(super) fn bounds_of<S: Simd>(corners: &[Points<S>; 3]) -> (Points<S>, Points<S>) {
+pub(crate) fn bounds_of<S: Simd>(corners: &[Points<S>; 3]) -> (Points<S>, Points<S>) {
     let [a, b, c] = corners;
     let low = [min(min(a[0], b[0]), c[0]), min(min(a[1], b[1]), c[1]), min(min(a[2], b[2]), c[2])];
     let high = [max(max(a[0], b[0]), c[0]), max(max(a[1], b[1]), c[1]), max(max(a[2], b[2]), c[2])];
@@ -103,20 +103,20 @@ pub(super) fn bounds_of<S: Simd>(corners: &[Points<S>; 3]) -> (Points<S>, Points
 
 /// The lesser; arguments are never NaN, for which SIMD levels differ.
 #[inline(always)]
-pub(super) fn min<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+pub(crate) fn min<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     a.simd.min_f32x16(a, b)
 }
 
 /// The greater; arguments are never NaN.
 #[inline(always)]
-pub(super) fn max<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+pub(crate) fn max<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     a.simd.max_f32x16(a, b)
 }
 
 /// The whole numbers from `least` to `most` that lie in the intervals, widened by `margin`: the first and the
 /// last of them, where first > last if there are none.
 #[inline(always)]
-pub(super) fn whole<S: Simd>(
+pub(crate) fn whole<S: Simd>(
     simd: S,
     [first, last]: [f32x16<S>; 2],
     margin: f32,

@@ -9,13 +9,19 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16};
 /// As columns rise with the coordinate, that is all there is to know; if they do not, bounds are loose, and hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LookUp<'a> {
+    pub(super) scale: Scale,
+    /// The least in this cell and the later ones; one entry more, for what lies past the last.
+    pub(super) first: &'a [i16],
+    /// The greatest in the cells before this one; one entry more, too.
+    pub(super) last: &'a [i16],
+}
+
+/// How a coordinate is cut into cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scale {
     /// Where the cells begin.
     start: f32,
     cells_per_unit: f32,
-    /// The least in this cell and the later ones; one entry more, for what lies past the last.
-    first: &'a [i16],
-    /// The greatest in the cells before this one; one entry more, too.
-    last: &'a [i16],
 }
 
 /// Cells for a grid of that many columns (or rows).
@@ -25,8 +31,7 @@ pub(super) const fn cells(count: usize) -> usize {
 
 /// A [`LookUp`] that is being filled.
 pub(super) struct Filling<'a> {
-    start: f32,
-    cells_per_unit: f32,
+    scale: Scale,
     first: &'a mut [i16],
     last: &'a mut [i16],
 }
@@ -39,12 +44,13 @@ impl<'a> Filling<'a> {
         first.fill(i16::MAX);
         last.fill(i16::MIN);
         let cells = (first.len() - 1) as f32;
-        Self { start: least - PAD, cells_per_unit: (cells - 0.5) / ((most - least) + 2.0 * PAD), first, last }
+        let cells_per_unit = (cells - 0.5) / ((most - least) + 2.0 * PAD);
+        Self { scale: Scale { start: least - PAD, cells_per_unit }, first, last }
     }
 
     /// A ray of that column (or row) is there.
     pub(super) fn add(&mut self, coordinate: f32, number: i32) {
-        let cell = ((coordinate - self.start) * self.cells_per_unit) as usize;
+        let cell = ((coordinate - self.scale.start) * self.scale.cells_per_unit) as usize;
         let cell = cell.min(self.first.len() - 2);
         let number = number as i16;
         self.first[cell] = self.first[cell].min(number);
@@ -58,8 +64,8 @@ impl<'a> Filling<'a> {
             let cell = self.last.len() - cell;
             self.last[cell] = self.last[cell].max(self.last[cell - 1]);
         }
-        let Self { start, cells_per_unit, first, last } = self;
-        LookUp { start, cells_per_unit, first, last }
+        let Self { scale, first, last } = self;
+        LookUp { scale, first, last }
     }
 }
 
@@ -75,7 +81,7 @@ impl LookUp<'_> {
     fn cells<S: Simd>(&self, simd: S, coordinates: f32x16<S>, least: f32) -> [i32; WIDTH] {
         let (least, most) =
             (f32x16::splat(simd, least), f32x16::splat(simd, least + (self.first.len() - 1) as f32));
-        let cells = simd.floor_f32x16((coordinates - self.start) * self.cells_per_unit);
+        let cells = simd.floor_f32x16((coordinates - self.scale.start) * self.scale.cells_per_unit);
         let cells = cells.simd_gt(least).select(cells, least);
         let cells = cells.simd_lt(most).select(cells, most);
         let mut array = [0; WIDTH];

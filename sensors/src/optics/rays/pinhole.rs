@@ -3,10 +3,68 @@
 
 use super::fan::Fan;
 use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, max, min, whole};
-use crate::lens::Pinhole;
+use crate::optics::{Intrinsics, LensError, Pinhole};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
 use glam::DVec3;
+
+/// The rays of a pinhole camera: a rule, where other lenses need a table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PinholeGrid {
+    width: u32,
+    height: u32,
+    lens: Pinhole,
+}
+
+impl PinholeGrid {
+    /// A picture of so many pixels.
+    ///
+    /// # Errors
+    /// When a side is 0 or the lens has skew, for which make a [`RayTable`](crate::optics::RayTable).
+    pub fn new(width: u32, height: u32, lens: Pinhole) -> Result<Self, LensError> {
+        let wrong = |name, value, allowed| Err(LensError::Parameter { name, value, allowed });
+        let skew = lens.intrinsics().skew;
+        match (width, height) {
+            (0, _) => wrong("width", 0.0, "at least 1"),
+            (_, 0) => wrong("height", 0.0, "at least 1"),
+            _ if skew != 0.0 => wrong("skew", skew, "0, or the rays in a table"),
+            _ => Ok(Self { width, height, lens }),
+        }
+    }
+
+    /// A centred camera with square pixels: f = w / (2·tan(hfov / 2)), principal point ((w−1)/2, (h−1)/2).
+    ///
+    /// ```
+    /// // The articles' ceiling camera.
+    /// use belvedere_sensors::optics::PinholeGrid;
+    /// let camera = PinholeGrid::from_fov(640, 480, 1.3962634)?;
+    /// assert!((camera.intrinsics().fx - 381.36115).abs() < 1e-4);
+    /// assert_eq!((camera.intrinsics().cx, camera.intrinsics().cy), (319.5, 239.5));
+    /// # Ok::<(), belvedere_sensors::optics::LensError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When a side is 0, or the field of view (radians) is not between 0 and π.
+    pub fn from_fov(width: u32, height: u32, horizontal_fov_rad: f64) -> Result<Self, LensError> {
+        let lens = Pinhole::new(Intrinsics::from_fov(width, height, horizontal_fov_rad)?)?;
+        Self::new(width, height, lens)
+    }
+
+    /// Pixels across and down.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// The lens.
+    pub fn lens(&self) -> &Pinhole {
+        &self.lens
+    }
+
+    /// Its parameters in pixels; the skew is 0.
+    pub fn intrinsics(&self) -> Intrinsics {
+        self.lens.intrinsics()
+    }
+}
 
 /// Nearer than that in metres, depths are not told apart when something is projected.
 const TINY: f32 = 1e-12;
@@ -25,7 +83,7 @@ const DOWN: [[f32; 16]; 2] =
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PinholeFan {
     fan: Fan,
-    lens: Pinhole,
+    lens: Intrinsics,
     fx: f32,
     fy: f32,
     cx: f32,
@@ -37,11 +95,13 @@ pub(crate) struct PinholeFan {
 }
 
 impl PinholeFan {
-    pub(crate) fn new(lens: &Pinhole) -> Self {
-        let fan = Fan::square(lens.width, lens.height);
+    pub(crate) fn new(grid: &PinholeGrid) -> Self {
+        let [width, height] = grid.size();
+        let fan = Fan::square(width, height);
+        let lens = grid.intrinsics();
         Self {
             fan,
-            lens: *lens,
+            lens,
             fx: lens.fx as f32,
             fy: lens.fy as f32,
             cx: lens.cx as f32,
@@ -50,6 +110,10 @@ impl PinholeFan {
             per_fy: (1.0 / lens.fy) as f32,
             rows: [0, fan.height - 1],
         }
+    }
+
+    pub(crate) fn intrinsics(&self) -> &Intrinsics {
+        &self.lens
     }
 
     /// y of a direction.

@@ -1,9 +1,9 @@
 //! Which chart suits a table.
 
+use super::super::Fan;
 use super::chart::{Chart, Kind, TURN};
 use crate::scene::tree::WIDTH;
 use crate::simd::sqrt;
-use crate::trace::image::Fan;
 use glam::{DMat3, DVec3};
 
 /// Cosine of the greatest angle to the axis of a perspective chart: 65°.
@@ -39,21 +39,37 @@ impl Layout {
 pub(super) struct Grid<'a> {
     pub(super) fan: Fan,
     pub(super) blocks: &'a [[[f32; WIDTH]; 3]],
+    /// The lanes of each block that have no ray, a bit each.
+    pub(super) missing: &'a [u16],
 }
 
 impl Grid<'_> {
-    pub(super) fn direction(&self, column: i32, row: i32) -> DVec3 {
+    fn place(&self, column: i32, row: i32) -> (usize, usize) {
         let fan = &self.fan;
         let block = (row >> fan.shift_y) as usize * fan.blocks_across() + (column >> fan.shift_x) as usize;
-        let ([x, y, z], lane) = (&self.blocks[block], fan.lane(column, row));
+        (block, fan.lane(column, row))
+    }
+
+    /// Whether there is such a ray.
+    pub(super) fn has(&self, column: i32, row: i32) -> bool {
+        let (block, lane) = self.place(column, row);
+        self.missing[block] >> lane & 1 == 0
+    }
+
+    /// The direction of a ray; where there is none, that of another or straight ahead.
+    pub(super) fn direction(&self, column: i32, row: i32) -> DVec3 {
+        let (block, lane) = self.place(column, row);
+        let [x, y, z] = &self.blocks[block];
         DVec3::new(x[lane].into(), y[lane].into(), z[lane].into())
     }
 
-    /// Calls `work` with column, row and direction of each ray.
+    /// Calls `work` with column, row and direction of each ray that there is.
     pub(super) fn for_each(&self, mut work: impl FnMut(i32, i32, DVec3)) {
         for row in 0..self.fan.height {
             for column in 0..self.fan.width {
-                work(column, row, self.direction(column, row));
+                if self.has(column, row) {
+                    work(column, row, self.direction(column, row));
+                }
             }
         }
     }
@@ -94,8 +110,18 @@ impl Grid<'_> {
     /// From the first to the last column, summed over rows, and from the first to the last row.
     fn steps(&self) -> [DVec3; 2] {
         let [right, bottom] = [self.fan.width - 1, self.fan.height - 1];
-        let across = (0..=bottom).map(|row| self.direction(right, row) - self.direction(0, row)).sum();
-        let down = (0..=right).map(|column| self.direction(column, bottom) - self.direction(column, 0)).sum();
+        let step = |from: [i32; 2], to: [i32; 2]| {
+            let both = self.has(from[0], from[1]) && self.has(to[0], to[1]);
+            if both { self.direction(to[0], to[1]) - self.direction(from[0], from[1]) } else { DVec3::ZERO }
+        };
+        let across = (0..=bottom).map(|row| step([0, row], [right, row])).sum();
+        let down = (0..=right).map(|column| step([column, 0], [column, bottom])).sum();
+        // A round picture may reach no edge: then neighbours in its middle tell.
+        if across == DVec3::ZERO || down == DVec3::ZERO {
+            let [x, y] = [right / 2, bottom / 2];
+            let next = |first: i32, last: i32| (first + 1).min(last);
+            return [step([x, y], [next(x, right), y]), step([x, y], [x, next(y, bottom)])];
+        }
         [across, down]
     }
 
@@ -106,6 +132,9 @@ impl Grid<'_> {
         let mut steps = DMat3::ZERO;
         for row in 0..height {
             for column in 1..width {
+                if !(self.has(column, row) && self.has(column - 1, row)) {
+                    continue;
+                }
                 let step = self.direction(column, row) - self.direction(column - 1, row);
                 steps += DMat3::from_cols(step * step.x, step * step.y, step * step.z);
             }

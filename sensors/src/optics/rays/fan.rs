@@ -3,7 +3,7 @@
 use crate::scene::tree::WIDTH;
 
 /// How a grid of rays is cut into blocks of sixteen: 4×4, or 16×1 where it has few rows.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Fan {
     /// Rays across.
     pub(crate) width: i32,

@@ -8,6 +8,8 @@ mod chart;
 mod layout;
 mod look_up;
 
+#[cfg(feature = "alloc")]
+pub use build::RayTableBuf;
 pub use build::{RayTable, TableError};
 
 use super::fan::Fan;
@@ -34,6 +36,17 @@ impl<'a> TableFan<'a> {
     pub(crate) fn new(table: &RayTable<'a>) -> Self {
         let fan = table.fan();
         Self { fan, table: *table, rows: [0, fan.height - 1] }
+    }
+
+    /// The lanes of a block that have no ray, a bit each.
+    #[inline(always)]
+    pub(crate) fn missing(&self, column: usize, row: usize) -> u16 {
+        self.table.missing[row * self.fan.blocks_across() + column]
+    }
+
+    /// Whether any ray of the table is missing.
+    pub(crate) fn has_missing(&self) -> bool {
+        self.table.has_missing
     }
 
     /// Index of a ray's block, and its lane. Lanes that are done stand past the end; any ray will do for them.

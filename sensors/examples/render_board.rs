@@ -1,0 +1,130 @@
+//! Pictures of a checkerboard through any lens, to calibrate from.
+//!
+//! The first line of the standard input is a lens, as in `project_points`; the second the width and height of the
+//! pictures, how many rays across and down are averaged for a pixel, and the board: columns and rows of squares,
+//! and the length of their sides in metres. Each line after that is where the board is in the camera's optical
+//! frame: x y z of its first inner corner, and its turn as a rotation vector, both as `OpenCV`'s calibration gives
+//! them (x to the right over the board, y down, z away from who looks at it). Pictures are written to a directory,
+//! one after the other, as 0.pgm, 1.pgm …
+//!
+//! Averaging is the caller's: the rays of a picture k times as large are those of a lens whose pixels are k times
+//! finer ([`Finer`]), and the squares' edges are exact.
+//!
+//! ```text
+//! $ printf '%s\n' 'pinhole 500 500 319.5 239.5 0' '640 480 4 10 7 0.03' '-0.12 -0.075 0.5 0.3 0 0' |
+//!       cargo run -q -p belvedere-sensors --example render_board /tmp
+//! ```
+
+mod lens_line;
+
+use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat};
+use belvedere_sensors::optics::Lens;
+use belvedere_sensors::optics::RayTableBuf;
+use belvedere_sensors::scene::{Environment, InstanceConfig, MaterialConfig, SceneBuilder, Shape};
+use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Pose};
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use lens_line::{numbers, parse_lens};
+use std::error::Error;
+use std::io::BufRead;
+use std::path::Path;
+
+/// A lens with `factor` pixels across and down for each of another's.
+struct Finer<'a> {
+    lens: &'a dyn Lens,
+    factor: f64,
+}
+
+impl Lens for Finer<'_> {
+    fn project(&self, point_in_optical: DVec3) -> Option<DVec2> {
+        self.lens.project(point_in_optical).map(|pixel| (pixel + 0.5) * self.factor - 0.5)
+    }
+
+    fn unproject(&self, pixel: DVec2) -> Option<DVec3> {
+        self.lens.unproject((pixel + 0.5) / self.factor - 0.5)
+    }
+}
+
+/// Black and white squares, and a white border as wide as one. They lie side by side in one plane, and (0, 0) is the
+/// first inner corner.
+fn board(columns: usize, rows: usize, side: f64) -> Result<SceneBuilder, Box<dyn Error>> {
+    let mut builder = SceneBuilder::new();
+    builder.set_environment(Environment { ambient: [0.0; 3], background: [0.4; 3] });
+    let shades = [0.05, 0.95].map(|shade| MaterialConfig {
+        emissive: [shade; 3],
+        diffuse: [0.0; 3],
+        ambient: [0.0; 3],
+        ..MaterialConfig::default()
+    });
+    let [black, white] = shades.map(|shade| builder.add_material(&shade));
+    let (black, white) = (black?, white?);
+    // Front faces look along their +z, and the board's z is away from who looks at it.
+    let turn = DQuat::from_rotation_x(core::f64::consts::PI);
+    for row in 0..rows + 2 {
+        for column in 0..columns + 2 {
+            let inside = (1..=columns).contains(&column) && (1..=rows).contains(&row);
+            let material = if inside && (row + column) % 2 == 0 { black } else { white };
+            let centre = DVec3::new(column as f64 - 1.5, row as f64 - 1.5, 0.0) * side;
+            builder.add_instance(&InstanceConfig {
+                shape: Shape::Rectangle { size: [side; 2] },
+                world_from_instance: Pose::new(centre, turn),
+                material,
+                ..InstanceConfig::default()
+            })?;
+        }
+    }
+    Ok(builder)
+}
+
+/// The mean of each square of `factor` × `factor` pixels.
+fn shrink(pixels: &[u8], width: usize, factor: usize) -> Vec<u8> {
+    let wide = width * factor;
+    let count = (factor * factor) as u32;
+    let mut means = Vec::with_capacity(pixels.len() / (factor * factor));
+    for rows in pixels.chunks(wide * factor) {
+        for column in 0..width {
+            let squares = rows.chunks(wide).flat_map(|row| &row[column * factor..(column + 1) * factor]);
+            let sum: u32 = squares.map(|pixel| u32::from(*pixel)).sum();
+            means.push(((sum + count / 2) / count) as u8);
+        }
+    }
+    means
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let directory = std::env::args().nth(1).ok_or("the argument must be a directory for the pictures")?;
+    let mut lines = std::io::stdin().lock().lines();
+    let mut line = || lines.next().transpose();
+    let lens = parse_lens(&line()?.ok_or("the first line must be a lens: a model and its parameters")?)?;
+    let setup = line()?.ok_or("the second line must be the picture and the board")?;
+    let [width, height, factor, columns, rows, side] = numbers(setup.split_whitespace())?[..] else {
+        return Err(format!("`{setup}` must be width height factor columns rows side").into());
+    };
+    let [width, height, factor] = [width, height, factor].map(|count| count as usize);
+
+    let finer = Finer { lens: &*lens, factor: factor as f64 };
+    let table = RayTableBuf::from_lens((width * factor) as u32, (height * factor) as u32, &finer)?;
+    let camera = Camera::new(CameraConfig::new(&table).format(PixelFormat::Mono8).near_m(1e-3))?;
+    let builder = board(columns as usize, rows as usize, side)?;
+    let scene = builder.scene();
+    let mut workspace = WorkspaceBuf::default();
+    let mut pixels = vec![0; camera.frame_len()];
+    // x, y and z of the optical frame in the camera's: it looks along +x, and z is up.
+    let optical =
+        Pose::new(DVec3::ZERO, DQuat::from_mat3(&DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X)));
+    let mut number = 0;
+    while let Some(line) = line()? {
+        let [x, y, z, rx, ry, rz] = numbers(line.split_whitespace())?[..] else {
+            return Err(format!("`{line}` must be x y z and a rotation vector").into());
+        };
+        let turn = DQuat::from_scaled_axis(DVec3::new(rx, ry, rz));
+        let camera_from_board = optical * Pose::new(DVec3::new(x, y, z), turn);
+        let capture = Capture::new(0, builder.moment(camera_from_board.inverse()));
+        camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
+        let mut file = format!("P5 {width} {height} 255\n").into_bytes();
+        file.extend(shrink(&pixels, width, factor));
+        std::fs::write(Path::new(&directory).join(format!("{number}.pgm")), file)?;
+        number += 1;
+    }
+    Ok(())
+}

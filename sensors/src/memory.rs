@@ -1,0 +1,39 @@
+//! Memory of the caller's, cut into typed slices.
+
+use bytemuck::{Pod, Zeroable};
+
+/// 64 bytes that begin where a line of the cache does.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct CacheLine([u8; 64]);
+
+/// Cache lines that hold so many bytes.
+pub(crate) const fn lines(bytes: usize) -> usize {
+    bytes.div_ceil(size_of::<CacheLine>())
+}
+
+/// Cuts typed slices off a buffer.
+pub(crate) struct Cutter<'a>(pub(crate) &'a mut [CacheLine]);
+
+/// Finds again, to read, what a [`Cutter`] cut off.
+pub(crate) struct Reader<'a>(pub(crate) &'a [CacheLine]);
+
+impl<'a> Reader<'a> {
+    /// The next `count` elements.
+    pub(crate) fn take<T: Pod>(&mut self, count: usize) -> &'a [T] {
+        let bytes = count * size_of::<T>();
+        let (part, rest) = self.0.split_at(lines(bytes));
+        self.0 = rest;
+        bytemuck::cast_slice(&bytemuck::cast_slice::<CacheLine, u8>(part)[..bytes])
+    }
+}
+
+impl<'a> Cutter<'a> {
+    /// The next `count` elements. They begin on a cache line.
+    pub(crate) fn take<T: Pod>(&mut self, count: usize) -> &'a mut [T] {
+        let bytes = count * size_of::<T>();
+        let (part, rest) = core::mem::take(&mut self.0).split_at_mut(lines(bytes));
+        self.0 = rest;
+        bytemuck::cast_slice_mut(&mut bytemuck::cast_slice_mut::<CacheLine, u8>(part)[..bytes])
+    }
+}

@@ -1,0 +1,97 @@
+//! The optics of a sensor: which way each of its rays goes, whatever gives the directions.
+
+#[cfg(feature = "alloc")]
+use super::RayTableBuf;
+use super::rays::Fan;
+use super::{PinholeGrid, RayTable, SphericalGrid};
+use crate::scene::tree::WIDTH;
+
+/// Most columns and rows of a grid. Columns of a ring are counted on over its seam, up to twice its width, in 16 bits.
+pub const MAX_GRID_SIZE: u32 = 32_767;
+
+/// Directions of rays from a sensor, which looks along +x, y is left, z is up; row after row.
+///
+/// ```
+/// use belvedere_sensors::optics::{Optics, PinholeGrid};
+/// let optics = Optics::from(PinholeGrid::from_fov(640, 480, 1.2)?);
+/// assert_eq!(optics.size(), [640, 480]);
+/// # Ok::<(), belvedere_sensors::optics::LensError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "a table lent by value, so that its owner can be lent as one; there may be no heap"
+)]
+pub enum Optics<'a> {
+    /// Pixels of a camera without distortion.
+    Pinhole(PinholeGrid),
+    /// Columns by azimuth around z from +x, rows by elevation, both in equal steps.
+    Spherical(SphericalGrid),
+    /// Any directions, from a table.
+    Table(RayTable<'a>),
+}
+
+impl From<PinholeGrid> for Optics<'_> {
+    fn from(grid: PinholeGrid) -> Self {
+        Self::Pinhole(grid)
+    }
+}
+
+impl From<SphericalGrid> for Optics<'_> {
+    fn from(grid: SphericalGrid) -> Self {
+        Self::Spherical(grid)
+    }
+}
+
+impl<'a> From<RayTable<'a>> for Optics<'a> {
+    fn from(table: RayTable<'a>) -> Self {
+        Self::Table(table)
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<'a> From<&'a RayTableBuf> for Optics<'a> {
+    fn from(table: &'a RayTableBuf) -> Self {
+        Self::Table(table.table())
+    }
+}
+
+impl Optics<'_> {
+    /// Rays across and down.
+    pub fn size(&self) -> [usize; 2] {
+        let fan = self.fan();
+        [fan.width as usize, fan.height as usize]
+    }
+
+    /// Rays, filled up to whole blocks: what a [`Workspace`](crate::trace::Workspace) must have room for.
+    pub fn rays(&self) -> usize {
+        let fan = self.fan();
+        fan.blocks_across() * fan.blocks_down() * WIDTH
+    }
+
+    /// No ray's direction is longer, in units of t.
+    pub(crate) fn longest_direction(&self) -> f64 {
+        match self {
+            Self::Pinhole(grid) => {
+                let ([width, height], lens) = (grid.size().map(f64::from), grid.intrinsics());
+                let x = lens.cx.abs().max((width - 1.0 - lens.cx).abs()) / lens.fx;
+                let y = lens.cy.abs().max((height - 1.0 - lens.cy).abs()) / lens.fy;
+                crate::simd::sqrt(1.0 + x * x + y * y)
+            }
+            Self::Spherical(_) | Self::Table(_) => 1.0,
+        }
+    }
+
+    pub(crate) fn fan(&self) -> Fan {
+        match self {
+            // Of more, nothing will be traced.
+            Self::Pinhole(grid) => {
+                let [width, height] = grid.size();
+                Fan::square(width.min(MAX_GRID_SIZE), height.min(MAX_GRID_SIZE))
+            }
+            Self::Spherical(grid) => Fan::new(grid.columns.min(MAX_GRID_SIZE), grid.rows.min(MAX_GRID_SIZE)),
+            Self::Table(table) => table.fan(),
+        }
+    }
+}

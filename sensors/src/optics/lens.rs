@@ -1,0 +1,71 @@
+//! What every lens model can do.
+
+use glam::{DVec2, DVec3};
+
+/// A central lens: every pixel looks along one ray through the origin of the optical frame.
+///
+/// The two methods are inverse to each other on the model's domain (see [the module](super)), to a few units in
+/// the last place of the pixel's coordinates. Neither knows the size of the image.
+///
+/// ```
+/// use belvedere_sensors::optics::{Intrinsics, Lens, Pinhole};
+/// use glam::{DVec2, DVec3};
+///
+/// /// Pixels between two points.
+/// fn apart(lens: &impl Lens, a: DVec3, b: DVec3) -> Option<f64> {
+///     Some(lens.project(a)?.distance(lens.project(b)?))
+/// }
+/// let intrinsics = Intrinsics { fx: 300.0, fy: 400.0, cx: 319.5, cy: 239.5, skew: 0.0 };
+/// let lens = Pinhole::new(intrinsics).unwrap();
+/// assert_eq!(apart(&lens, DVec3::Z, DVec3::new(0.5, 0.5, 1.0)), Some(250.0));
+/// assert_eq!(apart(&lens, DVec3::Z, DVec3::NEG_Z), None);
+/// ```
+pub trait Lens {
+    /// Pixel (column, row) of a point in the optical frame, in any unit of length; none for a point that the lens
+    /// does not see, and for the origin.
+    fn project(&self, point_in_optical: DVec3) -> Option<DVec2>;
+
+    /// Unit direction of a pixel's ray in the optical frame; none where the pixel sees nothing.
+    fn unproject(&self, pixel: DVec2) -> Option<DVec3>;
+}
+
+/// A vector's direction; none if it has none. Divides by the largest component first, so that no square
+/// overflows or vanishes.
+pub(super) fn unit(vector: DVec3) -> Option<DVec3> {
+    let largest = vector.abs().max_element();
+    (vector.is_finite() && largest > 0.0).then(|| {
+        let scaled = vector / largest;
+        scaled / libm::sqrt(scaled.dot(scaled))
+    })
+}
+
+/// Length of a vector in the plane.
+pub(super) fn length(vector: DVec2) -> f64 {
+    libm::sqrt(vector.dot(vector))
+}
+
+/// The unit vector at an angle from the axis, towards a direction around it. On the axis that direction need not
+/// be one.
+pub(super) fn at_angle(angle: f64, around: DVec2, length_of_around: f64) -> DVec3 {
+    if length_of_around == 0.0 {
+        return DVec3::Z;
+    }
+    let (sin, cos) = libm::sincos(angle);
+    (around * (sin / length_of_around)).extend(cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_of_every_size() {
+        for size in [5e-324, 1e-300, 1.0, 1e300, f64::MAX] {
+            let direction = unit(DVec3::new(size, 0.0, -size)).unwrap();
+            assert!((direction - DVec3::new(0.5_f64.sqrt(), 0.0, -0.5_f64.sqrt())).length() < 1e-15);
+        }
+        for none in [DVec3::ZERO, DVec3::new(f64::NAN, 1.0, 1.0), DVec3::new(f64::INFINITY, 1.0, 1.0)] {
+            assert_eq!(unit(none), None);
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The rays of a frame, whatever rule gives their directions.
+//!
+//! Only drawing is compiled for each rule, as its inner loops are all about directions. What follows (distances,
+//! normals, colours) asks for the directions of sixteen rays at a time and is compiled once.
+
+mod fan;
+mod pinhole;
+mod projection;
+mod spherical;
+mod table;
+
+pub(crate) use fan::Fan;
+pub(crate) use pinhole::PinholeFan;
+pub use pinhole::PinholeGrid;
+pub(crate) use projection::{Planes, Points, Projection, Rectangles, max, min};
+pub use spherical::SphericalGrid;
+pub(crate) use spherical::{SphericalFan, Steps};
+#[cfg(feature = "alloc")]
+pub use table::RayTableBuf;
+pub(crate) use table::TableFan;
+pub use table::{RayTable, TableError};
+
+use crate::scene::tree::WIDTH;
+use fearless_simd::{Simd, SimdBase, f32x16};
+use glam::DVec3;
+
+/// The rule by which the rays of a frame get their directions, in the axes of the sensor: x forward, y left, z up.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Rays<'a> {
+    /// Length 1 along the optical axis: t is the depth.
+    Pinhole(PinholeFan),
+    /// Length 1: t is the range.
+    Spherical(SphericalFan<'a>),
+    /// Length 1: t is the range.
+    Table(TableFan<'a>),
+}
+
+/// Evaluates an expression for the rule that there is.
+macro_rules! each {
+    ($rays:expr, $rule:ident => $value:expr) => {
+        match $rays {
+            Rays::Pinhole($rule) => $value,
+            Rays::Spherical($rule) => $value,
+            Rays::Table($rule) => $value,
+        }
+    };
+}
+pub(crate) use each;
+
+impl Rays<'_> {
+    #[inline(always)]
+    pub(crate) fn fan(&self) -> &Fan {
+        each!(self, rule => rule.fan())
+    }
+
+    /// The direction of a ray to the last bit, in units of t.
+    pub(crate) fn direction(&self, column: i32, row: i32) -> DVec3 {
+        each!(self, rule => rule.direction(column, row))
+    }
+
+    /// Whether there is such a ray.
+    pub(crate) fn has(&self, column: i32, row: i32) -> bool {
+        let fan = self.fan();
+        let lanes = self.missing((column >> fan.shift_x) as usize, (row >> fan.shift_y) as usize);
+        lanes >> fan.lane(column, row) & 1 == 0
+    }
+
+    /// Directions of the rays of a block to the last bit, in units of t: all x, all y, all z.
+    #[inline(always)]
+    pub(crate) fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
+        each!(self, rule => rule.exact_block(column, row))
+    }
+
+    /// Directions of the rays of a block, of length 1.
+    #[inline(always)]
+    pub(crate) fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        each!(self, rule => rule.unit_directions(simd, column, row))
+    }
+
+    /// Metres along the rays of a block, from 1/t.
+    #[inline(always)]
+    pub(crate) fn distances<S: Simd>(
+        &self,
+        simd: S,
+        inverse: f32x16<S>,
+        column: usize,
+        row: usize,
+    ) -> f32x16<S> {
+        each!(self, rule => rule.distances(simd, inverse, column, row))
+    }
+
+    /// Metres along the optical axis of what the rays of a block meet, from 1/t.
+    #[inline(always)]
+    pub(crate) fn depths<S: Simd>(
+        &self,
+        simd: S,
+        inverse: f32x16<S>,
+        column: usize,
+        row: usize,
+    ) -> f32x16<S> {
+        match self {
+            Self::Pinhole(_) => f32x16::splat(simd, 1.0) / inverse,
+            Self::Spherical(rule) => rule.unit_directions(simd, column, row)[0] / inverse,
+            Self::Table(rule) => rule.unit_directions(simd, column, row)[0] / inverse,
+        }
+    }
+
+    /// The lanes of a block that have no ray: pixels beyond what their lens maps, a bit each.
+    #[inline(always)]
+    pub(crate) fn missing(&self, column: usize, row: usize) -> u16 {
+        match self {
+            Self::Pinhole(_) | Self::Spherical(_) => 0,
+            Self::Table(rule) => rule.missing(column, row),
+        }
+    }
+}

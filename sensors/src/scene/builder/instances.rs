@@ -1,0 +1,143 @@
+//! Instances of a builder, and their poses.
+
+use super::{SceneBuilder, room};
+use crate::pose::Pose;
+use crate::scene::{
+    Instance, InstanceConfig, InstanceId, KIND_HEIGHT_FIELD, KIND_MESH, SceneError, Shape, limits,
+};
+
+impl SceneBuilder {
+    /// Takes in an instance.
+    ///
+    /// # Errors
+    /// Those of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchHeightField`],
+    /// [`SceneError::NoSuchMaterial`], [`SceneError::TooMany`].
+    pub fn add_instance(&mut self, config: &InstanceConfig) -> Result<InstanceId, SceneError> {
+        room(&self.instances)?;
+        let instance = self.check_instance(config, None)?;
+        self.enter(&instance);
+        let index = self.instances.add(instance);
+        if index as usize == self.poses.len() {
+            self.poses.push(config.world_from_instance);
+        } else {
+            self.poses[index as usize] = config.world_from_instance;
+        }
+        Ok(InstanceId(index))
+    }
+
+    /// Puts another instance in the place of one, pose included; its id stays.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchInstance`], and those of [`SceneBuilder::add_instance`]; the old one is there then.
+    pub fn set_instance(&mut self, instance: InstanceId, config: &InstanceConfig) -> Result<(), SceneError> {
+        let old = *self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance)?;
+        let new = self.check_instance(config, Some(&old))?;
+        self.leave(&old);
+        self.enter(&new);
+        if let Some(place) = self.instances.get_mut(instance.0) {
+            *place = new;
+        }
+        self.poses[instance.0 as usize] = config.world_from_instance;
+        Ok(())
+    }
+
+    /// Takes an instance out: nobody sees it any more, and its place is for the next.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchInstance`].
+    pub fn remove_instance(&mut self, instance: InstanceId) -> Result<(), SceneError> {
+        let old = *self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance)?;
+        self.leave(&old);
+        let unseen = InstanceConfig { shape: Shape::Plane, visibility: 0, ..InstanceConfig::default() };
+        // The number of some material that the scene has, or had: bytes that name none are refused.
+        let blank = Instance { material: old.material, ..Instance::new(&unseen)? };
+        self.instances.remove(instance.0, blank);
+        self.poses[instance.0 as usize] = Pose::IDENTITY;
+        Ok(())
+    }
+
+    /// Sets which sensors see an instance; with 0 none does.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchInstance`].
+    pub fn set_visibility(&mut self, instance: InstanceId, visibility: u32) -> Result<(), SceneError> {
+        self.instances.get_mut(instance.0).ok_or(SceneError::NoSuchInstance)?.visibility = visibility;
+        Ok(())
+    }
+
+    /// Where an instance stands; none if there is no such.
+    pub fn pose(&self, instance: InstanceId) -> Option<Pose> {
+        self.instances.get(instance.0)?;
+        self.poses.get(instance.0 as usize).copied()
+    }
+
+    /// Moves an instance.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchInstance`], [`SceneError::BadPose`].
+    pub fn set_pose(&mut self, instance: InstanceId, world_from_instance: Pose) -> Result<(), SceneError> {
+        limits::pose(&world_from_instance)?;
+        self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance)?;
+        self.poses[instance.0 as usize] = world_from_instance;
+        Ok(())
+    }
+
+    /// Checks what is to be added, or put in the place of another.
+    fn check_instance(
+        &self,
+        config: &InstanceConfig,
+        replaced: Option<&Instance>,
+    ) -> Result<Instance, SceneError> {
+        let instance = Instance::new(config)?;
+        if instance.kind == KIND_MESH && self.meshes.get(instance.mesh).is_none() {
+            return Err(SceneError::NoSuchMesh);
+        }
+        if instance.kind == KIND_HEIGHT_FIELD && self.height_fields.get(instance.mesh).is_none() {
+            return Err(SceneError::NoSuchHeightField);
+        }
+        if self.materials.get(instance.material).is_none() {
+            return Err(SceneError::NoSuchMaterial);
+        }
+        // Slots of all instances together are counted in 31 bits.
+        let replaced = replaced.map_or(0, |replaced| self.slots_of(replaced));
+        if self.slots - replaced + self.slots_of(&instance) >= 1 << 31 {
+            return Err(SceneError::TooMany);
+        }
+        Ok(instance)
+    }
+
+    /// Slots of one instance.
+    fn slots_of(&self, instance: &Instance) -> u64 {
+        u64::from(self.scene().slots(instance))
+    }
+
+    /// Counts what an instance uses.
+    fn enter(&mut self, instance: &Instance) {
+        self.slots += self.slots_of(instance);
+        self.materials.use_one(instance.material);
+        match instance.kind {
+            KIND_MESH => self.meshes.use_one(instance.mesh),
+            KIND_HEIGHT_FIELD => self.height_fields.use_one(instance.mesh),
+            _ => {}
+        }
+    }
+
+    /// The opposite of [`SceneBuilder::enter`].
+    fn leave(&mut self, instance: &Instance) {
+        self.slots -= self.slots_of(instance);
+        self.materials.leave_one(instance.material);
+        match instance.kind {
+            KIND_MESH => self.meshes.leave_one(instance.mesh),
+            KIND_HEIGHT_FIELD => self.height_fields.leave_one(instance.mesh),
+            _ => {}
+        }
+    }
+
+    /// The error that names the first instance of that kind.
+    pub(super) fn used_by_instance(&self, uses: impl Fn(&Instance) -> bool) -> SceneError {
+        let mut all = self.instances.items().iter().enumerate();
+        let user =
+            all.position(|(index, instance)| uses(instance) && self.instances.get(index as u32).is_some());
+        SceneError::InUse { user: "instance", index: user.unwrap_or(0) as u32 }
+    }
+}

@@ -1,0 +1,143 @@
+//! An owned scene that grows, changes and shrinks.
+
+mod instances;
+mod looks;
+mod packed;
+mod pool;
+mod shapes;
+mod table;
+
+use super::tree::{Facet, TriangleBlock, WideNode};
+use super::{Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneError, Texture};
+use crate::moment::Moment;
+use crate::pose::Pose;
+use alloc::vec::Vec;
+pub(super) use packed::Packed;
+use pool::Pool;
+use table::Table;
+
+/// Owns a scene's data, which [`SceneBuilder::scene`] lends, and the present pose of each instance, which
+/// [`SceneBuilder::moment`] lends.
+///
+/// Everything that is added has an id, which stays while it is there; by it, it can be changed (`set_…`) and taken
+/// out (`remove_…`). Places and memory of what is taken out are used again, ids included, so that things may come and
+/// go for ever. What something else still uses cannot be taken out: first the instances, then their meshes and
+/// materials, then the textures of these.
+///
+/// ```
+/// use belvedere_sensors::scene::*;
+/// let mut builder = SceneBuilder::new();
+/// let grey = builder.add_material(&MaterialConfig::default())?;
+/// let ball = builder.add_instance(&InstanceConfig {
+///     shape: Shape::Sphere { radius: 0.5 },
+///     material: grey,
+///     ..Default::default()
+/// })?;
+/// assert_eq!(builder.scene().instances().len(), 1);
+/// let error = builder.remove_material(grey).unwrap_err();
+/// assert_eq!(error, SceneError::InUse { user: "instance", index: 0 });
+/// builder.remove_instance(ball)?;
+/// builder.remove_material(grey)?;
+/// # Ok::<(), SceneError>(())
+/// ```
+#[derive(Debug, Default, Clone)]
+pub struct SceneBuilder {
+    instances: Table<Instance>,
+    /// Of each instance.
+    poses: Vec<Pose>,
+    /// Of all instances together: adding to a sum takes no longer the more there are.
+    slots: u64,
+    meshes: Table<Mesh>,
+    uvs: Pool<[f32; 2]>,
+    triangles: Pool<[u32; 3]>,
+    nodes: Pool<WideNode>,
+    blocks: Pool<TriangleBlock>,
+    /// Sixteen for each block.
+    facets: Vec<Facet>,
+    height_fields: Table<HeightField>,
+    heights: Pool<f32>,
+    extents: Pool<[f32; 2]>,
+    materials: Table<Material>,
+    textures: Table<Texture>,
+    texels: Pool<[u8; 4]>,
+    lights: Table<Light>,
+    environment: Environment,
+}
+
+impl SceneBuilder {
+    /// An empty scene in Gazebo's default light.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Where all instances stand, by their indices.
+    pub fn poses(&self) -> &[Pose] {
+        &self.poses
+    }
+
+    /// The moment at which the instances stand where the builder has them, and the sensor at `world_from_sensor`.
+    pub fn moment(&self, world_from_sensor: Pose) -> Moment<'_> {
+        Moment { world_from_sensor, world_from_instance: &self.poses }
+    }
+
+    /// Sets ambient light and background.
+    pub fn set_environment(&mut self, environment: Environment) {
+        self.environment = environment;
+    }
+
+    /// Lends the scene to sensors. Where an instance was taken out, there is one that nobody sees.
+    pub fn scene(&self) -> Scene<'_> {
+        Scene {
+            instances: self.instances.items(),
+            meshes: self.meshes.items(),
+            uvs: self.uvs.items(),
+            triangles: self.triangles.items(),
+            nodes: self.nodes.items(),
+            blocks: self.blocks.items(),
+            facets: &self.facets,
+            height_fields: self.height_fields.items(),
+            heights: self.heights.items(),
+            extents: self.extents.items(),
+            materials: self.materials.items(),
+            textures: self.textures.items(),
+            texels: self.texels.items(),
+            lights: self.lights.items(),
+            environment: self.environment,
+        }
+    }
+
+    /// Bytes of everything that the scene holds, what is free for others included.
+    pub fn memory_len(&self) -> usize {
+        let scene = self.scene();
+        size_of_val(scene.instances)
+            + size_of_val(self.poses())
+            + size_of_val(scene.meshes)
+            + size_of_val(scene.uvs)
+            + size_of_val(scene.triangles)
+            + size_of_val(scene.nodes)
+            + size_of_val(scene.blocks)
+            + size_of_val(scene.facets)
+            + size_of_val(scene.height_fields)
+            + size_of_val(scene.heights)
+            + size_of_val(scene.extents)
+            + size_of_val(scene.materials)
+            + size_of_val(scene.textures)
+            + size_of_val(scene.texels)
+            + size_of_val(scene.lights)
+    }
+}
+
+/// What cannot be taken out of a table because nobody, or somebody, has it.
+fn unused<T: Copy>(
+    table: &Table<T>,
+    index: u32,
+    missing: SceneError,
+    user: impl FnOnce() -> SceneError,
+) -> Result<T, SceneError> {
+    let item = *table.get(index).ok_or(missing)?;
+    if table.uses(index) == Some(0) { Ok(item) } else { Err(user()) }
+}
+
+fn room<T: Copy>(table: &Table<T>) -> Result<(), SceneError> {
+    if table.has_room() { Ok(()) } else { Err(SceneError::TooMany) }
+}

@@ -1,0 +1,222 @@
+//! Meshes and height fields of a builder.
+
+use super::{SceneBuilder, room, unused};
+use crate::execution::Execution;
+use crate::scene::build::{Quality, Tree};
+use crate::scene::tree::{Facet, WIDTH};
+use crate::scene::{
+    HeightField, HeightFieldId, KIND_HEIGHT_FIELD, KIND_MESH, Mesh, MeshId, SceneError, limits,
+};
+use alloc::vec;
+use bytemuck::Zeroable;
+
+/// Slots are counted in 32 bits, sixteen to a block.
+const BLOCK_BITS: u32 = 32 - WIDTH.ilog2();
+
+impl SceneBuilder {
+    /// Takes in triangles, counter-clockwise seen from outside, and builds their tree. `uvs` holds one texture
+    /// coordinate per vertex, or none at all.
+    ///
+    /// # Errors
+    /// Those of [`Tree::build`], [`SceneError::UvCount`], [`SceneError::BadUv`].
+    pub fn add_mesh(
+        &mut self,
+        positions: &[[f32; 3]],
+        uvs: &[[f32; 2]],
+        triangles: &[[u32; 3]],
+    ) -> Result<MeshId, SceneError> {
+        room(&self.meshes)?;
+        let tree = checked_tree(positions, uvs, triangles)?;
+        let mesh = self.store_mesh(&tree, positions.len(), uvs, triangles)?;
+        Ok(MeshId(self.meshes.add(mesh)))
+    }
+
+    /// Puts other triangles in the place of a mesh. All its instances show the new ones.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchMesh`], [`SceneError::TooMany`] and those of [`SceneBuilder::add_mesh`]; the old one is
+    /// there then.
+    pub fn set_mesh(
+        &mut self,
+        mesh: MeshId,
+        positions: &[[f32; 3]],
+        uvs: &[[f32; 2]],
+        triangles: &[[u32; 3]],
+    ) -> Result<(), SceneError> {
+        let old = *self.meshes.get(mesh.0).ok_or(SceneError::NoSuchMesh)?;
+        let tree = checked_tree(positions, uvs, triangles)?;
+        let uses = self.meshes.uses(mesh.0).unwrap_or(0);
+        let slots = self.slots_with(uses, old.blocks, tree.blocks.len())?;
+        let new = self.store_mesh(&tree, positions.len(), uvs, triangles)?;
+        self.release_mesh(&old);
+        self.slots = slots;
+        if let Some(place) = self.meshes.get_mut(mesh.0) {
+            *place = new;
+        }
+        Ok(())
+    }
+
+    /// Takes a mesh out.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchMesh`], [`SceneError::InUse`] by an instance.
+    pub fn remove_mesh(&mut self, mesh: MeshId) -> Result<(), SceneError> {
+        let old = unused(&self.meshes, mesh.0, SceneError::NoSuchMesh, || {
+            self.used_by_instance(|instance| instance.kind == KIND_MESH && instance.mesh == mesh.0)
+        })?;
+        self.release_mesh(&old);
+        self.meshes.remove(mesh.0, Mesh::zeroed());
+        Ok(())
+    }
+
+    fn store_mesh(
+        &mut self,
+        tree: &Tree,
+        vertices: usize,
+        uvs: &[[f32; 2]],
+        triangles: &[[u32; 3]],
+    ) -> Result<Mesh, SceneError> {
+        let first_vertex = self.uvs.place(vertices, 32)?;
+        let first_triangle = self.triangles.place(triangles.len(), 32)?;
+        let first_node = self.nodes.place(tree.nodes.len(), 32)?;
+        let first_block = self.blocks.place(tree.blocks.len(), BLOCK_BITS)?;
+        if uvs.is_empty() {
+            self.uvs.put(first_vertex, &vec![[0.0; 2]; vertices]);
+        } else {
+            self.uvs.put(first_vertex, uvs);
+        }
+        self.triangles.put(first_triangle, triangles);
+        self.nodes.put(first_node, &tree.nodes);
+        self.blocks.put(first_block, &tree.blocks);
+        self.facets.resize(self.blocks.items().len() * WIDTH, Facet::zeroed());
+        self.facets[first_block * WIDTH..][..tree.blocks.len() * WIDTH].copy_from_slice(&tree.facets());
+        let [min, max] = tree.bounds();
+        Ok(Mesh {
+            first_vertex: first_vertex as u32,
+            vertices: vertices as u32,
+            first_triangle: first_triangle as u32,
+            triangles: triangles.len() as u32,
+            first_node: first_node as u32,
+            nodes: tree.nodes.len() as u32,
+            first_block: first_block as u32,
+            blocks: tree.blocks.len() as u32,
+            min,
+            max,
+        })
+    }
+
+    fn release_mesh(&mut self, mesh: &Mesh) {
+        self.uvs.release(mesh.first_vertex, mesh.vertices as usize);
+        self.triangles.release(mesh.first_triangle, mesh.triangles as usize);
+        self.nodes.release(mesh.first_node, mesh.nodes as usize);
+        self.blocks.release(mesh.first_block, mesh.blocks as usize);
+        self.facets.truncate(self.blocks.items().len() * WIDTH);
+    }
+
+    /// Slots of all instances, once `uses` of them have another number of blocks.
+    fn slots_with(&self, uses: u32, old_blocks: u32, new_blocks: usize) -> Result<u64, SceneError> {
+        let slots_of = |blocks: u64| u64::from(uses) * blocks * WIDTH as u64;
+        let slots = self.slots - slots_of(old_blocks.into()) + slots_of(new_blocks as u64);
+        if slots >= 1 << 31 { Err(SceneError::TooMany) } else { Ok(slots) }
+    }
+
+    /// Takes in a terrain of `rows` × `columns` heights in metres, row by row from +y to −y, each row from −x to
+    /// +x. `size` are its full lengths along x and y; z = 0 is where the height is 0.
+    ///
+    /// # Errors
+    /// Those of [`HeightField::build`].
+    pub fn add_height_field(
+        &mut self,
+        rows: u32,
+        columns: u32,
+        size: [f64; 2],
+        heights: &[f32],
+    ) -> Result<HeightFieldId, SceneError> {
+        room(&self.height_fields)?;
+        let field = self.store_height_field(rows, columns, size, heights, |_| Ok(()))?;
+        Ok(HeightFieldId(self.height_fields.add(field)))
+    }
+
+    /// Puts another terrain in the place of one. All its instances show the new one.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchHeightField`], [`SceneError::TooMany`] and those of [`HeightField::build`]; the old one is
+    /// there then.
+    pub fn set_height_field(
+        &mut self,
+        field: HeightFieldId,
+        rows: u32,
+        columns: u32,
+        size: [f64; 2],
+        heights: &[f32],
+    ) -> Result<(), SceneError> {
+        let old = *self.height_fields.get(field.0).ok_or(SceneError::NoSuchHeightField)?;
+        let uses = self.height_fields.uses(field.0).unwrap_or(0);
+        let slots =
+            |builder: &Self, new: &HeightField| builder.slots_with(uses, old.blocks(), new.blocks() as usize);
+        let mut sum = 0;
+        let new = self.store_height_field(rows, columns, size, heights, |checked| {
+            sum = slots(checked.0, checked.1)?;
+            Ok(())
+        })?;
+        self.release_height_field(&old);
+        self.slots = sum;
+        if let Some(place) = self.height_fields.get_mut(field.0) {
+            *place = new;
+        }
+        Ok(())
+    }
+
+    /// Takes a terrain out.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchHeightField`], [`SceneError::InUse`] by an instance.
+    pub fn remove_height_field(&mut self, field: HeightFieldId) -> Result<(), SceneError> {
+        let old = unused(&self.height_fields, field.0, SceneError::NoSuchHeightField, || {
+            self.used_by_instance(|instance| instance.kind == KIND_HEIGHT_FIELD && instance.mesh == field.0)
+        })?;
+        self.release_height_field(&old);
+        self.height_fields.remove(field.0, HeightField::zeroed());
+        Ok(())
+    }
+
+    fn store_height_field(
+        &mut self,
+        rows: u32,
+        columns: u32,
+        size: [f64; 2],
+        heights: &[f32],
+        check: impl FnOnce((&Self, &HeightField)) -> Result<(), SceneError>,
+    ) -> Result<HeightField, SceneError> {
+        // Nothing is allocated for a grid whose heights are not there.
+        let fits = u64::from(rows) * u64::from(columns) == heights.len() as u64;
+        let need = if fits { HeightField::extents_len(rows, columns) } else { 0 };
+        let first_height = self.heights.place(heights.len(), 32)?;
+        let first_extent = self.extents.place(need, 32)?;
+        let mut extents = vec![[0.0; 2]; need];
+        let mut field = HeightField::build(rows, columns, size, heights, &mut extents)?;
+        check((&*self, &field))?;
+        (field.first_height, field.first_extent) = (first_height as u32, first_extent as u32);
+        self.heights.put(first_height, heights);
+        self.extents.put(first_extent, &extents);
+        Ok(field)
+    }
+
+    fn release_height_field(&mut self, field: &HeightField) {
+        let [rows, columns] = [field.rows(), field.columns()];
+        self.heights.release(field.first_height, rows as usize * columns as usize);
+        self.extents.release(field.first_extent, HeightField::extents_len(rows, columns));
+    }
+}
+
+fn checked_tree(
+    positions: &[[f32; 3]],
+    uvs: &[[f32; 2]],
+    triangles: &[[u32; 3]],
+) -> Result<Tree, SceneError> {
+    if !uvs.is_empty() && uvs.len() != positions.len() {
+        return Err(SceneError::UvCount);
+    }
+    uvs.iter().enumerate().try_for_each(|(index, &uv)| limits::uv(index, uv))?;
+    Tree::build(positions, triangles, Quality::High, Execution::default())
+}

@@ -1,0 +1,75 @@
+//! Things that are known by their index, which stays while they are there.
+
+use alloc::vec::Vec;
+
+/// Elements by index. The places of those that are gone are used again, the last one first.
+#[derive(Debug, Clone)]
+pub(super) struct Table<T> {
+    items: Vec<T>,
+    /// How many others use each; none where nothing is.
+    uses: Vec<Option<u32>>,
+    free: Vec<u32>,
+}
+
+impl<T> Default for Table<T> {
+    fn default() -> Self {
+        Self { items: Vec::new(), uses: Vec::new(), free: Vec::new() }
+    }
+}
+
+impl<T: Copy> Table<T> {
+    /// All of them; where one is gone, what was put in its place.
+    pub(super) fn items(&self) -> &[T] {
+        &self.items
+    }
+
+    /// Whether another has an index in 32 bits.
+    pub(super) fn has_room(&self) -> bool {
+        !self.free.is_empty() || self.items.len() < u32::MAX as usize
+    }
+
+    pub(super) fn add(&mut self, item: T) -> u32 {
+        if let Some(index) = self.free.pop() {
+            self.items[index as usize] = item;
+            self.uses[index as usize] = Some(0);
+            return index;
+        }
+        self.items.push(item);
+        self.uses.push(Some(0));
+        (self.items.len() - 1) as u32
+    }
+
+    pub(super) fn get(&self, index: u32) -> Option<&T> {
+        self.uses(index)?;
+        self.items.get(index as usize)
+    }
+
+    pub(super) fn get_mut(&mut self, index: u32) -> Option<&mut T> {
+        self.uses(index)?;
+        self.items.get_mut(index as usize)
+    }
+
+    /// How many others use it; none if it is not there.
+    pub(super) fn uses(&self, index: u32) -> Option<u32> {
+        *self.uses.get(index as usize)?
+    }
+
+    pub(super) fn use_one(&mut self, index: u32) {
+        if let Some(Some(uses)) = self.uses.get_mut(index as usize) {
+            *uses += 1;
+        }
+    }
+
+    pub(super) fn leave_one(&mut self, index: u32) {
+        if let Some(Some(uses)) = self.uses.get_mut(index as usize) {
+            *uses = uses.saturating_sub(1);
+        }
+    }
+
+    /// Takes one out that is there; `blank` lies in its place until another comes.
+    pub(super) fn remove(&mut self, index: u32, blank: T) {
+        self.items[index as usize] = blank;
+        self.uses[index as usize] = None;
+        self.free.push(index);
+    }
+}

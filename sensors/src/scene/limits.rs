@@ -1,0 +1,82 @@
+//! What a scene accepts: one set of checks for what is added to a builder and for what is read from bytes.
+//!
+//! Lengths stay between 1e-12 m and 1e12 m, so that no product of several of them overflows, neither in double nor in
+//! single precision.
+
+use super::build::MAX_COORDINATE;
+use super::{Instance, SceneError};
+#[cfg(feature = "alloc")]
+use super::{Light, Material};
+use crate::pose::Pose;
+
+const MOST: f64 = MAX_COORDINATE as f64;
+
+/// What cannot be accepted: as a builder says it, and the value for who reads bytes.
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(not(feature = "alloc"), allow(dead_code, reason = "bytes are read with a heap only"))]
+pub(crate) struct Refusal {
+    pub(crate) error: SceneError,
+    pub(crate) field: &'static str,
+    pub(crate) value: f64,
+}
+
+impl From<Refusal> for SceneError {
+    fn from(refusal: Refusal) -> Self {
+        refusal.error
+    }
+}
+
+/// All values must be as they should be; the first that is not is named.
+fn all(
+    values: impl IntoIterator<Item = f64>,
+    holds: impl Fn(f64) -> bool,
+    field: &'static str,
+    error: SceneError,
+) -> Result<(), Refusal> {
+    match values.into_iter().find(|&value| !holds(value)) {
+        Some(value) => Err(Refusal { error, field, value }),
+        None => Ok(()),
+    }
+}
+
+/// False for NaN.
+fn in_space(value: f64) -> bool {
+    value.abs() <= MOST
+}
+
+fn is_length(value: f64) -> bool {
+    (1.0 / MOST..=MOST).contains(&value)
+}
+
+/// A unit vector or quaternion by the square of its length.
+fn is_unit(square: f64) -> bool {
+    (square - 1.0).abs() <= 1e-6
+}
+
+#[cfg(feature = "alloc")]
+pub(crate) fn uv(index: usize, uv: [f32; 2]) -> Result<(), Refusal> {
+    all(uv.map(f64::from), in_space, "uv", SceneError::BadUv(index))
+}
+
+#[cfg(feature = "alloc")]
+pub(crate) fn material(material: &Material) -> Result<(), Refusal> {
+    all(material.texture_repeat.map(f64::from), in_space, "texture repeat", SceneError::BadTextureRepeat)
+}
+
+pub(crate) fn instance(instance: &Instance) -> Result<(), Refusal> {
+    all(instance.size, is_length, "size", SceneError::BadSize)?;
+    all(instance.scale, |factor| is_length(factor.abs()), "scale", SceneError::BadScale)
+}
+
+pub(crate) fn pose(pose: &Pose) -> Result<(), Refusal> {
+    let turn = pose.rotation().length_squared();
+    all([turn], is_unit, "squared length of the rotation", SceneError::BadPose)?;
+    all(pose.translation().to_array(), in_space, "translation", SceneError::BadPose)
+}
+
+#[cfg(feature = "alloc")]
+pub(crate) fn light(light: &Light) -> Result<(), Refusal> {
+    all(light.position, in_space, "position", SceneError::BadLight)?;
+    let length = light.direction.iter().map(|value| value * value).sum::<f64>();
+    all([length], is_unit, "squared length of the direction", SceneError::BadLight)
+}

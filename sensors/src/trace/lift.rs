@@ -1,0 +1,75 @@
+//! Points a hair above the triangles that they lie on.
+//!
+//! A point of a tile is where its ray has hit, in single precision: it lies above its triangle or below it by some
+//! millionths of its distance. Low light that comes to it from beyond would pass through the triangle or its neighbours.
+//! So points on meshes and height fields are put onto the planes of their triangles in double precision, and then above
+//! them by as much as the neighbours' corners may be off.
+
+use super::tile::Tile;
+use super::view::{Placed, View};
+use crate::simd::{LANES, Lanes};
+use fearless_simd::Simd;
+use glam::DVec3;
+
+/// So much above, in parts of the distance from the sensor and of the corners' coordinates: four roundings to single
+/// precision.
+const LIFT: f64 = 2.5e-7;
+
+/// Moves those of the `lanes` that lie on triangles above them, and tells which they are.
+#[inline(always)]
+pub(super) fn lift<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    tile: &Tile,
+    lanes: u64,
+    points: &mut [Lanes<f64>; 3],
+) -> u64 {
+    if !view.has_concave {
+        return 0;
+    }
+    let (mut rest, mut lifted) = (lanes, 0);
+    while rest != 0 {
+        let index = tile.placed[rest.trailing_zeros() as usize % LANES];
+        let own = tile.lanes_of(simd, index) & rest;
+        rest &= !own;
+        if !view.instance(index).is_convex() {
+            lift_own(view, tile, index, own, points);
+            lifted |= own;
+        }
+    }
+    lifted
+}
+
+#[inline(never)]
+fn lift_own(view: &View<'_>, tile: &Tile, index: u32, lanes: u64, points: &mut [Lanes<f64>; 3]) {
+    let placed = &view.placed[index as usize];
+    let mut rest = lanes;
+    while rest != 0 {
+        let lane = rest.trailing_zeros() as usize % LANES;
+        rest &= rest - 1;
+        let point = DVec3::from_array([0, 1, 2].map(|axis| points[axis][lane]));
+        let lifted = above(view, placed, tile.local[lane], point);
+        for axis in 0..3 {
+            points[axis][lane] = lifted[axis];
+        }
+    }
+}
+
+fn above(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> DVec3 {
+    let [a, b, c] = view.corners(placed, local);
+    let normal = (b - a).cross(c - a);
+    let squared = normal.length_squared();
+    if squared <= 0.0 {
+        return point;
+    }
+    let axes = placed.axes.map(DVec3::from_array);
+    let to_frame = |v: DVec3| axes[0] * v.x + axes[1] * v.y + axes[2] * v.z;
+    let beside = placed.vector_in_instance(point - DVec3::from_array(placed.translation)) - a;
+    let on_plane = point - to_frame(normal * (beside.dot(normal) / squared));
+    // Normals go by the inverse transpose.
+    let inverse = placed.inverse.map(DVec3::from_array);
+    let normal = inverse[0] * normal.x + inverse[1] * normal.y + inverse[2] * normal.z;
+    let coordinates = a.abs().max(b.abs()).max(c.abs());
+    let size = axes[0].abs() * coordinates.x + axes[1].abs() * coordinates.y + axes[2].abs() * coordinates.z;
+    on_plane + normal.normalize_or_zero() * (LIFT * (size.max_element() + point.abs().max_element()))
+}

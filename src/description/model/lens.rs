@@ -1,0 +1,217 @@
+//! Lenses: which way the light goes that a pixel gets.
+
+use std::f64::consts::PI;
+
+/// The lens of a camera, resolved: what the file does not say follows from the angle of view and the size of the
+/// picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lens {
+    /// How directions become positions in the picture.
+    pub model: LensModel,
+    /// How positions become pixels.
+    pub intrinsics: LensIntrinsics,
+    /// True if `<lens><intrinsics>` gives a focal length; false if it follows from the angle of view.
+    pub has_own_focal_length: bool,
+    /// `<lens><projection>`: P of `CameraInfo`, where it is not that of the intrinsics.
+    pub projection: Option<LensProjection>,
+}
+
+/// How a direction (x, y, z) of the optical frame (x right, y down, z forward) becomes a position (u, v), which
+/// [`LensIntrinsics`] make a pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LensModel {
+    /// u = x/z, v = y/z.
+    Pinhole,
+    /// Brown–Conrady: the pinhole's u and v, distorted.
+    BrownConrady {
+        /// In OpenCV's order: k1 k2 p1 p2 k3, k4 k5 k6, s1 s2 s3 s4, τx τy; 5, 8, 12 or 14 of them.
+        coefficients: Vec<f64>,
+    },
+    /// Kannala–Brandt, OpenCV's fisheye: the radius is θ + k1 θ³ + k2 θ⁵ + k3 θ⁷ + k4 θ⁹.
+    KannalaBrandt {
+        /// k1 k2 k3 k4.
+        k: [f64; 4],
+    },
+    /// Extended unified camera model: x and y over α·√(β·(x² + y²) + z²) + (1 − α)·z.
+    Eucm {
+        /// From 0 to 1.
+        alpha: f64,
+        /// Above 0.
+        beta: f64,
+    },
+    /// Double sphere: with w = ξ·√(x² + y² + z²) + z, x and y over α·√(x² + y² + w²) + (1 − α)·w.
+    DoubleSphere {
+        /// Above −1, at most 1.
+        xi: f64,
+        /// From 0 to 1.
+        alpha: f64,
+    },
+    /// Mei's unified model: x and y over z + ξ·√(x² + y² + z²), distorted as by Brown–Conrady.
+    Mei {
+        /// 0 or more.
+        xi: f64,
+        /// Radial.
+        k1: f64,
+        /// Radial.
+        k2: f64,
+        /// Tangential.
+        p1: f64,
+        /// Tangential.
+        p2: f64,
+    },
+    /// u = atan2(x, z), v = atan2(y, √(x² + z²)).
+    Equirectangular,
+    /// SDF's `<lens>`: the radius in pixels is a function of the angle θ from the axis.
+    WideAngle {
+        /// That function.
+        map: AngleMap,
+        /// Whether its focal length was made to fit the angle of view.
+        scale_to_hfov: bool,
+        /// Nothing is seen at a larger angle from the axis.
+        cutoff_angle_rad: f64,
+    },
+}
+
+/// r = c1·f·fun(θ/c2 + c3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AngleMap {
+    /// Factor.
+    pub c1: f64,
+    /// Divisor of the angle.
+    pub c2: f64,
+    /// Added to the angle.
+    pub c3: f64,
+    /// f in pixels. SDF's `<f>` is in halves of the picture's width; with `<scale_to_hfov>` it is not looked at.
+    pub focal_px: f64,
+    /// fun.
+    pub function: AngleFunction,
+}
+
+/// SDF's `<fun>`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AngleFunction {
+    /// `sin`.
+    Sine,
+    /// `tan`.
+    Tangent,
+    /// `id`: the angle itself.
+    Identity,
+}
+
+impl AngleFunction {
+    /// The function at an angle.
+    pub fn at(self, angle_rad: f64) -> f64 {
+        match self {
+            Self::Sine => libm::sin(angle_rad),
+            Self::Tangent => libm::tan(angle_rad),
+            Self::Identity => angle_rad,
+        }
+    }
+
+    /// Its derivative there.
+    pub fn slope_at(self, angle_rad: f64) -> f64 {
+        match self {
+            Self::Sine => libm::cos(angle_rad),
+            Self::Tangent => 1.0 / (libm::cos(angle_rad) * libm::cos(angle_rad)),
+            Self::Identity => 1.0,
+        }
+    }
+}
+
+/// The pixel of (u, v) is (fx·u + skew·v + cx, fy·v + cy); pixel centres are integers. For [`LensModel::WideAngle`],
+/// which has its own focal length, fx and fy are the pixels per radian in the middle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LensIntrinsics {
+    /// Focal length along a row.
+    pub fx: f64,
+    /// Focal length down a column.
+    pub fy: f64,
+    /// Column of the principal point.
+    pub cx: f64,
+    /// Row of the principal point.
+    pub cy: f64,
+    /// Pixels along a row for each unit of v.
+    pub skew: f64,
+}
+
+/// P of `CameraInfo`, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LensProjection {
+    /// P\[0\].
+    pub fx: f64,
+    /// P\[5\].
+    pub fy: f64,
+    /// P\[2\].
+    pub cx: f64,
+    /// P\[6\].
+    pub cy: f64,
+    /// P\[3\].
+    pub tx: f64,
+    /// P\[7\].
+    pub ty: f64,
+}
+
+impl LensModel {
+    /// The name in `<lens><type>` and in messages.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Pinhole => "pinhole",
+            Self::BrownConrady { .. } => "Brown-Conrady",
+            Self::KannalaBrandt { .. } => "kannala_brandt",
+            Self::Eucm { .. } => "eucm",
+            Self::DoubleSphere { .. } => "double_sphere",
+            Self::Mei { .. } => "mei",
+            Self::Equirectangular => "equirectangular",
+            Self::WideAngle { .. } => "wide angle",
+        }
+    }
+
+    /// How far from the middle, along a row, a direction at this angle from the axis is seen, for a focal length of 1.
+    /// It is that before distortion for [`LensModel::BrownConrady`], whose angle of view is the undistorted picture's.
+    pub fn radius(&self, angle_rad: f64) -> f64 {
+        let (x, z) = (libm::sin(angle_rad), libm::cos(angle_rad));
+        match self {
+            Self::Pinhole | Self::BrownConrady { .. } => libm::tan(angle_rad),
+            Self::KannalaBrandt { k: [k1, k2, k3, k4] } => {
+                let square = angle_rad * angle_rad;
+                angle_rad * (1.0 + square * (k1 + square * (k2 + square * (k3 + square * k4))))
+            }
+            Self::Eucm { alpha, beta } => x / (alpha * libm::sqrt(beta * x * x + z * z) + (1.0 - alpha) * z),
+            Self::DoubleSphere { xi, alpha } => {
+                let w = xi + z;
+                x / (alpha * libm::sqrt(x * x + w * w) + (1.0 - alpha) * w)
+            }
+            Self::Mei { xi, k1, k2, p2, .. } => {
+                let u = x / (z + xi);
+                let square = u * u;
+                u * (1.0 + square * (k1 + square * k2)) + 3.0 * p2 * square
+            }
+            Self::Equirectangular => angle_rad,
+            Self::WideAngle { map, .. } => map.c1 * map.function.at(angle_rad / map.c2 + map.c3),
+        }
+    }
+
+    /// The largest angle from the axis up to which farther directions are seen farther out, at most π.
+    pub fn widest_rad(&self) -> f64 {
+        const STEPS: u32 = 1 << 14;
+        let angle = |step: u32| PI * f64::from(step) / f64::from(STEPS);
+        let mut radius = self.radius(0.0);
+        if radius.is_nan() || radius < 0.0 {
+            return 0.0;
+        }
+        for step in 1..=STEPS {
+            let next = self.radius(angle(step));
+            // Not `<=`: what is no number ends it too.
+            if !(next > radius && next.is_finite()) {
+                return angle(step - 1);
+            }
+            radius = next;
+        }
+        PI
+    }
+
+    /// The largest full angle of view: below π for pinholes.
+    pub fn widest_view_rad(&self) -> f64 {
+        2.0 * self.widest_rad()
+    }
+}

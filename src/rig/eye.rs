@@ -1,0 +1,151 @@
+//! What takes the pictures of a camera or depth camera: its optics, and the settings that may change while it runs.
+
+use super::pictures::noise;
+use super::{Setting, Settings};
+use crate::description::model::{
+    AngleFunction, AngleMap, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel, PixelFormat,
+};
+use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat as Format};
+use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::optics::{
+    self, AngleFunction as Function, BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics,
+    KannalaBrandt, Mapping, Mei, Pinhole, WideAngle,
+};
+use belvedere_sensors::optics::{Optics, PinholeGrid, RayTableBuf};
+use std::error::Error;
+
+/// A camera's optics and settings.
+pub(super) struct Eye {
+    optics: EyeOptics,
+    format: Format,
+    near_m: f64,
+    far_m: f64,
+    exposure: f32,
+    noise: GaussianNoise,
+    seed: u64,
+    sensor: u32,
+}
+
+/// Where the rays of the pixels go.
+enum EyeOptics {
+    Pinhole(PinholeGrid),
+    Table(RayTableBuf),
+}
+
+impl Eye {
+    /// Of a description.
+    ///
+    /// # Errors
+    /// When a parameter of the lens or of the noise is out of range, or the lens maps no pixel.
+    pub(super) fn new(
+        camera: &CameraSensor,
+        lens: &Lens,
+        setting: &Setting<'_>,
+    ) -> Result<Self, Box<dyn Error>> {
+        let eye = Self {
+            optics: EyeOptics::new([camera.width, camera.height], lens)?,
+            format: match camera.format {
+                PixelFormat::Rgb8 => Format::Rgb8,
+                PixelFormat::Bgr8 => Format::Bgr8,
+                PixelFormat::Mono8 => Format::Mono8,
+            },
+            near_m: camera.near_m,
+            far_m: camera.far_m,
+            exposure: 1.0,
+            noise: noise(&camera.noise)?,
+            seed: setting.seed,
+            sensor: setting.sensor,
+        };
+        Camera::new(eye.config())?;
+        Ok(eye)
+    }
+
+    /// The camera as it is set now.
+    pub(super) fn camera(&self) -> Camera<'_> {
+        Camera::new(self.config()).expect("checked when it was made and when it is changed")
+    }
+
+    /// What a camera is made from.
+    pub(super) fn config(&self) -> CameraConfig<'_> {
+        CameraConfig::new(self.optics.lend())
+            .format(self.format)
+            .near_m(self.near_m)
+            .far_m(self.far_m)
+            .exposure(self.exposure)
+            .noise(self.noise)
+            .seed(self.seed)
+            .sensor(self.sensor)
+    }
+
+    /// Takes other settings from the next frame on, if they are within their limits.
+    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn Error>> {
+        let (noise, exposure) = (settings.noise(&self.noise)?, settings.exposure());
+        Camera::new(self.config().noise(noise).exposure(exposure))?;
+        (self.noise, self.exposure) = (noise, exposure);
+        Ok(())
+    }
+}
+
+/// The lens that is drawn: what `camera_info` tells is what is seen. Gazebo's plugin tells of its own coefficients, focal
+/// length and principal point and draws without them, and so does `gazebo_compat`.
+pub(super) fn drawn_lens(camera: &CameraSensor, plugin: &CameraPlugin, gazebo_compat: bool) -> Lens {
+    let mut lens = camera.lens.clone();
+    if gazebo_compat {
+        return lens;
+    }
+    let is_pinhole = matches!(lens.model, LensModel::Pinhole | LensModel::BrownConrady { .. });
+    if is_pinhole && plugin.distortion != [0.0; 5] && !plugin.auto_distortion {
+        let [k1, k2, k3, p1, p2] = plugin.distortion;
+        lens.model = LensModel::BrownConrady { coefficients: vec![k1, k2, p1, p2, k3] };
+    }
+    let intrinsics = &mut lens.intrinsics;
+    intrinsics.cx = plugin.principal_point[0].unwrap_or(intrinsics.cx);
+    intrinsics.cy = plugin.principal_point[1].unwrap_or(intrinsics.cy);
+    if let Some(focal) = plugin.focal_length {
+        (intrinsics.fx, intrinsics.fy) = (focal, focal);
+    }
+    lens
+}
+
+impl EyeOptics {
+    fn new([width, height]: [u32; 2], lens: &Lens) -> Result<Self, Box<dyn Error>> {
+        let LensIntrinsics { fx, fy, cx, cy, skew } = lens.intrinsics;
+        let intrinsics = Intrinsics { fx, fy, cx, cy, skew };
+        let table = |lens: &dyn optics::Lens| Ok(Self::Table(RayTableBuf::from_lens(width, height, lens)?));
+        match &lens.model {
+            LensModel::Pinhole if skew == 0.0 => {
+                Ok(Self::Pinhole(PinholeGrid::new(width, height, Pinhole::new(intrinsics)?)?))
+            }
+            LensModel::Pinhole => table(&Pinhole::new(intrinsics)?),
+            LensModel::BrownConrady { coefficients }
+                if coefficients.iter().all(|k| *k == 0.0) && skew == 0.0 =>
+            {
+                Ok(Self::Pinhole(PinholeGrid::new(width, height, Pinhole::new(intrinsics)?)?))
+            }
+            LensModel::BrownConrady { coefficients } => table(&BrownConrady::new(intrinsics, coefficients)?),
+            LensModel::KannalaBrandt { k } => table(&KannalaBrandt::new(intrinsics, *k)?),
+            LensModel::Eucm { alpha, beta } => table(&Eucm::new(intrinsics, *alpha, *beta)?),
+            LensModel::DoubleSphere { xi, alpha } => table(&DoubleSphere::new(intrinsics, *xi, *alpha)?),
+            LensModel::Mei { xi, k1, k2, p1, p2 } => table(&Mei::new(intrinsics, *xi, [*k1, *k2, *p1, *p2])?),
+            LensModel::Equirectangular => table(&Equirectangular::with_intrinsics(intrinsics)?),
+            LensModel::WideAngle { map, cutoff_angle_rad, .. } => {
+                let AngleMap { c1, c2, c3, focal_px: f, function } = *map;
+                let fun = match function {
+                    AngleFunction::Sine => Function::Sin,
+                    AngleFunction::Tangent => Function::Tan,
+                    AngleFunction::Identity => Function::Identity,
+                };
+                // The map's focal length is in pixels already.
+                let in_pixels = Intrinsics { fx: 1.0, fy: 1.0, cx, cy, skew: 0.0 };
+                table(&WideAngle::new(in_pixels, Mapping { c1, c2, c3, f, fun }, *cutoff_angle_rad)?)
+            }
+        }
+    }
+
+    fn lend(&self) -> Optics<'_> {
+        match self {
+            Self::Pinhole(grid) => Optics::Pinhole(*grid),
+            Self::Table(table) => Optics::Table(table.table()),
+        }
+    }
+}

@@ -18,8 +18,8 @@
 
 use super::philox::{philox4x32, philox4x32_lanes};
 
-/// Rounds of Philox behind every sample.
-const ROUNDS: usize = 10;
+/// Rounds of Philox behind every sample: the fewest that pass `BigCrush`, and a third less work than ten.
+const ROUNDS: usize = 7;
 
 /// The random numbers of one channel of one frame of one sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

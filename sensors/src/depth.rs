@@ -1,6 +1,6 @@
 //! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
 
-use crate::camera::{Camera, CameraConfig, CameraError, blacken};
+use crate::camera::{Camera, CameraConfig, CameraError};
 use crate::execution::SplitRows;
 use crate::memory::Cutter;
 use crate::moment::Capture;
@@ -245,7 +245,7 @@ impl<'a> DepthCamera<'a> {
             pixel::write_tile(
                 simd,
                 colours,
-                self.config.camera.format,
+                (self.config.camera.format, self.camera.full_scale()),
                 first,
                 colour,
                 self.camera.row_stride(),
@@ -356,8 +356,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 if wants_colour {
                     seen.take(simd, band, &mut resolver, &rays, [column, row]);
                     shader.shade(simd, band.view, &seen, &rays, &mut colours);
-                    camera.camera.expose(capture.frame, tile, &mut colours);
-                    blacken(&mut colours, seen.missing);
+                    camera.camera.expose(simd, (capture.frame, tile), &rays, &seen, &mut colours);
                 }
                 let mut truth = measure.tile(simd, band, &mut resolver, [column, row]);
                 self.block(&mut truth, band.rays.fan().blocks_across(), [column, row]);

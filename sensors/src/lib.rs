@@ -8,7 +8,8 @@
 //! 3. [`scene`]: what is looked at, as plain borrowed data; [`moment`]: where everything is, and when.
 //! 4. [`optics`]: which way rays go: the rules of pinhole and lidar, and tables of any lens model.
 //! 5. [`trace`]: where rays meet the scene.
-//! 6. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once (`Result`); after that
+//! 6. [`device`]: what a camera's sensor and electronics make of light.
+//! 7. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once (`Result`); after that
 //!    `sense` fills the caller's slices, and neither fails nor allocates.
 //!
 //! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames
@@ -43,6 +44,7 @@ macro_rules! setters {
 
 pub mod camera;
 pub mod depth;
+pub mod device;
 mod execution;
 pub mod lidar;
 mod memory;

@@ -109,6 +109,20 @@ fn normals<const COUNTERS: usize, const LEN: usize>(stream: &Stream, block: u32)
     out
 }
 
+/// Two independent normals for each of 64 samples from one word each: `block` is that of the first. A word's upper half
+/// is the radius and its lower half the angle, so that none exceeds 4.9: enough for what is drawn once and stays.
+#[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+#[inline(always)]
+pub(crate) fn normal_pairs64(stream: &Stream, block: u32) -> ([f32; 64], [f32; 64]) {
+    let words = stream.words::<16>(block.wrapping_mul(4));
+    let (mut radii, mut angles) = ([0; 64], [0; 64]);
+    for (lane, word) in words.as_flattened().iter().enumerate() {
+        radii[lane] = word & 0xFFFF_0000 | 0x8000;
+        angles[lane] = word << 16 | 0x8000;
+    }
+    box_muller(radii, angles)
+}
+
 /// Two independent normals a lane from two independent words a lane.
 #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
 #[inline(always)]

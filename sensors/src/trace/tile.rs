@@ -51,6 +51,11 @@ impl<'a> CameraRays<'a> {
         made
     }
 
+    /// The optical axis.
+    pub(crate) fn forward(&self) -> [f32; 3] {
+        self.columns[0]
+    }
+
     /// Directions of sixteen rays of a pinhole from a pixel on along its row, of length 1 along the optical axis.
     #[inline(always)]
     fn pinhole_row<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 3] {

@@ -97,7 +97,10 @@ fn counts_have_the_probabilities_of_poisson_s() {
             chi_squared += ((found - p * n).abs() - allowed).max(0.0).powi(2) / (p * n);
             cells += 1.0;
         }
-        assert!(chi_squared < cells + 4.5 * (2.0_f64 * cells).sqrt(), "{chi_squared} of {cells} at {electrons}");
+        assert!(
+            chi_squared < cells + 4.5 * (2.0_f64 * cells).sqrt(),
+            "{chi_squared} of {cells} at {electrons}"
+        );
     }
 }
 

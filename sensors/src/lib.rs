@@ -8,7 +8,8 @@
 //! 3. [`scene`]: what is looked at, as plain borrowed data; [`moment`]: where everything is, and when.
 //! 4. [`optics`]: which way rays go: the rules of pinhole and lidar, and tables of any lens model.
 //! 5. [`trace`]: where rays meet the scene.
-//! 6. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once and makes a [`Sensor`], which
+//! 6. [`device`]: what a camera's sensor and electronics make of light.
+//! 7. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once and makes a [`Sensor`], which
 //!    fills the caller's slices, and does not allocate.
 //!
 //! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames
@@ -58,6 +59,7 @@ macro_rules! outputs {
     };
 }
 
+pub mod device;
 mod execution;
 mod memory;
 pub mod moment;

@@ -148,6 +148,7 @@ proptest! {
             let material = MaterialId(material);
             let _ = builder.add_instance(&InstanceConfig {
                 shape, world_from_instance, scale, material, visibility, laser_retro,
+                class: laser_retro.to_bits(),
             });
         }
         for light in &lights {

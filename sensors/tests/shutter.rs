@@ -2,8 +2,9 @@
 
 mod common;
 
-use belvedere_sensors::camera::{Camera, CameraConfig, Picture};
+use belvedere_sensors::camera::{Camera, CameraConfig, Mosaic, Picture, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
+use belvedere_sensors::device::DeviceConfig;
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, RayTableBuf};
@@ -81,6 +82,16 @@ fn slices_of_one_moment_are_that_moments_frame() {
             "slices of {lines} lines"
         );
         assert!(depths == depth_frame(&scene, config, &sliced), "slices of {lines} lines");
+    }
+    // Noise is that of the pixel, and so are a mosaic's colours and a device's patterns.
+    let noise = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).unwrap();
+    let device = DeviceConfig::default().prnu(0.02).dsnu_e(2.0).read_noise_e(0.1);
+    let bayer = config.device(Some(device)).format(PixelFormat::Bayer8(Mosaic::Gbrg));
+    let rows = slices(1, 95, |_| moment);
+    let rolling = Capture::new(3, rows.as_slice());
+    for config in [config.noise(noise), bayer, config.format(PixelFormat::Bayer16(Mosaic::Grbg))] {
+        let picture = picture_of(&scene, config, &once, Execution::default());
+        assert!(picture == picture_of(&scene, config, &rolling, Execution::default()), "{:?}", config.format);
     }
     // The mean of what is the same is the same.
     let twice = [Slice { lines: 0..95, at: moment }, Slice { lines: 0..95, at: moment }];

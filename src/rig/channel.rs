@@ -16,7 +16,7 @@ use crate::world::physics::{ModelIndex, Physics};
 use crate::world::scene::WorldScene;
 use belvedere_bridge::{Lossless, Node, StreamSpec};
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Pose, Sensor};
+use belvedere_sensors::{Capture, Moment, Pose, Sensor};
 
 /// What a channel needs to open.
 pub(super) struct Setting<'a> {
@@ -29,6 +29,8 @@ pub(super) struct Setting<'a> {
     pub(super) seed: u64,
     pub(super) sensor: u32,
     pub(super) gazebo_compat: bool,
+    /// Whether sensors tell the truth, too.
+    pub(super) truth: bool,
     pub(super) hashed: bool,
     pub(super) lossless: Option<&'a Lossless>,
 }
@@ -62,16 +64,20 @@ pub(super) struct RigContext<'a> {
 }
 
 impl RigContext<'_> {
-    /// Takes a frame of a sensor; false, with a warning, if there is none to be had: of a body that physics has lost.
+    /// Takes a frame of a sensor, whose flow is back to the poses `before`; false, with a warning, if there is none to be had: of a body that physics has lost.
     pub(super) fn take<T: Sensor>(
         &mut self,
         sensor: &T,
         world_from_sensor: &Pose,
         frame: u64,
+        before: Option<&(Pose, Vec<Pose>)>,
         output: T::Output<'_>,
     ) -> bool {
         let scene = self.scene.scene();
-        let capture = Capture::new(frame, self.scene.moment(*world_from_sensor));
+        let mut capture = Capture::new(frame, self.scene.moment(*world_from_sensor));
+        if let Some((world_from_sensor, world_from_instance)) = before {
+            capture = capture.before(Moment { world_from_sensor: *world_from_sensor, world_from_instance });
+        }
         let workspace = &mut self.workspace.lend(sensor.workspace_len(&scene, &capture));
         let taken = sensor.sense(&scene, &capture, workspace, output);
         taken.inspect_err(|error| tracing::warn!(%error, frame, "a frame of a sensor is left out")).is_ok()
@@ -121,9 +127,9 @@ impl Channel {
             Self::Clock(clock) => clock.outlets().into(),
             Self::State(state) => state.outlets().collect(),
             Self::Base(base) => base.outlets().into(),
-            Self::Camera(camera) => camera.outlets().into(),
-            Self::Depth(depth) => depth.outlets().into(),
-            Self::Lidar(lidar) => lidar.outlets().into(),
+            Self::Camera(camera) => camera.outlets().collect(),
+            Self::Depth(depth) => depth.outlets().collect(),
+            Self::Lidar(lidar) => lidar.outlets().collect(),
             Self::Range(range) => range.outlets().into(),
         }
     }

@@ -3,9 +3,9 @@
 use super::pictures::noise;
 use super::{Setting, Settings};
 use crate::description::model::{
-    AngleFunction, AngleMap, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel, PixelFormat,
+    AngleFunction, AngleMap, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
 };
-use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat as Format};
+use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{
     self, AngleFunction as Function, BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics,
@@ -16,7 +16,7 @@ use std::error::Error;
 /// A camera's optics and settings.
 pub(super) struct Eye {
     optics: EyeOptics,
-    format: Format,
+    format: PixelFormat,
     near_m: f64,
     far_m: f64,
     exposure: f32,
@@ -43,11 +43,7 @@ impl Eye {
     ) -> Result<Self, Box<dyn Error>> {
         let eye = Self {
             optics: EyeOptics::new([camera.width, camera.height], lens)?,
-            format: match camera.format {
-                PixelFormat::Rgb8 => Format::Rgb8,
-                PixelFormat::Bgr8 => Format::Bgr8,
-                PixelFormat::Mono8 => Format::Mono8,
-            },
+            format: camera.format,
             near_m: camera.near_m,
             far_m: camera.far_m,
             exposure: 1.0,

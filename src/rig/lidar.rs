@@ -3,6 +3,7 @@
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
+use super::truth::TruthOutlets;
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
@@ -17,6 +18,7 @@ pub(super) struct LidarChannel {
     scan: Outlet,
     geometry: ScanGeometry,
     size: [u32; 2],
+    truth: TruthOutlets,
 }
 
 impl LidarChannel {
@@ -55,6 +57,12 @@ impl LidarChannel {
                 reserved: [0; 19],
             },
             size: [horizontal.samples, vertical.samples],
+            truth: TruthOutlets::open(
+                &plugin.topic,
+                &frame,
+                [horizontal.samples, vertical.samples],
+                setting,
+            )?,
             mount: Mount::new(sensor, setting, &frame),
             lidar,
         })
@@ -65,7 +73,9 @@ impl LidarChannel {
         let world_from_sensor = self.mount.pose(context);
         let beams = self.lidar.beams();
         let mut frame = self.scan.loan(beams * size_of::<f32>() * 2);
-        let mut taken = false;
+        let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |_| {});
+        let mut output = Scan::new();
+        output.truth = truth.truth();
         if let Some(frame) = &mut frame {
             let header = frame.header_mut();
             header.set_packed(self.size[0], self.size[1]);
@@ -75,11 +85,16 @@ impl LidarChannel {
             Mount::write(&world_from_sensor, header);
             let planes: &mut [f32] = bytemuck::cast_slice_mut(frame.payload_mut());
             let (ranges, intensities) = planes.split_at_mut(beams);
-            let scan = Scan::new().ranges(ranges).intensities(intensities);
-            taken = context.take(&self.lidar, &world_from_sensor, frame_number, scan);
+            output = output.ranges(ranges).intensities(intensities);
         }
+        let is_wanted = output.ranges.is_some() || output.truth.is_some();
+        let before = self.truth.before();
+        let taken = is_wanted && context.take(&self.lidar, &world_from_sensor, frame_number, before, output);
         let outcome = self.scan.send(frame.filter(|_| taken));
+        let truths = truth.send(&self.truth, taken);
         self.scan.record(outcome, started.elapsed());
+        self.truth.record(truths, started.elapsed());
+        self.truth.keep(&world_from_sensor, context.scene.poses());
     }
 
     /// Takes other settings from its next frame on.
@@ -93,8 +108,8 @@ impl LidarChannel {
         Ok(())
     }
 
-    pub(super) fn outlets(&self) -> [&Outlet; 1] {
-        [&self.scan]
+    pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
+        [&self.scan].into_iter().chain(self.truth.outlets())
     }
 }
 

@@ -64,8 +64,13 @@ impl RangeChannel {
             return;
         }
         let world_from_sensor = self.mount.pose(context);
-        if !context.take(&self.lidar, &world_from_sensor, frame_number, Scan::new().ranges(&mut self.ranges))
-        {
+        if !context.take(
+            &self.lidar,
+            &world_from_sensor,
+            frame_number,
+            None,
+            Scan::new().ranges(&mut self.ranges),
+        ) {
             return;
         }
         // −∞, of something too near, is the nearest of all.

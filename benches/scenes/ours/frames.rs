@@ -73,7 +73,7 @@ impl Moving {
             scale: [1.0; 3],
             material,
             visibility: visibility::COLLISION,
-            laser_retro: 0.0,
+            ..InstanceConfig::default()
         };
         let mut add = || builder.add_instance(&instance).expect("our own instance");
         let boxes = (0..count).map(|_| add()).collect();

@@ -130,17 +130,10 @@ impl<'a> Brush<'a> {
 
     /// Turns light into what the device makes of it.
     #[inline(always)]
-    pub(super) fn expose(&mut self, [column, row]: [usize; 2]) {
-        self.camera.expose(self.capture.frame, (row * self.tiles + column) as u32, &mut self.colours);
-        if self.seen.missing == 0 {
-            return;
-        }
-        // Where there is no ray, a pixel is black.
-        for channel in &mut self.colours {
-            for lane in 0..LANES {
-                channel[lane] = if self.seen.missing >> lane & 1 != 0 { 0.0 } else { channel[lane] };
-            }
-        }
+    pub(super) fn expose<S: Simd>(&mut self, simd: S, tile: [usize; 2]) {
+        let lines = self.tiling.lines_of(self.camera.size()[0], tile);
+        let of = (self.capture.frame, &lines);
+        self.camera.expose(simd, of, &self.rays, &self.seen, &mut self.colours);
     }
 
     /// Writes the colours into the picture, if it is wanted.
@@ -153,8 +146,9 @@ impl<'a> Brush<'a> {
         output: &mut ColourRows<'_>,
     ) {
         let Some(pixels) = output.pixels.as_deref_mut() else { return };
-        let format = self.camera.config().format;
-        let place = (self.tiling, column * self.tiling.size()[0]);
+        let format = (self.camera.config().format, self.camera.full_scale());
+        let lines = self.tiling.lines_of(self.camera.size()[0], [column, row]);
+        let place = (self.tiling, column * self.tiling.size()[0], &lines);
         let rows = &mut pixels[band.row_in_output(row) * output.bytes..];
         pixel::write_tile(simd, &self.colours, format, place, rows, self.camera.row_stride());
     }

@@ -3,16 +3,19 @@
 use super::Sensor;
 use super::brush::{Brush, ColourRows, sums_len};
 use super::pixel;
-pub use super::pixel::PixelFormat;
+pub use super::pixel::{Mosaic, PixelFormat};
+use crate::device::{Device, DeviceConfig, DeviceError, Exposure};
 use crate::execution::SplitRows;
 use crate::moment::Capture;
-use crate::noise::{GaussianNoise, Stream, normals64};
+use crate::noise::{GaussianNoise, Stream, normals64_at};
 use crate::optics::{GridError, Optics};
 use crate::scene::{Scene, visibility};
 use crate::shade::Colours;
+use crate::simd::LANES;
 use crate::trace::error::check_output;
 use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::packet::Faces;
+use crate::trace::tile::{CameraRays, Tile, TileLines};
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 use fearless_simd::Simd;
@@ -47,6 +50,9 @@ pub struct CameraConfig<'a> {
     pub exposure: f32,
     /// Noise of a colour value in [0, 1], which exposure leaves as it is; one sample a pixel, the same for R, G and B.
     pub noise: GaussianNoise,
+    /// Sensor and electronics; without them a picture is the colours as they are shaded. `exposure` is a factor of the
+    /// light that reaches the device, and `noise` is added to what it gives.
+    pub device: Option<DeviceConfig>,
     /// Seed of the simulation.
     pub seed: u64,
     /// Number of the sensor in the simulation.
@@ -63,6 +69,7 @@ impl<'a> CameraConfig<'a> {
             far_m: 300.0,
             exposure: 1.0,
             noise: GaussianNoise::NONE,
+            device: None,
             seed: 0,
             sensor: 0,
         }
@@ -79,6 +86,8 @@ impl<'a> CameraConfig<'a> {
         exposure: f32,
         /// Sets the noise of a colour value.
         noise: GaussianNoise,
+        /// Sets sensor and electronics.
+        device: Option<DeviceConfig>,
         /// Sets the seed of the simulation.
         seed: u64,
         /// Sets the number of the sensor in the simulation.
@@ -120,6 +129,8 @@ pub enum CameraError {
     },
     /// The exposure is negative, NaN or infinite.
     Exposure(f32),
+    /// A parameter of the device is out of its range.
+    Device(DeviceError),
 }
 
 impl core::fmt::Display for CameraError {
@@ -141,6 +152,7 @@ impl core::fmt::Display for CameraError {
             Self::Exposure(exposure) => {
                 write!(f, "an exposure of {exposure}: it must be a finite number, 0 or more")
             }
+            Self::Device(error) => error.fmt(f),
         }
     }
 }
@@ -174,8 +186,7 @@ impl core::error::Error for CameraError {}
 pub struct Camera<'a> {
     config: CameraConfig<'a>,
     bias: f32,
-    /// Whether colours stay as they are shaded.
-    is_ideal: bool,
+    device: Option<Device>,
 }
 
 impl<'a> Camera<'a> {
@@ -199,8 +210,22 @@ impl<'a> Camera<'a> {
         Ok(Self {
             config,
             bias: config.noise.bias(config.seed, config.sensor, 0),
-            is_ideal: config.exposure == 1.0 && config.noise.is_none(),
+            device: config.device.as_ref().map(Device::new).transpose().map_err(CameraError::Device)?,
         })
+    }
+
+    /// Gives the device another time of exposure and gain from the next frame on, as automatic exposure does between
+    /// two frames; a camera without a device stays as it is.
+    ///
+    /// # Errors
+    /// [`CameraError::Device`] when one of them is out of its range; the camera then stays as it was.
+    pub fn set_device_exposure(&mut self, exposure: Exposure) -> Result<(), CameraError> {
+        if let Some(config) = self.config.device {
+            let config = config.exposure(exposure);
+            self.device = Some(Device::new(&config).map_err(CameraError::Device)?);
+            self.config.device = Some(config);
+        }
+        Ok(())
     }
 
     /// What it was made from.
@@ -228,21 +253,37 @@ impl<'a> Camera<'a> {
         Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m], within: f64::INFINITY }
     }
 
-    /// Exposure and noise of a tile. Samples are counted tile by tile, 64 to each, along the rows of tiles.
+    /// What the formats of 16 bits count up to.
+    pub(crate) fn full_scale(&self) -> f32 {
+        self.device.map_or(65_535.0, |device| device.full_scale())
+    }
+
+    /// Exposure, device and noise of a tile. Where there is no ray there is no light: a pixel is black, or what a device makes of darkness.
     #[inline(always)]
-    pub(crate) fn expose(&self, frame: u64, tile: u32, colours: &mut Colours) {
-        if self.is_ideal {
-            return;
+    pub(crate) fn expose<S: Simd>(
+        &self,
+        simd: S,
+        (frame, lines): (u64, &TileLines),
+        rays: &CameraRays<'_>,
+        seen: &Tile,
+        colours: &mut Colours,
+    ) {
+        let CameraConfig { seed, sensor, exposure, ref noise, format, .. } = self.config;
+        if exposure != 1.0 {
+            pixel::expose(colours, exposure);
         }
-        if self.config.exposure != 1.0 {
-            pixel::expose(colours, self.config.exposure);
+        if let Some(device) = &self.device {
+            blacken(colours, seen.missing);
+            let stream = Stream { seed, sensor, frame, channel: 0 };
+            device.expose(simd, format, &stream, lines, (&seen.direction, rays.forward()), colours);
         }
-        if self.config.noise.is_none() {
-            return;
+        if !noise.is_none() {
+            let stream = Stream { seed, sensor, frame, channel: Stream::COLOUR };
+            pixel::add_noise(colours, noise, self.bias, &normals64_at(&stream, lines.samples));
         }
-        let stream =
-            Stream { seed: self.config.seed, sensor: self.config.sensor, frame, channel: Stream::COLOUR };
-        pixel::add_noise(colours, &self.config.noise, self.bias, &normals64(&stream, 4 * tile));
+        if self.device.is_none() {
+            blacken(colours, seen.missing);
+        }
     }
 }
 
@@ -319,7 +360,7 @@ impl BandWork<Rows<'_>> for Painter<'_> {
                 let tile = [column, row];
                 brush.see(simd, band, tile);
                 if brush.take_mean(band, tile, output) {
-                    brush.expose(tile);
+                    brush.expose(simd, tile);
                     brush.write(simd, band, tile, output);
                 }
             }
@@ -328,6 +369,19 @@ impl BandWork<Rows<'_>> for Painter<'_> {
 
     fn is_mean(&self) -> bool {
         true
+    }
+}
+
+/// Where there is no ray, a pixel is black.
+#[inline(always)]
+fn blacken(colours: &mut Colours, missing: u64) {
+    if missing == 0 {
+        return;
+    }
+    for channel in colours {
+        for lane in 0..LANES {
+            channel[lane] = if missing >> lane & 1 != 0 { 0.0 } else { channel[lane] };
+        }
     }
 }
 

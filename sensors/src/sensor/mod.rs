@@ -6,7 +6,7 @@ mod brush;
 pub mod camera;
 pub mod depth;
 pub mod lidar;
-mod pixel;
+pub(crate) mod pixel;
 
 use crate::moment::Capture;
 use crate::scene::Scene;

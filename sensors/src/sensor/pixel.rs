@@ -1,13 +1,15 @@
 //! Encoding of colours into bytes, with the noise of a camera.
 
+pub use crate::device::mosaic::Mosaic;
 use crate::noise::GaussianNoise;
 use crate::scene::tree::WIDTH;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
-use crate::trace::tile::Tiling;
+use crate::trace::tile::{TileLines, Tiling};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, u32x16};
 
-/// Layout of a colour pixel in memory.
+/// Layout of a colour pixel in memory. Of 16 bits the low byte comes first; their full scale is 65535, or the largest
+/// number of the converter where there is a [device](crate::device).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelFormat {
     /// Red, green, blue.
@@ -16,14 +18,27 @@ pub enum PixelFormat {
     Bgr8,
     /// Brightness: 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601).
     Mono8,
+    /// Red, green, blue, and 255: opaque.
+    Rgba8,
+    /// Brightness in 16 bits.
+    Mono16,
+    /// The one colour that each pixel sees.
+    Bayer8(Mosaic),
+    /// The same in 16 bits.
+    Bayer16(Mosaic),
 }
+
+/// Shares of red, green and blue in the brightness.
+pub(crate) const LUMA: [f32; 3] = [0.299, 0.587, 0.114];
 
 impl PixelFormat {
     /// Bytes of a pixel.
     pub const fn bytes(self) -> usize {
         match self {
+            Self::Rgba8 => 4,
             Self::Rgb8 | Self::Bgr8 => 3,
-            Self::Mono8 => 1,
+            Self::Mono16 | Self::Bayer16(_) => 2,
+            Self::Mono8 | Self::Bayer8(_) => 1,
         }
     }
 }
@@ -54,36 +69,46 @@ pub(crate) fn to_byte(value: f32) -> u8 {
     (value * 255.0 + 0.5) as u8
 }
 
-/// [`to_byte`] of sixteen values.
+/// Values in [0, 1] to the nearest of whole numbers up to `full_scale`; what lies outside is clamped.
 #[inline(always)]
-fn to_byte_each<S: Simd>(simd: S, values: f32x16<S>) -> u32x16<S> {
-    let scaled = values * 255.0 + 0.5;
+fn to_levels<S: Simd>(simd: S, values: f32x16<S>, full_scale: f32) -> u32x16<S> {
+    let scaled = values * full_scale + 0.5;
     // NaN is not greater than 0 and becomes it.
     let zero = f32x16::splat(simd, 0.0);
     let scaled = scaled.simd_gt(zero).select(scaled, zero);
-    let most = f32x16::splat(simd, 255.0);
+    let most = f32x16::splat(simd, full_scale);
     scaled.simd_lt(most).select(scaled, most).to_int()
 }
 
-/// Three channels, the first in the lowest byte.
+/// Three channels as bytes, the first lowest.
 #[inline(always)]
 fn to_bytes<S: Simd>(simd: S, first: f32x16<S>, second: f32x16<S>, third: f32x16<S>) -> u32x16<S> {
-    let [first, second, third] =
-        [to_byte_each(simd, first), to_byte_each(simd, second), to_byte_each(simd, third)];
+    let [first, second, third] = [first, second, third].map(
+        #[inline(always)]
+        |channel| to_levels(simd, channel, 255.0),
+    );
     first | (second << 8) | (third << 16)
 }
 
-/// Writes a tile's colours into the rows of a picture, from pixel column `column` on.
+/// Writes a tile's colours into the rows of a picture, from pixel column `column` on. `full_scale` is that of the
+/// formats of 16 bits.
 #[inline(always)]
 pub(crate) fn write_tile<S: Simd>(
     simd: S,
     colours: &Colours,
-    format: PixelFormat,
-    (tiling, column): (Tiling, usize),
+    (format, full_scale): (PixelFormat, f32),
+    (tiling, column, lines): (Tiling, usize, &TileLines),
     rows: &mut [u8],
     row_stride: usize,
 ) {
-    let [red, green, blue] = colours;
+    let mosaic;
+    let [red, green, blue] = match format {
+        PixelFormat::Bayer8(pattern) | PixelFormat::Bayer16(pattern) => {
+            mosaic = pattern.pick(colours, lines);
+            [&mosaic; 3]
+        }
+        _ => colours.each_ref(),
+    };
     // Each pixel's bytes, the first lowest.
     let mut packed = [0_u32; LANES];
     for first in (0..LANES).step_by(WIDTH) {
@@ -96,7 +121,13 @@ pub(crate) fn write_tile<S: Simd>(
         let bytes = match format {
             PixelFormat::Rgb8 => to_bytes(simd, red, green, blue),
             PixelFormat::Bgr8 => to_bytes(simd, blue, green, red),
-            PixelFormat::Mono8 => to_byte_each(simd, red * 0.299 + green * 0.587 + blue * 0.114),
+            PixelFormat::Rgba8 => to_bytes(simd, red, green, blue) | 0xFF00_0000,
+            PixelFormat::Mono8 => to_levels(simd, red * LUMA[0] + green * LUMA[1] + blue * LUMA[2], 255.0),
+            PixelFormat::Mono16 => {
+                to_levels(simd, red * LUMA[0] + green * LUMA[1] + blue * LUMA[2], full_scale)
+            }
+            PixelFormat::Bayer8(_) => to_levels(simd, red, 255.0),
+            PixelFormat::Bayer16(_) => to_levels(simd, red, full_scale),
         };
         let mut values = [0; WIDTH];
         bytes.store_array(&mut values);
@@ -110,12 +141,23 @@ pub(crate) fn write_tile<S: Simd>(
         else {
             return;
         };
-        if format == PixelFormat::Mono8 {
-            for (pixel, packed) in row.iter_mut().zip(packed) {
-                *pixel = *packed as u8;
+        match format.bytes() {
+            1 => {
+                for (pixel, packed) in row.iter_mut().zip(packed) {
+                    *pixel = *packed as u8;
+                }
             }
-        } else {
-            write_pixels(packed, row);
+            2 => {
+                for (pixel, packed) in row.as_chunks_mut::<2>().0.iter_mut().zip(packed) {
+                    *pixel = (*packed as u16).to_le_bytes();
+                }
+            }
+            3 => write_pixels(packed, row),
+            _ => {
+                for (pixel, packed) in row.as_chunks_mut::<4>().0.iter_mut().zip(packed) {
+                    *pixel = packed.to_le_bytes();
+                }
+            }
         }
     }
 }

@@ -58,6 +58,32 @@ impl Tiling {
     }
 }
 
+/// Which pixels the lines of a tile are, of whatever tiling.
+pub(crate) struct TileLines {
+    /// The row of each.
+    pub(crate) rows: [usize; BLOCKS],
+    /// The number of each line's sixteen random samples, which are its pixels' own: counted in tiles of 16 × 4, row by
+    /// row of tiles, four lines to each.
+    pub(crate) samples: [u32; BLOCKS],
+}
+
+impl Tiling {
+    /// The lines of a tile of a picture that is so wide.
+    #[inline(always)]
+    pub(crate) fn lines_of(self, width: usize, [column, row]: [usize; 2]) -> TileLines {
+        let [across, down] = self.size();
+        let squares = Self::Square.across(width);
+        let mut lines = TileLines { rows: [0; BLOCKS], samples: [0; BLOCKS] };
+        for line in 0..BLOCKS {
+            let [x, y] = self.line(line);
+            let (x, y) = (column * across + x, row * down + y);
+            lines.rows[line] = y;
+            lines.samples[line] = (4 * (y / 4 * squares + x / WIDTH) + y % 4) as u32;
+        }
+        lines
+    }
+}
+
 /// The rays of a camera in the axes of the world.
 pub(crate) struct CameraRays<'a> {
     rays: Rays<'a>,
@@ -86,6 +112,11 @@ impl<'a> CameraRays<'a> {
             made.steps = Some([axes.y_axis * (-1.0 / lens.fx), axes.z_axis * (-1.0 / lens.fy)]);
         }
         made
+    }
+
+    /// The optical axis.
+    pub(crate) fn forward(&self) -> [f32; 3] {
+        self.columns[0]
     }
 
     /// Directions of sixteen rays of a pinhole from a pixel on along its row, of length 1 along the optical axis.

@@ -1,6 +1,6 @@
 //! Sensors: what they measure, how, and how often.
 
-use super::{Lens, LinkIndex, Plugin};
+use super::{Lens, LinkIndex, PixelFormat, Plugin};
 use crate::description::diagnostics::Source;
 use belvedere_sensors::Pose;
 
@@ -117,15 +117,4 @@ pub struct Noise {
     pub bias_stddev: f64,
     /// Step of `gaussian_quantized`; 0 for none.
     pub precision: f64,
-}
-
-/// Layout of a colour pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PixelFormat {
-    /// `R8G8B8`.
-    Rgb8,
-    /// `B8G8R8`.
-    Bgr8,
-    /// `L8`.
-    Mono8,
 }

@@ -155,7 +155,7 @@ fn every_wrong_value_gives_one_error_that_names_it() {
         (camera("<image><width>0</width></image>"), "<width> of sensor 'c' is 0"),
         (camera("<image><width>32.5</width></image>"), "<width> of sensor 'c' is 32.5"),
         (camera("<image><height>16385</height></image>"), "<height> of sensor 'c' is 16385"),
-        (camera("<image><format>BAYER_RGGB8</format></image>"), "'BAYER_RGGB8'"),
+        (camera("<image><format>BAYER_RGGB9</format></image>"), "'BAYER_RGGB9'"),
         (camera("<horizontal_fov>3.2</horizontal_fov>"), "<horizontal_fov> of sensor 'c' is 3.2"),
         (camera("<clip><near>0</near></clip>"), "<near> of sensor 'c' is 0"),
         (camera("<clip><near>9</near><far>8</far></clip>"), "<near> of sensor 'c' is 9 and <far> is 8"),

@@ -11,12 +11,12 @@
 //!       cargo run -q -p belvedere-sensors --example emva /tmp
 //! ```
 
-use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat};
+use belvedere_sensors::camera::{Camera, CameraConfig, Picture, PixelFormat};
 use belvedere_sensors::device::{DeviceConfig, Exposure};
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{Environment, InstanceConfig, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Pose};
+use belvedere_sensors::{Capture, Pose, Sensor};
 use glam::DVec3;
 use std::error::Error;
 use std::io::BufRead;
@@ -91,7 +91,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         camera.set_device_exposure(Exposure { time_s, gain: device.exposure.gain })?;
         let capture = Capture::new(frame as u64, builder.moment(Pose::IDENTITY));
         let scene = builder.scene();
-        camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
+        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
+        camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels))?;
         std::fs::write(Path::new(&directory).join(format!("{number}.u16")), &pixels)?;
     }
     Ok(())

@@ -5,9 +5,12 @@
 //! DN        = min(round(K · electrons + black level), 2^bits − 1), and 0 at least
 //! ```
 
+use super::TileView;
 use super::poisson::{MANY, few, many, many_with_reading, round};
 use crate::noise::{Stream, normal_pairs64, normals64};
+use crate::scene::tree::WIDTH;
 use crate::simd::{LANES, Lanes};
+use crate::trace::tile::BLOCKS;
 use fearless_simd::Simd;
 
 /// Below this variance of the noise of reading, half an electron squared, whole electrons show.
@@ -32,26 +35,31 @@ pub(super) struct Signal {
 }
 
 impl Signal {
-    /// Turns the electrons that light makes on average in the pixels of tile number `tile` into DN.
+    /// Turns the electrons that light makes on average in the pixels of tile number `tile` into DN. `of` gives the
+    /// streams of the tile's plane.
     #[inline(always)]
     pub(super) fn read<S: Simd>(
         &self,
         simd: S,
         electrons: &mut Lanes<f32>,
-        stream: &Stream,
-        plane: u16,
+        of: impl Fn(u16) -> Stream,
         tile: u32,
+        view: &TileView<'_>,
     ) {
         let Self { dark_e, prnu, dsnu_e, read_e, full_well_e, dn_per_electron, black_level_dn, top_dn } =
             *self;
-        let of = |channel: u16| Stream { channel: channel + plane, ..*stream };
         let block = 4 * tile;
 
         // Step 1: fixed patterns.
         let mut offset = [0.0; LANES];
         if prnu != 0.0 || dsnu_e != 0.0 {
             let pattern = Stream { frame: 0, ..of(Stream::PATTERN) };
-            let (response, dark) = normal_pairs64(&pattern, block);
+            // By where the pixels are, however the picture is cut into tiles.
+            let mut blocks = [0; BLOCKS];
+            for (block, [x, y]) in blocks.iter_mut().zip(view.lines) {
+                *block = (y * view.lines_across + x / WIDTH) as u32;
+            }
+            let (response, dark) = normal_pairs64(&pattern, blocks);
             for lane in 0..LANES {
                 let factor = 1.0 + prnu * response[lane];
                 electrons[lane] *= if factor > 0.0 { factor } else { 0.0 };

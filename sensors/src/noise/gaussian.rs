@@ -109,16 +109,21 @@ fn normals<const COUNTERS: usize, const LEN: usize>(stream: &Stream, block: u32)
     out
 }
 
-/// Two independent normals for each of 64 samples from one word each: `block` is that of the first. A word's upper half
-/// is the radius and its lower half the angle, so that none exceeds 4.9: enough for what is drawn once and stays.
+/// Two independent normals for each sample of four blocks of 16, from one word each. A word's upper half is the radius and
+/// its lower half the angle, so that none exceeds 4.9: enough for what is drawn once and stays.
 #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
 #[inline(always)]
-pub(crate) fn normal_pairs64(stream: &Stream, block: u32) -> ([f32; 64], [f32; 64]) {
-    let words = stream.words::<16>(block.wrapping_mul(4));
+pub(crate) fn normal_pairs64(stream: &Stream, blocks: [u32; 4]) -> ([f32; 64], [f32; 64]) {
+    let words = stream.words_of_blocks(blocks);
     let (mut radii, mut angles) = ([0; 64], [0; 64]);
-    for (lane, word) in words.as_flattened().iter().enumerate() {
-        radii[lane] = word & 0xFFFF_0000 | 0x8000;
-        angles[lane] = word << 16 | 0x8000;
+    for block in 0..4 {
+        for w in 0..4 {
+            for c in 0..4 {
+                let (lane, word) = (BLOCK * block + 4 * w + c, words[w][4 * block + c]);
+                radii[lane] = word & 0xFFFF_0000 | 0x8000;
+                angles[lane] = word << 16 | 0x8000;
+            }
+        }
     }
     box_muller(radii, angles)
 }

@@ -80,11 +80,30 @@ impl Stream {
     #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
     #[inline(always)]
     pub(crate) fn words<const LANES: usize>(&self, first_counter: u32) -> [[u32; LANES]; 4] {
-        let [_, c1, c2, c3] = self.counter(0);
         let mut c0 = [first_counter; LANES];
         for (lane, counter) in c0.iter_mut().enumerate() {
             *counter = counter.wrapping_add(lane as u32);
         }
+        self.words_at(c0)
+    }
+
+    /// The words of four blocks: `[w][4·b + c]` is sample 4·w + c of `blocks[b]`.
+    #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+    #[inline(always)]
+    pub(super) fn words_of_blocks(&self, blocks: [u32; 4]) -> [[u32; 16]; 4] {
+        let mut c0 = [0; 16];
+        for (b, block) in blocks.into_iter().enumerate() {
+            for c in 0..4 {
+                c0[4 * b + c] = block.wrapping_mul(4).wrapping_add(c as u32);
+            }
+        }
+        self.words_at(c0)
+    }
+
+    #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+    #[inline(always)]
+    fn words_at<const LANES: usize>(&self, c0: [u32; LANES]) -> [[u32; LANES]; 4] {
+        let [_, c1, c2, c3] = self.counter(0);
         philox4x32_lanes::<ROUNDS, LANES>([c0, [c1; LANES], [c2; LANES], [c3; LANES]], self.key())
     }
 

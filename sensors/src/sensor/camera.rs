@@ -1,21 +1,24 @@
 //! Colour cameras: textured, lit, with shadows and Gazebo's pixel noise.
 
-use crate::device::{Device, DeviceConfig, DeviceError, Exposure};
+use super::Sensor;
+use super::brush::{Brush, ColourRows, sums_len};
+use super::pixel;
+pub use super::pixel::{Mosaic, PixelFormat};
+use crate::device::{
+    Device, DeviceConfig, DeviceError, Exposure, FrameStatistics, Metering, TileView, meter,
+};
 use crate::execution::SplitRows;
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normals64};
-use crate::optics::Optics;
-use crate::pixel;
-pub use crate::pixel::{Mosaic, PixelFormat};
+use crate::optics::{GridError, Optics};
 use crate::scene::{Scene, visibility};
-use crate::shade::{Colours, Shader};
+use crate::shade::Colours;
 use crate::simd::LANES;
-use crate::trace::Workspace;
-use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
+use crate::trace::error::check_output;
+use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::packet::Faces;
-use crate::trace::resolve::Resolver;
-use crate::trace::tile::{CameraRays, TILE_HEIGHT, TILE_WIDTH, Tile};
-use crate::trace::view::View;
+use crate::trace::truth::check_truth;
+use crate::trace::{SenseError, Truth, Workspace};
 use fearless_simd::Simd;
 
 /// Largest width and height of a picture in pixels.
@@ -109,8 +112,8 @@ pub enum CameraError {
         /// Pixels across and down.
         size: [u32; 2],
     },
-    /// The table of rays is not in square blocks: make it by [`RayTable::from_lens`](crate::optics::RayTable::from_lens).
-    Table,
+    /// The grid of rays.
+    Grid(GridError),
     /// Not 0 < near < far.
     Clip {
         /// In metres.
@@ -140,7 +143,7 @@ impl core::fmt::Display for CameraError {
                     "a picture of {width} × {height}: width and height must be 1 to {MAX_IMAGE_SIZE} pixels"
                 )
             }
-            Self::Table => f.write_str("the table of a camera must be made by RayTable::from_lens"),
+            Self::Grid(error) => error.fmt(f),
             Self::Clip { near_m, far_m } => {
                 write!(f, "clip distances of {near_m} and {far_m} m: they must be 0 < near < far")
             }
@@ -160,7 +163,7 @@ impl core::error::Error for CameraError {}
 /// A checked colour camera. It looks along +x of its frame, its picture's right is −y and down is −z.
 ///
 /// ```
-/// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose};
+/// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
 /// let mut builder = SceneBuilder::new();
 /// let red = builder.add_material(&MaterialConfig { emissive: [1.0, 0.0, 0.0], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
 /// builder.add_instance(&InstanceConfig {
@@ -174,7 +177,8 @@ impl core::error::Error for CameraError {}
 /// let mut workspace = WorkspaceBuf::default();
 /// let capture = Capture::new(0, builder.moment(Pose::IDENTITY));
 /// let scene = builder.scene();
-/// camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
+/// let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
+/// camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels))?;
 /// let middle = 24 * camera.row_stride() + 32 * 3;
 /// assert_eq!(pixels[middle..middle + 3], [255, 0, 0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -196,10 +200,7 @@ impl<'a> Camera<'a> {
         if !size.iter().all(|size| (1..=MAX_IMAGE_SIZE).contains(size)) {
             return Err(CameraError::ImageSize { size });
         }
-        let fan = config.optics.fan();
-        if [fan.shift_x, fan.shift_y] != [2, 2] {
-            return Err(CameraError::Table);
-        }
+        config.optics.check().map_err(CameraError::Grid)?;
         let (near_m, far_m) = (config.near_m, config.far_m);
         if !(near_m > 0.0 && near_m < far_m) {
             return Err(CameraError::Clip { near_m, far_m });
@@ -228,6 +229,17 @@ impl<'a> Camera<'a> {
         Ok(())
     }
 
+    /// How bright a picture of this camera is, for [`AutoExposure`](crate::device::AutoExposure): what is in the picture
+    /// is taken back to linear light. Of eight rows two are looked at.
+    ///
+    /// # Errors
+    /// When `picture` is not [`Camera::frame_len`] long.
+    pub fn meter(&self, picture: &[u8], metering: Metering) -> Result<FrameStatistics, SenseError> {
+        check_output("picture", Some(picture.len()), self.frame_len())?;
+        let CameraConfig { format, device, .. } = &self.config;
+        Ok(meter(picture, self.size(), *format, device.as_ref(), metering))
+    }
+
     /// What it was made from.
     pub fn config(&self) -> &CameraConfig<'a> {
         &self.config
@@ -236,12 +248,6 @@ impl<'a> Camera<'a> {
     /// Pixels across and down.
     pub fn size(&self) -> [usize; 2] {
         self.config.optics.size()
-    }
-
-    /// Tiles across and down.
-    pub(crate) fn tiles(&self) -> [usize; 2] {
-        let [width, height] = self.size();
-        [width.div_ceil(TILE_WIDTH), height.div_ceil(TILE_HEIGHT)]
     }
 
     /// Bytes from one row to the next: rows are not padded.
@@ -254,52 +260,25 @@ impl<'a> Camera<'a> {
         self.row_stride() * self.size()[1]
     }
 
-    /// Takes a picture into `pixels`, top row first.
-    ///
-    /// # Panics
-    /// When `pixels` is not [`Camera::frame_len`] long, the workspace does not fit the scene, or the
-    /// moment does not have one pose for each instance.
-    pub fn sense(
-        &self,
-        scene: &Scene<'_>,
-        capture: &Capture<'_>,
-        workspace: &mut Workspace<'_>,
-        pixels: &mut [u8],
-    ) {
-        assert_eq!(pixels.len(), self.frame_len(), "the buffer must hold exactly one picture");
-        let execution = workspace.execution;
-        let mut memory = workspace.cut(scene, self.rays());
-        let instances = scene.instances().len();
-        let view = View::new(scene, &capture.moment, visibility::VISUAL, memory.view(instances));
-        let rows = Rows { pixels, bytes: self.row_stride() * TILE_HEIGHT };
-        let painter = Painter { camera: self, capture };
-        trace_grid(&view, &self.config.optics, &self.sight(), execution, &mut memory, rows, &painter);
-    }
-
-    /// Rays that a [`Workspace`] must have room for.
-    pub fn rays(&self) -> usize {
-        self.config.optics.rays()
-    }
-
     /// Housings are seen from outside only: a camera within its own sees out.
     pub(crate) fn sight(&self) -> Sight {
-        Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m] }
+        Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m], within: f64::INFINITY }
     }
 
     /// What the formats of 16 bits count up to.
-    pub(crate) fn full_scale(&self) -> f32 {
+    pub(super) fn full_scale(&self) -> f32 {
         self.device.map_or(65_535.0, |device| device.full_scale())
     }
 
     /// Exposure, device and noise of tile number `tile`. Samples are counted tile by tile, 64 to each, along the rows of
     /// tiles. Where there is no ray there is no light: a pixel is black, or what a device makes of darkness.
     #[inline(always)]
-    pub(crate) fn expose<S: Simd>(
+    pub(super) fn expose<S: Simd>(
         &self,
         simd: S,
         (frame, tile): (u64, u32),
-        rays: &CameraRays<'_>,
-        seen: &Tile,
+        view: &TileView<'_>,
+        missing: u64,
         colours: &mut Colours,
     ) {
         let CameraConfig { seed, sensor, exposure, ref noise, format, .. } = self.config;
@@ -307,46 +286,16 @@ impl<'a> Camera<'a> {
             pixel::expose(colours, exposure);
         }
         if let Some(device) = &self.device {
-            blacken(colours, seen.missing);
+            blacken(colours, missing);
             let stream = Stream { seed, sensor, frame, channel: 0 };
-            device.expose(simd, format, &stream, tile, (&seen.direction, rays.forward()), colours);
+            device.expose(simd, format.planes(), &stream, tile, view, colours);
         }
         if !noise.is_none() {
             let stream = Stream { seed, sensor, frame, channel: Stream::COLOUR };
             pixel::add_noise(colours, noise, self.bias, &normals64(&stream, 4 * tile));
         }
         if self.device.is_none() {
-            blacken(colours, seen.missing);
-        }
-    }
-}
-
-/// Paints the tiles of a picture.
-struct Painter<'a> {
-    camera: &'a Camera<'a>,
-    capture: &'a Capture<'a>,
-}
-
-impl BandWork<Rows<'_>> for Painter<'_> {
-    #[inline(always)]
-    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: Rows<'_>) {
-        let Self { camera, capture } = self;
-        let rays = CameraRays::new(&band.rays, &capture.moment.world_from_sensor);
-        let mut resolver = Resolver::new(band.view);
-        let mut tile = Tile::new();
-        let mut shader = Shader::new();
-        let mut colours = [[0.0; LANES]; 3];
-        let tiles = camera.tiles()[0];
-        let stride = camera.row_stride();
-        let format = (camera.config.format, camera.full_scale());
-        for (row, pixels) in band.block_rows().zip(output.pixels.chunks_mut(output.bytes)) {
-            for column in 0..tiles {
-                tile.take(simd, band, &mut resolver, &rays, [column, row]);
-                shader.shade(simd, band.view, &tile, &rays, &mut colours);
-                let number = (row * tiles + column) as u32;
-                camera.expose(simd, (capture.frame, number), &rays, &tile, &mut colours);
-                pixel::write_tile(simd, &colours, format, column * TILE_WIDTH, pixels, stride);
-            }
+            blacken(colours, missing);
         }
     }
 }
@@ -364,16 +313,107 @@ fn blacken(colours: &mut Colours, missing: u64) {
     }
 }
 
-/// Rows of pixels, cut between rows of tiles.
+/// Where the parts of a picture go. Rows run from the top, not padded.
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct Picture<'a> {
+    /// Colours in the format of the camera, [`Camera::frame_len`] bytes.
+    pub colour: Option<&'a mut [u8]>,
+    /// What is true of each pixel.
+    pub truth: Option<Truth<'a>>,
+}
+
+impl<'a> Picture<'a> {
+    outputs! {
+        /// Sets where colours go.
+        colour: &'a mut [u8],
+        /// Sets where truth goes.
+        truth: Truth<'a>,
+    }
+}
+
+impl Sensor for Camera<'_> {
+    type Output<'a> = Picture<'a>;
+
+    fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
+        let (optics, shutter) = (&self.config.optics, &capture.shutter);
+        Frame::workspace_len(scene, optics, shutter) + sums_len(&Frame::fan_of(optics, shutter), shutter)
+    }
+
+    fn sense(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture<'_>,
+        workspace: &mut Workspace<'_>,
+        output: Picture<'_>,
+    ) -> Result<(), SenseError> {
+        check_output("colour", output.colour.as_ref().map(|colour| colour.len()), self.frame_len())?;
+        check_truth(output.truth.as_ref(), scene, &self.config.optics, capture)?;
+        let execution = workspace.execution;
+        let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
+        let optics = &self.config.optics;
+        let frame = Frame::new(scene, optics, &capture.shutter, visibility::VISUAL, execution, &mut memory)?;
+        let rows = Rows {
+            wants_colour: output.colour.is_some(),
+            colour: ColourRows::new(self, frame.fan(), &capture.shutter, output.colour, &mut memory),
+            truth: output.truth,
+            rays_in_row: frame.rays_in_row(),
+        };
+        frame.trace(&self.sight(), &mut memory, rows, &Painter { camera: self, capture });
+        Ok(())
+    }
+}
+
+/// Paints the tiles of a picture.
+struct Painter<'a> {
+    camera: &'a Camera<'a>,
+    capture: &'a Capture<'a>,
+}
+
+impl BandWork<Rows<'_>> for Painter<'_> {
+    #[inline(always)]
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+        if let Some(truth) = &mut output.truth {
+            truth.write(simd, band, &self.camera.sight(), self.capture);
+        }
+        if !output.wants_colour {
+            return;
+        }
+        let output = &mut output.colour;
+        let mut brush = Brush::new(self.camera, self.capture, band);
+        for row in band.block_rows() {
+            for column in 0..brush.tiles {
+                let tile = [column, row];
+                brush.see(simd, band, tile);
+                if brush.take_mean(band, tile, output) {
+                    brush.expose(simd, tile);
+                    brush.write(simd, band, tile, output);
+                }
+            }
+        }
+    }
+
+    fn is_mean(&self) -> bool {
+        true
+    }
+}
+
+/// The parts of a picture, cut between rows of blocks.
 struct Rows<'a> {
-    pixels: &'a mut [u8],
-    /// Bytes of a row of tiles.
-    bytes: usize,
+    wants_colour: bool,
+    colour: ColourRows<'a>,
+    truth: Option<Truth<'a>>,
+    rays_in_row: usize,
 }
 
 impl SplitRows for Rows<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
-        let (upper, lower) = self.pixels.split_at_mut(rows * self.bytes);
-        (Self { pixels: upper, bytes: self.bytes }, Self { pixels: lower, bytes: self.bytes })
+        let Self { wants_colour, rays_in_row, .. } = self;
+        let (colour, colour_below) = self.colour.split_rows(rows);
+        let (truth, truth_below) = self.truth.map(|truth| truth.split_at(rows * rays_in_row)).unzip();
+        (
+            Self { wants_colour, colour, truth, rays_in_row },
+            Self { wants_colour, colour: colour_below, truth: truth_below, rays_in_row },
+        )
     }
 }

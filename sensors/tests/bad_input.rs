@@ -147,7 +147,7 @@ proptest! {
             let visibility = visibility::VISUAL | visibility::COLLISION;
             let material = MaterialId(material);
             let _ = builder.add_instance(&InstanceConfig {
-                shape, world_from_instance, scale, material, visibility, laser_retro,
+                shape, world_from_instance, scale, material, visibility, laser_retro, class: 0,
             });
         }
         for light in &lights {

@@ -74,6 +74,7 @@ impl Moving {
             material,
             visibility: visibility::COLLISION,
             laser_retro: 0.0,
+            class: 0,
         };
         let mut add = || builder.add_instance(&instance).expect("our own instance");
         let boxes = (0..count).map(|_| add()).collect();

@@ -50,6 +50,7 @@ impl Built {
             material,
             visibility: visibility::VISUAL | visibility::COLLISION,
             laser_retro: 0.0,
+            class: 0,
         };
         builder.add_instance(&instance).expect("our own instance");
         Self { builder }

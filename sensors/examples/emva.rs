@@ -92,7 +92,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let capture = Capture::new(frame as u64, builder.moment(Pose::IDENTITY));
         let scene = builder.scene();
         let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
-        camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels)).expect("a frame");
+        camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels))?;
         std::fs::write(Path::new(&directory).join(format!("{number}.u16")), &pixels)?;
     }
     Ok(())

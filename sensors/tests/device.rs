@@ -2,10 +2,13 @@
 
 mod common;
 
-use belvedere_sensors::camera::{Camera, CameraConfig, CameraError, Mosaic, PixelFormat};
-use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting, srgb};
+use belvedere_sensors::camera::{Camera, CameraConfig, CameraError, Mosaic, Picture, PixelFormat};
+use belvedere_sensors::device::{
+    AutoExposure, AutoExposureConfig, DeviceConfig, Exposure, Metering, Tone, Vignetting, presets, srgb,
+};
 use belvedere_sensors::scene::{SceneBuilder, Shape};
-use belvedere_sensors::{Execution, Pose};
+use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Execution, Pose, Sensor, Slice};
 use common::{add, camera_of, glowing, picture_with};
 use glam::DVec3;
 
@@ -180,6 +183,26 @@ fn patterns_belong_to_the_sensor() {
 }
 
 #[test]
+fn patterns_are_the_same_under_a_rolling_shutter() {
+    let device = DeviceConfig::default().dsnu_e(20.0).dn_per_electron(1.0).black_level_dn(1000.0);
+    let dark = device.exposure(Exposure { time_s: 0.0, gain: 1.0 });
+    // No multiple of a tile's size.
+    let config = camera_of([75, 30], 0.9).format(PixelFormat::Bayer16(Mosaic::Grbg)).device(Some(dark));
+    let camera = Camera::new(config).unwrap();
+    let builder = wall([1.0; 3]);
+    let (scene, moment) = (builder.scene(), builder.moment(Pose::IDENTITY));
+    let slices: Vec<Slice<'_>> = (0..30).map(|line| Slice { lines: line..line + 1, at: moment }).collect();
+    let take = |capture: Capture<'_>| {
+        let mut pixels = vec![0; camera.frame_len()];
+        let mut memory = WorkspaceBuf::default();
+        let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
+        camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels)).unwrap();
+        pixels
+    };
+    assert_eq!(take(Capture::new(0, moment)), take(Capture::new(1, slices.as_slice())));
+}
+
+#[test]
 fn lenses_darken_as_told() {
     let vignetting = Vignetting { natural: true, polynomial: [-0.3, 0.2, 0.1] };
     let device = exposed(counter(), 30_000.0).vignetting(vignetting);
@@ -297,4 +320,60 @@ fn what_is_out_of_range_is_named() {
     let mut camera = Camera::new(config(device())).unwrap();
     assert!(camera.set_device_exposure(Exposure { time_s: -1.0, gain: 1.0 }).is_err());
     assert_eq!(camera.config().device, Some(device()));
+}
+
+/// Exposures and means of frames of the scenery in a light so many times as bright, and the last picture.
+fn expose_automatically(
+    light: f32,
+    (device, format): (DeviceConfig, PixelFormat),
+    metering: Metering,
+) -> (Vec<(Exposure, f64)>, Vec<u8>) {
+    let mut builder = SceneBuilder::new();
+    common::scenery(&mut builder);
+    let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
+    let limits = AutoExposureConfig::default().time_range_s([1e-7, 4.0]).most_gain(64.0).tolerance(0.02);
+    let mut automatic = AutoExposure::new(limits, device.exposure).unwrap();
+    let (mut frames, mut picture) = (Vec::new(), Vec::new());
+    for frame in 0..14 {
+        let device = device.exposure(automatic.exposure());
+        let config = camera_of([160, 120], 1.0).format(format).device(Some(device)).exposure(light);
+        picture = picture_with(&builder, config, pose, frame, Execution::default());
+        let seen = Camera::new(config).unwrap().meter(&picture, metering).unwrap();
+        frames.push((automatic.exposure(), seen.mean));
+        automatic.next(&seen);
+    }
+    (frames, picture)
+}
+
+#[test]
+fn exposure_settles_within_ten_frames() {
+    let bayer = (presets::machine_vision(), PixelFormat::Bayer16(Mosaic::Rggb));
+    let curved = (presets::raspberry_pi_hq(), PixelFormat::Rgb8);
+    let webcam = (presets::webcam(), PixelFormat::Mono8);
+    for (device, metering) in [(bayer, Metering::Mean), (curved, Metering::Centre), (webcam, Metering::Mean)]
+    {
+        for light in [1e-3, 0.03, 1.0, 40.0, 1e3] {
+            let (frames, picture) = expose_automatically(light, device, metering);
+            for (exposure, mean) in &frames[9..] {
+                assert_eq!(*exposure, frames[9].0, "settled in a light of {light}");
+                assert!((mean / 0.18 - 1.0).abs() < 0.03, "{mean} in a light of {light}");
+            }
+            // Again, bit for bit.
+            assert!((frames, picture) == expose_automatically(light, device, metering));
+        }
+    }
+}
+
+#[test]
+fn a_flat_field_is_metered_as_it_is() {
+    for metering in [Metering::Mean, Metering::Centre] {
+        for format in [PixelFormat::Mono16, PixelFormat::Rgb8, PixelFormat::Bayer8(Mosaic::Gbrg)] {
+            let device = exposed(DeviceConfig::default().black_level_dn(64.0), 4000.0);
+            let camera = config(device).format(format);
+            let picture = picture_with(&wall([1.0; 3]), camera, Pose::IDENTITY, 0, Execution::default());
+            let seen = Camera::new(camera).unwrap().meter(&picture, metering).unwrap();
+            assert!((seen.mean - 0.25).abs() < 0.002 && seen.saturated == 0.0, "{seen:?}");
+            assert!(Camera::new(camera).unwrap().meter(&picture[1..], metering).is_err());
+        }
+    }
 }

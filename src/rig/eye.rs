@@ -6,6 +6,7 @@ use crate::description::model::{
     AngleFunction, AngleMap, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
 };
 use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat};
+use belvedere_sensors::device::DeviceConfig;
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{
     self, AngleFunction as Function, BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics,
@@ -21,6 +22,7 @@ pub(super) struct Eye {
     far_m: f64,
     exposure: f32,
     noise: GaussianNoise,
+    device: Option<DeviceConfig>,
     seed: u64,
     sensor: u32,
 }
@@ -48,6 +50,7 @@ impl Eye {
             far_m: camera.far_m,
             exposure: 1.0,
             noise: noise(&camera.noise)?,
+            device: camera.device,
             seed: setting.seed,
             sensor: setting.sensor,
         };
@@ -68,6 +71,7 @@ impl Eye {
             .far_m(self.far_m)
             .exposure(self.exposure)
             .noise(self.noise)
+            .device(self.device)
             .seed(self.seed)
             .sensor(self.sensor)
     }

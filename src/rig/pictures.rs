@@ -180,6 +180,7 @@ mod tests {
             near_m: 0.1,
             far_m: 100.0,
             noise: Noise::default(),
+            device: None,
             lens: Lens { model, intrinsics, has_own_focal_length: false, projection: None },
         }
     }

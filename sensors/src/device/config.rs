@@ -188,8 +188,11 @@ impl DeviceConfig {
         if self.bits < 32 { (1 << self.bits) - 1 } else { u32::MAX }
     }
 
-    /// The first parameter that is out of its range.
-    pub(super) fn check(&self) -> Result<(), DeviceError> {
+    /// Whether a camera can have it.
+    ///
+    /// # Errors
+    /// Names the first parameter that is out of its range.
+    pub fn check(&self) -> Result<(), DeviceError> {
         let check = |parameter, value: f64, range: [f64; 2]| {
             if value >= range[0] && value <= range[1] {
                 Ok(())

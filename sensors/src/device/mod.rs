@@ -7,7 +7,7 @@
 //!                                  efficiency  PRNU, DSNU, reading     bits
 //! ```
 //!
-//! A [`DeviceConfig`] is a data sheet in the terms of EMVA 1288, and `presets` are some. It is set by
+//! A [`DeviceConfig`] is a data sheet in the terms of EMVA 1288, and [`presets`] are some. It is set by
 //! [`CameraConfig::device`](crate::camera::CameraConfig::device()); without one a camera shows colours as they are shaded.
 //! Noise comes before the curve of [`srgb`]. Each colour of an rgb8, bgr8 or rgba8 picture is a pixel of its own, as
 //! of a camera with three sensors; a mosaic has one pixel that sees one colour ([`Mosaic`]), and mono8 and mono16 one
@@ -17,24 +17,51 @@
 //! Numbers of electrons are Poisson's. Below a mean of eight they are sampled exactly; from there on a normal number is
 //! bent into one with their mean, variance and third moment.
 
+mod auto_exposure;
 mod config;
-pub(crate) mod mosaic;
+mod mosaic;
 mod poisson;
+pub mod presets;
 mod signal;
 pub mod srgb;
 mod vignetting;
 
-use crate::camera::PixelFormat;
 use crate::noise::Stream;
-use crate::sensor::pixel::LUMA;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
-use crate::trace::tile::TileLines;
+use crate::trace::tile::BLOCKS;
+pub(crate) use auto_exposure::meter;
+pub use auto_exposure::{AutoExposure, AutoExposureConfig, FrameStatistics, Metering};
 pub use config::{DeviceConfig, DeviceError, Exposure, Tone};
 use fearless_simd::Simd;
 pub use mosaic::Mosaic;
 use signal::Signal;
 pub use vignetting::Vignetting;
+
+/// Shares of red, green and blue in the brightness (ITU-R BT.601).
+pub(crate) const LUMA: [f32; 3] = [0.299, 0.587, 0.114];
+
+/// The pixels of a sensor behind one of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Planes {
+    /// One for each colour.
+    Colours,
+    /// One that sees the brightness.
+    Brightness,
+    /// One that sees one colour.
+    Mosaic(Mosaic),
+}
+
+/// Where a tile is, and where its rays go.
+pub(crate) struct TileView<'a> {
+    pub(crate) directions: &'a [Lanes<f32>; 3],
+    /// The optical axis.
+    pub(crate) forward: [f32; 3],
+    /// Column and row of the pixels that the tile's lines begin with.
+    pub(crate) lines: [[usize; 2]; BLOCKS],
+    /// The numbers of their random samples, sixteen to each.
+    pub(crate) samples: [u32; BLOCKS],
+}
 
 /// A checked device.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,16 +99,15 @@ impl Device {
     }
 
     /// Turns the linear colours of a tile of a picture into values in [0, 1] of the converter's full scale.
-    /// `directions` are the tile's rays, `forward` the optical axis. `stream` names seed, sensor and frame.
+    /// `stream` names seed, sensor and frame.
     ///
     /// Mosaics and brightnesses have one value a pixel, which all three channels then are.
     pub(crate) fn expose<S: Simd>(
         &self,
         simd: S,
-        format: PixelFormat,
+        planes: Planes,
         stream: &Stream,
-        lines: &TileLines,
-        (directions, forward): (&[Lanes<f32>; 3], [f32; 3]),
+        view: &TileView<'_>,
         colours: &mut Colours,
     ) {
         simd.vectorize(
@@ -89,7 +115,7 @@ impl Device {
             || {
                 // Step 1: electrons that light makes on average.
                 if self.vignetting != Vignetting::NONE {
-                    let shares = self.vignetting.of_rays(directions, forward);
+                    let shares = self.vignetting.of_rays(view.directions, view.forward);
                     for channel in &mut *colours {
                         for lane in 0..LANES {
                             channel[lane] *= shares[lane];
@@ -105,9 +131,9 @@ impl Device {
                 }
 
                 // Step 2: the pixels that there are.
-                let single = match format {
-                    PixelFormat::Rgb8 | PixelFormat::Bgr8 | PixelFormat::Rgba8 => None,
-                    PixelFormat::Mono8 | PixelFormat::Mono16 => {
+                let single = match planes {
+                    Planes::Colours => None,
+                    Planes::Brightness => {
                         let [red, green, blue] = &*colours;
                         let mut sum = [0.0; LANES];
                         for lane in 0..LANES {
@@ -115,9 +141,7 @@ impl Device {
                         }
                         Some(sum)
                     }
-                    PixelFormat::Bayer8(mosaic) | PixelFormat::Bayer16(mosaic) => {
-                        Some(mosaic.pick(colours, lines))
-                    }
+                    Planes::Mosaic(mosaic) => Some(mosaic.pick(colours, &view.lines)),
                 };
                 let planes = if single.is_some() { 1 } else { 3 };
                 if let Some(single) = single {
@@ -126,7 +150,8 @@ impl Device {
 
                 // Step 3: what is read of them.
                 for (plane, values) in colours.iter_mut().enumerate().take(planes) {
-                    self.signal.read(simd, values, stream, plane as u16, lines.samples);
+                    let of_plane = |channel: u16| Stream { channel: channel + plane as u16, ..*stream };
+                    self.signal.read(simd, values, of_plane, view.samples);
                     self.develop(values, if planes == 1 { 1 } else { plane });
                 }
                 if planes == 1 {

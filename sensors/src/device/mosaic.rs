@@ -3,7 +3,7 @@
 use crate::scene::tree::WIDTH;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
-use crate::trace::tile::TileLines;
+use crate::trace::tile::BLOCKS;
 
 /// The colours of the first two pixels of the first row, then of the second: every two by two are the same.
 ///
@@ -41,12 +41,14 @@ impl Mosaic {
         square[row % 2 * 2 + column % 2]
     }
 
-    /// Of each pixel of a tile the colour that it sees. Lines of tiles begin in even columns.
+    /// Of each pixel of a tile the colour that it sees. `lines` are the places of the pixels that the tile's lines begin
+    /// with, which are even across.
     #[inline(always)]
-    pub(crate) fn pick(self, colours: &Colours, lines: &TileLines) -> Lanes<f32> {
+    pub(crate) fn pick(self, colours: &Colours, lines: &[[usize; 2]; BLOCKS]) -> Lanes<f32> {
         let mut seen = [0.0; LANES];
         for (line, seen) in seen.as_chunks_mut::<WIDTH>().0.iter_mut().enumerate() {
-            let [even, odd] = [0, 1].map(|column| &colours[self.channel(column, lines.rows[line])]);
+            let [_, row] = lines[line];
+            let [even, odd] = [0, 1].map(|column| &colours[self.channel(column, row)]);
             for column in 0..WIDTH {
                 let lane = line * WIDTH + column;
                 seen[column] = if column % 2 == 0 { even[lane] } else { odd[lane] };

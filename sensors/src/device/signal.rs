@@ -8,6 +8,7 @@
 use super::poisson::{MANY, few, many, many_with_reading, round};
 use crate::noise::{Stream, normal_pairs64, normals64_at};
 use crate::simd::{LANES, Lanes};
+use crate::trace::tile::BLOCKS;
 use fearless_simd::Simd;
 
 /// Below this variance of the noise of reading, half an electron squared, whole electrons show.
@@ -32,20 +33,18 @@ pub(super) struct Signal {
 }
 
 impl Signal {
-    /// Turns the electrons that light makes on average in the pixels of a tile into DN. `samples` numbers
-    /// sixteen of them at a time.
+    /// Turns the electrons that light makes on average in the pixels of a tile into DN. `of` gives the
+    /// streams of the tile's plane.
     #[inline(always)]
     pub(super) fn read<S: Simd>(
         &self,
         simd: S,
         electrons: &mut Lanes<f32>,
-        stream: &Stream,
-        plane: u16,
-        samples: [u32; 4],
+        of: impl Fn(u16) -> Stream,
+        samples: [u32; BLOCKS],
     ) {
         let Self { dark_e, prnu, dsnu_e, read_e, full_well_e, dn_per_electron, black_level_dn, top_dn } =
             *self;
-        let of = |channel: u16| Stream { channel: channel + plane, ..*stream };
 
         // Step 1: fixed patterns.
         let mut offset = [0.0; LANES];

@@ -9,7 +9,7 @@
 //! every machine. Their relative error is below 2.5e-7. No |z| exceeds √(66 ln 2) = 6.764, which true normals
 //! pass once in 7·10¹⁰ samples.
 
-use super::stream::{Stream, counters_of};
+use super::Stream;
 use fearless_simd::{Level, Simd, dispatch};
 
 /// Normals in one block: what four Philox counters give.
@@ -104,7 +104,7 @@ fn normals<const COUNTERS: usize, const LEN: usize>(stream: &Stream, block: u32)
 #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
 #[inline(always)]
 pub(crate) fn normals64_at(stream: &Stream, blocks: [u32; 4]) -> [f32; 64] {
-    normals_of(stream.words_of(counters_of(blocks)))
+    normals_of(stream.words_of_blocks(blocks))
 }
 
 /// The normals of so many words, in the order of the samples.
@@ -122,8 +122,8 @@ fn normals_of<const COUNTERS: usize, const LEN: usize>([w0, w1, w2, w3]: [[u32; 
     out
 }
 
-/// Two independent normals for each sample of four blocks from one word each. A word's upper half
-/// is the radius and its lower half the angle, so that none exceeds 4.9: enough for what is drawn once and stays.
+/// Two independent normals for each sample of four blocks of 16, from one word each. A word's upper half is the radius and
+/// its lower half the angle, so that none exceeds 4.9: enough for what is drawn once and stays.
 #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
 #[inline(always)]
 pub(crate) fn normal_pairs64(stream: &Stream, blocks: [u32; 4]) -> ([f32; 64], [f32; 64]) {

@@ -21,17 +21,6 @@ use super::philox::{philox4x32, philox4x32_lanes};
 /// Rounds of Philox behind every sample: the fewest that pass `BigCrush`, and a third less work than ten.
 const ROUNDS: usize = 7;
 
-/// The counters of four blocks.
-#[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
-#[inline(always)]
-pub(super) fn counters_of(blocks: [u32; 4]) -> [u32; 16] {
-    let mut counters = [0; 16];
-    for (lane, counter) in counters.iter_mut().enumerate() {
-        *counter = blocks[lane / 4].wrapping_mul(4).wrapping_add(lane as u32 % 4);
-    }
-    counters
-}
-
 /// The random numbers of one channel of one frame of one sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Stream {
@@ -91,31 +80,43 @@ impl Stream {
     #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
     #[inline(always)]
     pub(crate) fn words<const LANES: usize>(&self, first_counter: u32) -> [[u32; LANES]; 4] {
-        let mut counters = [first_counter; LANES];
-        for (lane, counter) in counters.iter_mut().enumerate() {
+        let mut c0 = [first_counter; LANES];
+        for (lane, counter) in c0.iter_mut().enumerate() {
             *counter = counter.wrapping_add(lane as u32);
         }
-        self.words_of(counters)
+        self.words_at(c0)
     }
 
-    /// The words of such counters.
+    /// The words of four blocks: `[w][4·b + c]` is sample 4·w + c of `blocks[b]`.
     #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
     #[inline(always)]
-    pub(super) fn words_of<const LANES: usize>(&self, counters: [u32; LANES]) -> [[u32; LANES]; 4] {
-        let [_, c1, c2, c3] = self.counter(0);
-        philox4x32_lanes::<ROUNDS, LANES>([counters, [c1; LANES], [c2; LANES], [c3; LANES]], self.key())
+    pub(super) fn words_of_blocks(&self, blocks: [u32; 4]) -> [[u32; 16]; 4] {
+        let mut c0 = [0; 16];
+        for (b, block) in blocks.into_iter().enumerate() {
+            for c in 0..4 {
+                c0[4 * b + c] = block.wrapping_mul(4).wrapping_add(c as u32);
+            }
+        }
+        self.words_at(c0)
     }
 
     /// The words of the samples of four blocks, in the order of the samples.
     #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
     #[inline(always)]
     pub(crate) fn words64(&self, blocks: [u32; 4]) -> [u32; 64] {
-        let words = self.words_of(counters_of(blocks));
+        let words = self.words_of_blocks(blocks);
         let mut ordered = [0; 64];
         for (sample, ordered) in ordered.iter_mut().enumerate() {
             *ordered = words[sample / 4 % 4][sample / 16 * 4 + sample % 4];
         }
         ordered
+    }
+
+    #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+    #[inline(always)]
+    fn words_at<const LANES: usize>(&self, c0: [u32; LANES]) -> [[u32; LANES]; 4] {
+        let [_, c1, c2, c3] = self.counter(0);
+        philox4x32_lanes::<ROUNDS, LANES>([c0, [c1; LANES], [c2; LANES], [c3; LANES]], self.key())
     }
 
     #[inline]

@@ -2,6 +2,7 @@
 
 use super::camera::Camera;
 use super::pixel;
+use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
 use crate::memory::{Cutter, lines};
 use crate::moment::{Capture, Shutter};
@@ -130,10 +131,14 @@ impl<'a> Brush<'a> {
 
     /// Turns light into what the device makes of it.
     #[inline(always)]
-    pub(super) fn expose<S: Simd>(&mut self, simd: S, tile: [usize; 2]) {
-        let lines = self.tiling.lines_of(self.camera.size()[0], tile);
-        let of = (self.capture.frame, &lines);
-        self.camera.expose(simd, of, &self.rays, &self.seen, &mut self.colours);
+    pub(super) fn expose<S: Simd>(&mut self, simd: S, [column, row]: [usize; 2]) {
+        let view = TileView {
+            directions: &self.seen.direction,
+            forward: self.rays.forward(),
+            lines: self.tiling.lines([column, row]),
+            samples: self.tiling.samples(self.rays.width(), [column, row]),
+        };
+        self.camera.expose(simd, self.capture.frame, &view, self.seen.missing, &mut self.colours);
     }
 
     /// Writes the colours into the picture, if it is wanted.
@@ -142,14 +147,12 @@ impl<'a> Brush<'a> {
         &self,
         simd: S,
         band: &Band<'_>,
-        [column, row]: [usize; 2],
+        tile: [usize; 2],
         output: &mut ColourRows<'_>,
     ) {
         let Some(pixels) = output.pixels.as_deref_mut() else { return };
         let format = (self.camera.config().format, self.camera.full_scale());
-        let lines = self.tiling.lines_of(self.camera.size()[0], [column, row]);
-        let place = (self.tiling, column * self.tiling.size()[0], &lines);
-        let rows = &mut pixels[band.row_in_output(row) * output.bytes..];
-        pixel::write_tile(simd, &self.colours, format, place, rows, self.camera.row_stride());
+        let rows = &mut pixels[band.row_in_output(tile[1]) * output.bytes..];
+        pixel::write_tile(simd, &self.colours, format, (self.tiling, tile), rows, self.camera.row_stride());
     }
 }

@@ -4,7 +4,9 @@ use super::Sensor;
 use super::brush::{Brush, ColourRows, sums_len};
 use super::pixel;
 pub use super::pixel::{Mosaic, PixelFormat};
-use crate::device::{Device, DeviceConfig, DeviceError, Exposure};
+use crate::device::{
+    Device, DeviceConfig, DeviceError, Exposure, FrameStatistics, Metering, TileView, meter,
+};
 use crate::execution::SplitRows;
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normals64_at};
@@ -15,7 +17,6 @@ use crate::simd::LANES;
 use crate::trace::error::check_output;
 use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::packet::Faces;
-use crate::trace::tile::{CameraRays, Tile, TileLines};
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 use fearless_simd::Simd;
@@ -228,6 +229,17 @@ impl<'a> Camera<'a> {
         Ok(())
     }
 
+    /// How bright a picture of this camera is, for [`AutoExposure`](crate::device::AutoExposure): what is in the picture
+    /// is taken back to linear light. Of eight rows two are looked at.
+    ///
+    /// # Errors
+    /// When `picture` is not [`Camera::frame_len`] long.
+    pub fn meter(&self, picture: &[u8], metering: Metering) -> Result<FrameStatistics, SenseError> {
+        check_output("picture", Some(picture.len()), self.frame_len())?;
+        let CameraConfig { format, device, .. } = &self.config;
+        Ok(meter(picture, self.size(), *format, device.as_ref(), metering))
+    }
+
     /// What it was made from.
     pub fn config(&self) -> &CameraConfig<'a> {
         &self.config
@@ -254,18 +266,18 @@ impl<'a> Camera<'a> {
     }
 
     /// What the formats of 16 bits count up to.
-    pub(crate) fn full_scale(&self) -> f32 {
+    pub(super) fn full_scale(&self) -> f32 {
         self.device.map_or(65_535.0, |device| device.full_scale())
     }
 
     /// Exposure, device and noise of a tile. Where there is no ray there is no light: a pixel is black, or what a device makes of darkness.
     #[inline(always)]
-    pub(crate) fn expose<S: Simd>(
+    pub(super) fn expose<S: Simd>(
         &self,
         simd: S,
-        (frame, lines): (u64, &TileLines),
-        rays: &CameraRays<'_>,
-        seen: &Tile,
+        frame: u64,
+        view: &TileView<'_>,
+        missing: u64,
         colours: &mut Colours,
     ) {
         let CameraConfig { seed, sensor, exposure, ref noise, format, .. } = self.config;
@@ -273,16 +285,29 @@ impl<'a> Camera<'a> {
             pixel::expose(colours, exposure);
         }
         if let Some(device) = &self.device {
-            blacken(colours, seen.missing);
+            blacken(colours, missing);
             let stream = Stream { seed, sensor, frame, channel: 0 };
-            device.expose(simd, format, &stream, lines, (&seen.direction, rays.forward()), colours);
+            device.expose(simd, format.planes(), &stream, view, colours);
         }
         if !noise.is_none() {
             let stream = Stream { seed, sensor, frame, channel: Stream::COLOUR };
-            pixel::add_noise(colours, noise, self.bias, &normals64_at(&stream, lines.samples));
+            pixel::add_noise(colours, noise, self.bias, &normals64_at(&stream, view.samples));
         }
         if self.device.is_none() {
-            blacken(colours, seen.missing);
+            blacken(colours, missing);
+        }
+    }
+}
+
+/// Where there is no ray, a pixel is black.
+#[inline(always)]
+fn blacken(colours: &mut Colours, missing: u64) {
+    if missing == 0 {
+        return;
+    }
+    for channel in colours {
+        for lane in 0..LANES {
+            channel[lane] = if missing >> lane & 1 != 0 { 0.0 } else { channel[lane] };
         }
     }
 }
@@ -369,19 +394,6 @@ impl BandWork<Rows<'_>> for Painter<'_> {
 
     fn is_mean(&self) -> bool {
         true
-    }
-}
-
-/// Where there is no ray, a pixel is black.
-#[inline(always)]
-fn blacken(colours: &mut Colours, missing: u64) {
-    if missing == 0 {
-        return;
-    }
-    for channel in colours {
-        for lane in 0..LANES {
-            channel[lane] = if missing >> lane & 1 != 0 { 0.0 } else { channel[lane] };
-        }
     }
 }
 

@@ -19,7 +19,7 @@ use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::image::NO_HIT;
 use crate::trace::measure::Measure;
 use crate::trace::resolve::Resolver;
-use crate::trace::tile::{BLOCKS, TileLines, Tiling, lane_in_tile};
+use crate::trace::tile::{BLOCKS, Tiling, lane_in_tile};
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 use fearless_simd::Simd;
@@ -155,13 +155,13 @@ impl<'a> DepthCamera<'a> {
     /// Measured depths in metres: REP-117 values where there is none. What noise takes out of the valid range is out of
     /// it, as what was there before.
     #[inline(always)]
-    fn depths(&self, truth: &Lanes<f32>, frame: u64, lines: &TileLines) -> Lanes<f32> {
+    fn depths(&self, truth: &Lanes<f32>, frame: u64, samples: [u32; BLOCKS]) -> Lanes<f32> {
         let config = &self.config;
         let mut noisy = *truth;
         if !config.noise.is_none() {
             let CameraConfig { seed, sensor, .. } = config.camera;
             let stream = Stream { seed, sensor, frame, channel: Stream::DEPTH };
-            let normals = normals64_at(&stream, lines.samples);
+            let normals = normals64_at(&stream, samples);
             config.noise.apply_all(&mut noisy, self.bias, &normals);
         }
         let (min, max) = (config.min_depth_m as f32, config.max_depth_m as f32);
@@ -324,8 +324,8 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 if is_first {
                     let mut truth = measure.tile(simd, band, &mut resolver, tile);
                     self.block(&mut truth, fan, tile);
-                    let lines = tiling.lines_of(fan.width as usize, tile);
-                    let depths = camera.depths(&truth, capture.frame, &lines);
+                    let samples = tiling.samples(fan.width as usize, tile);
+                    let depths = camera.depths(&truth, capture.frame, samples);
                     output.write_depths(camera, &depths, band, tile);
                     if wants_points {
                         let light = brush.colours;

@@ -1,11 +1,12 @@
 //! Encoding of colours into bytes, with the noise of a camera.
 
-pub use crate::device::mosaic::Mosaic;
+pub use crate::device::Mosaic;
+use crate::device::{LUMA, Planes};
 use crate::noise::GaussianNoise;
 use crate::scene::tree::WIDTH;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
-use crate::trace::tile::{TileLines, Tiling};
+use crate::trace::tile::Tiling;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, u32x16};
 
 /// Layout of a colour pixel in memory. Of 16 bits the low byte comes first; their full scale is 65535, or the largest
@@ -28,9 +29,6 @@ pub enum PixelFormat {
     Bayer16(Mosaic),
 }
 
-/// Shares of red, green and blue in the brightness.
-pub(crate) const LUMA: [f32; 3] = [0.299, 0.587, 0.114];
-
 impl PixelFormat {
     /// Bytes of a pixel.
     pub const fn bytes(self) -> usize {
@@ -39,6 +37,15 @@ impl PixelFormat {
             Self::Rgb8 | Self::Bgr8 => 3,
             Self::Mono16 | Self::Bayer16(_) => 2,
             Self::Mono8 | Self::Bayer8(_) => 1,
+        }
+    }
+
+    /// The pixels of the sensor behind one of the picture.
+    pub(super) const fn planes(self) -> Planes {
+        match self {
+            Self::Rgb8 | Self::Bgr8 | Self::Rgba8 => Planes::Colours,
+            Self::Mono8 | Self::Mono16 => Planes::Brightness,
+            Self::Bayer8(mosaic) | Self::Bayer16(mosaic) => Planes::Mosaic(mosaic),
         }
     }
 }
@@ -82,29 +89,28 @@ fn to_levels<S: Simd>(simd: S, values: f32x16<S>, full_scale: f32) -> u32x16<S> 
 
 /// Three channels as bytes, the first lowest.
 #[inline(always)]
-fn to_bytes<S: Simd>(simd: S, first: f32x16<S>, second: f32x16<S>, third: f32x16<S>) -> u32x16<S> {
-    let [first, second, third] = [first, second, third].map(
-        #[inline(always)]
-        |channel| to_levels(simd, channel, 255.0),
-    );
+fn to_bytes<S: Simd>(simd: S, channels: [f32x16<S>; 3]) -> u32x16<S> {
+    let [first, second, third] = channels;
+    let [first, second, third] =
+        [to_levels(simd, first, 255.0), to_levels(simd, second, 255.0), to_levels(simd, third, 255.0)];
     first | (second << 8) | (third << 16)
 }
 
-/// Writes a tile's colours into the rows of a picture, from pixel column `column` on. `full_scale` is that of the
-/// formats of 16 bits.
+/// Writes a tile's colours into the rows of a picture. `tile` is its column and row, `rows` begins with its first;
+/// `full_scale` is that of the formats of 16 bits.
 #[inline(always)]
 pub(crate) fn write_tile<S: Simd>(
     simd: S,
     colours: &Colours,
     (format, full_scale): (PixelFormat, f32),
-    (tiling, column, lines): (Tiling, usize, &TileLines),
+    (tiling, tile): (Tiling, [usize; 2]),
     rows: &mut [u8],
     row_stride: usize,
 ) {
     let mosaic;
-    let [red, green, blue] = match format {
-        PixelFormat::Bayer8(pattern) | PixelFormat::Bayer16(pattern) => {
-            mosaic = pattern.pick(colours, lines);
+    let [red, green, blue] = match format.planes() {
+        Planes::Mosaic(pattern) => {
+            mosaic = pattern.pick(colours, &tiling.lines(tile));
             [&mosaic; 3]
         }
         _ => colours.each_ref(),
@@ -119,11 +125,11 @@ pub(crate) fn write_tile<S: Simd>(
         };
         let (red, green, blue) = (sixteen(red), sixteen(green), sixteen(blue));
         let bytes = match format {
-            PixelFormat::Rgb8 => to_bytes(simd, red, green, blue),
-            PixelFormat::Bgr8 => to_bytes(simd, blue, green, red),
-            PixelFormat::Rgba8 => to_bytes(simd, red, green, blue) | 0xFF00_0000,
-            PixelFormat::Mono8 => to_levels(simd, red * LUMA[0] + green * LUMA[1] + blue * LUMA[2], 255.0),
-            PixelFormat::Mono16 => {
+            PixelFormat::Rgb8 => to_bytes(simd, [red, green, blue]),
+            PixelFormat::Bgr8 => to_bytes(simd, [blue, green, red]),
+            PixelFormat::Rgba8 => to_bytes(simd, [red, green, blue]) | 0xFF00_0000,
+            PixelFormat::Mono8 | PixelFormat::Mono16 => {
+                let full_scale = if format == PixelFormat::Mono8 { 255.0 } else { full_scale };
                 to_levels(simd, red * LUMA[0] + green * LUMA[1] + blue * LUMA[2], full_scale)
             }
             PixelFormat::Bayer8(_) => to_levels(simd, red, 255.0),
@@ -135,7 +141,7 @@ pub(crate) fn write_tile<S: Simd>(
     }
     for (line, packed) in packed.as_chunks::<WIDTH>().0.iter().enumerate() {
         let [x, y] = tiling.line(line);
-        let start = (column + x) * format.bytes();
+        let start = (tile[0] * tiling.size()[0] + x) * format.bytes();
         let Some(row) =
             rows.get_mut(y * row_stride..(y + 1) * row_stride).and_then(|row| row.get_mut(start..))
         else {

@@ -56,31 +56,27 @@ impl Tiling {
             Self::Rows => [line * WIDTH, 0],
         }
     }
-}
 
-/// Which pixels the lines of a tile are, of whatever tiling.
-pub(crate) struct TileLines {
-    /// The row of each.
-    pub(crate) rows: [usize; BLOCKS],
-    /// The number of each line's sixteen random samples, which are its pixels' own: counted in tiles of 16 × 4, row by
-    /// row of tiles, four lines to each.
-    pub(crate) samples: [u32; BLOCKS],
+    /// The pixels of the picture that the lines of the tile in that column and row begin with.
+    #[inline(always)]
+    pub(crate) fn lines(self, [column, row]: [usize; 2]) -> [[usize; 2]; BLOCKS] {
+        let [across, down] = self.size();
+        let mut lines = [[0; 2]; BLOCKS];
+        for line in 0..BLOCKS {
+            let [x, y] = self.line(line);
+            lines[line] = [column * across + x, row * down + y];
+        }
+        lines
+    }
 }
 
 impl Tiling {
-    /// The lines of a tile of a picture that is so wide.
+    /// The number of the sixteen random samples of each line of a tile. They are its pixels' own, whatever the tiling:
+    /// counted in tiles of 16 × 4, row by row of tiles, four lines to each.
     #[inline(always)]
-    pub(crate) fn lines_of(self, width: usize, [column, row]: [usize; 2]) -> TileLines {
-        let [across, down] = self.size();
+    pub(crate) fn samples(self, width: usize, tile: [usize; 2]) -> [u32; BLOCKS] {
         let squares = Self::Square.across(width);
-        let mut lines = TileLines { rows: [0; BLOCKS], samples: [0; BLOCKS] };
-        for line in 0..BLOCKS {
-            let [x, y] = self.line(line);
-            let (x, y) = (column * across + x, row * down + y);
-            lines.rows[line] = y;
-            lines.samples[line] = (4 * (y / 4 * squares + x / WIDTH) + y % 4) as u32;
-        }
-        lines
+        self.lines(tile).map(|[x, y]| (4 * (y / 4 * squares + x / WIDTH) + y % 4) as u32)
     }
 }
 
@@ -115,8 +111,15 @@ impl<'a> CameraRays<'a> {
     }
 
     /// The optical axis.
+    #[inline(always)]
     pub(crate) fn forward(&self) -> [f32; 3] {
         self.columns[0]
+    }
+
+    /// Pixels across the picture.
+    #[inline(always)]
+    pub(crate) fn width(&self) -> usize {
+        self.rays.fan().width as usize
     }
 
     /// Directions of sixteen rays of a pinhole from a pixel on along its row, of length 1 along the optical axis.

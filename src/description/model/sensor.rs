@@ -3,6 +3,7 @@
 use super::{Lens, LinkIndex, PixelFormat, Plugin};
 use crate::description::diagnostics::Source;
 use belvedere_sensors::Pose;
+use belvedere_sensors::device::DeviceConfig;
 
 /// A sensor on a link.
 #[derive(Debug, Clone)]
@@ -74,6 +75,8 @@ pub struct CameraSensor {
     pub noise: Noise,
     /// SDF `<lens>` and `<distortion>`.
     pub lens: Lens,
+    /// `<device>`, which is ours.
+    pub device: Option<DeviceConfig>,
 }
 
 /// `<ray>` or `<lidar>` of SDF.

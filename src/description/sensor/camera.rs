@@ -26,6 +26,7 @@ impl Reader<'_> {
         let format = self.format(image);
         let distances = self.clip(clip, sensor, far_m);
         let noise = self.noise(camera);
+        let device = self.device(camera);
         self.not_simulated(camera);
         let (width, height) = (width?, height?);
         let lens = self.lens(camera, &Picture { width, height, is_wide_angle });
@@ -40,6 +41,7 @@ impl Reader<'_> {
             far_m,
             noise: noise?,
             lens,
+            device: device?,
         })
     }
 
@@ -91,7 +93,7 @@ impl Reader<'_> {
         for child in camera.elements() {
             let text = child.text();
             let remedy = match child.name.as_str() {
-                "horizontal_fov" | "image" | "clip" | "noise" | "distortion" | "lens" => continue,
+                "horizontal_fov" | "image" | "clip" | "noise" | "distortion" | "lens" | "device" => continue,
                 "save" => match child.attribute("enabled").unwrap_or_default() {
                     "true" | "1" => "take it out, and keep pictures with `belvedere snapshot`",
                     _ => continue,
@@ -105,7 +107,9 @@ impl Reader<'_> {
                 "depth_camera" => "write <clip> in <camera>, and the limits of the depth in the plugin",
                 "camera_info_topic" => "write <cameraInfoTopicName> in the plugin",
                 "optical_frame_id" => "write <frameName> in the plugin",
-                _ => "take it out: a camera has horizontal_fov, image, clip, noise, distortion and lens",
+                _ => {
+                    "take it out: a camera has horizontal_fov, image, clip, noise, distortion, lens and device"
+                }
             };
             let what = format!("{} is not simulated and left out", self.what(&child.name));
             self.diagnostics.warning(&child.source, what, remedy);

@@ -2,7 +2,7 @@
 
 use super::fan::Fan;
 use crate::scene::tree::WIDTH;
-use fearless_simd::{Simd, SimdBase, f32x16, i32x16, mask32x16};
+use fearless_simd::{Simd, SimdBase, f32x16, f64x8, i32x16, mask32x16};
 use glam::DVec3;
 
 /// Sixteen rectangles of the grid, both ends included. Columns may run past the last one, to be counted on from
@@ -43,6 +43,14 @@ pub(crate) trait Projection: Copy {
 
     /// Directions of the rays of a block to the last bit, in units of t: all x, all y, all z.
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3];
+
+    /// The same, eight lanes at a time.
+    #[inline(always)]
+    fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
+        let directions = self.exact_block(column, row);
+        let half = |axis: usize, first: usize| f64x8::from_slice(simd, &directions[axis][first..][..8]);
+        [[half(0, 0), half(0, 8)], [half(1, 0), half(1, 8)], [half(2, 0), half(2, 8)]]
+    }
 
     /// Directions of the rays of a block, of length 1.
     fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S>;

@@ -17,7 +17,7 @@ use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, max};
 use crate::scene::tree::WIDTH;
 use crate::simd::sqrt_f32;
 use chart::{Kind, Windows};
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, i32x16, mask32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdWiden, f32x16, f64x8, i32x16, mask32x16};
 use glam::DVec3;
 
 /// Nearer than that in metres, ranges are not told apart when something is projected.
@@ -106,6 +106,12 @@ impl Projection for TableFan<'_> {
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
         let block = &self.table.directions[row * self.fan.blocks_across() + column];
         block.map(|values| values.map(f64::from))
+    }
+
+    #[inline(always)]
+    fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
+        let [x, y, z] = self.block(simd, column, row).map(SimdWiden::widen);
+        [[x.0, x.1], [y.0, y.1], [z.0, z.1]]
     }
 
     #[inline(always)]

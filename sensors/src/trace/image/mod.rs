@@ -11,6 +11,7 @@
 //! hit), and the hit's slot: which triangle of which instance it is.
 
 mod sharp;
+mod silhouette;
 mod solid;
 mod strip;
 mod target;

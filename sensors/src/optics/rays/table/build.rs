@@ -14,6 +14,9 @@ use glam::{DVec2, DVec3};
 const MOST: u32 = 16_384;
 /// How far from 1 the length of a direction may be.
 const LENGTH_TOLERANCE: f64 = 1e-4;
+/// A chart that takes more work must be so much tighter.
+const TIGHTER: f64 = 0.9;
+
 /// Directions of the rays of a sensor, prepared for tracing once and for all in the caller's memory: of a
 /// distorted or fisheye lens, of a lidar with uneven rings, or any others.
 ///
@@ -280,15 +283,23 @@ impl Plan {
         let rays = Grid { fan, blocks, missing };
         let mut take = |count: usize| [(); 2].map(|()| memory.take(cells(count) + 1));
         let mut tables = Tables { columns: take(width), rows: take(height) };
-        let layout = rays.perspective().unwrap_or_else(|| {
-            let around = rays.cylindrical();
-            let mut looseness = |layout: &Layout| {
-                let [columns, rows] = tables.reborrow().fill(&rays, layout);
-                columns.looseness() / width as f64 + rows.looseness() / height as f64
-            };
-            let tighter = |ahead: &Layout| looseness(ahead) < looseness(&around);
-            rays.stereographic().filter(tighter).unwrap_or(around)
-        });
+        let mut looseness = |layout: &Layout| {
+            let [columns, rows] = tables.reborrow().fill(&rays, layout);
+            columns.looseness() / width as f64 + rows.looseness() / height as f64
+        };
+        let perspective = rays.perspective();
+        let ahead = perspective.or_else(|| rays.stereographic());
+        let around = if perspective.is_none() { Some(rays.cylindrical()) } else { None };
+        let stretched = ahead.and_then(|layout| rays.stretched(&layout));
+        // The simplest of those that are about as tight.
+        let mut layout = None;
+        for candidate in [ahead, stretched, around].into_iter().flatten() {
+            let looseness = looseness(&candidate);
+            if layout.is_none_or(|(_, least)| looseness < least * TIGHTER) {
+                layout = Some((candidate, looseness));
+            }
+        }
+        let layout = layout.map_or_else(|| rays.cylindrical(), |(layout, _)| layout);
         let scales = tables.fill(&rays, &layout).map(|look_up| look_up.scale);
         Ok(Self { fan, layout, has_missing: missing.iter().any(|lanes| *lanes != 0), scales })
     }

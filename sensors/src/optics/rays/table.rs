@@ -69,12 +69,17 @@ impl<'a> TableFan<'a> {
             table.columns.look_up(simd, windows.u)
         };
         let [first_row, last_row] = table.rows.look_up(simd, windows.v);
-        let [least, most] = self.rows.map(|row| i32x16::splat(simd, row));
+        let (least, most) = (i32x16::splat(simd, self.rows[0]), i32x16::splat(simd, self.rows[1]));
         let first_row = first_row.simd_lt(least).select(least, first_row);
         let last_row = last_row.simd_gt(most).select(most, last_row);
         let some = windows.some & first_column.simd_le(last_column) & first_row.simd_le(last_row);
         Rectangles { first_column, last_column, first_row, last_row, some }
     }
+}
+
+#[inline(always)]
+fn sixteen<S: Simd>(simd: S, values: &[f32], first: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &values[first..][..WIDTH])
 }
 
 /// Distance of 0 from an interval: 0 inside.
@@ -110,7 +115,8 @@ impl Projection for TableFan<'_> {
 
     #[inline(always)]
     fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
-        let [x, y, z] = self.block(simd, column, row).map(SimdWiden::widen);
+        let [x, y, z] = self.block(simd, column, row);
+        let (x, y, z) = (x.widen(), y.widen(), z.widen());
         [[x.0, x.1], [y.0, y.1], [z.0, z.1]]
     }
 
@@ -189,9 +195,12 @@ impl Projection for TableFan<'_> {
     #[inline(always)]
     fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S> {
         let first = row * self.fan.blocks_across() + column;
-        let sixteen = |values: &[f32]| f32x16::from_slice(simd, &values[first..][..WIDTH]);
-        let [x, y, z] = self.table.middles.map(sixteen);
+        // One by one: what an array's `map` calls is not always inlined.
+        let x = sixteen(simd, self.table.middles[0], first);
+        let y = sixteen(simd, self.table.middles[1], first);
+        let z = sixteen(simd, self.table.middles[2], first);
+        let radii = sixteen(simd, self.table.radii, first);
         let length = sqrt_f32((plane[0] * plane[0] + plane[1] * plane[1]) + plane[2] * plane[2]);
-        ((x * plane[0] + y * plane[1]) + z * plane[2]) + sixteen(self.table.radii) * length
+        ((x * plane[0] + y * plane[1]) + z * plane[2]) + radii * length
     }
 }

@@ -76,14 +76,13 @@ impl Silhouette {
         [column, row]: [usize; 2],
         farthest: f32x16<S>,
     ) -> mask32x16<S> {
-        let most = |plane| projection.most_over_blocks(simd, plane, column, row);
         let mut inside = f32x16::splat(simd, 0.0);
         for plane in &self.edges[..self.edge_count] {
-            inside = min(inside, most(plane));
+            inside = min(inside, projection.most_over_blocks(simd, plane, column, row));
         }
         let mut nearest = f32x16::splat(simd, f32::MAX);
         for plane in &self.faces[..self.face_count] {
-            nearest = min(nearest, most(plane));
+            nearest = min(nearest, projection.most_over_blocks(simd, plane, column, row));
         }
         inside.simd_ge(f32x16::splat(simd, 0.0)) & nearest.simd_gt(farthest)
     }

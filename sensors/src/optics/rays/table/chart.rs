@@ -117,7 +117,11 @@ impl Chart {
         let far = |axis: usize| centre[axis].abs() + half[axis];
         let slack = max(max(far(0), far(1)), far(2)) * 1e-6;
         centre = rotate(&self.rows, &centre);
-        let reach = rotate(&self.rows.map(|row| row.map(f32::abs)), &half);
+        let mut sizes = self.rows;
+        for value in sizes.as_flattened_mut() {
+            *value = value.abs();
+        }
+        let reach = rotate(&sizes, &half);
         let (mut low, mut high) = (centre, centre);
         for axis in 0..3 {
             half[axis] = reach[axis] + slack;
@@ -204,7 +208,8 @@ impl Chart {
             let (far_u, far_v) = (max(-across[0], across[1]), max(-down[0], down[1]));
             ((far_u * far_u + far_v * far_v) + 1.0) * MARGIN + square * bulge
         };
-        let wider = |[least, most]: [f32x16<S>; 2]| [least - margin, most + margin];
-        (Windows { u: wider(across), v: wider(down), some: sure }, sure)
+        let u = [across[0] - margin, across[1] + margin];
+        let v = [down[0] - margin, down[1] + margin];
+        (Windows { u, v, some: sure }, sure)
     }
 }

@@ -25,14 +25,8 @@ pub(super) fn boxes_in_perspective<S: Simd>(simd: S, low: &Points<S>, high: &Poi
 /// The closest windows there are.
 #[inline(always)]
 pub(super) fn boxes_in_stereographic<S: Simd>(simd: S, low: &Points<S>, high: &Points<S>) -> Windows<S> {
-    let x = [low[0], high[0]];
-    let window = |axis: usize, other: usize| {
-        let others = [outside(low[other], high[other]), max(-low[other], high[other])];
-        let least = -greatest(simd, x, [-high[axis], -low[axis]], others);
-        let most = greatest(simd, x, [low[axis], high[axis]], others);
-        [least, most]
-    };
-    let (u, v) = (window(1, 2), window(2, 1));
+    let u = window(simd, low, high, [1, 2]);
+    let v = window(simd, low, high, [2, 1]);
     let (far_u, far_v) = (max(-u[0], u[1]), max(-v[0], v[1]));
     let margin = ((far_u * far_u + far_v * far_v) + 1.0) * MARGIN;
     Windows {
@@ -40,6 +34,17 @@ pub(super) fn boxes_in_stereographic<S: Simd>(simd: S, low: &Points<S>, high: &P
         v: [v[0] - margin, v[1] + margin],
         some: mask32x16::splat(simd, true),
     }
+}
+
+/// The interval of one coordinate, along the first of two axes.
+#[inline(always)]
+fn window<S: Simd>(simd: S, low: &Points<S>, high: &Points<S>, [axis, other]: [usize; 2]) -> [f32x16<S>; 2] {
+    let x = [low[0], high[0]];
+    let others = [outside(low[other], high[other]), max(-low[other], high[other])];
+    [
+        -greatest(simd, x, [-high[axis], -low[axis]], others),
+        greatest(simd, x, [low[axis], high[axis]], others),
+    ]
 }
 
 /// The greatest y/(r + x) in boxes, given x and y from the least to the greatest, and the least and greatest |z|.

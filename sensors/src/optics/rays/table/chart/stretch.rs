@@ -171,15 +171,21 @@ impl Stretch {
             & windows.u[1].simd_ge(-reach)
             & windows.v[1].simd_ge(-reach)
             & windows.some;
-        let within =
-            |[least, most]: [f32x16<S>; 2]| [max(min(least, reach), -reach), max(min(most, reach), -reach)];
-        let (u, v) = (within(windows.u), within(windows.v));
-        let stretched = |along: [f32x16<S>; 2], across: [f32x16<S>; 2]| {
-            let (near, far) = (outside(across[0], across[1]), max(-across[0], across[1]));
-            let squares = [near * near, far * far];
-            [-self.most(simd, -along[0], squares), self.most(simd, along[1], squares)]
-        };
-        Windows { u: stretched(u, v), v: stretched(v, u), some }
+        let (u, v) = (within(windows.u, reach), within(windows.v, reach));
+        Windows { u: self.interval(simd, u, v), v: self.interval(simd, v, u), some }
+    }
+
+    /// The interval that holds stretched coordinates, and the other ones lie in an interval, too.
+    #[inline(always)]
+    fn interval<S: Simd>(
+        &self,
+        simd: S,
+        [least, most]: [f32x16<S>; 2],
+        across: [f32x16<S>; 2],
+    ) -> [f32x16<S>; 2] {
+        let (near, far) = (outside(across[0], across[1]), max(-across[0], across[1]));
+        let squares = [near * near, far * far];
+        [-self.most(simd, -least, squares), self.most(simd, most, squares)]
     }
 
     /// A bound from above of a stretched coordinate, where the square of the other one lies between two. It rises with
@@ -188,7 +194,7 @@ impl Stretch {
     fn most<S: Simd>(&self, simd: S, coordinate: f32x16<S>, others: [f32x16<S>; 2]) -> f32x16<S> {
         let own = coordinate * coordinate;
         let rays = f32x16::splat(simd, self.rays);
-        let [near, far] = others.map(|other| min(own + other, rays));
+        let (near, far) = (min(own + others[0], rays), min(own + others[1], rays));
         let (middle, half) = ((near + far) * 0.5, (far - near) * 0.5);
         let argument = middle * self.scale - 1.0;
         let factor = evaluate(&self.factor, argument);
@@ -198,6 +204,12 @@ impl Stretch {
         let zero = f32x16::splat(simd, 0.0);
         coordinate * coordinate.simd_gt(zero).select(most, least) + self.rounding
     }
+}
+
+/// Intervals cut off at ±`reach`.
+#[inline(always)]
+fn within<S: Simd>([least, most]: [f32x16<S>; 2], reach: f32x16<S>) -> [f32x16<S>; 2] {
+    [max(min(least, reach), -reach), max(min(most, reach), -reach)]
 }
 
 fn polynomial(coefficients: &[f64], argument: f64) -> f64 {

@@ -6,12 +6,11 @@ use super::idle;
 use crate::scenes::moving::{self, MovingBoxes};
 use crate::scenes::{RaySet, Scene, ours, peer};
 use crate::tag_room;
-use belvedere_sensors::Capture;
-use belvedere_sensors::Execution;
-use belvedere_sensors::camera::Camera;
+use belvedere_sensors::camera::{Camera, Picture};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Execution, Sensor};
 use std::hint::black_box;
 
 /// The group of these entries.
@@ -147,8 +146,10 @@ fn tag_room_rgb(gate: &mut Gate<'_>, level: Level) {
     let capture = Capture::new(0, built.moment(tag_room::across()));
 
     let mut sense = || {
-        let workspace = &mut workspace.lend(&scene, camera.rays());
-        camera.sense(&scene, &capture, workspace, black_box(&mut pixels));
+        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
+        camera
+            .sense(&scene, &capture, workspace, Picture::new().colour(black_box(&mut pixels)))
+            .expect("outputs of the right size");
     };
 
     let shapes = tag_room::compound(&world);

@@ -4,12 +4,12 @@ mod common;
 
 use belvedere_sensors::camera::PixelFormat;
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
-use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig};
+use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scene::SceneBuilder;
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Execution, Pose};
+use belvedere_sensors::{Capture, Execution, Pose, Sensor};
 use common::{LIDAR, camera, camera_of, depth_camera, picture_with, scenery};
 use glam::DVec3;
 
@@ -30,18 +30,22 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let pixels = depth_camera.pixels();
     let (mut metres, mut millimetres) = (vec![0.0_f32; pixels], vec![0_u16; pixels]);
     let mut points = vec![0; pixels * POINT_STEP];
-    let output = DepthFrame {
-        depth_32fc1: Some(&mut metres),
-        depth_16uc1: Some(&mut millimetres),
-        points: Some(&mut points),
-        colour: None,
-    };
-    depth_camera.sense(&scene, &capture, &mut workspace.lend(&scene, depth_camera.rays()), output);
+    let output = DepthFrame::new().depth_32fc1(&mut metres).depth_16uc1(&mut millimetres).points(&mut points);
+    depth_camera
+        .sense(&scene, &capture, &mut workspace.lend(depth_camera.workspace_len(&scene, &capture)), output)
+        .expect("outputs of the right size");
 
     let vertical = Beams { samples: 16, min_angle_rad: -0.4, max_angle_rad: 0.3 };
-    let lidar = Lidar::new(LidarConfig { vertical, noise, ..LIDAR }).unwrap();
+    let lidar = Lidar::new(LIDAR.vertical(vertical).noise(noise)).unwrap();
     let mut ranges = vec![0.0_f32; lidar.beams()];
-    lidar.sense(&scene, &capture, &mut workspace.lend(&scene, lidar.rays()), &mut ranges, &mut []);
+    lidar
+        .sense(
+            &scene,
+            &capture,
+            &mut workspace.lend(lidar.workspace_len(&scene, &capture)),
+            Scan::new().ranges(&mut ranges),
+        )
+        .expect("outputs of the right size");
 
     let bytes = |floats: &[f32]| floats.iter().flat_map(|x| x.to_bits().to_le_bytes()).collect();
     vec![

@@ -8,7 +8,7 @@ use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraPlugin, CameraSensor, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Intrinsics, Kind, StreamSpec};
-use belvedere_sensors::Capture;
+use belvedere_sensors::camera::Picture;
 use std::time::Instant;
 
 /// A running camera.
@@ -56,21 +56,17 @@ impl CameraChannel {
         let world_from_sensor = self.mount.pose(context);
         let camera = self.eye.camera();
         let mut frame = self.image.loan(camera.frame_len());
+        let mut taken = false;
         if let Some(frame) = &mut frame {
             let header = frame.header_mut();
             header.set_packed(self.info_message.width, self.info_message.height);
             header.stamp_ns = context.stamp_ns;
             header.set_intrinsics(&self.intrinsics);
             Mount::write(&world_from_sensor, header);
-            let scene = context.scene.scene();
-            camera.sense(
-                &scene,
-                &Capture::new(frame_number, context.scene.moment(world_from_sensor)),
-                &mut context.workspace.lend(&scene, camera.rays()),
-                frame.payload_mut(),
-            );
+            let picture = Picture::new().colour(frame.payload_mut());
+            taken = context.take(&camera, &world_from_sensor, frame_number, picture);
         }
-        let outcome = self.image.send(frame);
+        let outcome = self.image.send(frame.filter(|_| taken));
         self.image.record(outcome, started.elapsed());
         self.info.send_structs(context.stamp_ns, &[self.info_message]);
     }

@@ -8,7 +8,6 @@ use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraSensor, DepthCameraPlugin, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, LoanedFrame, StreamSpec};
-use belvedere_sensors::Capture;
 use belvedere_sensors::camera::CameraError;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
 use std::time::Instant;
@@ -111,24 +110,18 @@ impl DepthChannel {
             Mount::write(&world_from_sensor, header);
         }
         if colour.is_some() || depth.is_some() || points.is_some() {
-            let (mut depth_32fc1, mut depth_16uc1) = (None, None);
+            let mut output = DepthFrame::new();
+            output.colour = colour.as_mut().map(LoanedFrame::payload_mut);
+            output.points = points.as_mut().map(LoanedFrame::payload_mut);
+            let depths = depth.as_mut().map(LoanedFrame::payload_mut);
             if self.in_millimetres {
-                depth_16uc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
+                output.depth_16uc1 = depths.map(bytemuck::cast_slice_mut);
             } else {
-                depth_32fc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
+                output.depth_32fc1 = depths.map(bytemuck::cast_slice_mut);
             }
-            let scene = context.scene.scene();
-            camera.sense(
-                &scene,
-                &Capture::new(frame_number, context.scene.moment(world_from_sensor)),
-                &mut context.workspace.lend(&scene, camera.rays()),
-                DepthFrame {
-                    depth_32fc1,
-                    depth_16uc1,
-                    colour: colour.as_mut().map(LoanedFrame::payload_mut),
-                    points: points.as_mut().map(LoanedFrame::payload_mut),
-                },
-            );
+            if !context.take(&camera, &world_from_sensor, frame_number, output) {
+                (colour, depth, points) = (None, None, None);
+            }
         }
         let outcomes = [self.colour.send(colour), self.depth.send(depth), self.points.send(points)];
         let busy = started.elapsed();

@@ -9,9 +9,8 @@ use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat as Format};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{
     self, AngleFunction as Function, BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics,
-    KannalaBrandt, Mapping, Mei, Pinhole, WideAngle,
+    KannalaBrandt, Mapping, Mei, Optics, Pinhole, PinholeGrid, RayTableBuf, WideAngle,
 };
-use belvedere_sensors::optics::{Optics, PinholeGrid, RayTableBuf};
 use std::error::Error;
 
 /// A camera's optics and settings.

@@ -4,7 +4,7 @@ use crate::noise::GaussianNoise;
 use crate::scene::tree::WIDTH;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
-use crate::trace::tile::{TILE_HEIGHT, TILE_WIDTH};
+use crate::trace::tile::Tiling;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, u32x16};
 
 /// Layout of a colour pixel in memory.
@@ -79,7 +79,7 @@ pub(crate) fn write_tile<S: Simd>(
     simd: S,
     colours: &Colours,
     format: PixelFormat,
-    column: usize,
+    (tiling, column): (Tiling, usize),
     rows: &mut [u8],
     row_stride: usize,
 ) {
@@ -102,15 +102,20 @@ pub(crate) fn write_tile<S: Simd>(
         bytes.store_array(&mut values);
         packed[first..first + WIDTH].copy_from_slice(&values);
     }
-    for (y, row) in rows.chunks_mut(row_stride).take(TILE_HEIGHT).enumerate() {
-        let row = &mut row[column * format.bytes()..];
-        let lanes = y * TILE_WIDTH..(y + 1) * TILE_WIDTH;
+    for (line, packed) in packed.as_chunks::<WIDTH>().0.iter().enumerate() {
+        let [x, y] = tiling.line(line);
+        let start = (column + x) * format.bytes();
+        let Some(row) =
+            rows.get_mut(y * row_stride..(y + 1) * row_stride).and_then(|row| row.get_mut(start..))
+        else {
+            return;
+        };
         if format == PixelFormat::Mono8 {
-            for (pixel, packed) in row.iter_mut().zip(&packed[lanes]) {
+            for (pixel, packed) in row.iter_mut().zip(packed) {
                 *pixel = *packed as u8;
             }
         } else {
-            write_pixels(&packed[lanes], row);
+            write_pixels(packed, row);
         }
     }
 }

@@ -1,20 +1,20 @@
 //! Colour cameras: textured, lit, with shadows and Gazebo's pixel noise.
 
+use super::Sensor;
+use super::brush::{Brush, ColourRows, sums_len};
+use super::pixel;
+pub use super::pixel::PixelFormat;
 use crate::execution::SplitRows;
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normals64};
-use crate::optics::Optics;
-use crate::pixel;
-pub use crate::pixel::PixelFormat;
+use crate::optics::{GridError, Optics};
 use crate::scene::{Scene, visibility};
-use crate::shade::{Colours, Shader};
-use crate::simd::LANES;
-use crate::trace::Workspace;
-use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
+use crate::shade::Colours;
+use crate::trace::error::check_output;
+use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::packet::Faces;
-use crate::trace::resolve::Resolver;
-use crate::trace::tile::{CameraRays, TILE_HEIGHT, TILE_WIDTH, Tile};
-use crate::trace::view::View;
+use crate::trace::truth::check_truth;
+use crate::trace::{SenseError, Truth, Workspace};
 use fearless_simd::Simd;
 
 /// Largest width and height of a picture in pixels.
@@ -102,8 +102,8 @@ pub enum CameraError {
         /// Pixels across and down.
         size: [u32; 2],
     },
-    /// The table of rays is not in square blocks: make it by [`RayTable::from_lens`](crate::optics::RayTable::from_lens).
-    Table,
+    /// The grid of rays.
+    Grid(GridError),
     /// Not 0 < near < far.
     Clip {
         /// In metres.
@@ -131,7 +131,7 @@ impl core::fmt::Display for CameraError {
                     "a picture of {width} × {height}: width and height must be 1 to {MAX_IMAGE_SIZE} pixels"
                 )
             }
-            Self::Table => f.write_str("the table of a camera must be made by RayTable::from_lens"),
+            Self::Grid(error) => error.fmt(f),
             Self::Clip { near_m, far_m } => {
                 write!(f, "clip distances of {near_m} and {far_m} m: they must be 0 < near < far")
             }
@@ -150,7 +150,7 @@ impl core::error::Error for CameraError {}
 /// A checked colour camera. It looks along +x of its frame, its picture's right is −y and down is −z.
 ///
 /// ```
-/// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose};
+/// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
 /// let mut builder = SceneBuilder::new();
 /// let red = builder.add_material(&MaterialConfig { emissive: [1.0, 0.0, 0.0], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
 /// builder.add_instance(&InstanceConfig {
@@ -164,7 +164,8 @@ impl core::error::Error for CameraError {}
 /// let mut workspace = WorkspaceBuf::default();
 /// let capture = Capture::new(0, builder.moment(Pose::IDENTITY));
 /// let scene = builder.scene();
-/// camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
+/// let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
+/// camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels))?;
 /// let middle = 24 * camera.row_stride() + 32 * 3;
 /// assert_eq!(pixels[middle..middle + 3], [255, 0, 0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -187,10 +188,7 @@ impl<'a> Camera<'a> {
         if !size.iter().all(|size| (1..=MAX_IMAGE_SIZE).contains(size)) {
             return Err(CameraError::ImageSize { size });
         }
-        let fan = config.optics.fan();
-        if [fan.shift_x, fan.shift_y] != [2, 2] {
-            return Err(CameraError::Table);
-        }
+        config.optics.check().map_err(CameraError::Grid)?;
         let (near_m, far_m) = (config.near_m, config.far_m);
         if !(near_m > 0.0 && near_m < far_m) {
             return Err(CameraError::Clip { near_m, far_m });
@@ -215,12 +213,6 @@ impl<'a> Camera<'a> {
         self.config.optics.size()
     }
 
-    /// Tiles across and down.
-    pub(crate) fn tiles(&self) -> [usize; 2] {
-        let [width, height] = self.size();
-        [width.div_ceil(TILE_WIDTH), height.div_ceil(TILE_HEIGHT)]
-    }
-
     /// Bytes from one row to the next: rows are not padded.
     pub fn row_stride(&self) -> usize {
         self.size()[0] * self.config.format.bytes()
@@ -231,36 +223,9 @@ impl<'a> Camera<'a> {
         self.row_stride() * self.size()[1]
     }
 
-    /// Takes a picture into `pixels`, top row first.
-    ///
-    /// # Panics
-    /// When `pixels` is not [`Camera::frame_len`] long, the workspace does not fit the scene, or the
-    /// moment does not have one pose for each instance.
-    pub fn sense(
-        &self,
-        scene: &Scene<'_>,
-        capture: &Capture<'_>,
-        workspace: &mut Workspace<'_>,
-        pixels: &mut [u8],
-    ) {
-        assert_eq!(pixels.len(), self.frame_len(), "the buffer must hold exactly one picture");
-        let execution = workspace.execution;
-        let mut memory = workspace.cut(scene, self.rays());
-        let instances = scene.instances().len();
-        let view = View::new(scene, &capture.moment, visibility::VISUAL, memory.view(instances));
-        let rows = Rows { pixels, bytes: self.row_stride() * TILE_HEIGHT };
-        let painter = Painter { camera: self, capture };
-        trace_grid(&view, &self.config.optics, &self.sight(), execution, &mut memory, rows, &painter);
-    }
-
-    /// Rays that a [`Workspace`] must have room for.
-    pub fn rays(&self) -> usize {
-        self.config.optics.rays()
-    }
-
     /// Housings are seen from outside only: a camera within its own sees out.
     pub(crate) fn sight(&self) -> Sight {
-        Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m] }
+        Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m], within: f64::INFINITY }
     }
 
     /// Exposure and noise of a tile. Samples are counted tile by tile, 64 to each, along the rows of tiles.
@@ -281,6 +246,57 @@ impl<'a> Camera<'a> {
     }
 }
 
+/// Where the parts of a picture go. Rows run from the top, not padded.
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct Picture<'a> {
+    /// Colours in the format of the camera, [`Camera::frame_len`] bytes.
+    pub colour: Option<&'a mut [u8]>,
+    /// What is true of each pixel.
+    pub truth: Option<Truth<'a>>,
+}
+
+impl<'a> Picture<'a> {
+    outputs! {
+        /// Sets where colours go.
+        colour: &'a mut [u8],
+        /// Sets where truth goes.
+        truth: Truth<'a>,
+    }
+}
+
+impl Sensor for Camera<'_> {
+    type Output<'a> = Picture<'a>;
+
+    fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
+        let (optics, shutter) = (&self.config.optics, &capture.shutter);
+        Frame::workspace_len(scene, optics, shutter) + sums_len(&Frame::fan_of(optics, shutter), shutter)
+    }
+
+    fn sense(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture<'_>,
+        workspace: &mut Workspace<'_>,
+        output: Picture<'_>,
+    ) -> Result<(), SenseError> {
+        check_output("colour", output.colour.as_ref().map(|colour| colour.len()), self.frame_len())?;
+        check_truth(output.truth.as_ref(), scene, &self.config.optics, capture)?;
+        let execution = workspace.execution;
+        let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
+        let optics = &self.config.optics;
+        let frame = Frame::new(scene, optics, &capture.shutter, visibility::VISUAL, execution, &mut memory)?;
+        let rows = Rows {
+            wants_colour: output.colour.is_some(),
+            colour: ColourRows::new(self, frame.fan(), &capture.shutter, output.colour, &mut memory),
+            truth: output.truth,
+            rays_in_row: frame.rays_in_row(),
+        };
+        frame.trace(&self.sight(), &mut memory, rows, &Painter { camera: self, capture });
+        Ok(())
+    }
+}
+
 /// Paints the tiles of a picture.
 struct Painter<'a> {
     camera: &'a Camera<'a>,
@@ -289,50 +305,48 @@ struct Painter<'a> {
 
 impl BandWork<Rows<'_>> for Painter<'_> {
     #[inline(always)]
-    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: Rows<'_>) {
-        let Self { camera, capture } = self;
-        let rays = CameraRays::new(&band.rays, &capture.moment.world_from_sensor);
-        let mut resolver = Resolver::new(band.view);
-        let mut tile = Tile::new();
-        let mut shader = Shader::new();
-        let mut colours = [[0.0; LANES]; 3];
-        let tiles = camera.tiles()[0];
-        let stride = camera.row_stride();
-        for (row, pixels) in band.block_rows().zip(output.pixels.chunks_mut(output.bytes)) {
-            for column in 0..tiles {
-                tile.take(simd, band, &mut resolver, &rays, [column, row]);
-                shader.shade(simd, band.view, &tile, &rays, &mut colours);
-                camera.expose(capture.frame, (row * tiles + column) as u32, &mut colours);
-                blacken(&mut colours, tile.missing);
-                pixel::write_tile(simd, &colours, camera.config.format, column * TILE_WIDTH, pixels, stride);
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+        if let Some(truth) = &mut output.truth {
+            truth.write(simd, band, &self.camera.sight(), self.capture);
+        }
+        if !output.wants_colour {
+            return;
+        }
+        let output = &mut output.colour;
+        let mut brush = Brush::new(self.camera, self.capture, band);
+        for row in band.block_rows() {
+            for column in 0..brush.tiles {
+                let tile = [column, row];
+                brush.see(simd, band, tile);
+                if brush.take_mean(band, tile, output) {
+                    brush.expose(tile);
+                    brush.write(simd, band, tile, output);
+                }
             }
         }
     }
-}
 
-/// Where there is no ray, a pixel is black.
-#[inline(always)]
-pub(crate) fn blacken(colours: &mut Colours, missing: u64) {
-    if missing == 0 {
-        return;
-    }
-    for channel in colours {
-        for lane in 0..LANES {
-            channel[lane] = if missing >> lane & 1 != 0 { 0.0 } else { channel[lane] };
-        }
+    fn is_mean(&self) -> bool {
+        true
     }
 }
 
-/// Rows of pixels, cut between rows of tiles.
+/// The parts of a picture, cut between rows of blocks.
 struct Rows<'a> {
-    pixels: &'a mut [u8],
-    /// Bytes of a row of tiles.
-    bytes: usize,
+    wants_colour: bool,
+    colour: ColourRows<'a>,
+    truth: Option<Truth<'a>>,
+    rays_in_row: usize,
 }
 
 impl SplitRows for Rows<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
-        let (upper, lower) = self.pixels.split_at_mut(rows * self.bytes);
-        (Self { pixels: upper, bytes: self.bytes }, Self { pixels: lower, bytes: self.bytes })
+        let Self { wants_colour, rays_in_row, .. } = self;
+        let (colour, colour_below) = self.colour.split_rows(rows);
+        let (truth, truth_below) = self.truth.map(|truth| truth.split_at(rows * rays_in_row)).unzip();
+        (
+            Self { wants_colour, colour, truth, rays_in_row },
+            Self { wants_colour, colour: colour_below, truth: truth_below, rays_in_row },
+        )
     }
 }

@@ -43,12 +43,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     let Some(half) = instance.half_extents() else { return };
     let silhouette = Silhouette::new(half, origin, &to_instance);
     let both = rules.faces == Faces::Both;
-    let [first, last] = part.columns.map(i32::from);
-    let pieces = if last < fan.width {
-        [[first, last], [1, 0]]
-    } else {
-        [[first, fan.width - 1], [0, last - fan.width]]
-    };
+    let pieces = fan.pieces(part.columns.map(i32::from));
     let block_rows = (part.rows[0] >> fan.shift_y) as usize..=(part.rows[1] >> fan.shift_y) as usize;
     for [first, last] in pieces {
         if first > last {

@@ -69,12 +69,6 @@ fn spread_of<S: Simd>(values: &[f32x16<S>; 3]) -> [f32x16<S>; 2] {
     [min(min(values[0], values[1]), values[2]), max(max(values[0], values[1]), values[2])]
 }
 
-/// Distance of 0 from an interval: 0 inside.
-#[inline(always)]
-fn outside<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
-    max(max(low, -high), f32x16::splat(low.simd, 0.0))
-}
-
 impl Chart {
     pub(super) fn new(kind: Kind, axes: [DVec3; 3]) -> Self {
         Self {

@@ -1,7 +1,7 @@
 //! Charts of what lies ahead: perspective and stereographic.
 
-use super::super::super::projection::{Points, max, min};
-use super::{BEYOND, MARGIN, Windows, outside};
+use super::{BEYOND, MARGIN, Windows};
+use crate::optics::rays::projection::{Points, max, min, outside};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 
 /// How far an edge of a triangle rises above its chord on the stereographic chart, by the chord's square: edges are

@@ -1,7 +1,7 @@
 //! The chart around an axis.
 
-use super::super::super::projection::{Points, max, min};
-use super::{MARGIN, Windows, outside};
+use super::{MARGIN, Windows};
+use crate::optics::rays::projection::{Points, max, min, outside};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 
 /// A full turn in units of [`turn_of`].

@@ -5,8 +5,8 @@
 //! distance ρ from the axis is multiplied. So bounds are found on the chart, and stretched: then columns depend on one
 //! coordinate and rows on the other, but for what is not round about a lens.
 
-use super::super::super::projection::{max, min};
-use super::{MARGIN, Windows, outside};
+use super::{MARGIN, Windows};
+use crate::optics::rays::projection::{max, min, outside};
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
 /// Powers of the polynomial.
@@ -88,7 +88,15 @@ impl Stretch {
         if !factor.iter().all(|coefficient| coefficient.is_finite()) {
             return None;
         }
-        [1.3, 1.15, 1.05, 1.0].into_iter().find_map(|beyond| Self::of(factor, scale, rays, rays * beyond))
+        let stretch = Self::of(factor, scale, rays, rays)?;
+        // Triangles reach beyond the rays: as far out as that costs little elsewhere.
+        let farther = [1.3, 1.15, 1.05].into_iter().find_map(|beyond| {
+            let other = Self::of(factor, scale, rays, rays * beyond)?;
+            let is_close =
+                other.bulge < 1.25 * stretch.bulge && other.half_second < 1.25 * stretch.half_second;
+            is_close.then_some(other)
+        });
+        Some(farther.unwrap_or(stretch))
     }
 
     /// Unless directions would come to lie over each other.
@@ -119,7 +127,10 @@ impl Stretch {
             longest = longest.max(factor).max(radial);
             bend = bend.max(6.0 * distance * slope.abs() + 4.0 * distance * square * second.abs());
         }
-        let sum: f64 = exact.iter().map(|coefficient| coefficient.abs()).sum();
+        // What rounding grows with: as if all terms of factor and slope had one sign.
+        let farthest = known * scale - 1.0;
+        let terms: [f64; DEGREE + 1] = core::array::from_fn(|power| exact[power].abs() * (power + 1) as f64);
+        let sum = polynomial(&terms, farthest.max(1.0));
         Some(Self {
             scale: scale as f32,
             factor,

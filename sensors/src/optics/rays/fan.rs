@@ -45,6 +45,16 @@ impl Fan {
         (self.height as usize).div_ceil(1 << self.shift_y)
     }
 
+    /// Columns of a rectangle in two pieces, as a ring's may run over its end; first > last where there is none.
+    #[inline(always)]
+    pub(crate) const fn pieces(&self, [first, last]: [i32; 2]) -> [[i32; 2]; 2] {
+        if last < self.width {
+            [[first, last], [1, 0]]
+        } else {
+            [[first, self.width - 1], [0, last - self.width]]
+        }
+    }
+
     /// Column within its block, and row, of a lane.
     #[inline(always)]
     pub(crate) const fn lane_position(&self, lane: usize) -> (usize, usize) {

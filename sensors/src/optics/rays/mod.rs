@@ -75,7 +75,11 @@ impl Rays<'_> {
     /// Directions of the rays of a block, of length 1.
     #[inline(always)]
     pub(crate) fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
-        each!(self, rule => rule.unit_directions(simd, column, row))
+        match self {
+            Self::Pinhole(rule) => rule.unit_directions(simd, column, row),
+            Self::Spherical(rule) => rule.block(simd, column, row),
+            Self::Table(rule) => rule.block(simd, column, row),
+        }
     }
 
     /// Metres along the rays of a block, from 1/t.
@@ -87,7 +91,10 @@ impl Rays<'_> {
         column: usize,
         row: usize,
     ) -> f32x16<S> {
-        each!(self, rule => rule.distances(simd, inverse, column, row))
+        match self {
+            Self::Pinhole(rule) => rule.distances(simd, inverse, column, row),
+            Self::Spherical(_) | Self::Table(_) => f32x16::splat(simd, 1.0) / inverse,
+        }
     }
 
     /// Metres along the optical axis of what the rays of a block meet, from 1/t.
@@ -101,8 +108,8 @@ impl Rays<'_> {
     ) -> f32x16<S> {
         match self {
             Self::Pinhole(_) => f32x16::splat(simd, 1.0) / inverse,
-            Self::Spherical(rule) => rule.unit_directions(simd, column, row)[0] / inverse,
-            Self::Table(rule) => rule.unit_directions(simd, column, row)[0] / inverse,
+            Self::Spherical(rule) => rule.block(simd, column, row)[0] / inverse,
+            Self::Table(rule) => rule.block(simd, column, row)[0] / inverse,
         }
     }
 

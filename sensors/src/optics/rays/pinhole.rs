@@ -2,7 +2,7 @@
 //! and a plane's 1/t takes two multiplications.
 
 use super::fan::Fan;
-use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, max, min, whole};
+use super::projection::{Planes, Points, Projection, Rectangles, TINY, bounds_of, max, min, whole};
 use crate::optics::{Intrinsics, LensError, Pinhole};
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
@@ -66,8 +66,6 @@ impl PinholeGrid {
     }
 }
 
-/// Nearer than that in metres, depths are not told apart when something is projected.
-const TINY: f32 = 1e-12;
 /// Rays to each side of a projection that rounding may have moved out of it.
 const MARGIN: f32 = 0.02;
 
@@ -126,6 +124,27 @@ impl PinholeFan {
         (self.cy - row as f32) * self.per_fy
     }
 
+    /// Directions of the rays of a block, of length 1.
+    #[inline(always)]
+    pub(super) fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        let [y, z] = self.block(simd, column, row);
+        let shorter = f32x16::splat(simd, 1.0) / ((y * y + z * z) + 1.0).sqrt();
+        [shorter, y * shorter, z * shorter]
+    }
+
+    /// Metres along the rays of a block, from 1/t.
+    #[inline(always)]
+    pub(super) fn distances<S: Simd>(
+        &self,
+        simd: S,
+        inverse: f32x16<S>,
+        column: usize,
+        row: usize,
+    ) -> f32x16<S> {
+        let [y, z] = self.block(simd, column, row);
+        ((y * y + z * z) + 1.0).sqrt() / inverse
+    }
+
     /// From the projected interval of columns and rows to whole rays.
     #[inline(always)]
     fn rectangles<S: Simd>(
@@ -171,19 +190,6 @@ impl Projection for PinholeFan {
             directions[2][lane] = (self.lens.cy - row as f64) / self.lens.fy;
         }
         directions
-    }
-
-    #[inline(always)]
-    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
-        let [y, z] = self.block(simd, column, row);
-        let shorter = f32x16::splat(simd, 1.0) / ((y * y + z * z) + 1.0).sqrt();
-        [shorter, y * shorter, z * shorter]
-    }
-
-    #[inline(always)]
-    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, column: usize, row: usize) -> f32x16<S> {
-        let [y, z] = self.block(simd, column, row);
-        ((y * y + z * z) + 1.0).sqrt() / inverse
     }
 
     #[inline(always)]

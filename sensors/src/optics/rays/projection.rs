@@ -2,8 +2,11 @@
 
 use super::fan::Fan;
 use crate::scene::tree::WIDTH;
-use fearless_simd::{Simd, SimdBase, f32x16, i32x16, mask32x16};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, f64x8, i32x16, mask32x16};
 use glam::DVec3;
+
+/// Nearer than that in metres, distances are not told apart when something is projected.
+pub(crate) const TINY: f32 = 1e-12;
 
 /// Sixteen rectangles of the grid, both ends included. Columns may run past the last one, to be counted on from
 /// column 0, where a grid closes to a ring.
@@ -44,11 +47,13 @@ pub(crate) trait Projection: Copy {
     /// Directions of the rays of a block to the last bit, in units of t: all x, all y, all z.
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3];
 
-    /// Directions of the rays of a block, of length 1.
-    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S>;
-
-    /// Distances along the rays of a block, in metres, from 1/t.
-    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, column: usize, row: usize) -> f32x16<S>;
+    /// The same, eight lanes at a time.
+    #[inline(always)]
+    fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
+        let directions = self.exact_block(column, row);
+        let half = |axis: usize, first: usize| f64x8::from_slice(simd, &directions[axis][first..][..8]);
+        [[half(0, 0), half(0, 8)], [half(1, 0), half(1, 8)], [half(2, 0), half(2, 8)]]
+    }
 
     /// Directions of the rays of a block.
     fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S>;
@@ -99,6 +104,26 @@ pub(crate) fn bounds_of<S: Simd>(corners: &[Points<S>; 3]) -> (Points<S>, Points
     let low = [min(min(a[0], b[0]), c[0]), min(min(a[1], b[1]), c[1]), min(min(a[2], b[2]), c[2])];
     let high = [max(max(a[0], b[0]), c[0]), max(max(a[1], b[1]), c[1]), max(max(a[2], b[2]), c[2])];
     (low, high)
+}
+
+/// Distance of 0 from an interval: 0 inside.
+#[inline(always)]
+pub(crate) fn outside<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
+    max(max(low, -high), f32x16::splat(low.simd, 0.0))
+}
+
+/// The inverse of the distance of boxes, a little more: a bound of 1/t where directions have length 1.
+#[inline(always)]
+pub(crate) fn inverse_distance<S: Simd>(simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
+    let [x, y, z] = [outside(low[0], high[0]), outside(low[1], high[1]), outside(low[2], high[2])];
+    let distance = ((x * x + y * y) + z * z).sqrt();
+    f32x16::splat(simd, 1.0001) / max(distance, f32x16::splat(simd, TINY))
+}
+
+/// plane · direction in three dimensions.
+#[inline(always)]
+pub(crate) fn dot<S: Simd>(plane: &Planes<S>, direction: &Points<S>) -> f32x16<S> {
+    (plane[0] * direction[0] + plane[1] * direction[1]) + plane[2] * direction[2]
 }
 
 /// The lesser; arguments are never NaN, for which SIMD levels differ.

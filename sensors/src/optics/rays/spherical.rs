@@ -1,38 +1,25 @@
 //! Rays of a spinning lidar: columns by azimuth, rows by elevation, both in equal steps, so that t is the range.
 
+mod angles;
+mod grid;
+mod tables;
+mod windows;
+
+pub use grid::SphericalGrid;
+pub(crate) use tables::Steps;
+
 use super::fan::Fan;
-use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, max, min, whole};
+use super::projection::{
+    Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance, max, min, outside,
+};
 use crate::scene::tree::WIDTH;
-use crate::simd::{sin_cos, sqrt, sqrt_f32};
-use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use crate::simd::sqrt_f32;
+use angles::{atan2, azimuth_error, magnitude};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
 use glam::DVec3;
 
-/// The rays of a spinning lidar. Angles in radians; azimuth is counter-clockwise seen from +z, elevation up. Any finite
-/// angles will do: azimuth a and elevation e are the direction (cos a cos e, sin a cos e, sin e), so beyond a pole rays
-/// look the other way.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SphericalGrid {
-    /// Columns, 1 … [`MAX_GRID_SIZE`](crate::optics::MAX_GRID_SIZE).
-    pub columns: u32,
-    /// Rows, 1 … [`MAX_GRID_SIZE`](crate::optics::MAX_GRID_SIZE).
-    pub rows: u32,
-    /// Of the first column.
-    pub first_azimuth_rad: f64,
-    /// From a column to the next.
-    pub azimuth_step_rad: f64,
-    /// Of the first row.
-    pub first_elevation_rad: f64,
-    /// From a row to the next.
-    pub elevation_step_rad: f64,
-}
-
 /// More than the error of [`atan2`] and of the roundings around it, in radians.
 const ANGLE_MARGIN: f32 = 4e-6;
-/// Nearer than that in metres, ranges are not told apart when something is projected.
-const TINY: f32 = 1e-12;
-/// Grids that are narrower, in radians, are bounded as a whole.
-const NARROW: f64 = 1e-5;
 
 /// Cosines and sines of the grid's angles, in the caller's memory.
 #[derive(Debug, Clone, Copy)]
@@ -76,402 +63,6 @@ pub(crate) struct SphericalFan<'a> {
     tumbles: bool,
 }
 
-/// Angles of a grid in radians: that of the first column or row, and the step to the next.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Steps {
-    pub(crate) first: f64,
-    pub(crate) step: f64,
-}
-
-impl Steps {
-    /// The same directions by a first angle of at most `most` (π or more) to both sides, and a step of at most half
-    /// a turn: single precision must tell the angles apart.
-    fn reduced(self, most: f64) -> Self {
-        let within = |angle: f64, most: f64| {
-            if angle.abs() <= most {
-                return angle;
-            }
-            let (sin, cos) = libm::sincos(angle);
-            libm::atan2(sin, cos)
-        };
-        Self { first: within(self.first, most), step: within(self.step, core::f64::consts::PI) }
-    }
-
-    /// Of the last of so many.
-    fn last(self, count: i32) -> f64 {
-        self.first + self.step * f64::from(count - 1)
-    }
-
-    /// Columns or rows per radian, and what bounds are widened by.
-    fn density(self, count: i32) -> (f64, f32) {
-        let margin = |per_radian: f64| 0.01 + ANGLE_MARGIN * per_radian.abs() as f32;
-        if self.step.abs() * f64::from(count - 1) < NARROW {
-            // Angles that are all but the same: either none of them or all.
-            return (1e3, margin(1e3) + (count - 1) as f32);
-        }
-        (1.0 / self.step, margin(1.0 / self.step))
-    }
-
-    /// The angles of the middles of blocks of 2^`shift` columns or rows, which lie `half` a block from the first.
-    #[inline(always)]
-    fn of_blocks(self, half: f64, shift: u32) -> Self {
-        Self { first: self.first + self.step * half, step: self.step * f64::from(1 << shift) }
-    }
-
-    /// Calls `take` with the cosines and sines of each sixteen angles. Those of the first sixteen steps turn the
-    /// first angle of each sixteen: a few products, where sine and cosine are dozens of them.
-    #[inline(always)]
-    fn fill(self, sixteens: usize, mut take: impl FnMut(usize, [f64; WIDTH], [f64; WIDTH])) {
-        let (mut cos_step, mut sin_step) = ([0.0; WIDTH], [0.0; WIDTH]);
-        for lane in 0..WIDTH {
-            (sin_step[lane], cos_step[lane]) = sin_cos(self.step * lane as f64);
-        }
-        for block in 0..sixteens {
-            let (sin, cos) = sin_cos(self.first + self.step * (block * WIDTH) as f64);
-            let (mut cosines, mut sines) = ([0.0; WIDTH], [0.0; WIDTH]);
-            for lane in 0..WIDTH {
-                cosines[lane] = cos * cos_step[lane] - sin * sin_step[lane];
-                sines[lane] = sin * cos_step[lane] + cos * sin_step[lane];
-            }
-            take(block, cosines, sines);
-        }
-    }
-}
-
-impl<'a> SphericalFan<'a> {
-    /// Arrays of sixteen that the tables of a grid take.
-    pub(crate) const fn table_len(fan: &Fan) -> usize {
-        let columns = (fan.width as usize).div_ceil(WIDTH);
-        let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
-        2 * columns
-            + 2 * fan.blocks_down()
-            + 2 * middles
-            + (2 * fan.blocks_down()).div_ceil(WIDTH)
-            + (4 * columns * WIDTH).div_ceil(WIDTH)
-            + (4 * fan.blocks_down() * WIDTH).div_ceil(WIDTH)
-    }
-
-    /// Fills the tables.
-    #[inline(always)]
-    pub(crate) fn new(fan: Fan, azimuth: Steps, elevation: Steps, tables: &'a mut [[f32; WIDTH]]) -> Self {
-        let (azimuth, elevation) =
-            (azimuth.reduced(core::f64::consts::TAU), elevation.reduced(core::f64::consts::PI));
-        let columns = (fan.width as usize).div_ceil(WIDTH);
-        let (cos_azimuth, rest) = tables.split_at_mut(columns);
-        let (sin_azimuth, rest) = rest.split_at_mut(columns);
-        let (cos_elevation, rest) = rest.split_at_mut(fan.blocks_down());
-        let (sin_elevation, rest) = rest.split_at_mut(fan.blocks_down());
-        let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
-        let (cos_middle, rest) = rest.split_at_mut(middles);
-        let (sin_middle, rest) = rest.split_at_mut(middles);
-        let (levels, rest) = rest.split_at_mut((2 * fan.blocks_down()).div_ceil(WIDTH));
-        let levels = &mut levels.as_flattened_mut().as_chunks_mut::<2>().0[..fan.blocks_down()];
-        let (azimuths, rest) = rest.split_at_mut(4 * columns);
-        let azimuths: &mut [[f64; 2]] = bytemuck::cast_slice_mut(azimuths);
-        let elevations: &mut [[f64; 2]] = bytemuck::cast_slice_mut(&mut rest[..4 * fan.blocks_down()]);
-        azimuth.fill(
-            columns,
-            #[inline(always)]
-            |block, cos, sin| {
-                for lane in 0..WIDTH {
-                    azimuths[block * WIDTH + lane] = [cos[lane], sin[lane]];
-                    cos_azimuth[block][lane] = cos[lane] as f32;
-                    sin_azimuth[block][lane] = sin[lane] as f32;
-                }
-            },
-        );
-        // One by one: there are few, and at a pole the sign of a cosine must be right, or the ray is none of its
-        // column's.
-        for (row, angles) in elevations[..fan.blocks_down() << fan.shift_y].iter_mut().enumerate() {
-            let (sin, cos) = sin_cos(elevation.first + elevation.step * row as f64);
-            *angles = [cos, sin];
-        }
-        for block in 0..fan.blocks_down() {
-            for lane in 0..WIDTH {
-                let [cos, sin] = elevations[(block << fan.shift_y) + fan.lane_position(lane).1];
-                cos_elevation[block][lane] = cos as f32;
-                sin_elevation[block][lane] = sin as f32;
-            }
-        }
-        let half = [((1 << fan.shift_x) - 1) as f64 * 0.5, ((1 << fan.shift_y) - 1) as f64 * 0.5];
-        azimuth.of_blocks(half[0], fan.shift_x).fill(
-            middles,
-            #[inline(always)]
-            |block, cos, sin| {
-                cos_middle[block] = cos.map(|cos| cos as f32);
-                sin_middle[block] = sin.map(|sin| sin as f32);
-            },
-        );
-        elevation.of_blocks(half[1], fan.shift_y).fill(
-            levels.len().div_ceil(WIDTH),
-            #[inline(always)]
-            |block, cos, sin| {
-                for (lane, level) in levels[block * WIDTH..].iter_mut().take(WIDTH).enumerate() {
-                    *level = [cos[lane] as f32, sin[lane] as f32];
-                }
-            },
-        );
-        let reach = [half[0] * azimuth.step, half[1] * elevation.step];
-        let arc = if reach[0].abs() <= core::f64::consts::FRAC_PI_2 {
-            let (sin, cos) = sin_cos(reach[0].abs());
-            [cos as f32, sin as f32]
-        } else {
-            [-1.0, 1.0]
-        };
-        let radius = sqrt(reach[0] * reach[0] + reach[1] * reach[1]);
-        let (columns_per_radian, column_margin) = azimuth.density(fan.width);
-        let (rows_per_radian, row_margin) = elevation.density(fan.height);
-        let turn = core::f64::consts::TAU * columns_per_radian.abs();
-        let beyond = |angle: f64| angle.abs() > core::f64::consts::FRAC_PI_2;
-        let tumbles = beyond(elevation.first) || beyond(elevation.last(fan.height));
-        Self {
-            fan,
-            azimuths,
-            elevations,
-            rows: [0, fan.height - 1],
-            cos_azimuth: cos_azimuth.as_flattened(),
-            sin_azimuth: sin_azimuth.as_flattened(),
-            cos_elevation,
-            sin_elevation,
-            cos_middle: cos_middle.as_flattened(),
-            sin_middle: sin_middle.as_flattened(),
-            levels,
-            radius: radius as f32 * 1.0001 + 2e-6,
-            arc,
-            first_azimuth: azimuth.first as f32,
-            columns_per_radian: columns_per_radian as f32,
-            first_elevation: elevation.first as f32,
-            rows_per_radian: rows_per_radian as f32,
-            column_margin,
-            row_margin,
-            turn: turn as f32,
-            row_turn: (core::f64::consts::TAU * rows_per_radian.abs()) as f32,
-            ring: (turn - f64::from(fan.width)).abs() < 1e-6 && !tumbles,
-            overlaps: turn < f64::from(fan.width),
-            tumbles,
-        }
-    }
-
-    /// Intervals of elevation that hold boxes which lie so far up from the sensor and so far from its axis, and
-    /// which of the boxes have a ray at their height at all.
-    #[inline(always)]
-    fn elevations_of_boxes<S: Simd>(
-        &self,
-        simd: S,
-        low: f32x16<S>,
-        high: f32x16<S>,
-        nearest: f32x16<S>,
-        farthest: f32x16<S>,
-    ) -> ([f32x16<S>; 2], mask32x16<S>) {
-        let [cos, sin] = self.levels[0];
-        if self.fan.height == 1 && cos > 0.01 {
-            // One row is a cone around the axis: how far below and above it is the box?
-            let (top, bottom) = if sin > 0.0 { (nearest, farthest) } else { (farthest, nearest) };
-            let slack = (magnitude(low, high) + farthest) * 1e-5;
-            let some = (low * cos - bottom * sin).simd_le(slack) & (high * cos - top * sin).simd_ge(-slack);
-            return ([f32x16::splat(simd, self.first_elevation); 2], some);
-        }
-        let zero = f32x16::splat(simd, 0.0);
-        let elevation = [
-            atan2(low, low.simd_lt(zero).select(nearest, farthest)),
-            atan2(high, high.simd_gt(zero).select(nearest, farthest)),
-        ];
-        (elevation, mask32x16::splat(simd, true))
-    }
-
-    /// From intervals of elevation and of azimuth (its middle, and how far to both sides) to rays.
-    #[inline(always)]
-    fn rectangles<S: Simd>(
-        &self,
-        simd: S,
-        middle: f32x16<S>,
-        [from, to]: [f32x16<S>; 2],
-        elevation: [f32x16<S>; 2],
-        all_round: mask32x16<S>,
-        candidates: mask32x16<S>,
-    ) -> Rectangles<S> {
-        if self.tumbles {
-            return self.rectangles_beyond(simd, middle, [from, to], elevation, all_round, candidates);
-        }
-        let rows = indices(elevation, self.first_elevation, self.rows_per_radian);
-        let [first_row, last_row] = whole(simd, rows, self.row_margin, self.rows);
-
-        let margin = self.column_margin;
-        let columns = indices([middle + from, middle + to], self.first_azimuth, self.columns_per_radian);
-        let first = columns[0] - margin;
-        let length = (columns[1] - columns[0]) + 2.0 * margin;
-        let turn = f32x16::splat(simd, self.turn);
-        let last_column = f32x16::splat(simd, (self.fan.width - 1) as f32);
-        let zero = f32x16::splat(simd, 0.0);
-        // The interval from [0, turn) on, and the same a turn earlier.
-        let first = first - turn * simd.floor_f32x16(first / turn);
-        let last = first + length;
-        let starts = first.simd_le(last_column);
-        let comes_round = last.simd_ge(turn);
-        let both = starts & comes_round;
-        let (begin, end) = if self.ring {
-            (simd.ceil_f32x16(first), simd.floor_f32x16(last))
-        } else {
-            // From both ends at once: all of it, which is rare.
-            let begin = both.select(zero, comes_round.select(zero, first));
-            let mut end = both.select(
-                last_column,
-                comes_round.select(min(last - turn, last_column), min(last, last_column)),
-            );
-            if self.overlaps {
-                // And once more a turn later.
-                end = (first + turn).simd_le(last_column).select(last_column, end);
-            }
-            (simd.ceil_f32x16(begin), simd.floor_f32x16(end))
-        };
-        let all_round = all_round | length.simd_ge(turn - 1.0);
-        let begin = all_round.select(zero, begin);
-        let end = all_round.select(last_column, end);
-        let limit = f32x16::splat(simd, 65_535.0);
-        let first_column = simd.cvt_i32_f32x16(min(begin, limit));
-        let last = simd.cvt_i32_f32x16(min(end, limit));
-        // A ring's interval that starts after the last column starts at the first.
-        let width = i32x16::splat(simd, self.fan.width);
-        let over = first_column.simd_ge(width);
-        let none = i32x16::splat(simd, 0);
-        let (first_column, last) = if self.ring {
-            (over.select(first_column - width, first_column), over.select(last - width, last))
-        } else {
-            (first_column, last)
-        };
-        let some = candidates
-            & first_row.simd_le(last_row)
-            & first_column.simd_le(last)
-            & last.simd_ge(none)
-            & first_column.simd_lt(width);
-        Rectangles { first_column, last_column: last, first_row, last_row, some }
-    }
-
-    /// The same of a grid with rows beyond a pole: something is seen at its own elevation, and at its elevation over
-    /// the pole by the columns that look the other way.
-    #[inline(never)]
-    fn rectangles_beyond<S: Simd>(
-        &self,
-        simd: S,
-        middle: f32x16<S>,
-        [from, to]: [f32x16<S>; 2],
-        [low, high]: [f32x16<S>; 2],
-        all_round: mask32x16<S>,
-        candidates: mask32x16<S>,
-    ) -> Rectangles<S> {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let half_turn = f32x16::splat(simd, PI);
-                let columns = [0, self.fan.width - 1];
-                let window = |middle: f32x16<S>, elevation: [f32x16<S>; 2]| {
-                    let across =
-                        indices([middle + from, middle + to], self.first_azimuth, self.columns_per_radian);
-                    let across = over_turns(across, self.column_margin, self.turn, columns);
-                    let all = [f32x16::splat(simd, 0.0), f32x16::splat(simd, columns[1] as f32)];
-                    let across = [0, 1].map(|end| all_round.select(all[end], across[end]));
-                    let down = indices(elevation, self.first_elevation, self.rows_per_radian);
-                    let down = over_turns(down, self.row_margin, self.row_turn, self.rows);
-                    let some = across[0].simd_le(across[1]) & down[0].simd_le(down[1]) & candidates;
-                    ([across[0], down[0]], [across[1], down[1]], some)
-                };
-                let (first, last, ahead) = window(middle, [low, high]);
-                let (first_over, last_over, over) =
-                    window(middle + half_turn, [half_turn - high, half_turn - low]);
-                let both = |own: f32x16<S>, other: f32x16<S>, joined: f32x16<S>| {
-                    ahead.select(over.select(joined, own), other)
-                };
-                let first = [0, 1].map(|axis| {
-                    let value = both(first[axis], first_over[axis], min(first[axis], first_over[axis]));
-                    simd.cvt_i32_f32x16(value)
-                });
-                let last = [0, 1].map(|axis| {
-                    let value = both(last[axis], last_over[axis], max(last[axis], last_over[axis]));
-                    simd.cvt_i32_f32x16(value)
-                });
-                Rectangles {
-                    first_column: first[0],
-                    last_column: last[0],
-                    first_row: first[1],
-                    last_row: last[1],
-                    some: ahead | over,
-                }
-            },
-        )
-    }
-}
-
-/// Intervals of columns or rows from intervals of angles.
-#[inline(always)]
-fn indices<S: Simd>([low, high]: [f32x16<S>; 2], first: f32, per_radian: f32) -> [f32x16<S>; 2] {
-    let (a, b) = ((low - first) * per_radian, (high - first) * per_radian);
-    [min(a, b), max(a, b)]
-}
-
-/// The first and last whole number from `least` to `most` that lie in the intervals, widened by `margin`, or in those
-/// any number of `turn`s away; first > last if there are none.
-#[inline(always)]
-fn over_turns<S: Simd>(
-    [first, last]: [f32x16<S>; 2],
-    margin: f32,
-    turn: f32,
-    [least, most]: [i32; 2],
-) -> [f32x16<S>; 2] {
-    let simd = first.simd;
-    let (first, last) = (first - margin, last + margin);
-    let length = last - first;
-    let [least, most] = [least, most].map(|end| f32x16::splat(simd, end as f32));
-    // The earliest that ends within, and the latest that begins within.
-    let after = last - least;
-    let earliest = (after - simd.floor_f32x16(after / turn) * turn) + least - length;
-    let before = most - first;
-    let latest = most - (before - simd.floor_f32x16(before / turn) * turn) + length;
-    let all = length.simd_ge(f32x16::splat(simd, turn - 1.0));
-    let begin = all.select(least, simd.ceil_f32x16(max(earliest, least)));
-    let end = all.select(most, simd.floor_f32x16(min(latest, most)));
-    // What begins too late might be beyond what integers hold.
-    [min(begin, most + 1.0), max(end, least - 1.0)]
-}
-
-/// Signed distance of 0 from an interval: 0 inside.
-#[inline(always)]
-fn outside<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
-    max(max(low, -high), f32x16::splat(low.simd, 0.0))
-}
-
-/// The greatest magnitude in an interval.
-#[inline(always)]
-fn magnitude<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
-    max(-low, high)
-}
-
-/// What rounding may do to azimuths of points that far from the vertical axis, given their greatest coordinate.
-#[inline(always)]
-fn azimuth_error<S: Simd>(from_axis: f32x16<S>, farthest: f32x16<S>) -> f32x16<S> {
-    let simd = farthest.simd;
-    let error = farthest * 1e-6 / max(from_axis, f32x16::splat(simd, 1e-30));
-    min(error, f32x16::splat(simd, TAU))
-}
-
-/// Angle of (x, y) to the x axis, to 2e-6 radians: a minimax polynomial for the arc tangent up to 1.
-#[inline(always)]
-fn atan2<S: Simd>(y: f32x16<S>, x: f32x16<S>) -> f32x16<S> {
-    let zero = f32x16::splat(y.simd, 0.0);
-    let (across, along) = (y.abs(), x.abs());
-    let larger = max(max(across, along), f32x16::splat(y.simd, 1e-30));
-    let ratio = min(across, along) / larger;
-    let square = ratio * ratio;
-    let mut series = square * -0.011_719_112 + 0.052_647_293;
-    series = square * series - 0.116_426_43;
-    series = square * series + 0.193_540_36;
-    series = square * series - 0.332_622_83;
-    series = square * series + 0.999_977_23;
-    let angle = ratio * series;
-    let angle = across.simd_gt(along).select(f32x16::splat(y.simd, FRAC_PI_2) - angle, angle);
-    let angle = x.simd_lt(zero).select(f32x16::splat(y.simd, PI) - angle, angle);
-    y.simd_lt(zero).select(-angle, angle)
-}
-
 impl Projection for SphericalFan<'_> {
     type Directions<S: Simd> = [f32x16<S>; 3];
 
@@ -505,16 +96,6 @@ impl Projection for SphericalFan<'_> {
             directions[2][lane] = up;
         }
         directions
-    }
-
-    #[inline(always)]
-    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
-        self.block(simd, column, row)
-    }
-
-    #[inline(always)]
-    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, _column: usize, _row: usize) -> f32x16<S> {
-        f32x16::splat(simd, 1.0) / inverse
     }
 
     #[inline(always)]
@@ -569,14 +150,12 @@ impl Projection for SphericalFan<'_> {
 
     #[inline(always)]
     fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S> {
-        (plane[0] * directions[0] + plane[1] * directions[1]) + plane[2] * directions[2]
+        dot(plane, directions)
     }
 
     #[inline(always)]
     fn inverse_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
-        let [x, y, z] = [outside(low[0], high[0]), outside(low[1], high[1]), outside(low[2], high[2])];
-        let distance = ((x * x + y * y) + z * z).sqrt();
-        f32x16::splat(simd, 1.0001) / max(distance, f32x16::splat(simd, TINY))
+        inverse_distance(simd, low, high)
     }
 
     #[inline(always)]

@@ -5,23 +5,25 @@
 
 mod build;
 mod chart;
+mod error;
 mod layout;
 mod look_up;
-
 #[cfg(feature = "alloc")]
-pub use build::RayTableBuf;
-pub use build::{RayTable, TableError};
+mod owned;
+mod plan;
+
+pub use build::RayTable;
+pub use error::TableError;
+#[cfg(feature = "alloc")]
+pub use owned::RayTableBuf;
 
 use super::fan::Fan;
-use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, max};
+use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance};
 use crate::scene::tree::WIDTH;
 use crate::simd::sqrt_f32;
 use chart::{Kind, Windows};
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, i32x16, mask32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdWiden, f32x16, f64x8, i32x16, mask32x16};
 use glam::DVec3;
-
-/// Nearer than that in metres, ranges are not told apart when something is projected.
-const TINY: f32 = 1e-12;
 
 /// A table of rays, and the rows of it to draw.
 #[derive(Debug, Clone, Copy)]
@@ -69,7 +71,7 @@ impl<'a> TableFan<'a> {
             table.columns.look_up(simd, windows.u)
         };
         let [first_row, last_row] = table.rows.look_up(simd, windows.v);
-        let [least, most] = self.rows.map(|row| i32x16::splat(simd, row));
+        let (least, most) = (i32x16::splat(simd, self.rows[0]), i32x16::splat(simd, self.rows[1]));
         let first_row = first_row.simd_lt(least).select(least, first_row);
         let last_row = last_row.simd_gt(most).select(most, last_row);
         let some = windows.some & first_column.simd_le(last_column) & first_row.simd_le(last_row);
@@ -77,10 +79,9 @@ impl<'a> TableFan<'a> {
     }
 }
 
-/// Distance of 0 from an interval: 0 inside.
 #[inline(always)]
-fn outside<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
-    max(max(low, -high), f32x16::splat(low.simd, 0.0))
+fn sixteen<S: Simd>(simd: S, values: &[f32], first: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &values[first..][..WIDTH])
 }
 
 impl Projection for TableFan<'_> {
@@ -109,13 +110,10 @@ impl Projection for TableFan<'_> {
     }
 
     #[inline(always)]
-    fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
-        self.block(simd, column, row)
-    }
-
-    #[inline(always)]
-    fn distances<S: Simd>(&self, simd: S, inverse: f32x16<S>, _column: usize, _row: usize) -> f32x16<S> {
-        f32x16::splat(simd, 1.0) / inverse
+    fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
+        let [x, y, z] = self.block(simd, column, row);
+        let (x, y, z) = (x.widen(), y.widen(), z.widen());
+        [[x.0, x.1], [y.0, y.1], [z.0, z.1]]
     }
 
     #[inline(always)]
@@ -126,16 +124,24 @@ impl Projection for TableFan<'_> {
 
     #[inline(always)]
     fn rays<S: Simd>(&self, simd: S, columns: i32x16<S>, rows: i32x16<S>) -> Self::Directions<S> {
-        let (mut at_column, mut at_row) = ([0_i32; WIDTH], [0_i32; WIDTH]);
-        columns.store_array(&mut at_column);
-        rows.store_array(&mut at_row);
+        let fan = &self.fan;
+        // Lanes that are done stand past the end; any ray will do for them.
+        let (last_column, last_row) =
+            (i32x16::splat(simd, fan.width - 1), i32x16::splat(simd, fan.height - 1));
+        let columns = columns.simd_lt(last_column).select(columns, last_column);
+        let rows = rows.simd_lt(last_row).select(rows, last_row);
+        let block = (rows >> fan.shift_y) * (fan.blocks_across() as i32) + (columns >> fan.shift_x);
+        let lane = ((rows & ((1 << fan.shift_y) - 1)) << fan.shift_x) | (columns & ((1 << fan.shift_x) - 1));
+        let (mut blocks, mut lanes) = ([0_i32; WIDTH], [0_i32; WIDTH]);
+        block.store_array(&mut blocks);
+        lane.store_array(&mut lanes);
         let mut values = [[0.0_f32; WIDTH]; 3];
-        for lane in 0..WIDTH {
-            let (block, place) = self.place(at_column[lane], at_row[lane]);
-            let [x, y, z] = &self.table.directions[block];
-            values[0][lane] = x[place];
-            values[1][lane] = y[place];
-            values[2][lane] = z[place];
+        for ray in 0..WIDTH {
+            let [x, y, z] = &self.table.directions[blocks[ray] as usize];
+            let lane = lanes[ray] as usize & (WIDTH - 1);
+            values[0][ray] = x[lane];
+            values[1][ray] = y[lane];
+            values[2][ray] = z[lane];
         }
         [
             f32x16::load_array_ref(simd, &values[0]),
@@ -153,14 +159,12 @@ impl Projection for TableFan<'_> {
 
     #[inline(always)]
     fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S> {
-        (plane[0] * directions[0] + plane[1] * directions[1]) + plane[2] * directions[2]
+        dot(plane, directions)
     }
 
     #[inline(always)]
     fn inverse_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
-        let [x, y, z] = [outside(low[0], high[0]), outside(low[1], high[1]), outside(low[2], high[2])];
-        let distance = ((x * x + y * y) + z * z).sqrt();
-        f32x16::splat(simd, 1.0001) / max(distance, f32x16::splat(simd, TINY))
+        inverse_distance(simd, low, high)
     }
 
     #[inline(always)]
@@ -183,9 +187,12 @@ impl Projection for TableFan<'_> {
     #[inline(always)]
     fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S> {
         let first = row * self.fan.blocks_across() + column;
-        let sixteen = |values: &[f32]| f32x16::from_slice(simd, &values[first..][..WIDTH]);
-        let [x, y, z] = self.table.middles.map(sixteen);
+        // One by one: what an array's `map` calls is not always inlined.
+        let x = sixteen(simd, self.table.middles[0], first);
+        let y = sixteen(simd, self.table.middles[1], first);
+        let z = sixteen(simd, self.table.middles[2], first);
+        let radii = sixteen(simd, self.table.radii, first);
         let length = sqrt_f32((plane[0] * plane[0] + plane[1] * plane[1]) + plane[2] * plane[2]);
-        ((x * plane[0] + y * plane[1]) + z * plane[2]) + sixteen(self.table.radii) * length
+        ((x * plane[0] + y * plane[1]) + z * plane[2]) + radii * length
     }
 }

@@ -1,5 +1,6 @@
 //! Shapes that are not made of triangles: exact, in double precision, block by block.
 
+use super::silhouette::Silhouette;
 use super::target::Target;
 use super::triangles::Rules;
 use crate::optics::rays::Projection;
@@ -7,7 +8,10 @@ use crate::scene::tree::WIDTH;
 use crate::trace::packet::Faces;
 use crate::trace::shapes::match_solid;
 use crate::trace::view::View;
-use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
+
+/// So many of sixteen blocks are tested without asking first in which of them the shape may show.
+const FEW_BLOCKS: u32 = 1;
 
 /// The part of the grid on which a shape may be seen.
 pub(super) struct Part {
@@ -34,45 +38,54 @@ pub(super) fn draw<S: Simd, P: Projection>(
     let fan = *projection.fan();
     let blocks_across = fan.blocks_across();
     // From the sensor's axes to the instance's.
-    let rows = view.rows_from_sensor(placed);
+    let to_instance = view.rows_from_sensor(placed);
     let origin = placed.origin_in_instance;
+    let Some(half) = instance.half_extents() else { return };
+    let silhouette = Silhouette::new(half, origin, &to_instance);
     let both = rules.faces == Faces::Both;
-    let [first, last] = part.columns.map(i32::from);
-    let pieces = if last < fan.width {
-        [[first, last], [1, 0]]
-    } else {
-        [[first, fan.width - 1], [0, last - fan.width]]
-    };
+    let pieces = fan.pieces(part.columns.map(i32::from));
     let block_rows = (part.rows[0] >> fan.shift_y) as usize..=(part.rows[1] >> fan.shift_y) as usize;
     for [first, last] in pieces {
         if first > last {
             continue;
         }
+        let (first, last) = ((first >> fan.shift_x) as usize, (last >> fan.shift_x) as usize);
         for row in block_rows.clone() {
-            for column in (first >> fan.shift_x) as usize..=(last >> fan.shift_x) as usize {
-                let block = (row - rules.first_block_row) * blocks_across + column;
-                if target.farthest[block] >= part.nearest {
-                    continue;
+            let start = (row - rules.first_block_row) * blocks_across;
+            let mut column = first;
+            while column <= last {
+                let farthest = f32x16::from_slice(simd, &target.farthest[start + column..][..WIDTH]);
+                let mut lanes = farthest.simd_lt(f32x16::splat(simd, part.nearest)).to_bitmask();
+                if last - column < WIDTH - 1 {
+                    lanes &= (2 << (last - column)) - 1;
                 }
-                let directions = projection.exact_block(column, row);
-                let mut local = [[0.0; WIDTH]; 3];
-                for axis in 0..3 {
-                    let [x, y, z] = rows[axis];
-                    for lane in 0..WIDTH {
-                        local[axis][lane] =
-                            x * directions[0][lane] + y * directions[1][lane] + z * directions[2][lane];
+                if lanes.count_ones() > FEW_BLOCKS {
+                    lanes &= silhouette.shows(simd, projection, [column, row], farthest).to_bitmask();
+                }
+                while lanes != 0 {
+                    let column = column + lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    let [x, y, z] = projection.exact(simd, column, row);
+                    let mut local = [[0.0; WIDTH]; 3];
+                    for axis in 0..3 {
+                        let [a, b, c] = to_instance[axis];
+                        for half in 0..2 {
+                            let turned = (x[half] * a + y[half] * b) + z[half] * c;
+                            turned.store_slice(&mut local[axis][half * 8..][..8]);
+                        }
                     }
+                    let mut inverse = [0.0_f32; WIDTH];
+                    match_solid!(
+                        instance,
+                        inside => for lane in 0..WIDTH {
+                            let direction = [local[0][lane], local[1][lane], local[2][lane]];
+                            inverse[lane] = (1.0 / inside(origin, direction).first(rules.near, both)) as f32;
+                        },
+                        _ => {}
+                    );
+                    commit(simd, target, start + column, placed.first_slot, &inverse);
                 }
-                let mut inverse = [0.0_f32; WIDTH];
-                match_solid!(
-                    instance,
-                    inside => for lane in 0..WIDTH {
-                        let direction = [local[0][lane], local[1][lane], local[2][lane]];
-                        inverse[lane] = (1.0 / inside(origin, direction).first(rules.near, both)) as f32;
-                    },
-                    _ => {}
-                );
-                commit(simd, target, block, placed.first_slot, &inverse);
+                column += WIDTH;
             }
         }
     }

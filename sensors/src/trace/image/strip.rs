@@ -4,8 +4,9 @@
 //! block, all but a few of the sixteen triangles are dropped at once, and each of these meets the sixteen rays
 //! at once. No triangle needs a rectangle of its own.
 
+use super::set_up::{facing, set_up};
 use super::target::Target;
-use super::triangles::{Leaf, Rules, facing, inside, set_up, splat};
+use super::triangles::{Leaf, Rules, inside, splat};
 use crate::optics::rays::Fan;
 use crate::optics::rays::{Planes, Projection, min};
 use crate::scene::tree::WIDTH;
@@ -81,13 +82,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     setup.slots.store_array(&mut triangle_slots);
     let fan = projection.fan();
     let blocks_across = fan.blocks_across();
-    // A ring's rectangle may run over its end.
-    let [first, last] = leaf.columns;
-    let pieces = if last < fan.width {
-        [[first, last], [1, 0]]
-    } else {
-        [[first, fan.width - 1], [0, last - fan.width]]
-    };
+    let pieces = fan.pieces(leaf.columns);
     for row in leaf.rows[0] as usize..=leaf.rows[1] as usize {
         let start = (row - rules.first_block_row) * blocks_across;
         for [first, last] in pieces {

@@ -202,12 +202,7 @@ fn hidden<S: Simd, P: Projection>(
     let fan = projection.fan();
     let blocks_across = fan.blocks_across();
     let nearest = f32x16::splat(simd, entry.nearest);
-    let [first, last] = entry.columns.map(i32::from);
-    let pieces = if last < fan.width {
-        [[first, last], [1, 0]]
-    } else {
-        [[first, fan.width - 1], [0, last - fan.width]]
-    };
+    let pieces = fan.pieces(entry.columns.map(i32::from));
     let rows = (i32::from(entry.rows[0]) >> fan.shift_y) as usize
         ..=(i32::from(entry.rows[1]) >> fan.shift_y) as usize;
     for [first, last] in pieces {

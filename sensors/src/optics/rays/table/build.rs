@@ -1,19 +1,16 @@
 //! Preparing a table of rays.
 
-use super::super::Fan;
 use super::chart::Chart;
+use super::error::{TableError, check_size};
 use super::layout::{Grid, Layout};
-use super::look_up::{Filling, LookUp, Scale, cells};
-use crate::memory::{CacheLine, Cutter, Reader};
+use super::look_up::{LookUp, Scale, cells};
+use super::plan::Plan;
+use crate::memory::{CacheLine, Reader};
 use crate::optics::Lens;
+use crate::optics::rays::Fan;
 use crate::scene::tree::WIDTH;
-use crate::simd::sqrt;
 use glam::{DVec2, DVec3};
 
-/// Columns or rows of a table, at most.
-const MOST: u32 = 16_384;
-/// How far from 1 the length of a direction may be.
-const LENGTH_TOLERANCE: f64 = 1e-4;
 /// Directions of the rays of a sensor, prepared for tracing once and for all in the caller's memory: of a
 /// distorted or fisheye lens, of a lidar with uneven rings, or any others.
 ///
@@ -48,79 +45,6 @@ pub struct RayTable<'a> {
     /// The columns close to a ring: the first follows the last.
     pub(super) ring: bool,
 }
-
-/// What is wrong with a table of rays.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum TableError {
-    /// There are no rays, or more than 16384 columns or rows.
-    Size {
-        /// Columns.
-        width: u32,
-        /// Rows.
-        height: u32,
-    },
-    /// Not a single ray: all pixels lie beyond what the lens maps.
-    Empty,
-    /// Not one direction a ray.
-    Count {
-        /// Columns × rows.
-        expected: usize,
-        /// Directions.
-        found: usize,
-    },
-    /// A direction has a coordinate that is not finite.
-    NotFinite {
-        /// Of the ray.
-        column: u32,
-        /// Of the ray.
-        row: u32,
-    },
-    /// A direction's length is not 1 to within 1e-4.
-    NotUnit {
-        /// Of the ray.
-        column: u32,
-        /// Of the ray.
-        row: u32,
-        /// What it is.
-        length: f64,
-    },
-    /// Fewer cache lines than [`RayTable::required_len`].
-    BufferTooSmall {
-        /// Cache lines that are needed.
-        required: usize,
-        /// Those that there are.
-        found: usize,
-    },
-}
-
-impl core::fmt::Display for TableError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            Self::Size { width, height } => {
-                write!(f, "a table of {width} × {height} rays: there must be 1 to {MOST} columns and rows")
-            }
-            Self::Empty => f.write_str("no pixel sees anything: the lens maps none of them"),
-            Self::Count { expected, found } => {
-                write!(f, "{found} directions for {expected} rays: give one for each, row after row")
-            }
-            Self::NotFinite { column, row } => {
-                write!(f, "the direction at column {column}, row {row} is not finite")
-            }
-            Self::NotUnit { column, row, length } => {
-                write!(
-                    f,
-                    "the direction at column {column}, row {row} has a length of {length}: normalise it to 1"
-                )
-            }
-            Self::BufferTooSmall { required, found } => {
-                write!(f, "a buffer of {found} cache lines: {required} are needed")
-            }
-        }
-    }
-}
-
-impl core::error::Error for TableError {}
 
 impl<'a> RayTable<'a> {
     /// Cache lines that a table needs: about 13 bytes a ray, 16 for each column and row, and 3 kB.
@@ -195,7 +119,7 @@ impl<'a> RayTable<'a> {
     }
 
     /// The table that lies in a buffer.
-    fn cut(plan: Plan, buffer: &'a [CacheLine]) -> Self {
+    pub(super) fn cut(plan: Plan, buffer: &'a [CacheLine]) -> Self {
         let Plan { fan, layout, has_missing, scales } = plan;
         let count = fan.blocks_across() * fan.blocks_down();
         let mut memory = Reader(buffer);
@@ -234,7 +158,7 @@ impl<'a> RayTable<'a> {
     }
 
     #[cfg(feature = "alloc")]
-    fn plan(&self) -> Plan {
+    pub(super) fn plan(&self) -> Plan {
         let layout = Layout { chart: self.chart, ring: self.ring };
         let scales = [self.columns.scale, self.rows.scale];
         Plan { fan: self.fan, layout, has_missing: self.has_missing, scales }
@@ -250,216 +174,7 @@ impl<'a> RayTable<'a> {
     }
 }
 
-/// What is known of a table besides what lies in its buffer.
-#[derive(Debug, Clone, Copy)]
-struct Plan {
-    fan: Fan,
-    layout: Layout,
-    has_missing: bool,
-    /// Of the look-ups of columns and of rows.
-    scales: [Scale; 2],
-}
-
-impl Plan {
-    /// Fills the buffer.
-    fn fill(
-        fan: Fan,
-        direction: impl Fn(u32, u32) -> DVec3,
-        buffer: &mut [CacheLine],
-    ) -> Result<Self, TableError> {
-        let (width, height) = (fan.width as usize, fan.height as usize);
-        let count = fan.blocks_across() * fan.blocks_down();
-        let mut memory = Cutter(buffer);
-        let blocks: &mut [[[f32; WIDTH]; 3]] = memory.take(count);
-        let missing: &mut [u16] = memory.take(count);
-        fill_blocks(&fan, direction, blocks, missing)?;
-        let (blocks, missing) = (&*blocks, &*missing);
-        let mut values: [&mut [f32]; 4] = core::array::from_fn(|_| memory.take(count + WIDTH));
-        fill_middles(blocks, &mut values);
-
-        let rays = Grid { fan, blocks, missing };
-        let mut take = |count: usize| [(); 2].map(|()| memory.take(cells(count) + 1));
-        let mut tables = Tables { columns: take(width), rows: take(height) };
-        let layout = rays.perspective().unwrap_or_else(|| {
-            let around = rays.cylindrical();
-            let mut looseness = |layout: &Layout| {
-                let [columns, rows] = tables.reborrow().fill(&rays, layout);
-                columns.looseness() / width as f64 + rows.looseness() / height as f64
-            };
-            let tighter = |ahead: &Layout| looseness(ahead) < looseness(&around);
-            rays.stereographic().filter(tighter).unwrap_or(around)
-        });
-        let scales = tables.fill(&rays, &layout).map(|look_up| look_up.scale);
-        Ok(Self { fan, layout, has_missing: missing.iter().any(|lanes| *lanes != 0), scales })
-    }
-}
-
-/// A table of rays that owns its memory.
-///
-/// ```
-/// use belvedere_sensors::camera::{Camera, CameraConfig};
-/// use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, RayTableBuf};
-/// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 159.5, cy: 119.5, skew: 0.0 };
-/// let fisheye = RayTableBuf::from_lens(320, 240, &KannalaBrandt::new(intrinsics, [0.0; 4])?)?;
-/// // The pixel a quarter of a turn to the right of the axis: 100 px/rad · π/2.
-/// let [forward, left, _] = fisheye.table().direction(317, 120);
-/// assert!(forward.abs() < 0.01 && left < -0.99);
-/// let camera = Camera::new(CameraConfig::new(&fisheye))?;
-/// assert_eq!(camera.size(), [320, 240]);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[cfg(feature = "alloc")]
-#[derive(Debug, Clone)]
-pub struct RayTableBuf {
-    plan: Plan,
-    buffer: alloc::vec::Vec<CacheLine>,
-}
-
-#[cfg(feature = "alloc")]
-impl RayTableBuf {
-    /// [`RayTable::build`] in memory of its own.
-    ///
-    /// # Errors
-    /// Those of [`RayTable::build`].
-    pub fn build(width: u32, height: u32, directions: &[[f32; 3]]) -> Result<Self, TableError> {
-        Self::with(width, height, |buffer| RayTable::build(width, height, directions, buffer))
-    }
-
-    /// [`RayTable::from_lens`] in memory of its own.
-    ///
-    /// # Errors
-    /// [`TableError::Size`]; [`TableError::Empty`] if the lens maps no pixel.
-    pub fn from_lens(width: u32, height: u32, lens: &(impl Lens + ?Sized)) -> Result<Self, TableError> {
-        Self::with(width, height, |buffer| RayTable::from_lens(width, height, lens, buffer))
-    }
-
-    fn with(
-        width: u32,
-        height: u32,
-        build: impl FnOnce(&mut [CacheLine]) -> Result<RayTable<'_>, TableError>,
-    ) -> Result<Self, TableError> {
-        check_size(width, height)?;
-        let zero = <CacheLine as bytemuck::Zeroable>::zeroed();
-        let mut buffer = alloc::vec![zero; RayTable::required_len(width, height)];
-        let plan = build(&mut buffer)?.plan();
-        Ok(Self { plan, buffer })
-    }
-
-    /// Lends the table to a sensor.
-    pub fn table(&self) -> RayTable<'_> {
-        RayTable::cut(self.plan, &self.buffer)
-    }
-}
-
-fn check_size(width: u32, height: u32) -> Result<(), TableError> {
-    let size = 1..=MOST;
-    if size.contains(&width) && size.contains(&height) {
-        Ok(())
-    } else {
-        Err(TableError::Size { width, height })
-    }
-}
-
 /// Cache lines of both look-ups of columns (or rows), each.
 const fn look_up_lines(count: usize) -> usize {
     ((cells(count) + 1) * size_of::<i16>()).div_ceil(size_of::<CacheLine>())
-}
-
-/// Normalises directions and lays them out in blocks. Where there is no ray, another of its block stands, so that the
-/// block is not wider for it.
-fn fill_blocks(
-    fan: &Fan,
-    direction: impl Fn(u32, u32) -> DVec3,
-    blocks: &mut [[[f32; WIDTH]; 3]],
-    missing: &mut [u16],
-) -> Result<(), TableError> {
-    let mut is_empty = true;
-    for (index, (block, missing)) in blocks.iter_mut().zip(missing).enumerate() {
-        let (across, down) = (index % fan.blocks_across(), index / fan.blocks_across());
-        *missing = 0;
-        let mut filler = None;
-        for lane in 0..WIDTH {
-            let (x, y) = fan.lane_position(lane);
-            let column = ((across << fan.shift_x) + x).min(fan.width as usize - 1) as u32;
-            let row = ((down << fan.shift_y) + y).min(fan.height as usize - 1) as u32;
-            let direction = direction(column, row);
-            if direction == DVec3::ZERO {
-                *missing |= 1 << lane;
-                continue;
-            }
-            if !direction.is_finite() {
-                return Err(TableError::NotFinite { column, row });
-            }
-            let length = sqrt(direction.length_squared());
-            if (length - 1.0).abs() > LENGTH_TOLERANCE {
-                return Err(TableError::NotUnit { column, row, length });
-            }
-            let direction = (direction / length).as_vec3().to_array();
-            filler.get_or_insert(direction);
-            for axis in 0..3 {
-                block[axis][lane] = direction[axis];
-            }
-        }
-        is_empty &= filler.is_none();
-        let filler = filler.unwrap_or([1.0, 0.0, 0.0]);
-        for lane in (0..WIDTH).filter(|lane| *missing >> lane & 1 != 0) {
-            for axis in 0..3 {
-                block[axis][lane] = filler[axis];
-            }
-        }
-    }
-    if is_empty { Err(TableError::Empty) } else { Ok(()) }
-}
-
-/// The middle and the radius of each block; of those past the last they are 0.
-fn fill_middles(blocks: &[[[f32; WIDTH]; 3]], values: &mut [&mut [f32]; 4]) {
-    for values in values.iter_mut() {
-        values.fill(0.0);
-    }
-    for (index, block) in blocks.iter().enumerate() {
-        let middle = block.map(|values| values.iter().sum::<f32>() / WIDTH as f32);
-        let farthest = (0..WIDTH).fold(0.0_f64, |farthest, lane| {
-            let offset = |axis: usize| f64::from(block[axis][lane]) - f64::from(middle[axis]);
-            farthest.max(offset(0) * offset(0) + offset(1) * offset(1) + offset(2) * offset(2))
-        });
-        for axis in 0..3 {
-            values[axis][index] = middle[axis];
-        }
-        // A little more, for what rounding does to planes.
-        values[3][index] = sqrt(farthest) as f32 * 1.0001 + 2e-6;
-    }
-}
-
-/// Memory for the look-ups: the first and the last for each cell.
-struct Tables<'t> {
-    columns: [&'t mut [i16]; 2],
-    rows: [&'t mut [i16]; 2],
-}
-
-impl<'t> Tables<'t> {
-    fn reborrow(&mut self) -> Tables<'_> {
-        let [first_column, last_column] = &mut self.columns;
-        let [first_row, last_row] = &mut self.rows;
-        Tables { columns: [first_column, last_column], rows: [first_row, last_row] }
-    }
-
-    /// The look-ups of columns and rows.
-    fn fill(self, rays: &Grid<'_>, layout: &Layout) -> [LookUp<'t>; 2] {
-        let mut extent = [[f32::INFINITY, f32::NEG_INFINITY]; 2];
-        rays.for_each(|_, _, direction| {
-            for (extent, at) in extent.iter_mut().zip(layout.chart.coordinates(direction)) {
-                *extent = [extent[0].min(at), extent[1].max(at)];
-            }
-        });
-        let [first, last] = self.columns;
-        let mut columns = Filling::new(extent[0], first, last);
-        let [first, last] = self.rows;
-        let mut rows = Filling::new(extent[1], first, last);
-        rays.for_each(|column, row, direction| {
-            let [u, v] = layout.chart.coordinates(direction);
-            columns.add(u, layout.column(rays, column, u));
-            rows.add(v, row);
-        });
-        [columns.finish(), rows.finish()]
-    }
 }

@@ -1,7 +1,7 @@
 //! Which chart suits a table.
 
 use super::super::Fan;
-use super::chart::{Chart, Kind, TURN};
+use super::chart::{Chart, Kind, Stretch, TURN};
 use crate::scene::tree::WIDTH;
 use crate::simd::sqrt;
 use glam::{DMat3, DVec3};
@@ -105,6 +105,18 @@ impl Grid<'_> {
         let v = axis.cross(u);
         let v = if v.dot(down) < 0.0 { -v } else { v };
         Layout { chart: Chart::new(kind, [axis, u, v]), ring: false }
+    }
+
+    /// The same chart, stretched so that columns and rows lie as straight on it as they can.
+    pub(super) fn stretched(&self, layout: &Layout) -> Option<Layout> {
+        let wide = self.fan.width >= self.fan.height;
+        let stretch = Stretch::fit(self.fan.width * self.fan.height, |take| {
+            self.for_each(|column, row, direction| {
+                let [u, v] = layout.chart.coordinates(direction).map(f64::from);
+                if wide { take([u, v], f64::from(column)) } else { take([v, u], f64::from(row)) }
+            });
+        })?;
+        Some(Layout { chart: layout.chart.stretched(stretch), ..*layout })
     }
 
     /// From the first to the last column, summed over rows, and from the first to the last row.

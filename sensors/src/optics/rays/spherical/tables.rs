@@ -1,0 +1,186 @@
+//! Cosines and sines of a grid's angles.
+
+use super::{ANGLE_MARGIN, SphericalFan};
+use crate::optics::rays::Fan;
+use crate::scene::tree::WIDTH;
+use crate::simd::{sin_cos, sqrt};
+
+/// Grids that are narrower, in radians, are bounded as a whole.
+const NARROW: f64 = 1e-5;
+
+/// Angles of a grid in radians: that of the first column or row, and the step to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Steps {
+    pub(crate) first: f64,
+    pub(crate) step: f64,
+}
+
+impl Steps {
+    /// The same directions by a first angle of at most `most` (π or more) to both sides, and a step of at most half
+    /// a turn: single precision must tell the angles apart.
+    fn reduced(self, most: f64) -> Self {
+        let within = |angle: f64, most: f64| {
+            if angle.abs() <= most {
+                return angle;
+            }
+            let (sin, cos) = libm::sincos(angle);
+            libm::atan2(sin, cos)
+        };
+        Self { first: within(self.first, most), step: within(self.step, core::f64::consts::PI) }
+    }
+
+    /// Of the last of so many.
+    fn last(self, count: i32) -> f64 {
+        self.first + self.step * f64::from(count - 1)
+    }
+
+    /// Columns or rows per radian, and what bounds are widened by.
+    fn density(self, count: i32) -> (f64, f32) {
+        let margin = |per_radian: f64| 0.01 + ANGLE_MARGIN * per_radian.abs() as f32;
+        if self.step.abs() * f64::from(count - 1) < NARROW {
+            // Angles that are all but the same: either none of them or all.
+            return (1e3, margin(1e3) + (count - 1) as f32);
+        }
+        (1.0 / self.step, margin(1.0 / self.step))
+    }
+
+    /// The angles of the middles of blocks of 2^`shift` columns or rows, which lie `half` a block from the first.
+    #[inline(always)]
+    fn of_blocks(self, half: f64, shift: u32) -> Self {
+        Self { first: self.first + self.step * half, step: self.step * f64::from(1 << shift) }
+    }
+
+    /// Calls `take` with the cosines and sines of each sixteen angles. Those of the first sixteen steps turn the
+    /// first angle of each sixteen: a few products, where sine and cosine are dozens of them.
+    #[inline(always)]
+    fn fill(self, sixteens: usize, mut take: impl FnMut(usize, [f64; WIDTH], [f64; WIDTH])) {
+        let (mut cos_step, mut sin_step) = ([0.0; WIDTH], [0.0; WIDTH]);
+        for lane in 0..WIDTH {
+            (sin_step[lane], cos_step[lane]) = sin_cos(self.step * lane as f64);
+        }
+        for block in 0..sixteens {
+            let (sin, cos) = sin_cos(self.first + self.step * (block * WIDTH) as f64);
+            let (mut cosines, mut sines) = ([0.0; WIDTH], [0.0; WIDTH]);
+            for lane in 0..WIDTH {
+                cosines[lane] = cos * cos_step[lane] - sin * sin_step[lane];
+                sines[lane] = sin * cos_step[lane] + cos * sin_step[lane];
+            }
+            take(block, cosines, sines);
+        }
+    }
+}
+
+impl<'a> SphericalFan<'a> {
+    /// Arrays of sixteen that the tables of a grid take.
+    pub(crate) const fn table_len(fan: &Fan) -> usize {
+        let columns = (fan.width as usize).div_ceil(WIDTH);
+        let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
+        2 * columns
+            + 2 * fan.blocks_down()
+            + 2 * middles
+            + (2 * fan.blocks_down()).div_ceil(WIDTH)
+            + (4 * columns * WIDTH).div_ceil(WIDTH)
+            + (4 * fan.blocks_down() * WIDTH).div_ceil(WIDTH)
+    }
+
+    /// Fills the tables.
+    #[inline(always)]
+    pub(crate) fn new(fan: Fan, azimuth: Steps, elevation: Steps, tables: &'a mut [[f32; WIDTH]]) -> Self {
+        let (azimuth, elevation) =
+            (azimuth.reduced(core::f64::consts::TAU), elevation.reduced(core::f64::consts::PI));
+        let columns = (fan.width as usize).div_ceil(WIDTH);
+        let (cos_azimuth, rest) = tables.split_at_mut(columns);
+        let (sin_azimuth, rest) = rest.split_at_mut(columns);
+        let (cos_elevation, rest) = rest.split_at_mut(fan.blocks_down());
+        let (sin_elevation, rest) = rest.split_at_mut(fan.blocks_down());
+        let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
+        let (cos_middle, rest) = rest.split_at_mut(middles);
+        let (sin_middle, rest) = rest.split_at_mut(middles);
+        let (levels, rest) = rest.split_at_mut((2 * fan.blocks_down()).div_ceil(WIDTH));
+        let levels = &mut levels.as_flattened_mut().as_chunks_mut::<2>().0[..fan.blocks_down()];
+        let (azimuths, rest) = rest.split_at_mut(4 * columns);
+        let azimuths: &mut [[f64; 2]] = bytemuck::cast_slice_mut(azimuths);
+        let elevations: &mut [[f64; 2]] = bytemuck::cast_slice_mut(&mut rest[..4 * fan.blocks_down()]);
+        azimuth.fill(
+            columns,
+            #[inline(always)]
+            |block, cos, sin| {
+                for lane in 0..WIDTH {
+                    azimuths[block * WIDTH + lane] = [cos[lane], sin[lane]];
+                    cos_azimuth[block][lane] = cos[lane] as f32;
+                    sin_azimuth[block][lane] = sin[lane] as f32;
+                }
+            },
+        );
+        // One by one: there are few, and at a pole the sign of a cosine must be right, or the ray is none of its
+        // column's.
+        for (row, angles) in elevations[..fan.blocks_down() << fan.shift_y].iter_mut().enumerate() {
+            let (sin, cos) = sin_cos(elevation.first + elevation.step * row as f64);
+            *angles = [cos, sin];
+        }
+        for block in 0..fan.blocks_down() {
+            for lane in 0..WIDTH {
+                let [cos, sin] = elevations[(block << fan.shift_y) + fan.lane_position(lane).1];
+                cos_elevation[block][lane] = cos as f32;
+                sin_elevation[block][lane] = sin as f32;
+            }
+        }
+        let half = [((1 << fan.shift_x) - 1) as f64 * 0.5, ((1 << fan.shift_y) - 1) as f64 * 0.5];
+        azimuth.of_blocks(half[0], fan.shift_x).fill(
+            middles,
+            #[inline(always)]
+            |block, cos, sin| {
+                cos_middle[block] = cos.map(|cos| cos as f32);
+                sin_middle[block] = sin.map(|sin| sin as f32);
+            },
+        );
+        elevation.of_blocks(half[1], fan.shift_y).fill(
+            levels.len().div_ceil(WIDTH),
+            #[inline(always)]
+            |block, cos, sin| {
+                for (lane, level) in levels[block * WIDTH..].iter_mut().take(WIDTH).enumerate() {
+                    *level = [cos[lane] as f32, sin[lane] as f32];
+                }
+            },
+        );
+        let reach = [half[0] * azimuth.step, half[1] * elevation.step];
+        let arc = if reach[0].abs() <= core::f64::consts::FRAC_PI_2 {
+            let (sin, cos) = sin_cos(reach[0].abs());
+            [cos as f32, sin as f32]
+        } else {
+            [-1.0, 1.0]
+        };
+        let radius = sqrt(reach[0] * reach[0] + reach[1] * reach[1]);
+        let (columns_per_radian, column_margin) = azimuth.density(fan.width);
+        let (rows_per_radian, row_margin) = elevation.density(fan.height);
+        let turn = core::f64::consts::TAU * columns_per_radian.abs();
+        let beyond = |angle: f64| angle.abs() > core::f64::consts::FRAC_PI_2;
+        let tumbles = beyond(elevation.first) || beyond(elevation.last(fan.height));
+        Self {
+            fan,
+            azimuths,
+            elevations,
+            rows: [0, fan.height - 1],
+            cos_azimuth: cos_azimuth.as_flattened(),
+            sin_azimuth: sin_azimuth.as_flattened(),
+            cos_elevation,
+            sin_elevation,
+            cos_middle: cos_middle.as_flattened(),
+            sin_middle: sin_middle.as_flattened(),
+            levels,
+            radius: radius as f32 * 1.0001 + 2e-6,
+            arc,
+            first_azimuth: azimuth.first as f32,
+            columns_per_radian: columns_per_radian as f32,
+            first_elevation: elevation.first as f32,
+            rows_per_radian: rows_per_radian as f32,
+            column_margin,
+            row_margin,
+            turn: turn as f32,
+            row_turn: (core::f64::consts::TAU * rows_per_radian.abs()) as f32,
+            ring: (turn - f64::from(fan.width)).abs() < 1e-6 && !tumbles,
+            overlaps: turn < f64::from(fan.width),
+            tumbles,
+        }
+    }
+}

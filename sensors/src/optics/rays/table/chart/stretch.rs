@@ -1,0 +1,263 @@
+//! The radial stretch of a chart on which columns and rows of a lens lie straight.
+//!
+//! A lens's picture is a chart of its directions, too, but one on which boxes and triangles are hard to bound. About
+//! its axis nearly all of what makes it differ from a chart that looks ahead is a factor g(ρ²), with which a point's
+//! distance ρ from the axis is multiplied. So bounds are found on the chart, and stretched: then columns depend on one
+//! coordinate and rows on the other, but for what is not round about a lens.
+
+use super::{MARGIN, Windows};
+use crate::optics::rays::projection::{max, min, outside};
+use fearless_simd::{Select, Simd, SimdBase, f32x16};
+
+/// Powers of the polynomial.
+const DEGREE: usize = 8;
+/// Its coefficients, and the centre of the numbers.
+const UNKNOWN: usize = DEGREE + 2;
+/// Rays that the polynomial is fitted to, about.
+const SAMPLES: i32 = 16_384;
+/// Places at which a stretch is looked at.
+const STEPS: usize = 512;
+/// What may lie between those.
+const BETWEEN: f64 = 1.02;
+
+/// A factor that depends on the square of the distance from the axis: a polynomial of `square` · `scale` − 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in super::super) struct Stretch {
+    scale: f32,
+    factor: [f32; DEGREE + 1],
+    /// Of the factor by the square.
+    slope: [f32; DEGREE],
+    /// No ray has a greater square.
+    rays: f32,
+    /// Up to which square it is a stretch.
+    known: f32,
+    /// The least and greatest factor of a ray.
+    factors: [f32; 2],
+    /// Half of the greatest second derivative of the factor by the square.
+    half_second: f32,
+    /// What rounding does to stretched coordinates, at most.
+    rounding: f32,
+    /// How many times as long anything may become.
+    longest: f32,
+    /// How far the image of a straight line may be from that of its chord, by the square of its length.
+    bulge: f32,
+}
+
+impl Stretch {
+    /// The one that makes numbers of columns (or rows) proportional to the coordinate that runs with them, but for
+    /// where they begin, as nearly as there is one. `samples` calls its argument with pairs of coordinates, that which
+    /// runs with the numbers first, and numbers, of so many rays.
+    pub(in super::super) fn fit(count: i32, samples: impl Fn(&mut dyn FnMut([f64; 2], f64))) -> Option<Self> {
+        let square = |[u, v]: [f64; 2]| u * u + v * v;
+        let mut rays = 0.0_f64;
+        samples(&mut |at, _| rays = rays.max(square(at)));
+        // Narrower ones are straight enough.
+        if rays < 1e-3 {
+            return None;
+        }
+        // Single precision may have put a ray farther out.
+        rays *= 1.000_01;
+        let scale = f64::from((2.0 / rays) as f32);
+        let stride = (count / SAMPLES).max(1);
+        let mut equations = [[0.0; UNKNOWN + 1]; UNKNOWN];
+        let mut number_of_sample = 0;
+        samples(&mut |at, number| {
+            number_of_sample += 1;
+            if number_of_sample % stride != 0 {
+                return;
+            }
+            let argument = square(at) * scale - 1.0;
+            let mut terms = [1.0; UNKNOWN + 1];
+            let mut power = at[0];
+            for term in &mut terms[1..UNKNOWN] {
+                *term = power;
+                power *= argument;
+            }
+            terms[UNKNOWN] = number;
+            for (equation, term) in equations.iter_mut().zip(terms) {
+                for (sum, other) in equation.iter_mut().zip(terms) {
+                    *sum += term * other;
+                }
+            }
+        });
+        let solution = solve(equations)?;
+        let factor: [f64; DEGREE + 1] = core::array::from_fn(|power| solution[power + 1]);
+        // 1 on the axis.
+        let at_axis = polynomial(&factor, -1.0);
+        let factor = factor.map(|coefficient| (coefficient / at_axis) as f32);
+        if !factor.iter().all(|coefficient| coefficient.is_finite()) {
+            return None;
+        }
+        let stretch = Self::of(factor, scale, rays, rays)?;
+        // Triangles reach beyond the rays: as far out as that costs little elsewhere.
+        let farther = [1.3, 1.15, 1.05].into_iter().find_map(|beyond| {
+            let other = Self::of(factor, scale, rays, rays * beyond)?;
+            let is_close =
+                other.bulge < 1.25 * stretch.bulge && other.half_second < 1.25 * stretch.half_second;
+            is_close.then_some(other)
+        });
+        Some(farther.unwrap_or(stretch))
+    }
+
+    /// Unless directions would come to lie over each other.
+    fn of(factor: [f32; DEGREE + 1], scale: f64, rays: f64, known: f64) -> Option<Self> {
+        let exact = factor.map(f64::from);
+        let by_square: [f64; DEGREE] =
+            core::array::from_fn(|power| exact[power + 1] * (power + 1) as f64 * scale);
+        let second: [f64; DEGREE - 1] =
+            core::array::from_fn(|power| by_square[power + 1] * (power + 1) as f64 * scale);
+        let mut factors = [f64::INFINITY, f64::NEG_INFINITY];
+        let (mut most_second, mut longest, mut bend) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for step in 0..=STEPS {
+            let square = known * step as f64 / STEPS as f64;
+            let argument = square * scale - 1.0;
+            let [factor, slope, second] = [
+                polynomial(&exact, argument),
+                polynomial(&by_square, argument),
+                polynomial(&second, argument),
+            ];
+            // Of the stretched distance by the distance.
+            let radial = factor + 2.0 * square * slope;
+            if !(factor > 0.02 && radial > 0.02) {
+                return None;
+            }
+            let distance = crate::simd::sqrt(square);
+            factors = [factors[0].min(factor), factors[1].max(factor)];
+            most_second = most_second.max(second.abs());
+            longest = longest.max(factor).max(radial);
+            bend = bend.max(6.0 * distance * slope.abs() + 4.0 * distance * square * second.abs());
+        }
+        // What rounding grows with: as if all terms of factor and slope had one sign.
+        let farthest = known * scale - 1.0;
+        let terms: [f64; DEGREE + 1] = core::array::from_fn(|power| exact[power].abs() * (power + 1) as f64);
+        let sum = polynomial(&terms, farthest.max(1.0));
+        Some(Self {
+            scale: scale as f32,
+            factor,
+            slope: by_square.map(|coefficient| coefficient as f32),
+            rays: rays as f32,
+            known: known as f32,
+            factors: [factors[0] / BETWEEN, factors[1] * BETWEEN].map(|factor| factor as f32),
+            half_second: (most_second * 0.5 * BETWEEN) as f32,
+            rounding: (f64::from(MARGIN) * (1.0 + known) * (longest + sum)) as f32,
+            longest: (longest * BETWEEN) as f32,
+            // An eighth, of a chord that is a little shorter than what it belongs to.
+            bulge: (bend * 0.13 * BETWEEN) as f32,
+        })
+    }
+
+    /// Where a point of the chart comes to lie.
+    pub(super) fn point(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let argument = (u * u + v * v) * f64::from(self.scale) - 1.0;
+        let factor = polynomial(&self.factor.map(f64::from), argument);
+        [u * factor, v * factor]
+    }
+
+    /// The same for sixteen, and which of them it is known for.
+    #[inline(always)]
+    pub(super) fn points<S: Simd>(
+        &self,
+        [u, v]: [f32x16<S>; 2],
+    ) -> ([f32x16<S>; 2], fearless_simd::mask32x16<S>) {
+        let square = u * u + v * v;
+        let known = square.simd_le(f32x16::splat(u.simd, self.known));
+        let factor =
+            evaluate(&self.factor, min(square, f32x16::splat(u.simd, self.known)) * self.scale - 1.0);
+        ([u * factor, v * factor], known)
+    }
+
+    /// What windows around the stretched corners of a triangle are widened by, given the square of its greatest
+    /// extent on the chart, and how far its edges may bulge there, by the same.
+    #[inline(always)]
+    pub(super) fn margin<S: Simd>(&self, square: f32x16<S>, bulge: f32) -> f32x16<S> {
+        square * (self.bulge + self.longest * bulge) + self.rounding
+    }
+
+    /// Windows that hold the stretched windows, as far as rays go.
+    #[inline(always)]
+    pub(super) fn windows<S: Simd>(&self, simd: S, windows: &Windows<S>) -> Windows<S> {
+        let reach = f32x16::splat(simd, crate::simd::sqrt_f32(self.rays) * 1.000_01);
+        let some = windows.u[0].simd_le(reach)
+            & windows.v[0].simd_le(reach)
+            & windows.u[1].simd_ge(-reach)
+            & windows.v[1].simd_ge(-reach)
+            & windows.some;
+        let (u, v) = (within(windows.u, reach), within(windows.v, reach));
+        Windows { u: self.interval(simd, u, v), v: self.interval(simd, v, u), some }
+    }
+
+    /// The interval that holds stretched coordinates, and the other ones lie in an interval, too.
+    #[inline(always)]
+    fn interval<S: Simd>(
+        &self,
+        simd: S,
+        [least, most]: [f32x16<S>; 2],
+        across: [f32x16<S>; 2],
+    ) -> [f32x16<S>; 2] {
+        let (near, far) = (outside(across[0], across[1]), max(-across[0], across[1]));
+        let squares = [near * near, far * far];
+        [-self.most(simd, -least, squares), self.most(simd, most, squares)]
+    }
+
+    /// A bound from above of a stretched coordinate, where the square of the other one lies between two. It rises with
+    /// the coordinate itself, so that this is the greatest.
+    #[inline(always)]
+    fn most<S: Simd>(&self, simd: S, coordinate: f32x16<S>, others: [f32x16<S>; 2]) -> f32x16<S> {
+        let own = coordinate * coordinate;
+        let rays = f32x16::splat(simd, self.rays);
+        let (near, far) = (min(own + others[0], rays), min(own + others[1], rays));
+        let (middle, half) = ((near + far) * 0.5, (far - near) * 0.5);
+        let argument = middle * self.scale - 1.0;
+        let factor = evaluate(&self.factor, argument);
+        let spread = (evaluate(&self.slope, argument).abs() + half * self.half_second) * half;
+        let least = max(factor - spread, f32x16::splat(simd, self.factors[0]));
+        let most = min(factor + spread, f32x16::splat(simd, self.factors[1]));
+        let zero = f32x16::splat(simd, 0.0);
+        coordinate * coordinate.simd_gt(zero).select(most, least) + self.rounding
+    }
+}
+
+/// Intervals cut off at ±`reach`.
+#[inline(always)]
+fn within<S: Simd>([least, most]: [f32x16<S>; 2], reach: f32x16<S>) -> [f32x16<S>; 2] {
+    [max(min(least, reach), -reach), max(min(most, reach), -reach)]
+}
+
+fn polynomial(coefficients: &[f64], argument: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * argument + coefficient)
+}
+
+#[inline(always)]
+fn evaluate<S: Simd, const N: usize>(coefficients: &[f32; N], argument: f32x16<S>) -> f32x16<S> {
+    let mut sum = f32x16::splat(argument.simd, coefficients[N - 1]);
+    for power in (0..N - 1).rev() {
+        sum = sum * argument + coefficients[power];
+    }
+    sum
+}
+
+/// Solves linear equations, whose right sides are the last column, by elimination.
+fn solve(mut equations: [[f64; UNKNOWN + 1]; UNKNOWN]) -> Option<[f64; UNKNOWN]> {
+    for column in 0..UNKNOWN {
+        let pivot = (column..UNKNOWN)
+            .max_by(|&a, &b| equations[a][column].abs().total_cmp(&equations[b][column].abs()))?;
+        equations.swap(column, pivot);
+        let first = equations[column];
+        if first[column].abs() < 1e-12 {
+            return None;
+        }
+        for equation in &mut equations[column + 1..] {
+            let share = equation[column] / first[column];
+            for (value, pivot) in equation.iter_mut().zip(first) {
+                *value -= share * pivot;
+            }
+        }
+    }
+    let mut solution = [0.0; UNKNOWN];
+    for row in (0..UNKNOWN).rev() {
+        let equation = &equations[row];
+        let known: f64 = (row + 1..UNKNOWN).map(|column| equation[column] * solution[column]).sum();
+        solution[row] = (equation[UNKNOWN] - known) / equation[row];
+    }
+    Some(solution)
+}

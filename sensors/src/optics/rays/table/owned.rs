@@ -1,0 +1,62 @@
+//! Tables that own their memory.
+
+use super::RayTable;
+use super::error::{TableError, check_size};
+use super::plan::Plan;
+use crate::memory::CacheLine;
+use crate::optics::Lens;
+
+/// A table of rays that owns its memory.
+///
+/// ```
+/// use belvedere_sensors::camera::{Camera, CameraConfig};
+/// use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, RayTableBuf};
+/// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 159.5, cy: 119.5, skew: 0.0 };
+/// let fisheye = RayTableBuf::from_lens(320, 240, &KannalaBrandt::new(intrinsics, [0.0; 4])?)?;
+/// // The pixel a quarter of a turn to the right of the axis: 100 px/rad · π/2.
+/// let [forward, left, _] = fisheye.table().direction(317, 120);
+/// assert!(forward.abs() < 0.01 && left < -0.99);
+/// let camera = Camera::new(CameraConfig::new(&fisheye))?;
+/// assert_eq!(camera.size(), [320, 240]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct RayTableBuf {
+    plan: Plan,
+    buffer: alloc::vec::Vec<CacheLine>,
+}
+
+impl RayTableBuf {
+    /// [`RayTable::build`] in memory of its own.
+    ///
+    /// # Errors
+    /// Those of [`RayTable::build`].
+    pub fn build(width: u32, height: u32, directions: &[[f32; 3]]) -> Result<Self, TableError> {
+        Self::with(width, height, |buffer| RayTable::build(width, height, directions, buffer))
+    }
+
+    /// [`RayTable::from_lens`] in memory of its own.
+    ///
+    /// # Errors
+    /// [`TableError::Size`]; [`TableError::Empty`] if the lens maps no pixel.
+    pub fn from_lens(width: u32, height: u32, lens: &(impl Lens + ?Sized)) -> Result<Self, TableError> {
+        Self::with(width, height, |buffer| RayTable::from_lens(width, height, lens, buffer))
+    }
+
+    fn with(
+        width: u32,
+        height: u32,
+        build: impl FnOnce(&mut [CacheLine]) -> Result<RayTable<'_>, TableError>,
+    ) -> Result<Self, TableError> {
+        check_size(width, height)?;
+        let zero = <CacheLine as bytemuck::Zeroable>::zeroed();
+        let mut buffer = alloc::vec![zero; RayTable::required_len(width, height)];
+        let plan = build(&mut buffer)?.plan();
+        Ok(Self { plan, buffer })
+    }
+
+    /// Lends the table to a sensor.
+    pub fn table(&self) -> RayTable<'_> {
+        RayTable::cut(self.plan, &self.buffer)
+    }
+}

@@ -1,0 +1,166 @@
+//! Filling a table's memory.
+
+use super::error::TableError;
+use super::layout::{Grid, Layout};
+use super::look_up::{Filling, LookUp, Scale, cells};
+use crate::memory::{CacheLine, Cutter};
+use crate::optics::rays::Fan;
+use crate::scene::tree::WIDTH;
+use crate::simd::sqrt;
+use glam::DVec3;
+
+/// How far from 1 the length of a direction may be.
+const LENGTH_TOLERANCE: f64 = 1e-4;
+/// A chart that takes more work must be so much tighter.
+const TIGHTER: f64 = 0.9;
+
+/// What is known of a table besides what lies in its buffer.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plan {
+    pub(super) fan: Fan,
+    pub(super) layout: Layout,
+    pub(super) has_missing: bool,
+    /// Of the look-ups of columns and of rows.
+    pub(super) scales: [Scale; 2],
+}
+
+impl Plan {
+    /// Fills the buffer.
+    pub(super) fn fill(
+        fan: Fan,
+        direction: impl Fn(u32, u32) -> DVec3,
+        buffer: &mut [CacheLine],
+    ) -> Result<Self, TableError> {
+        let (width, height) = (fan.width as usize, fan.height as usize);
+        let count = fan.blocks_across() * fan.blocks_down();
+        let mut memory = Cutter(buffer);
+        let blocks: &mut [[[f32; WIDTH]; 3]] = memory.take(count);
+        let missing: &mut [u16] = memory.take(count);
+        fill_blocks(&fan, direction, blocks, missing)?;
+        let (blocks, missing) = (&*blocks, &*missing);
+        let mut values: [&mut [f32]; 4] = core::array::from_fn(|_| memory.take(count + WIDTH));
+        fill_middles(blocks, &mut values);
+
+        let rays = Grid { fan, blocks, missing };
+        let mut take = |count: usize| [(); 2].map(|()| memory.take(cells(count) + 1));
+        let mut tables = Tables { columns: take(width), rows: take(height) };
+        let mut looseness = |layout: &Layout| {
+            let [columns, rows] = tables.reborrow().fill(&rays, layout);
+            columns.looseness() / width as f64 + rows.looseness() / height as f64
+        };
+        let perspective = rays.perspective();
+        let ahead = perspective.or_else(|| rays.stereographic());
+        let around = if perspective.is_none() { Some(rays.cylindrical()) } else { None };
+        let stretched = ahead.and_then(|layout| rays.stretched(&layout));
+        // The simplest of those that are about as tight.
+        let mut layout = None;
+        for candidate in [ahead, stretched, around].into_iter().flatten() {
+            let looseness = looseness(&candidate);
+            if layout.is_none_or(|(_, least)| looseness < least * TIGHTER) {
+                layout = Some((candidate, looseness));
+            }
+        }
+        let layout = layout.map_or_else(|| rays.cylindrical(), |(layout, _)| layout);
+        let scales = tables.fill(&rays, &layout).map(|look_up| look_up.scale);
+        Ok(Self { fan, layout, has_missing: missing.iter().any(|lanes| *lanes != 0), scales })
+    }
+}
+
+/// Normalises directions and lays them out in blocks. Where there is no ray, another of its block stands, so that the
+/// block is not wider for it.
+fn fill_blocks(
+    fan: &Fan,
+    direction: impl Fn(u32, u32) -> DVec3,
+    blocks: &mut [[[f32; WIDTH]; 3]],
+    missing: &mut [u16],
+) -> Result<(), TableError> {
+    let mut is_empty = true;
+    for (index, (block, missing)) in blocks.iter_mut().zip(missing).enumerate() {
+        let (across, down) = (index % fan.blocks_across(), index / fan.blocks_across());
+        *missing = 0;
+        let mut filler = None;
+        for lane in 0..WIDTH {
+            let (x, y) = fan.lane_position(lane);
+            let column = ((across << fan.shift_x) + x).min(fan.width as usize - 1) as u32;
+            let row = ((down << fan.shift_y) + y).min(fan.height as usize - 1) as u32;
+            let direction = direction(column, row);
+            if direction == DVec3::ZERO {
+                *missing |= 1 << lane;
+                continue;
+            }
+            if !direction.is_finite() {
+                return Err(TableError::NotFinite { column, row });
+            }
+            let length = sqrt(direction.length_squared());
+            if (length - 1.0).abs() > LENGTH_TOLERANCE {
+                return Err(TableError::NotUnit { column, row, length });
+            }
+            let direction = (direction / length).as_vec3().to_array();
+            filler.get_or_insert(direction);
+            for axis in 0..3 {
+                block[axis][lane] = direction[axis];
+            }
+        }
+        is_empty &= filler.is_none();
+        let filler = filler.unwrap_or([1.0, 0.0, 0.0]);
+        for lane in (0..WIDTH).filter(|lane| *missing >> lane & 1 != 0) {
+            for axis in 0..3 {
+                block[axis][lane] = filler[axis];
+            }
+        }
+    }
+    if is_empty { Err(TableError::Empty) } else { Ok(()) }
+}
+
+/// The middle and the radius of each block; of those past the last they are 0.
+fn fill_middles(blocks: &[[[f32; WIDTH]; 3]], values: &mut [&mut [f32]; 4]) {
+    for values in values.iter_mut() {
+        values.fill(0.0);
+    }
+    for (index, block) in blocks.iter().enumerate() {
+        let middle = block.map(|values| values.iter().sum::<f32>() / WIDTH as f32);
+        let farthest = (0..WIDTH).fold(0.0_f64, |farthest, lane| {
+            let offset = |axis: usize| f64::from(block[axis][lane]) - f64::from(middle[axis]);
+            farthest.max(offset(0) * offset(0) + offset(1) * offset(1) + offset(2) * offset(2))
+        });
+        for axis in 0..3 {
+            values[axis][index] = middle[axis];
+        }
+        // A little more, for what rounding does to planes.
+        values[3][index] = sqrt(farthest) as f32 * 1.0001 + 2e-6;
+    }
+}
+
+/// Memory for the look-ups: the first and the last for each cell.
+struct Tables<'t> {
+    columns: [&'t mut [i16]; 2],
+    rows: [&'t mut [i16]; 2],
+}
+
+impl<'t> Tables<'t> {
+    fn reborrow(&mut self) -> Tables<'_> {
+        let [first_column, last_column] = &mut self.columns;
+        let [first_row, last_row] = &mut self.rows;
+        Tables { columns: [first_column, last_column], rows: [first_row, last_row] }
+    }
+
+    /// The look-ups of columns and rows.
+    fn fill(self, rays: &Grid<'_>, layout: &Layout) -> [LookUp<'t>; 2] {
+        let mut extent = [[f32::INFINITY, f32::NEG_INFINITY]; 2];
+        rays.for_each(|_, _, direction| {
+            for (extent, at) in extent.iter_mut().zip(layout.chart.coordinates(direction)) {
+                *extent = [extent[0].min(at), extent[1].max(at)];
+            }
+        });
+        let [first, last] = self.columns;
+        let mut columns = Filling::new(extent[0], first, last);
+        let [first, last] = self.rows;
+        let mut rows = Filling::new(extent[1], first, last);
+        rays.for_each(|column, row, direction| {
+            let [u, v] = layout.chart.coordinates(direction);
+            columns.add(u, layout.column(rays, column, u));
+            rows.add(v, row);
+        });
+        [columns.finish(), rows.finish()]
+    }
+}

@@ -12,6 +12,7 @@ mod idle;
 mod lenses;
 mod machine;
 mod measure;
+mod moments;
 mod options;
 #[path = "../scenes/mod.rs"]
 mod scenes;
@@ -65,6 +66,7 @@ fn run(options: &Options) -> Result<(), String> {
     }
     frames::run(&mut gate, simd);
     lenses::run(&mut gate, simd);
+    moments::run(&mut gate, simd);
 
     if gate.measured + gate.left_out == 0 {
         return Err(format!("no entry's name contains {:?}", options.filter));

@@ -6,7 +6,9 @@ mod common;
 use belvedere_sensors::camera::{Camera, CameraConfig, Picture};
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, Lens, Optics, Pinhole, RayTableBuf};
 use belvedere_sensors::scene::{InstanceConfig, Scene, SceneBuilder, Shape, visibility};
-use belvedere_sensors::trace::{Faces, Hits, Truth, WorkspaceBuf, cast_grid, grid_workspace_len};
+use belvedere_sensors::trace::{
+    Faces, Hits, SeenBox, Truth, WorkspaceBuf, cast_grid, grid_workspace_len, seen_boxes,
+};
 use belvedere_sensors::{Capture, Moment, Pose, SenseError, Sensor, Slice};
 use common::{camera_of, scenery};
 use glam::{DVec2, DVec3, Vec3};
@@ -282,6 +284,43 @@ fn flow_is_where_the_same_point_is_seen() {
         println!("{compared} points, {worst:?} px at worst, {lost} not found");
         assert!(compared > 10_000 && lost == 0 && worst.iter().all(|&worst| worst < 0.01));
     }
+}
+
+#[test]
+fn boxes_are_those_of_the_pixels_and_hold_them_in_space() {
+    let story = Story::new();
+    let scene = story.builder.scene();
+    let moment = story.builder.moment(Story::sensor(0.0));
+    let config = camera_of(SIZE, 1.4);
+    let lens = Pinhole::new(common::pinhole(&config).intrinsics()).unwrap();
+    let known = truth(&scene, config, &Capture::new(0, moment));
+    let mut boxes = vec![SeenBox::EMPTY; scene.instances().len()];
+    seen_boxes(&known.instance, SIZE[0] as usize, &mut boxes);
+    let pixels = || {
+        let place = |ray: usize| [ray as u32 % SIZE[0], ray as u32 / SIZE[0]];
+        known.instance.iter().enumerate().map(move |(ray, &instance)| (ray, place(ray), instance as usize))
+    };
+    let mut seen = 0;
+    for (index, found) in boxes.iter().enumerate() {
+        let mut expected = SeenBox::EMPTY;
+        let [low, high] = scene.bounds(index).unwrap();
+        for (ray, [x, y], _) in pixels().filter(|&(.., instance)| instance == index) {
+            expected.min = [expected.min[0].min(x), expected.min[1].min(y)];
+            expected.max = [expected.max[0].max(x), expected.max[1].max(y)];
+            expected.pixels += 1;
+            // The point itself, in the thing's own axes.
+            let optical = lens.unproject(DVec2::new(x.into(), y.into())).unwrap();
+            let ahead = optical / optical.z * f64::from(known.depth[ray]);
+            let in_world = moment.world_from_sensor.transform_point(DVec3::new(ahead.z, -ahead.x, -ahead.y));
+            let point = story.builder.poses()[index].inverse().transform_point(in_world);
+            let slack = DVec3::splat(1e-4);
+            assert!(point.cmpge(low - slack).all() && point.cmple(high + slack).all(), "{index}: {point}");
+        }
+        assert_eq!(*found, expected, "{index}");
+        seen += u32::from(!found.is_empty());
+    }
+    assert!(seen > 5, "{seen} things are seen");
+    assert_eq!(scene.bounds(boxes.len()), None);
 }
 
 #[test]

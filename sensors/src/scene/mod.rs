@@ -101,6 +101,15 @@ pub struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
+    /// Least and greatest corner of the box that holds an instance, along its own axes and in its scale; none if there is
+    /// no such instance. An endless plane's is 2e15 m wide.
+    pub fn bounds(&self, instance: usize) -> Option<[DVec3; 2]> {
+        let instance = self.instances.get(instance)?;
+        let [a, b] = self.local_bounds(instance).map(|corner| corner * DVec3::from_array(instance.scale));
+        // A negative scale changes them over.
+        Some([a.min(b), a.max(b)])
+    }
+
     /// The instances, in the order in which they were added.
     pub fn instances(&self) -> &'a [Instance] {
         self.instances

@@ -6,6 +6,7 @@
 //! that none can meet is left out for all.
 
 mod any_hit;
+mod boxes;
 mod cast;
 pub(crate) mod error;
 pub(crate) mod face;
@@ -32,6 +33,7 @@ pub(crate) mod truth;
 pub(crate) mod view;
 
 pub use crate::memory::CacheLine;
+pub use boxes::{SeenBox, seen_boxes};
 pub use cast::{Hits, cast_grid, grid_workspace_len};
 pub use error::SenseError;
 pub use memory::Workspace;

@@ -19,7 +19,7 @@
 //!
 //! Features: `std` (default) finds the SIMD level at run time; `alloc` gives the owned
 //! [`SceneBuilder`](scene::SceneBuilder) and [`WorkspaceBuf`](trace::WorkspaceBuf); `rayon` spreads a frame over
-//! threads; `parry` takes in shapes of parry3d, and `rapier` mirrors the colliders of rapier3d.
+//! threads; `nalgebra` converts poses; `parry` takes in shapes of parry3d, and `rapier` mirrors the colliders of rapier3d.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -68,6 +68,7 @@ pub mod optics;
 #[cfg(feature = "parry")]
 pub mod parry;
 pub mod pose;
+mod pose_convert;
 #[cfg(feature = "rapier")]
 pub mod rapier;
 pub mod scene;

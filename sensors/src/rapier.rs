@@ -1,6 +1,6 @@
 //! The colliders of rapier3d in a scene, kept in step with their bodies (feature `rapier`).
 
-use crate::parry::{ParryError, Part, pose};
+use crate::parry::{ParryError, Part};
 use crate::pose::Pose;
 use crate::scene::{InstanceConfig, InstanceId, SceneBuilder};
 use alloc::vec::Vec;
@@ -103,7 +103,7 @@ impl ColliderScene {
         self.remove(builder, handle);
         let address = taken?;
         let parts = self.shapes.get(&address).map_or(&[][..], |taken| &taken.parts);
-        let look = InstanceConfig { world_from_instance: pose(collider.position()), ..*look };
+        let look = InstanceConfig { world_from_instance: Pose::from(*collider.position()), ..*look };
         let mirrored = self.placed.entry(handle).or_default();
         mirrored.address = address;
         for part in parts {
@@ -203,7 +203,7 @@ impl ColliderScene {
         let (Some(placed), Some(collider)) = (self.placed.get(&collider), colliders.get(collider)) else {
             return false;
         };
-        let world_from_collider = pose(collider.position());
+        let world_from_collider = Pose::from(*collider.position());
         placed.instances.iter().all(|part| {
             builder.set_pose(part.instance, world_from_collider * part.collider_from_instance).is_ok()
         })

@@ -16,11 +16,6 @@ const Y_FROM_Z: DQuat = DQuat::from_xyzw(-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2
 /// own rotations are no more exact than that.
 const ALIGNED: f64 = 1e-6;
 
-/// A pose of parry3d's in double precision.
-pub(crate) fn pose(pose: &parry3d::math::Pose) -> Pose {
-    Pose::new(pose.translation.as_dvec3(), pose.rotation.as_dquat())
-}
-
 pub(super) struct Converter<'a> {
     pub(super) builder: &'a mut SceneBuilder,
     /// Along the axes of the outermost shape.
@@ -78,7 +73,7 @@ impl Converter<'_> {
             }
             TypedShape::Compound(compound) => {
                 for (outer_from_inner, inner) in compound.shapes() {
-                    self.add(inner.as_typed_shape(), outer_from_shape * pose(outer_from_inner))?;
+                    self.add(inner.as_typed_shape(), outer_from_shape * Pose::from(*outer_from_inner))?;
                 }
                 return Ok(());
             }

@@ -18,7 +18,6 @@
 mod convert;
 
 #[cfg(feature = "rapier")]
-pub(crate) use convert::pose;
 
 use crate::pose::Pose;
 use crate::scene::{InstanceConfig, SceneBuilder, SceneError, Shape};

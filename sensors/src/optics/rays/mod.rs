@@ -26,6 +26,7 @@ use fearless_simd::{Simd, SimdBase, f32x16};
 use glam::DVec3;
 
 /// The rule by which the rays of a frame get their directions, in the axes of the sensor: x forward, y left, z up.
+#[allow(clippy::large_enum_variant, reason = "one a frame: a heap there may not be")]
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Rays<'a> {
     /// Length 1 along the optical axis: t is the depth.

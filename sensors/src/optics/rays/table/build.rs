@@ -2,7 +2,7 @@
 
 use super::chart::Chart;
 use super::error::{TableError, check_size};
-use super::layout::{Grid, Layout};
+use super::layout::Grid;
 use super::look_up::{LookUp, Scale, cells};
 use super::plan::Plan;
 use crate::memory::{CacheLine, Reader};
@@ -115,12 +115,12 @@ impl<'a> RayTable<'a> {
             return Err(TableError::BufferTooSmall { required, found: buffer.len() });
         }
         let plan = Plan::fill(fan, direction, buffer)?;
-        Ok(Self::cut(plan, buffer))
+        Ok(Self::cut(&plan, buffer))
     }
 
     /// The table that lies in a buffer.
-    pub(super) fn cut(plan: Plan, buffer: &'a [CacheLine]) -> Self {
-        let Plan { fan, layout, has_missing, scales } = plan;
+    pub(super) fn cut(plan: &Plan, buffer: &'a [CacheLine]) -> Self {
+        let Plan { fan, layout, has_missing, scales } = *plan;
         let count = fan.blocks_across() * fan.blocks_down();
         let mut memory = Reader(buffer);
         let directions = memory.take(count);
@@ -159,7 +159,7 @@ impl<'a> RayTable<'a> {
 
     #[cfg(feature = "alloc")]
     pub(super) fn plan(&self) -> Plan {
-        let layout = Layout { chart: self.chart, ring: self.ring };
+        let layout = super::layout::Layout { chart: self.chart, ring: self.ring };
         let scales = [self.columns.scale, self.rows.scale];
         Plan { fan: self.fan, layout, has_missing: self.has_missing, scales }
     }

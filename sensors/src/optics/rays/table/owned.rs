@@ -57,6 +57,6 @@ impl RayTableBuf {
 
     /// Lends the table to a sensor.
     pub fn table(&self) -> RayTable<'_> {
-        RayTable::cut(self.plan, &self.buffer)
+        RayTable::cut(&self.plan, &self.buffer)
     }
 }

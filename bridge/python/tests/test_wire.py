@@ -15,6 +15,19 @@ from belvedere import BadFrameError, DistortionModel, Encoding, Kind, wire
 WIRE_MD = Path(__file__).parents[2] / "WIRE.md"
 
 
+def test_every_encoding_is_that_of_wire_md() -> None:
+    text = WIRE_MD.read_text()
+    table = text[text.index("## Encodings") : text.index("## Structs")]
+    rows = re.findall(r"^\| (\d+) \| (\w+) \| (.*) \|$", table, re.MULTILINE)
+    assert len(rows) == len(Encoding)
+    for number, name, element in rows:
+        encoding = Encoding(int(number))
+        assert encoding.name.lower() == {"32fc1": "f32c1", "16uc1": "u16c1"}.get(name, name)
+        size = re.match(r"(\d+) bytes?|([uf])(\d+)", element)
+        if size is not None and encoding is not Encoding.STRUCT:
+            assert wire._ELEMENTS[encoding].itemsize == int(size[1] or int(size[3]) // 8)
+
+
 def good_header() -> np.ndarray:
     header = np.zeros((), wire.HEADER)
     header["magic"], header["header_len"], header["schema"] = wire.MAGIC, wire.HEADER_LEN, wire.SCHEMA

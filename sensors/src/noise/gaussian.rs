@@ -127,12 +127,23 @@ fn normals_of<const COUNTERS: usize, const LEN: usize>([w0, w1, w2, w3]: [[u32; 
 #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
 #[inline(always)]
 pub(crate) fn normal_pairs64(stream: &Stream, blocks: [u32; 4]) -> ([f32; 64], [f32; 64]) {
+    let words = stream.words_of_blocks(blocks);
     let (mut radii, mut angles) = ([0; 64], [0; 64]);
-    for (lane, word) in stream.words64(blocks).into_iter().enumerate() {
-        radii[lane] = word & 0xFFFF_0000 | 0x8000;
-        angles[lane] = word << 16 | 0x8000;
+    for (i, word) in words.as_flattened().iter().enumerate() {
+        radii[i] = word & 0xFFFF_0000 | 0x8000;
+        angles[i] = word << 16 | 0x8000;
     }
-    box_muller(radii, angles)
+    let (first, second) = box_muller(radii, angles);
+    // Four at a time to where they belong.
+    let (mut out, mut other) = ([0.0; 64], [0.0; 64]);
+    for block in 0..4 {
+        for w in 0..4 {
+            let (to, from) = (BLOCK * block + 4 * w, BLOCK * w + 4 * block);
+            out[to..to + 4].copy_from_slice(&first[from..from + 4]);
+            other[to..to + 4].copy_from_slice(&second[from..from + 4]);
+        }
+    }
+    (out, other)
 }
 
 /// Two independent normals a lane from two independent words a lane.

@@ -106,8 +106,11 @@ impl Stream {
     pub(crate) fn words64(&self, blocks: [u32; 4]) -> [u32; 64] {
         let words = self.words_of_blocks(blocks);
         let mut ordered = [0; 64];
-        for (sample, ordered) in ordered.iter_mut().enumerate() {
-            *ordered = words[sample / 4 % 4][sample / 16 * 4 + sample % 4];
+        for block in 0..4 {
+            for w in 0..4 {
+                let to = 16 * block + 4 * w;
+                ordered[to..to + 4].copy_from_slice(&words[w][4 * block..4 * block + 4]);
+            }
         }
         ordered
     }

@@ -1,6 +1,9 @@
 //! Colour cameras: textured, lit, with shadows and Gazebo's pixel noise.
 
+pub use crate::edges::Edges;
+use crate::edges::{Canvas, Marks, Smoothing};
 use crate::execution::SplitRows;
+use crate::memory::Cutter;
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::optics::Optics;
@@ -45,6 +48,8 @@ pub struct CameraConfig<'a> {
     /// it until they saturate at 1, as the electrons of a sensor are to its time of exposure (the linear model of EMVA
     /// 1288); shading computes in such proportional colours, without gamma.
     pub exposure: f32,
+    /// What becomes of edges.
+    pub edges: Edges,
     /// Noise of a colour value in [0, 1], which exposure leaves as it is; one sample a pixel, the same for R, G and B.
     pub noise: GaussianNoise,
     /// Seed of the simulation.
@@ -54,7 +59,7 @@ pub struct CameraConfig<'a> {
 }
 
 impl<'a> CameraConfig<'a> {
-    /// An RGB camera that sees from 0.02 to 300 m, without noise, of seed and number 0.
+    /// An RGB camera that sees from 0.02 to 300 m, with sharp edges and without noise, of seed and number 0.
     pub fn new(optics: impl Into<Optics<'a>>) -> Self {
         Self {
             optics: optics.into(),
@@ -62,6 +67,7 @@ impl<'a> CameraConfig<'a> {
             near_m: 0.02,
             far_m: 300.0,
             exposure: 1.0,
+            edges: Edges::Sharp,
             noise: GaussianNoise::NONE,
             seed: 0,
             sensor: 0,
@@ -77,6 +83,8 @@ impl<'a> CameraConfig<'a> {
         far_m: f64,
         /// Sets the exposure.
         exposure: f32,
+        /// Sets what becomes of edges.
+        edges: Edges,
         /// Sets the noise of a colour value.
         noise: GaussianNoise,
         /// Sets the seed of the simulation.
@@ -248,9 +256,33 @@ impl<'a> Camera<'a> {
         let mut memory = workspace.cut(scene, self.rays());
         let instances = scene.instances().len();
         let view = View::new(scene, &capture.moment, visibility::VISUAL, memory.view(instances));
-        let rows = Rows { pixels, bytes: self.row_stride() * TILE_HEIGHT };
+        let marks = self.marks(&mut memory);
+        let picture = Picture { pixels: &mut *pixels, bytes: self.row_stride() * TILE_HEIGHT };
+        let rows = Rows { picture, marks: Marks::new(marks, self.size()[0]) };
         let painter = Painter { camera: self, capture };
         trace_grid(&view, &self.config.optics, &self.sight(), execution, &mut memory, rows, &painter);
+        if let Some(smoothing) = self.smoothing(&view, capture, marks) {
+            let picture = Picture { pixels, bytes: self.row_stride() * TILE_HEIGHT };
+            smoothing.paint(execution, Retouched { camera: self, frame: capture.frame, picture });
+        }
+    }
+
+    /// Memory for the marks of a picture, if they are needed.
+    pub(crate) fn marks<'m>(&self, memory: &mut Cutter<'m>) -> &'m mut [u32] {
+        let [width, height] = self.size();
+        memory.take(if self.config.edges == Edges::Smooth { width * height } else { 0 })
+    }
+
+    /// What is to be done about the edges of a marked picture.
+    pub(crate) fn smoothing<'m>(
+        &'m self,
+        view: &'m View<'m>,
+        capture: &Capture<'_>,
+        marks: &'m [u32],
+    ) -> Option<Smoothing<'m>> {
+        let CameraConfig { optics, exposure, .. } = &self.config;
+        let pose = &capture.moment.world_from_sensor;
+        (!marks.is_empty()).then(|| Smoothing::new(view, optics, self.sight(), pose, (marks, *exposure)))
     }
 
     /// Rays that a [`Workspace`] must have room for.
@@ -261,6 +293,20 @@ impl<'a> Camera<'a> {
     /// Housings are seen from outside only: a camera within its own sees out.
     pub(crate) fn sight(&self) -> Sight {
         Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m] }
+    }
+
+    /// Marks the pixels of a tile as they are shaded, if marks are kept.
+    #[inline(always)]
+    pub(crate) fn mark<S: Simd>(
+        &self,
+        simd: S,
+        marks: &mut Marks<'_>,
+        shader: &Shader,
+        tile: &Tile,
+        colours: &Colours,
+        place: [usize; 2],
+    ) {
+        marks.put(simd, colours, self.config.exposure, shader, tile.missing, place);
     }
 
     /// Exposure and noise of a tile. Samples are counted tile by tile, 64 to each, along the rows of tiles.
@@ -294,14 +340,17 @@ impl BandWork<Rows<'_>> for Painter<'_> {
         let rays = CameraRays::new(&band.rays, &capture.moment.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
         let mut tile = Tile::new();
-        let mut shader = Shader::new();
+        let Rows { picture, mut marks } = output;
+        let mut shader = marks.shader();
         let mut colours = [[0.0; LANES]; 3];
         let tiles = camera.tiles()[0];
         let stride = camera.row_stride();
-        for (row, pixels) in band.block_rows().zip(output.pixels.chunks_mut(output.bytes)) {
+        let lines = picture.pixels.chunks_mut(picture.bytes);
+        for (row_in_band, (row, pixels)) in band.block_rows().zip(lines).enumerate() {
             for column in 0..tiles {
                 tile.take(simd, band, &mut resolver, &rays, [column, row]);
-                shader.shade(simd, band.view, &tile, &rays, &mut colours);
+                shader.shade(simd, band.view, &tile, &rays.steps, &mut colours);
+                camera.mark(simd, &mut marks, &shader, &tile, &colours, [column, row_in_band]);
                 camera.expose(capture.frame, (row * tiles + column) as u32, &mut colours);
                 blacken(&mut colours, tile.missing);
                 pixel::write_tile(simd, &colours, camera.config.format, column * TILE_WIDTH, pixels, stride);
@@ -323,16 +372,63 @@ pub(crate) fn blacken(colours: &mut Colours, missing: u64) {
     }
 }
 
-/// Rows of pixels, cut between rows of tiles.
+/// A picture and its marks, cut between rows of tiles.
 struct Rows<'a> {
+    picture: Picture<'a>,
+    marks: Marks<'a>,
+}
+
+impl SplitRows for Rows<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let (picture, lower) = self.picture.split_rows(rows);
+        let (marks, lower_marks) = self.marks.split_rows(rows);
+        (Self { picture, marks }, Self { picture: lower, marks: lower_marks })
+    }
+}
+
+/// Rows of pixels, cut between rows of tiles.
+struct Picture<'a> {
     pixels: &'a mut [u8],
     /// Bytes of a row of tiles.
     bytes: usize,
 }
 
-impl SplitRows for Rows<'_> {
+impl SplitRows for Picture<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let (upper, lower) = self.pixels.split_at_mut(rows * self.bytes);
         (Self { pixels: upper, bytes: self.bytes }, Self { pixels: lower, bytes: self.bytes })
+    }
+}
+
+/// A picture whose edges are painted over.
+struct Retouched<'a> {
+    camera: &'a Camera<'a>,
+    frame: u64,
+    picture: Picture<'a>,
+}
+
+impl SplitRows for Retouched<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let Self { camera, frame, picture } = self;
+        let (picture, lower) = picture.split_rows(rows);
+        (Self { camera, frame, picture }, Self { camera, frame, picture: lower })
+    }
+}
+
+impl Canvas for Retouched<'_> {
+    #[inline(always)]
+    fn paint<S: Simd>(
+        &mut self,
+        simd: S,
+        [column, row]: [usize; 2],
+        row_in_part: usize,
+        lanes: u64,
+        colours: &mut Colours,
+    ) {
+        let Self { camera, frame, picture } = self;
+        camera.expose(*frame, (row * camera.tiles()[0] + column) as u32, colours);
+        let rows = &mut picture.pixels[row_in_part * picture.bytes..];
+        let format = camera.config.format;
+        pixel::write_lanes(simd, (colours, lanes), format, column * TILE_WIDTH, rows, camera.row_stride());
     }
 }

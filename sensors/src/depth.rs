@@ -1,6 +1,7 @@
 //! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
 
 use crate::camera::{Camera, CameraConfig, CameraError, blacken};
+use crate::edges::{Canvas, Marks};
 use crate::execution::SplitRows;
 use crate::memory::Cutter;
 use crate::moment::Capture;
@@ -8,7 +9,7 @@ use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::optics::rays::Rays;
 use crate::pixel::{self, to_byte};
 use crate::scene::{Scene, visibility};
-use crate::shade::{Colours, Shader};
+use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
 pub use crate::trace::TooNear;
 use crate::trace::Workspace;
@@ -93,6 +94,17 @@ pub struct DepthFrame<'a> {
     pub points: Option<&'a mut [u8]>,
 }
 
+impl DepthFrame<'_> {
+    fn lend(&mut self) -> DepthFrame<'_> {
+        DepthFrame {
+            depth_32fc1: self.depth_32fc1.as_deref_mut(),
+            depth_16uc1: self.depth_16uc1.as_deref_mut(),
+            colour: self.colour.as_deref_mut(),
+            points: self.points.as_deref_mut(),
+        }
+    }
+}
+
 /// A checked depth camera; it looks along +x of its frame like a [`Camera`].
 #[derive(Debug, Clone, Copy)]
 pub struct DepthCamera<'a> {
@@ -140,7 +152,7 @@ impl<'a> DepthCamera<'a> {
         scene: &Scene<'_>,
         capture: &Capture<'_>,
         workspace: &mut Workspace<'_>,
-        output: DepthFrame<'_>,
+        mut output: DepthFrame<'_>,
     ) {
         let pixels = self.pixels();
         let check = |length: Option<usize>, expected: usize| {
@@ -171,9 +183,17 @@ impl<'a> DepthCamera<'a> {
         } else {
             &mut []
         };
-        let rows = Rows { output, width: self.camera.size()[0], colour_stride: self.camera.row_stride() };
+        let wants_colour = output.colour.is_some() || output.points.is_some();
+        let marks = if wants_colour { self.camera.marks(&mut memory) } else { &mut [] };
+        let (width, colour_stride) = (self.camera.size()[0], self.camera.row_stride());
+        let parts = Parts { output: output.lend(), width, colour_stride };
+        let rows = Rows { parts, marks: Marks::new(marks, width) };
         let measurer = Measurer { camera: self, capture, blocked };
         trace_grid(&view, optics, &sight, execution, &mut memory, rows, &measurer);
+        if let Some(smoothing) = self.camera.smoothing(&view, capture, marks) {
+            let parts = Parts { output, width, colour_stride };
+            smoothing.paint(execution, Retouched { camera: &self.camera, frame: capture.frame, parts });
+        }
     }
 
     /// Rays that a [`Workspace`] must have room for.
@@ -267,13 +287,21 @@ impl<'a> DepthCamera<'a> {
     }
 }
 
+/// From where on a point has its colour.
+const POINT_RGB: usize = 16;
+
+/// The colour of a point.
+#[inline(always)]
+fn rgb(colour: [f32; 3]) -> [u8; 4] {
+    let [red, green, blue] = colour.map(to_byte);
+    [blue, green, red, 0]
+}
+
 #[inline(always)]
 fn write_point(point: &mut [u8], [right, down]: [f32; 2], depth: f32, colour: [f32; 3]) {
     let xyz = if depth.is_finite() { [right * depth, down * depth, depth] } else { [f32::NAN; 3] };
-    let [red, green, blue] = colour.map(|channel| u32::from(to_byte(channel)));
-    let rgb = red << 16 | green << 8 | blue;
     let [x, y, z] = xyz.map(f32::to_bits);
-    let words = [x, y, z, 0, rgb, 0, 0, 0];
+    let words = [x, y, z, 0, u32::from_le_bytes(rgb(colour)), 0, 0, 0];
     for (bytes, word) in point.as_chunks_mut::<4>().0.iter_mut().zip(words) {
         *bytes = word.to_le_bytes();
     }
@@ -339,10 +367,10 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
         let Self { camera, capture, .. } = self;
         let rays = CameraRays::new(&band.rays, &capture.moment.world_from_sensor);
         let measure = Measure::new(&capture.moment.world_from_sensor);
-        let wants_colour = rows.output.colour.is_some() || rows.output.points.is_some();
+        let wants_colour = rows.parts.output.colour.is_some() || rows.parts.output.points.is_some();
         let mut resolver = Resolver::new(band.view);
         let mut seen = Tile::new();
-        let mut shader = Shader::new();
+        let mut shader = rows.marks.shader();
         let mut colours = [[0.0; LANES]; 3];
         let tiles = camera.camera.tiles()[0];
         let mut rest = Some(rows);
@@ -355,14 +383,15 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 let tile = (row * tiles + column) as u32;
                 if wants_colour {
                     seen.take(simd, band, &mut resolver, &rays, [column, row]);
-                    shader.shade(simd, band.view, &seen, &rays, &mut colours);
+                    shader.shade(simd, band.view, &seen, &rays.steps, &mut colours);
+                    camera.camera.mark(simd, &mut rows.marks, &shader, &seen, &colours, [column, 0]);
                     camera.camera.expose(capture.frame, tile, &mut colours);
                     blacken(&mut colours, seen.missing);
                 }
                 let mut truth = measure.tile(simd, band, &mut resolver, [column, row]);
                 self.block(&mut truth, band.rays.fan().blocks_across(), [column, row]);
                 let depths = camera.depths(&truth, capture.frame, tile);
-                camera.write_tile(simd, &depths, &colours, &band.rays, [column, row], &mut rows.output);
+                camera.write_tile(simd, &depths, &colours, &band.rays, [column, row], &mut rows.parts.output);
             }
         }
     }
@@ -373,14 +402,28 @@ fn split_first(rows: Rows<'_>) -> (Rows<'_>, Option<Rows<'_>>) {
     (first, Some(rest))
 }
 
-/// The parts of a frame, cut between rows of tiles.
+/// The parts of a frame and the marks of its colours, cut between rows of tiles.
 struct Rows<'a> {
+    parts: Parts<'a>,
+    marks: Marks<'a>,
+}
+
+impl SplitRows for Rows<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let (parts, lower) = self.parts.split_rows(rows);
+        let (marks, lower_marks) = self.marks.split_rows(rows);
+        (Self { parts, marks }, Self { parts: lower, marks: lower_marks })
+    }
+}
+
+/// The parts of a frame, cut between rows of tiles.
+struct Parts<'a> {
     output: DepthFrame<'a>,
     width: usize,
     colour_stride: usize,
 }
 
-impl SplitRows for Rows<'_> {
+impl SplitRows for Parts<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         fn cut<T>(slice: Option<&mut [T]>, at: usize) -> (Option<&mut [T]>, Option<&mut [T]>) {
             slice.map(|slice| slice.split_at_mut(at)).unzip()
@@ -400,5 +443,53 @@ impl SplitRows for Rows<'_> {
                 points: lower_points,
             }),
         )
+    }
+}
+
+/// A frame whose edges are painted over.
+struct Retouched<'a> {
+    camera: &'a Camera<'a>,
+    frame: u64,
+    parts: Parts<'a>,
+}
+
+impl SplitRows for Retouched<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let Self { camera, frame, parts } = self;
+        let (parts, lower) = parts.split_rows(rows);
+        (Self { camera, frame, parts }, Self { camera, frame, parts: lower })
+    }
+}
+
+impl Canvas for Retouched<'_> {
+    #[inline(always)]
+    fn paint<S: Simd>(
+        &mut self,
+        simd: S,
+        [column, row]: [usize; 2],
+        row_in_part: usize,
+        lanes: u64,
+        colours: &mut Colours,
+    ) {
+        let Self { camera, frame, parts } = self;
+        camera.expose(*frame, (row * camera.tiles()[0] + column) as u32, colours);
+        let first = row_in_part * TILE_HEIGHT;
+        if let Some(colour) = &mut parts.output.colour {
+            let (rows, stride) = (&mut colour[first * parts.colour_stride..], parts.colour_stride);
+            let format = camera.config().format;
+            pixel::write_lanes(simd, (colours, lanes), format, column * TILE_WIDTH, rows, stride);
+        }
+        if let Some(points) = &mut parts.output.points {
+            let mut rest = lanes;
+            while rest != 0 {
+                let lane = rest.trailing_zeros() as usize % LANES;
+                rest &= rest - 1;
+                let pixel =
+                    (first + lane / TILE_WIDTH) * parts.width + column * TILE_WIDTH + lane % TILE_WIDTH;
+                let point = &mut points[pixel * POINT_STEP..(pixel + 1) * POINT_STEP];
+                point[POINT_RGB..POINT_RGB + 4]
+                    .copy_from_slice(&rgb([0, 1, 2].map(|channel| colours[channel][lane])));
+            }
+        }
     }
 }

@@ -43,6 +43,7 @@ macro_rules! setters {
 
 pub mod camera;
 pub mod depth;
+mod edges;
 mod execution;
 pub mod lidar;
 mod memory;

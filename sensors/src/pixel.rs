@@ -67,10 +67,34 @@ fn to_byte_each<S: Simd>(simd: S, values: f32x16<S>) -> u32x16<S> {
 
 /// Three channels, the first in the lowest byte.
 #[inline(always)]
-fn to_bytes<S: Simd>(simd: S, first: f32x16<S>, second: f32x16<S>, third: f32x16<S>) -> u32x16<S> {
+pub(crate) fn to_bytes<S: Simd>(simd: S, first: f32x16<S>, second: f32x16<S>, third: f32x16<S>) -> u32x16<S> {
     let [first, second, third] =
         [to_byte_each(simd, first), to_byte_each(simd, second), to_byte_each(simd, third)];
     first | (second << 8) | (third << 16)
+}
+
+/// Bytes of the largest pixel.
+const MOST_BYTES: usize = 3;
+
+/// Writes some lanes of a tile's colours, a bit each, as [`write_tile`] writes all.
+#[inline(always)]
+pub(crate) fn write_lanes<S: Simd>(
+    simd: S,
+    (colours, lanes): (&Colours, u64),
+    format: PixelFormat,
+    column: usize,
+    rows: &mut [u8],
+    row_stride: usize,
+) {
+    let (bytes, mut tile) = (format.bytes(), [0; LANES * MOST_BYTES]);
+    write_tile(simd, colours, format, 0, &mut tile[..LANES * bytes], TILE_WIDTH * bytes);
+    let mut rest = lanes;
+    while rest != 0 {
+        let lane = rest.trailing_zeros() as usize % LANES;
+        rest &= rest - 1;
+        let place = lane / TILE_WIDTH * row_stride + (column + lane % TILE_WIDTH) * bytes;
+        rows[place..place + bytes].copy_from_slice(&tile[lane * bytes..(lane + 1) * bytes]);
+    }
 }
 
 /// Writes a tile's colours into the rows of a picture, from pixel column `column` on.

@@ -245,10 +245,10 @@ fn look_up_pairs<S: Simd>(simd: S, texels: &[[u8; 4]], index: u32x16<S>) -> [u32
     let mut found = [0_u64; WIDTH];
     for lane in 0..WIDTH {
         let from = indices[lane] as usize;
-        let Some(pair) = texels.get(from..).and_then(<[_]>::first_chunk::<2>) else {
+        let Some(&[left, right]) = texels.get(from..from + 2) else {
             return [index; 2];
         };
-        found[lane] = u64::from_le(bytemuck::cast(*pair));
+        found[lane] = u64::from_le(bytemuck::cast([left, right]));
     }
     let (low, high) = found.split_at(WIDTH / 2);
     let low: u32x16<S> = u64x8::from_slice(simd, low).bitcast();

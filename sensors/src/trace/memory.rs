@@ -18,14 +18,15 @@ pub struct Workspace<'a> {
     pub execution: Execution,
 }
 
-/// Cache lines that a sensor of so many rays needs for a scene: about 10 bytes a ray and 400 an instance.
+/// Cache lines that a sensor of so many rays needs for a scene: about 14 bytes a ray and 400 an instance.
 ///
 /// `rays` are those of a grid filled up to whole blocks, as the sensors' own `rays()` tell them.
 pub const fn workspace_len(instances: usize, rays: usize) -> usize {
     let blocks = rays.div_ceil(WIDTH);
-    // 1/t and slots, the farthest of each block, the tables of a grid, and a depth camera's rays that are blocked.
+    // 1/t and slots, the farthest of each block, the tables of a grid, a depth camera's rays that are blocked, and the
+    // marks of a picture.
     let traced = 2 * blocks + lines((blocks + BAND_MARGIN) * 4) + Fan::most_table_lines(rays);
-    view_lines(instances) + traced + lines(blocks * 2)
+    view_lines(instances) + traced + lines(blocks * 2) + blocks
 }
 
 /// `farthest` of each band is read up to sixteen past its end, and begins on a cache line of its own.

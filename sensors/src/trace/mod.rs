@@ -8,6 +8,7 @@
 mod any_hit;
 mod cast;
 pub(crate) mod face;
+pub(crate) mod first_hit;
 pub(crate) mod grid;
 pub(crate) mod hit_point;
 pub(crate) mod image;
@@ -22,7 +23,7 @@ pub(crate) mod prefetch;
 pub mod rays;
 pub(crate) mod resolve;
 pub(crate) mod shadow;
-mod shapes;
+pub(crate) mod shapes;
 pub(crate) mod surface;
 pub(crate) mod tile;
 mod too_near;

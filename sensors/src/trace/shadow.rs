@@ -7,12 +7,14 @@
 //! A convex instance never stands in its own light. Points on meshes and height fields, which may, are [lifted](lift)
 //! above their triangles first.
 
-use super::any_hit::{activate, hit_lanes, intersect_instance, walk};
+use super::any_hit::{Search, activate, hit_lanes, intersect_instance, walk};
+use super::first_hit::stack_len;
 use super::lift::lift;
 use super::occluders::Occluders;
 use super::packet::{Faces, Packet, PacketBounds};
+use super::shapes::LocalRays;
 use super::tile::Tile;
-use super::view::View;
+use super::view::{MAX_DEPTH, View};
 use crate::scene::KIND_BOX;
 use crate::scene::tree::WIDTH;
 use crate::simd::{LANES, load_row};
@@ -30,13 +32,18 @@ const REMEMBERED: usize = 4;
 /// What looking for shadows works on; kept from tile to tile of a frame.
 pub(crate) struct Shadows {
     occluders: [Occluders; REMEMBERED],
-    /// Rays in double precision.
+    /// Rays in double precision, and the same in the frame of an instance.
     packet: Packet,
+    local: LocalRays,
 }
 
 impl Shadows {
     pub(crate) const fn new() -> Self {
-        Self { occluders: [const { Occluders::new() }; REMEMBERED], packet: Packet::new() }
+        Self {
+            occluders: [const { Occluders::new() }; REMEMBERED],
+            packet: Packet::new(),
+            local: LocalRays::new(),
+        }
     }
 
     /// Which of the lanes that are `lit` a lamp does not reach. Its outside casts shadows: the bulb around a lamp does
@@ -53,10 +60,19 @@ impl Shadows {
         simd.vectorize(
             #[inline(always)]
             || {
-                let Self { occluders, packet } = self;
+                let Self { occluders, packet, local } = self;
                 let bounds = from_lamp(position, &tile.bounds);
-                let mut rays =
-                    ShadowRays { view, tile, packet, position, lit, dark: 0, is_aimed: false, lifted: 0 };
+                let mut rays = ShadowRays {
+                    view,
+                    tile,
+                    packet,
+                    local,
+                    position,
+                    lit,
+                    dark: 0,
+                    is_aimed: false,
+                    lifted: 0,
+                };
                 if let Some(occluders) = occluders.get_mut(lamp)
                     && occluders.cover(simd, view, position, &tile.bounds)
                 {
@@ -70,7 +86,7 @@ impl Shadows {
                         }
                     }
                 } else {
-                    walk(
+                    walk::<S, _, { stack_len(MAX_DEPTH) }>(
                         simd,
                         #[inline(always)]
                         |node| &view.nodes[node as usize],
@@ -94,7 +110,7 @@ impl Shadows {
         towards: DVec3,
         lit: u64,
     ) -> u64 {
-        let packet = &mut self.packet;
+        let Self { packet, local, .. } = self;
         simd.vectorize(
             #[inline(always)]
             || {
@@ -123,7 +139,7 @@ impl Shadows {
                 activate(packet, lit, f64::INFINITY);
                 let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
                 let mut dark = 0;
-                walk(
+                walk::<S, _, { stack_len(MAX_DEPTH) }>(
                     simd,
                     #[inline(always)]
                     |node| &view.nodes[node as usize],
@@ -134,7 +150,8 @@ impl Shadows {
                         let active = lit & !dark & !own_lanes(simd, view, tile, index);
                         if active != 0 {
                             activate(packet, active, f64::INFINITY);
-                            intersect_instance(simd, view, index, packet, Faces::Both, f32::INFINITY);
+                            let search = (Faces::Both, Search::Any(f32::INFINITY));
+                            intersect_instance(simd, view, index, (packet, local), search);
                             dark |= hit_lanes(packet);
                         }
                         dark != lit
@@ -169,6 +186,7 @@ struct ShadowRays<'a> {
     view: &'a View<'a>,
     tile: &'a Tile,
     packet: &'a mut Packet,
+    local: &'a mut LocalRays,
     position: DVec3,
     lit: u64,
     /// Those that do not arrive.
@@ -238,7 +256,7 @@ impl ShadowRays<'_> {
     fn meet_other<S: Simd>(&mut self, simd: S, index: u32, active: u64) -> u64 {
         let Self { view, tile, position, lit, .. } = *self;
         let aim = !core::mem::replace(&mut self.is_aimed, true);
-        let (packet, lifted) = (&mut *self.packet, &mut self.lifted);
+        let (packet, local, lifted) = (&mut *self.packet, &mut *self.local, &mut self.lifted);
         simd.vectorize(
             #[inline(always)]
             || {
@@ -265,7 +283,8 @@ impl ShadowRays<'_> {
                         packet.t[lane] = if whole { 1.0 } else { packet.t[lane] };
                     }
                 }
-                intersect_instance(simd, view, index, packet, Faces::Front, 1.0);
+                let search = (Faces::Front, Search::Any(1.0));
+                intersect_instance(simd, view, index, (packet, local), search);
                 hit_lanes(packet)
             },
         )

@@ -3,12 +3,14 @@
 //! Only drawing is compiled for each rule, as its inner loops are all about directions. What follows (distances,
 //! normals, colours) asks for the directions of sixteen rays at a time and is compiled once.
 
+mod between;
 mod fan;
 mod pinhole;
 mod projection;
 mod spherical;
 mod table;
 
+pub(crate) use between::Between;
 pub(crate) use fan::Fan;
 pub(crate) use pinhole::PinholeFan;
 pub use pinhole::PinholeGrid;

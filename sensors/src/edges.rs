@@ -1,0 +1,441 @@
+//! Anti-aliased edges: more rays where neighbouring pixels disagree.
+//!
+//! A picture is traced and shaded with a ray a pixel first, and a [mark](Marks) is kept of each pixel: its colour, and
+//! what it shows. Where a neighbour shows something else in another colour, an edge of a shape or of a shadow runs
+//! near their border. A ray towards each such neighbour tells whether it runs through the pixel. If so, the pixel's colour
+//! becomes the mean of [`SAMPLES`] rays spread over its square, in linear light and before exposure and noise. Patterns on
+//! a surface are filtered already, by their footprints.
+//!
+//! Marks are compared once the picture is complete, so that bands do not show, and in the same pieces whatever the number
+//! of threads. Pixels without an edge keep their bits.
+
+use crate::execution::{Execution, SplitRows, for_each_row};
+use crate::optics::Optics;
+use crate::optics::rays::Between;
+use crate::pixel::{to_byte, to_bytes};
+use crate::pose::Pose;
+use crate::scene::tree::WIDTH;
+use crate::shade::{Colours, Shader};
+use crate::simd::{LANES, load_row};
+use crate::trace::first_hit::first_hits;
+use crate::trace::grid::Sight;
+use crate::trace::packet::{MISS, Packet};
+use crate::trace::resolve::Resolver;
+use crate::trace::shapes::LocalRays;
+use crate::trace::tile::{Steps, TILE_HEIGHT, TILE_WIDTH, Tile};
+use crate::trace::view::View;
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdMask, dispatch, u8x64, u32x16};
+use glam::{DMat3, DVec3};
+
+/// What becomes of the edges of shapes and shadows in a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Edges {
+    /// A pixel has the colour that its middle sees: edges are stairs.
+    #[default]
+    Sharp,
+    /// A pixel at an edge has the mean colour of four rays spread over it.
+    Smooth,
+}
+
+/// Rays of a pixel at an edge.
+const SAMPLES: usize = 4;
+/// Where in the pixel they go, to the right and down of its middle: no two in one of its four rows or columns, and one
+/// towards each neighbour: left, right, above, below.
+const OFFSETS: [[f64; 2]; SAMPLES] = [[-0.375, 0.125], [0.375, -0.125], [-0.125, -0.375], [0.125, 0.375]];
+/// Each stands for a quarter of the pixel: half its width.
+const STEP: f64 = 0.5;
+
+/// By how much of 255 some channel must differ for an edge to be one.
+const LEAST_DIFFERENCE: u32 = 16;
+
+/// The mark of a pixel without a ray, and of what lies beyond the picture.
+const NO_RAY: u32 = 0;
+/// Set in all others.
+const RAY: u32 = 1 << 31;
+/// Bits of a mark that hold the colour; those above, what the pixel shows.
+const COLOUR: u32 = 0x00ff_ffff;
+
+/// Rows of tiles that are searched and painted at a time.
+const CHUNK: usize = 4;
+/// Tiles of a row that are searched at a time.
+const GROUP: usize = 16;
+/// Pixels that are worked on together.
+const QUEUE: usize = 256;
+
+/// What is kept of each pixel of a picture, row after row; of none, if edges are sharp.
+pub(crate) struct Marks<'a> {
+    marks: &'a mut [u32],
+    width: usize,
+}
+
+impl<'a> Marks<'a> {
+    pub(crate) fn new(marks: &'a mut [u32], width: usize) -> Self {
+        Self { marks, width }
+    }
+
+    /// A shader that tells what these marks want to know.
+    pub(crate) fn shader(&self) -> Shader {
+        if self.marks.is_empty() { Shader::new() } else { Shader::telling() }
+    }
+
+    /// Marks the pixels of a tile, given by its column and its row among these.
+    #[inline(always)]
+    pub(crate) fn put<S: Simd>(
+        &mut self,
+        simd: S,
+        colours: &Colours,
+        exposure: f32,
+        shader: &Shader,
+        missing: u64,
+        [column, row]: [usize; 2],
+    ) {
+        let Some(seen) = shader.seen() else { return };
+        let first = column * TILE_WIDTH;
+        let lines = self.marks.chunks_mut(self.width).skip(row * TILE_HEIGHT).take(TILE_HEIGHT);
+        for (row, line) in lines.enumerate() {
+            let [red, green, blue] =
+                colours.each_ref().map(|channel| load_row(simd, channel, row) * exposure);
+            let seen = u32x16::load_array_ref(simd, &seen.as_chunks().0[row]) << 24;
+            let marks = to_bytes(simd, red, green, blue) | seen | u32x16::splat(simd, RAY);
+            let rays = simd.from_bitmask_mask32x16(!(missing >> (row * TILE_WIDTH)) & 0xffff);
+            let mut sixteen = [NO_RAY; TILE_WIDTH];
+            rays.select(marks, u32x16::splat(simd, NO_RAY)).store_array(&mut sixteen);
+            let across = TILE_WIDTH.min(line.len() - first);
+            line[first..first + across].copy_from_slice(&sixteen[..across]);
+        }
+    }
+}
+
+impl SplitRows for Marks<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let at = (rows * TILE_HEIGHT * self.width).min(self.marks.len());
+        let (upper, lower) = self.marks.split_at_mut(at);
+        (Self { marks: upper, width: self.width }, Self { marks: lower, width: self.width })
+    }
+}
+
+/// A picture that pixels are painted over in.
+pub(crate) trait Canvas: SplitRows {
+    /// Paints some lanes of a tile, a bit each; the colours of the others mean nothing. `row` is the tile's row in this
+    /// part of the picture.
+    fn paint<S: Simd>(&mut self, simd: S, tile: [usize; 2], row: usize, lanes: u64, colours: &mut Colours);
+}
+
+/// Smooths the edges of a picture that is otherwise complete.
+pub(crate) struct Smoothing<'a> {
+    view: &'a View<'a>,
+    between: Between<'a>,
+    sight: Sight,
+    /// From the sensor's axes to the world's.
+    axes: DMat3,
+    /// From ray to ray within a pixel.
+    steps: Steps,
+    marks: &'a [u32],
+    /// With which they were made.
+    exposure: f32,
+    /// Of the picture.
+    size: [usize; 2],
+}
+
+impl<'a> Smoothing<'a> {
+    pub(crate) fn new(
+        view: &'a View<'a>,
+        optics: &Optics<'a>,
+        sight: Sight,
+        world_from_sensor: &Pose,
+        (marks, exposure): (&'a [u32], f32),
+    ) -> Self {
+        let (between, axes) = (Between::new(optics), world_from_sensor.rotation_matrix());
+        let steps =
+            between.pinhole().map(|lens| [axes.y_axis * (-STEP / lens.fx), axes.z_axis * (-STEP / lens.fy)]);
+        Self { view, between, sight, axes, steps, marks, exposure, size: optics.size() }
+    }
+
+    /// Paints all edges.
+    pub(crate) fn paint(&self, execution: Execution, canvas: impl Canvas) {
+        let [width, height] = self.size;
+        let (across, down) = (width.div_ceil(TILE_WIDTH), height.div_ceil(TILE_HEIGHT));
+        let work = |chunk: usize, mut canvas: Chunks<_>| {
+            let rows = chunk * CHUNK..((chunk + 1) * CHUNK).min(down);
+            dispatch!(execution.level, simd => simd.vectorize(
+                #[inline(always)]
+                || self.paint_chunk(simd, rows, across, &mut canvas.0)
+            ));
+        };
+        for_each_row(execution, 0..down.div_ceil(CHUNK), Chunks(canvas), &work);
+    }
+
+    /// Paints the edges in some rows of so many tiles.
+    #[inline(always)]
+    fn paint_chunk<S: Simd>(
+        &self,
+        simd: S,
+        rows: core::ops::Range<usize>,
+        across: usize,
+        canvas: &mut impl Canvas,
+    ) {
+        let mut bench = Bench::new(self.view);
+        let mut pixels = [Pixel::NONE; QUEUE];
+        let mut waiting = 0;
+        for row in rows.clone() {
+            for first in (0..across).step_by(GROUP) {
+                let edges = self.find(simd, first..(first + GROUP).min(across), row);
+                for (tile, sides) in edges.iter().enumerate() {
+                    let mut rest = sides[0] | sides[1] | sides[2] | sides[3];
+                    while rest != 0 {
+                        let lane = rest.trailing_zeros() as usize % LANES;
+                        rest &= rest - 1;
+                        let mut samples = 0;
+                        for side in 0..SAMPLES {
+                            samples |= (sides[side] >> lane & 1) << side;
+                        }
+                        pixels[waiting] = Pixel { tile: [first + tile, row], lane, samples, ..Pixel::NONE };
+                        waiting += 1;
+                        if waiting == QUEUE {
+                            self.paint_pixels(simd, &mut bench, &mut pixels, rows.start, canvas);
+                            waiting = 0;
+                        }
+                    }
+                }
+            }
+        }
+        self.paint_pixels(simd, &mut bench, &mut pixels[..waiting], rows.start, canvas);
+    }
+
+    /// Paints those pixels that an edge runs through.
+    #[inline(never)]
+    fn paint_pixels<S: Simd>(
+        &self,
+        simd: S,
+        bench: &mut Bench<'_>,
+        pixels: &mut [Pixel],
+        first_row: usize,
+        canvas: &mut impl Canvas,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                // Step 1: rays towards the neighbours that show something else.
+                self.sample(simd, bench, pixels);
+                // Step 2: the others, where one of these has met it.
+                for pixel in pixels.iter_mut() {
+                    let met = self.has_met_another(pixel);
+                    pixel.samples = if met { !pixel.samples & ((1 << SAMPLES) - 1) } else { 0 };
+                    pixel.is_edge = met;
+                }
+                self.sample(simd, bench, pixels);
+                put_down(simd, pixels, first_row, canvas);
+            },
+        );
+    }
+
+    /// Whether a sample of a pixel has another colour than its middle.
+    fn has_met_another(&self, pixel: &Pixel) -> bool {
+        let [column, row] = pixel.place();
+        let [red, green, blue, _] = self.marks[row * self.size[0] + column].to_le_bytes();
+        (0..SAMPLES).filter(|sample| pixel.samples >> sample & 1 != 0).any(|sample| {
+            let colour = pixel.colours[sample].map(|value| i32::from(to_byte(value * self.exposure)));
+            let differs = |value: i32, middle: u8| value.abs_diff(i32::from(middle)) > LEAST_DIFFERENCE;
+            differs(colour[0], red) || differs(colour[1], green) || differs(colour[2], blue)
+        })
+    }
+
+    /// The pixels of some tiles of a row that have an edge to their left, right, above or below, a bit each.
+    #[inline(always)]
+    fn find<S: Simd>(&self, simd: S, group: core::ops::Range<usize>, row: usize) -> [[u64; SAMPLES]; GROUP] {
+        const MARGIN: usize = WIDTH;
+        let [width, height] = self.size;
+        // The marks of these rows, and around them.
+        let mut near = [[NO_RAY; MARGIN + GROUP * TILE_WIDTH + MARGIN]; TILE_HEIGHT + 2];
+        let first = group.start * TILE_WIDTH;
+        let (before, after) = (first.saturating_sub(1), (group.end * TILE_WIDTH + 1).min(width));
+        for (y, line) in near.iter_mut().enumerate() {
+            let Some(y) = (row * TILE_HEIGHT + y).checked_sub(1) else { continue };
+            if y < height {
+                let from = MARGIN - (first - before);
+                line[from..from + after - before]
+                    .copy_from_slice(&self.marks[y * width + before..y * width + after]);
+            }
+        }
+        let mut edges = [[0; SAMPLES]; GROUP];
+        for (tile, edges) in edges.iter_mut().enumerate().take(group.len()) {
+            let x = MARGIN + tile * TILE_WIDTH;
+            for y in 1..=TILE_HEIGHT {
+                let at = |x: usize, y: usize| u32x16::from_slice(simd, &near[y][x..x + WIDTH]);
+                let own = at(x, y);
+                let sides = [at(x - 1, y), at(x + 1, y), at(x, y - 1), at(x, y + 1)];
+                let elsewhere = (own ^ sides[0]) | (own ^ sides[1]) | (own ^ sides[2]) | (own ^ sides[3]);
+                if !elsewhere.simd_gt(COLOUR).any_true() {
+                    continue;
+                }
+                let there = own.simd_ne(NO_RAY);
+                for (edges, side) in edges.iter_mut().zip(sides) {
+                    let edge = beyond(simd, own, side).simd_ne(0) & there;
+                    *edges |= edge.to_bitmask() << ((y - 1) * TILE_WIDTH);
+                }
+            }
+        }
+        edges
+    }
+
+    /// Works out the wanted samples of pixels.
+    #[inline(always)]
+    fn sample<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel]) {
+        let mut rays = [(0, 0); LANES];
+        let mut count = 0;
+        for index in 0..pixels.len() {
+            for sample in 0..SAMPLES {
+                if pixels[index].samples >> sample & 1 != 0 {
+                    rays[count] = (index, sample);
+                    count += 1;
+                    if count == LANES {
+                        self.trace(simd, bench, pixels, &rays);
+                        count = 0;
+                    }
+                }
+            }
+        }
+        if count > 0 {
+            self.trace(simd, bench, pixels, &rays[..count]);
+        }
+    }
+
+    /// Traces up to 64 rays, given by pixel and sample, and gives the samples their colours.
+    #[inline(never)]
+    fn trace<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel], rays: &[(usize, usize)]) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let Bench { packet, local, tile, shader, resolver, colours } = bench;
+                self.aim(pixels, rays, packet, tile);
+                first_hits(simd, self.view, packet, local, self.sight.faces);
+                tile.take_first_hits(simd, packet, resolver);
+                shader.shade(simd, self.view, tile, &self.steps, colours);
+                for (lane, &(index, sample)) in rays.iter().enumerate() {
+                    pixels[index].colours[sample] = [colours[0][lane], colours[1][lane], colours[2][lane]];
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn aim(&self, pixels: &[Pixel], rays: &[(usize, usize)], packet: &mut Packet, tile: &mut Tile) {
+        let [near, far] = self.sight.range;
+        packet.t_min = near;
+        packet.hit = [MISS; LANES];
+        packet.t = [f64::NEG_INFINITY; LANES];
+        for (lane, &(index, sample)) in rays.iter().enumerate() {
+            let ([column, row], [right, down]) = (pixels[index].place(), OFFSETS[sample]);
+            let direction = if let Some(lens) = self.between.pinhole() {
+                let left = (lens.cx - (column as f64 + right)) / lens.fx;
+                DVec3::new(1.0, left, (lens.cy - (row as f64 + down)) / lens.fy)
+            } else {
+                let neighbours = self.between.neighbours(column as i32, row as i32);
+                let steps = neighbours.steps().map(|step| self.axes * step * STEP);
+                for side in 0..2 {
+                    for axis in 0..3 {
+                        tile.steps[side][axis][lane] = steps[side][axis] as f32;
+                    }
+                }
+                neighbours.direction(right, down)
+            };
+            let direction = self.axes * direction;
+            for axis in 0..3 {
+                packet.direction[axis][lane] = direction[axis];
+            }
+            packet.t[lane] = far;
+        }
+    }
+}
+
+/// By how much marks differ from others beyond what makes an edge; 0 where there is none.
+#[inline(always)]
+fn beyond<S: Simd>(simd: S, own: u32x16<S>, other: u32x16<S>) -> u32x16<S> {
+    // In each byte, how much more is let pass: anything where the same is seen, or nothing.
+    let elsewhere = (own ^ other).simd_gt(u32x16::splat(simd, COLOUR)) & other.simd_ne(NO_RAY);
+    let least = u32x16::splat(simd, LEAST_DIFFERENCE * 0x0001_0101 | !COLOUR);
+    let passed: u8x64<S> = elsewhere.select(least, u32x16::splat(simd, u32::MAX)).bitcast();
+    let (own, other): (u8x64<S>, u8x64<S>) = (own.bitcast(), other.bitcast());
+    let difference = simd.saturating_sub_u8x64(own, other) | simd.saturating_sub_u8x64(other, own);
+    simd.saturating_sub_u8x64(difference, passed).bitcast()
+}
+
+/// Paints those pixels that are edges, of neighbouring tiles one after the other, into the part of a picture that begins
+/// at a row of tiles.
+#[inline(always)]
+fn put_down<S: Simd>(simd: S, pixels: &[Pixel], first_row: usize, canvas: &mut impl Canvas) {
+    let mut colours = [[0.0; LANES]; 3];
+    for pixels in pixels.chunk_by(|a, b| a.tile == b.tile) {
+        let (tile, mut lanes) = (pixels[0].tile, 0);
+        for pixel in pixels.iter().filter(|pixel| pixel.is_edge) {
+            lanes |= 1 << pixel.lane;
+            let [a, b, c, d] = &pixel.colours;
+            for channel in 0..3 {
+                let sum = (a[channel] + b[channel]) + (c[channel] + d[channel]);
+                colours[channel][pixel.lane] = sum * (1.0 / SAMPLES as f32);
+            }
+        }
+        if lanes != 0 {
+            canvas.paint(simd, tile, tile[1] - first_row, lanes, &mut colours);
+        }
+    }
+}
+
+/// A pixel at an edge, perhaps.
+#[derive(Clone, Copy)]
+struct Pixel {
+    /// Column and row of its tile.
+    tile: [usize; 2],
+    lane: usize,
+    /// The samples that are wanted next, a bit each.
+    samples: u64,
+    /// An edge runs through it.
+    is_edge: bool,
+    /// Of its samples.
+    colours: [[f32; 3]; SAMPLES],
+}
+
+impl Pixel {
+    const NONE: Self =
+        Self { tile: [0; 2], lane: 0, samples: 0, is_edge: false, colours: [[0.0; 3]; SAMPLES] };
+
+    /// Column and row in the picture.
+    #[inline(always)]
+    fn place(&self) -> [usize; 2] {
+        let [column, row] = self.tile;
+        [column * TILE_WIDTH + self.lane % TILE_WIDTH, row * TILE_HEIGHT + self.lane / TILE_WIDTH]
+    }
+}
+
+/// What is worked with, from piece to piece.
+struct Bench<'a> {
+    packet: Packet,
+    local: LocalRays,
+    tile: Tile,
+    shader: Shader,
+    resolver: Resolver<'a>,
+    colours: Colours,
+}
+
+impl<'a> Bench<'a> {
+    fn new(view: &'a View<'a>) -> Self {
+        Self {
+            packet: Packet::new(),
+            local: LocalRays::new(),
+            tile: Tile::new(),
+            shader: Shader::new(),
+            resolver: Resolver::new(view),
+            colours: [[0.0; LANES]; 3],
+        }
+    }
+}
+
+/// A canvas, cut by chunks.
+struct Chunks<C>(C);
+
+impl<C: SplitRows> SplitRows for Chunks<C> {
+    fn split_rows(self, chunks: usize) -> (Self, Self) {
+        let (upper, lower) = self.0.split_rows(chunks * CHUNK);
+        (Self(upper), Self(lower))
+    }
+}

@@ -280,9 +280,8 @@ impl<'a> Camera<'a> {
         capture: &Capture<'_>,
         marks: &'m [u32],
     ) -> Option<Smoothing<'m>> {
-        let CameraConfig { optics, exposure, .. } = &self.config;
         let pose = &capture.moment.world_from_sensor;
-        (!marks.is_empty()).then(|| Smoothing::new(view, optics, self.sight(), pose, (marks, *exposure)))
+        (!marks.is_empty()).then(|| Smoothing::new(view, &self.config.optics, self.sight(), pose, marks))
     }
 
     /// Rays that a [`Workspace`] must have room for.

@@ -2,9 +2,8 @@
 //!
 //! A picture is traced and shaded with a ray a pixel first, and a [mark](Marks) is kept of each pixel: its colour, and
 //! what it shows. Where a neighbour shows something else in another colour, an edge of a shape or of a shadow runs
-//! near their border. A ray towards each such neighbour tells whether it runs through the pixel. If so, the pixel's colour
-//! becomes the mean of [`SAMPLES`] rays spread over its square, in linear light and before exposure and noise. Patterns on
-//! a surface are filtered already, by their footprints.
+//! between the two: there the pixel's colour becomes the mean of [`SAMPLES`] rays spread over its square, in linear light
+//! and before exposure and noise. Patterns on a surface are filtered already, by their footprints.
 //!
 //! Marks are compared once the picture is complete, so that bands do not show, and in the same pieces whatever the number
 //! of threads. Pixels without an edge keep their bits.
@@ -12,7 +11,7 @@
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::optics::Optics;
 use crate::optics::rays::Between;
-use crate::pixel::{to_byte, to_bytes};
+use crate::pixel::to_bytes;
 use crate::pose::Pose;
 use crate::scene::tree::WIDTH;
 use crate::shade::{Colours, Shader};
@@ -28,6 +27,32 @@ use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdMask, dispatch, u8x64, u3
 use glam::{DMat3, DVec3};
 
 /// What becomes of the edges of shapes and shadows in a picture.
+///
+/// ```
+/// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose};
+/// let mut builder = SceneBuilder::new();
+/// builder.set_environment(Environment { background: [0.0; 3], ..Default::default() });
+/// let white = builder.add_material(&MaterialConfig { emissive: [1.0; 3], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
+/// builder.add_instance(&InstanceConfig {
+///     shape: Shape::Sphere { radius: 0.5 },
+///     world_from_instance: Pose::from_translation(glam::DVec3::X * 2.0),
+///     material: white,
+///     ..Default::default()
+/// })?;
+/// let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(Pose::IDENTITY)));
+/// let config = CameraConfig::new(PinholeGrid::from_fov(64, 48, 1.0)?).format(PixelFormat::Mono8);
+/// let greys = |edges| {
+///     let camera = Camera::new(config.edges(edges)).unwrap();
+///     let mut pixels = vec![0; camera.frame_len()];
+///     camera.sense(&scene, &capture, &mut WorkspaceBuf::default().lend(&scene, camera.rays()), &mut pixels);
+///     pixels.sort_unstable();
+///     pixels.dedup();
+///     pixels
+/// };
+/// assert_eq!(greys(Edges::Sharp), [0, 255]);
+/// assert_eq!(greys(Edges::Smooth), [0, 64, 128, 191, 255]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Edges {
     /// A pixel has the colour that its middle sees: edges are stairs.
@@ -39,14 +64,12 @@ pub enum Edges {
 
 /// Rays of a pixel at an edge.
 const SAMPLES: usize = 4;
-/// Where in the pixel they go, to the right and down of its middle: no two in one of its four rows or columns, and one
-/// towards each neighbour: left, right, above, below.
-const OFFSETS: [[f64; 2]; SAMPLES] = [[-0.375, 0.125], [0.375, -0.125], [-0.125, -0.375], [0.125, 0.375]];
-/// Each stands for a quarter of the pixel: half its width.
-const STEP: f64 = 0.5;
-
+/// Where in the pixel they go, to the right and down of its middle: no two in one of its four rows or columns.
+const OFFSETS: [[f64; 2]; SAMPLES] = [[-0.125, -0.375], [0.375, -0.125], [-0.375, 0.125], [0.125, 0.375]];
+/// Pixels whose rays are traced at a time.
+const PIXELS: usize = LANES / SAMPLES;
 /// By how much of 255 some channel must differ for an edge to be one.
-const LEAST_DIFFERENCE: u32 = 16;
+const LEAST_DIFFERENCE: u32 = 24;
 
 /// The mark of a pixel without a ray, and of what lies beyond the picture.
 const NO_RAY: u32 = 0;
@@ -56,11 +79,11 @@ const RAY: u32 = 1 << 31;
 const COLOUR: u32 = 0x00ff_ffff;
 
 /// Rows of tiles that are searched and painted at a time.
-const CHUNK: usize = 4;
+const CHUNK: usize = 8;
 /// Tiles of a row that are searched at a time.
 const GROUP: usize = 16;
-/// Pixels that are worked on together.
-const QUEUE: usize = 256;
+/// Pixels that are painted together.
+const QUEUE: usize = 8 * PIXELS;
 
 /// What is kept of each pixel of a picture, row after row; of none, if edges are sharp.
 pub(crate) struct Marks<'a> {
@@ -93,8 +116,9 @@ impl<'a> Marks<'a> {
         let first = column * TILE_WIDTH;
         let lines = self.marks.chunks_mut(self.width).skip(row * TILE_HEIGHT).take(TILE_HEIGHT);
         for (row, line) in lines.enumerate() {
-            let [red, green, blue] =
-                colours.each_ref().map(|channel| load_row(simd, channel, row) * exposure);
+            let red = load_row(simd, &colours[0], row) * exposure;
+            let green = load_row(simd, &colours[1], row) * exposure;
+            let blue = load_row(simd, &colours[2], row) * exposure;
             let seen = u32x16::load_array_ref(simd, &seen.as_chunks().0[row]) << 24;
             let marks = to_bytes(simd, red, green, blue) | seen | u32x16::splat(simd, RAY);
             let rays = simd.from_bitmask_mask32x16(!(missing >> (row * TILE_WIDTH)) & 0xffff);
@@ -128,11 +152,10 @@ pub(crate) struct Smoothing<'a> {
     sight: Sight,
     /// From the sensor's axes to the world's.
     axes: DMat3,
-    /// From ray to ray within a pixel.
+    /// From pixel to pixel: rays look into textures as widely as those of whole pixels, so that a surface does not look
+    /// sharper along its edge.
     steps: Steps,
     marks: &'a [u32],
-    /// With which they were made.
-    exposure: f32,
     /// Of the picture.
     size: [usize; 2],
 }
@@ -143,12 +166,12 @@ impl<'a> Smoothing<'a> {
         optics: &Optics<'a>,
         sight: Sight,
         world_from_sensor: &Pose,
-        (marks, exposure): (&'a [u32], f32),
+        marks: &'a [u32],
     ) -> Self {
         let (between, axes) = (Between::new(optics), world_from_sensor.rotation_matrix());
         let steps =
-            between.pinhole().map(|lens| [axes.y_axis * (-STEP / lens.fx), axes.z_axis * (-STEP / lens.fy)]);
-        Self { view, between, sight, axes, steps, marks, exposure, size: optics.size() }
+            between.pinhole().map(|lens| [axes.y_axis * (-1.0 / lens.fx), axes.z_axis * (-1.0 / lens.fy)]);
+        Self { view, between, sight, axes, steps, marks, size: optics.size() }
     }
 
     /// Paints all edges.
@@ -175,74 +198,39 @@ impl<'a> Smoothing<'a> {
         canvas: &mut impl Canvas,
     ) {
         let mut bench = Bench::new(self.view);
-        let mut pixels = [Pixel::NONE; QUEUE];
-        let mut waiting = 0;
+        let mut pixels = [Pixel { tile: [0; 2], lane: 0, colour: [0.0; 3] }; QUEUE];
+        let (mut waiting, mut sampled) = (0, 0);
         for row in rows.clone() {
             for first in (0..across).step_by(GROUP) {
                 let edges = self.find(simd, first..(first + GROUP).min(across), row);
-                for (tile, sides) in edges.iter().enumerate() {
-                    let mut rest = sides[0] | sides[1] | sides[2] | sides[3];
+                for (tile, &lanes) in edges.iter().enumerate() {
+                    let mut rest = lanes;
                     while rest != 0 {
                         let lane = rest.trailing_zeros() as usize % LANES;
                         rest &= rest - 1;
-                        let mut samples = 0;
-                        for side in 0..SAMPLES {
-                            samples |= (sides[side] >> lane & 1) << side;
-                        }
-                        pixels[waiting] = Pixel { tile: [first + tile, row], lane, samples, ..Pixel::NONE };
+                        pixels[waiting] = Pixel { tile: [first + tile, row], lane, colour: [0.0; 3] };
                         waiting += 1;
+                        if waiting == sampled + PIXELS {
+                            self.sample(simd, &mut bench, &mut pixels[sampled..waiting]);
+                            sampled = waiting;
+                        }
                         if waiting == QUEUE {
-                            self.paint_pixels(simd, &mut bench, &mut pixels, rows.start, canvas);
-                            waiting = 0;
+                            put_down(simd, &pixels, rows.start, canvas);
+                            (waiting, sampled) = (0, 0);
                         }
                     }
                 }
             }
         }
-        self.paint_pixels(simd, &mut bench, &mut pixels[..waiting], rows.start, canvas);
+        if sampled < waiting {
+            self.sample(simd, &mut bench, &mut pixels[sampled..waiting]);
+        }
+        put_down(simd, &pixels[..waiting], rows.start, canvas);
     }
 
-    /// Paints those pixels that an edge runs through.
-    #[inline(never)]
-    fn paint_pixels<S: Simd>(
-        &self,
-        simd: S,
-        bench: &mut Bench<'_>,
-        pixels: &mut [Pixel],
-        first_row: usize,
-        canvas: &mut impl Canvas,
-    ) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                // Step 1: rays towards the neighbours that show something else.
-                self.sample(simd, bench, pixels);
-                // Step 2: the others, where one of these has met it.
-                for pixel in pixels.iter_mut() {
-                    let met = self.has_met_another(pixel);
-                    pixel.samples = if met { !pixel.samples & ((1 << SAMPLES) - 1) } else { 0 };
-                    pixel.is_edge = met;
-                }
-                self.sample(simd, bench, pixels);
-                put_down(simd, pixels, first_row, canvas);
-            },
-        );
-    }
-
-    /// Whether a sample of a pixel has another colour than its middle.
-    fn has_met_another(&self, pixel: &Pixel) -> bool {
-        let [column, row] = pixel.place();
-        let [red, green, blue, _] = self.marks[row * self.size[0] + column].to_le_bytes();
-        (0..SAMPLES).filter(|sample| pixel.samples >> sample & 1 != 0).any(|sample| {
-            let colour = pixel.colours[sample].map(|value| i32::from(to_byte(value * self.exposure)));
-            let differs = |value: i32, middle: u8| value.abs_diff(i32::from(middle)) > LEAST_DIFFERENCE;
-            differs(colour[0], red) || differs(colour[1], green) || differs(colour[2], blue)
-        })
-    }
-
-    /// The pixels of some tiles of a row that have an edge to their left, right, above or below, a bit each.
+    /// The pixels of some tiles of a row at which there is an edge, a bit each.
     #[inline(always)]
-    fn find<S: Simd>(&self, simd: S, group: core::ops::Range<usize>, row: usize) -> [[u64; SAMPLES]; GROUP] {
+    fn find<S: Simd>(&self, simd: S, group: core::ops::Range<usize>, row: usize) -> [u64; GROUP] {
         const MARGIN: usize = WIDTH;
         let [width, height] = self.size;
         // The marks of these rows, and around them.
@@ -257,7 +245,7 @@ impl<'a> Smoothing<'a> {
                     .copy_from_slice(&self.marks[y * width + before..y * width + after]);
             }
         }
-        let mut edges = [[0; SAMPLES]; GROUP];
+        let mut edges = [0; GROUP];
         for (tile, edges) in edges.iter_mut().enumerate().take(group.len()) {
             let x = MARGIN + tile * TILE_WIDTH;
             for y in 1..=TILE_HEIGHT {
@@ -268,82 +256,69 @@ impl<'a> Smoothing<'a> {
                 if !elsewhere.simd_gt(COLOUR).any_true() {
                     continue;
                 }
-                let there = own.simd_ne(NO_RAY);
-                for (edges, side) in edges.iter_mut().zip(sides) {
-                    let edge = beyond(simd, own, side).simd_ne(0) & there;
-                    *edges |= edge.to_bitmask() << ((y - 1) * TILE_WIDTH);
+                let mut edge = u32x16::splat(simd, 0);
+                for side in sides {
+                    edge |= beyond(simd, own, side);
                 }
+                let edge = edge.simd_ne(0) & own.simd_ne(NO_RAY);
+                *edges |= edge.to_bitmask() << ((y - 1) * TILE_WIDTH);
             }
         }
         edges
     }
 
-    /// Works out the wanted samples of pixels.
+    /// Traces the rays of up to sixteen pixels and gives these their mean colours.
     #[inline(always)]
     fn sample<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel]) {
-        let mut rays = [(0, 0); LANES];
-        let mut count = 0;
-        for index in 0..pixels.len() {
-            for sample in 0..SAMPLES {
-                if pixels[index].samples >> sample & 1 != 0 {
-                    rays[count] = (index, sample);
-                    count += 1;
-                    if count == LANES {
-                        self.trace(simd, bench, pixels, &rays);
-                        count = 0;
-                    }
-                }
+        let Bench { packet, local, tile, shader, resolver, colours } = bench;
+        self.aim(pixels, packet, tile);
+        first_hits(simd, self.view, packet, local, self.sight.faces);
+        tile.take_first_hits(simd, packet, resolver);
+        shader.shade(simd, self.view, tile, &self.steps, colours);
+        for channel in 0..3 {
+            let samples = colours[channel].as_chunks::<SAMPLES>().0;
+            for (pixel, [a, b, c, d]) in pixels.iter_mut().zip(samples) {
+                pixel.colour[channel] = ((a + b) + (c + d)) * (1.0 / SAMPLES as f32);
             }
         }
-        if count > 0 {
-            self.trace(simd, bench, pixels, &rays[..count]);
-        }
     }
 
-    /// Traces up to 64 rays, given by pixel and sample, and gives the samples their colours.
-    #[inline(never)]
-    fn trace<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel], rays: &[(usize, usize)]) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let Bench { packet, local, tile, shader, resolver, colours } = bench;
-                self.aim(pixels, rays, packet, tile);
-                first_hits(simd, self.view, packet, local, self.sight.faces);
-                tile.take_first_hits(simd, packet, resolver);
-                shader.shade(simd, self.view, tile, &self.steps, colours);
-                for (lane, &(index, sample)) in rays.iter().enumerate() {
-                    pixels[index].colours[sample] = [colours[0][lane], colours[1][lane], colours[2][lane]];
-                }
-            },
-        );
-    }
-
+    /// The rays of a pixel lie in lanes side by side: so a row of lanes sees few surfaces.
     #[inline(always)]
-    fn aim(&self, pixels: &[Pixel], rays: &[(usize, usize)], packet: &mut Packet, tile: &mut Tile) {
+    fn aim(&self, pixels: &[Pixel], packet: &mut Packet, tile: &mut Tile) {
         let [near, far] = self.sight.range;
         packet.t_min = near;
         packet.hit = [MISS; LANES];
         packet.t = [f64::NEG_INFINITY; LANES];
-        for (lane, &(index, sample)) in rays.iter().enumerate() {
-            let ([column, row], [right, down]) = (pixels[index].place(), OFFSETS[sample]);
-            let direction = if let Some(lens) = self.between.pinhole() {
-                let left = (lens.cx - (column as f64 + right)) / lens.fx;
-                DVec3::new(1.0, left, (lens.cy - (row as f64 + down)) / lens.fy)
-            } else {
-                let neighbours = self.between.neighbours(column as i32, row as i32);
-                let steps = neighbours.steps().map(|step| self.axes * step * STEP);
-                for side in 0..2 {
-                    for axis in 0..3 {
-                        tile.steps[side][axis][lane] = steps[side][axis] as f32;
-                    }
-                }
-                neighbours.direction(right, down)
-            };
+        let mut put = |lane: usize, direction: DVec3| {
             let direction = self.axes * direction;
             for axis in 0..3 {
                 packet.direction[axis][lane] = direction[axis];
             }
             packet.t[lane] = far;
+        };
+        for (place, pixel) in pixels.iter().enumerate() {
+            let column = pixel.tile[0] * TILE_WIDTH + pixel.lane % TILE_WIDTH;
+            let row = pixel.tile[1] * TILE_HEIGHT + pixel.lane / TILE_WIDTH;
+            if let Some(lens) = self.between.pinhole() {
+                for (sample, [right, down]) in OFFSETS.iter().enumerate() {
+                    let left = (lens.cx - (column as f64 + right)) / lens.fx;
+                    let up = (lens.cy - (row as f64 + down)) / lens.fy;
+                    put(place * SAMPLES + sample, DVec3::new(1.0, left, up));
+                }
+                continue;
+            }
+            let neighbours = self.between.neighbours(column as i32, row as i32);
+            let steps = neighbours.steps().map(|step| self.axes * step);
+            for (sample, [right, down]) in OFFSETS.iter().enumerate() {
+                let lane = place * SAMPLES + sample;
+                put(lane, neighbours.direction(*right, *down));
+                for side in 0..2 {
+                    for axis in 0..3 {
+                        tile.steps[side][axis][lane] = steps[side][axis] as f32;
+                    }
+                }
+            }
         }
     }
 }
@@ -360,51 +335,29 @@ fn beyond<S: Simd>(simd: S, own: u32x16<S>, other: u32x16<S>) -> u32x16<S> {
     simd.saturating_sub_u8x64(difference, passed).bitcast()
 }
 
-/// Paints those pixels that are edges, of neighbouring tiles one after the other, into the part of a picture that begins
-/// at a row of tiles.
+/// Paints pixels, of neighbouring tiles one after the other, into the part of a picture that begins at a row of tiles.
 #[inline(always)]
 fn put_down<S: Simd>(simd: S, pixels: &[Pixel], first_row: usize, canvas: &mut impl Canvas) {
     let mut colours = [[0.0; LANES]; 3];
     for pixels in pixels.chunk_by(|a, b| a.tile == b.tile) {
         let (tile, mut lanes) = (pixels[0].tile, 0);
-        for pixel in pixels.iter().filter(|pixel| pixel.is_edge) {
+        for pixel in pixels {
             lanes |= 1 << pixel.lane;
-            let [a, b, c, d] = &pixel.colours;
             for channel in 0..3 {
-                let sum = (a[channel] + b[channel]) + (c[channel] + d[channel]);
-                colours[channel][pixel.lane] = sum * (1.0 / SAMPLES as f32);
+                colours[channel][pixel.lane] = pixel.colour[channel];
             }
         }
-        if lanes != 0 {
-            canvas.paint(simd, tile, tile[1] - first_row, lanes, &mut colours);
-        }
+        canvas.paint(simd, tile, tile[1] - first_row, lanes, &mut colours);
     }
 }
 
-/// A pixel at an edge, perhaps.
+/// A pixel at an edge.
 #[derive(Clone, Copy)]
 struct Pixel {
     /// Column and row of its tile.
     tile: [usize; 2],
     lane: usize,
-    /// The samples that are wanted next, a bit each.
-    samples: u64,
-    /// An edge runs through it.
-    is_edge: bool,
-    /// Of its samples.
-    colours: [[f32; 3]; SAMPLES],
-}
-
-impl Pixel {
-    const NONE: Self =
-        Self { tile: [0; 2], lane: 0, samples: 0, is_edge: false, colours: [[0.0; 3]; SAMPLES] };
-
-    /// Column and row in the picture.
-    #[inline(always)]
-    fn place(&self) -> [usize; 2] {
-        let [column, row] = self.tile;
-        [column * TILE_WIDTH + self.lane % TILE_WIDTH, row * TILE_HEIGHT + self.lane / TILE_WIDTH]
-    }
+    colour: [f32; 3],
 }
 
 /// What is worked with, from piece to piece.

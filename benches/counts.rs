@@ -11,11 +11,11 @@ mod scenes;
 mod tag_room;
 
 use belvedere::world::scene::WorldScene;
-use belvedere_sensors::Capture;
-use belvedere_sensors::camera::Camera;
+use belvedere_sensors::camera::{Camera, Picture};
 use belvedere_sensors::noise::{Stream, fill_standard_normal_with};
 use belvedere_sensors::simd::{Level, best_level};
 use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Sensor};
 use gungraun::{
     Callgrind, CallgrindMetrics, EventKind, LibraryBenchmarkConfig, OutputFormat, library_benchmark,
     library_benchmark_group, main,
@@ -117,8 +117,8 @@ fn room_view() -> RoomView {
     let camera = camera.expect("in range");
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = execution(simd());
-    let rays = camera.rays();
-    let _ = workspace.lend(&scene.scene(), rays); // allocates
+    let capture = Capture::new(0, scene.moment(tag_room::across()));
+    let _ = workspace.lend(camera.workspace_len(&scene.scene(), &capture)); // allocates
     let pixels = vec![0; camera.frame_len()];
     (scene, camera, workspace, pixels)
 }
@@ -127,8 +127,10 @@ fn room_view() -> RoomView {
 #[library_benchmark(config = limit("tag_room_rows"), setup = room_view)]
 fn tag_room_rows((scene, camera, mut workspace, mut pixels): RoomView) -> RoomView {
     let capture = Capture::new(0, scene.moment(tag_room::across()));
-    let lent = &mut workspace.lend(&scene.scene(), camera.rays());
-    camera.sense(&scene.scene(), black_box(&capture), lent, &mut pixels);
+    let lent = &mut workspace.lend(camera.workspace_len(&scene.scene(), &capture));
+    camera
+        .sense(&scene.scene(), black_box(&capture), lent, Picture::new().colour(&mut pixels))
+        .expect("outputs of the right size");
     (scene, camera, workspace, pixels)
 }
 

@@ -35,7 +35,27 @@ pub fn draw(frame: &FrameView<'_>) -> Result<RgbImage, PictureError> {
     match (header.kind(), header.encoding()) {
         (_, Some(Encoding::Rgb8)) => Ok(pixels(frame, |pixel: [u8; 3]| Rgb(pixel))),
         (_, Some(Encoding::Bgr8)) => Ok(pixels(frame, |[blue, green, red]: [u8; 3]| Rgb([red, green, blue]))),
+        (_, Some(Encoding::Rgba8)) => {
+            Ok(pixels(frame, |[red, green, blue, _]: [u8; 4]| Rgb([red, green, blue])))
+        }
         (_, Some(Encoding::Mono8)) => Ok(pixels(frame, |grey: u8| Rgb([grey; 3]))),
+        (_, Some(Encoding::Mono16)) => Ok(words(frame)),
+        (_, Some(Encoding::BayerRggb8)) => {
+            Ok(mosaic(pixels(frame, |value: u8| Rgb([value; 3])), [0, 1, 1, 2]))
+        }
+        (_, Some(Encoding::BayerBggr8)) => {
+            Ok(mosaic(pixels(frame, |value: u8| Rgb([value; 3])), [2, 1, 1, 0]))
+        }
+        (_, Some(Encoding::BayerGbrg8)) => {
+            Ok(mosaic(pixels(frame, |value: u8| Rgb([value; 3])), [1, 2, 0, 1]))
+        }
+        (_, Some(Encoding::BayerGrbg8)) => {
+            Ok(mosaic(pixels(frame, |value: u8| Rgb([value; 3])), [1, 0, 2, 1]))
+        }
+        (_, Some(Encoding::BayerRggb16)) => Ok(mosaic(words(frame), [0, 1, 1, 2])),
+        (_, Some(Encoding::BayerBggr16)) => Ok(mosaic(words(frame), [2, 1, 1, 0])),
+        (_, Some(Encoding::BayerGbrg16)) => Ok(mosaic(words(frame), [1, 2, 0, 1])),
+        (_, Some(Encoding::BayerGrbg16)) => Ok(mosaic(words(frame), [1, 0, 2, 1])),
         (_, Some(Encoding::F32C1)) => {
             let depths: Vec<f32> = frame.numbers(frame.rows()).collect();
             Ok(depth(frame, &depths))
@@ -45,6 +65,11 @@ pub fn draw(frame: &FrameView<'_>) -> Result<RgbImage, PictureError> {
             let depths: Vec<f32> = frame.numbers(frame.rows()).map(metres).collect();
             Ok(depth(frame, &depths))
         }
+        (_, Some(Encoding::F32C2)) => Ok(flow(frame)),
+        (_, Some(Encoding::F32C3)) => Ok(pixels(frame, |normal: [f32; 3]| {
+            Rgb(normal.map(|part| if normal == [0.0; 3] { 0 } else { ((part + 1.0) * 127.5) as u8 }))
+        })),
+        (_, Some(Encoding::I32C1)) => Ok(pixels(frame, |number: i32| number_colour(number))),
         (_, Some(Encoding::RangesF32)) => Ok(scan(frame)),
         (_, Some(Encoding::XyzRgbF32)) if header.height > 1 => {
             let depths: Vec<f32> = frame.numbers(frame.rows()).map(|[_, _, z]: [f32; 3]| z).collect();
@@ -62,6 +87,63 @@ fn pixels<T: bytemuck::Pod>(frame: &FrameView<'_>, colour: impl Fn(T) -> Rgb<u8>
     let mut picture = RgbImage::new(frame.header().width, frame.header().height);
     for (pixel, value) in picture.pixels_mut().zip(frame.numbers::<T>(frame.rows())) {
         *pixel = colour(value);
+    }
+    picture
+}
+
+/// The colour of a thing or class: black for none, and far apart for numbers that follow each other.
+fn number_colour(number: i32) -> Rgb<u8> {
+    if number < 0 {
+        return Rgb([0; 3]);
+    }
+    // Steps of the golden ratio go round the circle of hues without ever coming close to where they were.
+    let turn = f64::from(number) * 0.618_033_988_749_895;
+    hue(turn.fract() as f32, 1.0)
+}
+
+/// Flow: its direction is the hue, red to the right; the longest in the picture is the brightest.
+fn flow(frame: &FrameView<'_>) -> RgbImage {
+    let length = |[x, y]: [f32; 2]| x.hypot(y);
+    let lengths = frame.numbers::<[f32; 2]>(frame.rows()).map(length);
+    let longest = lengths.filter(|length| length.is_finite()).fold(f32::MIN_POSITIVE, f32::max);
+    pixels(frame, |flow: [f32; 2]| {
+        let turn = flow[1].atan2(flow[0]) / core::f32::consts::TAU;
+        let share = length(flow) / longest;
+        if share.is_finite() { hue(turn.rem_euclid(1.0), share) } else { Rgb([0; 3]) }
+    })
+}
+
+/// A pure colour of the circle of hues, from 0, red, over green and blue to 1.
+fn hue(turn: f32, brightness: f32) -> Rgb<u8> {
+    let part = |offset: f32| {
+        let distance = ((turn + offset).fract() * 6.0 - 3.0).abs() - 1.0;
+        (distance.clamp(0.0, 1.0) * brightness * 255.0 + 0.5) as u8
+    };
+    Rgb([part(0.0), part(2.0 / 3.0), part(1.0 / 3.0)])
+}
+
+/// Values of 16 bits as grey. The highest in the picture is white, as a frame does not say how many bits are used.
+fn words(frame: &FrameView<'_>) -> RgbImage {
+    let highest = frame.numbers::<u16>(frame.rows()).max().unwrap_or(0).max(1);
+    pixels(frame, |value: u16| Rgb([(u32::from(value) * 255 / u32::from(highest)) as u8; 3]))
+}
+
+/// Each pixel in the colours of the square of four that begins with it, or of its neighbour at the far edges; `square`
+/// tells which of red, green and blue the pixels of a square at even places see.
+fn mosaic(seen: RgbImage, square: [usize; 4]) -> RgbImage {
+    let mut picture = RgbImage::new(seen.width(), seen.height());
+    for (x, y, pixel) in picture.enumerate_pixels_mut() {
+        let (mut sum, mut count) = ([0_u16; 3], [0_u16; 3]);
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let from = |at: u32, step: u32, size: u32| {
+                if at + 1 < size { at + step } else { at.saturating_sub(step) }
+            };
+            let (x, y) = (from(x, dx, seen.width()), from(y, dy, seen.height()));
+            let channel = square[(y % 2 * 2 + x % 2) as usize];
+            sum[channel] += u16::from(seen[(x, y)][0]);
+            count[channel] += 1;
+        }
+        *pixel = Rgb([0, 1, 2].map(|channel| (sum[channel] / count[channel].max(1)) as u8));
     }
     picture
 }
@@ -190,6 +272,18 @@ mod tests {
         let mut header = FrameHeader::new(Kind::Image, Encoding::Mono8);
         let picture = draw(&view(&mut header, 3, 2, &payload)).unwrap();
         assert_eq!(picture[(2, 1)], Rgb([6, 6, 6]));
+        // The highest of 16 bits is white.
+        let mut header = FrameHeader::new(Kind::Image, Encoding::Mono16);
+        let picture = draw(&view(&mut header, 3, 1, &payload)).unwrap();
+        assert_eq!(picture[(2, 0)], Rgb([255; 3]));
+        assert_eq!(picture[(0, 0)], Rgb([(0x0201 * 255 / 0x0605) as u8; 3]));
+        // Blue and green over green and red: each pixel has the colours of its square.
+        let mut header = FrameHeader::new(Kind::Image, Encoding::BayerBggr8);
+        let picture = draw(&view(&mut header, 3, 2, &payload)).unwrap();
+        assert_eq!((picture[(0, 0)], picture[(1, 0)]), (Rgb([5, 3, 1]), Rgb([5, 4, 3])));
+        let mut header = FrameHeader::new(Kind::Image, Encoding::Rgba8);
+        let picture = draw(&view(&mut header, 1, 1, &payload[..4])).unwrap();
+        assert_eq!(picture[(0, 0)], Rgb([1, 2, 3]));
     }
 
     #[test]

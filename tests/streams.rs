@@ -4,7 +4,7 @@
 mod live;
 
 use belvedere_bridge::payload::{CameraInfo, Odometry, VelocityCommand};
-use belvedere_bridge::{DistortionModel, StreamSpec};
+use belvedere_bridge::{DistortionModel, Encoding, StreamSpec};
 use live::{Simulator, files_of, next_frame, output, own_domain};
 use std::time::Instant;
 
@@ -58,6 +58,41 @@ fn pictures_and_infos_say_the_lens() {
         assert_eq!(info.k, [lens.fx, lens.skew, lens.cx, 0.0, lens.fy, lens.cy, 0.0, 0.0, 1.0]);
         assert!((info.p[0] - p[0]).abs() < 1e-5 && (info.p[5] - p[1]).abs() < 1e-5, "{camera}: {:?}", info.p);
     }
+}
+
+#[test]
+fn truth_is_beside_the_picture_when_it_is_asked_for() {
+    let simulator = Simulator::start(&["--truth", "--drive", "still"]);
+    let take = |channel: &str, encoding: Encoding| -> Vec<u8> {
+        let frame = next_frame(&mut simulator.subscribe(&format!("/image_raw/truth/{channel}")));
+        assert_eq!(frame.header().encoding(), Some(encoding), "{channel}");
+        assert_eq!([frame.header().width, frame.header().height], [640, 480], "{channel}");
+        frame.payload().to_vec()
+    };
+    let floats = |channel, encoding| -> Vec<f32> {
+        let bytes = take(channel, encoding);
+        bytes.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect()
+    };
+    let numbers = |channel| -> Vec<i32> {
+        let bytes = take(channel, Encoding::I32C1);
+        bytes.as_chunks().0.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect()
+    };
+    let [depth, range, incidence] =
+        ["depth", "range", "incidence"].map(|channel| floats(channel, Encoding::F32C1));
+    let (normal, flow) = (floats("normal", Encoding::F32C3), floats("flow_back", Encoding::F32C2));
+    let (instance, class) = (numbers("instance"), numbers("class"));
+    // The camera looks up at the ceiling, which is parallel to its picture.
+    let mut ceiling = 0;
+    for pixel in 0..640 * 480 {
+        assert_eq!(instance[pixel] < 0, depth[pixel].is_infinite());
+        assert_eq!(instance[pixel] < 0, class[pixel] == 0);
+        if normal[3 * pixel + 2] < -0.999 && (depth[pixel] - depth[240 * 640 + 320]).abs() < 1e-3 {
+            ceiling += 1;
+            assert!((incidence[pixel].cos() - depth[pixel] / range[pixel]).abs() < 1e-4);
+            assert!(flow[2 * pixel].abs() < 1e-2 && flow[2 * pixel + 1].abs() < 1e-2);
+        }
+    }
+    assert!(ceiling > 250_000, "{ceiling} pixels of the ceiling");
 }
 
 #[test]

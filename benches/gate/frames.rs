@@ -6,12 +6,13 @@ use super::idle;
 use crate::scenes::moving::{self, MovingBoxes};
 use crate::scenes::{RaySet, Scene, ours, peer};
 use crate::tag_room;
-use belvedere_sensors::Capture;
-use belvedere_sensors::Execution;
-use belvedere_sensors::camera::Camera;
+use belvedere::world::scene::WorldScene;
+use belvedere_sensors::camera::{Camera, CameraConfig, Picture};
+use belvedere_sensors::device::presets;
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Execution, Sensor};
 use std::hint::black_box;
 
 /// The group of these entries.
@@ -25,6 +26,7 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
     depth_frame(gate, level, "S3", "depth_S3");
     two_threads(gate, level);
     tag_room_rgb(gate, level);
+    device_rgb(gate, level);
 }
 
 fn entry<'a>(name: &'a str, peer: &'a str, clock: Clock) -> Entry<'a> {
@@ -147,8 +149,10 @@ fn tag_room_rgb(gate: &mut Gate<'_>, level: Level) {
     let capture = Capture::new(0, built.moment(tag_room::across()));
 
     let mut sense = || {
-        let workspace = &mut workspace.lend(&scene, camera.rays());
-        camera.sense(&scene, &capture, workspace, black_box(&mut pixels));
+        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
+        camera
+            .sense(&scene, &capture, workspace, Picture::new().colour(black_box(&mut pixels)))
+            .expect("outputs of the right size");
     };
 
     let shapes = tag_room::compound(&world);
@@ -159,4 +163,34 @@ fn tag_room_rgb(gate: &mut Gate<'_>, level: Level) {
         (&mut sense, 1.0),
         (&mut || tag_room::cast_each(&shapes, &depth, &tag_room::across(), black_box(&mut depths)), 1.0),
     );
+}
+
+/// That picture with a webcam's device, beside the picture without.
+fn device_rgb(gate: &mut Gate<'_>, level: Level) {
+    if !gate.options.wants(GROUP, "device_rgb") {
+        return;
+    }
+    let built = tag_room::scene(&tag_room::room());
+    let plain = tag_room::camera_config(0.0);
+    gate.run(
+        entry("device_rgb", "without a device", Clock::Thread),
+        (&mut pictures(&built, plain.device(Some(presets::webcam())), level), 1.0),
+        (&mut pictures(&built, plain, level), 1.0),
+    );
+}
+
+/// Takes a picture of the room at each call.
+fn pictures<'a>(built: &'a WorldScene, config: CameraConfig<'a>, level: Level) -> impl FnMut() + use<'a> {
+    let camera = Camera::new(config).expect("in range");
+    let mut workspace = WorkspaceBuf::default();
+    workspace.execution = ours::execution(level);
+    let mut pixels = vec![0; camera.frame_len()];
+    move || {
+        let scene = built.scene();
+        let capture = Capture::new(0, built.moment(tag_room::across()));
+        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
+        camera
+            .sense(&scene, &capture, workspace, Picture::new().colour(black_box(&mut pixels)))
+            .expect("outputs of the right size");
+    }
 }

@@ -5,7 +5,6 @@ use super::gate::{Entry, Gate, Unit};
 use crate::scenes::ours;
 use crate::tag_room;
 use belvedere::world::scene::WorldScene;
-use belvedere_sensors::Capture;
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::optics::{
@@ -13,6 +12,7 @@ use belvedere_sensors::optics::{
 };
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Sensor};
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::hint::black_box;
 
@@ -52,8 +52,8 @@ fn frames<'a>(built: &'a WorldScene, optics: &Optics<'a>, level: Level) -> impl 
     move || {
         let scene = built.scene();
         let capture = Capture::new(0, built.moment(tag_room::across()));
-        let workspace = &mut workspace.lend(&scene, camera.rays());
-        let output = DepthFrame { depth_32fc1: Some(black_box(&mut depths)), ..DepthFrame::default() };
-        camera.sense(&scene, &capture, workspace, output);
+        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
+        let output = DepthFrame::new().depth_32fc1(black_box(&mut depths));
+        camera.sense(&scene, &capture, workspace, output).expect("outputs of the right size");
     }
 }

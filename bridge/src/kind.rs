@@ -171,6 +171,32 @@ wire_enum! {
         RangesF32 = 7 "ranges_f32",
         /// `height` fixed structs, `elem_stride` bytes apart; see [`payload`](crate::payload).
         Struct = 8 "struct",
+        /// Red, green, blue, and 255; 8 bit each.
+        Rgba8 = 9 "rgba8",
+        /// Grey, u16.
+        Mono16 = 10 "mono16",
+        /// A colour a pixel, 8 bit: the first row red and green, the second green and blue.
+        BayerRggb8 = 11 "bayer_rggb8",
+        /// A colour a pixel, 8 bit: the first row blue and green, the second green and red.
+        BayerBggr8 = 12 "bayer_bggr8",
+        /// A colour a pixel, 8 bit: the first row green and blue, the second red and green.
+        BayerGbrg8 = 13 "bayer_gbrg8",
+        /// A colour a pixel, 8 bit: the first row green and red, the second blue and green.
+        BayerGrbg8 = 14 "bayer_grbg8",
+        /// A colour a pixel, u16: the first row red and green, the second green and blue.
+        BayerRggb16 = 15 "bayer_rggb16",
+        /// A colour a pixel, u16: the first row blue and green, the second green and red.
+        BayerBggr16 = 16 "bayer_bggr16",
+        /// A colour a pixel, u16: the first row green and blue, the second red and green.
+        BayerGbrg16 = 17 "bayer_gbrg16",
+        /// A colour a pixel, u16: the first row green and red, the second blue and green.
+        BayerGrbg16 = 18 "bayer_grbg16",
+        /// Two f32: flow in pixels, to the right and down; NaN where there is none.
+        F32C2 = 19 "32fc2",
+        /// Three f32: unit normals in the axes of the world; 0 where nothing is seen.
+        F32C3 = 20 "32fc3",
+        /// A number of a thing or of a class, i32; of things, -1 where nothing is seen.
+        I32C1 = 21 "32sc1",
     }
 }
 
@@ -180,9 +206,16 @@ impl Encoding {
     pub const fn elem_size(self) -> Option<usize> {
         Some(match self {
             Self::Rgb8 | Self::Bgr8 => 3,
-            Self::Mono8 => 1,
-            Self::F32C1 | Self::RangesF32 => 4,
-            Self::U16C1 => 2,
+            Self::Mono8 | Self::BayerRggb8 | Self::BayerBggr8 | Self::BayerGbrg8 | Self::BayerGrbg8 => 1,
+            Self::F32C1 | Self::RangesF32 | Self::Rgba8 | Self::I32C1 => 4,
+            Self::F32C2 => 8,
+            Self::F32C3 => 12,
+            Self::U16C1
+            | Self::Mono16
+            | Self::BayerRggb16
+            | Self::BayerBggr16
+            | Self::BayerGbrg16
+            | Self::BayerGrbg16 => 2,
             Self::XyzRgbF32 => 32,
             Self::Struct => return None,
         })

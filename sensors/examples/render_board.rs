@@ -17,12 +17,11 @@
 
 mod lens_line;
 
-use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat};
-use belvedere_sensors::optics::Lens;
-use belvedere_sensors::optics::RayTableBuf;
+use belvedere_sensors::camera::{Camera, CameraConfig, Picture, PixelFormat};
+use belvedere_sensors::optics::{Lens, RayTableBuf};
 use belvedere_sensors::scene::{Environment, InstanceConfig, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Pose};
+use belvedere_sensors::{Capture, Pose, Sensor};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use lens_line::{numbers, parse_lens};
 use std::error::Error;
@@ -120,7 +119,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let turn = DQuat::from_scaled_axis(DVec3::new(rx, ry, rz));
         let camera_from_board = optical * Pose::new(DVec3::new(x, y, z), turn);
         let capture = Capture::new(0, builder.moment(camera_from_board.inverse()));
-        camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
+        camera
+            .sense(
+                &scene,
+                &capture,
+                &mut workspace.lend(camera.workspace_len(&scene, &capture)),
+                Picture::new().colour(&mut pixels),
+            )
+            .expect("outputs of the right size");
         let mut file = format!("P5 {width} {height} 255\n").into_bytes();
         file.extend(shrink(&pixels, width, factor));
         std::fs::write(Path::new(&directory).join(format!("{number}.pgm")), file)?;

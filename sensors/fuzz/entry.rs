@@ -1,11 +1,10 @@
 //! What the fuzz target does with arbitrary bytes: a scene of them, sensed from anywhere. It must neither panic
 //! nor hang. The tests run it too, on bytes of their own.
 
-use belvedere_sensors::optics::PinholeGrid;
-use belvedere_sensors::optics::{Optics, SphericalGrid};
+use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, MaterialId, Scene, SceneBuilder, Shape};
-use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays};
-use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays, workspace_len};
+use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use belvedere_sensors::{Moment, Pose};
 use bytemuck::Zeroable;
 use glam::{DQuat, DVec3};
@@ -111,7 +110,7 @@ fn cast(scene: &Scene<'_>, world_from_instance: &[Pose], mut bytes: Bytes<'_>) {
     for grid in grids {
         let count = grid.size()[0] * grid.size()[1];
         let mut outputs = Outputs::new(count);
-        let mut workspace = workspace.lend(scene, grid.rays());
+        let mut workspace = workspace.lend(grid_workspace_len(&scene, &grid));
         // What is refused is refused.
         let _ =
             cast_grid(scene, &moment, &grid, [1e-3, 1e6], u32::MAX, faces, &mut workspace, outputs.hits());
@@ -127,9 +126,11 @@ fn cast(scene: &Scene<'_>, world_from_instance: &[Pose], mut bytes: Bytes<'_>) {
     let rays = Rays { origins: &origins, directions: &directions, ranges: Some(&ranges) };
     let mut outputs = Outputs::new(origins.len());
     let mut occluded = vec![false; origins.len()];
-    let mut workspace = workspace.lend(scene, 0);
-    cast_rays(scene, world_from_instance, place, &rays, u32::MAX, faces, &mut workspace, outputs.hits());
-    occluded_rays(scene, world_from_instance, place, &rays, u32::MAX, faces, &mut workspace, &mut occluded);
+    let mut workspace = workspace.lend(workspace_len(&scene));
+    cast_rays(scene, world_from_instance, place, &rays, u32::MAX, faces, &mut workspace, outputs.hits())
+        .expect("outputs of the right size");
+    occluded_rays(scene, world_from_instance, place, &rays, u32::MAX, faces, &mut workspace, &mut occluded)
+        .expect("outputs of the right size");
 }
 
 struct Outputs {

@@ -37,6 +37,11 @@ pub(crate) trait SplitRows: Sized + Send {
     fn split_rows(self, rows: usize) -> (Self, Self);
 }
 
+/// Cuts an output, if it is wanted at all.
+pub(crate) fn split_at<T>(values: Option<&mut [T]>, at: usize) -> (Option<&mut [T]>, Option<&mut [T]>) {
+    values.map(|values| values.split_at_mut(at.min(values.len()))).unzip()
+}
+
 #[cfg_attr(not(feature = "rayon"), allow(clippy::only_used_in_recursion, reason = "threads come with rayon"))]
 /// Calls `work` for each row of tiles with its part of `output`. Halves the rows until one is left, so that
 /// threads can take over the other half; nothing is allocated.

@@ -8,8 +8,9 @@
 //! 3. [`scene`]: what is looked at, as plain borrowed data; [`moment`]: where everything is, and when.
 //! 4. [`optics`]: which way rays go: the rules of pinhole and lidar, and tables of any lens model.
 //! 5. [`trace`]: where rays meet the scene.
-//! 6. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once (`Result`); after that
-//!    `sense` fills the caller's slices, and neither fails nor allocates.
+//! 6. [`device`]: what a camera's sensor and electronics make of light.
+//! 7. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once and makes a [`Sensor`], which
+//!    fills the caller's slices, and does not allocate.
 //!
 //! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames
 //! (clouds, [`optics`]) have z forward, x right, y down. Pixel centres are integers.
@@ -41,26 +42,42 @@ macro_rules! setters {
     )*};
 }
 
-pub mod camera;
-pub mod depth;
-mod edges;
+/// Named setters of the parts of an output, none of which is wanted at first.
+macro_rules! outputs {
+    ($($(#[$doc:meta])* $field:ident: $kind:ty,)*) => {
+        /// Of nothing.
+        pub const fn new() -> Self {
+            Self { $($field: None,)* }
+        }
+
+        $($(#[$doc])*
+        #[must_use]
+        pub fn $field(mut self, $field: $kind) -> Self {
+            self.$field = Some($field);
+            self
+        })*
+    };
+}
+
+pub mod device;
 mod execution;
-pub mod lidar;
 mod memory;
 pub mod moment;
 pub mod noise;
 pub mod optics;
 #[cfg(feature = "parry")]
 pub mod parry;
-mod pixel;
 pub mod pose;
 #[cfg(feature = "rapier")]
 pub mod rapier;
 pub mod scene;
+pub mod sensor;
 mod shade;
 pub mod simd;
 pub mod trace;
 
 pub use execution::Execution;
-pub use moment::{Capture, Moment};
+pub use moment::{Capture, Moment, Shutter, Slice};
 pub use pose::Pose;
+pub use sensor::{Sensor, camera, depth, lidar};
+pub use trace::SenseError;

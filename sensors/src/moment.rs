@@ -1,7 +1,7 @@
-//! Where everything is, and when: what a [`Scene`] leaves open.
+//! Where everything is, and when: what a [`Scene`](crate::scene::Scene) leaves open.
 
 use crate::pose::Pose;
-use crate::scene::Scene;
+use core::ops::Range;
 
 /// Where the sensor and all instances are at one moment.
 ///
@@ -31,37 +31,110 @@ pub struct Moment<'a> {
     pub world_from_instance: &'a [Pose],
 }
 
-impl Moment<'_> {
-    /// # Panics
-    /// When there is not one pose for each instance.
-    pub(crate) fn check(&self, scene: &Scene<'_>) {
-        let (poses, instances) = (self.world_from_instance.len(), scene.instances().len());
-        assert!(
-            poses == instances,
-            "a moment must have one pose for each instance of the scene: it has {poses}, and there are {instances}"
-        );
+/// Some lines of a frame, and the moment at which they are taken.
+///
+/// Lines are rows of the grid of rays: of a picture from its top, of a lidar from its first scan line.
+#[derive(Debug, Clone)]
+pub struct Slice<'a> {
+    /// Which lines.
+    pub lines: Range<u32>,
+    /// Where everything is then.
+    pub at: Moment<'a>,
+}
+
+/// When the lines of a frame are taken.
+#[derive(Debug, Clone, Copy)]
+pub enum Shutter<'a> {
+    /// All at one moment.
+    Global(Moment<'a>),
+    /// Slice by slice, in the order of their first lines and of their last, without a line between them that none has.
+    ///
+    /// Slices that follow each other are a rolling shutter. Where slices overlap, the colour of a line is the mean of
+    /// what is seen at their moments, in linear light: motion blur. What is measured or told as truth is that of the
+    /// first slice of a line.
+    Slices(&'a [Slice<'a>]),
+}
+
+impl<'a> From<Moment<'a>> for Shutter<'a> {
+    fn from(moment: Moment<'a>) -> Self {
+        Self::Global(moment)
     }
 }
 
-/// A frame to be taken: its number, and the moment at which it is taken.
+impl<'a> From<&'a [Slice<'a>]> for Shutter<'a> {
+    fn from(slices: &'a [Slice<'a>]) -> Self {
+        Self::Slices(slices)
+    }
+}
+
+impl<'a> Shutter<'a> {
+    /// The slices; none if all is taken at one moment.
+    pub(crate) fn slices(&self) -> &'a [Slice<'a>] {
+        match *self {
+            Self::Global(_) => &[],
+            Self::Slices(slices) => slices,
+        }
+    }
+
+    /// Which slices have one of these lines.
+    pub(crate) fn covering(&self, lines: Range<u32>) -> Range<usize> {
+        let slices = self.slices();
+        let first = slices.partition_point(|slice| slice.lines.end <= lines.start);
+        let end = slices.partition_point(|slice| slice.lines.start < lines.end);
+        first..end
+    }
+
+    /// Whether a line is in more than one slice.
+    pub(crate) fn blurs(&self) -> bool {
+        self.slices().windows(2).any(|pair| pair[1].lines.start < pair[0].lines.end)
+    }
+}
+
+/// A frame to be taken: its number, and when it is taken.
 ///
 /// ```
-/// use belvedere_sensors::{Capture, Moment, Pose};
-/// let nothing = Moment { world_from_sensor: Pose::IDENTITY, world_from_instance: &[] };
-/// assert_eq!(Capture::new(7, nothing).frame, 7);
+/// use belvedere_sensors::{Capture, Moment, Pose, Shutter, Slice};
+/// let still = Moment { world_from_sensor: Pose::IDENTITY, world_from_instance: &[] };
+/// assert_eq!(Capture::new(7, still).frame, 7);
+///
+/// // A rolling shutter: the sensor turns by 1 mrad from each of 480 rows to the next.
+/// let turned = |row: u32| Pose::from_rpy_xyz(0.0, 0.0, 1e-3 * f64::from(row), glam::DVec3::ZERO);
+/// let rows: Vec<_> = (0..480)
+///     .map(|row| Slice { lines: row..row + 1, at: Moment { world_from_sensor: turned(row), ..still } })
+///     .collect();
+/// let rolling = Capture::new(8, rows.as_slice());
+/// assert!(matches!(rolling.shutter, Shutter::Slices(slices) if slices.len() == 480));
 /// ```
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Capture<'a> {
     /// Number of the frame. Noise is a function of seed, sensor, frame and sample.
     pub frame: u64,
-    /// Where everything is.
-    pub moment: Moment<'a>,
+    /// When its lines are taken, and where everything is then.
+    pub shutter: Shutter<'a>,
+    /// The frame before, for the flow back to it.
+    pub before: Option<Shutter<'a>>,
+    /// The frame after, for the flow to it.
+    pub after: Option<Shutter<'a>>,
 }
 
 impl<'a> Capture<'a> {
-    /// A frame that is taken all at one moment.
-    pub const fn new(frame: u64, moment: Moment<'a>) -> Self {
-        Self { frame, moment }
+    /// A frame that is taken at one moment, or slice by slice.
+    pub fn new(frame: u64, shutter: impl Into<Shutter<'a>>) -> Self {
+        Self { frame, shutter: shutter.into(), before: None, after: None }
+    }
+
+    /// Sets when the frame before was taken.
+    #[must_use]
+    pub fn before(mut self, shutter: impl Into<Shutter<'a>>) -> Self {
+        self.before = Some(shutter.into());
+        self
+    }
+
+    /// Sets when the frame after is taken.
+    #[must_use]
+    pub fn after(mut self, shutter: impl Into<Shutter<'a>>) -> Self {
+        self.after = Some(shutter.into());
+        self
     }
 }

@@ -3,11 +3,11 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::lidar::{Beams, LidarConfig};
+use belvedere_sensors::lidar::Beams;
 use belvedere_sensors::optics::{Optics, SphericalGrid};
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
-use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use common::brute::{Found, Tally};
 use common::exactness::{Dice, Scenario, scenarios, stands};
 use common::{LIDAR, add_grey, scan};
@@ -28,7 +28,7 @@ fn a_vertical_scanner_sees_all_round() {
         (beams(360, -PI, PI), beams(16, 1.0, 3.0)),
         (Beams::ONE, beams(2, 2.0, 2.0)),
     ] {
-        let config = LidarConfig { horizontal, vertical, ..LIDAR };
+        let config = LIDAR.horizontal(horizontal).vertical(vertical);
         let (ranges, _) = scan(&builder, config, Pose::IDENTITY);
         let wrong = ranges.iter().filter(|&&range| (range - 2.0).abs() > 2e-5).count();
         assert_eq!(wrong, 0, "of {} beams, {horizontal:?} by {vertical:?}", ranges.len());
@@ -45,7 +45,7 @@ fn beams_of_more_than_a_turn_see_the_same_twice() {
     add_grey(&mut builder, plate, Pose::from_xyz_rpy(place, DVec3::Z * middle));
     for half in [3.2, 6.0, 9.5] {
         let horizontal = beams(360, -half, half);
-        let (ranges, _) = scan(&builder, LidarConfig { horizontal, ..LIDAR }, Pose::IDENTITY);
+        let (ranges, _) = scan(&builder, LIDAR.horizontal(horizontal), Pose::IDENTITY);
         let mut seen = 0;
         for (beam, range) in ranges.iter().enumerate() {
             let off = (horizontal.angle(beam as u32) - middle).rem_euclid(TAU);
@@ -84,7 +84,7 @@ fn check(scenario: &Scenario, pose: &Pose, grid: &SphericalGrid, faces: Faces, t
     let range = [1e-3 * scenario.size, 1e3 * scenario.size];
     let mut workspace = WorkspaceBuf::default();
     let any = Optics::Spherical(*grid);
-    let mut workspace = workspace.lend(&scene, any.rays());
+    let mut workspace = workspace.lend(grid_workspace_len(&scene, &any));
     cast_grid(&scene, &scenario.pair.builder.moment(*pose), &any, range, VISUAL, faces, &mut workspace, hits)
         .unwrap();
     for ray in 0..rays {

@@ -4,14 +4,14 @@ mod common;
 
 use belvedere_sensors::camera::{Camera, CameraConfig};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
-use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
+use belvedere_sensors::lidar::{Beams, Lidar, Scan, TooNear};
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{
     HeightFieldId, InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, MeshId,
     Scene, SceneBuilder, SceneError, Shape, TextureId, visibility,
 };
-use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Pose};
+use belvedere_sensors::trace::{WorkspaceBuf, grid_workspace_len};
+use belvedere_sensors::{Capture, Pose, SenseError, Sensor};
 use common::{LIDAR, add_grey, camera_of, depth_camera};
 use glam::{DQuat, DVec3};
 use proptest::array::uniform3;
@@ -93,17 +93,18 @@ fn sense_all(builder: &SceneBuilder, pose: Pose) {
     let (mut metres, mut millimetres) = (vec![0.0; camera.pixels()], vec![0; camera.pixels()]);
     let (mut colour, mut points) =
         (vec![0; camera.camera().frame_len()], vec![0; camera.pixels() * POINT_STEP]);
-    let output = DepthFrame {
-        depth_32fc1: Some(&mut metres),
-        depth_16uc1: Some(&mut millimetres),
-        colour: Some(&mut colour),
-        points: Some(&mut points),
-    };
-    camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), output);
-    let lidar =
-        Lidar::new(LidarConfig { horizontal: Beams { samples: 70, ..LIDAR.horizontal }, ..LIDAR }).unwrap();
+    let output = DepthFrame::new()
+        .depth_32fc1(&mut metres)
+        .depth_16uc1(&mut millimetres)
+        .colour(&mut colour)
+        .points(&mut points);
+    let expected = if pose.is_finite() { Ok(()) } else { Err(SenseError::Pose) };
+    let lent = &mut workspace.lend(camera.workspace_len(&scene, &capture));
+    assert_eq!(camera.sense(&scene, &capture, lent, output), expected);
+    let lidar = Lidar::new(LIDAR.horizontal(Beams { samples: 70, ..LIDAR.horizontal })).unwrap();
     let mut ranges = vec![0.0; lidar.beams()];
-    lidar.sense(&scene, &capture, &mut workspace.lend(&scene, lidar.rays()), &mut ranges, &mut []);
+    let lent = &mut workspace.lend(lidar.workspace_len(&scene, &capture));
+    assert_eq!(lidar.sense(&scene, &capture, lent, Scan::new().ranges(&mut ranges)), expected);
     assert!(ranges.iter().all(|range| !range.is_nan()));
 }
 
@@ -147,6 +148,7 @@ proptest! {
             let material = MaterialId(material);
             let _ = builder.add_instance(&InstanceConfig {
                 shape, world_from_instance, scale, material, visibility, laser_retro,
+                class: laser_retro.to_bits(),
             });
         }
         for light in &lights {
@@ -180,21 +182,16 @@ proptest! {
         if DepthCamera::new(depth).is_ok() {
             prop_assert!(min >= 0.0 && min < max);
         }
-        let config = LidarConfig {
-            horizontal: Beams { samples: beams.0, min_angle_rad: from, max_angle_rad: to },
-            vertical: Beams { samples: beams.1, min_angle_rad: up, max_angle_rad: up },
-            range_min_m: min,
-            range_max_m: max,
-            too_near: TooNear::SeenThrough,
-            ..LIDAR
-        };
+        let config = LIDAR.horizontal(Beams { samples: beams.0, min_angle_rad: from, max_angle_rad: to }).vertical(Beams { samples: beams.1, min_angle_rad: up, max_angle_rad: up }).range_min_m(min).range_max_m(max).too_near(TooNear::SeenThrough);
         if let Ok(lidar) = Lidar::new(config) && lidar.beams() < 1000 {
             let mut builder = SceneBuilder::new();
             add_grey(&mut builder, Shape::Sphere { radius: 2.0 }, Pose::IDENTITY);
             let scene = builder.scene();
             let mut ranges = vec![0.0; lidar.beams()];
             let capture = Capture::new(0, builder.moment(Pose::IDENTITY));
-            lidar.sense(&scene, &capture, &mut WorkspaceBuf::default().lend(&scene, lidar.rays()), &mut ranges, &mut []);
+            let mut workspace = WorkspaceBuf::default();
+            let lent = &mut workspace.lend(lidar.workspace_len(&scene, &capture));
+            lidar.sense(&scene, &capture, lent, Scan::new().ranges(&mut ranges)).unwrap();
             prop_assert!(ranges.iter().all(|range| !range.is_nan()));
         }
     }
@@ -260,10 +257,10 @@ fn every_error_has_its_name() {
 
 #[test]
 fn grids_that_cannot_be_cast_are_refused() {
+    use belvedere_sensors::optics::{GridError, MAX_GRID_SIZE, Optics, SphericalGrid};
     use belvedere_sensors::optics::{Intrinsics, Pinhole};
-    use belvedere_sensors::optics::{MAX_GRID_SIZE, Optics, SphericalGrid};
     use belvedere_sensors::scene::visibility::VISUAL;
-    use belvedere_sensors::trace::{CastError, Faces, Hits, Workspace, cast_grid};
+    use belvedere_sensors::trace::{Faces, Hits, Workspace, cast_grid};
     let mut builder = SceneBuilder::new();
     common::add_grey(&mut builder, Shape::Sphere { radius: 2.0 }, Pose::IDENTITY);
     let scene = builder.scene();
@@ -271,7 +268,7 @@ fn grids_that_cannot_be_cast_are_refused() {
         let mut distance = vec![7.0; length];
         let mut memory = WorkspaceBuf::default();
         let hits = Hits { distance: Some(&mut distance), ..Hits::default() };
-        let mut workspace = memory.lend(&scene, grid.rays());
+        let mut workspace = memory.lend(grid_workspace_len(&scene, &grid));
         let result =
             cast_grid(&scene, &builder.moment(*pose), grid, range, VISUAL, Faces::Both, &mut workspace, hits);
         match &result {
@@ -296,9 +293,9 @@ fn grids_that_cannot_be_cast_are_refused() {
     assert_eq!(spherical(good), Ok(()));
     for value in [0, MAX_GRID_SIZE + 1, 65_000, u32::MAX] {
         let columns = spherical(SphericalGrid { columns: value, ..good });
-        assert_eq!(columns, Err(CastError::Size { parameter: "columns", value }));
+        assert_eq!(columns, Err(SenseError::Grid(GridError::Size { parameter: "columns", value })));
         let rows = spherical(SphericalGrid { rows: value, ..good });
-        assert_eq!(rows, Err(CastError::Size { parameter: "rows", value }));
+        assert_eq!(rows, Err(SenseError::Grid(GridError::Size { parameter: "rows", value })));
     }
     for value in [f64::NAN, f64::INFINITY] {
         for grid in [
@@ -307,22 +304,22 @@ fn grids_that_cannot_be_cast_are_refused() {
             SphericalGrid { first_elevation_rad: value, ..good },
             SphericalGrid { elevation_step_rad: value, ..good },
         ] {
-            assert!(matches!(spherical(grid), Err(CastError::Number { .. })), "{grid:?}");
+            assert!(matches!(spherical(grid), Err(SenseError::Grid(GridError::Number { .. }))), "{grid:?}");
         }
     }
     let good = Optics::Spherical(good);
     for range in [[f64::NAN, 1.0], [0.0, f64::NAN], [-1.0, 1.0], [2.0, 1.0], [f64::INFINITY; 2]] {
         let found = cast(&good, range, &Pose::IDENTITY, 16);
-        assert!(matches!(found, Err(CastError::Range { .. })), "{range:?}");
+        assert!(matches!(found, Err(SenseError::Range { .. })), "{range:?}");
     }
     let nowhere = Pose::from_translation(DVec3::splat(f64::NAN));
-    assert_eq!(cast(&good, range, &nowhere, 16), Err(CastError::Pose));
+    assert_eq!(cast(&good, range, &nowhere, 16), Err(SenseError::Pose));
     let short = cast(&good, range, &Pose::IDENTITY, 15);
-    assert_eq!(short, Err(CastError::Output { parameter: "distance", value: 15, rays: 16 }));
+    assert_eq!(short, Err(SenseError::Output { parameter: "distance", value: 15, need: 16 }));
     let mut none = Workspace { buffer: &mut [], execution: belvedere_sensors::Execution::default() };
     let here = builder.moment(Pose::IDENTITY);
     let refused = cast_grid(&scene, &here, &good, range, VISUAL, Faces::Both, &mut none, Hits::default());
-    assert!(matches!(refused, Err(CastError::Workspace { value: 0, .. })));
+    assert!(matches!(refused, Err(SenseError::Workspace { value: 0, .. })));
     // What no pinhole has is refused where one is made.
     let lens = PinholeGrid::from_fov(8, 2, 1.0).unwrap();
     let intrinsics = lens.intrinsics();
@@ -338,7 +335,7 @@ fn grids_that_cannot_be_cast_are_refused() {
     assert!(PinholeGrid::new(8, 2, skewed).is_err());
     let large = Optics::Pinhole(PinholeGrid::new(8, 40_000, *lens.lens()).unwrap());
     let refused = cast(&large, range, &Pose::IDENTITY, 16);
-    assert_eq!(refused, Err(CastError::Size { parameter: "height", value: 40_000 }));
+    assert_eq!(refused, Err(SenseError::Grid(GridError::Size { parameter: "height", value: 40_000 })));
     // The most columns there may be, of more than a turn.
     let many = SphericalGrid {
         columns: MAX_GRID_SIZE,

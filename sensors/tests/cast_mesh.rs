@@ -4,7 +4,7 @@ use belvedere_sensors::scene::build::{Quality, Tree as OwnedTree};
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::rays::{Rays, Tree, cast_mesh, cast_rays};
+use belvedere_sensors::trace::rays::{Rays, Tree, cast_mesh, cast_rays, workspace_len};
 use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf};
 use belvedere_sensors::{Execution, Pose};
 use glam::DVec3;
@@ -58,7 +58,7 @@ fn everything_that_is_asked_for_is_written() {
     let tree = Tree { nodes: &tree.nodes, blocks: &tree.blocks };
     for faces in [Faces::Front, Faces::Both] {
         let (mut of_scene, mut of_mesh) = (unwritten.clone(), unwritten.clone());
-        let mut workspace = workspace.lend(&scene, 0);
+        let mut workspace = workspace.lend(workspace_len(&scene));
         cast_rays(
             &scene,
             builder.poses(),
@@ -68,8 +68,9 @@ fn everything_that_is_asked_for_is_written() {
             faces,
             &mut workspace,
             of_scene.hits(),
-        );
-        cast_mesh(Level::new(), tree, &rays, faces, &mut of_mesh.hits());
+        )
+        .expect("outputs of the right size");
+        cast_mesh(Level::new(), tree, &rays, faces, &mut of_mesh.hits()).expect("outputs of the right size");
         let hits = of_mesh.distance.iter().filter(|distance| distance.is_finite()).count();
         assert!((20..180).contains(&hits), "{hits} hits");
         for ray in 0..200 {

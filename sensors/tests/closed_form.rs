@@ -3,7 +3,7 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::lidar::{Beams, LidarConfig, TooNear};
+use belvedere_sensors::lidar::{Beams, TooNear};
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use common::oracle::{Ray, first_hit, pixel_ray, scaled};
 use common::{LIDAR, SIZE, add_grey, camera, depth_camera, depth_image, look_at, scan};
@@ -255,7 +255,7 @@ fn scans_of_a_room() {
     for horizontal in [LIDAR.horizontal, full] {
         for (x, y, yaw) in [(0.0, 0.0, 0.0), (-2.0, 1.3, 0.7), (3.0, -2.5, -2.9)] {
             let position = DVec3::new(x, y, 0.1);
-            let config = LidarConfig { horizontal, ..LIDAR };
+            let config = LIDAR.horizontal(horizontal);
             let pose = Pose::from_xyz_rpy(position, DVec3::Z * yaw);
             let (ranges, _) = scan(&builder, config, pose);
             let mut at_edge = 0;
@@ -275,11 +275,8 @@ fn scans_of_a_room() {
 
 #[test]
 fn scan_lines_and_both_sides_of_shapes() {
-    let config = LidarConfig {
-        vertical: Beams { samples: 16, min_angle_rad: -0.4, max_angle_rad: 0.5 },
-        range_min_m: 0.0,
-        ..LIDAR
-    };
+    let config =
+        LIDAR.vertical(Beams { samples: 16, min_angle_rad: -0.4, max_angle_rad: 0.5 }).range_min_m(0.0);
     for shape in SHAPES {
         let mut builder = SceneBuilder::new();
         add_grey(&mut builder, shape, shape_pose());
@@ -318,7 +315,7 @@ fn what_is_too_near_for_a_lidar() {
     let mut builder = wall_at(2.0);
     add_grey(&mut builder, Shape::Sphere { radius: 0.05 }, Pose::IDENTITY);
     for (too_near, expected) in [(TooNear::Blocks, f32::NEG_INFINITY), (TooNear::SeenThrough, 2.0)] {
-        let config = LidarConfig { too_near, ..LIDAR };
+        let config = LIDAR.too_near(too_near);
         let (ranges, _) = scan(&builder, config, Pose::IDENTITY);
         // 719 beams' spacing apart, none looks straight ahead: the two in the middle are 0.0022 rad off.
         let ahead = ranges[360];
@@ -328,7 +325,7 @@ fn what_is_too_near_for_a_lidar() {
 
 #[test]
 fn ranges_end_where_the_lidar_says() {
-    let config = LidarConfig { range_max_m: 2.5, ..LIDAR };
+    let config = LIDAR.range_max_m(2.5);
     let (ranges, intensities) = scan(&wall_at(2.0), config, Pose::IDENTITY);
     assert!((ranges[360] - 2.0).abs() < 1e-4 && ranges[0] == f32::INFINITY);
     assert!(ranges.iter().all(|range| *range < 2.5 || *range == f32::INFINITY));

@@ -8,7 +8,7 @@ use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::Lens;
 use belvedere_sensors::scene::{InstanceConfig, SceneBuilder, Shape, visibility};
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Pose};
+use belvedere_sensors::{Capture, Pose, Sensor};
 use common::{LIDAR, add, add_grey, depth_camera, glowing, look_at, scan};
 use glam::DVec3;
 
@@ -27,14 +27,20 @@ fn whole_frame(builder: &SceneBuilder, camera: &DepthCamera, pose: Pose) -> Fram
         colour: vec![0; camera.camera().frame_len()],
         points: vec![0xAA; camera.pixels() * POINT_STEP],
     };
-    let output = DepthFrame {
-        depth_32fc1: Some(&mut frame.metres),
-        depth_16uc1: Some(&mut frame.millimetres),
-        colour: Some(&mut frame.colour),
-        points: Some(&mut frame.points),
-    };
+    let output = DepthFrame::new()
+        .depth_32fc1(&mut frame.metres)
+        .depth_16uc1(&mut frame.millimetres)
+        .colour(&mut frame.colour)
+        .points(&mut frame.points);
     let capture = Capture::new(3, builder.moment(pose));
-    camera.sense(&scene, &capture, &mut WorkspaceBuf::default().lend(&scene, camera.rays()), output);
+    camera
+        .sense(
+            &scene,
+            &capture,
+            &mut WorkspaceBuf::default().lend(camera.workspace_len(&scene, &capture)),
+            output,
+        )
+        .expect("outputs of the right size");
     frame
 }
 

@@ -11,7 +11,7 @@ use belvedere_sensors::scene::{
 };
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Execution, Pose};
+use belvedere_sensors::{Capture, Execution, Pose, Sensor};
 use common::exactness::geosphere;
 use common::{Stage, add, glowing, look_at, picture, picture_with};
 use core::f64::consts::PI;
@@ -291,13 +291,11 @@ fn depth_cameras_colours_are_the_same() {
     let expected = picture(builder, config, *pose);
     let camera = DepthCamera::new(DepthCameraConfig::new(config)).unwrap();
     let (mut colour, mut points) = (vec![0; expected.len()], vec![0; camera.pixels() * POINT_STEP]);
-    let scene = builder.scene();
-    camera.sense(
-        &scene,
-        &Capture::new(0, builder.moment(*pose)),
-        &mut WorkspaceBuf::default().lend(&scene, camera.rays()),
-        DepthFrame { colour: Some(&mut colour), points: Some(&mut points), ..DepthFrame::default() },
-    );
+    let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(*pose)));
+    let mut memory = WorkspaceBuf::default();
+    let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
+    let frame = DepthFrame::new().colour(&mut colour).points(&mut points);
+    camera.sense(&scene, &capture, workspace, frame).unwrap();
     assert!(colour == expected, "the colours differ");
     for (pixel, point) in expected.chunks(3).zip(points.chunks(POINT_STEP)) {
         assert_eq!([point[18], point[17], point[16]], pixel);

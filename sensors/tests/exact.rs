@@ -3,12 +3,10 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::optics::Lens;
-use belvedere_sensors::optics::PinholeGrid;
-use belvedere_sensors::optics::{Optics, SphericalGrid};
+use belvedere_sensors::optics::{Lens, Optics, PinholeGrid, SphericalGrid};
 use belvedere_sensors::scene::visibility::VISUAL;
-use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays};
-use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays, workspace_len};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use common::adversary;
 use common::brute::{Found, Pair, Tally};
 use common::exactness::{Dice, Scenario, scenarios, stands};
@@ -106,7 +104,7 @@ fn check_grid(
     let [width, height] = grid.size();
     let mut answers = Answers::new(width * height);
     let mut workspace = WorkspaceBuf::default();
-    let mut workspace = workspace.lend(&scene, grid.rays());
+    let mut workspace = workspace.lend(grid_workspace_len(&scene, &grid));
     cast_grid(
         &scene,
         &pair.builder.moment(*pose),
@@ -182,7 +180,7 @@ fn single_rays_agree_with_the_oracle() {
         for faces in [Faces::Front, Faces::Both] {
             let mut answers = Answers::new(origins.len());
             let mut occluded = vec![false; origins.len()];
-            let mut workspace = workspace.lend(&scene, 0);
+            let mut workspace = workspace.lend(workspace_len(&scene));
             cast_rays(
                 &scene,
                 scenario.pair.builder.poses(),
@@ -192,7 +190,8 @@ fn single_rays_agree_with_the_oracle() {
                 faces,
                 &mut workspace,
                 answers.hits(),
-            );
+            )
+            .expect("outputs of the right size");
             occluded_rays(
                 &scene,
                 scenario.pair.builder.poses(),
@@ -202,7 +201,8 @@ fn single_rays_agree_with_the_oracle() {
                 faces,
                 &mut workspace,
                 &mut occluded,
-            );
+            )
+            .expect("outputs of the right size");
             for (index, &occluded) in occluded.iter().enumerate() {
                 let ray = (scenario.centre, wide(origins[index]), wide(directions[index]));
                 let range = ranges[index].map(f64::from);
@@ -230,7 +230,7 @@ fn origins_on_surfaces_see_what_is_beyond() {
         let rays = Rays { origins: &origins, directions: &directions, ranges: None };
         let mut answers = Answers::new(origins.len());
         let mut workspace = WorkspaceBuf::default();
-        let mut workspace = workspace.lend(&scene, 0);
+        let mut workspace = workspace.lend(workspace_len(&scene));
         cast_rays(
             &scene,
             scenario.pair.builder.poses(),
@@ -240,7 +240,8 @@ fn origins_on_surfaces_see_what_is_beyond() {
             Faces::Both,
             &mut workspace,
             answers.hits(),
-        );
+        )
+        .expect("outputs of the right size");
         for ray in 0..origins.len() {
             let distance = f64::from(answers.distance[ray]);
             if distance.is_finite() {
@@ -312,7 +313,7 @@ fn check_rays(hard: &adversary::Hard, place: DVec3, dice: &mut Dice, faces: Face
     let ranges = vec![range; origins.len()];
     let rays = Rays { origins: &origins, directions: &directions, ranges: Some(&ranges) };
     let mut workspace = WorkspaceBuf::default();
-    let mut workspace = workspace.lend(&scene, 0);
+    let mut workspace = workspace.lend(workspace_len(&scene));
     let mut answers = Answers::new(origins.len());
     let mut occluded = vec![false; origins.len()];
     cast_rays(
@@ -324,7 +325,8 @@ fn check_rays(hard: &adversary::Hard, place: DVec3, dice: &mut Dice, faces: Face
         faces,
         &mut workspace,
         answers.hits(),
-    );
+    )
+    .expect("outputs of the right size");
     occluded_rays(
         &scene,
         scenario.pair.builder.poses(),
@@ -334,7 +336,8 @@ fn check_rays(hard: &adversary::Hard, place: DVec3, dice: &mut Dice, faces: Face
         faces,
         &mut workspace,
         &mut occluded,
-    );
+    )
+    .expect("outputs of the right size");
     for (index, &occluded) in occluded.iter().enumerate() {
         let ray = (place, wide(origins[index]), wide(directions[index]));
         let found = answers.of(index);

@@ -3,11 +3,10 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::optics::Lens;
-use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
+use belvedere_sensors::optics::{Lens, Optics, PinholeGrid, SphericalGrid};
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
-use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use common::add_grey;
 use common::exactness::Dice;
 use glam::{DVec3, Vec3};
@@ -53,7 +52,7 @@ fn a_hit_lies_between_the_corners_of_its_triangle() {
             let rays = grid.size()[0] * grid.size()[1];
             let (mut distance, mut primitive) = (vec![f32::NAN; rays], vec![7; rays]);
             let mut workspace = WorkspaceBuf::default();
-            let mut workspace = workspace.lend(&scene, grid.rays());
+            let mut workspace = workspace.lend(grid_workspace_len(&scene, &grid));
             let outputs =
                 Hits { distance: Some(&mut distance), primitive: Some(&mut primitive), ..Hits::default() };
             let range = [1e-3, 1e3];

@@ -6,16 +6,15 @@ use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{
-    BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics, KannalaBrandt, Lens, Mapping, Mei,
-    Pinhole, WideAngle,
+    BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics, KannalaBrandt, Lens, Mapping, Mei, Optics,
+    Pinhole, PinholeGrid, RayTableBuf, WideAngle,
 };
-use belvedere_sensors::optics::{Optics, PinholeGrid, RayTableBuf};
 use belvedere_sensors::scene::{
     Environment, InstanceConfig, MaterialConfig, SceneBuilder, Shape, visibility,
 };
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
-use belvedere_sensors::{Capture, Execution, Pose};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
+use belvedere_sensors::{Capture, Execution, Pose, Sensor};
 use common::brute::{Found, Pair, Tally};
 use common::exactness::{Dice, SOLIDS, geosphere};
 use common::{Stage, depth_image, look_at, picture, scenery};
@@ -129,7 +128,7 @@ fn cast(stage: &Stage<'_>, pose: Pose, grid: &Optics<'_>) -> Vec<Found> {
         [0.02, 300.0],
         visibility::VISUAL,
         Faces::Front,
-        &mut WorkspaceBuf::default().lend(&stage.scene, grid.rays()),
+        &mut WorkspaceBuf::default().lend(grid_workspace_len(&stage.scene, &grid)),
         Hits {
             distance: Some(&mut distance),
             normal: Some(&mut normal),
@@ -261,17 +260,19 @@ fn pixels_without_a_ray_are_black() {
             let count = depth_camera.pixels();
             let (mut metres, mut millimetres) = (vec![0.0; count], vec![1; count]);
             let (mut same_colours, mut points) = (vec![0; 3 * count], vec![0; POINT_STEP * count]);
-            depth_camera.sense(
-                &stage.scene,
-                &Capture::new(0, stage.moment(pose)),
-                &mut WorkspaceBuf::default().lend(&stage.scene, depth_camera.rays()),
-                DepthFrame {
-                    depth_32fc1: Some(&mut metres),
-                    depth_16uc1: Some(&mut millimetres),
-                    colour: Some(&mut same_colours),
-                    points: Some(&mut points),
-                },
-            );
+            let capture = Capture::new(0, stage.moment(pose));
+            depth_camera
+                .sense(
+                    &stage.scene,
+                    &capture,
+                    &mut WorkspaceBuf::default().lend(depth_camera.workspace_len(&stage.scene, &capture)),
+                    DepthFrame::new()
+                        .depth_32fc1(&mut metres)
+                        .depth_16uc1(&mut millimetres)
+                        .colour(&mut same_colours)
+                        .points(&mut points),
+                )
+                .expect("outputs of the right size");
             assert!(colours == same_colours, "{name}: the depth camera's colours are others");
             for (pixel, (column, row)) in pixels(SIZE).enumerate() {
                 let colour = &colours[3 * pixel..][..3];
@@ -470,12 +471,15 @@ fn fisheye_frame(execution: Execution) -> (Vec<u8>, Vec<u32>) {
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = execution;
     let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
-    camera.sense(
-        &scene,
-        &Capture::new(7, builder.moment(pose)),
-        &mut workspace.lend(&scene, camera.rays()),
-        DepthFrame { depth_32fc1: Some(&mut depths), colour: Some(&mut colours), ..DepthFrame::default() },
-    );
+    let capture = Capture::new(7, builder.moment(pose));
+    camera
+        .sense(
+            &scene,
+            &capture,
+            &mut workspace.lend(camera.workspace_len(&scene, &capture)),
+            DepthFrame::new().depth_32fc1(&mut depths).colour(&mut colours),
+        )
+        .expect("outputs of the right size");
     (colours, depths.into_iter().map(f32::to_bits).collect())
 }
 

@@ -2,10 +2,10 @@
 
 mod common;
 
-use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig};
+use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Moment, Pose};
+use belvedere_sensors::{Capture, Moment, Pose, SenseError, Sensor};
 use common::{LIDAR, Stage, add_grey, camera, picture, scan, scenery};
 use glam::{DQuat, DVec3};
 
@@ -18,7 +18,7 @@ fn ball() -> SceneBuilder {
 
 /// The range of a beam along +x from the origin, with the ball at some pose.
 fn ahead(builder: &SceneBuilder, ball: Pose) -> f32 {
-    let beam = LidarConfig { horizontal: Beams::ONE, ..LIDAR };
+    let beam = LIDAR.horizontal(Beams::ONE);
     scan((builder.scene(), &[ball][..]), beam, Pose::IDENTITY).0[0]
 }
 
@@ -55,7 +55,6 @@ fn what_is_nowhere_is_seen_by_nobody() {
 }
 
 #[test]
-#[should_panic(expected = "it has 0, and there are 1")]
 fn a_pose_is_needed_for_each_instance() {
     let builder = ball();
     let stage = Stage::from((builder.scene(), &[][..]));
@@ -63,6 +62,8 @@ fn a_pose_is_needed_for_each_instance() {
     let lidar = Lidar::new(LIDAR).unwrap();
     let mut ranges = vec![0.0; lidar.beams()];
     let mut workspace = WorkspaceBuf::default();
-    let workspace = &mut workspace.lend(&stage.scene, lidar.rays());
-    lidar.sense(&stage.scene, &Capture::new(0, moment), workspace, &mut ranges, &mut []);
+    let capture = Capture::new(0, moment);
+    let workspace = &mut workspace.lend(lidar.workspace_len(&stage.scene, &capture));
+    let result = lidar.sense(&stage.scene, &capture, workspace, Scan::new().ranges(&mut ranges));
+    assert_eq!(result, Err(SenseError::Poses { value: 0, need: 1 }));
 }

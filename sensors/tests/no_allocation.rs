@@ -2,13 +2,13 @@
 
 mod common;
 
-use belvedere_sensors::camera::{Camera, Edges};
+use belvedere_sensors::camera::{Camera, Edges, Picture};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
-use belvedere_sensors::lidar::Lidar;
-use belvedere_sensors::optics::{Optics, RayTable};
+use belvedere_sensors::lidar::{Lidar, Scan};
+use belvedere_sensors::optics::{Optics, PinholeGrid, RayTable};
 use belvedere_sensors::scene::{SceneBuilder, visibility};
-use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid};
-use belvedere_sensors::{Capture, Pose};
+use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
+use belvedere_sensors::{Capture, Pose, Sensor};
 use common::{LIDAR, camera, depth_camera, scenery};
 use core::cell::Cell;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -76,29 +76,48 @@ fn sensing_does_not_allocate() {
     let mut points = vec![0; depth_camera.pixels() * POINT_STEP];
     let (mut ranges, mut intensities) = (vec![0.0; lidar.beams()], vec![0.0; lidar.beams()]);
 
-    for rays in [camera.rays(), depth_camera.rays(), lidar.rays()] {
-        workspace.lend(&builder.scene(), rays);
+    let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(Pose::IDENTITY)));
+    for len in [
+        camera.workspace_len(&scene, &capture),
+        depth_camera.workspace_len(&scene, &capture),
+        lidar.workspace_len(&scene, &capture),
+    ] {
+        workspace.lend(len);
     }
     for frame in 0..3 {
         let pose = Pose::from_translation(glam::DVec3::new(-3.0 + 0.1 * frame as f64, 0.2, 0.5));
         let calls = allocations(|| {
             builder.set_pose(moving, pose.inverse()).unwrap();
             let (scene, capture) = (builder.scene(), Capture::new(frame, builder.moment(pose)));
-            camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
-            let output = DepthFrame {
-                depth_32fc1: Some(&mut metres),
-                depth_16uc1: Some(&mut millimetres),
-                colour: Some(&mut colour),
-                points: Some(&mut points),
-            };
-            depth_camera.sense(&scene, &capture, &mut workspace.lend(&scene, depth_camera.rays()), output);
-            lidar.sense(
-                &scene,
-                &capture,
-                &mut workspace.lend(&scene, lidar.rays()),
-                &mut ranges,
-                &mut intensities,
-            );
+            camera
+                .sense(
+                    &scene,
+                    &capture,
+                    &mut workspace.lend(camera.workspace_len(&scene, &capture)),
+                    Picture::new().colour(&mut pixels),
+                )
+                .expect("outputs of the right size");
+            let output = DepthFrame::new()
+                .depth_32fc1(&mut metres)
+                .depth_16uc1(&mut millimetres)
+                .colour(&mut colour)
+                .points(&mut points);
+            depth_camera
+                .sense(
+                    &scene,
+                    &capture,
+                    &mut workspace.lend(depth_camera.workspace_len(&scene, &capture)),
+                    output,
+                )
+                .expect("outputs of the right size");
+            lidar
+                .sense(
+                    &scene,
+                    &capture,
+                    &mut workspace.lend(lidar.workspace_len(&scene, &capture)),
+                    Scan::new().ranges(&mut ranges).intensities(&mut intensities),
+                )
+                .expect("outputs of the right size");
         });
         assert_eq!(calls, 0, "frame {frame}");
     }
@@ -117,7 +136,9 @@ fn tables_of_rays_do_not_allocate() {
     let mut buffer = vec![<CacheLine as bytemuck::Zeroable>::zeroed(); RayTable::required_len(width, height)];
     let mut distances = vec![0.0; directions.len()];
     let mut workspace = WorkspaceBuf::default();
-    workspace.lend(&scene, 2 * directions.len());
+    // A table's frames take what a pinhole's of the same size do.
+    let pinhole = Optics::from(PinholeGrid::from_fov(width, height, 1.0).unwrap());
+    workspace.lend(grid_workspace_len(&scene, &pinhole));
     let calls = allocations(|| {
         let table = RayTable::build(width, height, &directions, &mut buffer).unwrap();
         let grid = Optics::Table(table);
@@ -128,7 +149,7 @@ fn tables_of_rays_do_not_allocate() {
             [0.0, f64::INFINITY],
             visibility::VISUAL,
             Faces::Both,
-            &mut workspace.lend(&scene, grid.rays()),
+            &mut workspace.lend(grid_workspace_len(&scene, &grid)),
             Hits { distance: Some(&mut distances), ..Hits::default() },
         )
         .unwrap();

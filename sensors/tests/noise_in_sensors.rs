@@ -48,13 +48,11 @@ fn ball() -> SceneBuilder {
 
 /// 250 000 beams.
 fn lidar(noise: GaussianNoise, sensor: u32) -> LidarConfig {
-    LidarConfig {
-        horizontal: Beams { samples: 1000, min_angle_rad: -PI, max_angle_rad: PI },
-        vertical: Beams { samples: 250, min_angle_rad: -1.0, max_angle_rad: 1.0 },
-        noise,
-        sensor,
-        ..LIDAR
-    }
+    LIDAR
+        .horizontal(Beams { samples: 1000, min_angle_rad: -PI, max_angle_rad: PI })
+        .vertical(Beams { samples: 250, min_angle_rad: -1.0, max_angle_rad: 1.0 })
+        .noise(noise)
+        .sensor(sensor)
 }
 
 fn range_errors(noise: GaussianNoise, sensor: u32, frame: u64) -> Vec<f64> {
@@ -125,7 +123,7 @@ fn brightness_is_clamped() {
 
 #[test]
 fn ranges_are_clamped() {
-    let config = LidarConfig { range_min_m: 4.99, range_max_m: 5.005, ..lidar(gaussian(0.0, 0.01), 0) };
+    let config = lidar(gaussian(0.0, 0.01), 0).range_min_m(4.99).range_max_m(5.005);
     let (ranges, _) = scan_frame(&ball(), config, Pose::IDENTITY, 0);
     assert!(ranges.iter().all(|range| (4.99..=5.005).contains(range)));
     // One sample in 6.3 lies beyond −1 σ, one in 3.24 beyond ½ σ.
@@ -138,7 +136,7 @@ fn biases_last_and_differ() {
     let noise = GaussianNoise::new(0.0, 0.0, 0.2, 0.05, 0.0).unwrap();
     let mut biases = Vec::new();
     for sensor in 0..40 {
-        let config = LidarConfig { horizontal: Beams::ONE, vertical: Beams::ONE, ..lidar(noise, sensor) };
+        let config = lidar(noise, sensor).horizontal(Beams::ONE).vertical(Beams::ONE);
         let range = |frame| f64::from(scan_frame(&ball(), config, Pose::IDENTITY, frame).0[0]) - 5.0;
         assert_eq!(range(0), range(1000), "a bias is drawn once");
         biases.push(range(0));
@@ -195,8 +193,8 @@ fn sensors_draw_from_the_channels_that_are_taken() {
     let seed_and_sensor = |channel| Stream { seed: LIDAR.seed, sensor: 5, frame: 3, channel };
     // 64 beams, whose normals come one after the other.
     let beams = Beams { samples: 64, min_angle_rad: -1.0, max_angle_rad: 1.0 };
-    let config = LidarConfig { horizontal: beams, ..lidar(gaussian(0.0, 0.01), 5) };
-    let config = LidarConfig { vertical: Beams::ONE, ..config };
+    let config = lidar(gaussian(0.0, 0.01), 5).horizontal(beams);
+    let config = config.vertical(Beams::ONE);
     let (ranges, _) = scan_frame(&ball(), config, Pose::IDENTITY, 3);
     let mut normals = [0.0; 64];
     fill_standard_normal(&seed_and_sensor(Stream::RANGE), 0, &mut normals);
@@ -223,5 +221,5 @@ fn sensors_draw_from_the_channels_that_are_taken() {
     fill_standard_normal(&stream, 0, &mut normals);
     let flipped = Stream { channel: Stream::BIAS_SIGN, ..stream }.word(0) >> 31 == 1;
     assert_eq!(bias, if flipped { -normals[0] } else { normals[0] });
-    assert_eq!(Stream::TAKEN, [0, 1, 2, 0xFFF0, 0xFFF1]);
+    assert_eq!(Stream::TAKEN, [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 0xFFF0, 0xFFF1]);
 }

@@ -4,7 +4,7 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::lidar::{Beams, LidarConfig};
+use belvedere_sensors::lidar::Beams;
 use belvedere_sensors::parry::ParryError;
 use belvedere_sensors::scene::tree::WIDTH;
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, SceneError, Shape as Kind};
@@ -172,8 +172,7 @@ fn compare(found: f64, truth: impl Fn(f64) -> f64) -> Verdict {
 #[test]
 fn as_parry3d_finds() {
     let beams = Beams { samples: BEAMS, min_angle_rad: -0.5, max_angle_rad: 0.45 };
-    let config =
-        LidarConfig { horizontal: beams, vertical: beams, range_min_m: 0.0, range_max_m: 1e6, ..LIDAR };
+    let config = LIDAR.horizontal(beams).vertical(beams).range_min_m(0.0).range_max_m(1e6);
     for Case { name, single, double } in cases() {
         let mut scatter = Scatter(7);
         let (mut hits, mut edges) = (0, 0);

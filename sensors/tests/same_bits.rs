@@ -2,14 +2,15 @@
 
 mod common;
 
-use belvedere_sensors::camera::PixelFormat;
+use belvedere_sensors::camera::{Mosaic, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
-use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig};
+use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
+use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scene::SceneBuilder;
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Execution, Pose};
+use belvedere_sensors::{Capture, Execution, Pose, Sensor};
 use common::{LIDAR, camera, camera_of, depth_camera, picture_with, scenery};
 use glam::DVec3;
 
@@ -30,18 +31,36 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let pixels = depth_camera.pixels();
     let (mut metres, mut millimetres) = (vec![0.0_f32; pixels], vec![0_u16; pixels]);
     let mut points = vec![0; pixels * POINT_STEP];
-    let output = DepthFrame {
-        depth_32fc1: Some(&mut metres),
-        depth_16uc1: Some(&mut millimetres),
-        points: Some(&mut points),
-        colour: None,
-    };
-    depth_camera.sense(&scene, &capture, &mut workspace.lend(&scene, depth_camera.rays()), output);
+    let output = DepthFrame::new().depth_32fc1(&mut metres).depth_16uc1(&mut millimetres).points(&mut points);
+    depth_camera
+        .sense(&scene, &capture, &mut workspace.lend(depth_camera.workspace_len(&scene, &capture)), output)
+        .expect("outputs of the right size");
 
     let vertical = Beams { samples: 16, min_angle_rad: -0.4, max_angle_rad: 0.3 };
-    let lidar = Lidar::new(LidarConfig { vertical, noise, ..LIDAR }).unwrap();
+    let lidar = Lidar::new(LIDAR.vertical(vertical).noise(noise)).unwrap();
     let mut ranges = vec![0.0_f32; lidar.beams()];
-    lidar.sense(&scene, &capture, &mut workspace.lend(&scene, lidar.rays()), &mut ranges, &mut []);
+    lidar
+        .sense(
+            &scene,
+            &capture,
+            &mut workspace.lend(lidar.workspace_len(&scene, &capture)),
+            Scan::new().ranges(&mut ranges),
+        )
+        .expect("outputs of the right size");
+
+    // Few electrons and many, and a curve.
+    let device = DeviceConfig::default()
+        .exposure(Exposure { time_s: 1e-4, gain: 3.0 })
+        .vignetting(Vignetting { natural: true, polynomial: [0.1, -0.2, 0.05] })
+        .dark_current_e_per_s(500.0)
+        .read_noise_e(2.0)
+        .dsnu_e(1.0)
+        .prnu(0.01)
+        .black_level_dn(16.0);
+    let developed = device.read_noise_e(0.1).tone(Tone::Srgb { white_balance: [1.4, 1.0, 1.2] });
+    let camera_with = |device, format| camera.noise(GaussianNoise::NONE).device(Some(device)).format(format);
+    let bayer = camera_with(device, PixelFormat::Bayer16(Mosaic::Gbrg));
+    let srgb = camera_with(developed, PixelFormat::Rgba8);
 
     let bytes = |floats: &[f32]| floats.iter().flat_map(|x| x.to_bits().to_le_bytes()).collect();
     vec![
@@ -51,6 +70,8 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ("16uc1", millimetres.iter().flat_map(|x| x.to_le_bytes()).collect()),
         ("points", points),
         ("ranges", bytes(&ranges)),
+        ("bayer_gbrg16", picture_with(&builder, bayer, pose, 7, execution)),
+        ("rgba8 of sRGB", picture_with(&builder, srgb, pose, 7, execution)),
     ]
 }
 
@@ -103,13 +124,15 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 6] = [
-        ("rgb8", 0xb76f_385e_c290_95fe),
-        ("mono8", 0x44d6_5f69_18fd_2d53),
-        ("32fc1", 0xac8b_6948_ae96_ed87),
-        ("16uc1", 0x0283_b294_7731_a65d),
-        ("points", 0x8a1b_7794_e8df_5812),
-        ("ranges", 0x0603_6eae_d035_e755),
+    let expected: [(&str, u64); 8] = [
+        ("rgb8", 0xfec5_f269_d2c3_fc1e),
+        ("mono8", 0xb026_71ad_ee52_ca9b),
+        ("32fc1", 0x1392_fca0_f3d9_1261),
+        ("16uc1", 0xea66_caf5_39b9_3c24),
+        ("points", 0x66d4_d1c6_801f_096f),
+        ("ranges", 0xc9ca_a20a_a236_3cb1),
+        ("bayer_gbrg16", 0x9dc5_77b9_d218_ff83),
+        ("rgba8 of sRGB", 0x7b6b_ce99_c7d9_b73a),
     ];
     let found: Vec<_> =
         sense_all(Execution::default()).into_iter().map(|(name, bytes)| (name, fnv(&bytes))).collect();

@@ -3,12 +3,11 @@
 mod common;
 
 use belvedere_sensors::Execution;
-use belvedere_sensors::optics::PinholeGrid;
-use belvedere_sensors::optics::{Optics, SphericalGrid};
+use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays};
-use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays, workspace_len};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use common::exactness::{Dice, Scenario, scenarios, stands};
 
 /// All that is told of a scene's hits, as bytes.
@@ -48,7 +47,7 @@ fn cast_all(scenario: &Scenario, execution: Execution) -> Vec<(&'static str, Vec
     for grid in [Optics::Pinhole(PinholeGrid::from_fov(331, 245, 1.4).unwrap()), Optics::Spherical(ring)] {
         let [width, height] = grid.size();
         for (pose, faces) in stands(scenario).iter().zip([Faces::Both, Faces::Both, Faces::Front]) {
-            let mut workspace = workspace.lend(&scene, grid.rays());
+            let mut workspace = workspace.lend(grid_workspace_len(&scene, &grid));
             tell(width * height, &mut |hits| {
                 cast_grid(
                     &scene,
@@ -69,7 +68,7 @@ fn cast_all(scenario: &Scenario, execution: Execution) -> Vec<(&'static str, Vec
     let origins: Vec<_> = (0..5000).map(|_| vector(3.0 * scenario.size)).collect();
     let directions: Vec<_> = (0..5000).map(|_| vector(1.0)).collect();
     let rays = Rays { origins: &origins, directions: &directions, ranges: None };
-    let mut workspace = workspace.lend(&scene, 0);
+    let mut workspace = workspace.lend(workspace_len(&scene));
     tell(origins.len(), &mut |hits| {
         cast_rays(
             &scene,
@@ -80,7 +79,8 @@ fn cast_all(scenario: &Scenario, execution: Execution) -> Vec<(&'static str, Vec
             Faces::Both,
             &mut workspace,
             hits,
-        );
+        )
+        .expect("outputs of the right size");
     });
     let mut occluded = vec![false; origins.len()];
     occluded_rays(
@@ -92,7 +92,8 @@ fn cast_all(scenario: &Scenario, execution: Execution) -> Vec<(&'static str, Vec
         Faces::Both,
         &mut workspace,
         &mut occluded,
-    );
+    )
+    .expect("outputs of the right size");
     told.push(("occluded", occluded.into_iter().map(u8::from).collect()));
     told
 }

@@ -3,11 +3,11 @@
 
 mod common;
 
-use belvedere_sensors::camera::{Camera, PixelFormat};
-use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig};
+use belvedere_sensors::camera::{Camera, Picture, PixelFormat};
+use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Execution, Pose};
+use belvedere_sensors::{Capture, Execution, Pose, Sensor};
 use common::{LIDAR, add_grey, camera_of};
 use glam::DVec3;
 
@@ -110,7 +110,14 @@ fn pictures_of_common_sizes_are_taken() {
             workspace.execution = execution;
             let mut pixels = vec![0; camera.frame_len()];
             let (scene, capture) = (builder.scene(), capture(&builder));
-            camera.sense(&scene, &capture, &mut workspace.lend(&scene, camera.rays()), &mut pixels);
+            camera
+                .sense(
+                    &scene,
+                    &capture,
+                    &mut workspace.lend(camera.workspace_len(&scene, &capture)),
+                    Picture::new().colour(&mut pixels),
+                )
+                .expect("outputs of the right size");
             pictures.push(pixels);
         }
         let first = &pictures[0];
@@ -126,19 +133,21 @@ fn scans_of_common_sizes_are_taken() {
     for [samples, lines] in SCANS {
         let turn = core::f64::consts::TAU;
         let step = turn / f64::from(samples);
-        let lidar = Lidar::new(LidarConfig {
-            horizontal: Beams { samples, min_angle_rad: 0.0, max_angle_rad: turn - step },
-            vertical: Beams { samples: lines, min_angle_rad: -0.4, max_angle_rad: 0.4 },
-            ..LIDAR
-        })
+        let lidar = Lidar::new(
+            LIDAR
+                .horizontal(Beams { samples, min_angle_rad: 0.0, max_angle_rad: turn - step })
+                .vertical(Beams { samples: lines, min_angle_rad: -0.4, max_angle_rad: 0.4 }),
+        )
         .unwrap();
         for execution in ways() {
             let mut workspace = WorkspaceBuf::default();
             workspace.execution = execution;
             let mut ranges = vec![0.0; lidar.beams()];
             let (scene, capture) = (builder.scene(), capture(&builder));
-            let mut lent = workspace.lend(&scene, lidar.rays());
-            lidar.sense(&scene, &capture, &mut lent, &mut ranges, &mut []);
+            let mut lent = workspace.lend(lidar.workspace_len(&scene, &capture));
+            lidar
+                .sense(&scene, &capture, &mut lent, Scan::new().ranges(&mut ranges))
+                .expect("outputs of the right size");
             let wrong = ranges.iter().filter(|range| !(0.7..=2.00001).contains(*range)).count();
             assert_eq!(wrong, 0, "{samples} × {lines}: rays out of the ball");
         }

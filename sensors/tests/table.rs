@@ -2,11 +2,10 @@
 
 mod common;
 
-use belvedere_sensors::optics::PinholeGrid;
-use belvedere_sensors::optics::{Optics, RayTable, SphericalGrid, TableError};
+use belvedere_sensors::optics::{Optics, PinholeGrid, RayTable, SphericalGrid, TableError};
 use belvedere_sensors::scene::{SceneBuilder, Shape, visibility};
-use belvedere_sensors::trace::rays::{Rays, cast_rays};
-use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, workspace_len};
+use belvedere_sensors::trace::rays::{Rays, cast_rays, workspace_len};
+use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use belvedere_sensors::{Execution, Pose};
 use bytemuck::Zeroable;
 use common::{Stage, add_grey, scenery};
@@ -171,7 +170,7 @@ fn cast(stage: &Stage<'_>, pose: &Pose, grid: &Optics<'_>, execution: Execution)
         [0.0, f64::INFINITY],
         visibility::VISUAL,
         Faces::Both,
-        &mut workspace.lend(&stage.scene, grid.rays()),
+        &mut workspace.lend(grid_workspace_len(&stage.scene, &grid)),
         found.hits(),
     )
     .unwrap();
@@ -189,9 +188,10 @@ fn cast_each(stage: &Stage<'_>, origin: DVec3, directions: &[[f32; 3]]) -> Found
         &rays,
         visibility::VISUAL,
         Faces::Both,
-        &mut workspace.lend(&stage.scene, 0),
+        &mut workspace.lend(workspace_len(&stage.scene)),
         found.hits(),
-    );
+    )
+    .expect("outputs of the right size");
     found
 }
 
@@ -490,9 +490,19 @@ fn bad_tables() {
 /// The budget of a sensor: 64 bytes a ray.
 #[test]
 fn memory() {
+    let nothing = SceneBuilder::new();
     for (width, height) in [(640, 480), (1800, 16), (2048, 128), (1280, 1280)] {
         let rays = width as usize * height as usize;
-        let lines = RayTable::required_len(width, height) + workspace_len(0, rays);
+        // A frame of a table takes what one of a rule does, but for the rule's own tables.
+        let grid = Optics::Spherical(SphericalGrid {
+            columns: width,
+            rows: height,
+            first_azimuth_rad: 0.0,
+            azimuth_step_rad: 1e-3,
+            first_elevation_rad: 0.0,
+            elevation_step_rad: 1e-3,
+        });
+        let lines = RayTable::required_len(width, height) + grid_workspace_len(&nothing.scene(), &grid);
         assert!(lines * 64 <= 64 * rays, "{width} × {height}: {} bytes a ray", lines * 64 / rays);
     }
 }

@@ -5,13 +5,12 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::lidar::{Beams, LidarConfig};
-use belvedere_sensors::optics::PinholeGrid;
-use belvedere_sensors::optics::{Optics, SphericalGrid};
+use belvedere_sensors::lidar::Beams;
+use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
-use belvedere_sensors::trace::rays::{Rays, cast_rays};
-use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::rays::{Rays, cast_rays, workspace_len};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use common::exactness::{Dice, geosphere};
 use common::{LIDAR, add_grey, scan};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -23,12 +22,10 @@ fn no_beam_of_a_lidar_escapes() {
     assert_eq!(triangles.len(), 8192);
     let mut builder = SceneBuilder::new();
     let mesh = builder.add_mesh(&corners, &[], &triangles).unwrap();
-    let all_round = LidarConfig {
-        horizontal: Beams { samples: 801, min_angle_rad: -PI, max_angle_rad: PI },
-        vertical: Beams { samples: 401, min_angle_rad: -FRAC_PI_2, max_angle_rad: FRAC_PI_2 },
-        range_min_m: 0.0,
-        ..LIDAR
-    };
+    let all_round = LIDAR
+        .horizontal(Beams { samples: 801, min_angle_rad: -PI, max_angle_rad: PI })
+        .vertical(Beams { samples: 401, min_angle_rad: -FRAC_PI_2, max_angle_rad: FRAC_PI_2 })
+        .range_min_m(0.0);
     let turned = Pose::from_xyz_rpy(DVec3::new(3.0, -1.0, 2.0), DVec3::new(0.3, 0.7, -1.9));
     let ball = add_grey(&mut builder, Shape::Mesh(mesh), Pose::IDENTITY);
     for (world_from_ball, place) in [
@@ -109,7 +106,7 @@ fn cast_a_grid(
     let mut distance = vec![0.0; width * height];
     let hits = Hits { distance: Some(&mut distance), ..Hits::default() };
     let scene = builder.scene();
-    let mut workspace = workspace.lend(&scene, grid.rays());
+    let mut workspace = workspace.lend(grid_workspace_len(&scene, &grid));
     let range = [1e-9, f64::INFINITY];
     cast_grid(&scene, &builder.moment(*pose), grid, range, VISUAL, Faces::Both, &mut workspace, hits)
         .unwrap();
@@ -189,9 +186,10 @@ fn no_single_ray_escapes() {
             &rays,
             VISUAL,
             Faces::Both,
-            &mut workspace.lend(&scene, 0),
+            &mut workspace.lend(workspace_len(&scene)),
             hits,
-        );
+        )
+        .expect("outputs of the right size");
         all_inside(&format!("batch {index}"), &distance, *size);
         cast += BATCH;
         if cast >= wanted() / 2 {

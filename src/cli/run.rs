@@ -32,6 +32,7 @@ const GIVE_UP: Duration = Duration::from_millis(200);
   belvedere run
   belvedere run --robot kobuki_hexagons_kinect --world playground --drive spin
   belvedere run --robot my_robot.urdf.xacro --package-path ~/catkin_ws/src --domain lab
+  belvedere run --truth
   belvedere run --rate max --duration 10 --hash
   belvedere run --rate max --wait-for recorder=3 --patience 30")]
 pub struct RunArgs {
@@ -68,6 +69,10 @@ pub struct RunArgs {
     /// range, ranges that begin at the minimum, sensors on missing links left out
     #[arg(long)]
     gazebo_compat: bool,
+    /// Publish what is true of every pixel and beam as well: TOPIC/truth/depth, range, normal, instance, class,
+    /// incidence, flow_back
+    #[arg(long)]
+    truth: bool,
     /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
     #[arg(long, value_name = "FOLDER")]
     package_path: Vec<PathBuf>,
@@ -105,6 +110,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let options = RigOptions {
         seed: args.seed,
         gazebo_compat: args.gazebo_compat,
+        truth: args.truth,
         hashed: args.hash,
         lossless: (!args.wait_for.is_empty()).then(|| Lossless {
             consumers: args.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),

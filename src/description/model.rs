@@ -7,9 +7,10 @@ mod plugin;
 mod sensor;
 mod shape;
 
+pub use belvedere_sensors::camera::{Mosaic, PixelFormat};
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
 pub use plugin::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Plugin, Radiation, RangePlugin};
-pub use sensor::{CameraSensor, Noise, PixelFormat, RaySensor, ScanAxis, Sensor, SensorKind};
+pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis, Sensor, SensorKind};
 pub use shape::{Collision, Geometry, Material, Mesh, Visual};
 
 use super::diagnostics::Source;

@@ -3,6 +3,7 @@
 //! Defaults are those of sdf/1.6 and of the plugins of `gazebo_plugins` (ROS Noetic).
 
 mod camera;
+mod device;
 mod lens;
 mod noise;
 mod plugin;

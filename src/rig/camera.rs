@@ -4,11 +4,12 @@ use super::eye::{Eye, drawn_lens};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Told, encoding};
+use super::truth::TruthOutlets;
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraPlugin, CameraSensor, Sensor};
 use belvedere_bridge::payload::CameraInfo;
-use belvedere_bridge::{Intrinsics, Kind, StreamSpec};
-use belvedere_sensors::Capture;
+use belvedere_bridge::{Intrinsics, Kind, LoanedFrame, StreamSpec};
+use belvedere_sensors::camera::Picture;
 use std::time::Instant;
 
 /// A running camera.
@@ -19,6 +20,7 @@ pub(super) struct CameraChannel {
     info: Outlet,
     info_message: CameraInfo,
     intrinsics: Intrinsics,
+    truth: TruthOutlets,
 }
 
 impl CameraChannel {
@@ -46,6 +48,7 @@ impl CameraChannel {
             info: setting.open(&info)?,
             info_message: told.camera_info(camera.width, camera.height).map_err(|error| refused(&error))?,
             intrinsics: told.intrinsics(camera.near_m, camera.far_m),
+            truth: TruthOutlets::open(&plugin.image_topic, &frame, [camera.width, camera.height], setting)?,
             mount: Mount::new(sensor, setting, &frame),
             eye,
         })
@@ -56,22 +59,27 @@ impl CameraChannel {
         let world_from_sensor = self.mount.pose(context);
         let camera = self.eye.camera();
         let mut frame = self.image.loan(camera.frame_len());
+        let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |header| {
+            header.set_intrinsics(&self.intrinsics);
+        });
         if let Some(frame) = &mut frame {
             let header = frame.header_mut();
             header.set_packed(self.info_message.width, self.info_message.height);
             header.stamp_ns = context.stamp_ns;
             header.set_intrinsics(&self.intrinsics);
             Mount::write(&world_from_sensor, header);
-            let scene = context.scene.scene();
-            camera.sense(
-                &scene,
-                &Capture::new(frame_number, context.scene.moment(world_from_sensor)),
-                &mut context.workspace.lend(&scene, camera.rays()),
-                frame.payload_mut(),
-            );
         }
-        let outcome = self.image.send(frame);
+        let mut picture = Picture::new();
+        picture.colour = frame.as_mut().map(LoanedFrame::payload_mut);
+        picture.truth = truth.truth();
+        let is_wanted = picture.colour.is_some() || picture.truth.is_some();
+        let before = self.truth.before();
+        let taken = is_wanted && context.take(&camera, &world_from_sensor, frame_number, before, picture);
+        let outcome = self.image.send(frame.filter(|_| taken));
+        let truths = truth.send(&self.truth, taken);
         self.image.record(outcome, started.elapsed());
+        self.truth.record(truths, started.elapsed());
+        self.truth.keep(&world_from_sensor, context.scene.poses());
         self.info.send_structs(context.stamp_ns, &[self.info_message]);
     }
 
@@ -80,7 +88,7 @@ impl CameraChannel {
         self.eye.configure(settings)
     }
 
-    pub(super) fn outlets(&self) -> [&Outlet; 2] {
-        [&self.image, &self.info]
+    pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
+        [&self.image, &self.info].into_iter().chain(self.truth.outlets())
     }
 }

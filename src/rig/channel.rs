@@ -10,12 +10,13 @@ use super::range::RangeChannel;
 use super::rate::Rate;
 use super::settings::Settings;
 use super::state::{ClockChannel, StateChannel};
-use crate::description::model::{Model, Plugin, Sensor, SensorKind};
+use crate::description::model::{Model, Plugin, Sensor as DescribedSensor, SensorKind};
 use crate::robot::Robot;
 use crate::world::physics::{ModelIndex, Physics};
 use crate::world::scene::WorldScene;
 use belvedere_bridge::{Lossless, Node, StreamSpec};
 use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::{Capture, Moment, Pose, Sensor};
 
 /// What a channel needs to open.
 pub(super) struct Setting<'a> {
@@ -28,6 +29,8 @@ pub(super) struct Setting<'a> {
     pub(super) seed: u64,
     pub(super) sensor: u32,
     pub(super) gazebo_compat: bool,
+    /// Whether sensors tell the truth, too.
+    pub(super) truth: bool,
     pub(super) hashed: bool,
     pub(super) lossless: Option<&'a Lossless>,
 }
@@ -45,7 +48,7 @@ impl Setting<'_> {
     }
 
     /// The frame that a sensor's messages name: the plugin's, or its link.
-    pub(super) fn frame_id(&self, sensor: &Sensor, frame_name: &str) -> String {
+    pub(super) fn frame_id(&self, sensor: &DescribedSensor, frame_name: &str) -> String {
         let link = &self.model.links[sensor.link].name;
         if frame_name.is_empty() { link.clone() } else { frame_name.to_owned() }
     }
@@ -58,6 +61,27 @@ pub(super) struct RigContext<'a> {
     pub(super) robots: &'a [Robot],
     pub(super) scene: &'a WorldScene,
     pub(super) workspace: &'a mut WorkspaceBuf,
+}
+
+impl RigContext<'_> {
+    /// Takes a frame of a sensor, whose flow is back to the poses `before`; false, with a warning, if there is none to be had: of a body that physics has lost.
+    pub(super) fn take<T: Sensor>(
+        &mut self,
+        sensor: &T,
+        world_from_sensor: &Pose,
+        frame: u64,
+        before: Option<&(Pose, Vec<Pose>)>,
+        output: T::Output<'_>,
+    ) -> bool {
+        let scene = self.scene.scene();
+        let mut capture = Capture::new(frame, self.scene.moment(*world_from_sensor));
+        if let Some((world_from_sensor, world_from_instance)) = before {
+            capture = capture.before(Moment { world_from_sensor: *world_from_sensor, world_from_instance });
+        }
+        let workspace = &mut self.workspace.lend(sensor.workspace_len(&scene, &capture));
+        let taken = sensor.sense(&scene, &capture, workspace, output);
+        taken.inspect_err(|error| tracing::warn!(%error, frame, "a frame of a sensor is left out")).is_ok()
+    }
 }
 
 /// The kinds of channels.
@@ -73,7 +97,10 @@ pub(super) enum Channel {
 
 impl Channel {
     /// The channel of a sensor; none if it has no plugin that publishes it.
-    pub(super) fn of_sensor(sensor: &Sensor, setting: &Setting<'_>) -> Result<Option<Self>, RigError> {
+    pub(super) fn of_sensor(
+        sensor: &DescribedSensor,
+        setting: &Setting<'_>,
+    ) -> Result<Option<Self>, RigError> {
         Ok(match (&sensor.kind, &sensor.plugin) {
             (SensorKind::Camera(camera), Some(Plugin::Camera(plugin))) => {
                 Some(Self::Camera(CameraChannel::open(sensor, camera, plugin, setting)?.into()))
@@ -100,9 +127,9 @@ impl Channel {
             Self::Clock(clock) => clock.outlets().into(),
             Self::State(state) => state.outlets().collect(),
             Self::Base(base) => base.outlets().into(),
-            Self::Camera(camera) => camera.outlets().into(),
-            Self::Depth(depth) => depth.outlets().into(),
-            Self::Lidar(lidar) => lidar.outlets().into(),
+            Self::Camera(camera) => camera.outlets().collect(),
+            Self::Depth(depth) => depth.outlets().collect(),
+            Self::Lidar(lidar) => lidar.outlets().collect(),
             Self::Range(range) => range.outlets().into(),
         }
     }

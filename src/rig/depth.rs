@@ -4,11 +4,11 @@ use super::eye::{Eye, drawn_lens};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Told, encoding};
+use super::truth::TruthOutlets;
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraSensor, DepthCameraPlugin, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, LoanedFrame, StreamSpec};
-use belvedere_sensors::Capture;
 use belvedere_sensors::camera::CameraError;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
 use std::time::Instant;
@@ -27,6 +27,7 @@ pub(super) struct DepthChannel {
     info_message: CameraInfo,
     colour_intrinsics: Intrinsics,
     depth_intrinsics: Intrinsics,
+    truth: TruthOutlets,
 }
 
 impl DepthChannel {
@@ -83,6 +84,7 @@ impl DepthChannel {
             info_message: told.camera_info(camera.width, camera.height).map_err(|error| refused(&error))?,
             colour_intrinsics: told.intrinsics(camera.near_m, camera.far_m),
             depth_intrinsics: told.intrinsics(near, far),
+            truth: TruthOutlets::open(&names.image_topic, &frame, [camera.width, camera.height], setting)?,
             mount: Mount::new(sensor, setting, &frame),
             eye,
             limits,
@@ -110,26 +112,28 @@ impl DepthChannel {
             header.set_intrinsics(intrinsics);
             Mount::write(&world_from_sensor, header);
         }
-        if colour.is_some() || depth.is_some() || points.is_some() {
-            let (mut depth_32fc1, mut depth_16uc1) = (None, None);
+        let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |header| {
+            header.set_intrinsics(&self.colour_intrinsics);
+        });
+        let known = truth.truth();
+        let mut taken = false;
+        if colour.is_some() || depth.is_some() || points.is_some() || known.is_some() {
+            let mut output = DepthFrame::new();
+            output.truth = known;
+            output.colour = colour.as_mut().map(LoanedFrame::payload_mut);
+            output.points = points.as_mut().map(LoanedFrame::payload_mut);
+            let depths = depth.as_mut().map(LoanedFrame::payload_mut);
             if self.in_millimetres {
-                depth_16uc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
+                output.depth_16uc1 = depths.map(bytemuck::cast_slice_mut);
             } else {
-                depth_32fc1 = depth.as_mut().map(|frame| bytemuck::cast_slice_mut(frame.payload_mut()));
+                output.depth_32fc1 = depths.map(bytemuck::cast_slice_mut);
             }
-            let scene = context.scene.scene();
-            camera.sense(
-                &scene,
-                &Capture::new(frame_number, context.scene.moment(world_from_sensor)),
-                &mut context.workspace.lend(&scene, camera.rays()),
-                DepthFrame {
-                    depth_32fc1,
-                    depth_16uc1,
-                    colour: colour.as_mut().map(LoanedFrame::payload_mut),
-                    points: points.as_mut().map(LoanedFrame::payload_mut),
-                },
-            );
+            taken = context.take(&camera, &world_from_sensor, frame_number, self.truth.before(), output);
+            if !taken {
+                (colour, depth, points) = (None, None, None);
+            }
         }
+        let truths = truth.send(&self.truth, taken);
         let outcomes = [self.colour.send(colour), self.depth.send(depth), self.points.send(points)];
         let busy = started.elapsed();
         for (outlet, outcome) in
@@ -137,6 +141,8 @@ impl DepthChannel {
         {
             outlet.record(outcome, busy);
         }
+        self.truth.record(truths, busy);
+        self.truth.keep(&world_from_sensor, context.scene.poses());
         self.colour_info.send_structs(context.stamp_ns, &[self.info_message]);
         self.depth_info.send_structs(context.stamp_ns, &[self.info_message]);
     }
@@ -146,8 +152,9 @@ impl DepthChannel {
         self.eye.configure(settings)
     }
 
-    pub(super) fn outlets(&self) -> [&Outlet; 5] {
-        [&self.colour, &self.colour_info, &self.depth, &self.depth_info, &self.points]
+    pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
+        let own = [&self.colour, &self.colour_info, &self.depth, &self.depth_info, &self.points];
+        own.into_iter().chain(self.truth.outlets())
     }
 }
 

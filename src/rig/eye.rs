@@ -3,26 +3,27 @@
 use super::pictures::noise;
 use super::{Setting, Settings};
 use crate::description::model::{
-    AngleFunction, AngleMap, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel, PixelFormat,
+    AngleFunction, AngleMap, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
 };
-use belvedere_sensors::camera::{Camera, CameraConfig, Edges, PixelFormat as Format};
+use belvedere_sensors::camera::{Camera, CameraConfig, Edges, PixelFormat};
+use belvedere_sensors::device::DeviceConfig;
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{
     self, AngleFunction as Function, BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics,
-    KannalaBrandt, Mapping, Mei, Pinhole, WideAngle,
+    KannalaBrandt, Mapping, Mei, Optics, Pinhole, PinholeGrid, RayTableBuf, WideAngle,
 };
-use belvedere_sensors::optics::{Optics, PinholeGrid, RayTableBuf};
 use std::error::Error;
 
 /// A camera's optics and settings.
 pub(super) struct Eye {
     optics: EyeOptics,
-    format: Format,
+    format: PixelFormat,
     near_m: f64,
     far_m: f64,
     exposure: f32,
     edges: Edges,
     noise: GaussianNoise,
+    device: Option<DeviceConfig>,
     seed: u64,
     sensor: u32,
 }
@@ -45,11 +46,7 @@ impl Eye {
     ) -> Result<Self, Box<dyn Error>> {
         let eye = Self {
             optics: EyeOptics::new([camera.width, camera.height], lens)?,
-            format: match camera.format {
-                PixelFormat::Rgb8 => Format::Rgb8,
-                PixelFormat::Bgr8 => Format::Bgr8,
-                PixelFormat::Mono8 => Format::Mono8,
-            },
+            format: camera.format,
             near_m: camera.near_m,
             far_m: camera.far_m,
             exposure: 1.0,
@@ -60,6 +57,7 @@ impl Eye {
                 Edges::Sharp
             },
             noise: noise(&camera.noise)?,
+            device: camera.device,
             seed: setting.seed,
             sensor: setting.sensor,
         };
@@ -81,6 +79,7 @@ impl Eye {
             .exposure(self.exposure)
             .edges(self.edges)
             .noise(self.noise)
+            .device(self.device)
             .seed(self.seed)
             .sensor(self.sensor)
     }

@@ -3,11 +3,11 @@
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
+use super::truth::TruthOutlets;
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
-use belvedere_sensors::Capture;
-use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
+use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
 use belvedere_sensors::noise::GaussianNoiseError;
 use std::time::Instant;
 
@@ -18,6 +18,7 @@ pub(super) struct LidarChannel {
     scan: Outlet,
     geometry: ScanGeometry,
     size: [u32; 2],
+    truth: TruthOutlets,
 }
 
 impl LidarChannel {
@@ -56,6 +57,12 @@ impl LidarChannel {
                 reserved: [0; 19],
             },
             size: [horizontal.samples, vertical.samples],
+            truth: TruthOutlets::open(
+                &plugin.topic,
+                &frame,
+                [horizontal.samples, vertical.samples],
+                setting,
+            )?,
             mount: Mount::new(sensor, setting, &frame),
             lidar,
         })
@@ -66,6 +73,9 @@ impl LidarChannel {
         let world_from_sensor = self.mount.pose(context);
         let beams = self.lidar.beams();
         let mut frame = self.scan.loan(beams * size_of::<f32>() * 2);
+        let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |_| {});
+        let mut output = Scan::new();
+        output.truth = truth.truth();
         if let Some(frame) = &mut frame {
             let header = frame.header_mut();
             header.set_packed(self.size[0], self.size[1]);
@@ -75,23 +85,22 @@ impl LidarChannel {
             Mount::write(&world_from_sensor, header);
             let planes: &mut [f32] = bytemuck::cast_slice_mut(frame.payload_mut());
             let (ranges, intensities) = planes.split_at_mut(beams);
-            let scene = context.scene.scene();
-            self.lidar.sense(
-                &scene,
-                &Capture::new(frame_number, context.scene.moment(world_from_sensor)),
-                &mut context.workspace.lend(&scene, self.lidar.rays()),
-                ranges,
-                intensities,
-            );
+            output = output.ranges(ranges).intensities(intensities);
         }
-        let outcome = self.scan.send(frame);
+        let is_wanted = output.ranges.is_some() || output.truth.is_some();
+        let before = self.truth.before();
+        let taken = is_wanted && context.take(&self.lidar, &world_from_sensor, frame_number, before, output);
+        let outcome = self.scan.send(frame.filter(|_| taken));
+        let truths = truth.send(&self.truth, taken);
         self.scan.record(outcome, started.elapsed());
+        self.truth.record(truths, started.elapsed());
+        self.truth.keep(&world_from_sensor, context.scene.poses());
     }
 
     /// Takes other settings from its next frame on.
     pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
         let config = self.lidar.config();
-        self.lidar = Lidar::new(LidarConfig { noise: settings.noise(&config.noise)?, ..*config })?;
+        self.lidar = Lidar::new(config.noise(settings.noise(&config.noise)?))?;
         // Gazebo's plugin gives 0 at any rate.
         if self.geometry.scan_time != 0.0 {
             self.geometry.scan_time = 1.0 / settings.update_rate_hz();
@@ -99,8 +108,8 @@ impl LidarChannel {
         Ok(())
     }
 
-    pub(super) fn outlets(&self) -> [&Outlet; 1] {
-        [&self.scan]
+    pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
+        [&self.scan].into_iter().chain(self.truth.outlets())
     }
 }
 
@@ -114,14 +123,12 @@ pub(super) fn lidar_config(
         min_angle_rad: axis.min_angle_rad,
         max_angle_rad: axis.max_angle_rad,
     };
-    Ok(LidarConfig {
-        horizontal: beams(&ray.horizontal),
-        vertical: beams(&ray.vertical),
-        range_min_m: ray.range_min_m,
-        range_max_m: ray.range_max_m,
-        too_near: if setting.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
-        noise: noise(&ray.noise)?,
-        seed: setting.seed,
-        sensor: setting.sensor,
-    })
+    Ok(LidarConfig::new(beams(&ray.horizontal))
+        .vertical(beams(&ray.vertical))
+        .range_min_m(ray.range_min_m)
+        .range_max_m(ray.range_max_m)
+        .too_near(if setting.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks })
+        .noise(noise(&ray.noise)?)
+        .seed(setting.seed)
+        .sensor(setting.sensor))
 }

@@ -20,6 +20,7 @@ pub mod rate;
 pub mod schedule;
 pub mod settings;
 mod state;
+mod truth;
 mod tuning;
 
 pub use error::RigError;
@@ -52,6 +53,8 @@ pub struct RigOptions {
     pub seed: u64,
     /// Gazebo's measured habits instead of what is right.
     pub gazebo_compat: bool,
+    /// Publish what is true of every pixel and beam, too, in streams of its own.
+    pub truth: bool,
     /// Hash every byte that is published.
     pub hashed: bool,
     /// Whom every stream waits for, if for anybody.
@@ -115,6 +118,7 @@ impl Rig {
                 seed: options.seed,
                 sensor,
                 gazebo_compat: options.gazebo_compat,
+                truth: options.truth,
                 hashed: options.hashed,
                 lossless: options.lossless.as_ref(),
             };

@@ -1,8 +1,8 @@
 //! What camera and depth streams say about their pictures: names, encodings, intrinsics.
 
 use crate::description::model::{
-    AngleFunction, AngleMap, CameraPlugin, CameraSensor, LensIntrinsics, LensModel, LensProjection, Noise,
-    PixelFormat,
+    AngleFunction, AngleMap, CameraPlugin, CameraSensor, LensIntrinsics, LensModel, LensProjection, Mosaic,
+    Noise, PixelFormat,
 };
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{DistortionModel, Encoding, Intrinsics, Text, TextError};
@@ -29,6 +29,16 @@ pub fn encoding(format: PixelFormat) -> Encoding {
         PixelFormat::Rgb8 => Encoding::Rgb8,
         PixelFormat::Bgr8 => Encoding::Bgr8,
         PixelFormat::Mono8 => Encoding::Mono8,
+        PixelFormat::Rgba8 => Encoding::Rgba8,
+        PixelFormat::Mono16 => Encoding::Mono16,
+        PixelFormat::Bayer8(Mosaic::Rggb) => Encoding::BayerRggb8,
+        PixelFormat::Bayer8(Mosaic::Bggr) => Encoding::BayerBggr8,
+        PixelFormat::Bayer8(Mosaic::Gbrg) => Encoding::BayerGbrg8,
+        PixelFormat::Bayer8(Mosaic::Grbg) => Encoding::BayerGrbg8,
+        PixelFormat::Bayer16(Mosaic::Rggb) => Encoding::BayerRggb16,
+        PixelFormat::Bayer16(Mosaic::Bggr) => Encoding::BayerBggr16,
+        PixelFormat::Bayer16(Mosaic::Gbrg) => Encoding::BayerGbrg16,
+        PixelFormat::Bayer16(Mosaic::Grbg) => Encoding::BayerGrbg16,
     }
 }
 
@@ -171,6 +181,7 @@ mod tests {
             near_m: 0.1,
             far_m: 100.0,
             noise: Noise::default(),
+            device: None,
             lens: Lens { model, intrinsics, has_own_focal_length: false, projection: None },
         }
     }

@@ -7,8 +7,7 @@ use super::{RigContext, RigError, Setting, Settings, lidar::lidar_config};
 use crate::description::model::{Noise, Radiation, RangePlugin, RaySensor, Sensor};
 use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, StreamSpec};
-use belvedere_sensors::Capture;
-use belvedere_sensors::lidar::Lidar;
+use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::noise::{GaussianNoise, Stream, normals16};
 
 /// Noise channel of the range; that of the ranges of a lidar, which draws none here.
@@ -64,14 +63,16 @@ impl RangeChannel {
         if !self.range.is_wanted() {
             return;
         }
-        let scene = context.scene.scene();
-        self.lidar.sense(
-            &scene,
-            &Capture::new(frame_number, context.scene.moment(self.mount.pose(context))),
-            &mut context.workspace.lend(&scene, self.lidar.rays()),
-            &mut self.ranges,
-            &mut [],
-        );
+        let world_from_sensor = self.mount.pose(context);
+        if !context.take(
+            &self.lidar,
+            &world_from_sensor,
+            frame_number,
+            None,
+            Scan::new().ranges(&mut self.ranges),
+        ) {
+            return;
+        }
         // −∞, of something too near, is the nearest of all.
         let nearest = self.ranges.iter().copied().fold(f32::INFINITY, f32::min);
         let range = self.measured(nearest, frame_number);

@@ -120,6 +120,11 @@ impl WorldScene {
         self.assembly.builder.moment(world_from_sensor)
     }
 
+    /// Where all instances are.
+    pub fn poses(&self) -> &[Pose] {
+        self.assembly.builder.poses()
+    }
+
     /// What there is to see.
     pub fn scene(&self) -> Scene<'_> {
         self.assembly.builder.scene()
@@ -153,6 +158,8 @@ impl Assembly {
         link: &description::Link,
         world_from_link: &Pose,
     ) -> Result<(), Problem> {
+        // Without a label, a thing's class is its model: its place, from 1, in the simulator's list of models.
+        let class = 1 + key.0 as u32;
         for visual in &link.visuals {
             let material = self.material(&visual.material, &visual.source)?;
             let (shape, shape_pose) = self.shape(&visual.geometry, false, &visual.source)?;
@@ -163,6 +170,7 @@ impl Assembly {
                     world_from_instance,
                     material,
                     visibility: visibility::VISUAL,
+                    class: visual.label.unwrap_or(class),
                     ..Default::default()
                 }
             })?;
@@ -182,6 +190,7 @@ impl Assembly {
                     material,
                     visibility: visibility::COLLISION,
                     laser_retro: collision.laser_retro,
+                    class,
                     ..Default::default()
                 }
             })?;

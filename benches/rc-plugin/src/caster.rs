@@ -8,7 +8,7 @@ use belvedere_sensors::scene::build::{self, Quality, Scratch};
 use belvedere_sensors::scene::tree::{Facet, TriangleBlock, WIDTH, WideNode};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::rays::{Rays, Tree, cast_mesh};
-use belvedere_sensors::trace::{CacheLine, Faces, Hits, Workspace, cast_grid, workspace_len};
+use belvedere_sensors::trace::{CacheLine, Faces, Hits, Workspace, cast_grid, grid_workspace_len};
 
 /// A mesh and its tree.
 pub(crate) struct Caster {
@@ -99,13 +99,14 @@ impl Caster {
             self.cast_rays(origins, directions, t, normal, primitive, threads);
             return;
         };
-        let scene = MeshScene::new(
+        let mesh = MeshScene::new(
             &self.nodes.as_slice()[..self.size.nodes],
             &self.blocks.as_slice()[..self.size.blocks],
             self.facets.as_slice(),
         );
-        let Ok(scene) = scene.inspect_err(|error| eprintln!("belvedere: {error}")) else { return };
-        let need = workspace_len(1, sensor.grid.rays());
+        let Ok(mesh) = mesh.inspect_err(|error| eprintln!("belvedere: {error}")) else { return };
+        let scene = mesh.scene();
+        let need = grid_workspace_len(&scene, &sensor.grid);
         if self.workspace.as_slice().len() < need {
             match Array::new(need) {
                 Ok(workspace) => self.workspace = workspace,
@@ -120,8 +121,8 @@ impl Caster {
         let hits =
             Hits { distance: Some(t), normal: Some(normal), primitive: Some(primitive), ..Hits::default() };
         let cast = cast_grid(
-            &scene.scene(),
-            &scene.moment(sensor.pose(origins[0])),
+            &scene,
+            &mesh.moment(sensor.pose(origins[0])),
             &sensor.grid,
             [0.0, f64::INFINITY],
             u32::MAX,
@@ -175,6 +176,7 @@ impl Caster {
         let rays = Rays { origins, directions, ranges: None };
         let mut hits =
             Hits { distance: Some(t), normal: Some(normal), primitive: Some(primitive), ..Hits::default() };
-        cast_mesh(self.execution.level, tree, &rays, Faces::Both, &mut hits);
+        cast_mesh(self.execution.level, tree, &rays, Faces::Both, &mut hits)
+            .expect("outputs of the right size");
     }
 }

@@ -2,11 +2,10 @@
 
 use super::super::rays::{RaySet, Source};
 use super::Built;
-use belvedere_sensors::optics::{Intrinsics, Pinhole};
-use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
+use belvedere_sensors::optics::{Intrinsics, Optics, Pinhole, PinholeGrid, SphericalGrid};
 use belvedere_sensors::scene::visibility;
-use belvedere_sensors::trace::rays::{Rays, cast_rays};
-use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid};
+use belvedere_sensors::trace::rays::{Rays, cast_rays, workspace_len};
+use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use belvedere_sensors::{Execution, Pose};
 use core::f64::consts::PI;
 use glam::DVec3;
@@ -90,10 +89,9 @@ impl Caster {
                 [0.0, f64::INFINITY],
                 visibility::VISUAL,
                 faces,
-                &mut self.workspace.lend(&scene, grid.rays()),
+                &mut self.workspace.lend(grid_workspace_len(&scene, &grid)),
                 hits,
-            )
-            .expect("a grid that can be cast"),
+            ),
             Work::Single { origins, directions } => cast_rays(
                 &scene,
                 built.builder.poses(),
@@ -101,10 +99,11 @@ impl Caster {
                 &Rays { origins, directions, ranges: None },
                 visibility::VISUAL,
                 faces,
-                &mut self.workspace.lend(&scene, 0),
+                &mut self.workspace.lend(workspace_len(&scene)),
                 hits,
             ),
         }
+        .expect("rays that can be cast");
         &self.distances
     }
 }

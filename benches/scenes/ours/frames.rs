@@ -4,13 +4,13 @@ use super::super::rays::{RaySet, Source};
 use super::{Built, execution};
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
-use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
+use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{InstanceConfig, InstanceId, MaterialConfig, SceneBuilder, Shape, visibility};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Execution, Pose};
+use belvedere_sensors::{Capture, Execution, Pose, Sensor};
 
 /// A depth camera with the rays of R1.
 pub struct DepthFrames {
@@ -45,9 +45,9 @@ impl DepthFrames {
         let scene = built.builder.scene();
         self.frame += 1;
         let capture = Capture::new(self.frame, built.builder.moment(self.world_from_sensor));
-        let output = DepthFrame { depth_32fc1: Some(&mut self.depths), ..DepthFrame::default() };
-        let workspace = &mut self.workspace.lend(&scene, self.camera.rays());
-        self.camera.sense(&scene, &capture, workspace, output);
+        let output = DepthFrame::new().depth_32fc1(&mut self.depths);
+        let workspace = &mut self.workspace.lend(self.camera.workspace_len(&scene, &capture));
+        self.camera.sense(&scene, &capture, workspace, output).expect("outputs of the right size");
     }
 }
 
@@ -73,7 +73,7 @@ impl Moving {
             scale: [1.0; 3],
             material,
             visibility: visibility::COLLISION,
-            laser_retro: 0.0,
+            ..InstanceConfig::default()
         };
         let mut add = || builder.add_instance(&instance).expect("our own instance");
         let boxes = (0..count).map(|_| add()).collect();
@@ -90,8 +90,10 @@ impl Moving {
         let capture = Capture::new(0, self.builder.moment(Pose::IDENTITY));
         let mut ranges = [0.0; FAN.samples as usize];
         let scene = self.builder.scene();
-        let workspace = &mut self.workspace.lend(&scene, self.lidar.rays());
-        self.lidar.sense(&scene, &capture, workspace, &mut ranges, &mut []);
+        let workspace = &mut self.workspace.lend(self.lidar.workspace_len(&scene, &capture));
+        self.lidar
+            .sense(&scene, &capture, workspace, Scan::new().ranges(&mut ranges))
+            .expect("outputs of the right size");
         std::hint::black_box(ranges);
     }
 }
@@ -105,15 +107,13 @@ fn depth_camera(horizontal_fov_rad: f64, noise: GaussianNoise) -> DepthCamera<'s
 
 /// A lidar that sees without end.
 fn lidar(horizontal: Beams, vertical: Beams) -> Lidar {
-    let config = LidarConfig {
-        horizontal,
-        vertical,
-        range_min_m: 0.0,
-        range_max_m: 1e6,
-        too_near: TooNear::Blocks,
-        noise: GaussianNoise::NONE,
-        seed: 0,
-        sensor: 0,
-    };
+    let config = LidarConfig::new(horizontal)
+        .vertical(vertical)
+        .range_min_m(0.0)
+        .range_max_m(1e6)
+        .too_near(TooNear::Blocks)
+        .noise(GaussianNoise::NONE)
+        .seed(0)
+        .sensor(0);
     Lidar::new(config).expect("in range")
 }

@@ -49,7 +49,7 @@ impl Built {
             scale: [1.0; 3],
             material,
             visibility: visibility::VISUAL | visibility::COLLISION,
-            laser_retro: 0.0,
+            ..InstanceConfig::default()
         };
         builder.add_instance(&instance).expect("our own instance");
         Self { builder }

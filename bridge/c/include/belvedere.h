@@ -159,6 +159,32 @@ enum bv_encoding
     BV_ENCODING_RANGES_F32 = 7,
     // height structs of the kind, row_stride bytes apart.
     BV_ENCODING_STRUCT = 8,
+    // Red, green, blue, and 255; 8 bit each.
+    BV_ENCODING_RGBA8 = 9,
+    // Grey, uint16_t.
+    BV_ENCODING_MONO16 = 10,
+    // A colour a pixel, 8 bit: the first row red and green, the second green and blue.
+    BV_ENCODING_BAYER_RGGB8 = 11,
+    // A colour a pixel, 8 bit: the first row blue and green, the second green and red.
+    BV_ENCODING_BAYER_BGGR8 = 12,
+    // A colour a pixel, 8 bit: the first row green and blue, the second red and green.
+    BV_ENCODING_BAYER_GBRG8 = 13,
+    // A colour a pixel, 8 bit: the first row green and red, the second blue and green.
+    BV_ENCODING_BAYER_GRBG8 = 14,
+    // A colour a pixel, uint16_t: the first row red and green, the second green and blue.
+    BV_ENCODING_BAYER_RGGB16 = 15,
+    // A colour a pixel, uint16_t: the first row blue and green, the second green and red.
+    BV_ENCODING_BAYER_BGGR16 = 16,
+    // A colour a pixel, uint16_t: the first row green and blue, the second red and green.
+    BV_ENCODING_BAYER_GBRG16 = 17,
+    // A colour a pixel, uint16_t: the first row green and red, the second blue and green.
+    BV_ENCODING_BAYER_GRBG16 = 18,
+    // Two floats: flow in pixels, to the right and down; NaN where there is none.
+    BV_ENCODING_F32C2 = 19,
+    // Three floats: unit normals in the axes of the world; 0 where nothing is seen.
+    BV_ENCODING_F32C3 = 20,
+    // int32_t, a number of a thing or of a class; of things, -1 where nothing is seen.
+    BV_ENCODING_I32C1 = 21,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

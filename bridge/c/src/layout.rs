@@ -110,6 +110,32 @@ pub enum Encoding {
     RangesF32 = 7,
     /// height structs of the kind, row_stride bytes apart.
     Struct = 8,
+    /// Red, green, blue, and 255; 8 bit each.
+    Rgba8 = 9,
+    /// Grey, uint16_t.
+    Mono16 = 10,
+    /// A colour a pixel, 8 bit: the first row red and green, the second green and blue.
+    BayerRggb8 = 11,
+    /// A colour a pixel, 8 bit: the first row blue and green, the second green and red.
+    BayerBggr8 = 12,
+    /// A colour a pixel, 8 bit: the first row green and blue, the second red and green.
+    BayerGbrg8 = 13,
+    /// A colour a pixel, 8 bit: the first row green and red, the second blue and green.
+    BayerGrbg8 = 14,
+    /// A colour a pixel, uint16_t: the first row red and green, the second green and blue.
+    BayerRggb16 = 15,
+    /// A colour a pixel, uint16_t: the first row blue and green, the second green and red.
+    BayerBggr16 = 16,
+    /// A colour a pixel, uint16_t: the first row green and blue, the second red and green.
+    BayerGbrg16 = 17,
+    /// A colour a pixel, uint16_t: the first row green and red, the second blue and green.
+    BayerGrbg16 = 18,
+    /// Two floats: flow in pixels, to the right and down; NaN where there is none.
+    F32C2 = 19,
+    /// Three floats: unit normals in the axes of the world; 0 where nothing is seen.
+    F32C3 = 20,
+    /// int32_t, a number of a thing or of a class; of things, -1 where nothing is seen.
+    I32C1 = 21,
 }
 
 /// How a lens maps directions to pixels, and its parameters (bv_intrinsics.distortion_model).
@@ -490,7 +516,7 @@ const _: () = {
     assert!(size_of::<Block>() == 208);
     // A kind, encoding or operation that is added there is missing here until this compiles again.
     assert!(wire::Kind::ALL.len() == 21 && Kind::SensorSettings as u16 == 21);
-    assert!(wire::Encoding::ALL.len() == 8 && Encoding::Struct as u16 == 8);
+    assert!(wire::Encoding::ALL.len() == 18 && Encoding::BayerGrbg16 as u16 == 18);
     assert!(wire::DistortionModel::ALL.len() == 8 && DistortionModel::WideAngle as u16 == 8);
     assert!(wire::Operation::ALL.len() == 9 && Operation::Configure as u16 == 9);
 };

@@ -70,7 +70,7 @@ def test_numbers_and_names_are_those_of_wire_md() -> None:
     tables = ((kinds, Kind), (encodings, Encoding), (models, DistortionModel), (operations, wire.Operation))
     for table, enum in tables:
         rows = {int(number): name for number, name in re.findall(r"^\| (\d+) \| (\w+) \|", table, re.MULTILINE)}
-        names = {"F32C1": "32fc1", "U16C1": "16uc1"}
+        names = {"F32C1": "32fc1", "U16C1": "16uc1", "F32C2": "32fc2", "F32C3": "32fc3", "I32C1": "32sc1"}
         assert rows == {member.value: names.get(member.name, member.name.lower()) for member in enum}
 
 

@@ -43,6 +43,19 @@ TEST(Image, KeepsEveryByteAndTheRowStride) {
     };
     for (const Case& one : {Case{BV_KIND_IMAGE, BV_ENCODING_RGB8, 3, "rgb8"}, Case{BV_KIND_IMAGE, BV_ENCODING_BGR8, 3, "bgr8"},
                             Case{BV_KIND_IMAGE, BV_ENCODING_MONO8, 1, "mono8"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_RGBA8, 4, "rgba8"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_MONO16, 2, "mono16"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_BAYER_RGGB8, 1, "bayer_rggb8"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_BAYER_BGGR8, 1, "bayer_bggr8"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_BAYER_GBRG8, 1, "bayer_gbrg8"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_BAYER_GRBG8, 1, "bayer_grbg8"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_BAYER_RGGB16, 2, "bayer_rggb16"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_BAYER_BGGR16, 2, "bayer_bggr16"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_BAYER_GBRG16, 2, "bayer_gbrg16"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_BAYER_GRBG16, 2, "bayer_grbg16"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_F32C2, 8, "32FC2"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_F32C3, 12, "32FC3"},
+                            Case{BV_KIND_IMAGE, BV_ENCODING_I32C1, 4, "32SC1"},
                             Case{BV_KIND_DEPTH_IMAGE, BV_ENCODING_F32C1, 4, "32FC1"},
                             Case{BV_KIND_DEPTH_IMAGE, BV_ENCODING_U16C1, 2, "16UC1"}}) {
         Known known(one.kind, one.encoding, 5, 4, one.size, 12);

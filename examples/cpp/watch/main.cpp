@@ -172,6 +172,10 @@ void save(const belvedere::Frame& frame, std::ostream& out) {
                         .put(static_cast<char>(row[x + 2 - first]));
             }
             break;
+        case BV_ENCODING_BAYER_RGGB8:
+        case BV_ENCODING_BAYER_BGGR8:
+        case BV_ENCODING_BAYER_GBRG8:
+        case BV_ENCODING_BAYER_GRBG8:
         case BV_ENCODING_MONO8:
             magic("P5", 255);
             for (std::uint32_t y = 0; y < header.height; ++y)
@@ -183,6 +187,11 @@ void save(const belvedere::Frame& frame, std::ostream& out) {
                 for (const float depth : frame.row<float>(y))
                     put16(std::isfinite(depth) ? static_cast<unsigned>(std::clamp(depth * 1e3F, 0.0F, 65535.0F)) : 0);
             break;
+        case BV_ENCODING_BAYER_RGGB16:
+        case BV_ENCODING_BAYER_BGGR16:
+        case BV_ENCODING_BAYER_GBRG16:
+        case BV_ENCODING_BAYER_GRBG16:
+        case BV_ENCODING_MONO16:
         case BV_ENCODING_U16C1:
             magic("P5", 65535);
             for (std::uint32_t y = 0; y < header.height; ++y)

@@ -97,7 +97,20 @@ pub fn normals64(stream: &Stream, block: u32) -> [f32; 64] {
 #[inline(always)]
 fn normals<const COUNTERS: usize, const LEN: usize>(stream: &Stream, block: u32) -> [f32; LEN] {
     const { assert!(LEN == 4 * COUNTERS && COUNTERS.is_multiple_of(4)) }
-    let [w0, w1, w2, w3] = stream.words::<COUNTERS>(block.wrapping_mul(4));
+    normals_of(stream.words::<COUNTERS>(block.wrapping_mul(4)))
+}
+
+/// The standard normals of four blocks, as [`normals64`] has those of four that follow each other.
+#[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+#[inline(always)]
+pub(crate) fn normals64_at(stream: &Stream, blocks: [u32; 4]) -> [f32; 64] {
+    normals_of(stream.words_of_blocks(blocks))
+}
+
+/// The normals of so many words, in the order of the samples.
+#[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+#[inline(always)]
+fn normals_of<const COUNTERS: usize, const LEN: usize>([w0, w1, w2, w3]: [[u32; COUNTERS]; 4]) -> [f32; LEN] {
     let (z0, z1) = box_muller(w0, w1);
     let (z2, z3) = box_muller(w2, w3);
     let mut out = [0.0; LEN];
@@ -107,6 +120,19 @@ fn normals<const COUNTERS: usize, const LEN: usize>(stream: &Stream, block: u32)
         }
     }
     out
+}
+
+/// Two independent normals for each sample of four blocks of 16, from one word each. A word's upper half is the radius and
+/// its lower half the angle, so that none exceeds 4.9: enough for what is drawn once and stays.
+#[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+#[inline(always)]
+pub(crate) fn normal_pairs64(stream: &Stream, blocks: [u32; 4]) -> ([f32; 64], [f32; 64]) {
+    let (mut radii, mut angles) = ([0; 64], [0; 64]);
+    for (lane, word) in stream.words64(blocks).into_iter().enumerate() {
+        radii[lane] = word & 0xFFFF_0000 | 0x8000;
+        angles[lane] = word << 16 | 0x8000;
+    }
+    box_muller(radii, angles)
 }
 
 /// Two independent normals a lane from two independent words a lane.

@@ -1,8 +1,9 @@
 //! Philox4x32: a keyed bijection on 128 bits whose outputs for the counters 0, 1, 2, … are random numbers.
 //!
 //! J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011,
-//! doi:10.1145/2063384.2063405. Ten rounds are the authors' recommendation and what this crate's noise uses;
-//! seven are the fewest that passed `BigCrush`.
+//! doi:10.1145/2063384.2063405. Seven rounds are the fewest that passed `BigCrush`, and what this crate's noise uses;
+//! ten are the authors' recommendation for those who want a margin. The number of rounds is a parameter of the
+//! functions here.
 
 /// The multipliers of words 0 and 2 (Salmon 2011, table 2).
 const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
@@ -13,6 +14,8 @@ const KEY_STEPS: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 ///
 /// ```
 /// use belvedere_sensors::noise::philox4x32;
+/// // The authors' known answers for seven rounds and for ten.
+/// assert_eq!(philox4x32::<7>([0; 4], [0; 2]), [0x5f6f_b709, 0x0d89_3f64, 0x4f12_1f81, 0x4f73_0a48]);
 /// assert_eq!(philox4x32::<10>([0; 4], [0; 2]), [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]);
 /// ```
 #[must_use]

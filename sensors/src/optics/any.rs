@@ -3,8 +3,7 @@
 #[cfg(feature = "alloc")]
 use super::RayTableBuf;
 use super::rays::Fan;
-use super::{PinholeGrid, RayTable, SphericalGrid};
-use crate::scene::tree::WIDTH;
+use super::{GridError, PinholeGrid, RayTable, SphericalGrid};
 
 /// Most columns and rows of a grid. Columns of a ring are counted on over its seam, up to twice its width, in 16 bits.
 pub const MAX_GRID_SIZE: u32 = 32_767;
@@ -64,10 +63,32 @@ impl Optics<'_> {
         [fan.width as usize, fan.height as usize]
     }
 
-    /// Rays, filled up to whole blocks: what a [`Workspace`](crate::trace::Workspace) must have room for.
-    pub fn rays(&self) -> usize {
-        let fan = self.fan();
-        fan.blocks_across() * fan.blocks_down() * WIDTH
+    /// That sizes are 1 to [`MAX_GRID_SIZE`], and angles finite.
+    pub(crate) fn check(&self) -> Result<(), GridError> {
+        let size = |parameter, value| match value {
+            1..=MAX_GRID_SIZE => Ok(()),
+            _ => Err(GridError::Size { parameter, value }),
+        };
+        let number = |parameter, value: f64| {
+            if value.is_finite() { Ok(()) } else { Err(GridError::Number { parameter, value }) }
+        };
+        match self {
+            Self::Pinhole(lens) => {
+                let [width, height] = lens.size();
+                size("width", width)?;
+                size("height", height)
+            }
+            Self::Spherical(grid) => {
+                size("columns", grid.columns)?;
+                size("rows", grid.rows)?;
+                number("first_azimuth_rad", grid.first_azimuth_rad)?;
+                number("azimuth_step_rad", grid.azimuth_step_rad)?;
+                number("first_elevation_rad", grid.first_elevation_rad)?;
+                number("elevation_step_rad", grid.elevation_step_rad)
+            }
+            // Checked when it was made.
+            Self::Table(_) => Ok(()),
+        }
     }
 
     /// No ray's direction is longer, in units of t.

@@ -63,3 +63,38 @@ pub(super) fn require(
 pub(super) fn require_finite(name: &'static str, value: f64) -> Result<(), LensError> {
     require(name, value, value.is_finite(), "a finite number")
 }
+
+/// Why rules of directions are no grid of rays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum GridError {
+    /// Columns, rows, width or height: not 1 to [`MAX_GRID_SIZE`](super::MAX_GRID_SIZE).
+    Size {
+        /// Which of them.
+        parameter: &'static str,
+        /// What it is.
+        value: u32,
+    },
+    /// An angle or a step is NaN or infinite.
+    Number {
+        /// Which of them.
+        parameter: &'static str,
+        /// What it is.
+        value: f64,
+    },
+}
+
+impl core::fmt::Display for GridError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match *self {
+            Self::Size { parameter, value } => {
+                write!(f, "{parameter} of the grid is {value}; it must be 1 to {}", super::MAX_GRID_SIZE)
+            }
+            Self::Number { parameter, value } => {
+                write!(f, "{parameter} of the grid is {value}; it must be a finite number")
+            }
+        }
+    }
+}
+
+impl core::error::Error for GridError {}

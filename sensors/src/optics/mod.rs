@@ -57,7 +57,7 @@ pub use any::{MAX_GRID_SIZE, Optics};
 pub use brown_conrady::BrownConrady;
 pub use double_sphere::DoubleSphere;
 pub use equirectangular::Equirectangular;
-pub use error::LensError;
+pub use error::{GridError, LensError};
 pub use eucm::Eucm;
 pub use intrinsics::Intrinsics;
 pub use kannala_brandt::KannalaBrandt;

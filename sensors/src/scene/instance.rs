@@ -97,6 +97,8 @@ pub struct InstanceConfig {
     pub visibility: u32,
     /// The intensity that a lidar reports for it.
     pub laser_retro: f32,
+    /// What kind of thing it is, as [`Truth::class`](crate::trace::Truth::class) tells; 0 says nothing.
+    pub class: u32,
 }
 
 impl Default for InstanceConfig {
@@ -110,6 +112,7 @@ impl Default for InstanceConfig {
             material: MaterialId(0),
             visibility: visibility::VISUAL | visibility::COLLISION,
             laser_retro: 0.0,
+            class: 0,
         }
     }
 }
@@ -143,7 +146,7 @@ pub struct Instance {
     pub(crate) material: u32,
     pub(crate) visibility: u32,
     pub(crate) laser_retro: f32,
-    pub(crate) reserved: u32,
+    pub(crate) class: u32,
 }
 
 impl Instance {
@@ -172,7 +175,7 @@ impl Instance {
             material: config.material.0,
             visibility: config.visibility,
             laser_retro: config.laser_retro,
-            reserved: 0,
+            class: config.class,
         };
         limits::instance(&instance)?;
         limits::pose(&config.world_from_instance)?;

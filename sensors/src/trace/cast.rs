@@ -1,17 +1,18 @@
 //! Casting whole grids of rays, for those who want hits rather than a sensor's frame.
 
-use super::grid::{Band, BandWork, Sight, trace_grid};
+use super::error::{SenseError, check_output};
+use super::grid::{Band, BandWork, Frame, Sight};
 use super::hit_point::{HitPoints, block_index, has_solids};
 use super::image::NO_HIT;
 use super::measure::Measure;
-use super::memory::{Workspace, workspace_len};
+use super::memory::Workspace;
 use super::packet::Faces;
 use super::place::{Place, for_each_block};
 use super::resolve::{Resolver, local_slot};
-use super::view::View;
-use crate::execution::SplitRows;
-use crate::moment::Moment;
-use crate::optics::{MAX_GRID_SIZE, Optics};
+use crate::execution::{SplitRows, split_at};
+use crate::moment::{Moment, Shutter};
+use crate::optics::Optics;
+use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::scene::tree::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
@@ -37,11 +38,7 @@ pub struct Hits<'a> {
 /// common with.
 ///
 /// # Errors
-/// A [`CastError`] that names what cannot be: sizes, numbers, a range, an output that is not one element a ray, or a
-/// workspace that is too small (see [`Workspace::fits`]). Nothing is written then.
-///
-/// # Panics
-/// When the moment does not have one pose for each instance.
+/// A [`SenseError`] that names what cannot be. Nothing is written then.
 #[allow(clippy::too_many_arguments, reason = "each is one thing the answer depends on")]
 pub fn cast_grid(
     scene: &Scene<'_>,
@@ -52,165 +49,55 @@ pub fn cast_grid(
     faces: Faces,
     workspace: &mut Workspace<'_>,
     hits: Hits<'_>,
-) -> Result<(), CastError> {
-    check_grid(grid)?;
+) -> Result<(), SenseError> {
+    grid.check()?;
     let [least, most] = range;
     if !(least >= 0.0 && least < most) {
-        return Err(CastError::Range { least, most });
-    }
-    if !moment.world_from_sensor.is_finite() {
-        return Err(CastError::Pose);
+        return Err(SenseError::Range { least, most });
     }
     let [width, height] = grid.size();
-    let rays = width * height;
-    for (parameter, length) in hits.lengths() {
-        if let Some(value) = length
-            && value != rays
-        {
-            return Err(CastError::Output { parameter, value, rays });
-        }
-    }
-    let need = workspace_len(scene.instances().len(), grid.rays());
-    if workspace.buffer.len() < need {
-        return Err(CastError::Workspace { value: workspace.buffer.len(), need });
-    }
+    hits.check(width * height)?;
     let execution = workspace.execution;
-    let mut memory = workspace.cut(scene, grid.rays());
-    let view = View::new(scene, moment, visibility, memory.view(scene.instances().len()));
-    let rays_in_block_row = width << grid.fan().shift_y;
-    let output = Rows { hits, rays_in_block_row };
-    let sight = Sight { faces, range };
-    trace_grid(
-        &view,
-        grid,
-        &sight,
-        execution,
-        &mut memory,
-        output,
-        &Cast {
-            rays: Measure::new(&moment.world_from_sensor),
-            points: HitPoints::new(&moment.world_from_sensor, range[0], faces),
-        },
-    );
+    let mut memory = workspace.cut(grid_workspace_len(scene, grid))?;
+    let shutter = Shutter::Global(*moment);
+    let frame = Frame::new(scene, grid, &shutter, visibility, execution, &mut memory)?;
+    let output = Rows { hits, rays_in_block_row: frame.rays_in_row() };
+    let sight = Sight { faces, range, within: f64::INFINITY };
+    frame.trace(&sight, &mut memory, output, &Cast { sight });
     Ok(())
 }
 
-/// Why a grid cannot be cast.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum CastError {
-    /// Columns, rows, width or height of a grid: not 1 to [`MAX_GRID_SIZE`].
-    Size {
-        /// Which of them.
-        parameter: &'static str,
-        /// What it is.
-        value: u32,
-    },
-    /// An angle, a step or a centre is NaN or infinite.
-    Number {
-        /// Which of them.
-        parameter: &'static str,
-        /// What it is.
-        value: f64,
-    },
-    /// Not 0 ≤ least < most distance.
-    Range {
-        /// Least distance.
-        least: f64,
-        /// Greatest.
-        most: f64,
-    },
-    /// The sensor's pose is NaN or infinite.
-    Pose,
-    /// An output is not as long as the grid has rays.
-    Output {
-        /// Which of [`Hits`].
-        parameter: &'static str,
-        /// How long it is.
-        value: usize,
-        /// How long it must be.
-        rays: usize,
-    },
-    /// The workspace is too small.
-    Workspace {
-        /// Its cache lines.
-        value: usize,
-        /// Those that it takes.
-        need: usize,
-    },
-}
-
-impl core::fmt::Display for CastError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            Self::Size { parameter, value } => {
-                write!(f, "{parameter} of the grid is {value}; it must be 1 to {MAX_GRID_SIZE}")
-            }
-            Self::Number { parameter, value } => {
-                write!(f, "{parameter} of the grid is {value}; it must be a finite number")
-            }
-            Self::Range { least, most } => {
-                write!(f, "the range is {least} to {most} m; it must be 0 <= least < most")
-            }
-            Self::Pose => f.write_str("the sensor's pose must be finite numbers"),
-            Self::Output { parameter, value, rays } => {
-                write!(f, "the output {parameter} holds {value} elements; it must hold one a ray, {rays}")
-            }
-            Self::Workspace { value, need } => {
-                write!(f, "the workspace is {value} cache lines long; it must be {need} at least")
-            }
-        }
-    }
-}
-
-impl core::error::Error for CastError {}
-
-fn check_grid(grid: &Optics<'_>) -> Result<(), CastError> {
-    let size = |parameter, value| {
-        if (1..=MAX_GRID_SIZE).contains(&value) { Ok(()) } else { Err(CastError::Size { parameter, value }) }
-    };
-    let number = |parameter, value: f64| {
-        if value.is_finite() { Ok(()) } else { Err(CastError::Number { parameter, value }) }
-    };
-    match grid {
-        Optics::Pinhole(lens) => {
-            let [width, height] = lens.size();
-            size("width", width)?;
-            size("height", height)
-        }
-        Optics::Spherical(grid) => {
-            size("columns", grid.columns)?;
-            size("rows", grid.rows)?;
-            number("first_azimuth_rad", grid.first_azimuth_rad)?;
-            number("azimuth_step_rad", grid.azimuth_step_rad)?;
-            number("first_elevation_rad", grid.first_elevation_rad)?;
-            number("elevation_step_rad", grid.elevation_step_rad)
-        }
-        // Checked when it was made.
-        Optics::Table(_) => Ok(()),
-    }
+/// Cache lines of a [`Workspace`] that [`cast_grid`] takes.
+pub fn grid_workspace_len(scene: &Scene<'_>, grid: &Optics<'_>) -> usize {
+    let nowhere = Moment { world_from_sensor: Pose::IDENTITY, world_from_instance: &[] };
+    Frame::workspace_len(scene, grid, &Shutter::Global(nowhere))
 }
 
 impl Hits<'_> {
-    /// Elements of those outputs that there are.
-    fn lengths(&self) -> [(&'static str, Option<usize>); 5] {
-        [
-            ("distance", self.distance.as_ref().map(|values| values.len())),
-            ("normal", self.normal.as_ref().map(|values| values.len())),
-            ("instance", self.instance.as_ref().map(|values| values.len())),
-            ("primitive", self.primitive.as_ref().map(|values| values.len())),
-            ("barycentrics", self.barycentrics.as_ref().map(|values| values.len())),
-        ]
+    /// The answers of the first `rays` rays, and the rest.
+    pub(super) fn split_at(self, rays: usize) -> (Self, Self) {
+        let (distance, distance_rest) = split_at(self.distance, rays);
+        let (normal, normal_rest) = split_at(self.normal, rays);
+        let (instance, instance_rest) = split_at(self.instance, rays);
+        let (primitive, primitive_rest) = split_at(self.primitive, rays);
+        let (barycentrics, barycentrics_rest) = split_at(self.barycentrics, rays);
+        let rest = Self {
+            distance: distance_rest,
+            normal: normal_rest,
+            instance: instance_rest,
+            primitive: primitive_rest,
+            barycentrics: barycentrics_rest,
+        };
+        (Self { distance, normal, instance, primitive, barycentrics }, rest)
     }
 
-    /// Panics unless each output holds `rays` elements.
-    pub(super) fn check(&self, rays: usize) {
-        for (parameter, length) in self.lengths() {
-            assert!(
-                length.is_none_or(|length| length == rays),
-                "the output {parameter} must hold one element a ray"
-            );
-        }
+    /// That each output holds `rays` elements.
+    pub(super) fn check(&self, rays: usize) -> Result<(), SenseError> {
+        check_output("distance", self.distance.as_ref().map(|values| values.len()), rays)?;
+        check_output("normal", self.normal.as_ref().map(|values| values.len()), rays)?;
+        check_output("instance", self.instance.as_ref().map(|values| values.len()), rays)?;
+        check_output("primitive", self.primitive.as_ref().map(|values| values.len()), rays)?;
+        check_output("barycentrics", self.barycentrics.as_ref().map(|values| values.len()), rays)
     }
 }
 
@@ -222,81 +109,75 @@ struct Rows<'a> {
 
 impl SplitRows for Rows<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
-        fn cut<T>(values: Option<&mut [T]>, at: usize) -> (Option<&mut [T]>, Option<&mut [T]>) {
-            values.map_or((None, None), |values| {
-                let (first, second) = values.split_at_mut(at.min(values.len()));
-                (Some(first), Some(second))
-            })
-        }
         let Self { hits, rays_in_block_row } = self;
-        let at = rows * rays_in_block_row;
-        let (distance, distance_rest) = cut(hits.distance, at);
-        let (normal, normal_rest) = cut(hits.normal, at);
-        let (instance, instance_rest) = cut(hits.instance, at);
-        let (primitive, primitive_rest) = cut(hits.primitive, at);
-        let (barycentrics, barycentrics_rest) = cut(hits.barycentrics, at);
-        let rest = Hits {
-            distance: distance_rest,
-            normal: normal_rest,
-            instance: instance_rest,
-            primitive: primitive_rest,
-            barycentrics: barycentrics_rest,
-        };
-        let hits = Hits { distance, normal, instance, primitive, barycentrics };
+        let (hits, rest) = hits.split_at(rows * rays_in_block_row);
         (Self { hits, rays_in_block_row }, Self { hits: rest, rays_in_block_row })
     }
 }
 
 struct Cast {
-    rays: Measure,
-    points: HitPoints,
+    sight: Sight,
 }
 
 impl BandWork<Rows<'_>> for Cast {
     #[inline(always)]
-    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: Rows<'_>) {
-        let mut hits = output.hits;
-        let mut resolver = Resolver::new(band.view);
-        // Two loops: short ones keep what they need in registers.
-        if let Some(distance) = hits.distance.as_deref_mut() {
-            for_each_block(
-                band,
-                #[inline(always)]
-                |place, block| {
-                    place.write(&self.rays.block::<S, false>(simd, band, &mut resolver, block), distance);
-                },
-            );
-        }
-        if hits.normal.is_some() || hits.instance.is_some() || hits.primitive.is_some() {
-            for_each_block(
-                band,
-                #[inline(always)]
-                |place, _| {
-                    let slots = &band.target.slot[place.block];
-                    if all_same(simd, slots) {
-                        write_same(&mut resolver, slots[0], place, &mut hits);
-                    } else {
-                        write_each(simd, &mut resolver, slots, place, &mut hits);
-                    }
-                },
-            );
-        }
-        // What depends on where a ray meets its surface, and not on which it is alone.
-        if let Some(normal) = hits.normal.as_deref_mut()
-            && has_solids(band.view)
-        {
-            for_each_block(band, |place, block| {
-                let (slots, normals) = self.points.solid_normals(band, &mut resolver, block);
-                place.write_where(&normals, &slots, normal);
-            });
-        }
-        if let Some(barycentrics) = hits.barycentrics.as_deref_mut() {
-            for_each_block(band, |place, block| {
-                let weights = self.points.barycentrics(band, &mut resolver, block);
-                let slots = &band.target.slot[block_index(band, block)];
-                place.write_where(&weights, slots, barycentrics);
-            });
-        }
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+        let world_from_sensor = &band.view.world_from_sensor;
+        let measure = Measure::new(world_from_sensor);
+        let points = HitPoints::new(world_from_sensor, self.sight.range[0], self.sight.faces);
+        write_hits(simd, band, &measure, &points, &mut output.hits);
+    }
+}
+
+/// Writes the answers of the rays of a band.
+#[inline(always)]
+pub(super) fn write_hits<S: Simd>(
+    simd: S,
+    band: &Band<'_>,
+    measure: &Measure,
+    points: &HitPoints,
+    hits: &mut Hits<'_>,
+) {
+    let mut resolver = Resolver::new(band.view);
+    // Two loops: short ones keep what they need in registers.
+    if let Some(distance) = hits.distance.as_deref_mut() {
+        for_each_block(
+            band,
+            #[inline(always)]
+            |place, block| {
+                place.write(&measure.block::<S, false>(simd, band, &mut resolver, block), distance);
+            },
+        );
+    }
+    if hits.normal.is_some() || hits.instance.is_some() || hits.primitive.is_some() {
+        for_each_block(
+            band,
+            #[inline(always)]
+            |place, _| {
+                let slots = &band.target.slot[place.block];
+                if all_same(simd, slots) {
+                    write_same(&mut resolver, slots[0], place, hits);
+                } else {
+                    write_each(simd, &mut resolver, slots, place, hits);
+                }
+            },
+        );
+    }
+    // What depends on where a ray meets its surface, and not on which it is alone.
+    if let Some(normal) = hits.normal.as_deref_mut()
+        && has_solids(band.view)
+    {
+        for_each_block(band, |place, block| {
+            let (slots, normals) = points.solid_normals(band, &mut resolver, block);
+            place.write_where(&normals, &slots, normal);
+        });
+    }
+    if let Some(barycentrics) = hits.barycentrics.as_deref_mut() {
+        for_each_block(band, |place, block| {
+            let weights = points.barycentrics(band, &mut resolver, block);
+            let slots = &band.target.slot[block_index(band, block)];
+            place.write_where(&weights, slots, barycentrics);
+        });
     }
 }
 

@@ -73,6 +73,32 @@ impl HitPoints {
         (slots, normals)
     }
 
+    /// Angles between the rays of a block, backwards, and the normals of what they hit; NaN elsewhere.
+    pub(crate) fn incidence(
+        &self,
+        band: &Band<'_>,
+        resolver: &mut Resolver<'_>,
+        block: [usize; 2],
+    ) -> [f32; WIDTH] {
+        let (solids, mut normals) = self.solid_normals(band, resolver, block);
+        let slots = &band.target.slot[block_index(band, block)];
+        let directions = band.rays.exact_block(block[0], block[1]);
+        let mut angles = [f32::NAN; WIDTH];
+        for lane in 0..WIDTH {
+            if slots[lane] == NO_HIT {
+                continue;
+            }
+            if solids[lane] == NO_HIT {
+                let hit = resolver.hit(slots[lane]);
+                normals[lane] = resolver.triangle_normal(&hit);
+            }
+            let ray = (self.axes * DVec3::from_array(directions.map(|axis| axis[lane]))).normalize();
+            let normal = glam::Vec3::from_array(normals[lane]).as_dvec3();
+            angles[lane] = libm::acos(ray.dot(-normal).clamp(-1.0, 1.0)) as f32;
+        }
+        angles
+    }
+
     /// Weights of the second and third corners of the triangles that the rays of a block hit; 0 elsewhere.
     pub(crate) fn barycentrics(
         &self,

@@ -3,7 +3,7 @@
 use super::grid::Band;
 use super::image::{GRAZING, NO_HIT};
 use super::resolve::Resolver;
-use super::tile::{BLOCKS, TILE_HEIGHT, across_f32};
+use super::tile::{BLOCKS, Tiling, line_f32};
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
 use crate::scene::tree::WIDTH;
@@ -92,9 +92,10 @@ impl Measure {
             blocks[part] = self.block::<S, true>(simd, band, resolver, [first + part, row]);
         }
         // Moved in registers: what is stored in parts and then loaded as a whole waits for the memory.
+        let tiling = Tiling::of(band.rays.fan());
         let mut depths = [0.0; LANES];
-        for row in 0..TILE_HEIGHT {
-            store_row(across_f32(simd, &blocks.each_ref(), row), &mut depths, row);
+        for line in 0..BLOCKS {
+            store_row(line_f32(simd, tiling, &blocks.each_ref(), line), &mut depths, line);
         }
         depths
     }

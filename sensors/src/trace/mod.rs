@@ -7,8 +7,10 @@
 
 mod any_hit;
 mod cast;
+pub(crate) mod error;
 pub(crate) mod face;
 pub(crate) mod first_hit;
+mod flow;
 pub(crate) mod grid;
 pub(crate) mod hit_point;
 pub(crate) mod image;
@@ -27,12 +29,15 @@ pub(crate) mod shapes;
 pub(crate) mod surface;
 pub(crate) mod tile;
 mod too_near;
+pub(crate) mod truth;
 pub(crate) mod view;
 
 pub use crate::memory::CacheLine;
-pub use cast::{CastError, Hits, cast_grid};
+pub use cast::{Hits, cast_grid, grid_workspace_len};
+pub use error::SenseError;
+pub use memory::Workspace;
 #[cfg(feature = "alloc")]
 pub use memory::WorkspaceBuf;
-pub use memory::{Workspace, workspace_len};
 pub use packet::Faces;
 pub use too_near::TooNear;
+pub use truth::Truth;

@@ -5,13 +5,16 @@ use super::image::NO_HIT;
 use crate::optics::rays::Fan;
 use crate::scene::tree::WIDTH;
 
-/// Calls `work` for each block of a band, with its column and row among the blocks of the grid.
+/// Calls `work` for each block of a band that no slice before had, with its column and row among the blocks of the grid.
 #[inline(always)]
 pub(crate) fn for_each_block(band: &Band<'_>, mut work: impl FnMut(&Place, [usize; 2])) {
     let fan = band.rays.fan();
     for row in band.block_rows() {
+        if ((row << fan.shift_y) as i32) < band.fresh_from {
+            continue;
+        }
         for column in 0..fan.blocks_across() {
-            work(&Place::new(fan, band.rows, column, row), [column, row]);
+            work(&Place::new(fan, band, column, row), [column, row]);
         }
     }
 }
@@ -36,7 +39,8 @@ pub(crate) struct Place {
 
 impl Place {
     #[inline(always)]
-    pub(crate) fn new(fan: &Fan, rows: [i32; 2], block_column: usize, block_row: usize) -> Self {
+    pub(crate) fn new(fan: &Fan, band: &Band<'_>, block_column: usize, block_row: usize) -> Self {
+        let rows = band.rows;
         let (column, row) = (block_column << fan.shift_x, block_row << fan.shift_y);
         let across = (1 << fan.shift_x).min(fan.width as usize - column);
         let down = (1 << fan.shift_y).min(rows[1] as usize + 1 - row);
@@ -45,7 +49,7 @@ impl Place {
             width: fan.width as usize,
             column,
             row,
-            first_row: rows[0] as usize,
+            first_row: band.first_row as usize,
             across,
             down,
             shift_x: fan.shift_x,

@@ -61,6 +61,15 @@ impl<'a> Resolver<'a> {
         self.slots.clone()
     }
 
+    /// Whether all slots are of the instance found last.
+    #[inline(always)]
+    pub(crate) fn are_of_last<S: Simd>(&self, simd: S, slots: &[u32; WIDTH]) -> bool {
+        let slots = u32x16::load_array_ref(simd, slots) & u32x16::splat(simd, !GRAZING);
+        let own = slots.simd_ge(u32x16::splat(simd, self.slots.start))
+            & slots.simd_lt(u32x16::splat(simd, self.slots.end));
+        own.all_true()
+    }
+
     /// The instance found last and the facets from its own on, if it is a mesh and all slots are its own.
     #[inline(always)]
     pub(crate) fn common_mesh<S: Simd>(
@@ -68,10 +77,7 @@ impl<'a> Resolver<'a> {
         simd: S,
         slots: &[u32; WIDTH],
     ) -> Option<(&'a Placed, &'a [Facet])> {
-        let slots = u32x16::load_array_ref(simd, slots) & u32x16::splat(simd, !GRAZING);
-        let own = slots.simd_ge(u32x16::splat(simd, self.slots.start))
-            & slots.simd_lt(u32x16::splat(simd, self.slots.end));
-        if !own.all_true() {
+        if !self.are_of_last(simd, slots) {
             return None;
         }
         let instance = &self.view.placed[self.placed as usize];

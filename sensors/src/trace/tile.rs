@@ -1,4 +1,4 @@
-//! Sixty-four neighbouring rays of a traced band, as the cameras work on them: tiles of 16 × 4 pixels.
+//! Sixty-four neighbouring rays of a traced band, as the cameras work on them: tiles of 16 × 4 pixels, or of 64 × 1.
 //!
 //! Coordinates are metres along the world's axes, relative to the sensor, in single precision: what that loses is
 //! in proportion to the distance, and less than a thousandth of a pixel at any.
@@ -7,19 +7,78 @@ use super::grid::Band;
 use super::image::{GRAZING, NO_HIT};
 use super::packet::{MISS, Packet};
 use super::resolve::Resolver;
-use crate::optics::rays::Rays;
+use crate::optics::rays::{Fan, Rays};
 use crate::pose::Pose;
 use crate::scene::tree::WIDTH;
 use crate::simd::{LANES, Lanes, load_row, store_row};
 use fearless_simd::{Select, Simd, SimdBase, SimdCombine, SimdMask, f32x4, f32x16, mask32x16, u32x4, u32x16};
 use glam::{DMat3, DVec3};
 
-/// Pixels across a tile: a row of one is one vector.
-pub(crate) const TILE_WIDTH: usize = WIDTH;
-/// Pixels down a tile.
-pub(crate) const TILE_HEIGHT: usize = LANES / TILE_WIDTH;
-/// Blocks of 4 × 4 in a tile.
-pub(super) const BLOCKS: usize = TILE_WIDTH / 4;
+/// Blocks in a tile.
+pub(crate) const BLOCKS: usize = LANES / WIDTH;
+
+/// How a picture is cut into tiles. Sixteen lanes at a time lie side by side in a row of it: a *line* of the tile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Tiling {
+    /// 16 × 4 pixels, of four blocks of 4 × 4 side by side.
+    Square,
+    /// 64 × 1 pixels, of four blocks of 16 × 1: where each row has a moment of its own.
+    Rows,
+}
+
+impl Tiling {
+    /// That of a picture whose rays lie in such blocks.
+    #[inline(always)]
+    pub(crate) const fn of(fan: &Fan) -> Self {
+        if fan.shift_y == 0 { Self::Rows } else { Self::Square }
+    }
+
+    /// Pixels across and down.
+    #[inline(always)]
+    pub(crate) const fn size(self) -> [usize; 2] {
+        match self {
+            Self::Square => [16, 4],
+            Self::Rows => [64, 1],
+        }
+    }
+
+    /// Tiles across a picture.
+    #[inline(always)]
+    pub(crate) const fn across(self, width: usize) -> usize {
+        width.div_ceil(self.size()[0])
+    }
+
+    /// The column, from the tile's first, and the row, from its first, of the pixel that a line begins with.
+    #[inline(always)]
+    pub(crate) const fn line(self, line: usize) -> [usize; 2] {
+        match self {
+            Self::Square => [0, line],
+            Self::Rows => [line * WIDTH, 0],
+        }
+    }
+
+    /// The pixels of the picture that the lines of the tile in that column and row begin with.
+    #[inline(always)]
+    pub(crate) fn lines(self, [column, row]: [usize; 2]) -> [[usize; 2]; BLOCKS] {
+        let [across, down] = self.size();
+        let mut lines = [[0; 2]; BLOCKS];
+        for line in 0..BLOCKS {
+            let [x, y] = self.line(line);
+            lines[line] = [column * across + x, row * down + y];
+        }
+        lines
+    }
+}
+
+impl Tiling {
+    /// The number of the sixteen random samples of each line of a tile. They are its pixels' own, whatever the tiling:
+    /// counted in tiles of 16 × 4, row by row of tiles, four lines to each.
+    #[inline(always)]
+    pub(crate) fn samples(self, width: usize, tile: [usize; 2]) -> [u32; BLOCKS] {
+        let squares = Self::Square.across(width);
+        self.lines(tile).map(|[x, y]| (4 * (y / 4 * squares + x / WIDTH) + y % 4) as u32)
+    }
+}
 
 /// The rays of a camera in the axes of the world.
 pub(crate) struct CameraRays<'a> {
@@ -53,6 +112,18 @@ impl<'a> CameraRays<'a> {
         made
     }
 
+    /// The optical axis.
+    #[inline(always)]
+    pub(crate) fn forward(&self) -> [f32; 3] {
+        self.columns[0]
+    }
+
+    /// Pixels across the picture.
+    #[inline(always)]
+    pub(crate) fn width(&self) -> usize {
+        self.rays.fan().width as usize
+    }
+
     /// Directions of sixteen rays of a pinhole from a pixel on along its row, of length 1 along the optical axis.
     #[inline(always)]
     fn pinhole_row<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 3] {
@@ -70,6 +141,7 @@ impl<'a> CameraRays<'a> {
     /// Directions of the rays of a tile, of length 1, row after row.
     #[inline(always)]
     fn unit_rows<S: Simd>(&self, simd: S, [tile_column, row]: [usize; 2], directions: &mut [Lanes<f32>; 3]) {
+        let tiling = Tiling::of(self.rays.fan());
         let [forward, left, up] = &self.columns;
         let mut blocks = [[[0.0; WIDTH]; BLOCKS]; 3];
         let first = tile_column * BLOCKS;
@@ -80,9 +152,9 @@ impl<'a> CameraRays<'a> {
             }
         }
         for axis in 0..3 {
-            for row in 0..TILE_HEIGHT {
-                let values = across_f32(simd, &blocks[axis].each_ref(), row);
-                store_row(values, &mut directions[axis], row);
+            for line in 0..BLOCKS {
+                let values = line_f32(simd, tiling, &blocks[axis].each_ref(), line);
+                store_row(values, &mut directions[axis], line);
             }
         }
     }
@@ -108,39 +180,62 @@ impl<'a> CameraRays<'a> {
     }
 }
 
+/// A line of the tile that four blocks make.
 #[inline(always)]
-fn across_u32<S: Simd>(simd: S, blocks: &[&[u32; WIDTH]; BLOCKS], row: usize) -> u32x16<S> {
+fn line_u32<S: Simd>(simd: S, tiling: Tiling, blocks: &[&[u32; WIDTH]; BLOCKS], line: usize) -> u32x16<S> {
+    if tiling == Tiling::Rows {
+        return u32x16::load_array_ref(simd, blocks[line]);
+    }
     let [a, b, c, d] = blocks;
-    let part = row * 4..row * 4 + 4;
+    let part = line * 4..line * 4 + 4;
     let left = u32x4::from_slice(simd, &a[part.clone()]).combine(u32x4::from_slice(simd, &b[part.clone()]));
     let right = u32x4::from_slice(simd, &c[part.clone()]).combine(u32x4::from_slice(simd, &d[part]));
     left.combine(right)
 }
 
-/// Row `row` of four blocks side by side.
+/// A line of the tile that four blocks make.
 #[inline(always)]
-pub(super) fn across_f32<S: Simd>(simd: S, blocks: &[&[f32; WIDTH]; BLOCKS], row: usize) -> f32x16<S> {
+pub(super) fn line_f32<S: Simd>(
+    simd: S,
+    tiling: Tiling,
+    blocks: &[&[f32; WIDTH]; BLOCKS],
+    line: usize,
+) -> f32x16<S> {
+    if tiling == Tiling::Rows {
+        return f32x16::load_array_ref(simd, blocks[line]);
+    }
     let [a, b, c, d] = blocks;
-    let part = row * 4..row * 4 + 4;
+    let part = line * 4..line * 4 + 4;
     let left = f32x4::from_slice(simd, &a[part.clone()]).combine(f32x4::from_slice(simd, &b[part.clone()]));
     let right = f32x4::from_slice(simd, &c[part.clone()]).combine(f32x4::from_slice(simd, &d[part]));
     left.combine(right)
 }
 
+/// The lane of a tile that a lane of one of its blocks is.
+#[inline(always)]
+pub(crate) const fn lane_in_tile(tiling: Tiling, block: usize, lane: usize) -> usize {
+    match tiling {
+        Tiling::Square => lane / 4 * WIDTH + block * 4 + lane % 4,
+        Tiling::Rows => block * WIDTH + lane,
+    }
+}
+
 /// The lanes of a tile that have no ray.
 fn missing_lanes(rays: &Rays<'_>, [tile_column, block_row]: [usize; 2]) -> u64 {
+    let tiling = Tiling::of(rays.fan());
     let first = tile_column * BLOCKS;
     let mut lanes = 0;
     for part in 0..BLOCKS.min(rays.fan().blocks_across() - first) {
-        let missing = u64::from(rays.missing(first + part, block_row));
-        for row in 0..TILE_HEIGHT {
-            lanes |= (missing >> (4 * row) & 0xf) << (row * TILE_WIDTH + part * 4);
+        let mut missing = rays.missing(first + part, block_row);
+        while missing != 0 {
+            lanes |= 1 << lane_in_tile(tiling, part, missing.trailing_zeros() as usize);
+            missing &= missing - 1;
         }
     }
     lanes
 }
 
-const ACROSS: [f32; TILE_WIDTH] =
+const ACROSS: [f32; WIDTH] =
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
 /// What the rays of a tile have hit, row after row.
@@ -209,6 +304,7 @@ impl Tile {
         [tile_column, block_row]: [usize; 2],
     ) {
         let across = band.rays.fan().blocks_across();
+        let tiling = Tiling::of(band.rays.fan());
         let first = (block_row - *band.block_rows().start()) * across;
         let (mut slots, mut inverses) = ([&[NO_HIT; WIDTH]; BLOCKS], [&[1.0; WIDTH]; BLOCKS]);
         for part in 0..BLOCKS.min(across - tile_column * BLOCKS) {
@@ -221,19 +317,22 @@ impl Tile {
             self.missing = missing_lanes(&band.rays, [tile_column, block_row]);
         }
 
-        // Step 1: points, row by row, each of which runs through four blocks.
-        let mut slot = [[0; TILE_WIDTH]; TILE_HEIGHT];
+        // Step 1: points, line by line, each of which runs through four blocks if these are square.
+        let mut slot = [[0; WIDTH]; BLOCKS];
         let zero = f32x16::splat(simd, 0.0);
         let mut low = [f32x16::splat(simd, f32::MAX); 3];
         let mut high = [f32x16::splat(simd, f32::MIN); 3];
         let mut grazing = 0;
         self.hits = 0;
-        for row in 0..TILE_HEIGHT {
-            let (slots, inverse) = (across_u32(simd, &slots, row), across_f32(simd, &inverses, row));
+        let [columns, rows] = tiling.size();
+        for row in 0..BLOCKS {
+            let slots = line_u32(simd, tiling, &slots, row);
+            let inverse = line_f32(simd, tiling, &inverses, row);
             let hit = slots.simd_ne(u32x16::splat(simd, NO_HIT));
             let t = hit.select(f32x16::splat(simd, 1.0) / inverse, zero);
             let direction = if PINHOLE {
-                rays.pinhole_row(simd, tile_column * TILE_WIDTH, block_row * TILE_HEIGHT + row)
+                let [x, y] = tiling.line(row);
+                rays.pinhole_row(simd, tile_column * columns + x, block_row * rows + y)
             } else {
                 let [x, y, z] = &self.direction;
                 [load_row(simd, x, row), load_row(simd, y, row), load_row(simd, z, row)]
@@ -247,9 +346,9 @@ impl Tile {
             }
             store_row(t, &mut self.t, row);
             slots.store_array(&mut slot[row]);
-            self.hits |= hit.to_bitmask() << (row * TILE_WIDTH);
+            self.hits |= hit.to_bitmask() << (row * WIDTH);
             let doubtful = slots.simd_ge(u32x16::splat(simd, GRAZING)) & hit;
-            grazing |= doubtful.to_bitmask() << (row * TILE_WIDTH);
+            grazing |= doubtful.to_bitmask() << (row * WIDTH);
         }
         for axis in 0..3 {
             self.bounds[axis] = [simd.reduce_min_f32x16(low[axis]), simd.reduce_max_f32x16(high[axis])];
@@ -283,23 +382,18 @@ impl Tile {
 
     /// Finds the instances and triangles of slots, one instance after the other.
     #[inline(always)]
-    fn resolve<S: Simd>(
-        &mut self,
-        simd: S,
-        slot: &[[u32; TILE_WIDTH]; TILE_HEIGHT],
-        resolver: &mut Resolver<'_>,
-    ) {
+    fn resolve<S: Simd>(&mut self, simd: S, slot: &[[u32; WIDTH]; BLOCKS], resolver: &mut Resolver<'_>) {
         self.placed = [MISS; LANES];
         let mut rest = self.hits;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize % LANES;
             let hit = resolver.hit(slot.as_flattened()[lane]);
             let own = resolver.slots();
-            for row in 0..TILE_HEIGHT {
+            for row in 0..BLOCKS {
                 let slots = u32x16::load_array_ref(simd, &slot[row]) & u32x16::splat(simd, !GRAZING);
                 let mine = slots.simd_ge(u32x16::splat(simd, own.start))
                     & slots.simd_lt(u32x16::splat(simd, own.end));
-                rest &= !(mine.to_bitmask() << (row * TILE_WIDTH));
+                rest &= !(mine.to_bitmask() << (row * WIDTH));
                 let placed = &mut self.placed.as_chunks_mut().0[row];
                 let old = u32x16::load_array_ref(simd, placed);
                 mine.select(u32x16::splat(simd, hit.placed), old).store_array(placed);
@@ -314,11 +408,11 @@ impl Tile {
     #[inline(always)]
     pub(crate) fn take_first_hits<S: Simd>(&mut self, simd: S, packet: &Packet, resolver: &mut Resolver<'_>) {
         (self.hits, self.missing) = (0, 0);
-        let mut slot = [[NO_HIT; TILE_WIDTH]; TILE_HEIGHT];
+        let mut slot = [[NO_HIT; WIDTH]; BLOCKS];
         slot.as_flattened_mut().copy_from_slice(&packet.hit);
-        for row in 0..TILE_HEIGHT {
+        for row in 0..BLOCKS {
             let hit = u32x16::load_array_ref(simd, &slot[row]).simd_ne(u32x16::splat(simd, MISS));
-            self.hits |= hit.to_bitmask() << (row * TILE_WIDTH);
+            self.hits |= hit.to_bitmask() << (row * WIDTH);
         }
         for lane in 0..LANES {
             self.t[lane] = if packet.hit[lane] == MISS { 0.0 } else { packet.t[lane] as f32 };
@@ -330,8 +424,8 @@ impl Tile {
             }
             let mut low = f32x16::splat(simd, f32::MAX);
             let mut high = f32x16::splat(simd, f32::MIN);
-            for row in 0..TILE_HEIGHT {
-                let hit: mask32x16<S> = simd.from_bitmask_mask32x16(self.hits >> (row * TILE_WIDTH) & 0xffff);
+            for row in 0..BLOCKS {
+                let hit: mask32x16<S> = simd.from_bitmask_mask32x16(self.hits >> (row * WIDTH) & 0xffff);
                 let point = load_row(simd, &self.direction[axis], row) * load_row(simd, &self.t, row);
                 store_row(point, &mut self.point[axis], row);
                 low = (hit & point.simd_lt(low)).select(point, low);
@@ -341,14 +435,37 @@ impl Tile {
         }
     }
 
+    /// Takes the directions of the rays of a tile in square blocks.
+    #[inline(always)]
+    pub(crate) fn take_directions<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: &CameraRays<'_>,
+        [column, row]: [usize; 2],
+    ) {
+        if rays.steps.is_none() {
+            rays.unit_rows(simd, [column, row], &mut self.direction);
+            return;
+        }
+        for line in 0..BLOCKS {
+            let [x, y] = Tiling::Square.lines([column, row])[line];
+            let direction = rays.pinhole_row(simd, x, y);
+            for axis in 0..3 {
+                store_row(direction[axis], &mut self.direction[axis], line);
+            }
+        }
+    }
+
     /// Works out [`Tile::steps`] of the lanes that have hit something.
     fn find_steps(&mut self, rays: &CameraRays<'_>, [tile_column, block_row]: [usize; 2]) {
+        let tiling = Tiling::of(rays.rays.fan());
+        let [columns, rows] = tiling.size();
         let mut rest = self.hits;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize % LANES;
             rest &= rest - 1;
-            let (x, y) = (lane % TILE_WIDTH, lane / TILE_WIDTH);
-            let steps = rays.steps_at(tile_column * TILE_WIDTH + x, block_row * TILE_HEIGHT + y);
+            let [x, y] = tiling.line(lane / WIDTH);
+            let steps = rays.steps_at(tile_column * columns + x + lane % WIDTH, block_row * rows + y);
             for side in 0..2 {
                 for axis in 0..3 {
                     self.steps[side][axis][lane] = steps[side][axis] as f32;
@@ -363,7 +480,7 @@ impl Tile {
         let mut lanes = 0;
         for (row, found) in self.placed.as_chunks().0.iter().enumerate() {
             let mine = u32x16::load_array_ref(simd, found).simd_eq(u32x16::splat(simd, placed));
-            lanes |= mine.to_bitmask() << (row * TILE_WIDTH);
+            lanes |= mine.to_bitmask() << (row * WIDTH);
         }
         lanes
     }

@@ -1,6 +1,8 @@
 //! A scene as one sensor sees it at one moment: its instances placed around the sensor, under a tree.
 
+use super::error::SenseError;
 use crate::moment::Moment;
+use crate::pose::Pose;
 use crate::scene::tree::{LEAF, NONE, WIDTH, WideNode};
 use crate::scene::{Aabb, HeightGrid, Instance, KIND_HEIGHT_FIELD, KIND_MESH, Scene, limits};
 use bytemuck::{Pod, Zeroable};
@@ -98,6 +100,9 @@ impl Placed {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct View<'a> {
     pub(crate) scene: Scene<'a>,
+    pub(crate) world_from_sensor: Pose,
+    /// By the index of the instance in the scene.
+    pub(crate) world_from_instance: &'a [Pose],
     pub(crate) placed: &'a [Placed],
     /// Tree over the placed instances, in the frame; a leaf is an index into `placed`.
     pub(crate) nodes: &'a [WideNode],
@@ -129,18 +134,45 @@ pub(crate) struct ViewMemory<'a> {
     pub(crate) nodes: &'a mut [WideNode],
 }
 
+impl ViewMemory<'_> {
+    /// To be lent once more.
+    pub(crate) fn reborrow(&mut self) -> ViewMemory<'_> {
+        ViewMemory { placed: self.placed, bounds: self.bounds, order: self.order, nodes: self.nodes }
+    }
+
+    /// The memory of the first `views` of so many instances each, and the rest.
+    pub(crate) fn split(self, views: usize, instances: usize) -> (Self, Self) {
+        let (placed, placed_rest) = self.placed.split_at_mut(views * instances);
+        let (bounds, bounds_rest) = self.bounds.split_at_mut(views * instances);
+        let (order, order_rest) = self.order.split_at_mut(views * instances);
+        let (nodes, nodes_rest) = self.nodes.split_at_mut(views * top_nodes(instances));
+        (
+            Self { placed, bounds, order, nodes },
+            Self { placed: placed_rest, bounds: bounds_rest, order: order_rest, nodes: nodes_rest },
+        )
+    }
+}
+
+/// That a moment has a pose for the sensor and for each instance.
+pub(crate) fn check_moment(scene: &Scene<'_>, moment: &Moment<'_>) -> Result<(), SenseError> {
+    let (value, need) = (moment.world_from_instance.len(), scene.instances().len());
+    if value != need {
+        return Err(SenseError::Poses { value, need });
+    }
+    if !moment.world_from_sensor.is_finite() {
+        return Err(SenseError::Pose);
+    }
+    Ok(())
+}
+
 impl<'a> View<'a> {
-    /// Places what `visibility` lets the sensor see around it.
-    ///
-    /// # Panics
-    /// When the moment does not have one pose for each instance.
+    /// Places what `visibility` lets the sensor see around it, at a moment that has been [checked](check_moment).
     pub(crate) fn new(
         scene: &Scene<'a>,
-        moment: &Moment<'_>,
+        moment: &Moment<'a>,
         visibility: u32,
         memory: ViewMemory<'a>,
     ) -> Self {
-        moment.check(scene);
         let origin_in_world = moment.world_from_sensor.translation();
         let sensor_from_world = moment.world_from_sensor.rotation_matrix().transpose();
         let ViewMemory { placed, bounds, order, nodes } = memory;
@@ -182,6 +214,8 @@ impl<'a> View<'a> {
         let used = build_top(&bounds[..count], &mut order[..count], nodes);
         View {
             scene: *scene,
+            world_from_sensor: moment.world_from_sensor,
+            world_from_instance: moment.world_from_instance,
             placed: &placed[..count],
             nodes: &nodes[..used],
             sensor_from_frame: ToSensor::new(&sensor_from_world, DVec3::ZERO),
@@ -341,9 +375,11 @@ fn spread(bits: u32) -> u64 {
 #[cfg(all(test, feature = "alloc"))]
 mod tests {
     use super::*;
+    use crate::memory::Cutter;
     use crate::pose::Pose;
     use crate::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape, visibility};
     use crate::trace::WorkspaceBuf;
+    use crate::trace::memory::view_lines;
     use alloc::vec;
 
     /// 500 boxes within 30 m, and a few more things.
@@ -364,10 +400,10 @@ mod tests {
         }
         let scene = builder.scene();
         let mut workspace = WorkspaceBuf::default();
-        let mut lent = workspace.lend(&scene, 0);
-        let mut memory = lent.cut(&scene, 0);
+        let lent = workspace.lend(view_lines(500 + others.len(), 1));
+        let mut memory = Cutter(lent.buffer);
         let moment = builder.moment(Pose::from_translation(DVec3::new(1.0, 2.0, 3.0)));
-        let view = View::new(&scene, &moment, visibility::VISUAL, memory.view(scene.instances().len()));
+        let view = View::new(&scene, &moment, visibility::VISUAL, memory.views(scene.instances().len(), 1));
         (0..2000).map(|ray| nodes_on(&view, direction(ray))).sum()
     }
 

@@ -7,18 +7,17 @@ pub(crate) mod brute;
 pub(crate) mod exactness;
 pub(crate) mod oracle;
 
-use belvedere_sensors::camera::{Camera, CameraConfig};
+use belvedere_sensors::camera::{Camera, CameraConfig, Picture};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
-use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, TooNear};
+use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
 use belvedere_sensors::noise::GaussianNoise;
-use belvedere_sensors::optics::Optics;
-use belvedere_sensors::optics::PinholeGrid;
+use belvedere_sensors::optics::{Optics, PinholeGrid};
 use belvedere_sensors::scene::{
     InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, Scene, SceneBuilder,
     Shape,
 };
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Execution, Moment, Pose};
+use belvedere_sensors::{Capture, Execution, Moment, Pose, Sensor};
 use glam::DVec3;
 
 /// Pixels across and down of [`camera`].
@@ -48,20 +47,18 @@ pub(crate) fn depth_camera() -> DepthCameraConfig<'static> {
 }
 
 /// A lidar in the plane, half a turn wide.
-pub(crate) const LIDAR: LidarConfig = LidarConfig {
-    horizontal: Beams {
-        samples: 720,
-        min_angle_rad: -core::f64::consts::FRAC_PI_2,
-        max_angle_rad: core::f64::consts::FRAC_PI_2,
-    },
-    vertical: Beams::ONE,
-    range_min_m: 0.1,
-    range_max_m: 30.0,
-    too_near: TooNear::Blocks,
-    noise: GaussianNoise::NONE,
-    seed: 1,
-    sensor: 0,
-};
+pub(crate) const LIDAR: LidarConfig = LidarConfig::new(Beams {
+    samples: 720,
+    min_angle_rad: -core::f64::consts::FRAC_PI_2,
+    max_angle_rad: core::f64::consts::FRAC_PI_2,
+})
+.vertical(Beams::ONE)
+.range_min_m(0.1)
+.range_max_m(30.0)
+.too_near(TooNear::Blocks)
+.noise(GaussianNoise::NONE)
+.seed(1)
+.sensor(0);
 
 /// A sensor at `eye` that looks at `target`, turned by `roll` about its axis.
 pub(crate) fn look_at(eye: DVec3, target: DVec3, roll: f64) -> Pose {
@@ -141,13 +138,16 @@ pub(crate) fn depth_frame<'a>(
     let stage = stage.into();
     let camera = DepthCamera::new(config).expect("a valid camera");
     let mut depth = vec![0.0; camera.pixels()];
-    let output = DepthFrame { depth_32fc1: Some(&mut depth), ..DepthFrame::default() };
-    camera.sense(
-        &stage.scene,
-        &stage.capture(pose, frame),
-        &mut WorkspaceBuf::default().lend(&stage.scene, camera.rays()),
-        output,
-    );
+    let output = DepthFrame::new().depth_32fc1(&mut depth);
+    let capture = stage.capture(pose, frame);
+    camera
+        .sense(
+            &stage.scene,
+            &capture,
+            &mut WorkspaceBuf::default().lend(camera.workspace_len(&stage.scene, &capture)),
+            output,
+        )
+        .expect("outputs of the right size");
     depth
 }
 
@@ -169,12 +169,15 @@ pub(crate) fn picture_with<'a>(
     let mut pixels = vec![0; camera.frame_len()];
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = execution;
-    camera.sense(
-        &stage.scene,
-        &stage.capture(pose, frame),
-        &mut workspace.lend(&stage.scene, camera.rays()),
-        &mut pixels,
-    );
+    let capture = stage.capture(pose, frame);
+    camera
+        .sense(
+            &stage.scene,
+            &capture,
+            &mut workspace.lend(camera.workspace_len(&stage.scene, &capture)),
+            Picture::new().colour(&mut pixels),
+        )
+        .expect("outputs of the right size");
     pixels
 }
 
@@ -194,13 +197,15 @@ pub(crate) fn scan_frame<'a>(
     let lidar = Lidar::new(config).expect("a valid lidar");
     let (mut ranges, mut intensities) = (vec![0.0; lidar.beams()], vec![0.0; lidar.beams()]);
     let mut workspace = WorkspaceBuf::default();
-    lidar.sense(
-        &stage.scene,
-        &stage.capture(pose, frame),
-        &mut workspace.lend(&stage.scene, lidar.rays()),
-        &mut ranges,
-        &mut intensities,
-    );
+    let capture = stage.capture(pose, frame);
+    lidar
+        .sense(
+            &stage.scene,
+            &capture,
+            &mut workspace.lend(lidar.workspace_len(&stage.scene, &capture)),
+            Scan::new().ranges(&mut ranges).intensities(&mut intensities),
+        )
+        .expect("outputs of the right size");
     (ranges, intensities)
 }
 

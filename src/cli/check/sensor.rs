@@ -2,9 +2,10 @@
 
 use super::text::{angle, number, pose};
 use crate::description::model::{
-    AngleFunction, CameraPlugin, CameraSensor, LensIntrinsics, LensModel, Model, Noise, PixelFormat, Plugin,
-    Radiation, RaySensor, Sensor, SensorKind,
+    AngleFunction, CameraPlugin, CameraSensor, LensIntrinsics, LensModel, Model, Noise, Plugin, Radiation,
+    RaySensor, Sensor, SensorKind,
 };
+use crate::rig::pictures::encoding;
 
 pub(super) fn report(model: &Model, sensor: &Sensor) -> Vec<String> {
     let kind = match sensor.kind {
@@ -65,11 +66,7 @@ fn rate(sensor: &Sensor) -> String {
 }
 
 fn camera_report(camera: &CameraSensor, say: &mut impl FnMut(&str, String)) {
-    let format = match camera.format {
-        PixelFormat::Rgb8 => "rgb8",
-        PixelFormat::Bgr8 => "bgr8",
-        PixelFormat::Mono8 => "mono8",
-    };
+    let format = encoding(camera.format).as_str();
     let (width, height) = (camera.width, camera.height);
     say("picture", format!("{width} x {height} {format}"));
     let across = angle(camera.horizontal_fov_rad);

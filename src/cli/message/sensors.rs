@@ -14,6 +14,9 @@ pub(super) fn image(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
             frame.numbers::<u16>(frame.rows()).take(limit).map(|value| Whole(value.into())).collect(),
             pixels(header).saturating_sub(limit),
         ),
+        Encoding::F32C2 => vectors::<2>(frame, limit),
+        Encoding::F32C3 => vectors::<3>(frame, limit),
+        Encoding::I32C1 => numbers::<i32>(frame, frame.rows(), limit),
         _ => bytes(frame, limit),
     };
     Some(vec![
@@ -29,7 +32,11 @@ pub(super) fn image(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
 /// The name that `sensor_msgs` has for it: `32fc1` is `32FC1` there, `rgb8` is `rgb8`.
 fn ros_encoding(encoding: Encoding) -> Tree {
     let name = encoding.as_str();
-    Text(if name.ends_with("c1") { name.to_uppercase() } else { name.to_owned() })
+    Text(if name.starts_with(|first: char| first.is_ascii_digit()) {
+        name.to_uppercase()
+    } else {
+        name.to_owned()
+    })
 }
 
 pub(super) fn scan(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
@@ -133,6 +140,16 @@ pub(super) fn bytes(frame: &FrameView<'_>, limit: usize) -> Tree {
     let payload = frame.payload();
     let shown = payload.iter().take(limit).map(|&byte| Whole(byte.into())).collect();
     List(shown, payload.len().saturating_sub(limit))
+}
+
+/// Vectors, a list each.
+fn vectors<const N: usize>(frame: &FrameView<'_>, limit: usize) -> Tree
+where
+    [f32; N]: bytemuck::Pod,
+{
+    let list = |vector: [f32; N]| List(vector.into_iter().map(|part| Number(part.into())).collect(), 0);
+    let shown = frame.numbers::<[f32; N]>(frame.rows()).take(limit).map(list).collect();
+    List(shown, pixels(frame.header()).saturating_sub(limit))
 }
 
 fn numbers<'a, T: bytemuck::Pod + Into<f64>>(

@@ -1,8 +1,9 @@
 //! Sensors: what they measure, how, and how often.
 
-use super::{Lens, LinkIndex, Plugin};
+use super::{Lens, LinkIndex, PixelFormat, Plugin};
 use crate::description::diagnostics::Source;
 use belvedere_sensors::Pose;
+use belvedere_sensors::device::DeviceConfig;
 
 /// A sensor on a link.
 #[derive(Debug, Clone)]
@@ -76,6 +77,8 @@ pub struct CameraSensor {
     pub noise: Noise,
     /// SDF `<lens>` and `<distortion>`.
     pub lens: Lens,
+    /// `<device>`, which is ours.
+    pub device: Option<DeviceConfig>,
 }
 
 /// `<ray>` or `<lidar>` of SDF.
@@ -119,15 +122,4 @@ pub struct Noise {
     pub bias_stddev: f64,
     /// Step of `gaussian_quantized`; 0 for none.
     pub precision: f64,
-}
-
-/// Layout of a colour pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PixelFormat {
-    /// `R8G8B8`.
-    Rgb8,
-    /// `B8G8R8`.
-    Bgr8,
-    /// `L8`.
-    Mono8,
 }

@@ -17,6 +17,8 @@ pub struct Visual {
     pub geometry: Geometry,
     /// How it looks.
     pub material: Material,
+    /// Its class, if the file labels it or its model.
+    pub label: Option<u32>,
     /// Where it stands.
     pub source: Source,
 }

@@ -130,6 +130,7 @@ impl Loader<'_> {
             );
         }
         let material = self.material(element, scope);
+        let label = self.label(element);
         // A mesh whose triangles have several materials becomes one visual for each.
         for geometry in self.visual_geometry(element, scope) {
             let own = geometry.own_material();
@@ -137,6 +138,7 @@ impl Loader<'_> {
                 name: name_of(element),
                 link_from_visual,
                 material: material.clone().or(own).unwrap_or_default(),
+                label,
                 geometry,
                 source: element.source.clone(),
             });

@@ -16,6 +16,7 @@
 mod frames;
 mod geometry;
 mod joint;
+mod label;
 mod light;
 mod link;
 mod material;

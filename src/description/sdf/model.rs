@@ -2,6 +2,7 @@
 //! `inner::name`, as Gazebo calls them.
 
 use super::frames::{Frames, WrittenPose};
+use super::label::is_label;
 use super::resources::Resolved;
 use super::{Loader, Scope, Version, canonical, name_of, resources};
 use crate::description::diagnostics::Source;
@@ -52,6 +53,7 @@ impl Loader<'_> {
                         nested.extend(included.models);
                     }
                 }
+                "plugin" if is_label(child) => {}
                 "plugin" => self.ignored(child, "plugins of a world's models are not run"),
                 "gripper" => self.ignored(child, "it is not simulated"),
                 _ => {}
@@ -89,6 +91,11 @@ impl Loader<'_> {
         let mut pose = self.pose(element, scope.version);
         let placement = element.attribute("placement_frame").filter(|frame| !frame.is_empty());
         self.place_by(placement, &frames, &mut pose, &element.source);
+        if let Some(label) = self.label(element) {
+            for visual in parts.links.iter_mut().flat_map(|link| &mut link.visuals) {
+                visual.label.get_or_insert(label);
+            }
+        }
         let source = element.source.clone();
         Some(ParsedModel {
             model: Model {

@@ -2,7 +2,7 @@
 
 use super::lens::Picture;
 use super::reader::Reader;
-use crate::description::model::{CameraSensor, PixelFormat};
+use crate::description::model::{CameraSensor, Mosaic, PixelFormat};
 use crate::description::values::child_text;
 use crate::description::xml::Element;
 
@@ -29,6 +29,7 @@ impl Reader<'_> {
         let anti_aliasing = self.anti_aliasing(image);
         let distances = self.clip(clip, sensor, far_m);
         let noise = self.noise(camera);
+        let device = self.device(camera);
         self.not_simulated(camera);
         let (width, height) = (width?, height?);
         let lens = self.lens(camera, &Picture { width, height, is_wide_angle });
@@ -44,6 +45,7 @@ impl Reader<'_> {
             far_m,
             noise: noise?,
             lens,
+            device: device?,
         })
     }
 
@@ -63,13 +65,16 @@ impl Reader<'_> {
             "R8G8B8" | "RGB_INT8" => Some(PixelFormat::Rgb8),
             "B8G8R8" | "BGR_INT8" => Some(PixelFormat::Bgr8),
             "L8" | "L_INT8" => Some(PixelFormat::Mono8),
+            "L16" | "L_INT16" => Some(PixelFormat::Mono16),
+            "R8G8B8A8" | "RGBA_INT8" => Some(PixelFormat::Rgba8),
+            text if mosaic(text).is_some() => mosaic(text),
             _ => {
                 let what = self.what("format");
                 if let Some(child) = image.and_then(|image| image.child("format")) {
                     self.diagnostics.error(
                         &child.source,
                         format!("{what} is '{text}', which is not simulated"),
-                        "write R8G8B8, B8G8R8 or L8",
+                        "write R8G8B8, B8G8R8, R8G8B8A8, L8, L16, or BAYER_ with RGGB, BGGR, GBRG or GRBG and 8 or 16",
                     );
                 }
                 None
@@ -100,7 +105,7 @@ impl Reader<'_> {
         for child in camera.elements() {
             let text = child.text();
             let remedy = match child.name.as_str() {
-                "horizontal_fov" | "image" | "clip" | "noise" | "distortion" | "lens" => continue,
+                "horizontal_fov" | "image" | "clip" | "noise" | "distortion" | "lens" | "device" => continue,
                 "save" => match child.attribute("enabled").unwrap_or_default() {
                     "true" | "1" => "take it out, and keep pictures with `belvedere snapshot`",
                     _ => continue,
@@ -114,7 +119,9 @@ impl Reader<'_> {
                 "depth_camera" => "write <clip> in <camera>, and the limits of the depth in the plugin",
                 "camera_info_topic" => "write <cameraInfoTopicName> in the plugin",
                 "optical_frame_id" => "write <frameName> in the plugin",
-                _ => "take it out: a camera has horizontal_fov, image, clip, noise, distortion and lens",
+                _ => {
+                    "take it out: a camera has horizontal_fov, image, clip, noise, distortion, lens and device"
+                }
             };
             let what = format!("{} is not simulated and left out", self.what(&child.name));
             self.diagnostics.warning(&child.source, what, remedy);
@@ -127,5 +134,23 @@ impl Reader<'_> {
                 self.left_out(part, |name| read.contains(&name), &remedy);
             }
         }
+    }
+}
+
+/// The mosaic of a name like `BAYER_RGGB8`.
+fn mosaic(name: &str) -> Option<PixelFormat> {
+    let name = name.strip_prefix("BAYER_")?;
+    let (pattern, bits) = name.split_at_checked(4)?;
+    let pattern = match pattern {
+        "RGGB" => Mosaic::Rggb,
+        "BGGR" => Mosaic::Bggr,
+        "GBRG" => Mosaic::Gbrg,
+        "GRBG" => Mosaic::Grbg,
+        _ => return None,
+    };
+    match bits {
+        "8" => Some(PixelFormat::Bayer8(pattern)),
+        "16" => Some(PixelFormat::Bayer16(pattern)),
+        _ => None,
     }
 }

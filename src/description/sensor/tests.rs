@@ -155,7 +155,7 @@ fn every_wrong_value_gives_one_error_that_names_it() {
         (camera("<image><width>0</width></image>"), "<width> of sensor 'c' is 0"),
         (camera("<image><width>32.5</width></image>"), "<width> of sensor 'c' is 32.5"),
         (camera("<image><height>16385</height></image>"), "<height> of sensor 'c' is 16385"),
-        (camera("<image><format>BAYER_RGGB8</format></image>"), "'BAYER_RGGB8'"),
+        (camera("<image><format>BAYER_RGGB9</format></image>"), "'BAYER_RGGB9'"),
         (camera("<horizontal_fov>3.2</horizontal_fov>"), "<horizontal_fov> of sensor 'c' is 3.2"),
         (camera("<clip><near>0</near></clip>"), "<near> of sensor 'c' is 0"),
         (camera("<clip><near>9</near><far>8</far></clip>"), "<near> of sensor 'c' is 9 and <far> is 8"),
@@ -468,4 +468,57 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
     assert!(plugin(coefficients, same).is_empty());
     let fisheye = "<lens><type>equirectangular</type></lens>";
     assert!(plugin(coefficients, fisheye)[0].contains("camera_info has the parameters of the <lens>"));
+}
+
+#[test]
+fn a_device_is_a_preset_and_what_is_written_besides() {
+    use belvedere_sensors::device::{DeviceConfig, Exposure, presets};
+    assert_eq!(lens_of("camera", "").device, None);
+    assert_eq!(lens_of("camera", "<device/>").device, Some(DeviceConfig::default()));
+    let inside = "<device><preset>webcam</preset><exposure_time_s>0.002</exposure_time_s><gain>2</gain>\
+                  <prnu>0</prnu><bits>8</bits></device>";
+    let expected = presets::webcam().exposure(Exposure { time_s: 0.002, gain: 2.0 }).prnu(0.0).bits(8);
+    for kind in ["camera", "depth", "wideanglecamera"] {
+        assert_eq!(lens_of(kind, inside).device, Some(expected));
+    }
+    for (inside, expected) in [
+        ("<preset>webcan</preset>", "did you mean webcam?"),
+        (
+            "<read_noise_e>-1</read_noise_e>",
+            "<read_noise_e> of sensor 'c' is -1: write a number from 0 to 1000000",
+        ),
+        (
+            "<exposure_time_s>4000</exposure_time_s>",
+            "<exposure_time_s> of sensor 'c' is 4000: write a number from 0",
+        ),
+        ("<bits>17</bits>", "<bits> of sensor 'c' is 17"),
+    ] {
+        let (camera, problems) = camera_of("camera", &format!("<device>{inside}</device>"));
+        assert!(camera.is_none() && problems.len() == 1, "{inside}: {problems:?}");
+        assert!(
+            problems[0].starts_with("s.sdf:2: error: ") && problems[0].contains(expected),
+            "{problems:?}"
+        );
+    }
+    let (camera, problems) = camera_of("camera", "<device><iso>100</iso></device>");
+    assert!(camera.is_some() && problems[0].contains("<iso> of sensor 'c' is not simulated"), "{problems:?}");
+}
+
+#[test]
+fn mosaics_and_words_are_formats() {
+    use crate::description::model::Mosaic;
+    for (name, expected) in [
+        ("L16", PixelFormat::Mono16),
+        ("R8G8B8A8", PixelFormat::Rgba8),
+        ("BAYER_RGGB8", PixelFormat::Bayer8(Mosaic::Rggb)),
+        ("BAYER_GRBG16", PixelFormat::Bayer16(Mosaic::Grbg)),
+    ] {
+        let (sensor, problems) = parse(&format!(
+            "<sensor name='c' type='camera'><camera><image><format>{name}</format></image></camera></sensor>"
+        ));
+        let Some(SensorKind::Camera(camera)) = sensor.map(|sensor| sensor.kind) else {
+            panic!("{problems:?}")
+        };
+        assert_eq!(camera.format, expected);
+    }
 }

@@ -96,6 +96,7 @@ impl Loader<'_> {
             link_from_visual,
             geometry,
             material: material.clone().or(own_material).unwrap_or_default(),
+            label: None,
             source: element.source.clone(),
         };
         self.visual_geometry(element).into_iter().map(visual).collect()

@@ -28,16 +28,19 @@ inline EigenRanges eigen_ranges(const Frame& frame, std::uint32_t layer = 0) {
 }
 EigenRanges eigen_ranges(Frame&&, std::uint32_t = 0) = delete;
 
-/// Values of T side by side: float of depth and ranges, std::uint16_t of depth, std::uint8_t of grey pixels.
+/// Values of T side by side: float of depth and ranges, std::uint16_t of depth, std::uint8_t of grey pixels, and
+/// both of mosaics.
 /// Throws std::out_of_range for a frame of another type.
 template <class T>
 EigenGrid<T> eigen_grid(const Frame& frame) {
     const Header& h = frame.header();
     const bv_encoding e = frame.encoding();
+    const bool words = e == BV_ENCODING_U16C1 || e == BV_ENCODING_MONO16 ||
+                       (e >= BV_ENCODING_BAYER_RGGB16 && e <= BV_ENCODING_BAYER_GRBG16);
+    const bool bytes = e == BV_ENCODING_MONO8 || (e >= BV_ENCODING_BAYER_RGGB8 && e <= BV_ENCODING_BAYER_GRBG8);
     const bool same = std::is_same<T, float>::value           ? e == BV_ENCODING_F32C1 || e == BV_ENCODING_RANGES_F32
-                      : std::is_same<T, std::uint16_t>::value ? e == BV_ENCODING_U16C1
-                                                              : std::is_same<T, std::uint8_t>::value &&
-                                                                    e == BV_ENCODING_MONO8;
+                      : std::is_same<T, std::uint16_t>::value ? words
+                                                              : std::is_same<T, std::uint8_t>::value && bytes;
     if (!same || h.elem_stride != sizeof(T) || (h.height > 1 && h.row_stride % sizeof(T) != 0))
         throw std::out_of_range("the frame is no grid of values of this type");
     return EigenGrid<T>(reinterpret_cast<const T*>(frame.payload().data()), h.height, h.width,

@@ -22,10 +22,23 @@ inline cv::Mat cv_mat(const Frame& frame) {
     switch (frame.encoding()) {
         case BV_ENCODING_RGB8:
         case BV_ENCODING_BGR8: type = CV_8UC3; break;
+        case BV_ENCODING_RGBA8: type = CV_8UC4; break;
+        case BV_ENCODING_BAYER_RGGB8:
+        case BV_ENCODING_BAYER_BGGR8:
+        case BV_ENCODING_BAYER_GBRG8:
+        case BV_ENCODING_BAYER_GRBG8:
         case BV_ENCODING_MONO8: type = CV_8UC1; break;
+        case BV_ENCODING_BAYER_RGGB16:
+        case BV_ENCODING_BAYER_BGGR16:
+        case BV_ENCODING_BAYER_GBRG16:
+        case BV_ENCODING_BAYER_GRBG16:
+        case BV_ENCODING_MONO16:
         case BV_ENCODING_U16C1: type = CV_16UC1; break;
         case BV_ENCODING_F32C1:
         case BV_ENCODING_RANGES_F32: type = CV_32FC1; break;
+        case BV_ENCODING_F32C2: type = CV_32FC2; break;
+        case BV_ENCODING_F32C3: type = CV_32FC3; break;
+        case BV_ENCODING_I32C1: type = CV_32SC1; break;
         case BV_ENCODING_XYZ_RGB_F32: type = CV_32FC(8); break;
         default: throw std::invalid_argument("a frame of this encoding is no cv::Mat");
     }

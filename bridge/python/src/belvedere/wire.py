@@ -58,6 +58,22 @@ class Encoding(IntEnum):
     #: Metres (REP-117).
     RANGES_F32 = 7
     STRUCT = 8
+    RGBA8 = 9
+    MONO16 = 10
+    BAYER_RGGB8 = 11
+    BAYER_BGGR8 = 12
+    BAYER_GBRG8 = 13
+    BAYER_GRBG8 = 14
+    BAYER_RGGB16 = 15
+    BAYER_BGGR16 = 16
+    BAYER_GBRG16 = 17
+    BAYER_GRBG16 = 18
+    #: Flow in pixels, to the right and down; NaN where there is none.
+    F32C2 = 19
+    #: Unit normals in the axes of the world; 0 where nothing is seen.
+    F32C3 = 20
+    #: Numbers of things (−1 where nothing is seen) or of classes.
+    I32C1 = 21
 
 
 class DistortionModel(IntEnum):
@@ -222,6 +238,19 @@ _ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
     Encoding.U16C1: np.dtype("<u2"),
     Encoding.XYZRGB_F32: _POINT,
     Encoding.RANGES_F32: np.dtype("<f4"),
+    Encoding.RGBA8: np.dtype(("u1", 4)),
+    Encoding.MONO16: np.dtype("<u2"),
+    Encoding.BAYER_RGGB8: np.dtype("u1"),
+    Encoding.BAYER_BGGR8: np.dtype("u1"),
+    Encoding.BAYER_GBRG8: np.dtype("u1"),
+    Encoding.BAYER_GRBG8: np.dtype("u1"),
+    Encoding.BAYER_RGGB16: np.dtype("<u2"),
+    Encoding.BAYER_BGGR16: np.dtype("<u2"),
+    Encoding.BAYER_GBRG16: np.dtype("<u2"),
+    Encoding.BAYER_GRBG16: np.dtype("<u2"),
+    Encoding.F32C2: np.dtype(("<f4", 2)),
+    Encoding.F32C3: np.dtype(("<f4", 3)),
+    Encoding.I32C1: np.dtype("<i4"),
 }
 
 

@@ -1,18 +1,7 @@
 //! Rays between those of a grid.
 
-use super::{Rays, SphericalGrid, TableFan};
-use crate::optics::{Intrinsics, Optics};
-use crate::simd::sin_cos;
+use super::Rays;
 use glam::DVec3;
-
-/// Gives directions between those of a grid, in the axes of the sensor and in units of t: of a pinhole in closed form,
-/// of other lenses by interpolation between neighbours.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Between<'a> {
-    Pinhole(Intrinsics),
-    Spherical(SphericalGrid),
-    Table(Rays<'a>),
-}
 
 /// A ray, and how directions change from the last one of its row to it and from it to the next; then the same down its
 /// column.
@@ -23,7 +12,7 @@ pub(crate) struct Neighbours {
 }
 
 impl Neighbours {
-    /// The direction so many pixels to the right and down, at most one each; of length 1.
+    /// The direction so many pixels to the right and down, at most one each: interpolated, and of length 1.
     #[inline(always)]
     pub(crate) fn direction(&self, right: f64, down: f64) -> DVec3 {
         let [across, along] = self.changes;
@@ -37,53 +26,21 @@ impl Neighbours {
     }
 }
 
-impl<'a> Between<'a> {
-    pub(crate) fn new(optics: &Optics<'a>) -> Self {
-        match optics {
-            Optics::Pinhole(grid) => Self::Pinhole(grid.intrinsics()),
-            Optics::Spherical(grid) => Self::Spherical(*grid),
-            Optics::Table(table) => Self::Table(Rays::Table(TableFan::new(table))),
-        }
-    }
-
-    /// The intrinsics of a pinhole.
-    #[inline(always)]
-    pub(crate) fn pinhole(&self) -> Option<&Intrinsics> {
-        match self {
-            Self::Pinhole(lens) => Some(lens),
-            Self::Spherical(_) | Self::Table(_) => None,
-        }
-    }
-
+impl Rays<'_> {
     /// The neighbourhood of a ray that there is.
     pub(crate) fn neighbours(&self, column: i32, row: i32) -> Neighbours {
-        let middle = self.direction(column, row).unwrap_or(DVec3::X);
+        let fan = self.fan();
+        let middle = self.direction(column, row);
+        let at = |column: i32, row: i32| {
+            let inside = (0..fan.width).contains(&column) && (0..fan.height).contains(&row);
+            (inside && self.has(column, row)).then(|| self.direction(column, row))
+        };
         let changes = [[1, 0], [0, 1]].map(|[x, y]| {
-            let after = self.direction(column + x, row + y).map(|next| next - middle);
-            let before = self.direction(column - x, row - y).map(|last| middle - last);
+            let after = at(column + x, row + y).map(|next| next - middle);
+            let before = at(column - x, row - y).map(|last| middle - last);
             // Beyond the edge it goes on as within.
             [before.or(after), after.or(before)].map(Option::unwrap_or_default)
         });
         Neighbours { middle, changes }
-    }
-
-    fn direction(&self, column: i32, row: i32) -> Option<DVec3> {
-        match self {
-            Self::Pinhole(lens) => {
-                let left = (lens.cx - f64::from(column)) / lens.fx;
-                Some(DVec3::new(1.0, left, (lens.cy - f64::from(row)) / lens.fy))
-            }
-            Self::Spherical(grid) => {
-                let (sin, cos) = sin_cos(grid.first_azimuth_rad + grid.azimuth_step_rad * f64::from(column));
-                let (up, level) =
-                    sin_cos(grid.first_elevation_rad + grid.elevation_step_rad * f64::from(row));
-                Some(DVec3::new(cos * level, sin * level, up))
-            }
-            Self::Table(rays) => {
-                let fan = rays.fan();
-                let inside = (0..fan.width).contains(&column) && (0..fan.height).contains(&row);
-                (inside && rays.has(column, row)).then(|| rays.direction(column, row))
-            }
-        }
     }
 }

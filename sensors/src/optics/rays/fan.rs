@@ -28,11 +28,9 @@ impl Fan {
         Self { width: width as i32, height: height as i32, shift_x: 2, shift_y: 2 }
     }
 
-    /// Cache lines that the tables of any grid of so many rays take.
-    pub(crate) const fn most_table_lines(rays: usize) -> usize {
-        // Of a single row or column, which take most: a little more than 6 lines for each sixteen columns and for
-        // each row of blocks, and a few for what is filled up to whole lines.
-        rays.div_ceil(WIDTH) * 7 + 16
+    /// The grid in blocks of a single row, whatever its size.
+    pub(crate) const fn by_rows(&self) -> Self {
+        Self { shift_x: 4, shift_y: 0, ..*self }
     }
 
     /// Blocks across.

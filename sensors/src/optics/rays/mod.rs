@@ -5,12 +5,12 @@
 
 mod between;
 mod fan;
+mod find;
 mod pinhole;
 mod projection;
 mod spherical;
 mod table;
 
-pub(crate) use between::Between;
 pub(crate) use fan::Fan;
 pub(crate) use pinhole::PinholeFan;
 pub use pinhole::PinholeGrid;
@@ -104,6 +104,19 @@ impl Rays<'_> {
             Self::Pinhole(_) => f32x16::splat(simd, 1.0) / inverse,
             Self::Spherical(rule) => rule.unit_directions(simd, column, row)[0] / inverse,
             Self::Table(rule) => rule.unit_directions(simd, column, row)[0] / inverse,
+        }
+    }
+
+    /// Column and row whose ray goes through a point, found from a guess of them, between pixels as on them. None where
+    /// there is no such ray: behind a pinhole, and beyond the pixels of other rules.
+    pub(crate) fn project(&self, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
+        match self {
+            Self::Pinhole(rule) => {
+                let lens = rule.intrinsics();
+                let at = [lens.cx - lens.fx * (point.y / point.x), lens.cy - lens.fy * (point.z / point.x)];
+                (point.x > 0.0).then_some(at)
+            }
+            Self::Spherical(_) | Self::Table(_) => find::pixel(self, point, guess),
         }
     }
 

@@ -95,9 +95,7 @@ pub(crate) struct PinholeFan {
 }
 
 impl PinholeFan {
-    pub(crate) fn new(grid: &PinholeGrid) -> Self {
-        let [width, height] = grid.size();
-        let fan = Fan::square(width, height);
+    pub(crate) fn new(grid: &PinholeGrid, fan: Fan) -> Self {
         let lens = grid.intrinsics();
         Self {
             fan,

@@ -10,8 +10,10 @@ use crate::execution::{SplitRows, for_each_row};
 use crate::scene::tree::{NONE, WIDTH};
 use crate::scene::{KIND_MESH, Scene};
 use crate::simd::Level;
-use crate::trace::view::View;
-use crate::trace::{Faces, Hits, Workspace};
+use crate::trace::error::check_output;
+use crate::trace::memory::view_lines;
+use crate::trace::view::{View, check_moment};
+use crate::trace::{Faces, Hits, SenseError, Workspace};
 use crate::{Moment, Pose};
 use fearless_simd::{Simd, dispatch};
 use glam::DVec3;
@@ -37,13 +39,15 @@ impl Rays<'_> {
         }
     }
 
-    fn check(&self) {
-        let count = self.directions.len();
-        assert!(
-            (self.origins.len() == 1 || self.origins.len() == count)
-                && self.ranges.is_none_or(|ranges| ranges.len() == count),
-            "there must be one origin for all rays or one for each, and one range for each"
-        );
+    /// That there is one origin for all rays or one for each, and one range for each; how many rays there are.
+    fn check(&self) -> Result<usize, SenseError> {
+        let need = self.directions.len();
+        let wrong = |parameter, value| Err(SenseError::Input { parameter, value, need });
+        match (self.origins.len(), self.ranges) {
+            (value, _) if value != 1 && value != need => wrong("origins", value),
+            (_, Some(ranges)) if ranges.len() != need => wrong("ranges", ranges.len()),
+            _ => Ok(need),
+        }
     }
 }
 
@@ -51,9 +55,9 @@ impl Rays<'_> {
 /// have nothing in common. `world_from_instance` has a pose for each instance of the scene; rays have no sensor, so
 /// there is no whole [`Moment`].
 ///
-/// # Panics
-/// When an input or output is not one element a ray, the workspace does not fit (see [`Workspace::fits`], with 0
-/// rays), or there is not one pose for each instance.
+/// # Errors
+/// When an input or output is not one element a ray, the workspace has less than [`workspace_len`], or there is not one
+/// pose for each instance. Nothing is written then.
 #[allow(clippy::too_many_arguments, reason = "each is one thing the answer depends on")]
 pub fn cast_rays(
     scene: &Scene<'_>,
@@ -64,26 +68,27 @@ pub fn cast_rays(
     faces: Faces,
     workspace: &mut Workspace<'_>,
     hits: Hits<'_>,
-) {
-    rays.check();
-    let count = rays.directions.len();
-    hits.check(count);
+) -> Result<(), SenseError> {
+    let count = rays.check()?;
+    hits.check(count)?;
     let execution = workspace.execution;
-    let mut memory = workspace.cut(scene, 0);
+    let mut memory = workspace.cut(workspace_len(scene))?;
     let world_from_sensor = Pose::from_translation(reference_in_world);
     let moment = Moment { world_from_sensor, world_from_instance };
-    let view = View::new(scene, &moment, visibility, memory.view(scene.instances().len()));
+    check_moment(scene, &moment)?;
+    let view = View::new(scene, &moment, visibility, memory.views(scene.instances().len(), 1));
     let chunks = 0..count.div_ceil(CHUNK);
     for_each_row(execution, chunks, Output::Hits(hits), &|chunk, output| {
         let first = chunk * CHUNK;
         let last = count.min(first + CHUNK);
         dispatch!(execution.level, simd => cast_chunk(simd, &view, rays, first..last, faces, output));
     });
+    Ok(())
 }
 
 /// Tells which rays hit anything within their ranges: shadows.
 ///
-/// # Panics
+/// # Errors
 /// As [`cast_rays`].
 #[allow(clippy::too_many_arguments, reason = "each is one thing the answer depends on")]
 pub fn occluded_rays(
@@ -95,21 +100,27 @@ pub fn occluded_rays(
     faces: Faces,
     workspace: &mut Workspace<'_>,
     occluded: &mut [bool],
-) {
-    rays.check();
-    let count = rays.directions.len();
-    assert!(occluded.len() == count, "an output must hold one element a ray");
+) -> Result<(), SenseError> {
+    let count = rays.check()?;
+    check_output("occluded", Some(occluded.len()), count)?;
     let execution = workspace.execution;
-    let mut memory = workspace.cut(scene, 0);
+    let mut memory = workspace.cut(workspace_len(scene))?;
     let world_from_sensor = Pose::from_translation(reference_in_world);
     let moment = Moment { world_from_sensor, world_from_instance };
-    let view = View::new(scene, &moment, visibility, memory.view(scene.instances().len()));
+    check_moment(scene, &moment)?;
+    let view = View::new(scene, &moment, visibility, memory.views(scene.instances().len(), 1));
     let chunks = 0..count.div_ceil(CHUNK);
     for_each_row(execution, chunks, Output::Occluded(occluded), &|chunk, output| {
         let first = chunk * CHUNK;
         let last = count.min(first + CHUNK);
         dispatch!(execution.level, simd => cast_chunk(simd, &view, rays, first..last, faces, output));
     });
+    Ok(())
+}
+
+/// Cache lines of a [`Workspace`] that [`cast_rays`] and [`occluded_rays`] take.
+pub fn workspace_len(scene: &Scene<'_>) -> usize {
+    view_lines(scene.instances().len(), 1)
 }
 
 /// Rays that one thread takes at once.
@@ -123,12 +134,6 @@ enum Output<'a> {
 
 impl SplitRows for Output<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
-        fn cut<T>(values: Option<&mut [T]>, at: usize) -> (Option<&mut [T]>, Option<&mut [T]>) {
-            values.map_or((None, None), |values| {
-                let (first, second) = values.split_at_mut(at.min(values.len()));
-                (Some(first), Some(second))
-            })
-        }
         let at = rows * CHUNK;
         match self {
             Self::Occluded(values) => {
@@ -136,21 +141,8 @@ impl SplitRows for Output<'_> {
                 (Self::Occluded(first), Self::Occluded(second))
             }
             Self::Hits(hits) => {
-                let (distance, distance_rest) = cut(hits.distance, at);
-                let (normal, normal_rest) = cut(hits.normal, at);
-                let (instance, instance_rest) = cut(hits.instance, at);
-                let (primitive, primitive_rest) = cut(hits.primitive, at);
-                let (barycentrics, barycentrics_rest) = cut(hits.barycentrics, at);
-                (
-                    Self::Hits(Hits { distance, normal, instance, primitive, barycentrics }),
-                    Self::Hits(Hits {
-                        distance: distance_rest,
-                        normal: normal_rest,
-                        instance: instance_rest,
-                        primitive: primitive_rest,
-                        barycentrics: barycentrics_rest,
-                    }),
-                )
+                let (first, second) = hits.split_at(at);
+                (Self::Hits(first), Self::Hits(second))
             }
         }
     }
@@ -304,28 +296,46 @@ fn store(view: &View<'_>, ray: &FrameRay, hit: &SceneHit, at: usize, hits: &mut 
 
 /// One mesh in its own frame, as a scene with one instance would show it: for those who have trees, and no scene.
 ///
-/// # Panics
+/// # Errors
 /// When an input or output is not one element a ray.
-pub fn cast_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, hits: &mut Hits<'_>) {
-    rays.check();
-    hits.check(rays.directions.len());
+pub fn cast_mesh(
+    level: Level,
+    tree: Tree<'_>,
+    rays: &Rays<'_>,
+    faces: Faces,
+    hits: &mut Hits<'_>,
+) -> Result<(), SenseError> {
+    let count = rays.check()?;
+    hits.check(count)?;
     dispatch!(level, simd => each_bundle(simd, tree, rays, #[inline(always)] |wave, first, count| {
         wave.nearest_hits(simd, tree, count, faces == Faces::Front);
         for id in 0..count {
             store_in_mesh(tree, wave, id, (rays, first + id), hits);
         }
     }));
+    Ok(())
 }
 
 /// Tells which of the rays hit anything of one mesh, in its own frame.
-pub fn occluded_by_mesh(level: Level, tree: Tree<'_>, rays: &Rays<'_>, faces: Faces, occluded: &mut [bool]) {
-    rays.check();
+///
+/// # Errors
+/// As [`cast_mesh`].
+pub fn occluded_by_mesh(
+    level: Level,
+    tree: Tree<'_>,
+    rays: &Rays<'_>,
+    faces: Faces,
+    occluded: &mut [bool],
+) -> Result<(), SenseError> {
+    let count = rays.check()?;
+    check_output("occluded", Some(occluded.len()), count)?;
     dispatch!(level, simd => each_bundle(simd, tree, rays, #[inline(always)] |wave, first, count| {
         wave.any_hits(simd, tree, count, faces == Faces::Front);
         for id in 0..count {
             occluded[first + id] = wave.bundle.hit[id][0] != NONE;
         }
     }));
+    Ok(())
 }
 
 #[inline(always)]

@@ -12,7 +12,7 @@ mod settle;
 mod walk;
 mod wave;
 
-pub use cast::{Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays};
+pub use cast::{Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays, workspace_len};
 pub use walk::Tree;
 
 use crate::scene::tree::{WIDTH, WideNode};

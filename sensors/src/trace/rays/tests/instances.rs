@@ -3,8 +3,8 @@
 use super::oracle::{Random, soup, sphere};
 use super::{Mesh, around, levels};
 use crate::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape};
-use crate::trace::rays::{Rays, cast_rays, occluded_rays};
-use crate::trace::{CacheLine, Faces, Hits, Workspace, workspace_len};
+use crate::trace::rays::{Rays, cast_rays, occluded_rays, workspace_len};
+use crate::trace::{CacheLine, Faces, Hits, Workspace};
 use crate::{Execution, Pose};
 use bytemuck::Zeroable;
 use glam::{DQuat, DVec3};
@@ -19,7 +19,7 @@ struct Found {
 /// Casts at every level, sees that all agree to the bit, and gives the answers.
 fn cast(builder: &SceneBuilder, reference: DVec3, rays: &Rays<'_>, faces: Faces) -> Found {
     let scene = builder.scene();
-    let mut buffer = vec![CacheLine::zeroed(); workspace_len(scene.instances().len(), 0)];
+    let mut buffer = vec![CacheLine::zeroed(); workspace_len(&scene)];
     let count = rays.directions.len();
     let mut answers = levels().into_iter().map(|level| {
         let mut found = Found {
@@ -39,7 +39,8 @@ fn cast(builder: &SceneBuilder, reference: DVec3, rays: &Rays<'_>, faces: Faces)
             primitive: Some(&mut primitive),
             barycentrics: Some(&mut found.barycentrics),
         };
-        cast_rays(&scene, builder.poses(), reference, rays, u32::MAX, faces, &mut workspace, hits);
+        cast_rays(&scene, builder.poses(), reference, rays, u32::MAX, faces, &mut workspace, hits)
+            .expect("outputs of the right size");
         occluded_rays(
             &scene,
             builder.poses(),
@@ -49,7 +50,8 @@ fn cast(builder: &SceneBuilder, reference: DVec3, rays: &Rays<'_>, faces: Faces)
             faces,
             &mut workspace,
             &mut occluded,
-        );
+        )
+        .expect("outputs of the right size");
         for index in 0..count {
             assert_eq!(occluded[index], found.distance[index].is_finite(), "ray {index}");
             assert_eq!(occluded[index], found.instance[index] != u32::MAX);

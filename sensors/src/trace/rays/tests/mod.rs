@@ -66,8 +66,8 @@ impl Mesh {
             primitive: Some(&mut found.primitive),
             ..Hits::default()
         };
-        cast_mesh(level, tree, rays, faces, &mut hits);
-        occluded_by_mesh(level, tree, rays, faces, &mut found.occluded);
+        cast_mesh(level, tree, rays, faces, &mut hits).expect("outputs of the right size");
+        occluded_by_mesh(level, tree, rays, faces, &mut found.occluded).expect("outputs of the right size");
         found
     }
 

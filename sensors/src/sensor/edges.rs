@@ -8,28 +8,28 @@
 //! Marks are compared once the picture is complete, so that bands do not show, and in the same pieces whatever the number
 //! of threads. Pixels without an edge keep their bits.
 
+use super::pixel::to_bytes;
+use crate::device::TileView;
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::optics::Optics;
-use crate::optics::rays::Between;
-use crate::pixel::to_bytes;
-use crate::pose::Pose;
+use crate::optics::rays::{PinholeFan, Rays, TableFan};
 use crate::scene::tree::WIDTH;
 use crate::shade::{Colours, Shader};
 use crate::simd::{LANES, load_row};
 use crate::trace::first_hit::first_hits;
-use crate::trace::grid::Sight;
+use crate::trace::grid::{Frame, Sight};
 use crate::trace::packet::{MISS, Packet};
 use crate::trace::resolve::Resolver;
 use crate::trace::shapes::LocalRays;
-use crate::trace::tile::{Steps, TILE_HEIGHT, TILE_WIDTH, Tile};
+use crate::trace::tile::{CameraRays, Tile, Tiling};
 use crate::trace::view::View;
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdMask, dispatch, u8x64, u32x16};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// What becomes of the edges of shapes and shadows in a picture.
 ///
 /// ```
-/// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose};
+/// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
 /// let mut builder = SceneBuilder::new();
 /// builder.set_environment(Environment { background: [0.0; 3], ..Default::default() });
 /// let white = builder.add_material(&MaterialConfig { emissive: [1.0; 3], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
@@ -44,7 +44,9 @@ use glam::{DMat3, DVec3};
 /// let greys = |edges| {
 ///     let camera = Camera::new(config.edges(edges)).unwrap();
 ///     let mut pixels = vec![0; camera.frame_len()];
-///     camera.sense(&scene, &capture, &mut WorkspaceBuf::default().lend(&scene, camera.rays()), &mut pixels);
+///     let mut memory = WorkspaceBuf::default();
+///     let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
+///     camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels)).unwrap();
 ///     pixels.sort_unstable();
 ///     pixels.dedup();
 ///     pixels
@@ -58,7 +60,8 @@ pub enum Edges {
     /// A pixel has the colour that its middle sees: edges are stairs.
     #[default]
     Sharp,
-    /// A pixel at an edge has the mean colour of four rays spread over it.
+    /// A pixel at an edge has the mean colour of four rays spread over it. Not in pictures that are taken at several
+    /// moments ([`Shutter::Slices`](crate::Shutter::Slices)), nor of a grid of angles: their edges stay sharp.
     Smooth,
 }
 
@@ -78,6 +81,9 @@ const RAY: u32 = 1 << 31;
 /// Bits of a mark that hold the colour; those above, what the pixel shows.
 const COLOUR: u32 = 0x00ff_ffff;
 
+/// Pixels across a tile, and down.
+pub(super) const TILE_WIDTH: usize = Tiling::Square.size()[0];
+pub(super) const TILE_HEIGHT: usize = Tiling::Square.size()[1];
 /// Rows of tiles that are searched and painted at a time.
 const CHUNK: usize = 8;
 /// Tiles of a row that are searched at a time.
@@ -94,11 +100,6 @@ pub(crate) struct Marks<'a> {
 impl<'a> Marks<'a> {
     pub(crate) fn new(marks: &'a mut [u32], width: usize) -> Self {
         Self { marks, width }
-    }
-
-    /// A shader that tells what these marks want to know.
-    pub(crate) fn shader(&self) -> Shader {
-        if self.marks.is_empty() { Shader::new() } else { Shader::telling() }
     }
 
     /// Marks the pixels of a tile, given by its column and its row among these.
@@ -120,7 +121,7 @@ impl<'a> Marks<'a> {
             let green = load_row(simd, &colours[1], row) * exposure;
             let blue = load_row(simd, &colours[2], row) * exposure;
             let seen = u32x16::load_array_ref(simd, &seen.as_chunks().0[row]) << 24;
-            let marks = to_bytes(simd, red, green, blue) | seen | u32x16::splat(simd, RAY);
+            let marks = to_bytes(simd, [red, green, blue]) | seen | u32x16::splat(simd, RAY);
             let rays = simd.from_bitmask_mask32x16(!(missing >> (row * TILE_WIDTH)) & 0xffff);
             let mut sixteen = [NO_RAY; TILE_WIDTH];
             rays.select(marks, u32x16::splat(simd, NO_RAY)).store_array(&mut sixteen);
@@ -140,38 +141,46 @@ impl SplitRows for Marks<'_> {
 
 /// A picture that pixels are painted over in.
 pub(crate) trait Canvas: SplitRows {
-    /// Paints some lanes of a tile, a bit each; the colours of the others mean nothing. `row` is the tile's row in this
-    /// part of the picture.
-    fn paint<S: Simd>(&mut self, simd: S, tile: [usize; 2], row: usize, lanes: u64, colours: &mut Colours);
+    /// Paints some lanes of a tile, a bit each; the colours of the others mean nothing. `place` is the tile's
+    /// column, and its row in this part of the picture.
+    fn paint<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &TileView<'_>,
+        place: [usize; 2],
+        lanes: u64,
+        colours: &mut Colours,
+    );
 }
 
 /// Smooths the edges of a picture that is otherwise complete.
 pub(crate) struct Smoothing<'a> {
     view: &'a View<'a>,
-    between: Between<'a>,
+    rays: Rays<'a>,
+    camera_rays: CameraRays<'a>,
     sight: Sight,
-    /// From the sensor's axes to the world's.
-    axes: DMat3,
-    /// From pixel to pixel: rays look into textures as widely as those of whole pixels, so that a surface does not look
-    /// sharper along its edge.
-    steps: Steps,
     marks: &'a [u32],
     /// Of the picture.
     size: [usize; 2],
 }
 
 impl<'a> Smoothing<'a> {
+    /// None, if there are no marks.
     pub(crate) fn new(
-        view: &'a View<'a>,
+        frame: &'a Frame<'a>,
         optics: &Optics<'a>,
         sight: Sight,
-        world_from_sensor: &Pose,
         marks: &'a [u32],
-    ) -> Self {
-        let (between, axes) = (Between::new(optics), world_from_sensor.rotation_matrix());
-        let steps =
-            between.pinhole().map(|lens| [axes.y_axis * (-1.0 / lens.fx), axes.z_axis * (-1.0 / lens.fy)]);
-        Self { view, between, sight, axes, steps, marks, size: optics.size() }
+    ) -> Option<Self> {
+        let view = frame.view()?;
+        let rays = match optics {
+            _ if marks.is_empty() => return None,
+            Optics::Pinhole(grid) => Rays::Pinhole(PinholeFan::new(grid, *frame.fan())),
+            Optics::Table(table) => Rays::Table(TableFan::new(table)),
+            Optics::Spherical(_) => return None,
+        };
+        let camera_rays = CameraRays::new(&rays, &view.world_from_sensor);
+        Some(Self { view, rays, camera_rays, sight, marks, size: optics.size() })
     }
 
     /// Paints all edges.
@@ -215,7 +224,7 @@ impl<'a> Smoothing<'a> {
                             sampled = waiting;
                         }
                         if waiting == QUEUE {
-                            put_down(simd, &pixels, rows.start, canvas);
+                            self.put_down(simd, &mut bench.tile, &pixels, rows.start, canvas);
                             (waiting, sampled) = (0, 0);
                         }
                     }
@@ -225,7 +234,7 @@ impl<'a> Smoothing<'a> {
         if sampled < waiting {
             self.sample(simd, &mut bench, &mut pixels[sampled..waiting]);
         }
-        put_down(simd, &pixels[..waiting], rows.start, canvas);
+        self.put_down(simd, &mut bench.tile, &pixels[..waiting], rows.start, canvas);
     }
 
     /// The pixels of some tiles of a row at which there is an edge, a bit each.
@@ -274,7 +283,7 @@ impl<'a> Smoothing<'a> {
         self.aim(pixels, packet, tile);
         first_hits(simd, self.view, packet, local, self.sight.faces);
         tile.take_first_hits(simd, packet, resolver);
-        shader.shade(simd, self.view, tile, &self.steps, colours);
+        shader.shade(simd, self.view, tile, &self.camera_rays.steps, colours);
         for channel in 0..3 {
             let samples = colours[channel].as_chunks::<SAMPLES>().0;
             for (pixel, [a, b, c, d]) in pixels.iter_mut().zip(samples) {
@@ -286,12 +295,13 @@ impl<'a> Smoothing<'a> {
     /// The rays of a pixel lie in lanes side by side: so a row of lanes sees few surfaces.
     #[inline(always)]
     fn aim(&self, pixels: &[Pixel], packet: &mut Packet, tile: &mut Tile) {
+        let axes = self.view.world_from_sensor.rotation_matrix();
         let [near, far] = self.sight.range;
         packet.t_min = near;
         packet.hit = [MISS; LANES];
         packet.t = [f64::NEG_INFINITY; LANES];
         let mut put = |lane: usize, direction: DVec3| {
-            let direction = self.axes * direction;
+            let direction = axes * direction;
             for axis in 0..3 {
                 packet.direction[axis][lane] = direction[axis];
             }
@@ -300,7 +310,8 @@ impl<'a> Smoothing<'a> {
         for (place, pixel) in pixels.iter().enumerate() {
             let column = pixel.tile[0] * TILE_WIDTH + pixel.lane % TILE_WIDTH;
             let row = pixel.tile[1] * TILE_HEIGHT + pixel.lane / TILE_WIDTH;
-            if let Some(lens) = self.between.pinhole() {
+            if let Rays::Pinhole(pinhole) = &self.rays {
+                let lens = pinhole.intrinsics();
                 for (sample, [right, down]) in OFFSETS.iter().enumerate() {
                     let left = (lens.cx - (column as f64 + right)) / lens.fx;
                     let up = (lens.cy - (row as f64 + down)) / lens.fy;
@@ -308,8 +319,8 @@ impl<'a> Smoothing<'a> {
                 }
                 continue;
             }
-            let neighbours = self.between.neighbours(column as i32, row as i32);
-            let steps = neighbours.steps().map(|step| self.axes * step);
+            let neighbours = self.rays.neighbours(column as i32, row as i32);
+            let steps = neighbours.steps().map(|step| axes * step);
             for (sample, [right, down]) in OFFSETS.iter().enumerate() {
                 let lane = place * SAMPLES + sample;
                 put(lane, neighbours.direction(*right, *down));
@@ -319,6 +330,37 @@ impl<'a> Smoothing<'a> {
                     }
                 }
             }
+        }
+    }
+
+    /// Paints pixels, of neighbouring tiles one after the other, into the part of a picture that begins at a row of
+    /// tiles.
+    #[inline(always)]
+    fn put_down<S: Simd>(
+        &self,
+        simd: S,
+        tile: &mut Tile,
+        pixels: &[Pixel],
+        first_row: usize,
+        canvas: &mut impl Canvas,
+    ) {
+        let mut colours = [[0.0; LANES]; 3];
+        for pixels in pixels.chunk_by(|a, b| a.tile == b.tile) {
+            let ([column, row], mut lanes) = (pixels[0].tile, 0);
+            for pixel in pixels {
+                lanes |= 1 << pixel.lane;
+                for channel in 0..3 {
+                    colours[channel][pixel.lane] = pixel.colour[channel];
+                }
+            }
+            tile.take_directions(simd, &self.camera_rays, [column, row]);
+            let view = TileView {
+                directions: &tile.direction,
+                forward: self.camera_rays.forward(),
+                lines: Tiling::Square.lines([column, row]),
+                samples: Tiling::Square.samples(self.size[0], [column, row]),
+            };
+            canvas.paint(simd, &view, [column, row - first_row], lanes, &mut colours);
         }
     }
 }
@@ -333,22 +375,6 @@ fn beyond<S: Simd>(simd: S, own: u32x16<S>, other: u32x16<S>) -> u32x16<S> {
     let (own, other): (u8x64<S>, u8x64<S>) = (own.bitcast(), other.bitcast());
     let difference = simd.saturating_sub_u8x64(own, other) | simd.saturating_sub_u8x64(other, own);
     simd.saturating_sub_u8x64(difference, passed).bitcast()
-}
-
-/// Paints pixels, of neighbouring tiles one after the other, into the part of a picture that begins at a row of tiles.
-#[inline(always)]
-fn put_down<S: Simd>(simd: S, pixels: &[Pixel], first_row: usize, canvas: &mut impl Canvas) {
-    let mut colours = [[0.0; LANES]; 3];
-    for pixels in pixels.chunk_by(|a, b| a.tile == b.tile) {
-        let (tile, mut lanes) = (pixels[0].tile, 0);
-        for pixel in pixels {
-            lanes |= 1 << pixel.lane;
-            for channel in 0..3 {
-                colours[channel][pixel.lane] = pixel.colour[channel];
-            }
-        }
-        canvas.paint(simd, tile, tile[1] - first_row, lanes, &mut colours);
-    }
 }
 
 /// A pixel at an edge.

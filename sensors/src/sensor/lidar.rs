@@ -1,21 +1,24 @@
 //! Lidars with fixed beams: ranges and intensities, with Gazebo's range noise.
 
-use crate::execution::SplitRows;
+use super::Sensor;
+use crate::execution::{SplitRows, split_at};
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::optics::Optics;
 use crate::optics::{MAX_GRID_SIZE, SphericalGrid};
+use crate::scene::tree::WIDTH;
 use crate::scene::{Scene, visibility};
 use crate::simd::LANES;
 pub use crate::trace::TooNear;
-use crate::trace::Workspace;
-use crate::trace::grid::{Band, BandWork, Sight, trace_grid};
+use crate::trace::error::check_output;
+use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::image::NO_HIT;
 use crate::trace::measure::Measure;
 use crate::trace::packet::Faces;
 use crate::trace::place::for_each_block;
 use crate::trace::resolve::Resolver;
-use crate::trace::view::View;
+use crate::trace::truth::check_truth;
+use crate::trace::{SenseError, Truth, Workspace};
 use fearless_simd::Simd;
 
 /// Most beams of a lidar.
@@ -62,7 +65,15 @@ impl Beams {
 }
 
 /// What a lidar is like.
+///
+/// ```
+/// use belvedere_sensors::lidar::{Beams, LidarConfig};
+/// let line = Beams { samples: 360, min_angle_rad: -3.1, max_angle_rad: 3.1 };
+/// let config = LidarConfig::new(line).range_min_m(0.12).range_max_m(3.5);
+/// assert_eq!((config.vertical.samples, config.range_max_m), (1, 3.5));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct LidarConfig {
     /// Beams of a scan line; angle 0 is +x, counter-clockwise about +z.
     pub horizontal: Beams,
@@ -80,6 +91,41 @@ pub struct LidarConfig {
     pub seed: u64,
     /// Number of the sensor in the simulation.
     pub sensor: u32,
+}
+
+impl LidarConfig {
+    /// One scan line, seen from 0 to 30 m, without noise, of seed and number 0.
+    pub const fn new(horizontal: Beams) -> Self {
+        Self {
+            horizontal,
+            vertical: Beams::ONE,
+            range_min_m: 0.0,
+            range_max_m: 30.0,
+            too_near: TooNear::Blocks,
+            noise: GaussianNoise::NONE,
+            seed: 0,
+            sensor: 0,
+        }
+    }
+
+    setters! {
+        /// Sets the beams of a scan line.
+        horizontal: Beams,
+        /// Sets the scan lines.
+        vertical: Beams,
+        /// Sets the smallest range, in metres.
+        range_min_m: f64,
+        /// Sets the largest range, in metres.
+        range_max_m: f64,
+        /// Sets what happens nearer than the smallest range.
+        too_near: TooNear,
+        /// Sets the noise of a range, in metres.
+        noise: GaussianNoise,
+        /// Sets the seed of the simulation.
+        seed: u64,
+        /// Sets the number of the sensor in the simulation.
+        sensor: u32,
+    }
 }
 
 /// Why a lidar cannot be made.
@@ -137,58 +183,16 @@ impl Lidar {
         self.config.horizontal.samples as usize * self.config.vertical.samples as usize
     }
 
-    /// Takes a scan: lines from the lowest angle up, beams from the first angle on. A range is metres along the
-    /// beam, +∞ where nothing is in range (REP-117). `intensities` may be empty when nobody wants them; they are
-    /// 0 where there is no range.
-    ///
-    /// # Panics
-    /// When `ranges` is not [`Lidar::beams`] long, or `intensities` neither that nor empty, the workspace does not fit
-    /// the scene, or the moment does not have one pose for each instance.
-    pub fn sense(
-        &self,
-        scene: &Scene<'_>,
-        capture: &Capture<'_>,
-        workspace: &mut Workspace<'_>,
-        ranges: &mut [f32],
-        intensities: &mut [f32],
-    ) {
-        assert_eq!(ranges.len(), self.beams(), "the buffer must hold exactly one scan");
-        assert!(
-            intensities.is_empty() || intensities.len() == ranges.len(),
-            "one intensity per range, or none"
-        );
-        let execution = workspace.execution;
-        let grid = self.grid();
-        let mut memory = workspace.cut(scene, self.rays());
-        let instances = scene.instances().len();
-        let view = View::new(scene, &capture.moment, visibility::COLLISION, memory.view(instances));
-        let nearest = match self.config.too_near {
-            TooNear::Blocks => 0.0,
-            TooNear::SeenThrough => self.config.range_min_m,
-        };
-        let sight = Sight { faces: Faces::Both, range: [nearest, self.config.range_max_m] };
-        let samples = self.config.horizontal.samples as usize;
-        let rows_in_block = 1 << Optics::Spherical(grid).fan().shift_y;
-        let lines = Lines { ranges, intensities, samples, rows_in_block };
-        let scanner = Scanner { lidar: self, capture };
-        trace_grid(&view, &Optics::Spherical(grid), &sight, execution, &mut memory, lines, &scanner);
-    }
-
-    /// Rays that a [`Workspace`] must have room for.
-    pub fn rays(&self) -> usize {
-        Optics::Spherical(self.grid()).rays()
-    }
-
-    fn grid(&self) -> SphericalGrid {
+    fn optics(&self) -> Optics<'static> {
         let (horizontal, vertical) = (&self.config.horizontal, &self.config.vertical);
-        SphericalGrid {
+        Optics::Spherical(SphericalGrid {
             columns: horizontal.samples,
             rows: vertical.samples,
             first_azimuth_rad: horizontal.min_angle_rad,
             azimuth_step_rad: horizontal.increment(),
             first_elevation_rad: vertical.min_angle_rad,
             elevation_step_rad: vertical.increment(),
-        }
+        })
     }
 
     /// Turns true ranges of up to 64 beams into measured ones. Noise is counted by 64 beams along each line.
@@ -221,47 +225,118 @@ impl Lidar {
     }
 }
 
+/// Where the parts of a scan go: lines from the first angle on, beams of each from the first on.
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct Scan<'a> {
+    /// Metres along the beam, one each; +∞ where nothing is in range, −∞ where something is too near (REP-117).
+    pub ranges: Option<&'a mut [f32]>,
+    /// What the surface is said to send back, one each; 0 where there is no range.
+    pub intensities: Option<&'a mut [f32]>,
+    /// What is true of each beam.
+    pub truth: Option<Truth<'a>>,
+}
+
+impl<'a> Scan<'a> {
+    outputs! {
+        /// Sets where ranges go.
+        ranges: &'a mut [f32],
+        /// Sets where intensities go.
+        intensities: &'a mut [f32],
+        /// Sets where truth goes.
+        truth: Truth<'a>,
+    }
+}
+
+impl Sensor for Lidar {
+    type Output<'a> = Scan<'a>;
+
+    fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
+        Frame::workspace_len(scene, &self.optics(), &capture.shutter)
+    }
+
+    fn sense(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture<'_>,
+        workspace: &mut Workspace<'_>,
+        output: Scan<'_>,
+    ) -> Result<(), SenseError> {
+        let Scan { ranges, intensities, truth } = output;
+        check_output("ranges", ranges.as_ref().map(|ranges| ranges.len()), self.beams())?;
+        check_output("intensities", intensities.as_ref().map(|values| values.len()), self.beams())?;
+        check_truth(truth.as_ref(), scene, &self.optics(), capture)?;
+        let execution = workspace.execution;
+        let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
+        let (optics, shutter) = (self.optics(), &capture.shutter);
+        let frame = Frame::new(scene, &optics, shutter, visibility::COLLISION, execution, &mut memory)?;
+        let nearest = match self.config.too_near {
+            TooNear::Blocks => 0.0,
+            TooNear::SeenThrough => self.config.range_min_m,
+        };
+        let range = [nearest, self.config.range_max_m];
+        let sight = Sight { faces: Faces::Both, range, within: f64::INFINITY };
+        let samples = self.config.horizontal.samples as usize;
+        let lines = Lines { ranges, intensities, truth, samples, rows_in_block: 1 << frame.fan().shift_y };
+        frame.trace(&sight, &mut memory, lines, &Scanner { lidar: self, capture, sight });
+        Ok(())
+    }
+}
+
 /// Measures the beams of a scan.
 struct Scanner<'a> {
     lidar: &'a Lidar,
     capture: &'a Capture<'a>,
+    sight: Sight,
 }
 
 impl BandWork<Lines<'_>> for Scanner<'_> {
     #[inline(always)]
-    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, lines: Lines<'_>) {
-        let Lines { ranges, intensities, samples, .. } = lines;
-        let measure = Measure::new(&self.capture.moment.world_from_sensor);
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Lines<'_>) {
+        if let Some(truth) = &mut output.truth {
+            truth.write(simd, band, &self.sight, self.capture);
+        }
+        let measure = Measure::new(&band.view.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
+        let Lines { ranges, intensities, samples, .. } = output;
+        let config = &self.lidar.config;
+        let (min, max) = (config.range_min_m as f32, config.range_max_m as f32);
         for_each_block(
             band,
             #[inline(always)]
             |place, block| {
-                place.write(&measure.block::<S, false>(simd, band, &mut resolver, block), ranges);
-                if !intensities.is_empty() {
-                    let retro = band.target.slot[place.block]
-                        .map(|slot| if slot == NO_HIT { 0.0 } else { resolver.laser_retro(slot) });
+                let truth = measure.block::<S, false>(simd, band, &mut resolver, block);
+                if let Some(ranges) = ranges.as_deref_mut() {
+                    place.write(&truth, ranges);
+                }
+                if let Some(intensities) = intensities.as_deref_mut() {
+                    let mut retro = [0.0; WIDTH];
+                    for (lane, &slot) in band.target.slot[place.block].iter().enumerate() {
+                        if slot != NO_HIT && min < truth[lane] && truth[lane] < max {
+                            retro[lane] = resolver.laser_retro(slot);
+                        }
+                    }
                     place.write(&retro, intensities);
                 }
             },
         );
+        let Some(ranges) = ranges else { return };
         let blocks = samples.div_ceil(LANES);
-        for (line, ranges) in ranges.chunks_mut(samples).enumerate() {
-            let first = (band.rows[0] as usize + line) * blocks;
+        let [first, last] = band.rows.map(|row| row as usize);
+        let ranges = &mut ranges[(first - band.first_row as usize) * *samples..];
+        for (line, ranges) in (first..=last).zip(ranges.chunks_mut(*samples)) {
             for (block, ranges) in ranges.chunks_mut(LANES).enumerate() {
-                self.lidar.measure(self.capture.frame, (first + block) as u32, ranges);
+                self.lidar.measure(self.capture.frame, (line * blocks + block) as u32, ranges);
             }
-        }
-        for (intensity, range) in intensities.iter_mut().zip(ranges.iter()) {
-            *intensity = if range.is_finite() { *intensity } else { 0.0 };
         }
     }
 }
 
 /// Scan lines, cut between two rows of blocks.
 struct Lines<'a> {
-    ranges: &'a mut [f32],
-    intensities: &'a mut [f32],
+    ranges: Option<&'a mut [f32]>,
+    intensities: Option<&'a mut [f32]>,
+    truth: Option<Truth<'a>>,
     samples: usize,
     rows_in_block: usize,
 }
@@ -270,11 +345,18 @@ impl SplitRows for Lines<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let Self { samples, rows_in_block, .. } = self;
         let at = rows * rows_in_block * samples;
-        let (ranges, ranges_rest) = self.ranges.split_at_mut(at);
-        let (intensities, intensities_rest) = self.intensities.split_at_mut(at.min(self.intensities.len()));
+        let (ranges, ranges_rest) = split_at(self.ranges, at);
+        let (intensities, intensities_rest) = split_at(self.intensities, at);
+        let (truth, truth_rest) = self.truth.map(|truth| truth.split_at(at)).unzip();
         (
-            Self { ranges, intensities, samples, rows_in_block },
-            Self { ranges: ranges_rest, intensities: intensities_rest, samples, rows_in_block },
+            Self { ranges, intensities, truth, samples, rows_in_block },
+            Self {
+                ranges: ranges_rest,
+                intensities: intensities_rest,
+                truth: truth_rest,
+                samples,
+                rows_in_block,
+            },
         )
     }
 }

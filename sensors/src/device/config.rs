@@ -1,0 +1,233 @@
+//! What a device is like: its data sheet.
+
+use super::Vignetting;
+
+/// Planck's constant times the speed of light, in J·m.
+const PLANCK_LIGHT: f64 = 6.626_070_15e-34 * 299_792_458.0;
+
+/// How long light is collected, and how much what was collected is amplified.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exposure {
+    /// Time of exposure in seconds, 0 … 3600.
+    pub time_s: f64,
+    /// Factor of the analogue gain, 1 as the data sheet's figures are.
+    pub gain: f64,
+}
+
+/// A camera's lens, sensor and converter in the terms of EMVA 1288 (release 4.0 linear).
+///
+/// Colours are light here: 1 is the radiance `white_radiance_w_m2_sr`, and the light of each colour channel is taken
+/// to be of one wavelength. A pixel of the area A behind a lens of f-number N then meets
+/// π·L·A·t/(1 + 4N²) · λ/(hc) photons in a time t.
+///
+/// ```
+/// use belvedere_sensors::device::{DeviceConfig, Exposure};
+/// let device = DeviceConfig::default().exposure(Exposure { time_s: 0.01, gain: 1.0 }).quantum_efficiency([0.5; 3]);
+/// // White paper at 500 lx through f/2.8 onto 5 µm.
+/// assert_eq!(device.photons_per_second().round(), 1_575_763.0);
+/// assert_eq!(device.electrons_of_white()[1].round(), 7879.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct DeviceConfig {
+    /// Time and gain; automatic exposure changes them from frame to frame
+    /// ([`Camera::set_device_exposure`](crate::camera::Camera::set_device_exposure)).
+    pub exposure: Exposure,
+    /// Radiance of a colour of 1, in W/(m²·sr): 0.233 is white paper in an office, at 500 lx of 555 nm.
+    pub white_radiance_w_m2_sr: f64,
+    /// Wavelength of the light in nanometres.
+    pub wavelength_nm: f64,
+    /// Focal length over the diameter of the aperture.
+    pub f_number: f64,
+    /// How the lens darkens towards the edge.
+    pub vignetting: Vignetting,
+    /// Side of a pixel in micrometres.
+    pub pixel_pitch_um: f64,
+    /// Electrons per photon in red, green and blue, with the colour filter.
+    pub quantum_efficiency: [f64; 3],
+    /// Most electrons that a pixel holds.
+    pub full_well_e: f64,
+    /// Mean dark current in electrons a second.
+    pub dark_current_e_per_s: f64,
+    /// Standard deviation of a reading before the gain, in electrons.
+    pub read_noise_e: f64,
+    /// Standard deviation of a reading behind the gain, in DN: its share in electrons falls as the gain rises.
+    pub converter_noise_dn: f64,
+    /// Standard deviation of the pixels' dark signal, in electrons (DSNU₁₂₈₈).
+    pub dsnu_e: f64,
+    /// Standard deviation of the pixels' response as a share of it (PRNU₁₂₈₈): 0.01 is 1 %.
+    pub prnu: f64,
+    /// Overall system gain K at a gain of 1, in DN per electron.
+    pub dn_per_electron: f64,
+    /// What the converter tells without light, in DN.
+    pub black_level_dn: f64,
+    /// Bits of the converter, 8 … 16.
+    pub bits: u32,
+    /// What becomes of DN.
+    pub tone: Tone,
+}
+
+/// What becomes of the converter's numbers in the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Tone {
+    /// They are the picture, with the black level in it. In formats of 8 bits the highest is 255.
+    Raw,
+    /// The black level is taken away, each colour multiplied by its factor of the white balance, and the rest put on
+    /// the curve of sRGB, as cameras with a processor do; full scale as in `Raw`. Mosaics and brightnesses take green's
+    /// factor.
+    Srgb {
+        /// Factors of red, green and blue, more than 0.
+        white_balance: [f64; 3],
+    },
+}
+
+/// Why a device cannot be made: a parameter is out of its range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct DeviceError {
+    /// The parameter, as its field is called.
+    pub parameter: &'static str,
+    /// What it was.
+    pub value: f64,
+    /// Least and most that it may be.
+    pub range: [f64; 2],
+}
+
+impl core::fmt::Display for DeviceError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { parameter, value, range: [least, most] } = self;
+        write!(f, "a device's {parameter} of {value}: it must be from {least} to {most}")
+    }
+}
+
+impl core::error::Error for DeviceError {}
+
+impl Default for DeviceConfig {
+    /// A sensor without noise but that of light: 5 µm, f/2.8, a quantum efficiency of 0.5, a full well of 16,000
+    /// electrons on 12 bits, 10 ms of exposure.
+    fn default() -> Self {
+        Self {
+            exposure: Exposure { time_s: 0.01, gain: 1.0 },
+            white_radiance_w_m2_sr: 0.233,
+            wavelength_nm: 555.0,
+            f_number: 2.8,
+            vignetting: Vignetting::NONE,
+            pixel_pitch_um: 5.0,
+            quantum_efficiency: [0.5; 3],
+            full_well_e: 16_000.0,
+            dark_current_e_per_s: 0.0,
+            read_noise_e: 0.0,
+            converter_noise_dn: 0.0,
+            dsnu_e: 0.0,
+            prnu: 0.0,
+            dn_per_electron: 0.25,
+            black_level_dn: 0.0,
+            bits: 12,
+            tone: Tone::Raw,
+        }
+    }
+}
+
+impl DeviceConfig {
+    setters! {
+        /// Sets time of exposure and gain.
+        exposure: Exposure,
+        /// Sets the radiance of a colour of 1, in W/(m²·sr).
+        white_radiance_w_m2_sr: f64,
+        /// Sets the wavelength in nanometres.
+        wavelength_nm: f64,
+        /// Sets the f-number.
+        f_number: f64,
+        /// Sets how the lens darkens towards the edge.
+        vignetting: Vignetting,
+        /// Sets the side of a pixel in micrometres.
+        pixel_pitch_um: f64,
+        /// Sets electrons per photon in red, green and blue.
+        quantum_efficiency: [f64; 3],
+        /// Sets the most electrons that a pixel holds.
+        full_well_e: f64,
+        /// Sets the dark current in electrons a second.
+        dark_current_e_per_s: f64,
+        /// Sets the noise of a reading before the gain, in electrons.
+        read_noise_e: f64,
+        /// Sets the noise of a reading behind the gain, in DN.
+        converter_noise_dn: f64,
+        /// Sets the spread of the dark signal in electrons.
+        dsnu_e: f64,
+        /// Sets the spread of the response as a share of it.
+        prnu: f64,
+        /// Sets K at a gain of 1, in DN per electron.
+        dn_per_electron: f64,
+        /// Sets the black level in DN.
+        black_level_dn: f64,
+        /// Sets the bits of the converter.
+        bits: u32,
+        /// Sets what becomes of DN.
+        tone: Tone,
+    }
+
+    /// Photons that meet a pixel on the axis in a second where the colour is 1.
+    #[must_use]
+    pub fn photons_per_second(&self) -> f64 {
+        let area = self.pixel_pitch_um * self.pixel_pitch_um * 1e-12;
+        let irradiance =
+            core::f64::consts::PI * self.white_radiance_w_m2_sr / (1.0 + 4.0 * self.f_number * self.f_number);
+        irradiance * area * (self.wavelength_nm * 1e-9) / PLANCK_LIGHT
+    }
+
+    /// Electrons that a colour of 1 makes on average in the time of exposure, on the axis, in red, green and blue.
+    #[must_use]
+    pub fn electrons_of_white(&self) -> [f64; 3] {
+        self.quantum_efficiency
+            .map(|efficiency| efficiency * self.photons_per_second() * self.exposure.time_s)
+    }
+
+    /// The largest number of the converter.
+    #[must_use]
+    pub const fn top_dn(&self) -> u32 {
+        if self.bits < 32 { (1 << self.bits) - 1 } else { u32::MAX }
+    }
+
+    /// Whether a camera can have it.
+    ///
+    /// # Errors
+    /// Names the first parameter that is out of its range.
+    pub fn check(&self) -> Result<(), DeviceError> {
+        let check = |parameter, value: f64, range: [f64; 2]| {
+            if value >= range[0] && value <= range[1] {
+                Ok(())
+            } else {
+                Err(DeviceError { parameter, value, range })
+            }
+        };
+        check("exposure.time_s", self.exposure.time_s, [0.0, 3600.0])?;
+        check("exposure.gain", self.exposure.gain, [1e-3, 1e6])?;
+        check("white_radiance_w_m2_sr", self.white_radiance_w_m2_sr, [0.0, 1e9])?;
+        check("wavelength_nm", self.wavelength_nm, [100.0, 20_000.0])?;
+        check("f_number", self.f_number, [0.1, 1000.0])?;
+        for term in self.vignetting.polynomial {
+            check("vignetting.polynomial", term, [-1e3, 1e3])?;
+        }
+        check("pixel_pitch_um", self.pixel_pitch_um, [0.1, 1000.0])?;
+        for efficiency in self.quantum_efficiency {
+            check("quantum_efficiency", efficiency, [0.0, 1.0])?;
+        }
+        check("bits", f64::from(self.bits), [8.0, 16.0])?;
+        let top = f64::from(self.top_dn());
+        // f32 tells single electrons apart up to 2²², which is where the rounding of counts ends.
+        check("full_well_e", self.full_well_e, [1.0, 4_194_304.0])?;
+        check("dark_current_e_per_s", self.dark_current_e_per_s, [0.0, 1e9])?;
+        check("read_noise_e", self.read_noise_e, [0.0, 1e6])?;
+        check("converter_noise_dn", self.converter_noise_dn, [0.0, top])?;
+        check("dsnu_e", self.dsnu_e, [0.0, 1e6])?;
+        check("prnu", self.prnu, [0.0, 1.0])?;
+        check("dn_per_electron", self.dn_per_electron, [1e-6, 1e6])?;
+        check("black_level_dn", self.black_level_dn, [0.0, top - 1.0])?;
+        if let Tone::Srgb { white_balance } = self.tone {
+            for factor in white_balance {
+                check("white_balance", factor, [1e-3, 1e3])?;
+            }
+        }
+        Ok(())
+    }
+}

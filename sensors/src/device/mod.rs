@@ -1,0 +1,184 @@
+//! The device behind the lens: what a sensor and its electronics make of the light that reaches it.
+//!
+//! ```text
+//! colour, linear ─► vignetting ─► photons ─► electrons ─► full well ─► DN ─► picture
+//!                     lens         time        shot noise              K, black   as it is, or
+//!                                  aperture    dark current            level,     on sRGB's curve
+//!                                  efficiency  PRNU, DSNU, reading     bits
+//! ```
+//!
+//! A [`DeviceConfig`] is a data sheet in the terms of EMVA 1288, and [`presets`] are some. It is set by
+//! [`CameraConfig::device`](crate::camera::CameraConfig::device()); without one a camera shows colours as they are shaded.
+//! Noise comes before the curve of [`srgb`]. Each colour of an rgb8, bgr8 or rgba8 picture is a pixel of its own, as
+//! of a camera with three sensors; a mosaic has one pixel that sees one colour ([`Mosaic`]), and mono8 and mono16 one
+//! that sees the brightness. The fixed patterns of PRNU and DSNU are those of the seed and the number of the sensor, the
+//! same in every frame.
+//!
+//! Numbers of electrons are Poisson's. Below a mean of eight they are sampled exactly; from there on a normal number is
+//! bent into one with their mean, variance and third moment.
+
+mod auto_exposure;
+mod config;
+mod mosaic;
+mod poisson;
+pub mod presets;
+mod signal;
+pub mod srgb;
+mod vignetting;
+
+use crate::noise::Stream;
+use crate::shade::Colours;
+use crate::simd::{LANES, Lanes};
+use crate::trace::tile::BLOCKS;
+pub(crate) use auto_exposure::meter;
+pub use auto_exposure::{AutoExposure, AutoExposureConfig, FrameStatistics, Metering};
+pub use config::{DeviceConfig, DeviceError, Exposure, Tone};
+use fearless_simd::Simd;
+pub use mosaic::Mosaic;
+use signal::Signal;
+pub use vignetting::Vignetting;
+
+/// Shares of red, green and blue in the brightness (ITU-R BT.601).
+pub(crate) const LUMA: [f32; 3] = [0.299, 0.587, 0.114];
+
+/// The pixels of a sensor behind one of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Planes {
+    /// One for each colour.
+    Colours,
+    /// One that sees the brightness.
+    Brightness,
+    /// One that sees one colour.
+    Mosaic(Mosaic),
+}
+
+/// Where a tile is, and where its rays go.
+pub(crate) struct TileView<'a> {
+    pub(crate) directions: &'a [Lanes<f32>; 3],
+    /// The optical axis.
+    pub(crate) forward: [f32; 3],
+    /// Column and row of the pixels that the tile's lines begin with.
+    pub(crate) lines: [[usize; 2]; BLOCKS],
+    /// The numbers of their random samples, sixteen to each.
+    pub(crate) samples: [u32; BLOCKS],
+}
+
+/// A checked device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Device {
+    signal: Signal,
+    vignetting: Vignetting,
+    /// Electrons that a colour of 1 makes in red, green and blue.
+    response: [f32; 3],
+    tone: Tone,
+}
+
+impl Device {
+    pub(crate) fn new(config: &DeviceConfig) -> Result<Self, DeviceError> {
+        config.check()?;
+        let dn_per_electron = config.dn_per_electron * config.exposure.gain;
+        let converter_e = config.converter_noise_dn / dn_per_electron;
+        let read_variance = config.read_noise_e * config.read_noise_e + converter_e * converter_e;
+        let signal = Signal {
+            dark_e: (config.dark_current_e_per_s * config.exposure.time_s) as f32,
+            prnu: config.prnu as f32,
+            dsnu_e: config.dsnu_e as f32,
+            read_e: libm::sqrt(read_variance) as f32,
+            full_well_e: config.full_well_e as f32,
+            dn_per_electron: dn_per_electron as f32,
+            black_level_dn: config.black_level_dn as f32,
+            top_dn: config.top_dn() as f32,
+        };
+        let response = config.electrons_of_white().map(|electrons| electrons as f32);
+        Ok(Self { signal, vignetting: config.vignetting, response, tone: config.tone })
+    }
+
+    /// The largest value of a 16-bit format.
+    pub(crate) fn full_scale(&self) -> f32 {
+        self.signal.top_dn
+    }
+
+    /// Turns the linear colours of a tile of a picture into values in [0, 1] of the converter's full scale.
+    /// `stream` names seed, sensor and frame.
+    ///
+    /// Mosaics and brightnesses have one value a pixel, which all three channels then are.
+    pub(crate) fn expose<S: Simd>(
+        &self,
+        simd: S,
+        planes: Planes,
+        stream: &Stream,
+        view: &TileView<'_>,
+        colours: &mut Colours,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                // Step 1: electrons that light makes on average.
+                if self.vignetting != Vignetting::NONE {
+                    let shares = self.vignetting.of_rays(view.directions, view.forward);
+                    for channel in &mut *colours {
+                        for lane in 0..LANES {
+                            channel[lane] *= shares[lane];
+                        }
+                    }
+                }
+                for channel in 0..3 {
+                    for lane in 0..LANES {
+                        let light = colours[channel][lane];
+                        colours[channel][lane] =
+                            if light > 0.0 { light } else { 0.0 } * self.response[channel];
+                    }
+                }
+
+                // Step 2: the pixels that there are.
+                let single = match planes {
+                    Planes::Colours => None,
+                    Planes::Brightness => {
+                        let [red, green, blue] = &*colours;
+                        let mut sum = [0.0; LANES];
+                        for lane in 0..LANES {
+                            sum[lane] = red[lane] * LUMA[0] + green[lane] * LUMA[1] + blue[lane] * LUMA[2];
+                        }
+                        Some(sum)
+                    }
+                    Planes::Mosaic(mosaic) => Some(mosaic.pick(colours, &view.lines)),
+                };
+                let planes = if single.is_some() { 1 } else { 3 };
+                if let Some(single) = single {
+                    colours[0] = single;
+                }
+
+                // Step 3: what is read of them.
+                for (plane, values) in colours.iter_mut().enumerate().take(planes) {
+                    let of_plane = |channel: u16| Stream { channel: channel + plane as u16, ..*stream };
+                    self.signal.read(simd, values, of_plane, view.samples);
+                    self.develop(values, if planes == 1 { 1 } else { plane });
+                }
+                if planes == 1 {
+                    let value = colours[0];
+                    colours[1..].fill(value);
+                }
+            },
+        );
+    }
+
+    /// From DN to shares of full scale.
+    #[inline(always)]
+    fn develop(&self, values: &mut Lanes<f32>, channel: usize) {
+        let Signal { top_dn, black_level_dn, .. } = self.signal;
+        match self.tone {
+            Tone::Raw => {
+                let scale = 1.0 / top_dn;
+                for value in values {
+                    *value *= scale;
+                }
+            }
+            Tone::Srgb { white_balance } => {
+                let scale = white_balance[channel] as f32 / (top_dn - black_level_dn);
+                for value in values {
+                    *value = srgb::encode((*value - black_level_dn) * scale);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Devices whose figures are published. What no sheet tells is marked as assumed where it is set.
+
+mod machine_vision;
+mod raspberry_pi;
+mod webcam;
+
+use super::DeviceConfig;
+pub use machine_vision::machine_vision;
+pub use raspberry_pi::raspberry_pi_hq;
+pub use webcam::webcam;
+
+/// Names of the presets, as files ask for them.
+pub const NAMES: [&str; 3] = ["webcam", "machine_vision", "raspberry_pi_hq"];
+
+/// The preset of that name.
+///
+/// ```
+/// use belvedere_sensors::device::presets;
+/// assert!(presets::NAMES.iter().all(|name| presets::named(name).is_some()));
+/// assert_eq!(presets::named("raspberry_pi_hq").map(|device| device.bits), Some(12));
+/// ```
+#[must_use]
+pub fn named(name: &str) -> Option<DeviceConfig> {
+    match name {
+        "webcam" => Some(webcam()),
+        "machine_vision" => Some(machine_vision()),
+        "raspberry_pi_hq" => Some(raspberry_pi_hq()),
+        _ => None,
+    }
+}

@@ -1,0 +1,52 @@
+//! The pixel of a direction, by looking where the rays of others go: for rules that say only which way each goes.
+
+use super::Rays;
+use glam::{DVec2, DVec3};
+
+/// Newton's method takes two or three steps from a neighbour, and some more across a picture.
+const MOST_STEPS: usize = 24;
+/// A step that is shorter, in pixels, is the last.
+const SETTLED: f64 = 1e-6;
+/// So far beyond the middles of the outermost pixels they reach.
+const HALF: f64 = 0.5;
+
+/// Column and row, by Newton's method on the directions of four neighbouring rays, between which directions are linear:
+/// off by no more than the square of the angle between two rays, over eight.
+pub(super) fn pixel(rays: &Rays<'_>, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
+    let fan = rays.fan();
+    let last = DVec2::new(f64::from(fan.width - 1), f64::from(fan.height - 1));
+    let target = point.try_normalize()?;
+    if last.min_element() < 1.0 {
+        return None;
+    }
+    let (right, up) = target.any_orthonormal_pair();
+    let mut at = DVec2::from_array(guess);
+    for _ in 0..MOST_STEPS {
+        at = at.clamp(DVec2::splat(-HALF), last + HALF);
+        let cell = at.floor().clamp(DVec2::ZERO, last - 1.0);
+        let [column, row] = [cell.x as i32, cell.y as i32];
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| (column + x, row + y));
+        if !corners.iter().all(|&(column, row)| rays.has(column, row)) {
+            return None;
+        }
+        let [a, b, c, d] = corners.map(|(column, row)| rays.direction(column, row).normalize());
+        let share = at - cell;
+        let direction = a.lerp(b, share.x).lerp(c.lerp(d, share.x), share.y);
+        let (across, down) = ((b - a).lerp(d - c, share.y), (c - a).lerp(d - b, share.x));
+        // How far it is off, seen along the target, and what a step changes of that.
+        let off = DVec2::new(direction.dot(right), direction.dot(up));
+        let step_x = DVec2::new(across.dot(right), across.dot(up));
+        let step_y = DVec2::new(down.dot(right), down.dot(up));
+        let per_area = 1.0 / step_x.perp_dot(step_y);
+        let step = DVec2::new(step_y.perp_dot(off), off.perp_dot(step_x)) * per_area;
+        if !step.is_finite() {
+            return None;
+        }
+        at += step.clamp_length_max(0.25 * last.max_element());
+        if step.length_squared() < SETTLED * SETTLED {
+            let inside = at.cmpge(DVec2::splat(-HALF)).all() && at.cmple(last + HALF).all();
+            return (inside && direction.dot(target) > 0.0).then_some(at.to_array());
+        }
+    }
+    None
+}

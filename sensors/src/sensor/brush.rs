@@ -1,0 +1,184 @@
+//! How a camera colours the tiles of a traced band: light, its mean over the moments of a shutter, exposure and noise.
+
+use super::camera::Camera;
+use super::edges::{Edges, Marks};
+use super::pixel;
+use crate::device::TileView;
+use crate::execution::{SplitRows, split_at};
+use crate::memory::{Cutter, lines};
+use crate::moment::{Capture, Shutter};
+use crate::optics::rays::Fan;
+use crate::shade::{Colours, Shader};
+use crate::simd::LANES;
+use crate::trace::grid::Band;
+use crate::trace::resolve::Resolver;
+use crate::trace::tile::{CameraRays, Tile, Tiling};
+use fearless_simd::Simd;
+
+/// Rows of colours, cut between rows of tiles.
+pub(super) struct ColourRows<'a> {
+    /// None if nobody wants the picture itself.
+    pixels: Option<&'a mut [u8]>,
+    /// Light of each tile, summed over the moments that see it; empty if none is seen at more than one.
+    sums: &'a mut [Colours],
+    marks: Marks<'a>,
+    /// Bytes of a row of tiles.
+    bytes: usize,
+    /// Tiles across.
+    tiles: usize,
+}
+
+/// Cache lines of [`ColourRows::sums`].
+pub(super) fn sums_len(fan: &Fan, shutter: &Shutter<'_>) -> usize {
+    lines(sums(fan, shutter) * size_of::<Colours>())
+}
+
+/// Tiles whose light is summed: all or none.
+fn sums(fan: &Fan, shutter: &Shutter<'_>) -> usize {
+    if shutter.blurs() { Tiling::of(fan).across(fan.width as usize) * fan.blocks_down() } else { 0 }
+}
+
+impl<'a> ColourRows<'a> {
+    pub(super) fn new<'m>(
+        camera: &Camera<'_>,
+        fan: &Fan,
+        shutter: &Shutter<'_>,
+        (pixels, marks): (Option<&'a mut [u8]>, &'a mut [u32]),
+        memory: &mut Cutter<'m>,
+    ) -> Self
+    where
+        'm: 'a,
+    {
+        let tiling = Tiling::of(fan);
+        Self {
+            pixels,
+            sums: memory.take(sums(fan, shutter)),
+            marks: Marks::new(marks, fan.width as usize),
+            bytes: camera.row_stride() * tiling.size()[1],
+            tiles: tiling.across(fan.width as usize),
+        }
+    }
+}
+
+impl SplitRows for ColourRows<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let Self { bytes, tiles, .. } = self;
+        let (pixels, pixels_below) = split_at(self.pixels, rows * bytes);
+        let (sums, sums_below) = self.sums.split_at_mut((rows * tiles).min(self.sums.len()));
+        let (marks, marks_below) = self.marks.split_rows(rows);
+        (
+            Self { pixels, sums, marks, bytes, tiles },
+            Self { pixels: pixels_below, sums: sums_below, marks: marks_below, bytes, tiles },
+        )
+    }
+}
+
+/// Colours the tiles of one band.
+pub(super) struct Brush<'a> {
+    camera: &'a Camera<'a>,
+    capture: &'a Capture<'a>,
+    rays: CameraRays<'a>,
+    resolver: Resolver<'a>,
+    seen: Tile,
+    shader: Shader,
+    /// Of the last tile that was seen: its light, and then its colours.
+    pub(super) colours: Colours,
+    tiling: Tiling,
+    /// Tiles across.
+    pub(super) tiles: usize,
+}
+
+impl<'a> Brush<'a> {
+    #[inline(always)]
+    pub(super) fn new(camera: &'a Camera<'a>, capture: &'a Capture<'a>, band: &Band<'a>) -> Self {
+        let fan = band.rays.fan();
+        let tiling = Tiling::of(fan);
+        Self {
+            camera,
+            capture,
+            rays: CameraRays::new(&band.rays, &band.view.world_from_sensor),
+            resolver: Resolver::new(band.view),
+            seen: Tile::new(),
+            shader: match camera.config().edges {
+                Edges::Sharp => Shader::new(),
+                Edges::Smooth => Shader::telling(),
+            },
+            colours: [[0.0; LANES]; 3],
+            tiling,
+            tiles: tiling.across(fan.width as usize),
+        }
+    }
+
+    /// Works out the light of a tile.
+    #[inline(always)]
+    pub(super) fn see<S: Simd>(&mut self, simd: S, band: &Band<'_>, tile: [usize; 2]) {
+        self.seen.take(simd, band, &mut self.resolver, &self.rays, tile);
+        self.shader.shade(simd, band.view, &self.seen, &self.rays.steps, &mut self.colours);
+    }
+
+    /// Marks what was seen last, if marks are kept.
+    #[inline(always)]
+    pub(super) fn mark<S: Simd>(
+        &self,
+        simd: S,
+        band: &Band<'_>,
+        [column, row]: [usize; 2],
+        output: &mut ColourRows<'_>,
+    ) {
+        let (exposure, place) = (self.camera.config().exposure, [column, band.row_in_output(row)]);
+        output.marks.put(simd, &self.colours, exposure, &self.shader, self.seen.missing, place);
+    }
+
+    /// Makes the light seen last the mean over the moments of the shutter; false if there are some to come.
+    #[inline(always)]
+    pub(super) fn take_mean(
+        &mut self,
+        band: &Band<'_>,
+        [column, row]: [usize; 2],
+        output: &mut ColourRows<'_>,
+    ) -> bool {
+        let line = (row * self.tiling.size()[1]) as i32;
+        let Some(sum) = output.sums.get_mut(band.row_in_output(row) * self.tiles + column) else {
+            return true;
+        };
+        let (is_first, is_last) = (line >= band.fresh_from, line < band.open_from);
+        let moments =
+            if is_last { self.capture.shutter.covering(line as u32..line as u32 + 1).len() } else { 1 };
+        let share = 1.0 / moments as f32;
+        for (colours, sum) in self.colours.iter_mut().zip(sum) {
+            for lane in 0..LANES {
+                let before = if is_first { 0.0 } else { sum[lane] };
+                sum[lane] = before + colours[lane];
+                colours[lane] = sum[lane] * share;
+            }
+        }
+        is_last
+    }
+
+    /// Turns light into what the device makes of it.
+    #[inline(always)]
+    pub(super) fn expose<S: Simd>(&mut self, simd: S, [column, row]: [usize; 2]) {
+        let view = TileView {
+            directions: &self.seen.direction,
+            forward: self.rays.forward(),
+            lines: self.tiling.lines([column, row]),
+            samples: self.tiling.samples(self.rays.width(), [column, row]),
+        };
+        self.camera.expose(simd, self.capture.frame, &view, self.seen.missing, &mut self.colours);
+    }
+
+    /// Writes the colours into the picture, if it is wanted.
+    #[inline(always)]
+    pub(super) fn write<S: Simd>(
+        &self,
+        simd: S,
+        band: &Band<'_>,
+        tile: [usize; 2],
+        output: &mut ColourRows<'_>,
+    ) {
+        let Some(pixels) = output.pixels.as_deref_mut() else { return };
+        let format = (self.camera.config().format, self.camera.full_scale());
+        let rows = &mut pixels[band.row_in_output(tile[1]) * output.bytes..];
+        pixel::write_tile(simd, &self.colours, format, (self.tiling, tile), rows, self.camera.row_stride());
+    }
+}

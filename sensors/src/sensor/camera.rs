@@ -1,0 +1,479 @@
+//! Colour cameras: textured, lit, with shadows and Gazebo's pixel noise.
+
+use super::Sensor;
+use super::brush::{Brush, ColourRows, sums_len};
+pub use super::edges::Edges;
+use super::edges::{Canvas, Smoothing, TILE_HEIGHT};
+use super::pixel;
+pub use super::pixel::{Mosaic, PixelFormat};
+use crate::device::{
+    Device, DeviceConfig, DeviceError, Exposure, FrameStatistics, Metering, TileView, meter,
+};
+use crate::execution::SplitRows;
+use crate::memory::lines;
+use crate::moment::{Capture, Shutter};
+use crate::noise::{GaussianNoise, Stream, normals64_at};
+use crate::optics::{GridError, Optics};
+use crate::scene::{Scene, visibility};
+use crate::shade::Colours;
+use crate::simd::LANES;
+use crate::trace::error::check_output;
+use crate::trace::grid::{Band, BandWork, Frame, Sight};
+use crate::trace::packet::Faces;
+use crate::trace::truth::check_truth;
+use crate::trace::{SenseError, Truth, Workspace};
+use fearless_simd::Simd;
+
+/// Largest width and height of a picture in pixels.
+pub const MAX_IMAGE_SIZE: u32 = 16384;
+
+/// What a camera is like.
+///
+/// ```
+/// use belvedere_sensors::camera::{CameraConfig, PixelFormat};
+/// use belvedere_sensors::optics::PinholeGrid;
+/// let config = CameraConfig::new(PinholeGrid::from_fov(640, 480, 1.2)?).format(PixelFormat::Mono8).far_m(100.0);
+/// assert_eq!((config.near_m, config.far_m), (0.02, 100.0));
+/// # Ok::<(), belvedere_sensors::optics::LensError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct CameraConfig<'a> {
+    /// Which way the ray of each pixel goes; 1 … [`MAX_IMAGE_SIZE`] pixels across and down.
+    pub optics: Optics<'a>,
+    /// Layout of a pixel.
+    pub format: PixelFormat,
+    /// What is nearer is not seen: metres along the optical axis of a pinhole, and along the ray of any other lens,
+    /// more than 0.
+    pub near_m: f64,
+    /// What is farther is not seen, measured as `near_m`, more than it.
+    pub far_m: f64,
+    /// Factor of the light that reaches the sensor, finite, 0 or more: 1 as the scene is lit. Colours are proportional to
+    /// it until they saturate at 1, as the electrons of a sensor are to its time of exposure (the linear model of EMVA
+    /// 1288); shading computes in such proportional colours, without gamma.
+    pub exposure: f32,
+    /// What becomes of edges.
+    pub edges: Edges,
+    /// Noise of a colour value in [0, 1], which exposure leaves as it is; one sample a pixel, the same for R, G and B.
+    pub noise: GaussianNoise,
+    /// Sensor and electronics; without them a picture is the colours as they are shaded. `exposure` is a factor of the
+    /// light that reaches the device, and `noise` is added to what it gives.
+    pub device: Option<DeviceConfig>,
+    /// Seed of the simulation.
+    pub seed: u64,
+    /// Number of the sensor in the simulation.
+    pub sensor: u32,
+}
+
+impl<'a> CameraConfig<'a> {
+    /// An RGB camera that sees from 0.02 to 300 m, without noise, of seed and number 0.
+    pub fn new(optics: impl Into<Optics<'a>>) -> Self {
+        Self {
+            optics: optics.into(),
+            format: PixelFormat::Rgb8,
+            near_m: 0.02,
+            far_m: 300.0,
+            exposure: 1.0,
+            edges: Edges::Sharp,
+            noise: GaussianNoise::NONE,
+            device: None,
+            seed: 0,
+            sensor: 0,
+        }
+    }
+
+    setters! {
+        /// Sets the layout of a pixel.
+        format: PixelFormat,
+        /// Sets the nearest that is seen, in metres.
+        near_m: f64,
+        /// Sets the farthest that is seen, in metres.
+        far_m: f64,
+        /// Sets the exposure.
+        exposure: f32,
+        /// Sets what becomes of edges.
+        edges: Edges,
+        /// Sets the noise of a colour value.
+        noise: GaussianNoise,
+        /// Sets sensor and electronics.
+        device: Option<DeviceConfig>,
+        /// Sets the seed of the simulation.
+        seed: u64,
+        /// Sets the number of the sensor in the simulation.
+        sensor: u32,
+    }
+
+    /// Sets which way the rays go.
+    #[must_use]
+    pub fn optics(mut self, optics: impl Into<Optics<'a>>) -> Self {
+        self.optics = optics.into();
+        self
+    }
+}
+
+/// Why a camera cannot be made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// Width or height is 0 or more than [`MAX_IMAGE_SIZE`].
+    ImageSize {
+        /// Pixels across and down.
+        size: [u32; 2],
+    },
+    /// The grid of rays.
+    Grid(GridError),
+    /// Not 0 < near < far.
+    Clip {
+        /// In metres.
+        near_m: f64,
+        /// In metres.
+        far_m: f64,
+    },
+    /// The valid range of a depth camera is not 0 ≤ min < max.
+    Cutoff {
+        /// In metres.
+        min_m: f64,
+        /// In metres.
+        max_m: f64,
+    },
+    /// The exposure is negative, NaN or infinite.
+    Exposure(f32),
+    /// A parameter of the device is out of its range.
+    Device(DeviceError),
+}
+
+impl core::fmt::Display for CameraError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::ImageSize { size: [width, height] } => {
+                write!(
+                    f,
+                    "a picture of {width} × {height}: width and height must be 1 to {MAX_IMAGE_SIZE} pixels"
+                )
+            }
+            Self::Grid(error) => error.fmt(f),
+            Self::Clip { near_m, far_m } => {
+                write!(f, "clip distances of {near_m} and {far_m} m: they must be 0 < near < far")
+            }
+            Self::Cutoff { min_m, max_m } => {
+                write!(f, "valid depths from {min_m} to {max_m} m: they must be 0 <= min < max")
+            }
+            Self::Exposure(exposure) => {
+                write!(f, "an exposure of {exposure}: it must be a finite number, 0 or more")
+            }
+            Self::Device(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for CameraError {}
+
+/// A checked colour camera. It looks along +x of its frame, its picture's right is −y and down is −z.
+///
+/// ```
+/// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
+/// let mut builder = SceneBuilder::new();
+/// let red = builder.add_material(&MaterialConfig { emissive: [1.0, 0.0, 0.0], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
+/// builder.add_instance(&InstanceConfig {
+///     shape: Shape::Sphere { radius: 0.5 },
+///     world_from_instance: Pose::from_translation(glam::DVec3::X * 2.0),
+///     material: red,
+///     ..Default::default()
+/// })?;
+/// let camera = Camera::new(CameraConfig::new(PinholeGrid::from_fov(64, 48, 1.0)?))?;
+/// let mut pixels = vec![0; camera.frame_len()];
+/// let mut workspace = WorkspaceBuf::default();
+/// let capture = Capture::new(0, builder.moment(Pose::IDENTITY));
+/// let scene = builder.scene();
+/// let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
+/// camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels))?;
+/// let middle = 24 * camera.row_stride() + 32 * 3;
+/// assert_eq!(pixels[middle..middle + 3], [255, 0, 0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Camera<'a> {
+    config: CameraConfig<'a>,
+    bias: f32,
+    device: Option<Device>,
+}
+
+impl<'a> Camera<'a> {
+    /// Checks the configuration.
+    ///
+    /// # Errors
+    /// A [`CameraError`] that names the value out of range.
+    pub fn new(config: CameraConfig<'a>) -> Result<Self, CameraError> {
+        let size = config.optics.size().map(|size| size as u32);
+        if !size.iter().all(|size| (1..=MAX_IMAGE_SIZE).contains(size)) {
+            return Err(CameraError::ImageSize { size });
+        }
+        config.optics.check().map_err(CameraError::Grid)?;
+        let (near_m, far_m) = (config.near_m, config.far_m);
+        if !(near_m > 0.0 && near_m < far_m) {
+            return Err(CameraError::Clip { near_m, far_m });
+        }
+        if !(config.exposure.is_finite() && config.exposure >= 0.0) {
+            return Err(CameraError::Exposure(config.exposure));
+        }
+        Ok(Self {
+            config,
+            bias: config.noise.bias(config.seed, config.sensor, 0),
+            device: config.device.as_ref().map(Device::new).transpose().map_err(CameraError::Device)?,
+        })
+    }
+
+    /// Gives the device another time of exposure and gain from the next frame on, as automatic exposure does between
+    /// two frames; a camera without a device stays as it is.
+    ///
+    /// # Errors
+    /// [`CameraError::Device`] when one of them is out of its range; the camera then stays as it was.
+    pub fn set_device_exposure(&mut self, exposure: Exposure) -> Result<(), CameraError> {
+        if let Some(config) = self.config.device {
+            let config = config.exposure(exposure);
+            self.device = Some(Device::new(&config).map_err(CameraError::Device)?);
+            self.config.device = Some(config);
+        }
+        Ok(())
+    }
+
+    /// How bright a picture of this camera is, for [`AutoExposure`](crate::device::AutoExposure): what is in the picture
+    /// is taken back to linear light. Of eight rows two are looked at.
+    ///
+    /// # Errors
+    /// When `picture` is not [`Camera::frame_len`] long.
+    pub fn meter(&self, picture: &[u8], metering: Metering) -> Result<FrameStatistics, SenseError> {
+        check_output("picture", Some(picture.len()), self.frame_len())?;
+        let CameraConfig { format, device, .. } = &self.config;
+        Ok(meter(picture, self.size(), *format, device.as_ref(), metering))
+    }
+
+    /// What it was made from.
+    pub fn config(&self) -> &CameraConfig<'a> {
+        &self.config
+    }
+
+    /// Pixels across and down.
+    pub fn size(&self) -> [usize; 2] {
+        self.config.optics.size()
+    }
+
+    /// Bytes from one row to the next: rows are not padded.
+    pub fn row_stride(&self) -> usize {
+        self.size()[0] * self.config.format.bytes()
+    }
+
+    /// Bytes of a picture.
+    pub fn frame_len(&self) -> usize {
+        self.row_stride() * self.size()[1]
+    }
+
+    /// Housings are seen from outside only: a camera within its own sees out.
+    pub(crate) fn sight(&self) -> Sight {
+        Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m], within: f64::INFINITY }
+    }
+
+    /// Marks of a picture.
+    pub(super) fn marks(&self, shutter: &Shutter<'_>) -> usize {
+        let [width, height] = self.size();
+        let kept = self.config.edges == Edges::Smooth
+            && matches!(shutter, Shutter::Global(_))
+            && !matches!(self.config.optics, Optics::Spherical(_));
+        if kept { width * height } else { 0 }
+    }
+
+    /// What the formats of 16 bits count up to.
+    pub(super) fn full_scale(&self) -> f32 {
+        self.device.map_or(65_535.0, |device| device.full_scale())
+    }
+
+    /// Exposure, device and noise of a tile. Where there is no ray there is no light: a pixel is black, or what a device makes of darkness.
+    #[inline(always)]
+    pub(super) fn expose<S: Simd>(
+        &self,
+        simd: S,
+        frame: u64,
+        view: &TileView<'_>,
+        missing: u64,
+        colours: &mut Colours,
+    ) {
+        let CameraConfig { seed, sensor, exposure, ref noise, format, .. } = self.config;
+        if exposure != 1.0 {
+            pixel::expose(colours, exposure);
+        }
+        if let Some(device) = &self.device {
+            blacken(colours, missing);
+            let stream = Stream { seed, sensor, frame, channel: 0 };
+            device.expose(simd, format.planes(), &stream, view, colours);
+        }
+        if !noise.is_none() {
+            let stream = Stream { seed, sensor, frame, channel: Stream::COLOUR };
+            pixel::add_noise(colours, noise, self.bias, &normals64_at(&stream, view.samples));
+        }
+        if self.device.is_none() {
+            blacken(colours, missing);
+        }
+    }
+}
+
+/// Where there is no ray, a pixel is black.
+#[inline(always)]
+fn blacken(colours: &mut Colours, missing: u64) {
+    if missing == 0 {
+        return;
+    }
+    for channel in colours {
+        for lane in 0..LANES {
+            channel[lane] = if missing >> lane & 1 != 0 { 0.0 } else { channel[lane] };
+        }
+    }
+}
+
+/// Where the parts of a picture go. Rows run from the top, not padded.
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct Picture<'a> {
+    /// Colours in the format of the camera, [`Camera::frame_len`] bytes.
+    pub colour: Option<&'a mut [u8]>,
+    /// What is true of each pixel.
+    pub truth: Option<Truth<'a>>,
+}
+
+impl<'a> Picture<'a> {
+    outputs! {
+        /// Sets where colours go.
+        colour: &'a mut [u8],
+        /// Sets where truth goes.
+        truth: Truth<'a>,
+    }
+}
+
+impl Sensor for Camera<'_> {
+    type Output<'a> = Picture<'a>;
+
+    fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
+        let (optics, shutter) = (&self.config.optics, &capture.shutter);
+        let marks = lines(self.marks(shutter) * size_of::<u32>());
+        Frame::workspace_len(scene, optics, shutter)
+            + sums_len(&Frame::fan_of(optics, shutter), shutter)
+            + marks
+    }
+
+    fn sense(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture<'_>,
+        workspace: &mut Workspace<'_>,
+        output: Picture<'_>,
+    ) -> Result<(), SenseError> {
+        check_output("colour", output.colour.as_ref().map(|colour| colour.len()), self.frame_len())?;
+        check_truth(output.truth.as_ref(), scene, &self.config.optics, capture)?;
+        let execution = workspace.execution;
+        let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
+        let optics = &self.config.optics;
+        let frame = Frame::new(scene, optics, &capture.shutter, visibility::VISUAL, execution, &mut memory)?;
+        let Picture { mut colour, truth } = output;
+        let marks = memory.take(self.marks(&capture.shutter));
+        let drawn = (colour.as_deref_mut(), &mut *marks);
+        let rows = Rows {
+            wants_colour: drawn.0.is_some(),
+            colour: ColourRows::new(self, frame.fan(), &capture.shutter, drawn, &mut memory),
+            truth,
+            rays_in_row: frame.rays_in_row(),
+        };
+        frame.trace(&self.sight(), &mut memory, rows, &Painter { camera: self, capture });
+        if let (Some(pixels), Some(smoothing)) = (colour, Smoothing::new(&frame, optics, self.sight(), marks))
+        {
+            smoothing.paint(execution, Retouched { camera: self, frame: capture.frame, pixels });
+        }
+        Ok(())
+    }
+}
+
+/// Paints the tiles of a picture.
+struct Painter<'a> {
+    camera: &'a Camera<'a>,
+    capture: &'a Capture<'a>,
+}
+
+impl BandWork<Rows<'_>> for Painter<'_> {
+    #[inline(always)]
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+        if let Some(truth) = &mut output.truth {
+            truth.write(simd, band, &self.camera.sight(), self.capture);
+        }
+        if !output.wants_colour {
+            return;
+        }
+        let output = &mut output.colour;
+        let mut brush = Brush::new(self.camera, self.capture, band);
+        for row in band.block_rows() {
+            for column in 0..brush.tiles {
+                let tile = [column, row];
+                brush.see(simd, band, tile);
+                brush.mark(simd, band, tile, output);
+                if brush.take_mean(band, tile, output) {
+                    brush.expose(simd, tile);
+                    brush.write(simd, band, tile, output);
+                }
+            }
+        }
+    }
+
+    fn is_mean(&self) -> bool {
+        true
+    }
+}
+
+/// The parts of a picture, cut between rows of blocks.
+struct Rows<'a> {
+    wants_colour: bool,
+    colour: ColourRows<'a>,
+    truth: Option<Truth<'a>>,
+    rays_in_row: usize,
+}
+
+impl SplitRows for Rows<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let Self { wants_colour, rays_in_row, .. } = self;
+        let (colour, colour_below) = self.colour.split_rows(rows);
+        let (truth, truth_below) = self.truth.map(|truth| truth.split_at(rows * rays_in_row)).unzip();
+        (
+            Self { wants_colour, colour, truth, rays_in_row },
+            Self { wants_colour, colour: colour_below, truth: truth_below, rays_in_row },
+        )
+    }
+}
+
+/// A picture whose edges are painted over, from some row of tiles on.
+struct Retouched<'a> {
+    camera: &'a Camera<'a>,
+    frame: u64,
+    pixels: &'a mut [u8],
+}
+
+impl SplitRows for Retouched<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let Self { camera, frame, pixels } = self;
+        let (pixels, below) = pixels.split_at_mut(rows * TILE_HEIGHT * camera.row_stride());
+        (Self { camera, frame, pixels }, Self { camera, frame, pixels: below })
+    }
+}
+
+impl Canvas for Retouched<'_> {
+    #[inline(always)]
+    fn paint<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &TileView<'_>,
+        [column, row]: [usize; 2],
+        lanes: u64,
+        colours: &mut Colours,
+    ) {
+        let Self { camera, frame, pixels } = self;
+        camera.expose(simd, *frame, view, 0, colours);
+        let (format, stride) = ((camera.config.format, camera.full_scale()), camera.row_stride());
+        let rows = &mut pixels[row * TILE_HEIGHT * stride..];
+        pixel::write_lanes(simd, (colours, lanes), format, column, rows, stride);
+    }
+}

@@ -1,0 +1,524 @@
+//! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
+
+use super::Sensor;
+use super::brush::{Brush, ColourRows, sums_len};
+use super::camera::{Camera, CameraConfig, CameraError};
+use super::edges::{Canvas, Smoothing, TILE_HEIGHT, TILE_WIDTH};
+use super::pixel::{self, to_byte};
+use crate::device::TileView;
+use crate::execution::{SplitRows, split_at};
+use crate::memory::{Cutter, lines};
+use crate::moment::Capture;
+use crate::noise::{GaussianNoise, Stream, normals64_at};
+use crate::optics::rays::Fan;
+use crate::scene::tree::WIDTH;
+use crate::scene::{Scene, visibility};
+use crate::shade::Colours;
+use crate::simd::{LANES, Lanes};
+pub use crate::trace::TooNear;
+use crate::trace::error::check_output;
+use crate::trace::grid::{Band, BandWork, Frame, Sight};
+use crate::trace::image::NO_HIT;
+use crate::trace::measure::Measure;
+use crate::trace::resolve::Resolver;
+use crate::trace::tile::{BLOCKS, Tiling, lane_in_tile};
+use crate::trace::truth::check_truth;
+use crate::trace::{SenseError, Truth, Workspace};
+use fearless_simd::Simd;
+
+/// Bytes of a point of the cloud: x 0, y 4, z 8, rgb 16, all f32, as `gazebo_ros_openni_kinect` lays it out.
+pub const POINT_STEP: usize = 32;
+
+/// What a depth camera is like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct DepthCameraConfig<'a> {
+    /// Geometry, clip distances, and the colour picture.
+    pub camera: CameraConfig<'a>,
+    /// Depth at or below is too near, in metres.
+    pub min_depth_m: f64,
+    /// Depth at or above is too far, in metres; may be infinite.
+    pub max_depth_m: f64,
+    /// What stands for too near and too far.
+    pub out_of_range: OutOfRange,
+    /// What happens to depths nearer than the camera's `near_m`. The colour picture does not show what is there in
+    /// either case, as that of a [`Camera`].
+    pub too_near: TooNear,
+    /// Noise of a depth in metres; what it takes to the limits or beyond is too near or too far.
+    pub noise: GaussianNoise,
+}
+
+impl<'a> DepthCameraConfig<'a> {
+    /// A depth camera without noise, whose depths are limited by the clip distances alone.
+    pub fn new(camera: CameraConfig<'a>) -> Self {
+        Self {
+            camera,
+            min_depth_m: 0.0,
+            max_depth_m: f64::INFINITY,
+            out_of_range: OutOfRange::Infinite,
+            too_near: TooNear::Blocks,
+            noise: GaussianNoise::NONE,
+        }
+    }
+
+    setters! {
+        /// Sets the camera.
+        camera: CameraConfig<'a>,
+        /// Sets the depth at and below which is too near, in metres.
+        min_depth_m: f64,
+        /// Sets the depth at and above which is too far, in metres.
+        max_depth_m: f64,
+        /// Sets what stands for too near and too far.
+        out_of_range: OutOfRange,
+        /// Sets what happens to depths nearer than the camera's `near_m`.
+        too_near: TooNear,
+        /// Sets the noise of a depth in metres.
+        noise: GaussianNoise,
+    }
+}
+
+/// What a 32FC1 depth outside the valid range becomes. In 16UC1 it is 0 in any case, and in the cloud NaN.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OutOfRange {
+    /// REP-117: too near is −∞, too far or nothing there +∞.
+    Infinite,
+    /// As Gazebo's Kinect plugin: NaN.
+    Nan,
+}
+
+/// Where the parts of a depth frame go; what is none is not worked out. Rows run from the top, not padded.
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct DepthFrame<'a> {
+    /// Depth in metres (32FC1), one per pixel.
+    pub depth_32fc1: Option<&'a mut [f32]>,
+    /// Depth in millimetres (16UC1), one per pixel; 0 where invalid.
+    pub depth_16uc1: Option<&'a mut [u16]>,
+    /// Colours in the format of the camera, [`Camera::frame_len`] bytes.
+    pub colour: Option<&'a mut [u8]>,
+    /// Points in the optical frame, [`POINT_STEP`] bytes per pixel, with the colours of the moment of their depths.
+    pub points: Option<&'a mut [u8]>,
+    /// What is true of each pixel.
+    pub truth: Option<Truth<'a>>,
+}
+
+impl<'a> DepthFrame<'a> {
+    outputs! {
+        /// Sets where depths in metres go.
+        depth_32fc1: &'a mut [f32],
+        /// Sets where depths in millimetres go.
+        depth_16uc1: &'a mut [u16],
+        /// Sets where colours go.
+        colour: &'a mut [u8],
+        /// Sets where the cloud goes.
+        points: &'a mut [u8],
+        /// Sets where truth goes.
+        truth: Truth<'a>,
+    }
+}
+
+/// A checked depth camera; it looks along +x of its frame like a [`Camera`].
+#[derive(Debug, Clone, Copy)]
+pub struct DepthCamera<'a> {
+    config: DepthCameraConfig<'a>,
+    camera: Camera<'a>,
+    bias: f32,
+}
+
+impl<'a> DepthCamera<'a> {
+    /// Checks the configuration.
+    ///
+    /// # Errors
+    /// A [`CameraError`] that names the value out of range.
+    pub fn new(config: DepthCameraConfig<'a>) -> Result<Self, CameraError> {
+        let (min_m, max_m) = (config.min_depth_m, config.max_depth_m);
+        if !(min_m >= 0.0 && min_m < max_m) {
+            return Err(CameraError::Cutoff { min_m, max_m });
+        }
+        let camera = Camera::new(config.camera)?;
+        Ok(Self { config, camera, bias: config.noise.bias(config.camera.seed, config.camera.sensor, 1) })
+    }
+
+    /// What it was made from.
+    pub fn config(&self) -> &DepthCameraConfig<'a> {
+        &self.config
+    }
+
+    /// The colour camera in the same place, pixel for pixel.
+    pub fn camera(&self) -> &Camera<'a> {
+        &self.camera
+    }
+
+    /// Pixels of a frame.
+    pub fn pixels(&self) -> usize {
+        self.camera.size().into_iter().product()
+    }
+
+    /// Measured depths in metres: REP-117 values where there is none. What noise takes out of the valid range is out of
+    /// it, as what was there before.
+    #[inline(always)]
+    fn depths(&self, truth: &Lanes<f32>, frame: u64, samples: [u32; BLOCKS]) -> Lanes<f32> {
+        let config = &self.config;
+        let mut noisy = *truth;
+        if !config.noise.is_none() {
+            let CameraConfig { seed, sensor, .. } = config.camera;
+            let stream = Stream { seed, sensor, frame, channel: Stream::DEPTH };
+            let normals = normals64_at(&stream, samples);
+            config.noise.apply_all(&mut noisy, self.bias, &normals);
+        }
+        let (min, max) = (config.min_depth_m as f32, config.max_depth_m as f32);
+        let mut depths = [0.0; LANES];
+        for lane in 0..LANES {
+            let (truth, noisy) = (truth[lane], noisy[lane]);
+            let measured = if noisy <= min { f32::NEG_INFINITY } else { noisy };
+            let measured = if noisy >= max { f32::INFINITY } else { measured };
+            let near = if truth <= min { f32::NEG_INFINITY } else { measured };
+            depths[lane] = if truth >= max { f32::INFINITY } else { near };
+        }
+        depths
+    }
+}
+
+impl Sensor for DepthCamera<'_> {
+    type Output<'a> = DepthFrame<'a>;
+
+    fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
+        let (optics, shutter) = (&self.config.camera.optics, &capture.shutter);
+        let fan = Frame::fan_of(optics, shutter);
+        let marks = lines(self.camera.marks(shutter) * size_of::<u32>());
+        let blocked = lines(fan.blocks_across() * fan.blocks_down() * size_of::<u16>());
+        Frame::workspace_len(scene, optics, shutter) + sums_len(&fan, shutter) + blocked + marks
+    }
+
+    fn sense(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture<'_>,
+        workspace: &mut Workspace<'_>,
+        output: DepthFrame<'_>,
+    ) -> Result<(), SenseError> {
+        let DepthFrame { depth_32fc1, depth_16uc1, mut colour, mut points, truth } = output;
+        let pixels = self.pixels();
+        check_output("depth_32fc1", depth_32fc1.as_ref().map(|depth| depth.len()), pixels)?;
+        check_output("depth_16uc1", depth_16uc1.as_ref().map(|depth| depth.len()), pixels)?;
+        check_output("colour", colour.as_ref().map(|colour| colour.len()), self.camera.frame_len())?;
+        check_output("points", points.as_ref().map(|points| points.len()), pixels * POINT_STEP)?;
+        check_truth(truth.as_ref(), scene, &self.config.camera.optics, capture)?;
+
+        let execution = workspace.execution;
+        let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
+        let (optics, shutter) = (&self.config.camera.optics, &capture.shutter);
+        let frame = Frame::new(scene, optics, shutter, visibility::VISUAL, execution, &mut memory)?;
+        let sight = self.camera.sight();
+        let wants_depth = depth_32fc1.is_some() || depth_16uc1.is_some() || points.is_some();
+        let blocks = self.config.too_near == TooNear::Blocks;
+        let within = sight.range[0] * optics.longest_direction();
+        let blocked: &mut [u16] = if wants_depth && blocks && frame.may_be_within(within) {
+            let across = frame.fan().blocks_across();
+            let blocked = memory.take(across * frame.fan().blocks_down());
+            let near = Sight { range: [0.0, sight.range[0]], within, ..sight };
+            let lanes = Blocked { lanes: &mut *blocked, across };
+            frame.trace(&near, &mut Cutter(&mut *memory.0), lanes, &Blocking);
+            blocked
+        } else {
+            &mut []
+        };
+        let wants_colour = colour.is_some() || points.is_some();
+        let marks = memory.take(if wants_colour { self.camera.marks(shutter) } else { 0 });
+        let drawn = (colour.as_deref_mut(), &mut *marks);
+        let rows = Rows {
+            depth_32fc1,
+            depth_16uc1,
+            points: points.as_deref_mut(),
+            truth,
+            width: self.camera.size()[0],
+            tile_rows: Tiling::of(frame.fan()).size()[1],
+            wants_colour: drawn.0.is_some(),
+            colour: ColourRows::new(&self.camera, frame.fan(), shutter, drawn, &mut memory),
+        };
+        frame.trace(&sight, &mut memory, rows, &Measurer { camera: self, capture, blocked });
+        if let Some(smoothing) = Smoothing::new(&frame, optics, sight, marks) {
+            let camera = &self.camera;
+            smoothing.paint(execution, Retouched { camera, frame: capture.frame, colour, points });
+        }
+        Ok(())
+    }
+}
+
+/// From where on a point has its colour.
+const POINT_RGB: usize = 16;
+
+/// The colour of a point.
+#[inline(always)]
+fn rgb(colour: [f32; 3]) -> [u8; 4] {
+    let [red, green, blue] = colour.map(to_byte);
+    [blue, green, red, 0]
+}
+
+#[inline(always)]
+fn write_point(point: &mut [u8], [right, down]: [f32; 2], depth: f32, colour: [f32; 3]) {
+    let xyz = if depth.is_finite() { [right * depth, down * depth, depth] } else { [f32::NAN; 3] };
+    let [x, y, z] = xyz.map(f32::to_bits);
+    let words = [x, y, z, 0, u32::from_le_bytes(rgb(colour)), 0, 0, 0];
+    for (bytes, word) in point.as_chunks_mut::<4>().0.iter_mut().zip(words) {
+        *bytes = word.to_le_bytes();
+    }
+}
+
+/// Measures the tiles of a frame.
+struct Measurer<'a> {
+    camera: &'a DepthCamera<'a>,
+    capture: &'a Capture<'a>,
+    /// The lanes of each block that something too near is in the way of; empty if nothing is.
+    blocked: &'a [u16],
+}
+
+impl Measurer<'_> {
+    /// Takes away the depths of a tile that something is in the way of.
+    #[inline(always)]
+    fn block(&self, truth: &mut Lanes<f32>, fan: &Fan, [column, row]: [usize; 2]) {
+        let (tiling, across, first) = (Tiling::of(fan), fan.blocks_across(), column * BLOCKS);
+        let Some(blocked) = self.blocked.get(row * across + first..row * across + across) else { return };
+        for (part, &lanes) in blocked.iter().take(BLOCKS).enumerate() {
+            let mut rest = lanes;
+            while rest != 0 {
+                truth[lane_in_tile(tiling, part, rest.trailing_zeros() as usize)] = f32::NEG_INFINITY;
+                rest &= rest - 1;
+            }
+        }
+    }
+}
+
+/// Finds out where something is too near.
+struct Blocking;
+
+impl BandWork<Blocked<'_>> for Blocking {
+    #[inline(always)]
+    fn finish<S: Simd>(&self, _simd: S, band: &Band<'_>, blocked: &mut Blocked<'_>) {
+        let first = band.row_in_output(*band.block_rows().start()) * blocked.across;
+        for (lanes, slots) in blocked.lanes[first..].iter_mut().zip(band.target.slot.iter()) {
+            *lanes = 0;
+            for (lane, &slot) in slots.iter().enumerate() {
+                *lanes |= u16::from(slot != NO_HIT) << lane;
+            }
+        }
+    }
+}
+
+/// A bit for each lane of each block, cut between rows of blocks.
+struct Blocked<'a> {
+    lanes: &'a mut [u16],
+    across: usize,
+}
+
+impl SplitRows for Blocked<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let (lanes, rest) = self.lanes.split_at_mut(rows * self.across);
+        (Self { lanes, across: self.across }, Self { lanes: rest, across: self.across })
+    }
+}
+
+impl BandWork<Rows<'_>> for Measurer<'_> {
+    #[inline(always)]
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+        let Self { camera, capture, .. } = self;
+        let fan = band.rays.fan();
+        let tiling = Tiling::of(fan);
+        let mut brush = Brush::new(&camera.camera, capture, band);
+        let measure = Measure::new(&band.view.world_from_sensor);
+        let mut resolver = Resolver::new(band.view);
+        if let Some(truth) = &mut output.truth {
+            truth.write(simd, band, &camera.camera.sight(), capture);
+        }
+        for row in band.block_rows() {
+            // Depths are those of a line's first slice.
+            let is_first = (row * tiling.size()[1]) as i32 >= band.fresh_from;
+            for column in 0..brush.tiles {
+                let tile = [column, row];
+                let wants_points = is_first && output.points.is_some();
+                if output.wants_colour || wants_points {
+                    brush.see(simd, band, tile);
+                    brush.mark(simd, band, tile, &mut output.colour);
+                }
+                if is_first {
+                    let mut truth = measure.tile(simd, band, &mut resolver, tile);
+                    self.block(&mut truth, fan, tile);
+                    let samples = tiling.samples(fan.width as usize, tile);
+                    let depths = camera.depths(&truth, capture.frame, samples);
+                    output.write_depths(camera, &depths, band, tile);
+                    if wants_points {
+                        let light = brush.colours;
+                        brush.expose(simd, tile);
+                        output.write_points(&depths, &brush.colours, band, tile);
+                        brush.colours = light;
+                    }
+                }
+                if output.wants_colour && brush.take_mean(band, tile, &mut output.colour) {
+                    brush.expose(simd, tile);
+                    brush.write(simd, band, tile, &mut output.colour);
+                }
+            }
+        }
+    }
+
+    fn is_mean(&self) -> bool {
+        true
+    }
+}
+
+/// The parts of a frame, cut between rows of tiles.
+struct Rows<'a> {
+    depth_32fc1: Option<&'a mut [f32]>,
+    depth_16uc1: Option<&'a mut [u16]>,
+    points: Option<&'a mut [u8]>,
+    truth: Option<Truth<'a>>,
+    /// Pixels across.
+    width: usize,
+    /// Rows of a tile.
+    tile_rows: usize,
+    wants_colour: bool,
+    colour: ColourRows<'a>,
+}
+
+impl SplitRows for Rows<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let Self { width, tile_rows, wants_colour, .. } = self;
+        let pixels = rows * tile_rows * width;
+        let (depth_32fc1, lower_32fc1) = split_at(self.depth_32fc1, pixels);
+        let (depth_16uc1, lower_16uc1) = split_at(self.depth_16uc1, pixels);
+        let (points, lower_points) = split_at(self.points, pixels * POINT_STEP);
+        let (truth, lower_truth) = self.truth.map(|truth| truth.split_at(pixels)).unzip();
+        let (colour, lower_colour) = self.colour.split_rows(rows);
+        (
+            Self { depth_32fc1, depth_16uc1, points, truth, width, tile_rows, wants_colour, colour },
+            Self {
+                depth_32fc1: lower_32fc1,
+                depth_16uc1: lower_16uc1,
+                points: lower_points,
+                truth: lower_truth,
+                width,
+                tile_rows,
+                wants_colour,
+                colour: lower_colour,
+            },
+        )
+    }
+}
+
+impl Rows<'_> {
+    /// The lines of a tile that lie in the picture: number, first pixel in the output, and how many pixels there are.
+    #[inline(always)]
+    fn lines_of(
+        &self,
+        band: &Band<'_>,
+        [column, row]: [usize; 2],
+    ) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+        let tiling = Tiling::of(band.rays.fan());
+        let ([across, down], width) = (tiling.size(), self.width);
+        let [first_row, last_row] = [band.first_row, band.rows[1]].map(|row| row as usize);
+        (0..BLOCKS).filter_map(move |line| {
+            let [x, y] = tiling.line(line);
+            let (x, y) = (column * across + x, row * down + y);
+            (x < width && y <= last_row).then(|| (line, (y - first_row) * width + x, WIDTH.min(width - x)))
+        })
+    }
+
+    #[inline(always)]
+    fn write_depths(
+        &mut self,
+        camera: &DepthCamera<'_>,
+        depths: &Lanes<f32>,
+        band: &Band<'_>,
+        tile: [usize; 2],
+    ) {
+        let nan = camera.config.out_of_range == OutOfRange::Nan;
+        for (line, first, count) in self.lines_of(band, tile) {
+            let depths = &depths.as_chunks::<WIDTH>().0[line];
+            if let Some(output) = &mut self.depth_32fc1 {
+                let output = &mut output[first..first + count];
+                match <&mut [f32; WIDTH]>::try_from(&mut *output) {
+                    Ok(output) => *output = *depths,
+                    Err(_) => output.copy_from_slice(&depths[..count]),
+                }
+                if nan {
+                    for depth in output {
+                        *depth = if depth.is_finite() { *depth } else { f32::NAN };
+                    }
+                }
+            }
+            if let Some(output) = &mut self.depth_16uc1 {
+                for (pixel, &depth) in output[first..first + count].iter_mut().zip(depths) {
+                    let millimetres = depth * 1000.0 + 0.5;
+                    *pixel = if (1.0..65536.0).contains(&millimetres) { millimetres as u16 } else { 0 };
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn write_points(&mut self, depths: &Lanes<f32>, colours: &Colours, band: &Band<'_>, tile: [usize; 2]) {
+        let lines = self.lines_of(band, tile);
+        let Some(points) = &mut self.points else { return };
+        for (line, first, count) in lines {
+            let (column, row) = (first % self.width, first / self.width + band.first_row as usize);
+            let output = points[first * POINT_STEP..][..count * POINT_STEP].chunks_exact_mut(POINT_STEP);
+            for (x, point) in output.enumerate() {
+                let lane = line * WIDTH + x;
+                let ray = band.rays.direction((column + x) as i32, row as i32);
+                let slopes = [((0.0 - ray.y) / ray.x) as f32, ((0.0 - ray.z) / ray.x) as f32];
+                write_point(point, slopes, depths[lane], [0, 1, 2].map(|channel| colours[channel][lane]));
+            }
+        }
+    }
+}
+
+/// A frame whose edges are painted over, from some row of tiles on.
+struct Retouched<'a> {
+    camera: &'a Camera<'a>,
+    frame: u64,
+    colour: Option<&'a mut [u8]>,
+    points: Option<&'a mut [u8]>,
+}
+
+impl SplitRows for Retouched<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let Self { camera, frame, .. } = self;
+        let rows = rows * TILE_HEIGHT;
+        let (colour, colour_below) = split_at(self.colour, rows * camera.row_stride());
+        let (points, points_below) = split_at(self.points, rows * camera.size()[0] * POINT_STEP);
+        (
+            Self { camera, frame, colour, points },
+            Self { camera, frame, colour: colour_below, points: points_below },
+        )
+    }
+}
+
+impl Canvas for Retouched<'_> {
+    #[inline(always)]
+    fn paint<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &TileView<'_>,
+        [column, row]: [usize; 2],
+        lanes: u64,
+        colours: &mut Colours,
+    ) {
+        let Self { camera, frame, .. } = self;
+        camera.expose(simd, *frame, view, 0, colours);
+        let first = row * TILE_HEIGHT;
+        if let Some(colour) = &mut self.colour {
+            let (format, stride) = ((camera.config().format, camera.full_scale()), camera.row_stride());
+            pixel::write_lanes(simd, (colours, lanes), format, column, &mut colour[first * stride..], stride);
+        }
+        let Some(points) = &mut self.points else { return };
+        let mut rest = lanes;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % LANES;
+            rest &= rest - 1;
+            let [x, y] = [column * TILE_WIDTH + lane % TILE_WIDTH, first + lane / TILE_WIDTH];
+            let point = &mut points[(y * camera.size()[0] + x) * POINT_STEP..];
+            let colour = [0, 1, 2].map(|channel| colours[channel][lane]);
+            point[POINT_RGB..POINT_RGB + 4].copy_from_slice(&rgb(colour));
+        }
+    }
+}

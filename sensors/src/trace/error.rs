@@ -1,0 +1,113 @@
+//! Why a frame cannot be taken.
+
+use crate::optics::GridError;
+
+/// Why a frame cannot be taken. Nothing is written then.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum SenseError {
+    /// The grid of rays.
+    Grid(GridError),
+    /// Not 0 ≤ least < most distance.
+    Range {
+        /// Least distance in metres.
+        least: f64,
+        /// Greatest.
+        most: f64,
+    },
+    /// An input is not one element a ray.
+    Input {
+        /// Which.
+        parameter: &'static str,
+        /// Its elements.
+        value: usize,
+        /// How many rays there are.
+        need: usize,
+    },
+    /// An output is not as long as the frame.
+    Output {
+        /// Which.
+        parameter: &'static str,
+        /// Its elements.
+        value: usize,
+        /// Elements of the frame.
+        need: usize,
+    },
+    /// The workspace is too small.
+    Workspace {
+        /// Its cache lines.
+        value: usize,
+        /// Those that it takes.
+        need: usize,
+    },
+    /// A moment does not have one pose for each instance of the scene.
+    Poses {
+        /// How many it has.
+        value: usize,
+        /// How many instances there are.
+        need: usize,
+    },
+    /// The sensor's pose is NaN or infinite.
+    Pose,
+    /// A flow is wanted, and the capture has no such moment.
+    OtherMoment {
+        /// Which: `before` or `after`.
+        parameter: &'static str,
+    },
+    /// Slices of lines that are not as a [`Shutter`](crate::Shutter) must have them.
+    Slices {
+        /// Which of them.
+        slice: usize,
+        /// What it must.
+        rule: &'static str,
+    },
+}
+
+impl core::fmt::Display for SenseError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match *self {
+            Self::Grid(error) => error.fmt(f),
+            Self::Range { least, most } => {
+                write!(f, "the range is {least} to {most} m; it must be 0 <= least < most")
+            }
+            Self::Input { parameter, value, need } => {
+                write!(f, "the input {parameter} holds {value} elements; there are {need} rays")
+            }
+            Self::Output { parameter, value, need } => {
+                write!(f, "the output {parameter} holds {value} elements; the frame has {need}")
+            }
+            Self::Workspace { value, need } => {
+                write!(f, "the workspace is {value} cache lines long; it must be {need} at least")
+            }
+            Self::Poses { value, need } => write!(
+                f,
+                "a moment must have one pose for each instance of the scene: it has {value}, and there are {need}"
+            ),
+            Self::Pose => f.write_str("the sensor's pose must be finite numbers"),
+            Self::OtherMoment { parameter } => {
+                write!(f, "flow wants a moment to flow to: give the capture `{parameter}`")
+            }
+            Self::Slices { slice, rule } => write!(f, "slice {slice} of the shutter must {rule}"),
+        }
+    }
+}
+
+impl core::error::Error for SenseError {}
+
+impl From<GridError> for SenseError {
+    fn from(error: GridError) -> Self {
+        Self::Grid(error)
+    }
+}
+
+/// That an output, if there is one, holds `need` elements.
+pub(crate) fn check_output(
+    parameter: &'static str,
+    length: Option<usize>,
+    need: usize,
+) -> Result<(), SenseError> {
+    match length {
+        Some(value) if value != need => Err(SenseError::Output { parameter, value, need }),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,183 @@
+//! What is true of what each ray meets, from the same rays as a sensor's frame.
+
+use super::cast::{Hits, write_hits};
+use super::error::{SenseError, check_output};
+use super::flow::Flow;
+use super::grid::{Band, Sight, check_shutter};
+use super::hit_point::HitPoints;
+use super::image::NO_HIT;
+use super::measure::Measure;
+use super::place::for_each_block;
+use super::resolve::Resolver;
+use crate::execution::split_at;
+use crate::moment::Capture;
+use crate::optics::Optics;
+use crate::scene::Scene;
+use crate::scene::tree::WIDTH;
+use fearless_simd::Simd;
+
+/// Where truth goes, one for each ray, row after row; what is none is not worked out.
+///
+/// It is what the sensor's rays meet between its nearest and farthest distance, before any noise, limit or encoding. Of a
+/// shutter whose slices overlap it is that of a line's first.
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct Truth<'a> {
+    /// Metres along the optical axis; +∞ where nothing is met.
+    pub depth: Option<&'a mut [f32]>,
+    /// Metres along the ray; +∞ where nothing is met.
+    pub range: Option<&'a mut [f32]>,
+    /// Unit normals, outwards, in the axes of the world; 0 where nothing is met.
+    pub normal: Option<&'a mut [[f32; 3]]>,
+    /// Indices of instances in the scene; `u32::MAX` where nothing is met.
+    pub instance: Option<&'a mut [u32]>,
+    /// [Classes](crate::scene::InstanceConfig::class) of instances; 0 where nothing is met.
+    pub class: Option<&'a mut [u32]>,
+    /// Radians between the ray, backwards, and the normal; more than π/2 where a surface is met from inside, NaN where
+    /// nothing is met.
+    pub incidence: Option<&'a mut [f32]>,
+    /// Pixels to the right and down to where the same point of the same thing is seen at [`Capture::after`], to be had in
+    /// any direction that the optics have a pixel for; NaN where there is none, and where nothing is met. It may be hidden
+    /// then.
+    pub flow: Option<&'a mut [[f32; 2]]>,
+    /// The same at [`Capture::before`].
+    pub flow_back: Option<&'a mut [[f32; 2]]>,
+}
+
+/// That truth has a place for each ray, and moments for its flow.
+pub(crate) fn check_truth(
+    truth: Option<&Truth<'_>>,
+    scene: &Scene<'_>,
+    optics: &Optics<'_>,
+    capture: &Capture<'_>,
+) -> Result<(), SenseError> {
+    let Some(truth) = truth else { return Ok(()) };
+    let [width, height] = optics.size();
+    truth.check(width * height, capture)?;
+    for shutter in [&capture.before, &capture.after].into_iter().flatten() {
+        check_shutter(scene, shutter, height as u32)?;
+    }
+    Ok(())
+}
+
+impl<'a> Truth<'a> {
+    outputs! {
+        /// Sets where depths go.
+        depth: &'a mut [f32],
+        /// Sets where ranges go.
+        range: &'a mut [f32],
+        /// Sets where normals go.
+        normal: &'a mut [[f32; 3]],
+        /// Sets where indices of instances go.
+        instance: &'a mut [u32],
+        /// Sets where classes go.
+        class: &'a mut [u32],
+        /// Sets where angles of incidence go.
+        incidence: &'a mut [f32],
+        /// Sets where the flow to the moment after goes.
+        flow: &'a mut [[f32; 2]],
+        /// Sets where the flow to the moment before goes.
+        flow_back: &'a mut [[f32; 2]],
+    }
+
+    /// That each output holds `rays` elements, and that there is a moment for each flow.
+    fn check(&self, rays: usize, capture: &Capture<'_>) -> Result<(), SenseError> {
+        check_output("depth", self.depth.as_ref().map(|values| values.len()), rays)?;
+        check_output("range", self.range.as_ref().map(|values| values.len()), rays)?;
+        check_output("normal", self.normal.as_ref().map(|values| values.len()), rays)?;
+        check_output("instance", self.instance.as_ref().map(|values| values.len()), rays)?;
+        check_output("class", self.class.as_ref().map(|values| values.len()), rays)?;
+        check_output("incidence", self.incidence.as_ref().map(|values| values.len()), rays)?;
+        check_output("flow", self.flow.as_ref().map(|values| values.len()), rays)?;
+        check_output("flow_back", self.flow_back.as_ref().map(|values| values.len()), rays)?;
+        match (&self.flow, &capture.after, &self.flow_back, &capture.before) {
+            (Some(_), None, ..) => Err(SenseError::OtherMoment { parameter: "after" }),
+            (.., Some(_), None) => Err(SenseError::OtherMoment { parameter: "before" }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The truth of the first `rays` rays, and the rest.
+    pub(crate) fn split_at(self, rays: usize) -> (Self, Self) {
+        let (depth, depth_rest) = split_at(self.depth, rays);
+        let (range, range_rest) = split_at(self.range, rays);
+        let (normal, normal_rest) = split_at(self.normal, rays);
+        let (instance, instance_rest) = split_at(self.instance, rays);
+        let (class, class_rest) = split_at(self.class, rays);
+        let (incidence, incidence_rest) = split_at(self.incidence, rays);
+        let (flow, flow_rest) = split_at(self.flow, rays);
+        let (flow_back, flow_back_rest) = split_at(self.flow_back, rays);
+        (
+            Self { depth, range, normal, instance, class, incidence, flow, flow_back },
+            Self {
+                depth: depth_rest,
+                range: range_rest,
+                normal: normal_rest,
+                instance: instance_rest,
+                class: class_rest,
+                incidence: incidence_rest,
+                flow: flow_rest,
+                flow_back: flow_back_rest,
+            },
+        )
+    }
+
+    /// Writes what is true of the rays of a band.
+    #[inline(always)]
+    pub(crate) fn write<S: Simd>(&mut self, simd: S, band: &Band<'_>, sight: &Sight, capture: &Capture<'_>) {
+        let mut resolver = Resolver::new(band.view);
+        let measure = Measure::new(&band.view.world_from_sensor);
+        let points = HitPoints::new(&band.view.world_from_sensor, sight.range[0], sight.faces);
+        if let Some(depth) = self.depth.as_deref_mut() {
+            for_each_block(
+                band,
+                #[inline(always)]
+                |place, block| {
+                    place.write(&measure.block::<S, true>(simd, band, &mut resolver, block), depth)
+                },
+            );
+        }
+        if let Some(normal) = self.normal.as_deref_mut() {
+            for_each_block(band, |place, _| place.fill([0.0; 3], normal));
+        }
+        let mut hits = Hits {
+            distance: self.range.as_deref_mut(),
+            normal: self.normal.as_deref_mut(),
+            instance: self.instance.as_deref_mut(),
+            ..Hits::default()
+        };
+        write_hits(simd, band, &measure, &points, &mut hits);
+        if let Some(class) = self.class.as_deref_mut() {
+            let instances = band.view.scene.instances();
+            for_each_block(
+                band,
+                #[inline(always)]
+                |place, _| {
+                    let slots = &band.target.slot[place.block];
+                    let mut classes = [0; WIDTH];
+                    for lane in 0..WIDTH {
+                        if slots[lane] != NO_HIT {
+                            let hit = resolver.hit(slots[lane]);
+                            classes[lane] = instances[hit.instance.instance as usize].class;
+                        }
+                    }
+                    place.write(&classes, class);
+                },
+            );
+        }
+        if let Some(incidence) = self.incidence.as_deref_mut() {
+            for_each_block(band, |place, block| {
+                place.write(&points.incidence(band, &mut resolver, block), incidence);
+            });
+        }
+        for (output, other) in [(&mut self.flow, &capture.after), (&mut self.flow_back, &capture.before)] {
+            let (Some(output), Some(other)) = (output, other) else { continue };
+            let mut flow = Flow::new(other);
+            for_each_block(
+                band,
+                #[inline(always)]
+                |place, block| place.write(&flow.block(simd, band, &mut resolver, block), output),
+            );
+        }
+    }
+}

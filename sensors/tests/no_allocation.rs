@@ -2,7 +2,7 @@
 
 mod common;
 
-use belvedere_sensors::camera::{Camera, Picture};
+use belvedere_sensors::camera::{Camera, Edges, Picture};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::optics::{Optics, PinholeGrid, RayTable};
@@ -66,7 +66,7 @@ fn sensing_does_not_allocate() {
     let mut builder = SceneBuilder::new();
     let moving = scenery(&mut builder);
     let mut workspace = WorkspaceBuf::default();
-    let camera = Camera::new(camera()).unwrap();
+    let camera = Camera::new(camera().edges(Edges::Smooth)).unwrap();
     let depth_camera = DepthCamera::new(depth_camera()).unwrap();
     let lidar = Lidar::new(LIDAR).unwrap();
     let mut pixels = vec![0; camera.frame_len()];

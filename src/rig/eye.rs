@@ -5,7 +5,7 @@ use super::{Setting, Settings};
 use crate::description::model::{
     AngleFunction, AngleMap, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
 };
-use belvedere_sensors::camera::{Camera, CameraConfig, PixelFormat};
+use belvedere_sensors::camera::{Camera, CameraConfig, Edges, PixelFormat};
 use belvedere_sensors::device::DeviceConfig;
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{
@@ -21,6 +21,7 @@ pub(super) struct Eye {
     near_m: f64,
     far_m: f64,
     exposure: f32,
+    edges: Edges,
     noise: GaussianNoise,
     device: Option<DeviceConfig>,
     seed: u64,
@@ -49,6 +50,12 @@ impl Eye {
             near_m: camera.near_m,
             far_m: camera.far_m,
             exposure: 1.0,
+            // Gazebo classic draws every picture with sharp edges, whatever the file says.
+            edges: if camera.anti_aliasing > 1 && !setting.gazebo_compat {
+                Edges::Smooth
+            } else {
+                Edges::Sharp
+            },
             noise: noise(&camera.noise)?,
             device: camera.device,
             seed: setting.seed,
@@ -70,6 +77,7 @@ impl Eye {
             .near_m(self.near_m)
             .far_m(self.far_m)
             .exposure(self.exposure)
+            .edges(self.edges)
             .noise(self.noise)
             .device(self.device)
             .seed(self.seed)

@@ -177,6 +177,7 @@ mod tests {
             width: 640,
             height: 480,
             format: PixelFormat::Rgb8,
+            anti_aliasing: 0,
             near_m: 0.1,
             far_m: 100.0,
             noise: Noise::default(),

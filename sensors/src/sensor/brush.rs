@@ -1,6 +1,7 @@
 //! How a camera colours the tiles of a traced band: light, its mean over the moments of a shutter, exposure and noise.
 
 use super::camera::Camera;
+use super::edges::{Edges, Marks};
 use super::pixel;
 use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
@@ -20,6 +21,7 @@ pub(super) struct ColourRows<'a> {
     pixels: Option<&'a mut [u8]>,
     /// Light of each tile, summed over the moments that see it; empty if none is seen at more than one.
     sums: &'a mut [Colours],
+    marks: Marks<'a>,
     /// Bytes of a row of tiles.
     bytes: usize,
     /// Tiles across.
@@ -37,17 +39,21 @@ fn sums(fan: &Fan, shutter: &Shutter<'_>) -> usize {
 }
 
 impl<'a> ColourRows<'a> {
-    pub(super) fn new(
+    pub(super) fn new<'m>(
         camera: &Camera<'_>,
         fan: &Fan,
         shutter: &Shutter<'_>,
-        pixels: Option<&'a mut [u8]>,
-        memory: &mut Cutter<'a>,
-    ) -> Self {
+        (pixels, marks): (Option<&'a mut [u8]>, &'a mut [u32]),
+        memory: &mut Cutter<'m>,
+    ) -> Self
+    where
+        'm: 'a,
+    {
         let tiling = Tiling::of(fan);
         Self {
             pixels,
             sums: memory.take(sums(fan, shutter)),
+            marks: Marks::new(marks, fan.width as usize),
             bytes: camera.row_stride() * tiling.size()[1],
             tiles: tiling.across(fan.width as usize),
         }
@@ -59,7 +65,11 @@ impl SplitRows for ColourRows<'_> {
         let Self { bytes, tiles, .. } = self;
         let (pixels, pixels_below) = split_at(self.pixels, rows * bytes);
         let (sums, sums_below) = self.sums.split_at_mut((rows * tiles).min(self.sums.len()));
-        (Self { pixels, sums, bytes, tiles }, Self { pixels: pixels_below, sums: sums_below, bytes, tiles })
+        let (marks, marks_below) = self.marks.split_rows(rows);
+        (
+            Self { pixels, sums, marks, bytes, tiles },
+            Self { pixels: pixels_below, sums: sums_below, marks: marks_below, bytes, tiles },
+        )
     }
 }
 
@@ -89,7 +99,10 @@ impl<'a> Brush<'a> {
             rays: CameraRays::new(&band.rays, &band.view.world_from_sensor),
             resolver: Resolver::new(band.view),
             seen: Tile::new(),
-            shader: Shader::new(),
+            shader: match camera.config().edges {
+                Edges::Sharp => Shader::new(),
+                Edges::Smooth => Shader::telling(),
+            },
             colours: [[0.0; LANES]; 3],
             tiling,
             tiles: tiling.across(fan.width as usize),
@@ -100,7 +113,20 @@ impl<'a> Brush<'a> {
     #[inline(always)]
     pub(super) fn see<S: Simd>(&mut self, simd: S, band: &Band<'_>, tile: [usize; 2]) {
         self.seen.take(simd, band, &mut self.resolver, &self.rays, tile);
-        self.shader.shade(simd, band.view, &self.seen, &self.rays, &mut self.colours);
+        self.shader.shade(simd, band.view, &self.seen, &self.rays.steps, &mut self.colours);
+    }
+
+    /// Marks what was seen last, if marks are kept.
+    #[inline(always)]
+    pub(super) fn mark<S: Simd>(
+        &self,
+        simd: S,
+        band: &Band<'_>,
+        [column, row]: [usize; 2],
+        output: &mut ColourRows<'_>,
+    ) {
+        let (exposure, place) = (self.camera.config().exposure, [column, band.row_in_output(row)]);
+        output.marks.put(simd, &self.colours, exposure, &self.shader, self.seen.missing, place);
     }
 
     /// Makes the light seen last the mean over the moments of the shutter; false if there are some to come.

@@ -2,13 +2,16 @@
 
 use super::Sensor;
 use super::brush::{Brush, ColourRows, sums_len};
+pub use super::edges::Edges;
+use super::edges::{Canvas, Smoothing, TILE_HEIGHT};
 use super::pixel;
 pub use super::pixel::{Mosaic, PixelFormat};
 use crate::device::{
     Device, DeviceConfig, DeviceError, Exposure, FrameStatistics, Metering, TileView, meter,
 };
 use crate::execution::SplitRows;
-use crate::moment::Capture;
+use crate::memory::lines;
+use crate::moment::{Capture, Shutter};
 use crate::noise::{GaussianNoise, Stream, normals64_at};
 use crate::optics::{GridError, Optics};
 use crate::scene::{Scene, visibility};
@@ -49,6 +52,8 @@ pub struct CameraConfig<'a> {
     /// it until they saturate at 1, as the electrons of a sensor are to its time of exposure (the linear model of EMVA
     /// 1288); shading computes in such proportional colours, without gamma.
     pub exposure: f32,
+    /// What becomes of edges.
+    pub edges: Edges,
     /// Noise of a colour value in [0, 1], which exposure leaves as it is; one sample a pixel, the same for R, G and B.
     pub noise: GaussianNoise,
     /// Sensor and electronics; without them a picture is the colours as they are shaded. `exposure` is a factor of the
@@ -69,6 +74,7 @@ impl<'a> CameraConfig<'a> {
             near_m: 0.02,
             far_m: 300.0,
             exposure: 1.0,
+            edges: Edges::Sharp,
             noise: GaussianNoise::NONE,
             device: None,
             seed: 0,
@@ -85,6 +91,8 @@ impl<'a> CameraConfig<'a> {
         far_m: f64,
         /// Sets the exposure.
         exposure: f32,
+        /// Sets what becomes of edges.
+        edges: Edges,
         /// Sets the noise of a colour value.
         noise: GaussianNoise,
         /// Sets sensor and electronics.
@@ -265,6 +273,15 @@ impl<'a> Camera<'a> {
         Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m], within: f64::INFINITY }
     }
 
+    /// Marks of a picture.
+    pub(super) fn marks(&self, shutter: &Shutter<'_>) -> usize {
+        let [width, height] = self.size();
+        let kept = self.config.edges == Edges::Smooth
+            && matches!(shutter, Shutter::Global(_))
+            && !matches!(self.config.optics, Optics::Spherical(_));
+        if kept { width * height } else { 0 }
+    }
+
     /// What the formats of 16 bits count up to.
     pub(super) fn full_scale(&self) -> f32 {
         self.device.map_or(65_535.0, |device| device.full_scale())
@@ -336,7 +353,10 @@ impl Sensor for Camera<'_> {
 
     fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
         let (optics, shutter) = (&self.config.optics, &capture.shutter);
-        Frame::workspace_len(scene, optics, shutter) + sums_len(&Frame::fan_of(optics, shutter), shutter)
+        let marks = lines(self.marks(shutter) * size_of::<u32>());
+        Frame::workspace_len(scene, optics, shutter)
+            + sums_len(&Frame::fan_of(optics, shutter), shutter)
+            + marks
     }
 
     fn sense(
@@ -352,13 +372,20 @@ impl Sensor for Camera<'_> {
         let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
         let optics = &self.config.optics;
         let frame = Frame::new(scene, optics, &capture.shutter, visibility::VISUAL, execution, &mut memory)?;
+        let Picture { mut colour, truth } = output;
+        let marks = memory.take(self.marks(&capture.shutter));
+        let drawn = (colour.as_deref_mut(), &mut *marks);
         let rows = Rows {
-            wants_colour: output.colour.is_some(),
-            colour: ColourRows::new(self, frame.fan(), &capture.shutter, output.colour, &mut memory),
-            truth: output.truth,
+            wants_colour: drawn.0.is_some(),
+            colour: ColourRows::new(self, frame.fan(), &capture.shutter, drawn, &mut memory),
+            truth,
             rays_in_row: frame.rays_in_row(),
         };
         frame.trace(&self.sight(), &mut memory, rows, &Painter { camera: self, capture });
+        if let (Some(pixels), Some(smoothing)) = (colour, Smoothing::new(&frame, optics, self.sight(), marks))
+        {
+            smoothing.paint(execution, Retouched { camera: self, frame: capture.frame, pixels });
+        }
         Ok(())
     }
 }
@@ -384,6 +411,7 @@ impl BandWork<Rows<'_>> for Painter<'_> {
             for column in 0..brush.tiles {
                 let tile = [column, row];
                 brush.see(simd, band, tile);
+                brush.mark(simd, band, tile, output);
                 if brush.take_mean(band, tile, output) {
                     brush.expose(simd, tile);
                     brush.write(simd, band, tile, output);
@@ -414,5 +442,38 @@ impl SplitRows for Rows<'_> {
             Self { wants_colour, colour, truth, rays_in_row },
             Self { wants_colour, colour: colour_below, truth: truth_below, rays_in_row },
         )
+    }
+}
+
+/// A picture whose edges are painted over, from some row of tiles on.
+struct Retouched<'a> {
+    camera: &'a Camera<'a>,
+    frame: u64,
+    pixels: &'a mut [u8],
+}
+
+impl SplitRows for Retouched<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let Self { camera, frame, pixels } = self;
+        let (pixels, below) = pixels.split_at_mut(rows * TILE_HEIGHT * camera.row_stride());
+        (Self { camera, frame, pixels }, Self { camera, frame, pixels: below })
+    }
+}
+
+impl Canvas for Retouched<'_> {
+    #[inline(always)]
+    fn paint<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &TileView<'_>,
+        [column, row]: [usize; 2],
+        lanes: u64,
+        colours: &mut Colours,
+    ) {
+        let Self { camera, frame, pixels } = self;
+        camera.expose(simd, *frame, view, 0, colours);
+        let (format, stride) = ((camera.config.format, camera.full_scale()), camera.row_stride());
+        let rows = &mut pixels[row * TILE_HEIGHT * stride..];
+        pixel::write_lanes(simd, (colours, lanes), format, column, rows, stride);
     }
 }

@@ -3,7 +3,9 @@
 use super::Sensor;
 use super::brush::{Brush, ColourRows, sums_len};
 use super::camera::{Camera, CameraConfig, CameraError};
-use super::pixel::to_byte;
+use super::edges::{Canvas, Smoothing, TILE_HEIGHT, TILE_WIDTH};
+use super::pixel::{self, to_byte};
+use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
@@ -183,8 +185,9 @@ impl Sensor for DepthCamera<'_> {
     fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
         let (optics, shutter) = (&self.config.camera.optics, &capture.shutter);
         let fan = Frame::fan_of(optics, shutter);
+        let marks = lines(self.camera.marks(shutter) * size_of::<u32>());
         let blocked = lines(fan.blocks_across() * fan.blocks_down() * size_of::<u16>());
-        Frame::workspace_len(scene, optics, shutter) + sums_len(&fan, shutter) + blocked
+        Frame::workspace_len(scene, optics, shutter) + sums_len(&fan, shutter) + blocked + marks
     }
 
     fn sense(
@@ -194,7 +197,7 @@ impl Sensor for DepthCamera<'_> {
         workspace: &mut Workspace<'_>,
         output: DepthFrame<'_>,
     ) -> Result<(), SenseError> {
-        let DepthFrame { depth_32fc1, depth_16uc1, colour, points, truth } = output;
+        let DepthFrame { depth_32fc1, depth_16uc1, mut colour, mut points, truth } = output;
         let pixels = self.pixels();
         check_output("depth_32fc1", depth_32fc1.as_ref().map(|depth| depth.len()), pixels)?;
         check_output("depth_16uc1", depth_16uc1.as_ref().map(|depth| depth.len()), pixels)?;
@@ -220,28 +223,43 @@ impl Sensor for DepthCamera<'_> {
         } else {
             &mut []
         };
+        let wants_colour = colour.is_some() || points.is_some();
+        let marks = memory.take(if wants_colour { self.camera.marks(shutter) } else { 0 });
+        let drawn = (colour.as_deref_mut(), &mut *marks);
         let rows = Rows {
             depth_32fc1,
             depth_16uc1,
-            points,
+            points: points.as_deref_mut(),
             truth,
             width: self.camera.size()[0],
             tile_rows: Tiling::of(frame.fan()).size()[1],
-            wants_colour: colour.is_some(),
-            colour: ColourRows::new(&self.camera, frame.fan(), shutter, colour, &mut memory),
+            wants_colour: drawn.0.is_some(),
+            colour: ColourRows::new(&self.camera, frame.fan(), shutter, drawn, &mut memory),
         };
         frame.trace(&sight, &mut memory, rows, &Measurer { camera: self, capture, blocked });
+        if let Some(smoothing) = Smoothing::new(&frame, optics, sight, marks) {
+            let camera = &self.camera;
+            smoothing.paint(execution, Retouched { camera, frame: capture.frame, colour, points });
+        }
         Ok(())
     }
+}
+
+/// From where on a point has its colour.
+const POINT_RGB: usize = 16;
+
+/// The colour of a point.
+#[inline(always)]
+fn rgb(colour: [f32; 3]) -> [u8; 4] {
+    let [red, green, blue] = colour.map(to_byte);
+    [blue, green, red, 0]
 }
 
 #[inline(always)]
 fn write_point(point: &mut [u8], [right, down]: [f32; 2], depth: f32, colour: [f32; 3]) {
     let xyz = if depth.is_finite() { [right * depth, down * depth, depth] } else { [f32::NAN; 3] };
-    let [red, green, blue] = colour.map(|channel| u32::from(to_byte(channel)));
-    let rgb = red << 16 | green << 8 | blue;
     let [x, y, z] = xyz.map(f32::to_bits);
-    let words = [x, y, z, 0, rgb, 0, 0, 0];
+    let words = [x, y, z, 0, u32::from_le_bytes(rgb(colour)), 0, 0, 0];
     for (bytes, word) in point.as_chunks_mut::<4>().0.iter_mut().zip(words) {
         *bytes = word.to_le_bytes();
     }
@@ -320,6 +338,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 let wants_points = is_first && output.points.is_some();
                 if output.wants_colour || wants_points {
                     brush.see(simd, band, tile);
+                    brush.mark(simd, band, tile, &mut output.colour);
                 }
                 if is_first {
                     let mut truth = measure.tile(simd, band, &mut resolver, tile);
@@ -449,6 +468,57 @@ impl Rows<'_> {
                 let slopes = [((0.0 - ray.y) / ray.x) as f32, ((0.0 - ray.z) / ray.x) as f32];
                 write_point(point, slopes, depths[lane], [0, 1, 2].map(|channel| colours[channel][lane]));
             }
+        }
+    }
+}
+
+/// A frame whose edges are painted over, from some row of tiles on.
+struct Retouched<'a> {
+    camera: &'a Camera<'a>,
+    frame: u64,
+    colour: Option<&'a mut [u8]>,
+    points: Option<&'a mut [u8]>,
+}
+
+impl SplitRows for Retouched<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let Self { camera, frame, .. } = self;
+        let rows = rows * TILE_HEIGHT;
+        let (colour, colour_below) = split_at(self.colour, rows * camera.row_stride());
+        let (points, points_below) = split_at(self.points, rows * camera.size()[0] * POINT_STEP);
+        (
+            Self { camera, frame, colour, points },
+            Self { camera, frame, colour: colour_below, points: points_below },
+        )
+    }
+}
+
+impl Canvas for Retouched<'_> {
+    #[inline(always)]
+    fn paint<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &TileView<'_>,
+        [column, row]: [usize; 2],
+        lanes: u64,
+        colours: &mut Colours,
+    ) {
+        let Self { camera, frame, .. } = self;
+        camera.expose(simd, *frame, view, 0, colours);
+        let first = row * TILE_HEIGHT;
+        if let Some(colour) = &mut self.colour {
+            let (format, stride) = ((camera.config().format, camera.full_scale()), camera.row_stride());
+            pixel::write_lanes(simd, (colours, lanes), format, column, &mut colour[first * stride..], stride);
+        }
+        let Some(points) = &mut self.points else { return };
+        let mut rest = lanes;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % LANES;
+            rest &= rest - 1;
+            let [x, y] = [column * TILE_WIDTH + lane % TILE_WIDTH, first + lane / TILE_WIDTH];
+            let point = &mut points[(y * camera.size()[0] + x) * POINT_STEP..];
+            let colour = [0, 1, 2].map(|channel| colours[channel][lane]);
+            point[POINT_RGB..POINT_RGB + 4].copy_from_slice(&rgb(colour));
         }
     }
 }

@@ -5,6 +5,7 @@
 mod brush;
 pub mod camera;
 pub mod depth;
+pub(crate) mod edges;
 pub mod lidar;
 pub(crate) mod pixel;
 

@@ -89,11 +89,38 @@ fn to_levels<S: Simd>(simd: S, values: f32x16<S>, full_scale: f32) -> u32x16<S> 
 
 /// Three channels as bytes, the first lowest.
 #[inline(always)]
-fn to_bytes<S: Simd>(simd: S, channels: [f32x16<S>; 3]) -> u32x16<S> {
+pub(super) fn to_bytes<S: Simd>(simd: S, channels: [f32x16<S>; 3]) -> u32x16<S> {
     let [first, second, third] = channels;
     let [first, second, third] =
         [to_levels(simd, first, 255.0), to_levels(simd, second, 255.0), to_levels(simd, third, 255.0)];
     first | (second << 8) | (third << 16)
+}
+
+/// Bytes of the largest pixel.
+const MOST_BYTES: usize = 4;
+
+/// Writes some lanes of a tile of 16 × 4 pixels, a bit each, as [`write_tile`] writes all. `rows` begins with the tile's
+/// first.
+#[inline(always)]
+pub(crate) fn write_lanes<S: Simd>(
+    simd: S,
+    (colours, lanes): (&Colours, u64),
+    format: (PixelFormat, f32),
+    column: usize,
+    rows: &mut [u8],
+    row_stride: usize,
+) {
+    let bytes = format.0.bytes();
+    let mut tile = [0; LANES * MOST_BYTES];
+    // Tiles begin in even columns and rows: to a mosaic they are all alike.
+    write_tile(simd, colours, format, (Tiling::Square, [0; 2]), &mut tile[..LANES * bytes], WIDTH * bytes);
+    let mut rest = lanes;
+    while rest != 0 {
+        let lane = rest.trailing_zeros() as usize % LANES;
+        rest &= rest - 1;
+        let place = lane / WIDTH * row_stride + (column * WIDTH + lane % WIDTH) * bytes;
+        rows[place..place + bytes].copy_from_slice(&tile[lane * bytes..(lane + 1) * bytes]);
+    }
 }
 
 /// Writes a tile's colours into the rows of a picture. `tile` is its column and row, `rows` begins with its first;

@@ -6,7 +6,7 @@ use crate::scene::{LIGHT_DIRECTIONAL, LIGHT_SPOT, Light};
 use crate::simd::{LANES, Lanes, load_row, store_row};
 use crate::trace::tile::Tile;
 use crate::trace::view::View;
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use glam::DVec3;
 
 impl Shader {
@@ -19,7 +19,7 @@ impl Shader {
         tile: &Tile,
         colours: &mut Colours,
     ) {
-        let Self { surfaces, albedo, shadows, .. } = self;
+        let Self { surfaces, albedo, shadows, seen, .. } = self;
         let parallel = light.kind == LIGHT_DIRECTIONAL;
         let position = view.point_in_frame(light.position);
         let mut brightness = [0.0; LANES];
@@ -53,7 +53,12 @@ impl Shader {
         let lit = lit & !dark;
         simd.vectorize(
             #[inline(always)]
-            || add_light(simd, light, albedo, &brightness, lit, colours),
+            || {
+                add_light(simd, light, albedo, &brightness, lit, colours);
+                if let Some(seen) = seen {
+                    tell_lit(simd, number, lit, seen);
+                }
+            },
         );
     }
 }
@@ -74,6 +79,18 @@ fn add_light<S: Simd>(
             let added = (load_row(simd, &albedo[channel], row) * light.diffuse[channel]) * brightness;
             store_row(load_row(simd, &colours[channel], row) + added, &mut colours[channel], row);
         }
+    }
+}
+
+/// Changes the numbers of what is seen where a lamp shines.
+#[inline(always)]
+fn tell_lit<S: Simd>(simd: S, number: usize, lit: u64, seen: &mut Lanes<u32>) {
+    let change = ((number as u32 + 1).wrapping_mul(0x9e37_79b1) >> 25) | 1;
+    for row in 0..LANES / WIDTH {
+        let on: mask32x16<S> = simd.from_bitmask_mask32x16(lit >> (row * WIDTH) & 0xffff);
+        let place = &mut seen.as_chunks_mut().0[row];
+        let old = u32x16::load_array_ref(simd, place);
+        on.select(old ^ change, old).store_array(place);
     }
 }
 

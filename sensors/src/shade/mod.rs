@@ -16,9 +16,9 @@ use crate::trace::face::{Face, faces, has_flat_faces};
 use crate::trace::packet::MISS;
 use crate::trace::shadow::Shadows;
 use crate::trace::surface::{Footprint, Surfaces};
-use crate::trace::tile::{CameraRays, Tile};
+use crate::trace::tile::{Steps, Tile};
 use crate::trace::view::View;
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use texture::Sampler;
 
 /// Rows of a tile.
@@ -37,6 +37,8 @@ pub(crate) struct Shader {
     /// Diffuse colour times texture; black where nothing was hit.
     albedo: Colours,
     shadows: Shadows,
+    /// What is seen by each lane, if that is kept: [`Shader::seen`].
+    seen: Option<Lanes<u32>>,
 }
 
 impl Shader {
@@ -48,7 +50,19 @@ impl Shader {
             sampler: Sampler::new(),
             albedo: [[0.0; LANES]; 3],
             shadows: Shadows::new(),
+            seen: None,
         }
+    }
+
+    /// A shader that also tells what is [seen](Shader::seen).
+    pub(crate) const fn telling() -> Self {
+        Self { seen: Some([0; LANES]), ..Self::new() }
+    }
+
+    /// Of the tile shaded last, a number of seven bits for what each lane shows. It is another on each instance, face and
+    /// side of a shadow, but for chance; on one surface under the same lamps it stays, or changes in places.
+    pub(crate) fn seen(&self) -> Option<&Lanes<u32>> {
+        self.seen.as_ref()
     }
 
     /// Colours of a traced tile; the background where nothing was hit.
@@ -57,7 +71,7 @@ impl Shader {
         simd: S,
         view: &View<'_>,
         tile: &Tile,
-        rays: &CameraRays<'_>,
+        steps: &Steps,
         colours: &mut Colours,
     ) {
         simd.vectorize(
@@ -76,7 +90,10 @@ impl Shader {
                     let placed = tile.placed[rest.trailing_zeros() as usize % LANES];
                     let lanes = tile.lanes_of(simd, placed) & rest;
                     rest &= !lanes;
-                    self.add_instance(simd, view, tile, rays, (placed, lanes), colours);
+                    self.add_instance(simd, view, tile, steps, (placed, lanes), colours);
+                }
+                if let Some(seen) = &mut self.seen {
+                    tell_surfaces(simd, tile, &self.surfaces, seen);
                 }
             },
         );
@@ -94,7 +111,7 @@ impl Shader {
         simd: S,
         view: &View<'_>,
         tile: &Tile,
-        rays: &CameraRays<'_>,
+        steps: &Steps,
         (placed, lanes): (u32, u64),
         colours: &mut Colours,
     ) {
@@ -113,7 +130,7 @@ impl Shader {
                 let number = faces[rest.trailing_zeros() as usize % LANES];
                 if self.face_of != (placed, number) {
                     self.face_of = (placed, number);
-                    self.face = Face::new(instance, &view.placed[placed as usize], number, repeat, rays);
+                    self.face = Face::new(instance, &view.placed[placed as usize], number, repeat, steps);
                 }
                 let face = &self.face;
                 for row in 0..ROWS {
@@ -125,7 +142,7 @@ impl Shader {
                         store_where(simd, mine, normal, &mut self.surfaces.normal[axis], row);
                     }
                     if textured && mine.any_true() {
-                        let footprint = if rays.steps.is_some() {
+                        let footprint = if steps.is_some() {
                             face.footprint::<S, true>(simd, tile, row)
                         } else {
                             face.footprint::<S, false>(simd, tile, row)
@@ -135,7 +152,7 @@ impl Shader {
                 }
             }
         } else {
-            self.surfaces.add(view, tile, placed, textured.then_some(repeat), rays);
+            self.surfaces.add(view, tile, placed, textured.then_some(repeat), steps);
             for row in 0..ROWS {
                 footprints[row] = self.surfaces.footprint(simd, row);
             }
@@ -162,6 +179,29 @@ impl Shader {
                 store_where(simd, mine, albedo, &mut self.albedo[channel], row);
             }
         }
+    }
+}
+
+/// Numbers for the surfaces of a tile: from the instance, the normal, and how far the plane through the point with that
+/// normal is from the sensor, the last two in coarse steps.
+#[inline(always)]
+fn tell_surfaces<S: Simd>(simd: S, tile: &Tile, surfaces: &Surfaces, seen: &mut Lanes<u32>) {
+    for row in 0..ROWS {
+        let zero = f32x16::splat(simd, 0.0);
+        let mut offset = zero;
+        let mut number = u32x16::load_array_ref(simd, &tile.placed.as_chunks().0[row]);
+        for axis in 0..3 {
+            let normal = load_row(simd, &surfaces.normal[axis], row);
+            offset += normal * load_row(simd, &tile.point[axis], row);
+            let step = normal * 2.3 + 2.5;
+            // What is not a number becomes one.
+            let step = step.simd_gt(zero).select(step, zero);
+            number = number * 5 + step.to_int::<u32x16<S>>();
+        }
+        // Steps of a quarter, whose bounds lie at no round number of metres.
+        let steps: u32x16<S> = (offset * 1.37).bitcast();
+        let mixed = (number * 0x9e37_79b1 + (steps >> 21)) * 0x85eb_ca6b;
+        (mixed >> 25).store_array(&mut seen.as_chunks_mut().0[row]);
     }
 }
 

@@ -205,15 +205,10 @@ impl<S: Simd> LaneLevels<S> {
         let (left, right_of, right) = neighbours(simd, u, self.width);
         let (top, below, down) = neighbours(simd, f32x16::splat(simd, 1.0) - v, self.height);
         let (top, below) = (self.offset + top * self.width, self.offset + below * self.width);
-        let wraps = (right_of.simd_ne(left + 1) & mine).any_true();
-        let ([top_left, top_right], [below_left, below_right]) = if wraps {
-            (
-                [look_up(simd, texels, top + left), look_up(simd, texels, top + right_of)],
-                [look_up(simd, texels, below + left), look_up(simd, texels, below + right_of)],
-            )
-        } else {
-            (look_up_pairs(simd, texels, top + left), look_up_pairs(simd, texels, below + left))
-        };
+        let wrapping = (right_of.simd_ne(left + 1) & mine).to_bitmask();
+        let [top_left, top_right] = look_up_neighbours(simd, texels, [top + left, top + right_of], wrapping);
+        let [below_left, below_right] =
+            look_up_neighbours(simd, texels, [below + left, below + right_of], wrapping);
         let upper = mix_texels(simd, top_left, top_right, right);
         let lower = mix_texels(simd, below_left, below_right, right);
         let mut mixed = upper;
@@ -224,31 +219,56 @@ impl<S: Simd> LaneLevels<S> {
     }
 }
 
-/// A texel for each lane. Lanes that do not count may look anywhere.
+/// Two texels for each lane, of which the second follows the first but in those lanes that are `wrapping`, a bit each.
 #[inline(always)]
-fn look_up<S: Simd>(simd: S, texels: &[[u8; 4]], index: u32x16<S>) -> u32x16<S> {
-    let indices = indices_up_to(simd, index, texels.len().saturating_sub(1));
-    let mut found = [0; WIDTH];
-    for lane in 0..WIDTH {
-        let Some(texel) = texels.get(indices[lane] as usize) else {
-            return index;
-        };
-        found[lane] = u32::from_le_bytes(*texel);
-    }
-    u32x16::load_array(simd, found)
+fn look_up_neighbours<S: Simd>(
+    simd: S,
+    texels: &[[u8; 4]],
+    [left, right]: [u32x16<S>; 2],
+    wrapping: u64,
+) -> [u32x16<S>; 2] {
+    let found = look_up_pairs(simd, texels, left);
+    if wrapping == 0 { found } else { look_up_apart(simd, texels, [left, right], wrapping, found) }
 }
 
-/// A texel for each lane and the one after it, at a single load a lane. There are two texels at least.
+/// Looks up the texels of some lanes one by one.
+#[inline(always)]
+fn look_up_apart<S: Simd>(
+    simd: S,
+    texels: &[[u8; 4]],
+    index: [u32x16<S>; 2],
+    wrapping: u64,
+    found: [u32x16<S>; 2],
+) -> [u32x16<S>; 2] {
+    let mut patched = found;
+    for side in 0..2 {
+        let (mut indices, mut values) = ([0; WIDTH], [0; WIDTH]);
+        index[side].store_array(&mut indices);
+        found[side].store_array(&mut values);
+        let mut rest = wrapping;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % WIDTH;
+            rest &= rest - 1;
+            if let Some(texel) = texels.get(indices[lane] as usize) {
+                values[lane] = u32::from_le_bytes(*texel);
+            }
+        }
+        patched[side] = u32x16::load_array(simd, values);
+    }
+    patched
+}
+
+/// A texel for each lane and the one after it, at a single load a lane. Lanes that do not count may look anywhere.
 #[inline(always)]
 fn look_up_pairs<S: Simd>(simd: S, texels: &[[u8; 4]], index: u32x16<S>) -> [u32x16<S>; 2] {
     let indices = indices_up_to(simd, index, texels.len().saturating_sub(2));
     let mut found = [0_u64; WIDTH];
     for lane in 0..WIDTH {
         let from = indices[lane] as usize;
-        let Some(pair) = texels.get(from..).and_then(<[_]>::first_chunk::<2>) else {
+        let Some(&[left, right]) = texels.get(from..from + 2) else {
             return [index; 2];
         };
-        found[lane] = u64::from_le(bytemuck::cast(*pair));
+        found[lane] = u64::from_le(bytemuck::cast([left, right]));
     }
     let (low, high) = found.split_at(WIDTH / 2);
     let low: u32x16<S> = u64x8::from_slice(simd, low).bitcast();

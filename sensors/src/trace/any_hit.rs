@@ -1,6 +1,7 @@
 //! Whether anything is hit by the rays of a packet, in double precision. Which of several hits is found is not
-//! specified.
+//! specified. And where a packet meets one instance, of which [first hits](super::first_hit) are made too.
 
+use super::first_hit::{stack_len, walk_to_nearest};
 use super::packet::{Faces, MISS, Packet, PacketBounds};
 use super::shapes::{LocalRays, commit, match_solid, triangle};
 use super::view::{Placed, View};
@@ -15,7 +16,7 @@ use glam::DVec3;
 /// Only the lanes whose bits are set take part, up to `t_max`.
 #[inline(always)]
 pub(super) fn activate(packet: &mut Packet, lanes: u64, t_max: f64) {
-    packet.placed = [MISS; LANES];
+    packet.hit = [MISS; LANES];
     for lane in 0..LANES {
         packet.t[lane] = if lanes >> lane & 1 != 0 { t_max } else { f64::NEG_INFINITY };
     }
@@ -25,7 +26,7 @@ pub(super) fn activate(packet: &mut Packet, lanes: u64, t_max: f64) {
 pub(super) fn hit_lanes(packet: &Packet) -> u64 {
     let mut lanes = 0;
     for lane in 0..LANES {
-        lanes |= u64::from(packet.placed[lane] != MISS) << lane;
+        lanes |= u64::from(packet.hit[lane] != MISS) << lane;
     }
     lanes
 }
@@ -34,20 +35,21 @@ pub(super) fn hit_lanes(packet: &Packet) -> u64 {
 #[inline(always)]
 fn retire_hits(packet: &mut Packet) {
     for lane in 0..LANES {
-        packet.t[lane] = if packet.placed[lane] == MISS { packet.t[lane] } else { f64::NEG_INFINITY };
+        packet.t[lane] = if packet.hit[lane] == MISS { packet.t[lane] } else { f64::NEG_INFINITY };
     }
 }
 
-/// Visits the leaves that the packet may meet before `t_max`, until `visit` returns that no lane is left.
+/// Visits the leaves that the packet may meet before `t_max`, until `visit` returns that no lane is left. A stack of
+/// [`stack_len`] entries is enough.
 #[inline(always)]
-pub(super) fn walk<S: Simd, N: Borrow<WideNode>>(
+pub(super) fn walk<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
     simd: S,
     node: impl Fn(u32) -> N,
     bounds: &PacketBounds,
     t_max: f32,
     mut visit: impl FnMut(u32) -> bool,
 ) {
-    let mut stack = [0_u32; 15 * MAX_DEPTH + 2];
+    let mut stack = [0_u32; STACK];
     let mut waiting = 1;
     while waiting > 0 {
         waiting -= 1;
@@ -70,27 +72,35 @@ pub(super) fn walk<S: Simd, N: Borrow<WideNode>>(
     }
 }
 
+/// What is looked for.
+#[derive(Clone, Copy)]
+pub(super) enum Search {
+    /// Any hit before some t.
+    Any(f32),
+    /// The first.
+    First,
+}
+
 #[inline(always)]
 pub(super) fn intersect_instance<S: Simd>(
     simd: S,
     view: &View<'_>,
     index: u32,
-    packet: &mut Packet,
-    faces: Faces,
-    t_max: f32,
+    (packet, rays): (&mut Packet, &mut LocalRays),
+    (faces, search): (Faces, Search),
 ) {
     let placed = &view.placed[index as usize];
-    let rays = local_rays(placed, packet);
+    take_in(placed, packet, rays);
     match_solid!(
         view.instance(index),
-        inside => commit(&rays, packet, faces, index, inside),
-        _ => walk_triangles(simd, view, placed, &rays, packet, (faces, t_max), index)
+        inside => commit(rays, packet, faces, placed.first_slot, inside),
+        _ => walk_triangles(simd, view, placed, rays, packet, (faces, search))
     );
 }
 
+/// The rays of a packet, in the frame of an instance.
 #[inline(always)]
-fn local_rays(placed: &Placed, packet: &Packet) -> LocalRays {
-    let mut rays = LocalRays { origin: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3] };
+fn take_in(placed: &Placed, packet: &Packet, rays: &mut LocalRays) {
     for axis in 0..3 {
         let [x, y, z] = placed.inverse[axis];
         let [tx, ty, tz] = placed.translation;
@@ -111,7 +121,6 @@ fn local_rays(placed: &Placed, packet: &Packet) -> LocalRays {
                 x * packet.direction[0][lane] + y * packet.direction[1][lane] + z * packet.direction[2][lane];
         }
     }
-    rays
 }
 
 fn walk_triangles<S: Simd>(
@@ -120,8 +129,7 @@ fn walk_triangles<S: Simd>(
     placed: &Placed,
     rays: &LocalRays,
     packet: &mut Packet,
-    (faces, t_max): (Faces, f32),
-    index: u32,
+    (faces, search): (Faces, Search),
 ) {
     let faces = match faces {
         Faces::Both => triangle::Side::Both,
@@ -132,41 +140,75 @@ fn walk_triangles<S: Simd>(
         #[inline(always)]
         || {
             let bounds = PacketBounds::new(&rays.origin, &rays.direction, packet);
-            let draw = |block: &TriangleBlock, packet: &mut Packet| {
-                for lane in 0..WIDTH {
-                    let corners = block
-                        .corners
-                        .each_ref()
-                        .map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()));
-                    triangle::intersect(rays, corners, packet, faces, index);
-                }
-                retire_hits(packet);
-                packet.is_active()
-            };
             match placed.kind {
-                KIND_MESH => walk(
+                KIND_MESH => walk_leaves(
                     simd,
                     #[inline(always)]
                     |node| &view.scene.nodes[(placed.first_node + node) as usize],
                     &bounds,
-                    t_max,
+                    (packet, search),
                     #[inline(always)]
-                    |leaf| draw(&view.scene.blocks[(placed.first_block + leaf) as usize], packet),
+                    |leaf, packet| {
+                        let block = &view.scene.blocks[(placed.first_block + leaf) as usize];
+                        draw(rays, block, packet, faces, placed.first_slot + leaf * WIDTH as u32);
+                    },
                 ),
                 KIND_HEIGHT_FIELD => {
                     let grid = view.height_grid(placed);
-                    walk(
+                    walk_leaves(
                         simd,
                         #[inline(always)]
                         |node| grid.node(node),
                         &bounds,
-                        t_max,
+                        (packet, search),
                         #[inline(always)]
-                        |leaf| draw(&grid.block(leaf), packet),
+                        |leaf, packet| {
+                            let slot = placed.first_slot + leaf * WIDTH as u32;
+                            draw(rays, &grid.block(leaf), packet, faces, slot);
+                        },
                     );
                 }
                 _ => {}
             }
         },
     );
+}
+
+#[inline(always)]
+fn walk_leaves<S: Simd, N: Borrow<WideNode>>(
+    simd: S,
+    node: impl Fn(u32) -> N,
+    bounds: &PacketBounds,
+    (packet, search): (&mut Packet, Search),
+    draw: impl Fn(u32, &mut Packet),
+) {
+    match search {
+        Search::Any(t_max) => walk::<S, N, { stack_len(MAX_DEPTH) }>(
+            simd,
+            node,
+            bounds,
+            t_max,
+            #[inline(always)]
+            |leaf| {
+                draw(leaf, packet);
+                retire_hits(packet);
+                packet.is_active()
+            },
+        ),
+        Search::First => {
+            walk_to_nearest::<S, N, { stack_len(MAX_DEPTH) }>(simd, node, bounds, packet, draw);
+        }
+    }
+}
+
+/// A leaf, whose first triangle has the slot `slot`.
+#[inline(always)]
+fn draw(rays: &LocalRays, block: &TriangleBlock, packet: &mut Packet, faces: triangle::Side, slot: u32) {
+    for lane in 0..WIDTH {
+        let corners = block
+            .corners
+            .each_ref()
+            .map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()));
+        triangle::intersect(rays, corners, packet, faces, slot + lane as u32);
+    }
 }

@@ -6,7 +6,7 @@
 
 use super::shapes::surface::solid_surface;
 use super::surface::Footprint;
-use super::tile::{CameraRays, Tile};
+use super::tile::{Steps, Tile};
 use super::view::{Placed, View};
 use crate::scene::tree::WIDTH;
 use crate::scene::{Instance, KIND_BOX, KIND_PLANE, KIND_RECTANGLE};
@@ -50,7 +50,7 @@ impl Face {
         placed: &Placed,
         face: u32,
         repeat: [f32; 2],
-        rays: &CameraRays<'_>,
+        steps: &Steps,
     ) -> Self {
         // Any point of the face will do.
         let mut point = DVec3::ZERO;
@@ -68,7 +68,7 @@ impl Face {
             normal: normal.as_vec3().to_array(),
             uv: [0.0; 2],
             gradient: [[0.0; 3]; 2],
-            approach: rays.steps.map_or([0.0; 2], |steps| steps.map(|step| normal.dot(step) as f32)),
+            approach: steps.map_or([0.0; 2], |steps| steps.map(|step| normal.dot(step) as f32)),
             change: [[0.0; 2]; 2],
         };
         for axis in 0..2 {
@@ -77,7 +77,7 @@ impl Face {
             let gradient = in_frame(surface.uv_gradient[axis]) * repeat;
             face.uv[axis] = (uv - floor(uv)) as f32;
             face.gradient[axis] = gradient.as_vec3().to_array();
-            for (change, step) in face.change.iter_mut().zip(rays.steps.iter().flatten()) {
+            for (change, step) in face.change.iter_mut().zip(steps.iter().flatten()) {
                 change[axis] = gradient.dot(*step) as f32;
             }
         }

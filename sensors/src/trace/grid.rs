@@ -212,6 +212,14 @@ impl<'a> Frame<'a> {
         &self.fan
     }
 
+    /// What all rays see, if it is seen at one moment.
+    pub(crate) fn view(&self) -> Option<&View<'a>> {
+        match &self.when {
+            When::Once(view) => Some(view),
+            When::Slices { .. } => None,
+        }
+    }
+
     /// Rays of a row of blocks.
     pub(crate) fn rays_in_row(&self) -> usize {
         (self.fan.width as usize) << self.fan.shift_y

@@ -1,6 +1,6 @@
-//! 64 rays that look for shadows together, and the bounds that let whole subtrees be skipped for all of them.
+//! 64 rays that are traced together, and the bounds that let whole subtrees be skipped for all of them.
 
-use crate::scene::tree::{NONE, WideNode};
+use crate::scene::tree::{NONE, WIDTH, WideNode};
 use crate::simd::{LANES, Lanes};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 
@@ -29,8 +29,8 @@ pub(crate) struct Packet {
     pub(crate) t_min: f64,
     /// Before: the farthest t that counts. After: that of the hit, if there is one.
     pub(crate) t: Lanes<f64>,
-    /// Index into the frame's placed instances, or [`MISS`].
-    pub(crate) placed: Lanes<u32>,
+    /// What was hit, or [`MISS`]: the first slot of its instance, and of triangles their own.
+    pub(crate) hit: Lanes<u32>,
 }
 
 impl Packet {
@@ -42,7 +42,7 @@ impl Packet {
             shared_origin: true,
             t_min: 0.0,
             t: [f64::NEG_INFINITY; LANES],
-            placed: [MISS; LANES],
+            hit: [MISS; LANES],
         }
     }
 
@@ -54,6 +54,16 @@ impl Packet {
             active |= self.t[lane] > f64::NEG_INFINITY;
         }
         active
+    }
+
+    /// The greatest t that counts for any lane, rounded up.
+    #[inline(always)]
+    pub(crate) fn farthest(&self) -> f32 {
+        let mut nearer = [0.0; LANES];
+        for lane in 0..LANES {
+            nearer[lane] = -(self.t[lane] as f32);
+        }
+        -least(nearer) * (1.0 + MARGIN as f32)
     }
 }
 
@@ -111,6 +121,25 @@ impl PacketBounds {
     /// Children of a node that some ray may meet before `t_max`, a bit for each.
     #[inline(always)]
     pub(crate) fn enter<S: Simd>(&self, simd: S, node: &WideNode, t_max: f32) -> u64 {
+        self.slabs(simd, node, t_max).1
+    }
+
+    /// The same, and the least t at which some ray may meet each.
+    #[inline(always)]
+    pub(crate) fn enter_at<S: Simd>(
+        &self,
+        simd: S,
+        node: &WideNode,
+        t_max: f32,
+        near: &mut [f32; WIDTH],
+    ) -> u64 {
+        let (enter, lanes) = self.slabs(simd, node, t_max);
+        enter.store_array(near);
+        lanes
+    }
+
+    #[inline(always)]
+    fn slabs<S: Simd>(&self, simd: S, node: &WideNode, t_max: f32) -> (f32x16<S>, u64) {
         let mut enter = f32x16::splat(simd, self.t_min);
         let mut exit = f32x16::splat(simd, t_max);
         for axis in 0..3 {
@@ -131,7 +160,7 @@ impl PacketBounds {
             exit = far.simd_lt(exit).select(far, exit);
         }
         let there = u32x16::load_array_ref(simd, &node.child).simd_ne(u32x16::splat(simd, NONE));
-        (enter.simd_le(exit) & there).to_bitmask()
+        (enter, (enter.simd_le(exit) & there).to_bitmask())
     }
 }
 

@@ -7,12 +7,14 @@
 //! A convex instance never stands in its own light. Points on meshes and height fields, which may, are [lifted](lift)
 //! above their triangles first.
 
-use super::any_hit::{activate, hit_lanes, intersect_instance, walk};
+use super::any_hit::{Search, activate, hit_lanes, intersect_instance, walk};
+use super::first_hit::stack_len;
 use super::lift::lift;
 use super::occluders::Occluders;
 use super::packet::{Faces, Packet, PacketBounds};
+use super::shapes::LocalRays;
 use super::tile::Tile;
-use super::view::View;
+use super::view::{MAX_DEPTH, View};
 use crate::scene::KIND_BOX;
 use crate::scene::tree::WIDTH;
 use crate::simd::{LANES, load_row};
@@ -30,13 +32,18 @@ const REMEMBERED: usize = 4;
 /// What looking for shadows works on; kept from tile to tile of a frame.
 pub(crate) struct Shadows {
     occluders: [Occluders; REMEMBERED],
-    /// Rays in double precision.
+    /// Rays in double precision, and the same in the frame of an instance.
     packet: Packet,
+    local: LocalRays,
 }
 
 impl Shadows {
     pub(crate) const fn new() -> Self {
-        Self { occluders: [const { Occluders::new() }; REMEMBERED], packet: Packet::new() }
+        Self {
+            occluders: [const { Occluders::new() }; REMEMBERED],
+            packet: Packet::new(),
+            local: LocalRays::new(),
+        }
     }
 
     /// Which of the lanes that are `lit` a lamp does not reach. Its outside casts shadows: the bulb around a lamp does
@@ -53,10 +60,19 @@ impl Shadows {
         simd.vectorize(
             #[inline(always)]
             || {
-                let Self { occluders, packet } = self;
+                let Self { occluders, packet, local } = self;
                 let bounds = from_lamp(position, &tile.bounds);
-                let mut rays =
-                    ShadowRays { view, tile, packet, position, lit, dark: 0, is_aimed: false, lifted: 0 };
+                let mut rays = ShadowRays {
+                    view,
+                    tile,
+                    packet,
+                    local,
+                    position,
+                    lit,
+                    dark: 0,
+                    is_aimed: false,
+                    lifted: 0,
+                };
                 if let Some(occluders) = occluders.get_mut(lamp)
                     && occluders.cover(simd, view, position, &tile.bounds)
                 {
@@ -70,7 +86,7 @@ impl Shadows {
                         }
                     }
                 } else {
-                    walk(
+                    walk::<S, _, { stack_len(MAX_DEPTH) }>(
                         simd,
                         #[inline(always)]
                         |node| &view.nodes[node as usize],
@@ -94,7 +110,7 @@ impl Shadows {
         towards: DVec3,
         lit: u64,
     ) -> u64 {
-        let packet = &mut self.packet;
+        let Self { packet, local, .. } = self;
         simd.vectorize(
             #[inline(always)]
             || {
@@ -123,7 +139,7 @@ impl Shadows {
                 activate(packet, lit, f64::INFINITY);
                 let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
                 let mut dark = 0;
-                walk(
+                walk::<S, _, { stack_len(MAX_DEPTH) }>(
                     simd,
                     #[inline(always)]
                     |node| &view.nodes[node as usize],
@@ -134,7 +150,8 @@ impl Shadows {
                         let active = lit & !dark & !own_lanes(simd, view, tile, index);
                         if active != 0 {
                             activate(packet, active, f64::INFINITY);
-                            intersect_instance(simd, view, index, packet, Faces::Both, f32::INFINITY);
+                            let search = (Faces::Both, Search::Any(f32::INFINITY));
+                            intersect_instance(simd, view, index, (packet, local), search);
                             dark |= hit_lanes(packet);
                         }
                         dark != lit
@@ -169,6 +186,7 @@ struct ShadowRays<'a> {
     view: &'a View<'a>,
     tile: &'a Tile,
     packet: &'a mut Packet,
+    local: &'a mut LocalRays,
     position: DVec3,
     lit: u64,
     /// Those that do not arrive.
@@ -185,8 +203,12 @@ impl ShadowRays<'_> {
     fn meet<S: Simd>(&mut self, simd: S, index: u32) -> bool {
         let active = self.lit & !self.dark & !own_lanes(simd, self.view, self.tile, index);
         if active != 0 {
-            self.dark |= if self.view.instance(index).kind == KIND_BOX {
+            let instance = self.view.instance(index);
+            self.dark |= if instance.kind == KIND_BOX {
                 self.meet_box(simd, index, active)
+            } else if instance.half_extents().is_some_and(|half| !self.comes_near(simd, index, half, active))
+            {
+                0
             } else {
                 self.meet_other(simd, index, active)
             };
@@ -197,8 +219,59 @@ impl ShadowRays<'_> {
     /// Slabs, as [`super::shapes::cuboid`], in single precision.
     #[inline(always)]
     fn meet_box<S: Simd>(&self, simd: S, index: u32, active: u64) -> u64 {
-        let placed = &self.view.placed[index as usize];
         let half = self.view.instance(index).size;
+        let mut dark = 0;
+        self.for_each_row(
+            simd,
+            (index, half),
+            active,
+            #[inline(always)]
+            |row, enter, exit| {
+                let hit = enter.simd_le(exit) & enter.simd_ge(0.0) & enter.simd_lt(1.0 - SHADOW_BIAS);
+                dark |= hit.to_bitmask() << (row * WIDTH);
+            },
+        );
+        dark & active
+    }
+
+    /// Whether any ray comes near the box around a solid: seldom enough that it is worth to ask.
+    #[inline(always)]
+    fn comes_near<S: Simd>(&self, simd: S, index: u32, half: [f64; 3], active: u64) -> bool {
+        // More than all roundings of the slabs together.
+        const MARGIN: f64 = 4e-6;
+        let mut reach = self.position.abs().max_element();
+        for [low, high] in self.tile.bounds {
+            reach = reach.max(f64::from(low.abs())).max(f64::from(high.abs()));
+        }
+        let mut grown = half;
+        for axis in 0..3 {
+            let [x, y, z] = self.view.placed[index as usize].inverse[axis];
+            grown[axis] += MARGIN * (half[axis] + reach * (x.abs() + y.abs() + z.abs()));
+        }
+        let mut near = false;
+        self.for_each_row(
+            simd,
+            (index, grown),
+            active,
+            #[inline(always)]
+            |_, enter, exit| {
+                let (enter, exit) = (enter - enter.abs() * 1e-5, exit + exit.abs() * 1e-5);
+                near |= (enter.simd_le(exit) & exit.simd_ge(0.0) & enter.simd_le(1.0)).any_true();
+            },
+        );
+        near
+    }
+
+    /// Gives for each row of lanes, of which some are active, where its rays enter and leave a box of an instance.
+    #[inline(always)]
+    fn for_each_row<S: Simd>(
+        &self,
+        simd: S,
+        (index, half): (u32, [f64; 3]),
+        active: u64,
+        mut visit: impl FnMut(usize, f32x16<S>, f32x16<S>),
+    ) {
+        let placed = &self.view.placed[index as usize];
         // Distances from the lamp are rounded after the subtraction.
         let inverse = placed.inverse.map(DVec3::from_array);
         let lamp = self.position - DVec3::from_array(placed.translation);
@@ -208,13 +281,12 @@ impl ShadowRays<'_> {
             (to_low[axis], to_high[axis]) = ((-half[axis] - at) as f32, (half[axis] - at) as f32);
             rows[axis] = inverse[axis].as_vec3().to_array();
         }
-        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        let mut dark = 0;
+        let one = f32x16::splat(simd, 1.0);
         for row in 0..LANES / WIDTH {
             if (active >> (row * WIDTH)) as u16 == 0 {
                 continue;
             }
-            let mut direction = [zero; 3];
+            let mut direction = [one; 3];
             for axis in 0..3 {
                 direction[axis] = load_row(simd, &self.tile.point[axis], row) - self.position[axis] as f32;
             }
@@ -229,16 +301,14 @@ impl ShadowRays<'_> {
                 enter = near.simd_gt(enter).select(near, enter);
                 exit = far.simd_lt(exit).select(far, exit);
             }
-            let hit = enter.simd_le(exit) & enter.simd_ge(zero) & enter.simd_lt(1.0 - SHADOW_BIAS);
-            dark |= hit.to_bitmask() << (row * WIDTH);
+            visit(row, enter, exit);
         }
-        dark & active
     }
 
     fn meet_other<S: Simd>(&mut self, simd: S, index: u32, active: u64) -> u64 {
         let Self { view, tile, position, lit, .. } = *self;
         let aim = !core::mem::replace(&mut self.is_aimed, true);
-        let (packet, lifted) = (&mut *self.packet, &mut self.lifted);
+        let (packet, local, lifted) = (&mut *self.packet, &mut *self.local, &mut self.lifted);
         simd.vectorize(
             #[inline(always)]
             || {
@@ -265,7 +335,8 @@ impl ShadowRays<'_> {
                         packet.t[lane] = if whole { 1.0 } else { packet.t[lane] };
                     }
                 }
-                intersect_instance(simd, view, index, packet, Faces::Front, 1.0);
+                let search = (Faces::Front, Search::Any(1.0));
+                intersect_instance(simd, view, index, (packet, local), search);
                 hit_lanes(packet)
             },
         )

@@ -5,7 +5,7 @@
 //! keeps those of its own.
 
 use super::shapes::surface::{Surface, flat, solid_surface};
-use super::tile::{CameraRays, Tile};
+use super::tile::{Steps, Tile};
 use super::view::{Placed, View};
 use crate::scene::tree::WIDTH;
 use crate::scene::{
@@ -81,12 +81,12 @@ impl Surfaces {
         tile: &Tile,
         placed: u32,
         repeat: Option<[f32; 2]>,
-        rays: &CameraRays<'_>,
+        steps: &Steps,
     ) {
         if let Some(repeat) = repeat {
-            self.add_kind::<true>(view, tile, placed, repeat, rays);
+            self.add_kind::<true>(view, tile, placed, repeat, steps);
         } else {
-            self.add_kind::<false>(view, tile, placed, [1.0; 2], rays);
+            self.add_kind::<false>(view, tile, placed, [1.0; 2], steps);
         }
     }
 
@@ -97,7 +97,7 @@ impl Surfaces {
         tile: &Tile,
         index: u32,
         repeat: [f32; 2],
-        rays: &CameraRays<'_>,
+        steps: &Steps,
     ) {
         let instance = view.instance(index);
         let placed = &view.placed[index as usize];
@@ -107,7 +107,7 @@ impl Surfaces {
                     tile,
                     index,
                     placed,
-                    (repeat, rays),
+                    (repeat, steps),
                     #[inline(always)]
                     |_, point| solid_surface::<TEXTURED>($kind, instance.size, point),
                 )
@@ -123,7 +123,7 @@ impl Surfaces {
                 tile,
                 index,
                 placed,
-                (repeat, rays),
+                (repeat, steps),
                 #[inline(always)]
                 |lane, point| {
                     // Other lanes may have hit the triangle of something else.
@@ -147,7 +147,7 @@ impl Surfaces {
         tile: &Tile,
         index: u32,
         placed: &Placed,
-        (repeat, rays): ([f32; 2], &CameraRays<'_>),
+        (repeat, steps): ([f32; 2], &Steps),
         surface: impl Fn(usize, DVec3) -> Surface,
     ) {
         let inverse = placed.inverse.map(DVec3::from_array);
@@ -234,7 +234,7 @@ impl Surfaces {
         }
         for side in 0..2 {
             let mut step = [[0.0; LANES]; 3];
-            if let Some(steps) = rays.steps {
+            if let Some(steps) = steps {
                 step = to_local(steps[side]).as_vec3().to_array().map(|step| [step; LANES]);
             } else {
                 for axis in 0..3 {

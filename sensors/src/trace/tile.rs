@@ -5,13 +5,13 @@
 
 use super::grid::Band;
 use super::image::{GRAZING, NO_HIT};
-use super::packet::MISS;
+use super::packet::{MISS, Packet};
 use super::resolve::Resolver;
 use crate::optics::rays::{Fan, Rays};
 use crate::pose::Pose;
 use crate::scene::tree::WIDTH;
 use crate::simd::{LANES, Lanes, load_row, store_row};
-use fearless_simd::{Select, Simd, SimdBase, SimdCombine, SimdMask, f32x4, f32x16, u32x4, u32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdCombine, SimdMask, f32x4, f32x16, mask32x16, u32x4, u32x16};
 use glam::{DMat3, DVec3};
 
 /// Blocks in a tile.
@@ -90,10 +90,12 @@ pub(crate) struct CameraRays<'a> {
     /// Of a pinhole, centre and 1/focal length in 1/pixels.
     centre: [f32; 2],
     per_focal: [f32; 2],
-    /// Of a pinhole, how a ray's direction changes to the next pixel along a row, and to that down a column. Of others
-    /// it differs from pixel to pixel: [`Tile::steps`].
-    pub(crate) steps: Option<[DVec3; 2]>,
+    pub(crate) steps: Steps,
 }
+
+/// Of a pinhole, how a ray's direction changes to the next pixel along a row, and to that down a column. Of others it
+/// differs from pixel to pixel: [`Tile::steps`].
+pub(crate) type Steps = Option<[DVec3; 2]>;
 
 impl<'a> CameraRays<'a> {
     pub(crate) fn new(rays: &Rays<'a>, world_from_sensor: &Pose) -> Self {
@@ -352,26 +354,8 @@ impl Tile {
             self.bounds[axis] = [simd.reduce_min_f32x16(low[axis]), simd.reduce_max_f32x16(high[axis])];
         }
 
-        // Step 2: what they lie on, one instance after the other.
-        self.placed = [MISS; LANES];
-        let mut rest = self.hits;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize % LANES;
-            let hit = resolver.hit(slot.as_flattened()[lane]);
-            let own = resolver.slots();
-            for row in 0..BLOCKS {
-                let slots = u32x16::load_array_ref(simd, &slot[row]) & u32x16::splat(simd, !GRAZING);
-                let mine = slots.simd_ge(u32x16::splat(simd, own.start))
-                    & slots.simd_lt(u32x16::splat(simd, own.end));
-                rest &= !(mine.to_bitmask() << (row * WIDTH));
-                let placed = &mut self.placed.as_chunks_mut().0[row];
-                let old = u32x16::load_array_ref(simd, placed);
-                mine.select(u32x16::splat(simd, hit.placed), old).store_array(placed);
-                let local = &mut self.local.as_chunks_mut().0[row];
-                let old = u32x16::load_array_ref(simd, local);
-                mine.select(slots - u32x16::splat(simd, own.start), old).store_array(local);
-            }
-        }
+        // Step 2: what they lie on.
+        self.resolve(simd, &slot, resolver);
 
         if !PINHOLE && band.view.scene.has_textures() {
             self.find_steps(rays, [tile_column, block_row]);
@@ -392,6 +376,82 @@ impl Tile {
                     let [low, high] = &mut self.bounds[axis];
                     (*low, *high) = (low.min(point), high.max(point));
                 }
+            }
+        }
+    }
+
+    /// Finds the instances and triangles of slots, one instance after the other.
+    #[inline(always)]
+    fn resolve<S: Simd>(&mut self, simd: S, slot: &[[u32; WIDTH]; BLOCKS], resolver: &mut Resolver<'_>) {
+        self.placed = [MISS; LANES];
+        let mut rest = self.hits;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % LANES;
+            let hit = resolver.hit(slot.as_flattened()[lane]);
+            let own = resolver.slots();
+            for row in 0..BLOCKS {
+                let slots = u32x16::load_array_ref(simd, &slot[row]) & u32x16::splat(simd, !GRAZING);
+                let mine = slots.simd_ge(u32x16::splat(simd, own.start))
+                    & slots.simd_lt(u32x16::splat(simd, own.end));
+                rest &= !(mine.to_bitmask() << (row * WIDTH));
+                let placed = &mut self.placed.as_chunks_mut().0[row];
+                let old = u32x16::load_array_ref(simd, placed);
+                mine.select(u32x16::splat(simd, hit.placed), old).store_array(placed);
+                let local = &mut self.local.as_chunks_mut().0[row];
+                let old = u32x16::load_array_ref(simd, local);
+                mine.select(slots - u32x16::splat(simd, own.start), old).store_array(local);
+            }
+        }
+    }
+
+    /// Takes what rays of a packet from the sensor have hit first; lanes that took no part miss.
+    #[inline(always)]
+    pub(crate) fn take_first_hits<S: Simd>(&mut self, simd: S, packet: &Packet, resolver: &mut Resolver<'_>) {
+        (self.hits, self.missing) = (0, 0);
+        let mut slot = [[NO_HIT; WIDTH]; BLOCKS];
+        slot.as_flattened_mut().copy_from_slice(&packet.hit);
+        for row in 0..BLOCKS {
+            let hit = u32x16::load_array_ref(simd, &slot[row]).simd_ne(u32x16::splat(simd, MISS));
+            self.hits |= hit.to_bitmask() << (row * WIDTH);
+        }
+        for lane in 0..LANES {
+            self.t[lane] = if packet.hit[lane] == MISS { 0.0 } else { packet.t[lane] as f32 };
+        }
+        self.resolve(simd, &slot, resolver);
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                self.direction[axis][lane] = packet.direction[axis][lane] as f32;
+            }
+            let mut low = f32x16::splat(simd, f32::MAX);
+            let mut high = f32x16::splat(simd, f32::MIN);
+            for row in 0..BLOCKS {
+                let hit: mask32x16<S> = simd.from_bitmask_mask32x16(self.hits >> (row * WIDTH) & 0xffff);
+                let point = load_row(simd, &self.direction[axis], row) * load_row(simd, &self.t, row);
+                store_row(point, &mut self.point[axis], row);
+                low = (hit & point.simd_lt(low)).select(point, low);
+                high = (hit & point.simd_gt(high)).select(point, high);
+            }
+            self.bounds[axis] = [simd.reduce_min_f32x16(low), simd.reduce_max_f32x16(high)];
+        }
+    }
+
+    /// Takes the directions of the rays of a tile in square blocks.
+    #[inline(always)]
+    pub(crate) fn take_directions<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: &CameraRays<'_>,
+        [column, row]: [usize; 2],
+    ) {
+        if rays.steps.is_none() {
+            rays.unit_rows(simd, [column, row], &mut self.direction);
+            return;
+        }
+        for line in 0..BLOCKS {
+            let [x, y] = Tiling::Square.lines([column, row])[line];
+            let direction = rays.pinhole_row(simd, x, y);
+            for axis in 0..3 {
+                store_row(direction[axis], &mut self.direction[axis], line);
             }
         }
     }

@@ -67,6 +67,8 @@ pub struct CameraSensor {
     pub height: u32,
     /// Layout of a pixel.
     pub format: PixelFormat,
+    /// `<anti_aliasing>`: samples a pixel; 0 and 1 ask for none besides its own.
+    pub anti_aliasing: u32,
     /// Nothing nearer is seen.
     pub near_m: f64,
     /// Nothing farther is seen.

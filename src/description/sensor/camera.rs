@@ -8,6 +8,8 @@ use crate::description::xml::Element;
 
 /// Most pixels along a side.
 const MAX_IMAGE_SIZE: u32 = 16384;
+/// Most samples a pixel that a file may ask for.
+const MAX_ANTI_ALIASING: u32 = 64;
 
 impl Reader<'_> {
     /// The `<camera>` of a sensor; `far_m` is the far clip distance if none is given.
@@ -24,6 +26,7 @@ impl Reader<'_> {
         let width = self.count(image, "width", 320, MAX_IMAGE_SIZE);
         let height = self.count(image, "height", 240, MAX_IMAGE_SIZE);
         let format = self.format(image);
+        let anti_aliasing = self.anti_aliasing(image);
         let distances = self.clip(clip, sensor, far_m);
         let noise = self.noise(camera);
         let device = self.device(camera);
@@ -37,12 +40,21 @@ impl Reader<'_> {
             width,
             height,
             format: format?,
+            anti_aliasing: anti_aliasing?,
             near_m,
             far_m,
             noise: noise?,
             lens,
             device: device?,
         })
+    }
+
+    /// Samples a pixel: none besides its own if the file does not say, as in Gazebo classic.
+    fn anti_aliasing(&mut self, image: Option<&Element>) -> Option<u32> {
+        let is_valid =
+            |value: f64| value.fract() == 0.0 && (0.0..=f64::from(MAX_ANTI_ALIASING)).contains(&value);
+        let remedy = format!("write a whole number from 0 to {MAX_ANTI_ALIASING}");
+        self.checked(image, "anti_aliasing", 0.0, is_valid, &remedy).map(|value| value as u32)
     }
 
     fn format(&mut self, image: Option<&Element>) -> Option<PixelFormat> {
@@ -115,7 +127,7 @@ impl Reader<'_> {
             self.diagnostics.warning(&child.source, what, remedy);
         }
         let parts: [(&str, &[&str]); 2] =
-            [("image", &["width", "height", "format"]), ("clip", &["near", "far"])];
+            [("image", &["width", "height", "format", "anti_aliasing"]), ("clip", &["near", "far"])];
         for (name, read) in parts {
             if let Some(part) = camera.child(name) {
                 let remedy = format!("take it out: <{name}> has {}", read.join(", "));

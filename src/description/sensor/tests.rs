@@ -430,9 +430,23 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
             "{problems:?}"
         );
     }
-    let aliased = "<image><width>640</width><anti_aliasing>4</anti_aliasing></image>";
-    let (_, problems) = parse(&format!("<sensor name='c' type='camera'><camera>{aliased}</camera></sensor>"));
-    assert!(problems.len() == 1 && problems[0].contains("<anti_aliasing> of sensor 'c'"), "{problems:?}");
+    let deep = "<image><width>640</width><depth>16</depth></image>";
+    let (_, problems) = parse(&format!("<sensor name='c' type='camera'><camera>{deep}</camera></sensor>"));
+    assert!(problems.len() == 1 && problems[0].contains("<depth> of sensor 'c'"), "{problems:?}");
+    for (text, expected) in [("", Some(0)), ("4", Some(4)), ("-1", None), ("1.5", None)] {
+        let element =
+            if text.is_empty() { String::new() } else { format!("<anti_aliasing>{text}</anti_aliasing>") };
+        let image = format!("<image><width>640</width>{element}</image>");
+        let (sensor, problems) =
+            parse(&format!("<sensor name='c' type='camera'><camera>{image}</camera></sensor>"));
+        let samples = sensor.map(|sensor| match sensor.kind {
+            SensorKind::Camera(camera) | SensorKind::Depth(camera) => camera.anti_aliasing,
+            SensorKind::Ray(_) => panic!(),
+        });
+        assert_eq!(samples, expected, "{problems:?}");
+        assert!(problems.iter().all(|problem| problem.contains("write a whole number from 0 to 64")));
+        assert_eq!(problems.is_empty(), expected.is_some());
+    }
     let harmless =
         "<save enabled='false'><path>p</path></save><triggered>false</triggered><pose>0 0 0 0 0 0</pose>";
     lens_of("camera", harmless);

@@ -3,6 +3,7 @@
 //! Only drawing is compiled for each rule, as its inner loops are all about directions. What follows (distances,
 //! normals, colours) asks for the directions of sixteen rays at a time and is compiled once.
 
+mod between;
 mod fan;
 mod find;
 mod pinhole;

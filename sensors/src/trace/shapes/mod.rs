@@ -74,6 +74,12 @@ pub(crate) struct LocalRays {
     pub(crate) direction: [Lanes<f64>; 3],
 }
 
+impl LocalRays {
+    pub(crate) const fn new() -> Self {
+        Self { origin: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3] }
+    }
+}
+
 /// Where a ray is inside a convex solid; empty when `enter` > `exit`.
 ///
 /// A surface without a volume, such as a rectangle, is entered by a ray that meets its outside and left by one
@@ -166,7 +172,7 @@ pub(crate) fn commit(
     rays: &LocalRays,
     packet: &mut Packet,
     faces: Faces,
-    placed: u32,
+    slot: u32,
     inside: impl Fn([f64; 3], [f64; 3]) -> Inside,
 ) {
     let both = faces == Faces::Both;
@@ -179,8 +185,8 @@ pub(crate) fn commit(
     }
     let mut hit = [0; LANES];
     for lane in 0..LANES {
-        hit[lane] = if t[lane] < packet.t[lane] { placed } else { packet.placed[lane] };
+        hit[lane] = if t[lane] < packet.t[lane] { slot } else { packet.hit[lane] };
         t[lane] = if t[lane] < packet.t[lane] { t[lane] } else { packet.t[lane] };
     }
-    (packet.t, packet.placed) = (t, hit);
+    (packet.t, packet.hit) = (t, hit);
 }

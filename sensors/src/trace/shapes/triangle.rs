@@ -16,17 +16,17 @@ pub(crate) enum Side {
 
 /// Tests one triangle, given its corners in the frame of the rays.
 #[inline(always)]
-pub(crate) fn intersect(rays: &LocalRays, corners: [DVec3; 3], packet: &mut Packet, side: Side, placed: u32) {
+pub(crate) fn intersect(rays: &LocalRays, corners: [DVec3; 3], packet: &mut Packet, side: Side, slot: u32) {
     if packet.shared_origin {
         let origin = DVec3::new(rays.origin[0][0], rays.origin[1][0], rays.origin[2][0]);
         let edges = Edges::seen_from(origin, corners);
         for lane in 0..LANES {
-            test(&edges, rays, lane, packet, side, placed);
+            test(&edges, rays, lane, packet, side, slot);
         }
     } else {
         for lane in 0..LANES {
             let origin = DVec3::new(rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]);
-            test(&Edges::seen_from(origin, corners), rays, lane, packet, side, placed);
+            test(&Edges::seen_from(origin, corners), rays, lane, packet, side, slot);
         }
     }
 }
@@ -50,7 +50,7 @@ impl Edges {
 }
 
 #[inline(always)]
-fn test(edges: &Edges, rays: &LocalRays, lane: usize, packet: &mut Packet, side: Side, placed: u32) {
+fn test(edges: &Edges, rays: &LocalRays, lane: usize, packet: &mut Packet, side: Side, slot: u32) {
     let [dx, dy, dz] = [rays.direction[0][lane], rays.direction[1][lane], rays.direction[2][lane]];
     let along = |v: DVec3| dx * v.x + dy * v.y + dz * v.z;
     let (ab, bc, ca) = (along(edges.ab), along(edges.bc), along(edges.ca));
@@ -59,5 +59,5 @@ fn test(edges: &Edges, rays: &LocalRays, lane: usize, packet: &mut Packet, side:
     let t = edges.distance / along(edges.normal);
     let hit = (front || back) && t >= packet.t_min && t < packet.t[lane];
     packet.t[lane] = if hit { t } else { packet.t[lane] };
-    packet.placed[lane] = if hit { placed } else { packet.placed[lane] };
+    packet.hit[lane] = if hit { slot } else { packet.hit[lane] };
 }

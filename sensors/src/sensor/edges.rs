@@ -1,0 +1,420 @@
+//! Anti-aliased edges: more rays where neighbouring pixels disagree.
+//!
+//! A picture is traced and shaded with a ray a pixel first, and a [mark](Marks) is kept of each pixel: its colour, and
+//! what it shows. Where a neighbour shows something else in another colour, an edge of a shape or of a shadow runs
+//! between the two: there the pixel's colour becomes the mean of [`SAMPLES`] rays spread over its square, in linear light
+//! and before exposure and noise. Patterns on a surface are filtered already, by their footprints.
+//!
+//! Marks are compared once the picture is complete, so that bands do not show, and in the same pieces whatever the number
+//! of threads. Pixels without an edge keep their bits.
+
+use super::pixel::to_bytes;
+use crate::device::TileView;
+use crate::execution::{Execution, SplitRows, for_each_row};
+use crate::optics::Optics;
+use crate::optics::rays::{PinholeFan, Rays, TableFan};
+use crate::scene::tree::WIDTH;
+use crate::shade::{Colours, Shader};
+use crate::simd::{LANES, load_row};
+use crate::trace::first_hit::first_hits;
+use crate::trace::grid::{Frame, Sight};
+use crate::trace::packet::{MISS, Packet};
+use crate::trace::resolve::Resolver;
+use crate::trace::shapes::LocalRays;
+use crate::trace::tile::{CameraRays, Tile, Tiling};
+use crate::trace::view::View;
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdMask, dispatch, u8x64, u32x16};
+use glam::DVec3;
+
+/// What becomes of the edges of shapes and shadows in a picture.
+///
+/// ```
+/// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
+/// let mut builder = SceneBuilder::new();
+/// builder.set_environment(Environment { background: [0.0; 3], ..Default::default() });
+/// let white = builder.add_material(&MaterialConfig { emissive: [1.0; 3], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
+/// builder.add_instance(&InstanceConfig {
+///     shape: Shape::Sphere { radius: 0.5 },
+///     world_from_instance: Pose::from_translation(glam::DVec3::X * 2.0),
+///     material: white,
+///     ..Default::default()
+/// })?;
+/// let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(Pose::IDENTITY)));
+/// let config = CameraConfig::new(PinholeGrid::from_fov(64, 48, 1.0)?).format(PixelFormat::Mono8);
+/// let greys = |edges| {
+///     let camera = Camera::new(config.edges(edges)).unwrap();
+///     let mut pixels = vec![0; camera.frame_len()];
+///     let mut memory = WorkspaceBuf::default();
+///     let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
+///     camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels)).unwrap();
+///     pixels.sort_unstable();
+///     pixels.dedup();
+///     pixels
+/// };
+/// assert_eq!(greys(Edges::Sharp), [0, 255]);
+/// assert_eq!(greys(Edges::Smooth), [0, 64, 128, 191, 255]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Edges {
+    /// A pixel has the colour that its middle sees: edges are stairs.
+    #[default]
+    Sharp,
+    /// A pixel at an edge has the mean colour of four rays spread over it. Not in pictures that are taken at several
+    /// moments ([`Shutter::Slices`](crate::Shutter::Slices)), nor of a grid of angles: their edges stay sharp.
+    Smooth,
+}
+
+/// Rays of a pixel at an edge.
+const SAMPLES: usize = 4;
+/// Where in the pixel they go, to the right and down of its middle: no two in one of its four rows or columns.
+const OFFSETS: [[f64; 2]; SAMPLES] = [[-0.125, -0.375], [0.375, -0.125], [-0.375, 0.125], [0.125, 0.375]];
+/// Pixels whose rays are traced at a time.
+const PIXELS: usize = LANES / SAMPLES;
+/// By how much of 255 some channel must differ for an edge to be one.
+const LEAST_DIFFERENCE: u32 = 24;
+
+/// The mark of a pixel without a ray, and of what lies beyond the picture.
+const NO_RAY: u32 = 0;
+/// Set in all others.
+const RAY: u32 = 1 << 31;
+/// Bits of a mark that hold the colour; those above, what the pixel shows.
+const COLOUR: u32 = 0x00ff_ffff;
+
+/// Pixels across a tile, and down.
+pub(super) const TILE_WIDTH: usize = Tiling::Square.size()[0];
+pub(super) const TILE_HEIGHT: usize = Tiling::Square.size()[1];
+/// Rows of tiles that are searched and painted at a time.
+const CHUNK: usize = 8;
+/// Tiles of a row that are searched at a time.
+const GROUP: usize = 16;
+/// Pixels that are painted together.
+const QUEUE: usize = 8 * PIXELS;
+
+/// What is kept of each pixel of a picture, row after row; of none, if edges are sharp.
+pub(crate) struct Marks<'a> {
+    marks: &'a mut [u32],
+    width: usize,
+}
+
+impl<'a> Marks<'a> {
+    pub(crate) fn new(marks: &'a mut [u32], width: usize) -> Self {
+        Self { marks, width }
+    }
+
+    /// Marks the pixels of a tile, given by its column and its row among these.
+    #[inline(always)]
+    pub(crate) fn put<S: Simd>(
+        &mut self,
+        simd: S,
+        colours: &Colours,
+        exposure: f32,
+        shader: &Shader,
+        missing: u64,
+        [column, row]: [usize; 2],
+    ) {
+        let Some(seen) = shader.seen() else { return };
+        let first = column * TILE_WIDTH;
+        let lines = self.marks.chunks_mut(self.width).skip(row * TILE_HEIGHT).take(TILE_HEIGHT);
+        for (row, line) in lines.enumerate() {
+            let red = load_row(simd, &colours[0], row) * exposure;
+            let green = load_row(simd, &colours[1], row) * exposure;
+            let blue = load_row(simd, &colours[2], row) * exposure;
+            let seen = u32x16::load_array_ref(simd, &seen.as_chunks().0[row]) << 24;
+            let marks = to_bytes(simd, [red, green, blue]) | seen | u32x16::splat(simd, RAY);
+            let rays = simd.from_bitmask_mask32x16(!(missing >> (row * TILE_WIDTH)) & 0xffff);
+            let mut sixteen = [NO_RAY; TILE_WIDTH];
+            rays.select(marks, u32x16::splat(simd, NO_RAY)).store_array(&mut sixteen);
+            let across = TILE_WIDTH.min(line.len() - first);
+            line[first..first + across].copy_from_slice(&sixteen[..across]);
+        }
+    }
+}
+
+impl SplitRows for Marks<'_> {
+    fn split_rows(self, rows: usize) -> (Self, Self) {
+        let at = (rows * TILE_HEIGHT * self.width).min(self.marks.len());
+        let (upper, lower) = self.marks.split_at_mut(at);
+        (Self { marks: upper, width: self.width }, Self { marks: lower, width: self.width })
+    }
+}
+
+/// A picture that pixels are painted over in.
+pub(crate) trait Canvas: SplitRows {
+    /// Paints some lanes of a tile, a bit each; the colours of the others mean nothing. `place` is the tile's
+    /// column, and its row in this part of the picture.
+    fn paint<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &TileView<'_>,
+        place: [usize; 2],
+        lanes: u64,
+        colours: &mut Colours,
+    );
+}
+
+/// Smooths the edges of a picture that is otherwise complete.
+pub(crate) struct Smoothing<'a> {
+    view: &'a View<'a>,
+    rays: Rays<'a>,
+    camera_rays: CameraRays<'a>,
+    sight: Sight,
+    marks: &'a [u32],
+    /// Of the picture.
+    size: [usize; 2],
+}
+
+impl<'a> Smoothing<'a> {
+    /// None, if there are no marks.
+    pub(crate) fn new(
+        frame: &'a Frame<'a>,
+        optics: &Optics<'a>,
+        sight: Sight,
+        marks: &'a [u32],
+    ) -> Option<Self> {
+        let view = frame.view()?;
+        let rays = match optics {
+            _ if marks.is_empty() => return None,
+            Optics::Pinhole(grid) => Rays::Pinhole(PinholeFan::new(grid, *frame.fan())),
+            Optics::Table(table) => Rays::Table(TableFan::new(table)),
+            Optics::Spherical(_) => return None,
+        };
+        let camera_rays = CameraRays::new(&rays, &view.world_from_sensor);
+        Some(Self { view, rays, camera_rays, sight, marks, size: optics.size() })
+    }
+
+    /// Paints all edges.
+    pub(crate) fn paint(&self, execution: Execution, canvas: impl Canvas) {
+        let [width, height] = self.size;
+        let (across, down) = (width.div_ceil(TILE_WIDTH), height.div_ceil(TILE_HEIGHT));
+        let work = |chunk: usize, mut canvas: Chunks<_>| {
+            let rows = chunk * CHUNK..((chunk + 1) * CHUNK).min(down);
+            dispatch!(execution.level, simd => simd.vectorize(
+                #[inline(always)]
+                || self.paint_chunk(simd, rows, across, &mut canvas.0)
+            ));
+        };
+        for_each_row(execution, 0..down.div_ceil(CHUNK), Chunks(canvas), &work);
+    }
+
+    /// Paints the edges in some rows of so many tiles.
+    #[inline(always)]
+    fn paint_chunk<S: Simd>(
+        &self,
+        simd: S,
+        rows: core::ops::Range<usize>,
+        across: usize,
+        canvas: &mut impl Canvas,
+    ) {
+        let mut bench = Bench::new(self.view);
+        let mut pixels = [Pixel { tile: [0; 2], lane: 0, colour: [0.0; 3] }; QUEUE];
+        let (mut waiting, mut sampled) = (0, 0);
+        for row in rows.clone() {
+            for first in (0..across).step_by(GROUP) {
+                let edges = self.find(simd, first..(first + GROUP).min(across), row);
+                for (tile, &lanes) in edges.iter().enumerate() {
+                    let mut rest = lanes;
+                    while rest != 0 {
+                        let lane = rest.trailing_zeros() as usize % LANES;
+                        rest &= rest - 1;
+                        pixels[waiting] = Pixel { tile: [first + tile, row], lane, colour: [0.0; 3] };
+                        waiting += 1;
+                        if waiting == sampled + PIXELS {
+                            self.sample(simd, &mut bench, &mut pixels[sampled..waiting]);
+                            sampled = waiting;
+                        }
+                        if waiting == QUEUE {
+                            self.put_down(simd, &mut bench.tile, &pixels, rows.start, canvas);
+                            (waiting, sampled) = (0, 0);
+                        }
+                    }
+                }
+            }
+        }
+        if sampled < waiting {
+            self.sample(simd, &mut bench, &mut pixels[sampled..waiting]);
+        }
+        self.put_down(simd, &mut bench.tile, &pixels[..waiting], rows.start, canvas);
+    }
+
+    /// The pixels of some tiles of a row at which there is an edge, a bit each.
+    #[inline(always)]
+    fn find<S: Simd>(&self, simd: S, group: core::ops::Range<usize>, row: usize) -> [u64; GROUP] {
+        const MARGIN: usize = WIDTH;
+        let [width, height] = self.size;
+        // The marks of these rows, and around them.
+        let mut near = [[NO_RAY; MARGIN + GROUP * TILE_WIDTH + MARGIN]; TILE_HEIGHT + 2];
+        let first = group.start * TILE_WIDTH;
+        let (before, after) = (first.saturating_sub(1), (group.end * TILE_WIDTH + 1).min(width));
+        for (y, line) in near.iter_mut().enumerate() {
+            let Some(y) = (row * TILE_HEIGHT + y).checked_sub(1) else { continue };
+            if y < height {
+                let from = MARGIN - (first - before);
+                line[from..from + after - before]
+                    .copy_from_slice(&self.marks[y * width + before..y * width + after]);
+            }
+        }
+        let mut edges = [0; GROUP];
+        for (tile, edges) in edges.iter_mut().enumerate().take(group.len()) {
+            let x = MARGIN + tile * TILE_WIDTH;
+            for y in 1..=TILE_HEIGHT {
+                let at = |x: usize, y: usize| u32x16::from_slice(simd, &near[y][x..x + WIDTH]);
+                let own = at(x, y);
+                let sides = [at(x - 1, y), at(x + 1, y), at(x, y - 1), at(x, y + 1)];
+                let elsewhere = (own ^ sides[0]) | (own ^ sides[1]) | (own ^ sides[2]) | (own ^ sides[3]);
+                if !elsewhere.simd_gt(COLOUR).any_true() {
+                    continue;
+                }
+                let mut edge = u32x16::splat(simd, 0);
+                for side in sides {
+                    edge |= beyond(simd, own, side);
+                }
+                let edge = edge.simd_ne(0) & own.simd_ne(NO_RAY);
+                *edges |= edge.to_bitmask() << ((y - 1) * TILE_WIDTH);
+            }
+        }
+        edges
+    }
+
+    /// Traces the rays of up to sixteen pixels and gives these their mean colours.
+    #[inline(always)]
+    fn sample<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel]) {
+        let Bench { packet, local, tile, shader, resolver, colours } = bench;
+        self.aim(pixels, packet, tile);
+        first_hits(simd, self.view, packet, local, self.sight.faces);
+        tile.take_first_hits(simd, packet, resolver);
+        shader.shade(simd, self.view, tile, &self.camera_rays.steps, colours);
+        for channel in 0..3 {
+            let samples = colours[channel].as_chunks::<SAMPLES>().0;
+            for (pixel, [a, b, c, d]) in pixels.iter_mut().zip(samples) {
+                pixel.colour[channel] = ((a + b) + (c + d)) * (1.0 / SAMPLES as f32);
+            }
+        }
+    }
+
+    /// The rays of a pixel lie in lanes side by side: so a row of lanes sees few surfaces.
+    #[inline(always)]
+    fn aim(&self, pixels: &[Pixel], packet: &mut Packet, tile: &mut Tile) {
+        let axes = self.view.world_from_sensor.rotation_matrix();
+        let [near, far] = self.sight.range;
+        packet.t_min = near;
+        packet.hit = [MISS; LANES];
+        packet.t = [f64::NEG_INFINITY; LANES];
+        let mut put = |lane: usize, direction: DVec3| {
+            let direction = axes * direction;
+            for axis in 0..3 {
+                packet.direction[axis][lane] = direction[axis];
+            }
+            packet.t[lane] = far;
+        };
+        for (place, pixel) in pixels.iter().enumerate() {
+            let column = pixel.tile[0] * TILE_WIDTH + pixel.lane % TILE_WIDTH;
+            let row = pixel.tile[1] * TILE_HEIGHT + pixel.lane / TILE_WIDTH;
+            if let Rays::Pinhole(pinhole) = &self.rays {
+                let lens = pinhole.intrinsics();
+                for (sample, [right, down]) in OFFSETS.iter().enumerate() {
+                    let left = (lens.cx - (column as f64 + right)) / lens.fx;
+                    let up = (lens.cy - (row as f64 + down)) / lens.fy;
+                    put(place * SAMPLES + sample, DVec3::new(1.0, left, up));
+                }
+                continue;
+            }
+            let neighbours = self.rays.neighbours(column as i32, row as i32);
+            let steps = neighbours.steps().map(|step| axes * step);
+            for (sample, [right, down]) in OFFSETS.iter().enumerate() {
+                let lane = place * SAMPLES + sample;
+                put(lane, neighbours.direction(*right, *down));
+                for side in 0..2 {
+                    for axis in 0..3 {
+                        tile.steps[side][axis][lane] = steps[side][axis] as f32;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Paints pixels, of neighbouring tiles one after the other, into the part of a picture that begins at a row of
+    /// tiles.
+    #[inline(always)]
+    fn put_down<S: Simd>(
+        &self,
+        simd: S,
+        tile: &mut Tile,
+        pixels: &[Pixel],
+        first_row: usize,
+        canvas: &mut impl Canvas,
+    ) {
+        let mut colours = [[0.0; LANES]; 3];
+        for pixels in pixels.chunk_by(|a, b| a.tile == b.tile) {
+            let ([column, row], mut lanes) = (pixels[0].tile, 0);
+            for pixel in pixels {
+                lanes |= 1 << pixel.lane;
+                for channel in 0..3 {
+                    colours[channel][pixel.lane] = pixel.colour[channel];
+                }
+            }
+            tile.take_directions(simd, &self.camera_rays, [column, row]);
+            let view = TileView {
+                directions: &tile.direction,
+                forward: self.camera_rays.forward(),
+                lines: Tiling::Square.lines([column, row]),
+                samples: Tiling::Square.samples(self.size[0], [column, row]),
+            };
+            canvas.paint(simd, &view, [column, row - first_row], lanes, &mut colours);
+        }
+    }
+}
+
+/// By how much marks differ from others beyond what makes an edge; 0 where there is none.
+#[inline(always)]
+fn beyond<S: Simd>(simd: S, own: u32x16<S>, other: u32x16<S>) -> u32x16<S> {
+    // In each byte, how much more is let pass: anything where the same is seen, or nothing.
+    let elsewhere = (own ^ other).simd_gt(u32x16::splat(simd, COLOUR)) & other.simd_ne(NO_RAY);
+    let least = u32x16::splat(simd, LEAST_DIFFERENCE * 0x0001_0101 | !COLOUR);
+    let passed: u8x64<S> = elsewhere.select(least, u32x16::splat(simd, u32::MAX)).bitcast();
+    let (own, other): (u8x64<S>, u8x64<S>) = (own.bitcast(), other.bitcast());
+    let difference = simd.saturating_sub_u8x64(own, other) | simd.saturating_sub_u8x64(other, own);
+    simd.saturating_sub_u8x64(difference, passed).bitcast()
+}
+
+/// A pixel at an edge.
+#[derive(Clone, Copy)]
+struct Pixel {
+    /// Column and row of its tile.
+    tile: [usize; 2],
+    lane: usize,
+    colour: [f32; 3],
+}
+
+/// What is worked with, from piece to piece.
+struct Bench<'a> {
+    packet: Packet,
+    local: LocalRays,
+    tile: Tile,
+    shader: Shader,
+    resolver: Resolver<'a>,
+    colours: Colours,
+}
+
+impl<'a> Bench<'a> {
+    fn new(view: &'a View<'a>) -> Self {
+        Self {
+            packet: Packet::new(),
+            local: LocalRays::new(),
+            tile: Tile::new(),
+            shader: Shader::new(),
+            resolver: Resolver::new(view),
+            colours: [[0.0; LANES]; 3],
+        }
+    }
+}
+
+/// A canvas, cut by chunks.
+struct Chunks<C>(C);
+
+impl<C: SplitRows> SplitRows for Chunks<C> {
+    fn split_rows(self, chunks: usize) -> (Self, Self) {
+        let (upper, lower) = self.0.split_rows(chunks * CHUNK);
+        (Self(upper), Self(lower))
+    }
+}

@@ -29,7 +29,7 @@ mod vignetting;
 use crate::noise::Stream;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
-use crate::trace::tile::BLOCKS;
+use crate::trace::tiling::BLOCKS;
 pub(crate) use auto_exposure::meter;
 pub use auto_exposure::{AutoExposure, AutoExposureConfig, FrameStatistics, Metering};
 pub use config::{DeviceConfig, DeviceError, Exposure, Tone};

@@ -3,7 +3,7 @@
 use crate::scene::tree::WIDTH;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
-use crate::trace::tile::BLOCKS;
+use crate::trace::tiling::BLOCKS;
 
 /// The colours of the first two pixels of the first row, then of the second: every two by two are the same.
 ///

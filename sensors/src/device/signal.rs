@@ -8,7 +8,7 @@
 use super::poisson::{MANY, few, many, many_with_reading, round};
 use crate::noise::{Stream, normal_pairs64, normals64_at};
 use crate::simd::{LANES, Lanes};
-use crate::trace::tile::BLOCKS;
+use crate::trace::tiling::BLOCKS;
 use fearless_simd::Simd;
 
 /// Below this variance of the noise of reading, half an electron squared, whole electrons show.

@@ -12,7 +12,8 @@ use crate::shade::{Colours, Shader};
 use crate::simd::LANES;
 use crate::trace::grid::Band;
 use crate::trace::resolve::Resolver;
-use crate::trace::tile::{CameraRays, Tile, Tiling};
+use crate::trace::tile::{CameraRays, Tile};
+use crate::trace::tiling::Tiling;
 use fearless_simd::Simd;
 
 /// Rows of colours, cut between rows of tiles.

@@ -1,19 +1,19 @@
 //! Colour cameras: textured, lit, with shadows and Gazebo's pixel noise.
 
+mod config;
+
 use super::Sensor;
 use super::brush::{Brush, ColourRows, sums_len};
 pub use super::edges::Edges;
 use super::edges::{Canvas, Smoothing, TILE_HEIGHT};
 use super::pixel;
 pub use super::pixel::{Mosaic, PixelFormat};
-use crate::device::{
-    Device, DeviceConfig, DeviceError, Exposure, FrameStatistics, Metering, TileView, meter,
-};
+use crate::device::{Device, Exposure, FrameStatistics, Metering, TileView, meter};
 use crate::execution::SplitRows;
 use crate::memory::lines;
 use crate::moment::{Capture, Shutter};
-use crate::noise::{GaussianNoise, Stream, normals64_at};
-use crate::optics::{GridError, Optics};
+use crate::noise::{Stream, normals64_at};
+use crate::optics::Optics;
 use crate::scene::{Scene, visibility};
 use crate::shade::Colours;
 use crate::simd::LANES;
@@ -22,151 +22,8 @@ use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::packet::Faces;
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
+pub use config::{CameraConfig, CameraError, MAX_IMAGE_SIZE};
 use fearless_simd::Simd;
-
-/// Largest width and height of a picture in pixels.
-pub const MAX_IMAGE_SIZE: u32 = 16384;
-
-/// What a camera is like.
-///
-/// ```
-/// use belvedere_sensors::camera::{CameraConfig, PixelFormat};
-/// use belvedere_sensors::optics::PinholeGrid;
-/// let config = CameraConfig::new(PinholeGrid::from_fov(640, 480, 1.2)?).format(PixelFormat::Mono8).far_m(100.0);
-/// assert_eq!((config.near_m, config.far_m), (0.02, 100.0));
-/// # Ok::<(), belvedere_sensors::optics::LensError>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct CameraConfig<'a> {
-    /// Which way the ray of each pixel goes; 1 … [`MAX_IMAGE_SIZE`] pixels across and down.
-    pub optics: Optics<'a>,
-    /// Layout of a pixel.
-    pub format: PixelFormat,
-    /// What is nearer is not seen: metres along the optical axis of a pinhole, and along the ray of any other lens,
-    /// more than 0.
-    pub near_m: f64,
-    /// What is farther is not seen, measured as `near_m`, more than it.
-    pub far_m: f64,
-    /// Factor of the light that reaches the sensor, finite, 0 or more: 1 as the scene is lit. Colours are proportional to
-    /// it until they saturate at 1, as the electrons of a sensor are to its time of exposure (the linear model of EMVA
-    /// 1288); shading computes in such proportional colours, without gamma.
-    pub exposure: f32,
-    /// What becomes of edges.
-    pub edges: Edges,
-    /// Noise of a colour value in [0, 1], which exposure leaves as it is; one sample a pixel, the same for R, G and B.
-    pub noise: GaussianNoise,
-    /// Sensor and electronics; without them a picture is the colours as they are shaded. `exposure` is a factor of the
-    /// light that reaches the device, and `noise` is added to what it gives.
-    pub device: Option<DeviceConfig>,
-    /// Seed of the simulation.
-    pub seed: u64,
-    /// Number of the sensor in the simulation.
-    pub sensor: u32,
-}
-
-impl<'a> CameraConfig<'a> {
-    /// An RGB camera that sees from 0.02 to 300 m, without noise, of seed and number 0.
-    pub fn new(optics: impl Into<Optics<'a>>) -> Self {
-        Self {
-            optics: optics.into(),
-            format: PixelFormat::Rgb8,
-            near_m: 0.02,
-            far_m: 300.0,
-            exposure: 1.0,
-            edges: Edges::Sharp,
-            noise: GaussianNoise::NONE,
-            device: None,
-            seed: 0,
-            sensor: 0,
-        }
-    }
-
-    setters! {
-        /// Sets the layout of a pixel.
-        format: PixelFormat,
-        /// Sets the nearest that is seen, in metres.
-        near_m: f64,
-        /// Sets the farthest that is seen, in metres.
-        far_m: f64,
-        /// Sets the exposure.
-        exposure: f32,
-        /// Sets what becomes of edges.
-        edges: Edges,
-        /// Sets the noise of a colour value.
-        noise: GaussianNoise,
-        /// Sets sensor and electronics.
-        device: Option<DeviceConfig>,
-        /// Sets the seed of the simulation.
-        seed: u64,
-        /// Sets the number of the sensor in the simulation.
-        sensor: u32,
-    }
-
-    /// Sets which way the rays go.
-    #[must_use]
-    pub fn optics(mut self, optics: impl Into<Optics<'a>>) -> Self {
-        self.optics = optics.into();
-        self
-    }
-}
-
-/// Why a camera cannot be made.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum CameraError {
-    /// Width or height is 0 or more than [`MAX_IMAGE_SIZE`].
-    ImageSize {
-        /// Pixels across and down.
-        size: [u32; 2],
-    },
-    /// The grid of rays.
-    Grid(GridError),
-    /// Not 0 < near < far.
-    Clip {
-        /// In metres.
-        near_m: f64,
-        /// In metres.
-        far_m: f64,
-    },
-    /// The valid range of a depth camera is not 0 ≤ min < max.
-    Cutoff {
-        /// In metres.
-        min_m: f64,
-        /// In metres.
-        max_m: f64,
-    },
-    /// The exposure is negative, NaN or infinite.
-    Exposure(f32),
-    /// A parameter of the device is out of its range.
-    Device(DeviceError),
-}
-
-impl core::fmt::Display for CameraError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::ImageSize { size: [width, height] } => {
-                write!(
-                    f,
-                    "a picture of {width} × {height}: width and height must be 1 to {MAX_IMAGE_SIZE} pixels"
-                )
-            }
-            Self::Grid(error) => error.fmt(f),
-            Self::Clip { near_m, far_m } => {
-                write!(f, "clip distances of {near_m} and {far_m} m: they must be 0 < near < far")
-            }
-            Self::Cutoff { min_m, max_m } => {
-                write!(f, "valid depths from {min_m} to {max_m} m: they must be 0 <= min < max")
-            }
-            Self::Exposure(exposure) => {
-                write!(f, "an exposure of {exposure}: it must be a finite number, 0 or more")
-            }
-            Self::Device(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for CameraError {}
 
 /// A checked colour camera. It looks along +x of its frame, its picture's right is −y and down is −z.
 ///

@@ -1,19 +1,19 @@
 //! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
 
+mod rows;
+
 use super::Sensor;
 use super::brush::{Brush, ColourRows, sums_len};
 use super::camera::{Camera, CameraConfig, CameraError};
-use super::edges::{Canvas, Smoothing, TILE_HEIGHT, TILE_WIDTH};
-use super::pixel::{self, to_byte};
-use crate::device::TileView;
-use crate::execution::{SplitRows, split_at};
+use super::edges::Smoothing;
+use rows::{Retouched, Rows};
+
+use crate::execution::SplitRows;
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normals64_at};
 use crate::optics::rays::Fan;
-use crate::scene::tree::WIDTH;
 use crate::scene::{Scene, visibility};
-use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
 pub use crate::trace::TooNear;
 use crate::trace::error::check_output;
@@ -21,7 +21,7 @@ use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::image::NO_HIT;
 use crate::trace::measure::Measure;
 use crate::trace::resolve::Resolver;
-use crate::trace::tile::{BLOCKS, Tiling, lane_in_tile};
+use crate::trace::tiling::{BLOCKS, Tiling, lane_in_tile};
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 use fearless_simd::Simd;
@@ -245,26 +245,6 @@ impl Sensor for DepthCamera<'_> {
     }
 }
 
-/// From where on a point has its colour.
-const POINT_RGB: usize = 16;
-
-/// The colour of a point.
-#[inline(always)]
-fn rgb(colour: [f32; 3]) -> [u8; 4] {
-    let [red, green, blue] = colour.map(to_byte);
-    [blue, green, red, 0]
-}
-
-#[inline(always)]
-fn write_point(point: &mut [u8], [right, down]: [f32; 2], depth: f32, colour: [f32; 3]) {
-    let xyz = if depth.is_finite() { [right * depth, down * depth, depth] } else { [f32::NAN; 3] };
-    let [x, y, z] = xyz.map(f32::to_bits);
-    let words = [x, y, z, 0, u32::from_le_bytes(rgb(colour)), 0, 0, 0];
-    for (bytes, word) in point.as_chunks_mut::<4>().0.iter_mut().zip(words) {
-        *bytes = word.to_le_bytes();
-    }
-}
-
 /// Measures the tiles of a frame.
 struct Measurer<'a> {
     camera: &'a DepthCamera<'a>,
@@ -363,162 +343,5 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
 
     fn is_mean(&self) -> bool {
         true
-    }
-}
-
-/// The parts of a frame, cut between rows of tiles.
-struct Rows<'a> {
-    depth_32fc1: Option<&'a mut [f32]>,
-    depth_16uc1: Option<&'a mut [u16]>,
-    points: Option<&'a mut [u8]>,
-    truth: Option<Truth<'a>>,
-    /// Pixels across.
-    width: usize,
-    /// Rows of a tile.
-    tile_rows: usize,
-    wants_colour: bool,
-    colour: ColourRows<'a>,
-}
-
-impl SplitRows for Rows<'_> {
-    fn split_rows(self, rows: usize) -> (Self, Self) {
-        let Self { width, tile_rows, wants_colour, .. } = self;
-        let pixels = rows * tile_rows * width;
-        let (depth_32fc1, lower_32fc1) = split_at(self.depth_32fc1, pixels);
-        let (depth_16uc1, lower_16uc1) = split_at(self.depth_16uc1, pixels);
-        let (points, lower_points) = split_at(self.points, pixels * POINT_STEP);
-        let (truth, lower_truth) = self.truth.map(|truth| truth.split_at(pixels)).unzip();
-        let (colour, lower_colour) = self.colour.split_rows(rows);
-        (
-            Self { depth_32fc1, depth_16uc1, points, truth, width, tile_rows, wants_colour, colour },
-            Self {
-                depth_32fc1: lower_32fc1,
-                depth_16uc1: lower_16uc1,
-                points: lower_points,
-                truth: lower_truth,
-                width,
-                tile_rows,
-                wants_colour,
-                colour: lower_colour,
-            },
-        )
-    }
-}
-
-impl Rows<'_> {
-    /// The lines of a tile that lie in the picture: number, first pixel in the output, and how many pixels there are.
-    #[inline(always)]
-    fn lines_of(
-        &self,
-        band: &Band<'_>,
-        [column, row]: [usize; 2],
-    ) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
-        let tiling = Tiling::of(band.rays.fan());
-        let ([across, down], width) = (tiling.size(), self.width);
-        let [first_row, last_row] = [band.first_row, band.rows[1]].map(|row| row as usize);
-        (0..BLOCKS).filter_map(move |line| {
-            let [x, y] = tiling.line(line);
-            let (x, y) = (column * across + x, row * down + y);
-            (x < width && y <= last_row).then(|| (line, (y - first_row) * width + x, WIDTH.min(width - x)))
-        })
-    }
-
-    #[inline(always)]
-    fn write_depths(
-        &mut self,
-        camera: &DepthCamera<'_>,
-        depths: &Lanes<f32>,
-        band: &Band<'_>,
-        tile: [usize; 2],
-    ) {
-        let nan = camera.config.out_of_range == OutOfRange::Nan;
-        for (line, first, count) in self.lines_of(band, tile) {
-            let depths = &depths.as_chunks::<WIDTH>().0[line];
-            if let Some(output) = &mut self.depth_32fc1 {
-                let output = &mut output[first..first + count];
-                match <&mut [f32; WIDTH]>::try_from(&mut *output) {
-                    Ok(output) => *output = *depths,
-                    Err(_) => output.copy_from_slice(&depths[..count]),
-                }
-                if nan {
-                    for depth in output {
-                        *depth = if depth.is_finite() { *depth } else { f32::NAN };
-                    }
-                }
-            }
-            if let Some(output) = &mut self.depth_16uc1 {
-                for (pixel, &depth) in output[first..first + count].iter_mut().zip(depths) {
-                    let millimetres = depth * 1000.0 + 0.5;
-                    *pixel = if (1.0..65536.0).contains(&millimetres) { millimetres as u16 } else { 0 };
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn write_points(&mut self, depths: &Lanes<f32>, colours: &Colours, band: &Band<'_>, tile: [usize; 2]) {
-        let lines = self.lines_of(band, tile);
-        let Some(points) = &mut self.points else { return };
-        for (line, first, count) in lines {
-            let (column, row) = (first % self.width, first / self.width + band.first_row as usize);
-            let output = points[first * POINT_STEP..][..count * POINT_STEP].chunks_exact_mut(POINT_STEP);
-            for (x, point) in output.enumerate() {
-                let lane = line * WIDTH + x;
-                let ray = band.rays.direction((column + x) as i32, row as i32);
-                let slopes = [((0.0 - ray.y) / ray.x) as f32, ((0.0 - ray.z) / ray.x) as f32];
-                write_point(point, slopes, depths[lane], [0, 1, 2].map(|channel| colours[channel][lane]));
-            }
-        }
-    }
-}
-
-/// A frame whose edges are painted over, from some row of tiles on.
-struct Retouched<'a> {
-    camera: &'a Camera<'a>,
-    frame: u64,
-    colour: Option<&'a mut [u8]>,
-    points: Option<&'a mut [u8]>,
-}
-
-impl SplitRows for Retouched<'_> {
-    fn split_rows(self, rows: usize) -> (Self, Self) {
-        let Self { camera, frame, .. } = self;
-        let rows = rows * TILE_HEIGHT;
-        let (colour, colour_below) = split_at(self.colour, rows * camera.row_stride());
-        let (points, points_below) = split_at(self.points, rows * camera.size()[0] * POINT_STEP);
-        (
-            Self { camera, frame, colour, points },
-            Self { camera, frame, colour: colour_below, points: points_below },
-        )
-    }
-}
-
-impl Canvas for Retouched<'_> {
-    #[inline(always)]
-    fn paint<S: Simd>(
-        &mut self,
-        simd: S,
-        view: &TileView<'_>,
-        [column, row]: [usize; 2],
-        lanes: u64,
-        colours: &mut Colours,
-    ) {
-        let Self { camera, frame, .. } = self;
-        camera.expose(simd, *frame, view, 0, colours);
-        let first = row * TILE_HEIGHT;
-        if let Some(colour) = &mut self.colour {
-            let (format, stride) = ((camera.config().format, camera.full_scale()), camera.row_stride());
-            pixel::write_lanes(simd, (colours, lanes), format, column, &mut colour[first * stride..], stride);
-        }
-        let Some(points) = &mut self.points else { return };
-        let mut rest = lanes;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize % LANES;
-            rest &= rest - 1;
-            let [x, y] = [column * TILE_WIDTH + lane % TILE_WIDTH, first + lane / TILE_WIDTH];
-            let point = &mut points[(y * camera.size()[0] + x) * POINT_STEP..];
-            let colour = [0, 1, 2].map(|channel| colours[channel][lane]);
-            point[POINT_RGB..POINT_RGB + 4].copy_from_slice(&rgb(colour));
-        }
     }
 }

@@ -6,7 +6,7 @@ use crate::noise::GaussianNoise;
 use crate::scene::tree::WIDTH;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
-use crate::trace::tile::Tiling;
+use crate::trace::tiling::Tiling;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, u32x16};
 
 /// Layout of a colour pixel in memory. Of 16 bits the low byte comes first; their full scale is 65535, or the largest

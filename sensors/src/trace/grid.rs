@@ -1,5 +1,6 @@
 //! Frames of rays from one point, band by band.
 
+use super::bands::Bands;
 use super::error::SenseError;
 use super::image::{Target, walk};
 use super::memory::view_lines;
@@ -22,46 +23,6 @@ pub(crate) struct Sight {
     pub(crate) range: [f64; 2],
     /// Nothing is traced where no surface comes within so many metres of the sensor.
     pub(crate) within: f64,
-}
-
-/// A band has about that many rays: what is worked on at a time should lie in the second-level cache.
-const RAYS_IN_BAND: usize = 40_000;
-/// Bands of the greatest grid, about.
-const MOST_BANDS: usize = 64;
-
-/// How a grid is cut into bands. It depends on nothing but the grid, so that neither the number of threads nor
-/// the SIMD level decides in which order triangles are met.
-#[derive(Debug, Clone, Copy)]
-struct Bands {
-    /// Rows of blocks in a band; the last may have fewer.
-    block_rows: usize,
-    count: usize,
-    /// Blocks of the grid.
-    blocks: usize,
-    /// From where [`Target::farthest`] of a band begins to where that of the next does: whole cache lines, so that no
-    /// two threads write to one, and sixteen more than a band has blocks.
-    farthest_stride: usize,
-}
-
-impl Bands {
-    fn new(fan: &Fan) -> Self {
-        let rays_in_row = fan.blocks_across() * WIDTH;
-        let wanted = RAYS_IN_BAND.div_ceil(rays_in_row).max(fan.blocks_down().div_ceil(MOST_BANDS));
-        let count = fan.blocks_down().div_ceil(wanted);
-        let block_rows = fan.blocks_down().div_ceil(count);
-        Self {
-            block_rows,
-            count: fan.blocks_down().div_ceil(block_rows),
-            blocks: fan.blocks_across() * fan.blocks_down(),
-            farthest_stride: (block_rows * fan.blocks_across() + WIDTH).next_multiple_of(WIDTH),
-        }
-    }
-
-    /// Elements of `farthest` of all bands.
-    fn farthest_len(&self, fan: &Fan) -> usize {
-        let before_last = (self.count - 1) * self.block_rows * fan.blocks_across();
-        (self.count - 1) * self.farthest_stride + (self.blocks - before_last) + WIDTH
-    }
 }
 
 /// What is done with each band once it has been traced.
@@ -441,49 +402,5 @@ impl<O: SplitRows> SplitRows for BandOutput<'_, O> {
                 blocks_across,
             },
         )
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn check(fan: &Fan) {
-        let bands = Bands::new(fan);
-        let (down, across) = (fan.blocks_down(), fan.blocks_across());
-        let size = [fan.width, fan.height];
-        assert!((1..=MOST_BANDS).contains(&bands.count), "{size:?}: {} bands", bands.count);
-        assert!((bands.count - 1) * bands.block_rows < down && down <= bands.count * bands.block_rows);
-        let len = bands.farthest_len(fan);
-        let mut last_end = 0;
-        for band in 0..bands.count {
-            let rows = bands.block_rows.min(down - band * bands.block_rows);
-            // Sixteen past the end of a band's own are read.
-            let end = band * bands.farthest_stride + rows * across + WIDTH;
-            let next = if band + 1 < bands.count { (band + 1) * bands.farthest_stride } else { len };
-            assert!(end <= next, "{size:?}: band {band} ends at {end}, the next begins at {next}");
-            last_end = end;
-        }
-        assert!(bands.farthest_stride.is_multiple_of(WIDTH));
-        assert_eq!(last_end, len, "{size:?}");
-    }
-
-    #[test]
-    fn bands_of_all_sizes_have_room() {
-        for width in 1..=200 {
-            for height in 1..=200 {
-                check(&Fan::square(width, height));
-                check(&Fan::new(width, height));
-                check(&Fan::new(width, height).by_rows());
-            }
-        }
-        let stream = crate::noise::Stream { seed: 11, sensor: 0, frame: 0, channel: 0 };
-        for sample in 0..10_000 {
-            let size = [2 * sample, 2 * sample + 1]
-                .map(|index| 1 + stream.word(index) % crate::optics::MAX_GRID_SIZE);
-            check(&Fan::square(size[0], size[1]));
-            check(&Fan::new(size[0], size[1]));
-            check(&Fan::new(size[0], size[1]).by_rows());
-        }
     }
 }

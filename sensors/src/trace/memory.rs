@@ -1,7 +1,8 @@
 //! The memory that a frame works in: one buffer of the caller's.
 
 use super::error::SenseError;
-use super::view::{Placed, ViewMemory, top_nodes};
+use super::top::top_nodes;
+use super::view::{Placed, ViewMemory};
 use crate::execution::Execution;
 use crate::memory::{CacheLine, Cutter, lines};
 use crate::scene::Aabb;

@@ -6,6 +6,7 @@
 //! that none can meet is left out for all.
 
 mod any_hit;
+mod bands;
 mod boxes;
 mod cast;
 pub(crate) mod error;
@@ -29,7 +30,9 @@ pub(crate) mod shadow;
 pub(crate) mod shapes;
 pub(crate) mod surface;
 pub(crate) mod tile;
+pub(crate) mod tiling;
 mod too_near;
+mod top;
 pub(crate) mod truth;
 pub(crate) mod view;
 

@@ -7,78 +7,13 @@ use super::grid::Band;
 use super::image::{GRAZING, NO_HIT};
 use super::packet::{MISS, Packet};
 use super::resolve::Resolver;
-use crate::optics::rays::{Fan, Rays};
+use super::tiling::{BLOCKS, Tiling, lane_in_tile};
+use crate::optics::rays::Rays;
 use crate::pose::Pose;
 use crate::scene::tree::WIDTH;
 use crate::simd::{LANES, Lanes, load_row, store_row};
 use fearless_simd::{Select, Simd, SimdBase, SimdCombine, SimdMask, f32x4, f32x16, mask32x16, u32x4, u32x16};
 use glam::{DMat3, DVec3};
-
-/// Blocks in a tile.
-pub(crate) const BLOCKS: usize = LANES / WIDTH;
-
-/// How a picture is cut into tiles. Sixteen lanes at a time lie side by side in a row of it: a *line* of the tile.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Tiling {
-    /// 16 × 4 pixels, of four blocks of 4 × 4 side by side.
-    Square,
-    /// 64 × 1 pixels, of four blocks of 16 × 1: where each row has a moment of its own.
-    Rows,
-}
-
-impl Tiling {
-    /// That of a picture whose rays lie in such blocks.
-    #[inline(always)]
-    pub(crate) const fn of(fan: &Fan) -> Self {
-        if fan.shift_y == 0 { Self::Rows } else { Self::Square }
-    }
-
-    /// Pixels across and down.
-    #[inline(always)]
-    pub(crate) const fn size(self) -> [usize; 2] {
-        match self {
-            Self::Square => [16, 4],
-            Self::Rows => [64, 1],
-        }
-    }
-
-    /// Tiles across a picture.
-    #[inline(always)]
-    pub(crate) const fn across(self, width: usize) -> usize {
-        width.div_ceil(self.size()[0])
-    }
-
-    /// The column, from the tile's first, and the row, from its first, of the pixel that a line begins with.
-    #[inline(always)]
-    pub(crate) const fn line(self, line: usize) -> [usize; 2] {
-        match self {
-            Self::Square => [0, line],
-            Self::Rows => [line * WIDTH, 0],
-        }
-    }
-
-    /// The pixels of the picture that the lines of the tile in that column and row begin with.
-    #[inline(always)]
-    pub(crate) fn lines(self, [column, row]: [usize; 2]) -> [[usize; 2]; BLOCKS] {
-        let [across, down] = self.size();
-        let mut lines = [[0; 2]; BLOCKS];
-        for line in 0..BLOCKS {
-            let [x, y] = self.line(line);
-            lines[line] = [column * across + x, row * down + y];
-        }
-        lines
-    }
-}
-
-impl Tiling {
-    /// The number of the sixteen random samples of each line of a tile. They are its pixels' own, whatever the tiling:
-    /// counted in tiles of 16 × 4, row by row of tiles, four lines to each.
-    #[inline(always)]
-    pub(crate) fn samples(self, width: usize, tile: [usize; 2]) -> [u32; BLOCKS] {
-        let squares = Self::Square.across(width);
-        self.lines(tile).map(|[x, y]| (4 * (y / 4 * squares + x / WIDTH) + y % 4) as u32)
-    }
-}
 
 /// The rays of a camera in the axes of the world.
 pub(crate) struct CameraRays<'a> {
@@ -209,15 +144,6 @@ pub(super) fn line_f32<S: Simd>(
     let left = f32x4::from_slice(simd, &a[part.clone()]).combine(f32x4::from_slice(simd, &b[part.clone()]));
     let right = f32x4::from_slice(simd, &c[part.clone()]).combine(f32x4::from_slice(simd, &d[part]));
     left.combine(right)
-}
-
-/// The lane of a tile that a lane of one of its blocks is.
-#[inline(always)]
-pub(crate) const fn lane_in_tile(tiling: Tiling, block: usize, lane: usize) -> usize {
-    match tiling {
-        Tiling::Square => lane / 4 * WIDTH + block * 4 + lane % 4,
-        Tiling::Rows => block * WIDTH + lane,
-    }
 }
 
 /// The lanes of a tile that have no ray.

@@ -95,8 +95,8 @@ fn floor(x: f32) -> f32 {
 fn exp_minus(x: f32) -> f32 {
     let power = -x * core::f32::consts::LOG2_E;
     let whole = round(power);
-    // n·ln 2 in two parts, of which the first has so few digits that nothing is rounded.
-    let y = (-x - whole * 0.693_359_375) - whole * -2.121_944_4e-4;
+    // n·ln 2 in two parts, of which the first, 355/512, has so few digits that nothing is rounded.
+    let y = (-x - whole * (355.0 / 512.0)) - whole * -2.121_944_4e-4;
     let part = 1.0
         + y * (1.0 + y * (0.5 + y * (1.0 / 6.0 + y * (1.0 / 24.0 + y * (1.0 / 120.0 + y * (1.0 / 720.0))))));
     part * f32::from_bits(((whole as i32 + 127) << 23) as u32)

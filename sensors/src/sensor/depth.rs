@@ -232,7 +232,7 @@ impl Sensor for DepthCamera<'_> {
             points: points.as_deref_mut(),
             truth,
             width: self.camera.size()[0],
-            tile_rows: Tiling::of(frame.fan()).size()[1],
+            lines_in_tile: Tiling::of(frame.fan()).size()[1],
             wants_colour: drawn.0.is_some(),
             colour: ColourRows::new(&self.camera, frame.fan(), shutter, drawn, &mut memory),
         };

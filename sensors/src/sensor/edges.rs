@@ -371,7 +371,7 @@ impl<'a> Smoothing<'a> {
 fn beyond<S: Simd>(simd: S, own: u32x16<S>, other: u32x16<S>) -> u32x16<S> {
     // In each byte, how much more is let pass: anything where the same is seen, or nothing.
     let elsewhere = (own ^ other).simd_gt(u32x16::splat(simd, COLOUR)) & other.simd_ne(NO_RAY);
-    let least = u32x16::splat(simd, LEAST_DIFFERENCE * 0x0001_0101 | !COLOUR);
+    let least = u32x16::splat(simd, (LEAST_DIFFERENCE * 0x0001_0101) | !COLOUR);
     let passed: u8x64<S> = elsewhere.select(least, u32x16::splat(simd, u32::MAX)).bitcast();
     let (own, other): (u8x64<S>, u8x64<S>) = (own.bitcast(), other.bitcast());
     let difference = simd.saturating_sub_u8x64(own, other) | simd.saturating_sub_u8x64(other, own);

@@ -74,6 +74,7 @@ pub(crate) struct Frame<'a> {
     when: When<'a>,
 }
 
+#[allow(clippy::large_enum_variant, reason = "one a frame, and there may be no heap")]
 enum When<'a> {
     /// All rays see one view.
     Once(View<'a>),

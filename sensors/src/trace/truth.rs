@@ -133,7 +133,7 @@ impl<'a> Truth<'a> {
                 band,
                 #[inline(always)]
                 |place, block| {
-                    place.write(&measure.block::<S, true>(simd, band, &mut resolver, block), depth)
+                    place.write(&measure.block::<S, true>(simd, band, &mut resolver, block), depth);
                 },
             );
         }
@@ -176,7 +176,9 @@ impl<'a> Truth<'a> {
             for_each_block(
                 band,
                 #[inline(always)]
-                |place, block| place.write(&flow.block(simd, band, &mut resolver, block), output),
+                |place, block| {
+                    place.write(&flow.block(simd, band, &mut resolver, block), output);
+                },
             );
         }
     }

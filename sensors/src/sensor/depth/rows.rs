@@ -44,29 +44,29 @@ pub(super) struct Rows<'a> {
     /// Pixels across.
     pub(super) width: usize,
     /// Rows of a tile.
-    pub(super) tile_rows: usize,
+    pub(super) lines_in_tile: usize,
     pub(super) wants_colour: bool,
     pub(super) colour: ColourRows<'a>,
 }
 
 impl SplitRows for Rows<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
-        let Self { width, tile_rows, wants_colour, .. } = self;
-        let pixels = rows * tile_rows * width;
+        let Self { width, lines_in_tile, wants_colour, .. } = self;
+        let pixels = rows * lines_in_tile * width;
         let (depth_32fc1, lower_32fc1) = split_at(self.depth_32fc1, pixels);
         let (depth_16uc1, lower_16uc1) = split_at(self.depth_16uc1, pixels);
         let (points, lower_points) = split_at(self.points, pixels * POINT_STEP);
         let (truth, lower_truth) = self.truth.map(|truth| truth.split_at(pixels)).unzip();
         let (colour, lower_colour) = self.colour.split_rows(rows);
         (
-            Self { depth_32fc1, depth_16uc1, points, truth, width, tile_rows, wants_colour, colour },
+            Self { depth_32fc1, depth_16uc1, points, truth, width, lines_in_tile, wants_colour, colour },
             Self {
                 depth_32fc1: lower_32fc1,
                 depth_16uc1: lower_16uc1,
                 points: lower_points,
                 truth: lower_truth,
                 width,
-                tile_rows,
+                lines_in_tile,
                 wants_colour,
                 colour: lower_colour,
             },

@@ -23,8 +23,8 @@ const SIZE: [u32; 2] = [640, 480];
 const FRAMES: u64 = 100;
 
 /// Seconds of the fastest frame.
-fn fastest(config: CameraConfig<'_>, builder: &SceneBuilder, level: Level) -> Result<f64, Box<dyn Error>> {
-    let camera = Camera::new(config)?;
+fn fastest(config: &CameraConfig<'_>, builder: &SceneBuilder, level: Level) -> Result<f64, Box<dyn Error>> {
+    let camera = Camera::new(*config)?;
     let scene = builder.scene();
     let mut workspace = WorkspaceBuf::default();
     workspace.execution.level = level;
@@ -78,9 +78,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let Some(level) = level else { continue };
         for (format_name, format, channels) in formats {
             let config = CameraConfig::new(lens).format(format);
-            let plain = fastest(config, &builder, level)?;
+            let plain = fastest(&config, &builder, level)?;
             for (name, device) in devices {
-                let with = fastest(config.device(Some(device)), &builder, level)?;
+                let with = fastest(&config.device(Some(device)), &builder, level)?;
                 let samples = f64::from(SIZE[0] * SIZE[1]) * channels;
                 println!(
                     "{level_name:7} {format_name:12} {name:20} {:6.2} ns",

@@ -24,8 +24,8 @@ pub struct Exposure {
 /// use belvedere_sensors::device::{DeviceConfig, Exposure};
 /// let device = DeviceConfig::default().exposure(Exposure { time_s: 0.01, gain: 1.0 }).quantum_efficiency([0.5; 3]);
 /// // White paper at 500 lx through f/2.8 onto 5 µm.
-/// assert_eq!(device.photons_per_second().round(), 1_575_763.0);
-/// assert_eq!(device.electrons_of_white()[1].round(), 7879.0);
+/// assert_eq!(device.photons_per_second().round(), 1_579_987.0);
+/// assert_eq!(device.electrons_of_white()[1].round(), 7900.0);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]

@@ -43,10 +43,10 @@ impl Studio {
     fn draw(
         &mut self,
         name: &str,
-        config: CameraConfig<'_>,
+        config: &CameraConfig<'_>,
         slices: &[(u32, Pose)],
     ) -> Result<(), Box<dyn Error>> {
-        let camera = Camera::new(config)?;
+        let camera = Camera::new(*config)?;
         let poses = self.scene.poses();
         let moment = |pose| Moment { world_from_sensor: pose, world_from_instance: poses };
         // A pose for each row, or some for the whole of the picture.
@@ -66,8 +66,13 @@ impl Studio {
     }
 
     /// Saves what is true of each pixel.
-    fn draw_truth(&mut self, config: CameraConfig<'_>, at: Pose, before: Pose) -> Result<(), Box<dyn Error>> {
-        let camera = Camera::new(config)?;
+    fn draw_truth(
+        &mut self,
+        config: &CameraConfig<'_>,
+        at: Pose,
+        before: Pose,
+    ) -> Result<(), Box<dyn Error>> {
+        let camera = Camera::new(*config)?;
         let (mut depth, mut normal) = (vec![0.0_f32; PIXELS], vec![[0.0_f32; 3]; PIXELS]);
         let (mut instance, mut flow) = (vec![0_u32; PIXELS], vec![[0.0_f32; 2]; PIXELS]);
         let capture = Capture::new(0, self.scene.moment(at)).before(self.scene.moment(before));
@@ -113,16 +118,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("lens_brown_conrady", &barrel),
         ("lens_equirectangular", &panorama),
     ];
-    studio.draw("lens_pinhole", pinhole, &[(0, at)])?;
+    studio.draw("lens_pinhole", &pinhole, &[(0, at)])?;
     for (name, lens) in lenses {
         let table = RayTableBuf::from_lens(SIZE[0], SIZE[1], lens)?;
-        studio.draw(name, CameraConfig::new(&table), &[(0, at)])?;
+        studio.draw(name, &CameraConfig::new(&table), &[(0, at)])?;
     }
-    studio.draw("edges_smooth", pinhole.edges(Edges::Smooth), &[(0, at)])?;
+    studio.draw("edges_smooth", &pinhole.edges(Edges::Smooth), &[(0, at)])?;
     let rows: Vec<_> = (0..SIZE[1]).map(|row| (row, turned(1.5e-3 * f64::from(row)))).collect();
-    studio.draw("shutter_rolling", pinhole, &rows)?;
+    studio.draw("shutter_rolling", &pinhole, &rows)?;
     let exposed: Vec<_> = (0..24).map(|moment| (0, turned(2e-3 * f64::from(moment)))).collect();
-    studio.draw("shutter_blur", pinhole, &exposed)?;
-    studio.draw("device_webcam", pinhole.device(Some(presets::webcam())), &[(0, at)])?;
-    studio.draw_truth(pinhole, at, turned(0.02) * Pose::from_translation(DVec3::X * -0.05))
+    studio.draw("shutter_blur", &pinhole, &exposed)?;
+    studio.draw("device_webcam", &pinhole.device(Some(presets::webcam())), &[(0, at)])?;
+    studio.draw_truth(&pinhole, at, turned(0.02) * Pose::from_translation(DVec3::X * -0.05))
 }

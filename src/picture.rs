@@ -41,21 +41,21 @@ pub fn draw(frame: &FrameView<'_>) -> Result<RgbImage, PictureError> {
         (_, Some(Encoding::Mono8)) => Ok(pixels(frame, |grey: u8| Rgb([grey; 3]))),
         (_, Some(Encoding::Mono16)) => Ok(words(frame)),
         (_, Some(Encoding::BayerRggb8)) => {
-            Ok(mosaic(pixels(frame, |value: u8| Rgb([value; 3])), [0, 1, 1, 2]))
+            Ok(mosaic(&pixels(frame, |value: u8| Rgb([value; 3])), [0, 1, 1, 2]))
         }
         (_, Some(Encoding::BayerBggr8)) => {
-            Ok(mosaic(pixels(frame, |value: u8| Rgb([value; 3])), [2, 1, 1, 0]))
+            Ok(mosaic(&pixels(frame, |value: u8| Rgb([value; 3])), [2, 1, 1, 0]))
         }
         (_, Some(Encoding::BayerGbrg8)) => {
-            Ok(mosaic(pixels(frame, |value: u8| Rgb([value; 3])), [1, 2, 0, 1]))
+            Ok(mosaic(&pixels(frame, |value: u8| Rgb([value; 3])), [1, 2, 0, 1]))
         }
         (_, Some(Encoding::BayerGrbg8)) => {
-            Ok(mosaic(pixels(frame, |value: u8| Rgb([value; 3])), [1, 0, 2, 1]))
+            Ok(mosaic(&pixels(frame, |value: u8| Rgb([value; 3])), [1, 0, 2, 1]))
         }
-        (_, Some(Encoding::BayerRggb16)) => Ok(mosaic(words(frame), [0, 1, 1, 2])),
-        (_, Some(Encoding::BayerBggr16)) => Ok(mosaic(words(frame), [2, 1, 1, 0])),
-        (_, Some(Encoding::BayerGbrg16)) => Ok(mosaic(words(frame), [1, 2, 0, 1])),
-        (_, Some(Encoding::BayerGrbg16)) => Ok(mosaic(words(frame), [1, 0, 2, 1])),
+        (_, Some(Encoding::BayerRggb16)) => Ok(mosaic(&words(frame), [0, 1, 1, 2])),
+        (_, Some(Encoding::BayerBggr16)) => Ok(mosaic(&words(frame), [2, 1, 1, 0])),
+        (_, Some(Encoding::BayerGbrg16)) => Ok(mosaic(&words(frame), [1, 2, 0, 1])),
+        (_, Some(Encoding::BayerGrbg16)) => Ok(mosaic(&words(frame), [1, 0, 2, 1])),
         (_, Some(Encoding::F32C1)) => {
             let depths: Vec<f32> = frame.numbers(frame.rows()).collect();
             Ok(depth(frame, &depths))
@@ -130,7 +130,7 @@ fn words(frame: &FrameView<'_>) -> RgbImage {
 
 /// Each pixel in the colours of the square of four that begins with it, or of its neighbour at the far edges; `square`
 /// tells which of red, green and blue the pixels of a square at even places see.
-fn mosaic(seen: RgbImage, square: [usize; 4]) -> RgbImage {
+fn mosaic(seen: &RgbImage, square: [usize; 4]) -> RgbImage {
     let mut picture = RgbImage::new(seen.width(), seen.height());
     for (x, y, pixel) in picture.enumerate_pixels_mut() {
         let (mut sum, mut count) = ([0_u16; 3], [0_u16; 3]);

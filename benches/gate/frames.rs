@@ -174,14 +174,14 @@ fn device_rgb(gate: &mut Gate<'_>, level: Level) {
     let plain = tag_room::camera_config(0.0);
     gate.run(
         entry("device_rgb", "without a device", Clock::Thread),
-        (&mut pictures(&built, plain.device(Some(presets::webcam())), level), 1.0),
-        (&mut pictures(&built, plain, level), 1.0),
+        (&mut pictures(&built, &plain.device(Some(presets::webcam())), level), 1.0),
+        (&mut pictures(&built, &plain, level), 1.0),
     );
 }
 
 /// Takes a picture of the room at each call.
-fn pictures<'a>(built: &'a WorldScene, config: CameraConfig<'a>, level: Level) -> impl FnMut() + use<'a> {
-    let camera = Camera::new(config).expect("in range");
+fn pictures<'a>(built: &'a WorldScene, config: &CameraConfig<'a>, level: Level) -> impl FnMut() + use<'a> {
+    let camera = Camera::new(*config).expect("in range");
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = ours::execution(level);
     let mut pixels = vec![0; camera.frame_len()];

@@ -35,6 +35,7 @@ const GIVE_UP: Duration = Duration::from_millis(200);
   belvedere run --truth
   belvedere run --rate max --duration 10 --hash
   belvedere run --rate max --wait-for recorder=3 --patience 30")]
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RunArgs {
     /// The robot: a .urdf or .xacro file, or the name of one in turtlebot_description/robots
     /// [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]

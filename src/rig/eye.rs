@@ -31,7 +31,7 @@ pub(super) struct Eye {
 /// Where the rays of the pixels go.
 enum EyeOptics {
     Pinhole(PinholeGrid),
-    Table(RayTableBuf),
+    Table(Box<RayTableBuf>),
 }
 
 impl Eye {
@@ -118,7 +118,8 @@ impl EyeOptics {
     fn new([width, height]: [u32; 2], lens: &Lens) -> Result<Self, Box<dyn Error>> {
         let LensIntrinsics { fx, fy, cx, cy, skew } = lens.intrinsics;
         let intrinsics = Intrinsics { fx, fy, cx, cy, skew };
-        let table = |lens: &dyn optics::Lens| Ok(Self::Table(RayTableBuf::from_lens(width, height, lens)?));
+        let table =
+            |lens: &dyn optics::Lens| Ok(Self::Table(RayTableBuf::from_lens(width, height, lens)?.into()));
         match &lens.model {
             LensModel::Pinhole if skew == 0.0 => {
                 Ok(Self::Pinhole(PinholeGrid::new(width, height, Pinhole::new(intrinsics)?)?))

@@ -67,7 +67,7 @@ impl TruthOutlets {
             let (name, kind, encoding) = channel.stream();
             let element = encoding.elem_size().unwrap_or_default();
             let bytes = size[0] as usize * size[1] as usize * element;
-            let spec = StreamSpec::new(&format!("{topic}/truth/{name}"), kind, encoding, bytes);
+            let spec = StreamSpec::new(format!("{topic}/truth/{name}"), kind, encoding, bytes);
             setting.open_rendered(spec.frame_id(frame_id).rate_hz(setting.rate.hz()))
         };
         Ok(Self { outlets: channels.iter().map(open).collect::<Result<_, _>>()?, size, before: None })
@@ -125,7 +125,7 @@ impl TruthOutlets {
 /// Frames on loan, in the order of the channels.
 pub(super) struct TruthFrames<'a>(Vec<Option<LoanedFrame<'a>>>);
 
-impl<'a> TruthFrames<'a> {
+impl TruthFrames<'_> {
     /// The memory of the frames that are wanted; none if none is.
     pub(super) fn truth(&mut self) -> Option<Truth<'_>> {
         if self.0.iter().all(Option::is_none) {

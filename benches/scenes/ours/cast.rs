@@ -89,7 +89,7 @@ impl Caster {
                 [0.0, f64::INFINITY],
                 visibility::VISUAL,
                 faces,
-                &mut self.workspace.lend(grid_workspace_len(&scene, &grid)),
+                &mut self.workspace.lend(grid_workspace_len(&scene, grid)),
                 hits,
             ),
             Work::Single { origins, directions } => cast_rays(

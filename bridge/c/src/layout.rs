@@ -516,7 +516,7 @@ const _: () = {
     assert!(size_of::<Block>() == 208);
     // A kind, encoding or operation that is added there is missing here until this compiles again.
     assert!(wire::Kind::ALL.len() == 21 && Kind::SensorSettings as u16 == 21);
-    assert!(wire::Encoding::ALL.len() == 18 && Encoding::BayerGrbg16 as u16 == 18);
+    assert!(wire::Encoding::ALL.len() == 21 && Encoding::I32C1 as u16 == 21);
     assert!(wire::DistortionModel::ALL.len() == 8 && DistortionModel::WideAngle as u16 == 8);
     assert!(wire::Operation::ALL.len() == 9 && Operation::Configure as u16 == 9);
 };

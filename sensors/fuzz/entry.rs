@@ -110,7 +110,7 @@ fn cast(scene: &Scene<'_>, world_from_instance: &[Pose], mut bytes: Bytes<'_>) {
     for grid in grids {
         let count = grid.size()[0] * grid.size()[1];
         let mut outputs = Outputs::new(count);
-        let mut workspace = workspace.lend(grid_workspace_len(&scene, &grid));
+        let mut workspace = workspace.lend(grid_workspace_len(scene, &grid));
         // What is refused is refused.
         let _ =
             cast_grid(scene, &moment, &grid, [1e-3, 1e6], u32::MAX, faces, &mut workspace, outputs.hits());
@@ -126,7 +126,7 @@ fn cast(scene: &Scene<'_>, world_from_instance: &[Pose], mut bytes: Bytes<'_>) {
     let rays = Rays { origins: &origins, directions: &directions, ranges: Some(&ranges) };
     let mut outputs = Outputs::new(origins.len());
     let mut occluded = vec![false; origins.len()];
-    let mut workspace = workspace.lend(workspace_len(&scene));
+    let mut workspace = workspace.lend(workspace_len(scene));
     cast_rays(scene, world_from_instance, place, &rays, u32::MAX, faces, &mut workspace, outputs.hits())
         .expect("outputs of the right size");
     occluded_rays(scene, world_from_instance, place, &rays, u32::MAX, faces, &mut workspace, &mut occluded)

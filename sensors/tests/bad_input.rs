@@ -268,7 +268,7 @@ fn grids_that_cannot_be_cast_are_refused() {
         let mut distance = vec![7.0; length];
         let mut memory = WorkspaceBuf::default();
         let hits = Hits { distance: Some(&mut distance), ..Hits::default() };
-        let mut workspace = memory.lend(grid_workspace_len(&scene, &grid));
+        let mut workspace = memory.lend(grid_workspace_len(&scene, grid));
         let result =
             cast_grid(&scene, &builder.moment(*pose), grid, range, VISUAL, Faces::Both, &mut workspace, hits);
         match &result {

@@ -1,4 +1,5 @@
 //! Smooth edges against pictures of 64 rays a pixel, and against the box filter's own transfer function.
+#![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
 mod common;
 

@@ -104,7 +104,7 @@ fn check_grid(
     let [width, height] = grid.size();
     let mut answers = Answers::new(width * height);
     let mut workspace = WorkspaceBuf::default();
-    let mut workspace = workspace.lend(grid_workspace_len(&scene, &grid));
+    let mut workspace = workspace.lend(grid_workspace_len(&scene, grid));
     cast_grid(
         &scene,
         &pair.builder.moment(*pose),

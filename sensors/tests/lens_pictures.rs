@@ -128,7 +128,7 @@ fn cast(stage: &Stage<'_>, pose: Pose, grid: &Optics<'_>) -> Vec<Found> {
         [0.02, 300.0],
         visibility::VISUAL,
         Faces::Front,
-        &mut WorkspaceBuf::default().lend(grid_workspace_len(&stage.scene, &grid)),
+        &mut WorkspaceBuf::default().lend(grid_workspace_len(&stage.scene, grid)),
         Hits {
             distance: Some(&mut distance),
             normal: Some(&mut normal),

@@ -1,4 +1,5 @@
 //! Frames that are taken slice by slice: rolling shutters against closed form, motion blur, and what slices must be.
+#![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
 mod common;
 

@@ -170,7 +170,7 @@ fn cast(stage: &Stage<'_>, pose: &Pose, grid: &Optics<'_>, execution: Execution)
         [0.0, f64::INFINITY],
         visibility::VISUAL,
         Faces::Both,
-        &mut workspace.lend(grid_workspace_len(&stage.scene, &grid)),
+        &mut workspace.lend(grid_workspace_len(&stage.scene, grid)),
         found.hits(),
     )
     .unwrap();

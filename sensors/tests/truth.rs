@@ -1,5 +1,6 @@
 //! What is true of each pixel: channels that agree with each other and with single moments' grids, and flow against the
 //! projection of the same points in double precision, through lenses and rolling shutters.
+#![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
 mod common;
 

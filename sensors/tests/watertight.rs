@@ -106,7 +106,7 @@ fn cast_a_grid(
     let mut distance = vec![0.0; width * height];
     let hits = Hits { distance: Some(&mut distance), ..Hits::default() };
     let scene = builder.scene();
-    let mut workspace = workspace.lend(grid_workspace_len(&scene, &grid));
+    let mut workspace = workspace.lend(grid_workspace_len(&scene, grid));
     let range = [1e-9, f64::INFINITY];
     cast_grid(&scene, &builder.moment(*pose), grid, range, VISUAL, Faces::Both, &mut workspace, hits)
         .unwrap();

@@ -98,7 +98,7 @@ impl<'a> Shutter<'a> {
 /// assert_eq!(Capture::new(7, still).frame, 7);
 ///
 /// // A rolling shutter: the sensor turns by 1 mrad from each of 480 rows to the next.
-/// let turned = |row: u32| Pose::from_rpy_xyz(0.0, 0.0, 1e-3 * f64::from(row), glam::DVec3::ZERO);
+/// let turned = |row: u32| Pose::from_xyz_rpy(glam::DVec3::ZERO, glam::DVec3::Z * (1e-3 * f64::from(row)));
 /// let rows: Vec<_> = (0..480)
 ///     .map(|row| Slice { lines: row..row + 1, at: Moment { world_from_sensor: turned(row), ..still } })
 ///     .collect();

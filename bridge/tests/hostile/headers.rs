@@ -158,9 +158,11 @@ pub(crate) fn is_acceptable(case: &Case) -> bool {
     let header = &case.header;
     let element: u128 = match header.encoding {
         1 | 2 => 3,
-        4 | 7 => 4,
-        5 => 2,
+        4 | 7 | 9 | 21 => 4,
+        5 | 10 | 15..=18 => 2,
         6 => 32,
+        19 => 8,
+        20 => 12,
         8 => match Kind::from_wire(header.kind) {
             Some(Kind::CameraInfo) => 400,
             Some(Kind::Odometry) => 744,

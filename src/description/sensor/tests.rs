@@ -485,11 +485,11 @@ fn a_device_is_a_preset_and_what_is_written_besides() {
         ("<preset>webcan</preset>", "did you mean webcam?"),
         (
             "<read_noise_e>-1</read_noise_e>",
-            "<read_noise_e> of sensor 'c' is -1: write a number from 0 to 1000000",
+            "<read_noise_e> of sensor 'c' is -1; write a number from 0 to 1000000",
         ),
         (
             "<exposure_time_s>4000</exposure_time_s>",
-            "<exposure_time_s> of sensor 'c' is 4000: write a number from 0",
+            "<exposure_time_s> of sensor 'c' is 4000; write a number from 0",
         ),
         ("<bits>17</bits>", "<bits> of sensor 'c' is 17"),
     ] {

@@ -22,10 +22,13 @@ def test_every_encoding_is_that_of_wire_md() -> None:
     assert len(rows) == len(Encoding)
     for number, name, element in rows:
         encoding = Encoding(int(number))
-        assert encoding.name.lower() == {"32fc1": "f32c1", "16uc1": "u16c1"}.get(name, name)
-        size = re.match(r"(\d+) bytes?|([uf])(\d+)", element)
+        # 32fc2 is F32C2: Python's names begin with a letter.
+        assert encoding.name.lower() == re.sub(
+            r"^(\d+)([fsu])c", lambda m: f"{m[2].replace('s', 'i')}{m[1]}c", name
+        )
+        size = re.match(r"(\d+) bytes?|(?:(\d+) )?[ufi](\d+)", element)
         if size is not None and encoding is not Encoding.STRUCT:
-            assert wire._ELEMENTS[encoding].itemsize == int(size[1] or int(size[3]) // 8)
+            assert wire._ELEMENTS[encoding].itemsize == int(size[1] or int(size[2] or 1) * int(size[3]) // 8)
 
 
 def good_header() -> np.ndarray:

@@ -39,7 +39,7 @@ pub enum TableError {
         /// What it is.
         length: f64,
     },
-    /// Fewer cache lines than [`RayTable::required_len`].
+    /// Fewer cache lines than [`RayTable::required_len`](crate::optics::RayTable::required_len).
     BufferTooSmall {
         /// Cache lines that are needed.
         required: usize,

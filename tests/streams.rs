@@ -96,7 +96,8 @@ fn truth_is_beside_the_picture_when_it_is_asked_for() {
     // These are of several frames, between which the robot comes to rest: edges move by some pixels.
     println!("{ceiling} pixels of the ceiling, {wrong} of them at edges that moved");
     assert!(1000 * wrong < ceiling, "{wrong} of {ceiling}");
-    assert!(ceiling > 150_000, "{ceiling} pixels of the ceiling");
+    // More than half of the picture: lamps, and tags in front of the ceiling, are the rest.
+    assert!(2 * ceiling > 640 * 480, "{ceiling} pixels of the ceiling");
 }
 
 #[test]

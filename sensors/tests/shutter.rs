@@ -121,6 +121,43 @@ fn slices_of_one_moment_are_that_moments_frame() {
     assert!(scan(&once) == scan(&Capture::new(3, lines.as_slice())));
 }
 
+/// Sizes, slices and overlaps that nobody chose, all of one moment: the bytes of that moment, for pictures, depths and
+/// scans, on one thread or two.
+#[test]
+fn any_size_in_any_slices() {
+    use belvedere_sensors::noise::Stream;
+    let mut builder = SceneBuilder::new();
+    scenery(&mut builder);
+    let scene = builder.scene();
+    let at = builder.moment(Pose::from_xyz_rpy(DVec3::from_array(POSE), DVec3::new(0.1, 0.2, -0.05)));
+    let stream = Stream { seed: 9, sensor: 0, frame: 0, channel: 0x100 };
+    let mut drawn = 0;
+    let mut below = |most: u32| {
+        drawn += 1;
+        stream.word(drawn) % most
+    };
+    for _ in 0..60 {
+        let [width, height] = [1 + below(150), 1 + below(150)];
+        let config = camera_of([width, height], 1.2);
+        let (mut slices, mut end) = (Vec::new(), 0);
+        while end < height {
+            let before: u32 = slices.last().map_or(0, |slice: &Slice<'_>| slice.lines.start);
+            let start = before + below(end - before + 1);
+            end = (end + below(9)).clamp(start + 1, height);
+            slices.push(Slice { lines: start..end, at });
+        }
+        let overlaps = slices.windows(2).any(|pair| pair[1].lines.start < pair[0].lines.end);
+        let [once, sliced] = [Capture::new(1, at), Capture::new(1, slices.as_slice())];
+        let [of_one, of_many] = [&once, &sliced].map(|capture| depth_frame(&scene, config, capture));
+        let place =
+            format!("{width} x {height}, {:?}", slices.iter().map(|s| s.lines.clone()).collect::<Vec<_>>());
+        assert!(of_one.0 == of_many.0 && of_one.1 == of_many.1, "depths and points: {place}");
+        // The mean of three equal numbers may be rounded.
+        let apart = of_one.2.iter().zip(&of_many.2).map(|(one, many)| one.abs_diff(*many)).max();
+        assert!(apart <= Some(u8::from(overlaps)), "colours: {place}");
+    }
+}
+
 /// A camera that turns, and one that is carried past a post: where the post's edges are in each row.
 #[test]
 fn a_rolling_shutter_is_where_closed_form_has_it() {

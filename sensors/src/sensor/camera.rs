@@ -144,7 +144,8 @@ impl<'a> Camera<'a> {
         self.device.map_or(65_535.0, |device| device.full_scale())
     }
 
-    /// Exposure, device and noise of a tile. Where there is no ray there is no light: a pixel is black, or what a device makes of darkness.
+    /// Exposure, device and noise of a tile. Where there is no ray there is no light: a pixel is black, or what a device
+    /// makes of darkness.
     #[inline(always)]
     pub(super) fn expose<S: Simd>(
         &self,

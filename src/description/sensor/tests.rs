@@ -399,6 +399,22 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
         ("camera", "<distortion><center>0 0</center></distortion>", "has no effect: all coefficients are 0"),
         (
             "camera",
+            "<distortion><borderCrop>true</borderCrop></distortion>",
+            "<borderCrop> of sensor 'c' is not",
+        ),
+        (
+            "camera",
+            "<noise><dynamic_bias_stddev>.1</dynamic_bias_stddev></noise>",
+            "<dynamic_bias_stddev> of",
+        ),
+        ("camera", "<noise><type>gaussian</type><seed>1</seed></noise>", "a noise has type, mean, stddev"),
+        (
+            "camera",
+            "<horizontal_fov>1.2</horizontal_fov><lens><intrinsics><fx>400</fx></intrinsics></lens>",
+            "<horizontal_fov> of sensor 'c' is left out: it would be a focal length of 467.7 pixels, and <fx> is 400",
+        ),
+        (
+            "camera",
             "<lens><cutoff_angle>1</cutoff_angle></lens>",
             "a lens of type gnomonical has no parameters",
         ),
@@ -447,6 +463,43 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
         assert!(problems.iter().all(|problem| problem.contains("write a whole number from 0 to 64")));
         assert_eq!(problems.is_empty(), expected.is_some());
     }
+    // Beside the <camera>, and in the plugins of both kinds.
+    for (inside, expected) in [
+        ("<topic>t</topic>", "<topic> of sensor 'c' is not simulated and left out; write <imageTopicName>"),
+        ("<gz_frame_id>f</gz_frame_id>", "write <frameName> in the plugin"),
+        ("<enable_metrics>true</enable_metrics>", "measure with `belvedere hz`"),
+        ("<ray/>", "<ray> of sensor 'c' is not simulated"),
+        ("<plugin name='p' filename='F'>\n<borderCrop>true</borderCrop></plugin>", "in black; write false"),
+        (
+            "<plugin name='p' filename='F'>\n<triggerTopicName>t</triggerTopicName></plugin>",
+            "sent at <updateRate>",
+        ),
+        (
+            "<plugin name='p' filename='F'>\n<imageTopicname>t</imageTopicname></plugin>",
+            "<imageTopicname> of",
+        ),
+    ] {
+        for (kind, file) in
+            [("camera", "libgazebo_ros_camera.so"), ("depth", "libgazebo_ros_openni_kinect.so")]
+        {
+            let inside = inside.replace('F', file);
+            let newline = if inside.contains('\n') { "" } else { "\n" };
+            let (sensor, problems) =
+                parse(&format!("<sensor name='c' type='{kind}'>{newline}{inside}</sensor>"));
+            assert!(sensor.is_some() && problems.len() == 1, "{inside}: {problems:?}");
+            let line = problems[0].strip_prefix("s.sdf:2: warning: ");
+            assert!(line.is_some_and(|line| line.contains(expected)), "{problems:?}");
+        }
+    }
+    let (_, problems) = parse(
+        "<sensor name='c' type='camera'><visualize>true</visualize><enable_metrics>false</enable_metrics>\
+         <camera><horizontal_fov>1.2</horizontal_fov><image><width>640</width></image>\
+         <noise><dynamic_bias_stddev>0</dynamic_bias_stddev></noise>\
+         <lens><intrinsics><fx>468</fx></intrinsics></lens></camera>\
+         <plugin name='p' filename='libgazebo_ros_camera.so'><alwaysOn>true</alwaysOn>\
+         <borderCrop>false</borderCrop><distortion_k1>0</distortion_k1></plugin></sensor>",
+    );
+    assert!(problems.is_empty(), "{problems:?}");
     let harmless =
         "<save enabled='false'><path>p</path></save><triggered>false</triggered><pose>0 0 0 0 0 0</pose>";
     lens_of("camera", harmless);

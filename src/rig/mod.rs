@@ -10,7 +10,7 @@ mod camera;
 mod channel;
 mod depth;
 mod error;
-mod eye;
+pub(crate) mod eye;
 mod lidar;
 mod mount;
 mod outlet;

@@ -3,10 +3,10 @@
 use super::pictures::noise;
 use super::{Setting, Settings};
 use crate::description::model::{
-    AngleFunction, AngleMap, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
+    AngleFunction, AngleMap, CameraDevice, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
 };
 use belvedere_sensors::camera::{Camera, CameraConfig, Edges, PixelFormat};
-use belvedere_sensors::device::DeviceConfig;
+use belvedere_sensors::device::{AutoExposure, FrameStatistics};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{
     self, AngleFunction as Function, BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics,
@@ -24,7 +24,11 @@ pub(super) struct Eye {
     exposure: f32,
     edges: Edges,
     noise: GaussianNoise,
-    device: Option<DeviceConfig>,
+    /// With the exposure of the next frame.
+    device: Option<CameraDevice>,
+    automatic: Option<AutoExposure>,
+    /// What that was before the first frame.
+    first: Option<AutoExposure>,
     seed: u64,
     sensor: u32,
 }
@@ -45,6 +49,12 @@ impl Eye {
         lens: &Lens,
         setting: &Setting<'_>,
     ) -> Result<Self, Box<dyn Error>> {
+        let automatic = match &camera.device {
+            Some(CameraDevice { auto_exposure: Some(automatic), config, .. }) => {
+                Some(AutoExposure::new(automatic.config, config.exposure)?)
+            }
+            _ => None,
+        };
         let eye = Self {
             optics: EyeOptics::new([camera.width, camera.height], lens)?,
             format: camera.format,
@@ -59,6 +69,8 @@ impl Eye {
             },
             noise: noise(&camera.noise)?,
             device: camera.device,
+            automatic,
+            first: automatic,
             seed: setting.seed,
             sensor: setting.sensor,
         };
@@ -80,9 +92,45 @@ impl Eye {
             .exposure(self.exposure)
             .edges(self.edges)
             .noise(self.noise)
-            .device(self.device)
+            .device(self.device.map(|device| device.config))
             .seed(self.seed)
             .sensor(self.sensor)
+    }
+
+    /// What it is behind the lens, if its frames are of more than one moment.
+    pub(super) fn shutter(&self) -> Option<&CameraDevice> {
+        self.device.as_ref().filter(|device| !device.is_of_one_moment())
+    }
+
+    /// How long before its stamp a frame begins, at most, in ns.
+    pub(super) fn window_ns(&self) -> u64 {
+        self.shutter().map_or(0, |device| (device.window_s() * 1e9).ceil() as u64)
+    }
+
+    /// Whether the exposure of a frame depends on those before it, so that each has to be taken whoever looks.
+    pub(super) fn is_automatic(&self) -> bool {
+        self.automatic.is_some()
+    }
+
+    /// How bright a picture of it is, if its exposure is automatic.
+    pub(super) fn meter(&self, picture: &[u8]) -> Option<FrameStatistics> {
+        let metering = self.device?.auto_exposure?.metering;
+        self.camera().meter(picture, metering).ok()
+    }
+
+    /// Chooses the exposure of the next frame after one that was so bright.
+    pub(super) fn expose_next(&mut self, seen: Option<FrameStatistics>) {
+        if let (Some(automatic), Some(device), Some(seen)) = (&mut self.automatic, &mut self.device, seen) {
+            device.config.exposure = automatic.next(&seen);
+        }
+    }
+
+    /// Begins again with the exposure of the first frame.
+    pub(super) fn restart(&mut self) {
+        if let (Some(device), Some(first)) = (&mut self.device, self.first) {
+            self.automatic = Some(first);
+            device.config.exposure = first.exposure();
+        }
     }
 
     /// Takes other settings from the next frame on, if they are within their limits.

@@ -7,6 +7,7 @@ use super::truth::TruthOutlets;
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
+use belvedere_sensors::Shutter;
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
 use belvedere_sensors::noise::GaussianNoiseError;
 use std::time::Instant;
@@ -88,13 +89,18 @@ impl LidarChannel {
             output = output.ranges(ranges).intensities(intensities);
         }
         let is_wanted = output.ranges.is_some() || output.truth.is_some();
-        let before = self.truth.before();
-        let taken = is_wanted && context.take(&self.lidar, &world_from_sensor, frame_number, before, output);
+        let at = Shutter::Global(context.scene.moment(world_from_sensor));
+        let taken = is_wanted && context.take(&self.lidar, at, frame_number, &self.truth.before(), output);
         let outcome = self.scan.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);
         self.scan.record(outcome, started.elapsed());
         self.truth.record(truths, started.elapsed());
-        self.truth.keep(&world_from_sensor, context.scene.poses());
+        self.truth.keep(&at);
+    }
+
+    /// Forgets the frames so far.
+    pub(super) fn restart(&mut self) {
+        self.truth.restart();
     }
 
     /// Takes other settings from its next frame on.

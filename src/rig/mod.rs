@@ -12,6 +12,7 @@ mod depth;
 mod error;
 pub(crate) mod eye;
 mod lidar;
+mod moments;
 mod mount;
 mod outlet;
 pub mod pictures;
@@ -156,6 +157,11 @@ impl Rig {
         self.channels.iter().map(|channel| channel.schedule.next_ns()).min().unwrap_or(u64::MAX)
     }
 
+    /// How long before its stamp a frame begins, at most, in ns: for so long physics has to remember where things were.
+    pub fn window_ns(&self) -> u64 {
+        self.channels.iter().map(|scheduled| scheduled.channel.window_ns()).max().unwrap_or(0)
+    }
+
     /// Publishes every frame that is due at `stamp_ns`, for which physics must have arrived there.
     pub fn publish(&mut self, stamp_ns: u64, physics: &Physics, robots: &[Robot], scene: &mut WorldScene) {
         for scheduled in &mut self.channels {
@@ -187,6 +193,7 @@ impl Rig {
             if let Some(Tuning { described, .. }) = scheduled.tuning {
                 scheduled.configure(described, 0)?;
             }
+            scheduled.channel.restart();
             scheduled.schedule = Schedule::new(scheduled.rate);
         }
         self.tell_settings(0);

@@ -7,6 +7,7 @@ use super::{RigContext, RigError, Setting, Settings, lidar::lidar_config};
 use crate::description::model::{Noise, Radiation, RangePlugin, RaySensor, Sensor};
 use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, StreamSpec};
+use belvedere_sensors::Shutter;
 use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::noise::{GaussianNoise, Stream, normals16};
 
@@ -64,13 +65,8 @@ impl RangeChannel {
             return;
         }
         let world_from_sensor = self.mount.pose(context);
-        if !context.take(
-            &self.lidar,
-            &world_from_sensor,
-            frame_number,
-            None,
-            Scan::new().ranges(&mut self.ranges),
-        ) {
+        let at = Shutter::Global(context.scene.moment(world_from_sensor));
+        if !context.take(&self.lidar, at, frame_number, &[], Scan::new().ranges(&mut self.ranges)) {
             return;
         }
         // −∞, of something too near, is the nearest of all.

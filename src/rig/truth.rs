@@ -1,11 +1,12 @@
 //! What is true of each pixel of a camera and of each beam of a lidar, in streams beside the sensor's own.
 
+use super::moments::Moments;
 use super::mount::Mount;
 use super::outlet::{Outcome, Outlet};
 use super::{RigError, Setting};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, LoanedFrame, StreamSpec};
-use belvedere_sensors::Pose;
 use belvedere_sensors::trace::Truth;
+use belvedere_sensors::{Pose, Shutter, Slice};
 use std::time::Duration;
 
 /// A channel of truth.
@@ -51,7 +52,7 @@ pub(super) struct TruthOutlets {
     outlets: Vec<Outlet>,
     size: [u32; 2],
     /// Where the sensor and all instances were in the frame before, while somebody follows the flow.
-    before: Option<(Pose, Vec<Pose>)>,
+    before: Option<Moments>,
 }
 
 impl TruthOutlets {
@@ -103,15 +104,20 @@ impl TruthOutlets {
         TruthFrames(loans.collect())
     }
 
-    /// Poses of the frame before, if its flow is wanted.
-    pub(super) fn before(&self) -> Option<&(Pose, Vec<Pose>)> {
-        self.before.as_ref()
+    /// The moments of the frame before, if the flow back to it is wanted; none if there was none.
+    pub(super) fn before(&self) -> Vec<Slice<'_>> {
+        self.before.as_ref().map(Moments::slices).unwrap_or_default()
     }
 
-    /// Keeps the poses of this frame for the next, if its flow is wanted then.
-    pub(super) fn keep(&mut self, world_from_sensor: &Pose, world_from_instance: &[Pose]) {
+    /// Keeps the moments of this frame for the next, if its flow is wanted then.
+    pub(super) fn keep(&mut self, shutter: &Shutter<'_>) {
         let is_wanted = self.outlets.get(Channel::FlowBack as usize).is_some_and(Outlet::is_wanted);
-        self.before = is_wanted.then(|| (*world_from_sensor, world_from_instance.to_vec()));
+        self.before = is_wanted.then(|| Moments::of_truth(shutter));
+    }
+
+    /// Begins again, as if there had been no frame before.
+    pub(super) fn restart(&mut self) {
+        self.before = None;
     }
 
     /// Counts what became of the frames.

@@ -125,6 +125,20 @@ impl WorldScene {
         self.assembly.builder.poses()
     }
 
+    /// Appends where all instances were at an earlier time, as far back as physics remembers.
+    pub fn poses_at(&self, physics: &Physics, time_ns: u64, poses: &mut Vec<Pose>) {
+        let first = poses.len();
+        poses.extend_from_slice(self.poses());
+        for (model, link, world_from_link) in physics.moving_links_at(time_ns) {
+            for placed in self.assembly.placed.get(&(model, link)).into_iter().flatten() {
+                let pose = world_from_link * placed.link_from_shape;
+                if pose.is_finite() {
+                    poses[first + placed.instance.0 as usize] = pose;
+                }
+            }
+        }
+    }
+
     /// What there is to see.
     pub fn scene(&self) -> Scene<'_> {
         self.assembly.builder.scene()

@@ -2,8 +2,8 @@
 
 use super::text::{angle, number, pose};
 use crate::description::model::{
-    AngleFunction, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel, Model, Noise, Plugin,
-    Radiation, RaySensor, Sensor, SensorKind,
+    AngleFunction, AutoExposed, CameraDevice, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
+    Model, Noise, Plugin, Radiation, RaySensor, Sensor, SensorKind,
 };
 use crate::rig::eye::{drawn_lens, mapped_share};
 use crate::rig::pictures::encoding;
@@ -125,10 +125,41 @@ fn camera_report(camera: &CameraSensor, drawn: &Lens, say: &mut impl FnMut(&str,
     }
     say("clip", format!("{} to {} m", number(camera.near_m), number(camera.far_m)));
     say("noise", noise(&camera.noise, "of [0, 1]"));
+    if let Some(device) = &camera.device {
+        device_report(device, say);
+    }
     if let Some(p) = camera.lens.projection {
         let values = [p.fx, p.fy, p.cx, p.cy, p.tx, p.ty].map(number).join(", ");
         say("projection", format!("fx, fy, cx, cy, tx, ty = {values}"));
     }
+}
+
+/// When the light is collected, and how much.
+fn device_report(device: &CameraDevice, say: &mut impl FnMut(&str, String)) {
+    let mut shutter = match device.readout_time_s {
+        0.0 => "global".to_owned(),
+        time_s => format!("rolling, {} ms from the first row to the last", number(time_s * 1e3)),
+    };
+    if device.motion_blur_samples > 1 {
+        shutter += &format!(", motion blur of {} moments", device.motion_blur_samples);
+    }
+    say("shutter", shutter);
+    let start = device.config.exposure;
+    let exposure = format!("{} ms, gain {}", number(start.time_s * 1e3), number(start.gain));
+    say(
+        "exposure",
+        match &device.auto_exposure {
+            None => exposure,
+            Some(AutoExposed { config, .. }) => {
+                let [shortest, longest] = config.time_range_s.map(|time_s| number(time_s * 1e3));
+                format!(
+                    "automatic to {} of full scale, {shortest} to {longest} ms, gain up to {}, at first {exposure}",
+                    number(config.target),
+                    number(config.most_gain)
+                )
+            }
+        },
+    );
 }
 
 /// The model and its parameters; none for a pinhole.

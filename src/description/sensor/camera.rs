@@ -34,6 +34,17 @@ impl Reader<'_> {
         self.not_simulated(camera);
         let (width, height) = (width?, height?);
         let lens = self.lens(camera, &Picture { width, height, is_wide_angle });
+        if anti_aliasing.is_some_and(|samples| samples > 1)
+            && device.flatten().is_some_and(|device| !device.is_of_one_moment())
+        {
+            let what = format!(
+                "{} is left out: pictures of a rolling shutter or with motion blur keep sharp edges",
+                self.what("anti_aliasing")
+            );
+            let remedy =
+                "take it out, or write <readout_time_s>0</readout_time_s> and no <motion_blur_samples>";
+            self.diagnostics.warning(Self::place(image, "anti_aliasing", sensor), what, remedy);
+        }
         let (near_m, far_m) = distances?;
         let (lens, horizontal_fov_rad) = lens?;
         Some(CameraSensor {

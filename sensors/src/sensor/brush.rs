@@ -8,11 +8,11 @@ use crate::execution::{SplitRows, split_at};
 use crate::memory::{Cutter, lines};
 use crate::moment::{Capture, Shutter};
 use crate::optics::rays::Fan;
+use crate::shade::tile::{CameraRays, Tile};
 use crate::shade::{Colours, Shader};
 use crate::simd::LANES;
 use crate::trace::grid::Band;
 use crate::trace::resolve::Resolver;
-use crate::trace::tile::{CameraRays, Tile};
 use crate::trace::tiling::Tiling;
 use fearless_simd::Simd;
 

@@ -15,7 +15,7 @@ use glam::DVec3;
 
 /// Only the lanes whose bits are set take part, up to `t_max`.
 #[inline(always)]
-pub(super) fn activate(packet: &mut Packet, lanes: u64, t_max: f64) {
+pub(crate) fn activate(packet: &mut Packet, lanes: u64, t_max: f64) {
     packet.hit = [MISS; LANES];
     for lane in 0..LANES {
         packet.t[lane] = if lanes >> lane & 1 != 0 { t_max } else { f64::NEG_INFINITY };
@@ -23,7 +23,7 @@ pub(super) fn activate(packet: &mut Packet, lanes: u64, t_max: f64) {
 }
 
 #[inline(always)]
-pub(super) fn hit_lanes(packet: &Packet) -> u64 {
+pub(crate) fn hit_lanes(packet: &Packet) -> u64 {
     let mut lanes = 0;
     for lane in 0..LANES {
         lanes |= u64::from(packet.hit[lane] != MISS) << lane;
@@ -42,7 +42,7 @@ fn retire_hits(packet: &mut Packet) {
 /// Visits the leaves that the packet may meet before `t_max`, until `visit` returns that no lane is left. A stack of
 /// [`stack_len`] entries is enough.
 #[inline(always)]
-pub(super) fn walk<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
+pub(crate) fn walk<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
     simd: S,
     node: impl Fn(u32) -> N,
     bounds: &PacketBounds,
@@ -74,7 +74,7 @@ pub(super) fn walk<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
 
 /// What is looked for.
 #[derive(Clone, Copy)]
-pub(super) enum Search {
+pub(crate) enum Search {
     /// Any hit before some t.
     Any(f32),
     /// The first.
@@ -82,7 +82,7 @@ pub(super) enum Search {
 }
 
 #[inline(always)]
-pub(super) fn intersect_instance<S: Simd>(
+pub(crate) fn intersect_instance<S: Simd>(
     simd: S,
     view: &View<'_>,
     index: u32,

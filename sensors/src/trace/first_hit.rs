@@ -9,7 +9,7 @@ use core::borrow::Borrow;
 use fearless_simd::Simd;
 
 /// Entries of the stack that a walk of so deep a tree needs.
-pub(super) const fn stack_len(depth: usize) -> usize {
+pub(crate) const fn stack_len(depth: usize) -> usize {
     (WIDTH - 1) * depth + 2
 }
 

@@ -3,8 +3,7 @@
 use super::grid::Band;
 use super::image::{GRAZING, NO_HIT};
 use super::resolve::Resolver;
-use super::tile::line_f32;
-use super::tiling::{BLOCKS, Tiling};
+use super::tiling::{BLOCKS, Tiling, line_f32};
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
 use crate::scene::tree::WIDTH;

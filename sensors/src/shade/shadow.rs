@@ -7,17 +7,17 @@
 //! A convex instance never stands in its own light. Points on meshes and height fields, which may, are [lifted](lift)
 //! above their triangles first.
 
-use super::any_hit::{Search, activate, hit_lanes, intersect_instance, walk};
-use super::first_hit::stack_len;
 use super::lift::lift;
 use super::occluders::Occluders;
-use super::packet::{Faces, Packet, PacketBounds};
-use super::shapes::LocalRays;
 use super::tile::Tile;
-use super::view::{MAX_DEPTH, View};
 use crate::scene::KIND_BOX;
 use crate::scene::tree::WIDTH;
 use crate::simd::{LANES, load_row};
+use crate::trace::any_hit::{Search, activate, hit_lanes, intersect_instance, walk};
+use crate::trace::first_hit::stack_len;
+use crate::trace::packet::{Faces, Packet, PacketBounds};
+use crate::trace::shapes::LocalRays;
+use crate::trace::view::{MAX_DEPTH, View};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 use glam::DVec3;
 
@@ -216,7 +216,7 @@ impl ShadowRays<'_> {
         self.dark != self.lit
     }
 
-    /// Slabs, as [`super::shapes::cuboid`], in single precision.
+    /// Slabs, as [`crate::trace::shapes::cuboid`], in single precision.
     #[inline(always)]
     fn meet_box<S: Simd>(&self, simd: S, index: u32, active: u64) -> u64 {
         let half = self.view.instance(index).size;

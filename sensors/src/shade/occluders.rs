@@ -1,9 +1,9 @@
 //! What may stand between a lamp and the neighbourhood of a tile, remembered from tile to tile.
 
-use super::packet::PacketBounds;
 use super::shadow::from_lamp;
-use super::view::{MAX_DEPTH, View};
 use crate::scene::tree::{LEAF, NONE, WIDTH, WideNode};
+use crate::trace::packet::PacketBounds;
+use crate::trace::view::{MAX_DEPTH, View};
 use fearless_simd::Simd;
 use glam::DVec3;
 

@@ -56,6 +56,7 @@ pub use baked::BakedError;
 #[cfg(feature = "alloc")]
 pub use builder::SceneBuilder;
 
+use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
@@ -128,8 +129,8 @@ impl<'a> Scene<'a> {
     /// Slots of an instance: every triangle that a ray may hit has one of its own, any other shape one in all.
     pub(crate) fn slots(&self, instance: &Instance) -> u32 {
         match instance.kind {
-            KIND_MESH => self.meshes[instance.mesh as usize].blocks * tree::WIDTH as u32,
-            KIND_HEIGHT_FIELD => self.height_fields[instance.mesh as usize].blocks() * tree::WIDTH as u32,
+            KIND_MESH => self.meshes[instance.mesh as usize].blocks * WIDTH as u32,
+            KIND_HEIGHT_FIELD => self.height_fields[instance.mesh as usize].blocks() * WIDTH as u32,
             _ => 1,
         }
     }

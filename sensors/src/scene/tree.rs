@@ -3,10 +3,8 @@
 //! Both are structures of arrays of sixteen, the number of lanes that every kernel works on at every SIMD level,
 //! so the layout never depends on the machine. Coordinates are metres in the frame of the mesh.
 
+use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};
-
-/// Children of a node, triangles of a leaf.
-pub const WIDTH: usize = 16;
 
 /// No child, no triangle: what fills the lanes that a node or leaf does not need.
 pub const NONE: u32 = u32::MAX;

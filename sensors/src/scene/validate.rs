@@ -5,7 +5,8 @@
 
 use super::SceneError;
 use super::build::{MAX_COORDINATE, MAX_DEPTH, check_vertices, corners};
-use super::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+use super::tree::{LEAF, NONE, TriangleBlock, WideNode};
+use crate::simd::WIDTH;
 
 /// What is wrong with a tree. Nodes, blocks and triangles are named by their indices in the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,9 +3,8 @@
 pub use crate::device::Mosaic;
 use crate::device::{LUMA, Planes};
 use crate::noise::GaussianNoise;
-use crate::scene::tree::WIDTH;
 use crate::shade::Colours;
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, WIDTH};
 use crate::trace::tiling::Tiling;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, u32x16};
 

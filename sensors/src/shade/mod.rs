@@ -16,8 +16,7 @@ mod texture;
 pub(crate) mod tile;
 
 use crate::scene::NO_TEXTURE;
-use crate::scene::tree::WIDTH;
-use crate::simd::{LANES, Lanes, load_row, store_row};
+use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::trace::packet::MISS;
 use crate::trace::view::View;
 use face::{Face, faces, has_flat_faces};

@@ -1,7 +1,8 @@
 //! What may stand between a lamp and the neighbourhood of a tile, remembered from tile to tile.
 
 use super::shadow::from_lamp;
-use crate::scene::tree::{LEAF, NONE, WIDTH, WideNode};
+use crate::scene::tree::{LEAF, NONE, WideNode};
+use crate::simd::WIDTH;
 use crate::trace::packet::PacketBounds;
 use crate::trace::view::{MAX_DEPTH, View};
 use fearless_simd::Simd;

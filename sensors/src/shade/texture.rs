@@ -4,8 +4,8 @@
 //! Tried without gain: reading a texel of every lane of a tile before any is needed, in place of a prefetch.
 
 use super::surface::Footprint;
-use crate::scene::tree::WIDTH;
 use crate::scene::{NO_TEXTURE, Scene, Texture};
+use crate::simd::WIDTH;
 use fearless_simd::{
     Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask, f32x16, mask32x16, u32x16, u64x8,
 };

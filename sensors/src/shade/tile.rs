@@ -5,8 +5,7 @@
 
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
-use crate::scene::tree::WIDTH;
-use crate::simd::{LANES, Lanes, load_row, store_row};
+use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::trace::grid::Band;
 use crate::trace::image::{GRAZING, NO_HIT};
 use crate::trace::packet::{MISS, Packet};

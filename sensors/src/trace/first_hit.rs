@@ -4,7 +4,8 @@ use super::any_hit::{Search, intersect_instance};
 use super::packet::{Faces, Packet, PacketBounds};
 use super::shapes::LocalRays;
 use super::view::{MAX_DEPTH, View};
-use crate::scene::tree::{LEAF, WIDTH, WideNode};
+use crate::scene::tree::{LEAF, WideNode};
+use crate::simd::WIDTH;
 use core::borrow::Borrow;
 use fearless_simd::Simd;
 

@@ -9,8 +9,8 @@ use super::shapes::match_solid;
 use super::shapes::surface::solid_surface;
 use super::view::View;
 use crate::pose::Pose;
-use crate::scene::tree::WIDTH;
 use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::simd::WIDTH;
 use glam::{DMat3, DVec3};
 
 /// Finds the points that the rays of a grid have hit.

@@ -1,8 +1,9 @@
 //! Whether anything is near the sensor at all: most often nothing is, and a look at some boxes tells.
 
 use super::view::{MAX_DEPTH, View};
-use crate::scene::tree::{LEAF, NONE, WIDTH, WideNode};
+use crate::scene::tree::{LEAF, NONE, WideNode};
 use crate::scene::{KIND_MESH, build};
+use crate::simd::WIDTH;
 use glam::DVec3;
 
 impl View<'_> {

@@ -1,7 +1,7 @@
 //! 64 rays that are traced together, and the bounds that let whole subtrees be skipped for all of them.
 
-use crate::scene::tree::{NONE, WIDTH, WideNode};
-use crate::simd::{LANES, Lanes};
+use crate::scene::tree::{NONE, WideNode};
+use crate::simd::{LANES, Lanes, WIDTH};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 
 /// No instance was hit.

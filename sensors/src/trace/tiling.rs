@@ -1,8 +1,7 @@
 //! How a picture is cut into tiles of sixty-four rays.
 
 use crate::optics::rays::Fan;
-use crate::scene::tree::WIDTH;
-use crate::simd::LANES;
+use crate::simd::{LANES, WIDTH};
 use fearless_simd::{Simd, SimdBase, SimdCombine, f32x4, f32x16, u32x4, u32x16};
 
 /// Blocks in a tile.

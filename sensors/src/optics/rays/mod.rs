@@ -22,7 +22,7 @@ pub use table::RayTableBuf;
 pub(crate) use table::TableFan;
 pub use table::{RayTable, TableError};
 
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16};
 use glam::DVec3;
 

@@ -5,10 +5,11 @@ use crate::scene::build::{MAX_COORDINATE, fill_facets};
 use crate::scene::limits::{self, Refusal};
 use crate::scene::material::LIGHT_SPOT;
 use crate::scene::texture::{mip_levels, mip_texels};
-use crate::scene::tree::{Facet, TriangleBlock, WIDTH};
+use crate::scene::tree::{Facet, TriangleBlock};
 use crate::scene::{
     HeightField, KIND_HEIGHT_FIELD, KIND_MESH, Mesh, NO_TEXTURE, Scene, validate_scratch_len, validate_tree,
 };
+use crate::simd::WIDTH;
 use crate::{Execution, Pose};
 use alloc::vec::Vec;
 use bytemuck::Zeroable;

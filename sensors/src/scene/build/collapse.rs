@@ -4,7 +4,8 @@ use super::bounds::{Scratch, corners};
 use super::cut::children;
 use super::{MAX_DEPTH, TreeSize};
 use crate::scene::SceneError;
-use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+use crate::scene::tree::{LEAF, NONE, TriangleBlock, WideNode};
+use crate::simd::WIDTH;
 
 /// Nodes that can wait for their turn: of each level all but one child.
 const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;

@@ -27,8 +27,9 @@ pub use owned::Tree;
 pub use refit::refit;
 
 use super::SceneError;
-use super::tree::{NONE, TriangleBlock, WIDTH, WideNode};
+use super::tree::{NONE, TriangleBlock, WideNode};
 use crate::Execution;
+use crate::simd::WIDTH;
 use bytemuck::Zeroable;
 use cost::Power;
 use fearless_simd::dispatch;

@@ -9,7 +9,7 @@ use super::sharp::{BLURRED_SQUARED, PlaneArrays, THIN_SQUARED};
 use super::target::GRAZING;
 use super::triangles::{Leaf, Rules};
 use crate::optics::rays::{Planes, Points, max};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
 

@@ -4,7 +4,7 @@ use super::silhouette::Silhouette;
 use super::target::Target;
 use super::triangles::Rules;
 use crate::optics::rays::Projection;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
 use crate::trace::shapes::match_solid;
 use crate::trace::view::View;

@@ -9,7 +9,7 @@ use super::target::Target;
 use super::triangles::{Leaf, Rules, inside, splat};
 use crate::optics::rays::Fan;
 use crate::optics::rays::{Planes, Projection, min};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
 
 /// Leaves over fewer rays are better tested ray by ray …

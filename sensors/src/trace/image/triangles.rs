@@ -10,7 +10,7 @@ use super::set_up::{Setup, facing, set_up};
 use super::sharp::Source;
 use super::target::Target;
 use crate::optics::rays::{Planes, Points, Projection, min};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
 use each::draw_each;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};

@@ -2,7 +2,7 @@
 
 use super::{Rules, inside};
 use crate::optics::rays::{Projection, Rectangles};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use crate::trace::image::set_up::Setup;
 use crate::trace::image::target::Target;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, i32x16, mask32x16};

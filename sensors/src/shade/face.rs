@@ -8,7 +8,7 @@ use super::surface::Footprint;
 use super::tile::{Steps, Tile};
 use crate::scene::{Instance, KIND_BOX, KIND_PLANE, KIND_RECTANGLE};
 use crate::simd::{LANES, Lanes, WIDTH, floor, load_row};
-use crate::trace::shapes::surface::solid_surface;
+use crate::trace::shapes::solid_surface;
 use crate::trace::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
 use glam::DVec3;

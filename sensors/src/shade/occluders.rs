@@ -1,6 +1,5 @@
 //! What may stand between a lamp and the neighbourhood of a tile, remembered from tile to tile.
 
-use super::shadow::from_lamp;
 use crate::scene::tree::{LEAF, NONE, WideNode};
 use crate::simd::WIDTH;
 use crate::trace::packet::PacketBounds;
@@ -69,7 +68,7 @@ impl Occluders {
         simd.vectorize(
             #[inline(always)]
             || {
-                let rays = from_lamp(lamp, &self.bounds);
+                let rays = PacketBounds::from_point(lamp, &self.bounds);
                 self.collect(simd, view, &rays);
             },
         );

@@ -12,9 +12,9 @@ use super::occluders::Occluders;
 use super::tile::Tile;
 use crate::scene::KIND_BOX;
 use crate::simd::{LANES, WIDTH, load_row};
-use crate::trace::any_hit::{Search, activate, hit_lanes, intersect_instance, walk};
-use crate::trace::first_hit::stack_len;
+use crate::trace::packet::walk::{stack_len, walk};
 use crate::trace::packet::{Faces, Packet, PacketBounds};
+use crate::trace::packet_hits::{Search, activate, hit_lanes, intersect_instance};
 use crate::trace::shapes::LocalRays;
 use crate::trace::view::{MAX_DEPTH, View};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
@@ -60,7 +60,7 @@ impl Shadows {
             #[inline(always)]
             || {
                 let Self { occluders, packet, local } = self;
-                let bounds = from_lamp(position, &tile.bounds);
+                let bounds = PacketBounds::from_point(position, &tile.bounds);
                 let mut rays = ShadowRays {
                     view,
                     tile,
@@ -160,18 +160,6 @@ impl Shadows {
             },
         )
     }
-}
-
-/// Bounds of rays from a lamp that end at points within `bounds`, at t = 1.
-#[inline(always)]
-pub(super) fn from_lamp(position: DVec3, bounds: &[[f32; 2]; 3]) -> PacketBounds {
-    let (mut origin, mut direction) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
-    for axis in 0..3 {
-        let [low, high] = bounds[axis];
-        origin[axis] = [position[axis]; 2];
-        direction[axis] = [f64::from(low) - position[axis], f64::from(high) - position[axis]];
-    }
-    PacketBounds::of_intervals(origin, direction, 0.0)
 }
 
 /// The lanes that lie on an instance, if it cannot stand in its own light.

@@ -9,7 +9,8 @@ use crate::scene::{
     KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH, KIND_SPHERE,
 };
 use crate::simd::{LANES, Lanes, WIDTH, floor, load_row, sqrt_f32};
-use crate::trace::shapes::surface::{Surface, flat, solid_surface};
+use crate::trace::shapes::solid_surface;
+use crate::trace::shapes::surface::{Surface, flat};
 use crate::trace::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, f32x16, mask32x16};
 use glam::DVec3;

@@ -6,7 +6,7 @@ use super::image::NO_HIT;
 use super::packet::Faces;
 use super::resolve::{Hit, Resolver};
 use super::shapes::match_solid;
-use super::shapes::surface::solid_surface;
+use super::shapes::solid_surface;
 use super::view::View;
 use crate::pose::Pose;
 use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};

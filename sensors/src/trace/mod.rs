@@ -5,12 +5,10 @@
 //! which share an origin. Shadow rays go through the same trees 64 at a time, with interval bounds: a subtree
 //! that none can meet is left out for all.
 
-pub(crate) mod any_hit;
 mod bands;
 mod boxes;
 mod cast;
 pub(crate) mod error;
-pub(crate) mod first_hit;
 mod flow;
 pub(crate) mod grid;
 pub(crate) mod hit_point;
@@ -19,6 +17,7 @@ pub(crate) mod measure;
 pub(crate) mod memory;
 mod near;
 pub(crate) mod packet;
+pub(crate) mod packet_hits;
 pub(crate) mod place;
 pub(crate) mod prefetch;
 pub mod rays;

@@ -115,19 +115,6 @@ impl Rays<'_> {
         }
     }
 
-    /// Column and row whose ray goes through a point, found from a guess of them, between pixels as on them. None where
-    /// there is no such ray: behind a pinhole, and beyond the pixels of other rules.
-    pub(crate) fn project(&self, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
-        match self {
-            Self::Pinhole(rule) => {
-                let lens = rule.intrinsics();
-                let at = [lens.cx - lens.fx * (point.y / point.x), lens.cy - lens.fy * (point.z / point.x)];
-                (point.x > 0.0).then_some(at)
-            }
-            Self::Spherical(_) | Self::Table(_) => find::pixel(self, point, guess),
-        }
-    }
-
     /// The lanes of a block that have no ray: pixels beyond what their lens maps, a bit each.
     #[inline(always)]
     pub(crate) fn missing(&self, column: usize, row: usize) -> u16 {

@@ -1,10 +1,10 @@
 //! New boxes for moved vertices.
 
-use super::bounds::check_vertices;
 use super::collapse::put;
 use crate::Execution;
 use crate::scene::SceneError;
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WideNode};
+use crate::scene::vertices::check_vertices;
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, dispatch, f32x16};
 

@@ -2,7 +2,7 @@
 
 use super::{FAN, HeightField, HeightGrid, LEAF_COLUMNS, LEAF_ROWS, leaves, level_size};
 use crate::scene::SceneError;
-use crate::scene::build::MAX_COORDINATE;
+use crate::scene::vertices::MAX_COORDINATE;
 
 impl HeightField {
     /// Checks a field that was not made by [`HeightField::build`] just now, but comes from a file: that its measures

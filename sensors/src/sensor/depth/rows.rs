@@ -3,8 +3,8 @@
 use super::{DepthCamera, OutOfRange, POINT_STEP};
 use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
-use crate::sensor::brush::ColourRows;
 use crate::sensor::camera::Camera;
+use crate::sensor::camera::brush::ColourRows;
 use crate::sensor::edges::{Canvas, TILE_HEIGHT, TILE_WIDTH};
 use crate::sensor::pixel::{self, to_byte};
 use crate::shade::Colours;

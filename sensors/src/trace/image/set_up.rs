@@ -5,9 +5,9 @@
 //! triangles with a common edge decide alike, and no ray slips between them. A ray is inside where all three are
 //! on the same side as the triangle, and there 1/t = n·d / n·a.
 
+use super::leaf::{Leaf, Rules};
 use super::sharp::{BLURRED_SQUARED, PlaneArrays, THIN_SQUARED};
 use super::target::GRAZING;
-use super::triangles::{Leaf, Rules};
 use crate::optics::rays::{Planes, Points, max};
 use crate::simd::WIDTH;
 use crate::trace::packet::Faces;

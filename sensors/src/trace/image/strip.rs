@@ -4,9 +4,10 @@
 //! block, all but a few of the sixteen triangles are dropped at once, and each of these meets the sixteen rays
 //! at once. No triangle needs a rectangle of its own.
 
+use super::leaf::{Leaf, Rules};
 use super::set_up::{facing, set_up};
 use super::target::Target;
-use super::triangles::{Leaf, Rules, inside, splat};
+use super::triangles::{inside, splat};
 use crate::optics::rays::Fan;
 use crate::optics::rays::{Planes, Projection, min};
 use crate::simd::WIDTH;

@@ -3,7 +3,8 @@
 use super::bundle::RAYS;
 use super::describe::{Description, on_triangle};
 use super::doubt_of;
-use super::scene::{FrameRay, SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};
+use super::ray::FrameRay;
+use super::scene::{SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};
 use super::walk::Tree;
 use super::wave::Wave;
 use crate::execution::{SplitRows, for_each_row};

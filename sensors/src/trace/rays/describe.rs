@@ -1,7 +1,8 @@
 //! What is told of a hit: triangle, normal, barycentrics.
 
 use super::block;
-use super::scene::{FrameRay, SceneHit, in_instance, mesh_tree};
+use super::ray::FrameRay;
+use super::scene::{SceneHit, in_instance, mesh_tree};
 use crate::scene::tree::TriangleBlock;
 use crate::scene::{
     HeightGrid, Instance, KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID,

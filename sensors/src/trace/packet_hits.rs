@@ -1,14 +1,12 @@
-//! Whether anything is hit by the rays of a packet, in double precision. Which of several hits is found is not
-//! specified. And where a packet meets one instance, of which [first hits](super::first_hit) are made too.
+//! Where a packet meets one instance, in double precision: any hit, of which it is not specified which, or the first.
 
-use super::first_hit::{stack_len, walk_to_nearest};
+use super::packet::walk::{stack_len, walk, walk_to_nearest};
 use super::packet::{Faces, MISS, Packet, PacketBounds};
-use super::shapes::{LocalRays, commit, match_solid, triangle};
-use super::view::{Placed, View};
-use crate::scene::build::MAX_DEPTH;
-use crate::scene::tree::{LEAF, TriangleBlock, WideNode};
+use crate::scene::tree::{MAX_DEPTH, TriangleBlock, WideNode};
 use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
 use crate::simd::{LANES, WIDTH};
+use crate::trace::shapes::{LocalRays, commit, match_solid, triangle};
+use crate::trace::view::{self, Placed, View};
 use core::borrow::Borrow;
 use fearless_simd::Simd;
 use glam::DVec3;
@@ -36,39 +34,6 @@ pub(crate) fn hit_lanes(packet: &Packet) -> u64 {
 fn retire_hits(packet: &mut Packet) {
     for lane in 0..LANES {
         packet.t[lane] = if packet.hit[lane] == MISS { packet.t[lane] } else { f64::NEG_INFINITY };
-    }
-}
-
-/// Visits the leaves that the packet may meet before `t_max`, until `visit` returns that no lane is left. A stack of
-/// [`stack_len`] entries is enough.
-#[inline(always)]
-pub(crate) fn walk<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
-    simd: S,
-    node: impl Fn(u32) -> N,
-    bounds: &PacketBounds,
-    t_max: f32,
-    mut visit: impl FnMut(u32) -> bool,
-) {
-    let mut stack = [0_u32; STACK];
-    let mut waiting = 1;
-    while waiting > 0 {
-        waiting -= 1;
-        let child = stack[waiting];
-        if child & LEAF != 0 {
-            if !visit(child & !LEAF) {
-                return;
-            }
-            continue;
-        }
-        let node = node(child);
-        let node = node.borrow();
-        let mut lanes = bounds.enter(simd, node, t_max);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
-            lanes &= lanes - 1;
-            stack[waiting] = node.child[lane];
-            waiting += 1;
-        }
     }
 }
 
@@ -211,4 +176,28 @@ fn draw(rays: &LocalRays, block: &TriangleBlock, packet: &mut Packet, faces: tri
             .map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()));
         triangle::intersect(rays, corners, packet, faces, slot + lane as u32);
     }
+}
+
+/// Finds the first hit of each ray from the frame's origin. [`Packet::hit`] is then its slot, as the
+/// [`Resolver`](crate::trace::resolve::Resolver) knows it; `local` is room to work in.
+#[inline(always)]
+pub(crate) fn first_hits<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    packet: &mut Packet,
+    local: &mut LocalRays,
+    faces: Faces,
+) {
+    let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
+    walk_to_nearest::<S, _, { stack_len(view::MAX_DEPTH) }>(
+        simd,
+        #[inline(always)]
+        |node| &view.nodes[node as usize],
+        &bounds,
+        packet,
+        #[inline(always)]
+        |index, packet| {
+            intersect_instance(simd, view, index, (packet, local), (faces, Search::First));
+        },
+    );
 }

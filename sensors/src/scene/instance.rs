@@ -177,7 +177,7 @@ impl Instance {
             laser_retro: config.laser_retro,
             class: config.class,
         };
-        limits::instance(&instance)?;
+        limits::instance(instance.size, instance.scale)?;
         limits::pose(&config.world_from_instance)?;
         Ok(instance)
     }

@@ -31,6 +31,7 @@ mod single;
 mod texture;
 pub mod tree;
 mod validate;
+mod vertices;
 
 #[cfg(feature = "alloc")]
 mod builder;
@@ -50,12 +51,14 @@ pub use single::MeshScene;
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
 
 pub use validate::{TreeFault, validate_scratch_len, validate_tree};
+pub use vertices::MAX_COORDINATE;
 
 #[cfg(feature = "alloc")]
 pub use baked::BakedError;
 #[cfg(feature = "alloc")]
 pub use builder::SceneBuilder;
 
+use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
@@ -128,8 +131,8 @@ impl<'a> Scene<'a> {
     /// Slots of an instance: every triangle that a ray may hit has one of its own, any other shape one in all.
     pub(crate) fn slots(&self, instance: &Instance) -> u32 {
         match instance.kind {
-            KIND_MESH => self.meshes[instance.mesh as usize].blocks * tree::WIDTH as u32,
-            KIND_HEIGHT_FIELD => self.height_fields[instance.mesh as usize].blocks() * tree::WIDTH as u32,
+            KIND_MESH => self.meshes[instance.mesh as usize].blocks * WIDTH as u32,
+            KIND_HEIGHT_FIELD => self.height_fields[instance.mesh as usize].blocks() * WIDTH as u32,
             _ => 1,
         }
     }
@@ -168,7 +171,7 @@ pub enum SceneError {
     BadUv(usize),
     /// Vertex of that index is not finite.
     BadVertex(usize),
-    /// Vertex of that index is farther from the mesh's origin than [`build::MAX_COORDINATE`].
+    /// Vertex of that index is farther from the mesh's origin than [`MAX_COORDINATE`].
     VertexTooFar(usize),
     /// Triangle of that index refers to a vertex that is not there.
     BadTriangle(usize),
@@ -180,7 +183,7 @@ pub enum SceneError {
     HeightFieldTooSmall,
     /// The heights are not rows × columns.
     HeightCount,
-    /// Height of that index is not finite, or beyond [`build::MAX_COORDINATE`].
+    /// Height of that index is not finite, or beyond [`MAX_COORDINATE`].
     BadHeight(usize),
     /// An instance refers to a height field that the scene does not have.
     NoSuchHeightField,

@@ -1,10 +1,9 @@
 //! What one lamp adds, with its shadows.
 
+use super::tile::Tile;
 use super::{Colours, Shader};
-use crate::scene::tree::WIDTH;
 use crate::scene::{LIGHT_DIRECTIONAL, LIGHT_SPOT, Light};
-use crate::simd::{LANES, Lanes, load_row, store_row};
-use crate::trace::tile::Tile;
+use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::trace::view::View;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use glam::DVec3;

@@ -6,11 +6,11 @@ use super::image::NO_HIT;
 use super::packet::Faces;
 use super::resolve::{Hit, Resolver};
 use super::shapes::match_solid;
-use super::shapes::surface::solid_surface;
+use super::shapes::solid_surface;
 use super::view::View;
 use crate::pose::Pose;
-use crate::scene::tree::WIDTH;
 use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::simd::WIDTH;
 use glam::{DMat3, DVec3};
 
 /// Finds the points that the rays of a grid have hit.

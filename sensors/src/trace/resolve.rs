@@ -2,8 +2,9 @@
 
 use super::image::{GRAZING, GRAZING_SQUARED, NO_HIT};
 use super::view::{Placed, View};
-use crate::scene::tree::{Facet, WIDTH};
+use crate::scene::tree::Facet;
 use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 use glam::DVec3;
 

@@ -4,8 +4,9 @@ use super::error::SenseError;
 use super::top::{build_top, top_nodes};
 use crate::moment::Moment;
 use crate::pose::Pose;
-use crate::scene::tree::{WIDTH, WideNode};
+use crate::scene::tree::WideNode;
 use crate::scene::{Aabb, HeightGrid, Instance, KIND_HEIGHT_FIELD, KIND_MESH, Scene, limits};
+use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 

@@ -1,14 +1,16 @@
 //! Whether the sections of a baked scene are a scene.
 
 use super::BakedError;
-use crate::scene::build::{MAX_COORDINATE, fill_facets};
+use crate::scene::build::fill_facets;
 use crate::scene::limits::{self, Refusal};
 use crate::scene::material::LIGHT_SPOT;
 use crate::scene::texture::{mip_levels, mip_texels};
-use crate::scene::tree::{Facet, TriangleBlock, WIDTH};
+use crate::scene::tree::{Facet, TriangleBlock};
+use crate::scene::vertices::MAX_COORDINATE;
 use crate::scene::{
     HeightField, KIND_HEIGHT_FIELD, KIND_MESH, Mesh, NO_TEXTURE, Scene, validate_scratch_len, validate_tree,
 };
+use crate::simd::WIDTH;
 use crate::{Execution, Pose};
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
@@ -210,7 +212,7 @@ fn instances(scene: &Scene<'_>) -> Result<(), BakedError> {
             KIND_HEIGHT_FIELD => element.index("height field", instance.mesh, scene.height_fields.len())?,
             _ => {}
         }
-        element.accept(limits::instance(instance))?;
+        element.accept(limits::instance(instance.size, instance.scale))?;
         // What nobody sees is given none.
         slots += if instance.visibility == 0 { 0 } else { u64::from(scene.slots(instance)) };
         if slots >= 1 << 31 {

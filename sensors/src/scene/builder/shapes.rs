@@ -3,10 +3,11 @@
 use super::{SceneBuilder, room, unused};
 use crate::execution::Execution;
 use crate::scene::build::{Quality, Tree};
-use crate::scene::tree::{Facet, WIDTH};
+use crate::scene::tree::Facet;
 use crate::scene::{
     HeightField, HeightFieldId, KIND_HEIGHT_FIELD, KIND_MESH, Mesh, MeshId, SceneError, limits,
 };
+use crate::simd::WIDTH;
 use alloc::vec;
 use bytemuck::Zeroable;
 

@@ -1,10 +1,10 @@
 //! Shapes that are not made of triangles: exact, in double precision, block by block.
 
+use super::leaf::Rules;
 use super::silhouette::Silhouette;
 use super::target::Target;
-use super::triangles::Rules;
 use crate::optics::rays::Projection;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
 use crate::trace::shapes::match_solid;
 use crate::trace::view::View;

@@ -1,13 +1,15 @@
 //! Once through the trees, front to back.
 
+use super::leaf::{Leaf, Rules};
 use super::sharp::Source;
 use super::solid::{self, Part};
 use super::strip;
 use super::target::Target;
-use super::triangles::{self, Leaf, Rules};
+use super::triangles;
 use crate::optics::rays::{Points, Projection, max};
-use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+use crate::scene::tree::{self, LEAF, NONE, TriangleBlock, WideNode};
 use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
 use crate::trace::prefetch::prefetch;
 use crate::trace::view::{ToSensor, View};
@@ -17,7 +19,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 const TOP: u32 = u32::MAX;
 
 /// More than the deepest trees leave waiting: fifteen siblings a level.
-const STACK: usize = 15 * (crate::scene::build::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
+const STACK: usize = 15 * (tree::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
 
 /// A subtree to visit.
 #[derive(Clone, Copy)]

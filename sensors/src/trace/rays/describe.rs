@@ -1,12 +1,14 @@
 //! What is told of a hit: triangle, normal, barycentrics.
 
 use super::block;
-use super::scene::{FrameRay, SceneHit, in_instance, mesh_tree};
-use crate::scene::tree::{TriangleBlock, WIDTH};
+use super::ray::FrameRay;
+use super::scene::{SceneHit, in_instance, mesh_tree};
+use crate::scene::tree::TriangleBlock;
 use crate::scene::{
     HeightGrid, Instance, KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID,
     KIND_HEIGHT_FIELD, KIND_MESH, KIND_SPHERE,
 };
+use crate::simd::WIDTH;
 use crate::trace::view::{Placed, View};
 use glam::{DMat3, DVec3};
 

@@ -5,7 +5,7 @@
 //! is one mesh, 64 rays at a time go straight through its tree.
 
 use super::doubt_of;
-use super::ray::{Nearest, Ray};
+use super::ray::{FrameRay, Nearest, Ray};
 use super::walk::{Stack, Tree, children_of, nearest_in_tree};
 use crate::scene::tree::NONE;
 use crate::scene::{HeightGrid, KIND_HEIGHT_FIELD, KIND_MESH};
@@ -14,15 +14,6 @@ use crate::trace::shapes::match_solid;
 use crate::trace::view::{Placed, View};
 use fearless_simd::Simd;
 use glam::{DMat3, DVec3};
-
-/// A ray in the frame of a [`View`].
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct FrameRay {
-    pub(crate) origin: [f32; 3],
-    pub(crate) direction: [f32; 3],
-    /// Least and greatest t that count.
-    pub(crate) range: [f32; 2],
-}
 
 /// Where a ray hits a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]

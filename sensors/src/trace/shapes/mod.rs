@@ -23,7 +23,12 @@ pub(crate) mod triangle;
 mod tests;
 
 use super::packet::{Faces, Packet};
+use crate::scene::{
+    KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
+};
 use crate::simd::{LANES, Lanes, sqrt};
+use glam::DVec3;
+use surface::{Surface, flat};
 
 /// Evaluates `$body` with `$inside` bound to the kernel of an instance's kind: a
 /// `Fn(origin: [f64; 3], direction: [f64; 3]) -> Inside` for rays in the instance's own (unscaled) frame.
@@ -61,6 +66,24 @@ macro_rules! match_solid {
     }};
 }
 pub(crate) use match_solid;
+
+/// The surface of a shape that is not made of triangles, at a point on it. What belongs to a texture is only there
+/// if there is one. A constant kind leaves nothing of the match.
+#[inline(always)]
+pub(crate) fn solid_surface<const TEXTURED: bool>(kind: u32, size: [f64; 3], point: DVec3) -> Surface {
+    let [a, b, c] = size;
+    match kind {
+        KIND_BOX => cuboid::surface(point, DVec3::new(a, b, c)),
+        KIND_RECTANGLE => rectangle::surface(point, [a, b]),
+        KIND_SPHERE => sphere::surface::<TEXTURED>(point, a),
+        KIND_ELLIPSOID => ellipsoid::surface::<TEXTURED>(point, size),
+        KIND_CYLINDER => cylinder::surface::<TEXTURED>(point, [a, b]),
+        KIND_CAPSULE => capsule::surface::<TEXTURED>(point, [a, b]),
+        KIND_CONE => cone::surface::<TEXTURED>(point, [a, b]),
+        KIND_PLANE => plane::surface(point),
+        _ => flat(DVec3::Z, point, [DVec3::ZERO; 2]),
+    }
+}
 
 /// Its argument: only as an argument may a closure be marked as to be inlined.
 #[inline(always)]

@@ -4,14 +4,14 @@
 //! A tile sees few instances, so its surfaces are worked out instance by instance, for all lanes at once; each lane
 //! keeps those of its own.
 
-use super::shapes::surface::{Surface, flat, solid_surface};
 use super::tile::{Steps, Tile};
-use super::view::{Placed, View};
-use crate::scene::tree::WIDTH;
 use crate::scene::{
     KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH, KIND_SPHERE,
 };
-use crate::simd::{LANES, Lanes, floor, load_row, sqrt_f32};
+use crate::simd::{LANES, Lanes, WIDTH, floor, load_row, sqrt_f32};
+use crate::trace::shapes::solid_surface;
+use crate::trace::shapes::surface::{Surface, flat};
+use crate::trace::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, f32x16, mask32x16};
 use glam::DVec3;
 

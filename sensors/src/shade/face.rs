@@ -4,13 +4,12 @@
 //! double precision is worked out once a face, at the sensor; what is left for the rays is in proportion to the
 //! distance from there, and single precision is enough.
 
-use super::shapes::surface::solid_surface;
 use super::surface::Footprint;
 use super::tile::{Steps, Tile};
-use super::view::{Placed, View};
-use crate::scene::tree::WIDTH;
 use crate::scene::{Instance, KIND_BOX, KIND_PLANE, KIND_RECTANGLE};
-use crate::simd::{LANES, Lanes, floor, load_row};
+use crate::simd::{LANES, Lanes, WIDTH, floor, load_row};
+use crate::trace::shapes::solid_surface;
+use crate::trace::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
 use glam::DVec3;
 

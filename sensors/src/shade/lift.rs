@@ -6,8 +6,8 @@
 //! them by as much as the neighbours' corners may be off.
 
 use super::tile::Tile;
-use super::view::{Placed, View};
 use crate::simd::{LANES, Lanes};
+use crate::trace::view::{Placed, View};
 use fearless_simd::Simd;
 use glam::DVec3;
 

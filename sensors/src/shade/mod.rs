@@ -15,11 +15,11 @@ mod surface;
 mod texture;
 pub(crate) mod tile;
 
-use crate::scene::NO_TEXTURE;
+use crate::scene::{Kind, NO_TEXTURE};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::trace::packet::MISS;
 use crate::trace::view::View;
-use face::{Face, faces, has_flat_faces};
+use face::{Face, faces};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use shadow::Shadows;
 use surface::{Footprint, Surfaces};
@@ -128,14 +128,17 @@ impl Shader {
 
         // Step 1: normals, and what the pixels cover of the texture.
         let mut footprints = [Footprint::nothing(simd); ROWS];
-        if has_flat_faces(instance) {
-            let faces = faces(simd, view, tile, placed, lanes);
+        if let Kind::Solid(solid) = instance.kind()
+            && solid.has_flat_faces()
+        {
+            let faces = faces(simd, view, tile, (placed, solid), lanes);
             let mut rest = lanes;
             while rest != 0 {
                 let number = faces[rest.trailing_zeros() as usize % LANES];
                 if self.face_of != (placed, number) {
                     self.face_of = (placed, number);
-                    self.face = Face::new(instance, &view.placed[placed as usize], number, repeat, steps);
+                    self.face =
+                        Face::new((instance, solid), &view.placed[placed as usize], number, repeat, steps);
                 }
                 let face = &self.face;
                 for row in 0..ROWS {

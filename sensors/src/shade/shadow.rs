@@ -10,7 +10,7 @@
 use super::lift::lift;
 use super::occluders::Occluders;
 use super::tile::Tile;
-use crate::scene::KIND_BOX;
+use crate::scene::{Kind, Solid};
 use crate::simd::{LANES, WIDTH, load_row};
 use crate::trace::packet::walk::{stack_len, walk};
 use crate::trace::packet::{Faces, Packet, PacketBounds};
@@ -165,7 +165,7 @@ impl Shadows {
 /// The lanes that lie on an instance, if it cannot stand in its own light.
 #[inline(always)]
 fn own_lanes<S: Simd>(simd: S, view: &View<'_>, tile: &Tile, index: u32) -> u64 {
-    if view.instance(index).is_convex() { tile.lanes_of(simd, index) } else { 0 }
+    if view.instance(index).kind().is_solid() { tile.lanes_of(simd, index) } else { 0 }
 }
 
 /// Rays from a lamp to the points of a tile.
@@ -191,13 +191,14 @@ impl ShadowRays<'_> {
         let active = self.lit & !self.dark & !own_lanes(simd, self.view, self.tile, index);
         if active != 0 {
             let instance = self.view.instance(index);
-            self.dark |= if instance.kind == KIND_BOX {
-                self.meet_box(simd, index, active)
-            } else if instance.half_extents().is_some_and(|half| !self.comes_near(simd, index, half, active))
-            {
-                0
-            } else {
-                self.meet_other(simd, index, active)
+            self.dark |= match instance.kind() {
+                Kind::Solid(Solid::Box) => self.meet_box(simd, index, active),
+                Kind::Solid(solid)
+                    if !self.comes_near(simd, index, solid.half_extents(instance.size), active) =>
+                {
+                    0
+                }
+                Kind::Solid(_) | Kind::Triangles(_) => self.meet_other(simd, index, active),
             };
         }
         self.dark != self.lit

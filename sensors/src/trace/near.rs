@@ -1,7 +1,6 @@
 //! Whether anything is near the sensor at all: most often nothing is, and a look at some boxes tells.
 
 use super::view::{MAX_DEPTH, View};
-use crate::scene::KIND_MESH;
 use crate::scene::tree::{self, LEAF, NONE, WideNode};
 use crate::simd::WIDTH;
 use glam::DVec3;
@@ -15,7 +14,7 @@ impl View<'_> {
             radius,
             |index| {
                 let placed = &self.placed[index as usize];
-                if placed.kind != KIND_MESH {
+                if !placed.kind().is_mesh() {
                     return true;
                 }
                 // A ball of the frame lies in one of this radius in the instance: no row of the inverse stretches more

@@ -3,7 +3,7 @@
 use super::packet::walk::{stack_len, walk, walk_to_nearest};
 use super::packet::{Faces, MISS, Packet, PacketBounds};
 use crate::scene::tree::{MAX_DEPTH, TriangleBlock, WideNode};
-use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::scene::{Kind, Triangles};
 use crate::simd::{LANES, WIDTH};
 use crate::trace::shapes::{LocalRays, commit, match_solid, triangle};
 use crate::trace::view::{self, Placed, View};
@@ -56,11 +56,14 @@ pub(crate) fn intersect_instance<S: Simd>(
 ) {
     let placed = &view.placed[index as usize];
     take_in(placed, packet, rays);
-    match_solid!(
-        view.instance(index),
-        inside => commit(rays, packet, faces, placed.first_slot, inside),
-        _ => walk_triangles(simd, view, placed, rays, packet, (faces, search))
-    );
+    match placed.kind() {
+        Kind::Solid(solid) => match_solid!(
+            solid,
+            view.instance(index).size,
+            inside => commit(rays, packet, faces, placed.first_slot, inside)
+        ),
+        Kind::Triangles(kind) => walk_triangles(simd, view, (placed, kind), rays, packet, (faces, search)),
+    }
 }
 
 /// The rays of a packet, in the frame of an instance.
@@ -91,7 +94,7 @@ fn take_in(placed: &Placed, packet: &Packet, rays: &mut LocalRays) {
 fn walk_triangles<S: Simd>(
     simd: S,
     view: &View<'_>,
-    placed: &Placed,
+    (placed, kind): (&Placed, Triangles),
     rays: &LocalRays,
     packet: &mut Packet,
     (faces, search): (Faces, Search),
@@ -105,8 +108,8 @@ fn walk_triangles<S: Simd>(
         #[inline(always)]
         || {
             let bounds = PacketBounds::new(&rays.origin, &rays.direction, packet);
-            match placed.kind {
-                KIND_MESH => walk_leaves(
+            match kind {
+                Triangles::Mesh => walk_leaves(
                     simd,
                     #[inline(always)]
                     |node| &view.scene.nodes[(placed.first_node + node) as usize],
@@ -118,7 +121,7 @@ fn walk_triangles<S: Simd>(
                         draw(rays, block, packet, faces, placed.first_slot + leaf * WIDTH as u32);
                     },
                 ),
-                KIND_HEIGHT_FIELD => {
+                Triangles::HeightField => {
                     let grid = view.height_grid(placed);
                     walk_leaves(
                         simd,
@@ -133,7 +136,6 @@ fn walk_triangles<S: Simd>(
                         },
                     );
                 }
-                _ => {}
             }
         },
     );

@@ -8,8 +8,8 @@ use super::scene::{SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};
 use super::walk::Tree;
 use super::wave::Wave;
 use crate::execution::{SplitRows, for_each_row};
+use crate::scene::Scene;
 use crate::scene::tree::NONE;
-use crate::scene::{KIND_MESH, Scene};
 use crate::simd::{Level, WIDTH};
 use crate::trace::error::check_output;
 use crate::trace::memory::view_lines;
@@ -160,7 +160,7 @@ fn cast_chunk<S: Simd>(
 ) {
     // One mesh is all there is: 64 rays go through its tree together.
     if let [only] = view.placed
-        && only.kind == KIND_MESH
+        && only.kind().is_mesh()
     {
         let tree = mesh_tree(view, only);
         let doubt = doubt_of(tree.nodes.first());

@@ -3,7 +3,7 @@
 mod rows;
 
 use super::Sensor;
-use super::brush::{Brush, ColourRows, sums_len};
+use super::camera::brush::{Brush, ColourRows, sums_len};
 use super::camera::{Camera, CameraConfig, CameraError};
 use super::edges::Smoothing;
 use rows::{Retouched, Rows};

@@ -7,7 +7,7 @@ use super::resolve::Resolver;
 use super::view::View;
 use crate::moment::{Moment, Shutter};
 use crate::optics::rays::Rays;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3};
 

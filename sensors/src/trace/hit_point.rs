@@ -6,11 +6,11 @@ use super::image::NO_HIT;
 use super::packet::Faces;
 use super::resolve::{Hit, Resolver};
 use super::shapes::match_solid;
-use super::shapes::surface::solid_surface;
+use super::shapes::solid_surface;
 use super::view::View;
 use crate::pose::Pose;
-use crate::scene::tree::WIDTH;
-use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::scene::{Kind, Solid};
+use crate::simd::WIDTH;
 use glam::{DMat3, DVec3};
 
 /// Finds the points that the rays of a grid have hit.
@@ -28,13 +28,9 @@ pub(crate) fn block_index(band: &Band<'_>, [column, row]: [usize; 2]) -> usize {
     (row - *band.block_rows().start()) * band.rays.fan().blocks_across() + column
 }
 
-fn is_solid(hit: &Hit<'_>) -> bool {
-    hit.instance.kind != KIND_MESH && hit.instance.kind != KIND_HEIGHT_FIELD
-}
-
 /// Whether anything in view is not made of triangles.
 pub(crate) fn has_solids(view: &View<'_>) -> bool {
-    view.placed.iter().any(|placed| placed.kind != KIND_MESH && placed.kind != KIND_HEIGHT_FIELD)
+    view.placed.iter().any(|placed| placed.kind().is_solid())
 }
 
 impl HitPoints {
@@ -57,15 +53,15 @@ impl HitPoints {
                 continue;
             }
             let hit = resolver.hit(slots[lane]);
-            if !is_solid(&hit) {
+            let Kind::Solid(solid) = hit.instance.kind() else {
                 slots[lane] = NO_HIT;
                 continue;
-            }
+            };
             let directions = directions.get_or_insert_with(|| band.rays.exact_block(block[0], block[1]));
             let rough = 1.0 / f64::from(band.target.inverse[block_index(band, block)][lane]);
-            let point = self.on_solid(band.view, &hit, directions.map(|axis| axis[lane]), rough);
-            let instance = band.view.instance(hit.placed);
-            let normal = solid_surface::<false>(instance.kind, instance.size, point).normal;
+            let point = self.on_solid(band.view, (&hit, solid), directions.map(|axis| axis[lane]), rough);
+            let size = band.view.instance(hit.placed).size;
+            let normal = solid_surface::<false>(solid, size, point).normal;
             // Normals go by the inverse transpose, whose columns are the rows of the inverse.
             let transposed = DMat3::from_cols_array_2d(&hit.instance.inverse);
             normals[lane] = (transposed * normal).normalize_or_zero().as_vec3().to_array();
@@ -115,7 +111,7 @@ impl HitPoints {
                 continue;
             }
             let hit = resolver.hit(slots[lane]);
-            if !is_solid(&hit) {
+            if !hit.instance.kind().is_solid() {
                 let direction = self.axes * DVec3::from_array(directions.map(|axis| axis[lane]));
                 let rough = 1.0 / f64::from(band.target.inverse[index][lane]);
                 let t = resolver.exact(&hit, direction, rough);
@@ -128,16 +124,21 @@ impl HitPoints {
     }
 
     /// The point of a solid that a ray hits, in its instance. `rough` is t in single precision.
-    fn on_solid(&self, view: &View<'_>, hit: &Hit<'_>, direction: [f64; 3], rough: f64) -> DVec3 {
+    fn on_solid(
+        &self,
+        view: &View<'_>,
+        (hit, solid): (&Hit<'_>, Solid),
+        direction: [f64; 3],
+        rough: f64,
+    ) -> DVec3 {
         let direction = DVec3::from_array(direction);
         let local = view.rows_from_sensor(hit.instance).map(|[x, y, z]| {
             // In the order of the kernel that found the hit, so that it is found again.
             x * direction.x + y * direction.y + z * direction.z
         });
         let origin = hit.instance.origin_in_instance;
-        let instance = view.instance(hit.placed);
-        let t =
-            match_solid!(instance, inside => inside(origin, local).first(self.near, self.both), _ => rough);
+        let size = view.instance(hit.placed).size;
+        let t = match_solid!(solid, size, inside => inside(origin, local).first(self.near, self.both));
         let t = if t.is_finite() { t } else { rough };
         DVec3::from_array(origin) + DVec3::from_array(local) * t
     }

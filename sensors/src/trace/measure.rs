@@ -3,12 +3,10 @@
 use super::grid::Band;
 use super::image::{GRAZING, NO_HIT};
 use super::resolve::Resolver;
-use super::tile::line_f32;
-use super::tiling::{BLOCKS, Tiling};
+use super::tiling::{BLOCKS, Tiling, line_f32};
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
-use crate::scene::tree::WIDTH;
-use crate::simd::{LANES, Lanes, store_row};
+use crate::simd::{LANES, Lanes, WIDTH, store_row};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DMat3;
 

@@ -3,7 +3,7 @@
 use super::grid::Band;
 use super::image::NO_HIT;
 use crate::optics::rays::Fan;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 
 /// Calls `work` for each block of a band that no slice before had, with its column and row among the blocks of the grid.
 #[inline(always)]

@@ -13,7 +13,7 @@ use crate::execution::split_at;
 use crate::moment::Capture;
 use crate::optics::Optics;
 use crate::scene::Scene;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::Simd;
 
 /// Where truth goes, one for each ray, row after row; what is none is not worked out.

@@ -307,3 +307,47 @@ fn automatic_exposure_settles_whoever_looks_and_begins_anew_after_a_reset() {
     assert!(seen.len() >= 5, "{} frames", seen.len());
     assert!(seen.iter().all(|shot| watched.contains(shot)), "other bytes for who comes late");
 }
+
+#[test]
+fn forward_flow_is_stamped_with_the_frame_that_it_starts_from() {
+    let folder = TempDir::new().unwrap();
+    let device = format!("<readout_time_s>{READOUT_S}</readout_time_s>");
+    let topics = ["eye/image_raw", "eye/image_raw/truth/flow_forward", "eye/image_raw/truth/flow_back"];
+    let (_simulator, mut control, mut subscribers) =
+        before_the_wall(&folder, &device_camera("eye", &device), &topics, true);
+    turn(&mut control);
+    let frames = shots(&mut control, 54, &mut subscribers);
+    let [pictures, forward, back] = &frames[..] else { unreachable!() };
+    // Of the last frame it is not known yet, of the first there is no way back.
+    let stamps = |shots: &[Shot]| shots.iter().map(|shot| shot.stamp_ns).collect::<Vec<_>>();
+    assert_eq!(stamps(forward), stamps(&pictures[..pictures.len() - 1]));
+    assert_eq!(stamps(back), stamps(&pictures[1..]));
+    let (mut seen, mut largest) = (0, 0.0_f64);
+    let (middle, row) = (0.5 * (SIZE[0] as f64 - 1.0), SIZE[1] / 2);
+    for (pair, forward, back) in (0..forward.len()).map(|at| (&pictures[at..at + 2], &forward[at], &back[at]))
+    {
+        // The first frame is of time 0, before which nothing has moved: its rows are of other times than those that follow.
+        if pair[0].yaw < -0.3 || pair[1].yaw > 0.3 {
+            continue;
+        }
+        assert_eq!((forward.yaw, back.yaw), (pair[0].yaw, pair[1].yaw));
+        let turned = pair[1].yaw - pair[0].yaw;
+        for (shot, turned) in [(forward, turned), (back, -turned)] {
+            let flow = shot.pixels.as_chunks::<4>().0[2 * row * SIZE[0]..].as_chunks::<2>().0;
+            for (column, [x, y]) in flow[..SIZE[0]].iter().enumerate() {
+                let [x, y] = [x, y].map(|bytes| f64::from(f32::from_le_bytes(*bytes)));
+                if x.is_nan() {
+                    continue;
+                }
+                // Half a pixel off the axis, a point hardly leaves its row.
+                let angle = ((column as f64 - middle) / FOCAL_PX).atan();
+                let expected = FOCAL_PX * (angle + turned).tan() - (column as f64 - middle);
+                seen += 1;
+                largest = largest.max((x - expected).abs());
+                assert!(y.abs() < 0.1, "column {column}: {y}");
+            }
+        }
+    }
+    println!("{seen} flows, at most {largest:.4} px off");
+    assert!(seen > 2000 && largest < 0.01, "{seen} flows, at most {largest} px off");
+}

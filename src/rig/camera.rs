@@ -1,7 +1,7 @@
 //! A colour camera and its two streams.
 
 use super::eye::{Eye, drawn_lens};
-use super::moments::{Moments, shutter};
+use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Told, encoding};
@@ -66,6 +66,7 @@ impl CameraChannel {
         let world_from_sensor = self.mount.pose(context);
         let camera = self.eye.camera();
         let mut frame = self.image.loan(camera.frame_len());
+        self.truth.look_at(context.scene);
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |header| {
             header.set_intrinsics(&self.intrinsics);
         });
@@ -84,21 +85,27 @@ impl CameraChannel {
             picture.colour = Some(&mut self.unseen);
         }
         let is_wanted = picture.colour.is_some() || picture.truth.is_some();
-        let device = self.eye.shutter().filter(|_| is_wanted);
+        let device = self.eye.shutter().filter(|_| is_wanted || self.truth.wants_flow());
         self.moments.fill(device, camera.size()[1], context, &self.mount);
         let slices = self.moments.slices();
         let at = shutter(&slices).unwrap_or(Shutter::Global(context.scene.moment(world_from_sensor)));
-        let taken = is_wanted && context.take(&camera, at, frame_number, &self.truth.before(), picture);
-        if taken {
-            let picture = frame.as_ref().map_or(&self.unseen[..], LoanedFrame::payload);
-            let seen = self.eye.meter(picture);
-            self.eye.expose_next(seen);
-        }
+        let before = self.truth.before();
+        let taken = is_wanted && context.take(&camera, &capture(frame_number, at, &before), picture);
+        let picture = frame.as_ref().map_or(&self.unseen[..], LoanedFrame::payload);
+        let seen = if taken { self.eye.meter(picture) } else { None };
         let outcome = self.image.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);
         self.image.record(outcome, started.elapsed());
         self.truth.record(truths, started.elapsed());
-        self.truth.keep(&at);
+        self.truth.send_forward(
+            context,
+            &camera,
+            &at,
+            |header| header.set_intrinsics(&self.intrinsics),
+            |truth| Picture::new().truth(truth),
+        );
+        self.truth.keep(context, frame_number, &world_from_sensor, &at);
+        self.eye.expose_next(seen);
         self.info.send_structs(context.stamp_ns, &[self.info_message]);
     }
 

@@ -5,7 +5,6 @@ use super::base::BaseChannel;
 use super::camera::CameraChannel;
 use super::depth::DepthChannel;
 use super::lidar::LidarChannel;
-use super::moments::shutter;
 use super::outlet::Outlet;
 use super::post::Post;
 use super::range::RangeChannel;
@@ -18,7 +17,7 @@ use crate::world::physics::{ModelIndex, Physics};
 use crate::world::scene::WorldScene;
 use belvedere_bridge::{Lossless, Node, StreamSpec};
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Sensor, Shutter, Slice};
+use belvedere_sensors::{Capture, Sensor};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -71,26 +70,21 @@ pub(super) struct RigContext<'a> {
 }
 
 impl RigContext<'_> {
-    /// Takes a frame of a sensor, whose flow is back to the moments `before`, if there are any; false, with a warning, if
-    /// there is none to be had: of a body that physics has lost.
+    /// Takes a frame of a sensor; false, with a warning, if there is none to be had: of a body that physics has lost.
     pub(super) fn take<T: Sensor>(
         &mut self,
         sensor: &T,
-        at: Shutter<'_>,
-        frame: u64,
-        before: &[Slice<'_>],
+        capture: &Capture<'_>,
         output: T::Output<'_>,
     ) -> bool {
         let scene = self.scene.scene();
-        let mut capture = Capture::new(frame, at);
-        if let Some(before) = shutter(before) {
-            capture = capture.before(before);
-        }
-        let workspace = &mut self.workspace.lend(sensor.workspace_len(&scene, &capture));
+        let workspace = &mut self.workspace.lend(sensor.workspace_len(&scene, capture));
         let started = Instant::now();
-        let taken = sensor.sense(&scene, &capture, workspace, output);
+        let taken = sensor.sense(&scene, capture, workspace, output);
         self.rendering += started.elapsed();
-        taken.inspect_err(|error| tracing::warn!(%error, frame, "a frame of a sensor is left out")).is_ok()
+        taken
+            .inspect_err(|error| tracing::warn!(%error, capture.frame, "a frame of a sensor is left out"))
+            .is_ok()
     }
 }
 

@@ -1,7 +1,7 @@
 //! A Kinect: depth, colour and cloud from one look, and the infos.
 
 use super::eye::{Eye, drawn_lens};
-use super::moments::{Moments, shutter};
+use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Told, encoding};
@@ -119,17 +119,19 @@ impl DepthChannel {
             header.set_intrinsics(intrinsics);
             Mount::write(&world_from_sensor, header);
         }
+        self.truth.look_at(context.scene);
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |header| {
             header.set_intrinsics(&self.colour_intrinsics);
         });
         let known = truth.truth();
         let is_wanted = colour.is_some() || depth.is_some() || points.is_some() || known.is_some();
         let is_metered = self.eye.is_automatic();
-        let device = self.eye.shutter().filter(|_| is_wanted || is_metered);
+        let is_timed = is_wanted || is_metered || self.truth.wants_flow();
+        let device = self.eye.shutter().filter(|_| is_timed);
         self.moments.fill(device, camera.camera().size()[1], context, &self.mount);
         let slices = self.moments.slices();
         let at = shutter(&slices).unwrap_or(Shutter::Global(context.scene.moment(world_from_sensor)));
-        let mut taken = false;
+        let (mut taken, mut seen) = (false, None);
         if is_wanted || is_metered {
             let mut output = DepthFrame::new();
             output.truth = known;
@@ -145,11 +147,11 @@ impl DepthChannel {
             } else {
                 output.depth_32fc1 = depths.map(bytemuck::cast_slice_mut);
             }
-            taken = context.take(&camera, at, frame_number, &self.truth.before(), output);
+            let before = self.truth.before();
+            taken = context.take(&camera, &capture(frame_number, at, &before), output);
             if taken {
                 let picture = colour.as_ref().map_or(&self.unseen[..], LoanedFrame::payload);
-                let seen = self.eye.meter(picture);
-                self.eye.expose_next(seen);
+                seen = self.eye.meter(picture);
             } else {
                 (colour, depth, points) = (None, None, None);
             }
@@ -163,7 +165,15 @@ impl DepthChannel {
             outlet.record(outcome, busy);
         }
         self.truth.record(truths, busy);
-        self.truth.keep(&at);
+        self.truth.send_forward(
+            context,
+            &camera,
+            &at,
+            |header| header.set_intrinsics(&self.colour_intrinsics),
+            |truth| DepthFrame::new().truth(truth),
+        );
+        self.truth.keep(context, frame_number, &world_from_sensor, &at);
+        self.eye.expose_next(seen);
         self.colour_info.send_structs(context.stamp_ns, &[self.info_message]);
         self.depth_info.send_structs(context.stamp_ns, &[self.info_message]);
     }

@@ -1,5 +1,6 @@
 //! A lidar and its stream.
 
+use super::moments::capture;
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
@@ -74,6 +75,7 @@ impl LidarChannel {
         let world_from_sensor = self.mount.pose(context);
         let beams = self.lidar.beams();
         let mut frame = self.scan.loan(beams * size_of::<f32>() * 2);
+        self.truth.look_at(context.scene);
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |_| {});
         let mut output = Scan::new();
         output.truth = truth.truth();
@@ -90,12 +92,14 @@ impl LidarChannel {
         }
         let is_wanted = output.ranges.is_some() || output.truth.is_some();
         let at = Shutter::Global(context.scene.moment(world_from_sensor));
-        let taken = is_wanted && context.take(&self.lidar, at, frame_number, &self.truth.before(), output);
+        let before = self.truth.before();
+        let taken = is_wanted && context.take(&self.lidar, &capture(frame_number, at, &before), output);
         let outcome = self.scan.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);
         self.scan.record(outcome, started.elapsed());
         self.truth.record(truths, started.elapsed());
-        self.truth.keep(&at);
+        self.truth.send_forward(context, &self.lidar, &at, |_| {}, |truth| Scan::new().truth(truth));
+        self.truth.keep(context, frame_number, &world_from_sensor, &at);
     }
 
     /// Forgets the frames so far.

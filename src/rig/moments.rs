@@ -7,7 +7,7 @@
 use super::RigContext;
 use super::mount::Mount;
 use crate::description::model::CameraDevice;
-use belvedere_sensors::{Moment, Pose, Shutter, Slice};
+use belvedere_sensors::{Capture, Moment, Pose, Shutter, Slice};
 use std::ops::Range;
 
 /// Rows that share their moment: as few as the tables of lenses can be cut into.
@@ -99,6 +99,12 @@ pub(super) fn shutter<'a>(slices: &'a [Slice<'a>]) -> Option<Shutter<'a>> {
         [Slice { at, .. }] => Some(Shutter::Global(*at)),
         _ => Some(Shutter::Slices(slices)),
     }
+}
+
+/// A frame to be taken `at` its moments, for the flow back to those `before`, if there are any.
+pub(super) fn capture<'a>(frame: u64, at: Shutter<'a>, before: &'a [Slice<'a>]) -> Capture<'a> {
+    let capture = Capture::new(frame, at);
+    shutter(before).map_or(capture, |before| capture.before(before))
 }
 
 /// How long before a row is read each of its moments lies, as shares of the exposure: the middles of equal parts, that in

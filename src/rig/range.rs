@@ -7,9 +7,9 @@ use super::{RigContext, RigError, Setting, Settings, lidar::lidar_config};
 use crate::description::model::{Noise, Radiation, RangePlugin, RaySensor, Sensor};
 use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, StreamSpec};
-use belvedere_sensors::Shutter;
 use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::noise::{GaussianNoise, Stream, normals16};
+use belvedere_sensors::{Capture, Shutter};
 
 /// Noise channel of the range; that of the ranges of a lidar, which draws none here.
 const RANGE_CHANNEL: u16 = 2;
@@ -66,7 +66,7 @@ impl RangeChannel {
         }
         let world_from_sensor = self.mount.pose(context);
         let at = Shutter::Global(context.scene.moment(world_from_sensor));
-        if !context.take(&self.lidar, at, frame_number, &[], Scan::new().ranges(&mut self.ranges)) {
+        if !context.take(&self.lidar, &Capture::new(frame_number, at), Scan::new().ranges(&mut self.ranges)) {
             return;
         }
         // −∞, of something too near, is the nearest of all.

@@ -3,10 +3,8 @@
 use super::block;
 use super::scene::{FrameRay, SceneHit, in_instance, mesh_tree};
 use crate::scene::tree::{TriangleBlock, WIDTH};
-use crate::scene::{
-    HeightGrid, Instance, KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID,
-    KIND_HEIGHT_FIELD, KIND_MESH, KIND_SPHERE,
-};
+use crate::scene::{HeightGrid, KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::trace::shapes::surface::solid_normal;
 use crate::trace::view::{Placed, View};
 use glam::{DMat3, DVec3};
 
@@ -38,7 +36,10 @@ impl Description {
                 let grid = HeightGrid::of(field, view.scene.heights, view.scene.extents);
                 on_triangle(&grid.block(hit.slot / WIDTH as u32), lane, point)
             }
-            _ => (on_solid(instance, point), 0, [0.0; 2]),
+            _ => {
+                let normal = solid_normal(instance.kind, instance.size, point.to_array());
+                (DVec3::from_array(normal), 0, [0.0; 2])
+            }
         };
         Some(Self {
             instance: placed.instance,
@@ -66,42 +67,4 @@ pub(super) fn on_triangle(block: &TriangleBlock, lane: usize, point: DVec3) -> (
     let per_area = 1.0 / normal.length_squared();
     let weights = [ap.cross(ac).dot(normal) * per_area, ab.cross(ap).dot(normal) * per_area];
     (normal, block.triangle[lane], weights)
-}
-
-/// A normal of any length of a solid at a point of its surface.
-fn on_solid(instance: &Instance, point: DVec3) -> DVec3 {
-    let size = instance.size;
-    let radial = DVec3::new(point.x, point.y, 0.0);
-    let up = if point.z < 0.0 { DVec3::NEG_Z } else { DVec3::Z };
-    match instance.kind {
-        KIND_BOX => {
-            // The face that the point is nearest to.
-            let depth = DVec3::from_array(size) - point.abs();
-            let axis = if depth.x <= depth.y && depth.x <= depth.z {
-                DVec3::X
-            } else if depth.y <= depth.z {
-                DVec3::Y
-            } else {
-                DVec3::Z
-            };
-            if point.dot(axis) < 0.0 { -axis } else { axis }
-        }
-        KIND_SPHERE => point,
-        KIND_ELLIPSOID => DVec3::from_array([0, 1, 2].map(|axis| point[axis] / (size[axis] * size[axis]))),
-        KIND_CYLINDER => {
-            let end = size[1] - point.z.abs() < size[0] - radial.length();
-            if end { up } else { radial }
-        }
-        KIND_CAPSULE => DVec3::new(point.x, point.y, point.z - point.z.clamp(-size[1], size[1])),
-        KIND_CONE => {
-            // The side's normal goes outwards by the length while it goes up by the radius.
-            let (out, rise) = (2.0 * size[1], size[0]);
-            let below_side =
-                ((size[1] - point.z) * rise - radial.length() * out) / DVec3::new(out, rise, 0.0).length();
-            let side = radial.normalize_or_zero() * out + DVec3::Z * rise;
-            if point.z + size[1] < below_side { DVec3::NEG_Z } else { side }
-        }
-        // The plane and the rectangle.
-        _ => DVec3::Z,
-    }
 }

@@ -14,6 +14,7 @@ pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod ellipsoid;
 pub(crate) mod plane;
+pub(crate) mod real;
 pub(crate) mod rectangle;
 pub(crate) mod sphere;
 pub(crate) mod surface;

@@ -6,6 +6,7 @@ use crate::scene::{
 use core::f64::consts::{PI, TAU};
 use glam::DVec3;
 
+use super::real::Real;
 use super::{capsule, cone, cuboid, cylinder, ellipsoid, plane, rectangle, sphere};
 
 /// A point of a surface, in the unscaled frame of its instance.
@@ -34,6 +35,21 @@ pub(crate) fn solid_surface<const TEXTURED: bool>(kind: u32, size: [f64; 3], poi
         KIND_CONE => cone::surface::<TEXTURED>(point, [a, b]),
         KIND_PLANE => plane::surface(point),
         _ => flat(DVec3::Z, point, [DVec3::ZERO; 2]),
+    }
+}
+
+/// The outward normal, of whatever length above 0, of a shape that is not made of triangles at a point of its surface.
+#[inline(always)]
+pub(crate) fn solid_normal<T: Real>(kind: u32, size: [T; 3], point: [T; 3]) -> [T; 3] {
+    let [a, b, _] = size;
+    match kind {
+        KIND_BOX => cuboid::normal(point, size),
+        KIND_SPHERE => sphere::normal(point, a),
+        KIND_ELLIPSOID => ellipsoid::normal(point, size),
+        KIND_CYLINDER => cylinder::normal(point, [a, b]),
+        KIND_CAPSULE => capsule::normal(point, [a, b]),
+        KIND_CONE => cone::normal(point, [a, b]),
+        _ => [T::ZERO, T::ZERO, T::ONE],
     }
 }
 

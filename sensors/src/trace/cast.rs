@@ -155,7 +155,7 @@ fn write_hits<S: Simd>(simd: S, band: &Band<'_>, measure: &Measure, faces: Faces
                 match normals {
                     _ if lanes != u16::MAX => place.write_where(&normals.each(simd), lanes, normal),
                     Normals::Same(same) => place.write_normal(simd, same, normal),
-                    Normals::Each(_) => place.write(&normals.each(simd), normal),
+                    Normals::Each(each) => place.write_normals(simd, each, normal),
                 }
             },
         );

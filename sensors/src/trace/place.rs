@@ -89,9 +89,7 @@ impl Place {
         if !self.is_square {
             return self.write(&values.into(), output);
         }
-        let (upper, lower) = simd.split_f32x16(values);
-        let ((a, b), (c, d)) = (simd.split_f32x8(upper), simd.split_f32x8(lower));
-        self.write_four(output, [a, b, c, d], |values, output| values.store_slice(output));
+        self.write_four(output, quarters(simd, values), |values, output| values.store_slice(output));
     }
 
     /// The same of whole numbers.
@@ -130,6 +128,36 @@ impl Place {
             normals[0].store_slice(&mut output[..4]);
             normals[1].store_slice(&mut output[4..8]);
             normals[2].store_slice(&mut output[8..]);
+        });
+    }
+
+    /// Writes a normal for each ray of the block: all x, all y, all z.
+    #[inline(always)]
+    pub(crate) fn write_normals<S: Simd>(&self, simd: S, normals: [f32x16<S>; 3], output: &mut [[f32; 3]]) {
+        if !self.is_square {
+            let [x, y, z] = normals.map(<[f32; WIDTH]>::from);
+            let mut normals = [[0.0; 3]; WIDTH];
+            for lane in 0..WIDTH {
+                normals[lane] = [x[lane], y[lane], z[lane]];
+            }
+            return self.write(&normals, output);
+        }
+        let [x, y, z] = normals;
+        let (x, y, z) = (quarters(simd, x), quarters(simd, y), quarters(simd, z));
+        let lines = [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]], [x[3], y[3], z[3]]];
+        self.write_four(output, lines, |[x, y, z], output| {
+            let ((xz, yz), (xz_2, yz_2)) = (
+                (simd.zip_low_f32x4(x, z), simd.zip_low_f32x4(y, z)),
+                (simd.zip_high_f32x4(x, z), simd.zip_high_f32x4(y, z)),
+            );
+            // Each with z twice; the second is overwritten by the next.
+            let (first, second) = (simd.zip_low_f32x4(xz, yz), simd.zip_high_f32x4(xz, yz));
+            let (third, fourth) = (simd.zip_low_f32x4(xz_2, yz_2), simd.zip_high_f32x4(xz_2, yz_2));
+            let output = output.as_flattened_mut();
+            first.store_slice(&mut output[..4]);
+            second.store_slice(&mut output[3..7]);
+            third.store_slice(&mut output[6..10]);
+            simd.slide_f32x4::<3>(third, fourth).store_slice(&mut output[8..]);
         });
     }
 
@@ -187,4 +215,12 @@ impl Place {
             |_, output| output.fill(value),
         );
     }
+}
+
+/// Four lanes at a time.
+#[inline(always)]
+fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
+    let (upper, lower) = simd.split_f32x16(values);
+    let ((a, b), (c, d)) = (simd.split_f32x8(upper), simd.split_f32x8(lower));
+    [a, b, c, d]
 }

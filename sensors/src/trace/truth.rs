@@ -165,7 +165,7 @@ impl<'a> Truth<'a> {
                 #[inline(always)]
                 |place, block| match finder.block(simd, band, &mut resolver, block).0 {
                     Normals::Same(same) => place.write_normal(simd, same, normal),
-                    each @ Normals::Each(_) => place.write(&each.each(simd), normal),
+                    Normals::Each(each) => place.write_normals(simd, each, normal),
                 },
             );
         }

@@ -3,12 +3,9 @@
 use super::grid::Band;
 use super::image::{GRAZING, NO_HIT};
 use super::resolve::Resolver;
-use super::tile::line_f32;
-use super::tiling::{BLOCKS, Tiling};
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
 use crate::scene::tree::WIDTH;
-use crate::simd::{LANES, Lanes, store_row};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DMat3;
 
@@ -77,28 +74,5 @@ impl Measure {
             }
         }
         f32x16::load_array(simd, values)
-    }
-
-    /// Depths of a tile, row after row.
-    #[inline(always)]
-    pub(crate) fn tile<S: Simd>(
-        &self,
-        simd: S,
-        band: &Band<'_>,
-        resolver: &mut Resolver<'_>,
-        [tile_column, row]: [usize; 2],
-    ) -> Lanes<f32> {
-        let mut blocks = [[f32::INFINITY; WIDTH]; BLOCKS];
-        let first = tile_column * BLOCKS;
-        for part in 0..BLOCKS.min(band.rays.fan().blocks_across() - first) {
-            self.block::<S, true>(simd, band, resolver, [first + part, row]).store_array(&mut blocks[part]);
-        }
-        // Moved in registers: what is stored in parts and then loaded as a whole waits for the memory.
-        let tiling = Tiling::of(band.rays.fan());
-        let mut depths = [0.0; LANES];
-        for line in 0..BLOCKS {
-            store_row(line_f32(simd, tiling, &blocks.each_ref(), line), &mut depths, line);
-        }
-        depths
     }
 }

@@ -130,12 +130,7 @@ fn line_u32<S: Simd>(simd: S, tiling: Tiling, blocks: &[&[u32; WIDTH]; BLOCKS], 
 
 /// A line of the tile that four blocks make.
 #[inline(always)]
-pub(super) fn line_f32<S: Simd>(
-    simd: S,
-    tiling: Tiling,
-    blocks: &[&[f32; WIDTH]; BLOCKS],
-    line: usize,
-) -> f32x16<S> {
+fn line_f32<S: Simd>(simd: S, tiling: Tiling, blocks: &[&[f32; WIDTH]; BLOCKS], line: usize) -> f32x16<S> {
     if tiling == Tiling::Rows {
         return f32x16::load_array_ref(simd, blocks[line]);
     }

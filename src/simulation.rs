@@ -6,12 +6,16 @@ use crate::control::{Inbox, Resident, Role, Roster, SpawnOptions, StateStreams};
 use crate::description::model::{Model, World};
 use crate::description::{Problem, Severity};
 use crate::rig::base::BaseCommands;
+use crate::rig::cost::Cost;
+use crate::rig::post::Post;
 use crate::rig::{Rig, RigError, RigOptions};
 use crate::robot::{Command, Drive, Robot};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
 use belvedere_bridge::payload::{SimulationCommand, VelocityCommand};
 use belvedere_bridge::{Node, StreamSpec, Subscriber};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// How long a command from outside keeps the built-in drive off, in ns: as long as it holds for the base.
 const COMMAND_HOLDS_NS: u64 = crate::robot::kobuki::COMMAND_TIMEOUT_NS;
@@ -33,6 +37,9 @@ pub struct Simulation {
     spawn_options: SpawnOptions,
     paused: bool,
     steps: Option<Steps>,
+    /// Of a physics step.
+    step_cost: Cost,
+    post: Option<Arc<Post>>,
     epoch: u64,
     /// Simulated time before the last return to 0.
     before_resets_ns: u64,
@@ -79,7 +86,7 @@ impl Simulation {
         Ok(Self {
             world: world.clone(),
             inbox: Inbox::open(node)?,
-            states: StateStreams::open(node, &roster, &physics)?,
+            states: StateStreams::open(node, &roster, &physics, options.post.as_ref())?,
             spawn_options: SpawnOptions::default(),
             roster,
             physics,
@@ -92,6 +99,8 @@ impl Simulation {
             base_commands,
             paused: false,
             steps: None,
+            step_cost: Cost::default(),
+            post: options.post.clone(),
             epoch: 0,
             before_resets_ns: 0,
         })
@@ -112,20 +121,38 @@ impl Simulation {
         self.next_stamp_ns().min(self.steps.as_ref().map_or(u64::MAX, |steps| steps.until_ns))
     }
 
+    /// How long it may take to make a frame of each sensor, and to bring physics there from the frame before, by what
+    /// that took before.
+    pub fn cost(&self) -> Duration {
+        let steps = self.next_ns().saturating_sub(self.physics.time_ns()).div_ceil(self.physics.step_ns());
+        let physics = self.step_cost.expected().saturating_mul(u32::try_from(steps).unwrap_or(u32::MAX));
+        physics.saturating_add(self.rig.cost())
+    }
+
     /// Brings physics to the next frame's stamp and publishes all that is due then; stops before it where a step
     /// command ends.
     pub fn advance(&mut self) {
         let (stamp_ns, until_ns) = (self.next_stamp_ns(), self.next_ns());
         self.take_commands();
-        while self.physics.time_ns() < until_ns {
-            self.step();
-        }
+        self.step_until(until_ns);
         if stamp_ns == until_ns {
             self.rig.publish(stamp_ns, &self.physics, &self.robots, &mut self.scene);
             self.states.publish(stamp_ns, &self.roster, &self.physics);
         }
         if self.next_stamp_ns() > self.physics.time_ns() {
             self.finish_steps();
+        }
+    }
+
+    fn step_until(&mut self, until_ns: u64) {
+        let started = Instant::now();
+        let mut steps = 0;
+        while self.physics.time_ns() < until_ns {
+            self.step();
+            steps += 1;
+        }
+        if steps > 0 {
+            self.step_cost.add(started.elapsed() / steps);
         }
     }
 

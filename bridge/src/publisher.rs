@@ -36,7 +36,10 @@ use crate::{
 /// [`loan`](Self::loan) gives a frame whose payload *is* the shared memory that subscribers will read;
 /// [`send`](LoanedFrame::send) passes them its address. Neither copies or, unless the stream is lossless, waits;
 /// nor allocates, but for the record of 104 bytes that iceoryx2 keeps of each loan.
-pub struct Publisher {
+pub struct Publisher(Arc<Ports>);
+
+/// A publisher's end of its stream; frames on loan keep it open.
+struct Ports {
     // Ports before their services before the node: fields are dropped in this order.
     port: Port<Ipc, [u8], FrameHeader>,
     notifier: Notifier<Ipc>,
@@ -103,7 +106,7 @@ impl Publisher {
             .create()
             .map_err(|error| node.failed(format!("opening the events of {topic}"), error))?;
         node.settle();
-        let publisher = Self {
+        let publisher = Self(Arc::new(Ports {
             port,
             notifier,
             frames,
@@ -119,44 +122,44 @@ impl Publisher {
             known_subscribers: AtomicUsize::new(0),
             last_present: AtomicU64::new(0),
             queue,
-        };
+        }));
         publisher.check_alignment()?;
         Ok(publisher)
     }
 
     /// All chunks lie a multiple of their alignment apart, so that one speaks for all.
     fn check_alignment(&self) -> Result<(), Error> {
-        let frame = self.loan(self.max_payload_len)?;
+        let frame = self.loan(self.max_payload_len())?;
         let address = frame.payload().as_ptr().addr();
         if address.is_multiple_of(align_of::<FrameHeader>()) {
             Ok(())
         } else {
-            Err(Error::transport(format!("making {}", self.topic), format!("a payload at {address:#x}")))
+            Err(Error::transport(format!("making {}", self.topic()), format!("a payload at {address:#x}")))
         }
     }
 
     /// The topic without a leading slash.
     #[must_use]
     pub fn topic(&self) -> &str {
-        &self.topic
+        &self.0.topic
     }
 
     /// Largest payload in bytes.
     #[must_use]
     pub fn max_payload_len(&self) -> usize {
-        self.max_payload_len
+        self.0.max_payload_len
     }
 
     /// Subscribers now; costs one read of shared memory, so that a sensor nobody looks at need not be computed.
     #[must_use]
     pub fn subscribers(&self) -> usize {
-        self.frames.dynamic_config().number_of_subscribers()
+        self.0.subscribers()
     }
 
     /// Who follows the stream now. Reads some files for each process of the domain.
     #[must_use]
     pub fn consumers(&self) -> Vec<Consumer> {
-        consumer::consumers(&self.node, &self.frames).into_iter().map(|(_, consumer)| consumer).collect()
+        consumer::consumers(&self.0.node, &self.0.frames).into_iter().map(|(_, consumer)| consumer).collect()
     }
 
     /// Gives subscribers that have come since the last frame the newest one (the stream's history) without
@@ -166,15 +169,17 @@ impl Publisher {
     /// # Errors
     /// [`Error::Transport`] when a subscriber cannot be connected; the others are.
     pub fn update(&self) -> Result<(), Error> {
-        self.known_subscribers.store(self.subscribers(), Ordering::Relaxed);
+        let ports = &*self.0;
+        ports.known_subscribers.store(ports.subscribers(), Ordering::Relaxed);
         // Not for a change of their number only: one may have gone and another come, or have come while a frame was
         // being sent.
-        self.port
+        ports
+            .port
             .update_connections()
-            .map_err(|error| Error::transport(format!("connecting subscribers of {}", self.topic), error))?;
-        let present = consumer::sum_of_ports(&self.frames);
-        if self.last_present.swap(present, Ordering::Relaxed) != present {
-            self.notify();
+            .map_err(|error| Error::transport(format!("connecting subscribers of {}", ports.topic), error))?;
+        let present = consumer::sum_of_ports(&ports.frames);
+        if ports.last_present.swap(present, Ordering::Relaxed) != present {
+            ports.notify();
         }
         Ok(())
     }
@@ -182,24 +187,26 @@ impl Publisher {
     /// Loans a frame of `len` payload bytes: shared memory to write the data into. Its header is that of the
     /// stream, its payload holds zeros or an old frame: write all of it.
     ///
-    /// Dropping it unsent returns it.
+    /// Dropping it unsent returns it. It may be sent from another thread, and outlive the publisher: the stream stays
+    /// open until it is gone.
     ///
     /// # Errors
     /// [`Error::FrameTooLarge`], [`Error::NoFreeFrame`]; [`Error::SharedMemoryTooSmall`] when a subscriber has come and
     /// `/dev/shm` has been filled by others since the start.
-    pub fn loan(&self, len: usize) -> Result<LoanedFrame<'_>, Error> {
-        self.pool.take_for(self.known_subscribers.load(Ordering::Relaxed))?;
-        let mut sample = loan::loan_bytes(&self.port, len).map_err(|error| match error {
+    pub fn loan(&self, len: usize) -> Result<LoanedFrame, Error> {
+        let ports = &self.0;
+        ports.pool.take_for(ports.known_subscribers.load(Ordering::Relaxed))?;
+        let mut sample = loan::loan_bytes(&ports.port, len).map_err(|error| match error {
             LoanError::ExceedsMaxLoanSize => {
-                Error::FrameTooLarge { topic: self.topic.clone(), len, max: self.max_payload_len }
+                Error::FrameTooLarge { topic: ports.topic.clone(), len, max: ports.max_payload_len }
             }
             LoanError::ExceedsMaxLoans => {
-                Error::NoFreeFrame { topic: self.topic.clone(), max: self.max_loaned }
+                Error::NoFreeFrame { topic: ports.topic.clone(), max: ports.max_loaned }
             }
-            error => Error::transport(format!("loaning a frame of {}", self.topic), error),
+            error => Error::transport(format!("loaning a frame of {}", ports.topic), error),
         })?;
-        *sample.user_header_mut() = FrameHeader { payload_len: len as u64, ..self.template };
-        Ok(LoanedFrame { sample, publisher: self })
+        *sample.user_header_mut() = FrameHeader { payload_len: len as u64, ..ports.template };
+        Ok(LoanedFrame { sample, ports: ports.clone() })
     }
 
     /// Sends structs, one per row: for the streams of small fixed messages.
@@ -207,6 +214,14 @@ impl Publisher {
     /// # Errors
     /// As [`loan`](Self::loan) and [`send`](LoanedFrame::send).
     pub fn send_structs<T: Message>(&self, stamp_ns: u64, structs: &[T]) -> Result<usize, Error> {
+        self.loan_structs(stamp_ns, structs)?.send()
+    }
+
+    /// Loans a frame that holds structs, one per row, ready to be sent.
+    ///
+    /// # Errors
+    /// As [`loan`](Self::loan).
+    pub fn loan_structs<T: Message>(&self, stamp_ns: u64, structs: &[T]) -> Result<LoanedFrame, Error> {
         let bytes: &[u8] = bytemuck::cast_slice(structs);
         let mut frame = self.loan(bytes.len())?;
         frame.payload_mut().copy_from_slice(bytes);
@@ -216,7 +231,13 @@ impl Publisher {
         header.height = structs.len() as u32;
         header.elem_stride = size_of::<T>() as u32;
         header.row_stride = header.elem_stride;
-        frame.send()
+        Ok(frame)
+    }
+}
+
+impl Ports {
+    fn subscribers(&self) -> usize {
+        self.frames.dynamic_config().number_of_subscribers()
     }
 
     fn notify(&self) {
@@ -228,20 +249,20 @@ impl Publisher {
 impl fmt::Debug for Publisher {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Publisher")
-            .field("topic", &self.topic)
-            .field("domain", self.node.domain())
-            .field("max_payload_len", &self.max_payload_len)
+            .field("topic", &self.0.topic)
+            .field("domain", self.0.node.domain())
+            .field("max_payload_len", &self.0.max_payload_len)
             .finish_non_exhaustive()
     }
 }
 
 /// A frame in shared memory that nobody else sees yet.
-pub struct LoanedFrame<'a> {
+pub struct LoanedFrame {
     sample: SampleMut<Ipc, [u8], FrameHeader>,
-    publisher: &'a Publisher,
+    ports: Arc<Ports>,
 }
 
-impl LoanedFrame<'_> {
+impl LoanedFrame {
     /// The header as it stands.
     #[must_use]
     pub fn header(&self) -> &FrameHeader {
@@ -271,39 +292,39 @@ impl LoanedFrame<'_> {
     /// [`Error::HeldUp`] when the stream is [lossless](crate::Lossless) and a consumer has not made room in time; the
     /// others have the frame.
     /// [`Error::Transport`] when a subscriber could not be reached; the others were.
-    pub fn send(mut self) -> Result<usize, Error> {
-        let Self { publisher, .. } = self;
-        let header = self.sample.user_header_mut();
-        header.session = publisher.template.session;
-        header.seq = publisher.next_seq.fetch_add(1, Ordering::Relaxed);
+    pub fn send(self) -> Result<usize, Error> {
+        let Self { mut sample, ports } = self;
+        let header = sample.user_header_mut();
+        header.session = ports.template.session;
+        header.seq = ports.next_seq.fetch_add(1, Ordering::Relaxed);
         header.publish_mono_ns = clock::mono_ns();
-        let (header, len) = (self.sample.user_header(), self.sample.payload().len());
+        let (header, len) = (sample.user_header(), sample.payload().len());
         debug_assert_eq!(
             header.check(len),
             Ok(()),
             "{}: a header that every subscriber refuses",
-            publisher.topic
+            ports.topic
         );
-        if let Some(queue) = &publisher.queue {
-            queue.look_at(&publisher.frames);
+        if let Some(queue) = &ports.queue {
+            queue.look_at(&ports.frames);
         }
-        let sent = self.sample.send();
-        let subscribers = publisher.subscribers();
-        publisher.known_subscribers.store(subscribers, Ordering::Relaxed);
+        let sent = sample.send();
+        let subscribers = ports.subscribers();
+        ports.known_subscribers.store(subscribers, Ordering::Relaxed);
         if subscribers > 0 {
-            publisher.notify();
+            ports.notify();
         }
-        if let Some((consumer, patience)) = publisher.queue.as_ref().and_then(|queue| queue.take_held_up()) {
-            return Err(Error::HeldUp { topic: publisher.topic.clone(), consumer, patience });
+        if let Some((consumer, patience)) = ports.queue.as_ref().and_then(|queue| queue.take_held_up()) {
+            return Err(Error::HeldUp { topic: ports.topic.clone(), consumer, patience });
         }
-        sent.map_err(|error| Error::transport(format!("sending a frame of {}", publisher.topic), error))
+        sent.map_err(|error| Error::transport(format!("sending a frame of {}", ports.topic), error))
     }
 }
 
-impl fmt::Debug for LoanedFrame<'_> {
+impl fmt::Debug for LoanedFrame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("LoanedFrame")
-            .field("topic", &self.publisher.topic)
+            .field("topic", &self.ports.topic)
             .field("header", self.header())
             .finish_non_exhaustive()
     }

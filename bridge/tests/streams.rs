@@ -294,7 +294,7 @@ fn everything_may_move_to_another_thread() {
     fn movable<T: Send>() {}
     movable::<Node>();
     movable::<belvedere_bridge::Publisher>();
-    movable::<belvedere_bridge::LoanedFrame<'_>>();
+    movable::<belvedere_bridge::LoanedFrame>();
     movable::<belvedere_bridge::Subscriber>();
     movable::<belvedere_bridge::Frame>();
 }

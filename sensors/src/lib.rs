@@ -5,11 +5,12 @@
 //!
 //! 1. [`simd`]: the level token and the packet width; [`pose`]: rigid poses in f64.
 //! 2. [`noise`]: counter-based random numbers and Gazebo's Gaussian noise.
-//! 3. [`scene`]: what is looked at, as plain borrowed data; [`moment`]: where everything is, and when.
+//! 3. [`moment`]: where everything is, and when; [`scene`]: what is looked at, as plain borrowed data.
 //! 4. [`optics`]: which way rays go: the rules of pinhole and lidar, and tables of any lens model.
 //! 5. [`trace`]: where rays meet the scene.
-//! 6. [`device`]: what a camera's sensor and electronics make of light.
-//! 7. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once and makes a [`Sensor`], which
+//! 6. `shade`: what colour that is.
+//! 7. [`device`]: what a camera's sensor and electronics make of light.
+//! 8. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once and makes a [`Sensor`], which
 //!    fills the caller's slices, and does not allocate.
 //!
 //! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames

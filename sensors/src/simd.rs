@@ -10,6 +10,9 @@ use fearless_simd::{Simd, SimdBase, f32x16};
 /// Rays in a packet: a tile of 16 × 4 pixels, or 64 consecutive beams.
 pub const LANES: usize = 64;
 
+/// Values in a vector of the kernels, at every SIMD level: children of a node, triangles of a leaf, rays of a block.
+pub const WIDTH: usize = 16;
+
 /// One value per lane.
 pub(crate) type Lanes<T> = [T; LANES];
 

@@ -4,10 +4,11 @@
 mod common;
 
 use belvedere_sensors::Pose;
-use belvedere_sensors::scene::tree::{LEAF, NONE, WIDTH};
+use belvedere_sensors::scene::tree::{LEAF, NONE};
 use belvedere_sensors::scene::{
     HeightField, HeightGrid, InstanceConfig, MaterialConfig, SceneBuilder, SceneError, Shape,
 };
+use belvedere_sensors::simd::WIDTH;
 use common::oracle::{first_hit_scaled, pixel_ray, scaled};
 use common::{camera_of, depth_camera, depth_image, look_at};
 use glam::DVec3;

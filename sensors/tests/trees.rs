@@ -2,11 +2,12 @@
 
 use belvedere_sensors::Execution;
 use belvedere_sensors::scene::build::{
-    MAX_DEPTH, Plan, Quality, Scratch, Tree, build, max_size, plan, refit, scratch_len,
+    Plan, Quality, Scratch, Tree, build, max_size, plan, refit, scratch_len,
 };
-use belvedere_sensors::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+use belvedere_sensors::scene::tree::{LEAF, MAX_DEPTH, NONE, TriangleBlock, WideNode};
 use belvedere_sensors::scene::{SceneError, TreeFault, validate_scratch_len, validate_tree};
 use belvedere_sensors::simd::Level;
+use belvedere_sensors::simd::WIDTH;
 use bytemuck::Zeroable;
 use proptest::prelude::*;
 

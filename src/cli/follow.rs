@@ -45,6 +45,9 @@ pub fn seconds(text: &str) -> Result<Duration, String> {
 /// Set by Ctrl-C and by a request to terminate, so that the domain is left in order.
 static STOP: AtomicBool = AtomicBool::new(false);
 
+/// Longest sleep before the stop flag is looked at again.
+pub(super) const NAP: Duration = Duration::from_millis(20);
+
 /// Whether the user wants it to end.
 pub(super) fn stop_wanted() -> bool {
     STOP.load(Ordering::Relaxed)

@@ -9,6 +9,7 @@ pub mod hz;
 pub mod list;
 pub mod log;
 pub mod message;
+mod pacer;
 pub mod run;
 pub mod snapshot;
 pub mod statistics;

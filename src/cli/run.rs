@@ -1,7 +1,8 @@
 //! `belvedere run`: the simulator.
 
 use super::error::CliError;
-use super::follow::{listen_for_stop, print_line, seconds, stop_wanted};
+use super::follow::{NAP, listen_for_stop, print_line, seconds, stop_wanted};
+use super::pacer::Pacer;
 use super::status::Status;
 use crate::control::SpawnOptions;
 use crate::control::roster::model_name;
@@ -11,19 +12,16 @@ use crate::description::robot::{LoadOptions, default_robot_name, load_robot};
 use crate::description::world::{default_world, load_world};
 use crate::description::{Diagnostics, Severity};
 use crate::rig::attendance::{Attendance, Awaited};
+use crate::rig::post::Post;
 use crate::rig::{Rig, RigOptions};
 use crate::robot::Drive;
 use crate::simulation::Simulation;
 use belvedere_bridge::{Domain, Lossless, Node};
 use belvedere_sensors::Execution;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use xxhash_rust::xxh3::Xxh3;
-
-/// Longest sleep before the stop flag is looked at again.
-const NAP: Duration = Duration::from_millis(20);
-/// Lag beyond which lost time is given up instead of being caught up with in a burst.
-const GIVE_UP: Duration = Duration::from_millis(200);
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// Run a robot in a world and publish what its sensors see, until Ctrl-C.
@@ -108,6 +106,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let (world, robot) = load(args)?;
     listen_for_stop()?;
     let node = Node::open(&args.domain, "belvedere")?;
+    // Who is waited for sets the pace himself.
+    let holds_frames = args.rate == Pace::Realtime && args.wait_for.is_empty();
+    let post = holds_frames.then(Post::open).transpose().map_err(CliError::NoThread)?.map(Arc::new);
     let options = RigOptions {
         seed: args.seed,
         gazebo_compat: args.gazebo_compat,
@@ -117,6 +118,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
             consumers: args.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),
             patience: args.patience,
         }),
+        post: post.clone(),
         execution: Execution::parallel(),
     };
     let mut notes = Vec::new();
@@ -136,7 +138,10 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         args.domain
     );
     let mut status = Status::new(simulation.rig());
-    let ended = run_loop(&mut simulation, args, &node, &mut status);
+    let ended = run_loop(&mut simulation, args, &node, &mut status, post.as_deref());
+    if let Some(post) = &post {
+        post.flush();
+    }
     let table = status.finish(simulation.rig(), simulation.simulated_ns());
     eprint!("{table}");
     ended?;
@@ -193,21 +198,21 @@ fn run_loop(
     args: &RunArgs,
     node: &Node,
     status: &mut Status,
+    post: Option<&Post>,
 ) -> Result<(), CliError> {
     let end_ns =
         args.duration.map_or(u64::MAX, |duration| u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX));
     let mut attendance = Attendance::new(&args.wait_for);
     gather(&mut attendance, simulation, node, None)?;
-    let mut pacer = Pacer::new(simulation);
+    let mut pacer = Pacer::new(simulation, post);
     while !stop_wanted() {
         if simulation.is_paused() {
             simulation.idle(NAP);
             status.refresh(simulation.rig(), simulation.simulated_ns());
             continue;
         }
-        if simulation.next_stamp_ns() >= end_ns
-            || args.rate == Pace::Realtime && !pacer.wait_for_next(simulation)
-        {
+        let keeps_time = args.rate == Pace::Realtime;
+        if simulation.next_stamp_ns() >= end_ns || keeps_time && !pacer.wait_for_next(simulation) {
             break;
         }
         gather(&mut attendance, simulation, node, Some(args.patience))?;
@@ -258,41 +263,6 @@ fn gather(
         // One that was killed leaves its place only by this.
         node.clean_up_dead();
         simulation.idle(NAP);
-    }
-}
-
-/// Keeps simulated time to the clock on the wall.
-struct Pacer {
-    epoch: u64,
-    /// A moment, and the simulated time that belongs to it.
-    at: Instant,
-    time_ns: u64,
-}
-
-impl Pacer {
-    fn new(simulation: &Simulation) -> Self {
-        Self { epoch: simulation.epoch(), at: Instant::now(), time_ns: simulation.time_ns() }
-    }
-
-    /// Waits until the wall clock has come to what is next; false when the user wants to stop.
-    fn wait_for_next(&mut self, simulation: &Simulation) -> bool {
-        if self.epoch != simulation.epoch() {
-            *self = Self::new(simulation);
-        }
-        let due = self.at + Duration::from_nanos(simulation.next_ns().saturating_sub(self.time_ns));
-        loop {
-            if stop_wanted() {
-                return false;
-            }
-            let now = Instant::now();
-            if now >= due {
-                if now - due > GIVE_UP {
-                    self.at += now - due;
-                }
-                return true;
-            }
-            std::thread::sleep(NAP.min(due - now));
-        }
     }
 }
 

@@ -1,12 +1,14 @@
 //! The streams of the poses and velocities of all models and links, filled while somebody follows them.
 
 use super::roster::Roster;
-use crate::rig::Rate;
+use crate::rig::post::Post;
+use crate::rig::{Outlet, Rate};
 use crate::world::physics::Physics;
 use belvedere_bridge::payload::ModelState;
-use belvedere_bridge::{Error, Kind, Node, Publisher, StreamSpec, Text};
+use belvedere_bridge::{Error, Kind, Node, StreamSpec, Text};
 use belvedere_sensors::Pose;
 use glam::DVec3;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Rate in Hz: that of the robot's own state.
@@ -19,10 +21,9 @@ pub const MAX_SPAWNED_LINKS: usize = 256;
 const PAUSED_PERIOD: Duration = Duration::from_millis(100);
 
 /// The two streams.
-#[derive(Debug)]
 pub struct StateStreams {
-    models: Publisher,
-    links: Publisher,
+    models: Outlet,
+    links: Outlet,
     rate: Rate,
     next: u64,
     sent: Instant,
@@ -34,15 +35,21 @@ impl StateStreams {
     ///
     /// # Errors
     /// When the bridge cannot.
-    pub fn open(node: &Node, roster: &Roster, physics: &Physics) -> Result<Self, Error> {
+    pub fn open(
+        node: &Node,
+        roster: &Roster,
+        physics: &Physics,
+        post: Option<&Arc<Post>>,
+    ) -> Result<Self, Error> {
         let links: usize = roster.iter().map(|(_, resident)| resident.model.links.len()).sum();
         let publisher = |topic, count| {
             // Sent while it is followed: the last one may be of long ago.
-            node.publisher(&StreamSpec {
+            let spec = StreamSpec {
                 buffer: 4,
                 history: 0,
                 ..StreamSpec::structs(topic, Kind::ModelStates, count).frame_id("world").rate_hz(RATE_HZ)
-            })
+            };
+            Outlet::open(node, &spec, false, None, post)
         };
         Ok(Self {
             models: publisher(StreamSpec::MODEL_STATES, roster.iter().count() + MAX_SPAWNED_MODELS)?,
@@ -79,15 +86,15 @@ impl StateStreams {
     /// Sends what is now.
     pub fn send(&mut self, stamp_ns: u64, roster: &Roster, physics: &Physics) {
         self.sent = Instant::now();
-        if self.models.subscribers() > 0 {
+        if self.models.is_wanted() {
             self.messages.clear();
             self.messages.extend(roster.iter().map(|(index, resident)| {
                 let pose = physics.world_from_model_at(index, stamp_ns);
                 state(&resident.name, &pose, physics.model_velocity(index))
             }));
-            send(&self.models, stamp_ns, &self.messages);
+            self.models.send_structs(stamp_ns, &self.messages);
         }
-        if self.links.subscribers() > 0 {
+        if self.links.is_wanted() {
             self.messages.clear();
             for (index, resident) in roster.iter() {
                 self.messages.extend(resident.model.links.iter().enumerate().map(|(number, link)| {
@@ -96,7 +103,7 @@ impl StateStreams {
                     state(&name, &pose, physics.link_velocity(index, number))
                 }));
             }
-            send(&self.links, stamp_ns, &self.messages);
+            self.links.send_structs(stamp_ns, &self.messages);
         }
     }
 }
@@ -108,11 +115,5 @@ fn state(name: &str, pose: &Pose, (linear, angular): (DVec3, DVec3)) -> ModelSta
         orientation: pose.rotation().to_array(),
         linear: linear.to_array(),
         angular: angular.to_array(),
-    }
-}
-
-fn send(publisher: &Publisher, stamp_ns: u64, states: &[ModelState]) {
-    if let Err(error) = publisher.send_structs(stamp_ns, states) {
-        tracing::warn!(topic = publisher.topic(), %error, "frame dropped");
     }
 }

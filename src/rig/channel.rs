@@ -6,6 +6,7 @@ use super::camera::CameraChannel;
 use super::depth::DepthChannel;
 use super::lidar::LidarChannel;
 use super::outlet::Outlet;
+use super::post::Post;
 use super::range::RangeChannel;
 use super::rate::Rate;
 use super::settings::Settings;
@@ -17,6 +18,8 @@ use crate::world::scene::WorldScene;
 use belvedere_bridge::{Lossless, Node, StreamSpec};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Moment, Pose, Sensor};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// What a channel needs to open.
 pub(super) struct Setting<'a> {
@@ -33,12 +36,13 @@ pub(super) struct Setting<'a> {
     pub(super) truth: bool,
     pub(super) hashed: bool,
     pub(super) lossless: Option<&'a Lossless>,
+    pub(super) post: Option<&'a Arc<Post>>,
 }
 
 impl Setting<'_> {
     /// A stream of small messages, which are sent whether or not anybody follows: late consumers get the last one.
     pub(super) fn open(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
-        Ok(Outlet::open(self.node, spec, self.hashed, self.lossless)?)
+        Ok(Outlet::open(self.node, spec, self.hashed, self.lossless, self.post)?)
     }
 
     /// A stream that is rendered while somebody follows it. It keeps no frame for late consumers: the last one may be
@@ -61,6 +65,8 @@ pub(super) struct RigContext<'a> {
     pub(super) robots: &'a [Robot],
     pub(super) scene: &'a WorldScene,
     pub(super) workspace: &'a mut WorkspaceBuf,
+    /// Time spent on rendering.
+    pub(super) rendering: Duration,
 }
 
 impl RigContext<'_> {
@@ -79,7 +85,9 @@ impl RigContext<'_> {
             capture = capture.before(Moment { world_from_sensor: *world_from_sensor, world_from_instance });
         }
         let workspace = &mut self.workspace.lend(sensor.workspace_len(&scene, &capture));
+        let started = Instant::now();
         let taken = sensor.sense(&scene, &capture, workspace, output);
+        self.rendering += started.elapsed();
         taken.inspect_err(|error| tracing::warn!(%error, frame, "a frame of a sensor is left out")).is_ok()
     }
 }

@@ -8,6 +8,7 @@ pub mod attendance;
 pub mod base;
 mod camera;
 mod channel;
+pub mod cost;
 mod depth;
 mod error;
 mod eye;
@@ -15,6 +16,7 @@ mod lidar;
 mod mount;
 mod outlet;
 pub mod pictures;
+pub mod post;
 mod range;
 pub mod rate;
 pub mod schedule;
@@ -38,7 +40,11 @@ use belvedere_bridge::{Error as BridgeError, Lossless, Node, StreamSpec};
 use belvedere_sensors::Execution;
 use belvedere_sensors::trace::WorkspaceBuf;
 use channel::{Channel, RigContext, Setting};
+use cost::Cost;
+use post::Post;
 use state::{ClockChannel, StateChannel};
+use std::sync::Arc;
+use std::time::Duration;
 use tuning::Tuning;
 
 /// Rate of the clock in Hz: a consumer's timers get within 10 ms of simulated time.
@@ -59,6 +65,8 @@ pub struct RigOptions {
     pub hashed: bool,
     /// Whom every stream waits for, if for anybody.
     pub lossless: Option<Lossless>,
+    /// By what frames go that are made ahead of their time, if they are.
+    pub post: Option<Arc<Post>>,
     /// SIMD level and threads of the sensors.
     pub execution: Execution,
 }
@@ -71,11 +79,13 @@ struct Scheduled {
     channel: Channel,
     /// Of what can be changed while it runs.
     tuning: Option<Tuning>,
+    /// Of rendering a frame.
+    cost: Cost,
 }
 
 impl Scheduled {
     fn new(rate: Rate, channel: Channel) -> Self {
-        Self { rate, schedule: Schedule::new(rate), channel, tuning: None }
+        Self { rate, schedule: Schedule::new(rate), channel, tuning: None, cost: Cost::default() }
     }
 }
 
@@ -104,7 +114,8 @@ impl Rig {
         workspace.execution = options.execution;
         let sensors = models.iter().map(|model| model.sensors.len()).sum();
         let settings = StreamSpec::sensor_settings(sensors);
-        let settings = Outlet::open(node, &settings, options.hashed, options.lossless.as_ref())?;
+        let settings =
+            Outlet::open(node, &settings, options.hashed, options.lossless.as_ref(), options.post.as_ref())?;
         let mut rig = Self { channels: Vec::new(), settings, workspace };
         let mut sensor_number = 0;
         for (robot, (model, running)) in models.iter().zip(robots).enumerate() {
@@ -121,6 +132,7 @@ impl Rig {
                 truth: options.truth,
                 hashed: options.hashed,
                 lossless: options.lossless.as_ref(),
+                post: options.post.as_ref(),
             };
             let fixed = |hz| Rate::from_hz(hz).unwrap_or(Rate::from_period_ns(physics.step_ns()));
             if robot == 0 {
@@ -156,6 +168,11 @@ impl Rig {
         self.channels.iter().map(|channel| channel.schedule.next_ns()).min().unwrap_or(u64::MAX)
     }
 
+    /// How long it may take to render a frame of each sensor, by what the last ones took.
+    pub fn cost(&self) -> Duration {
+        self.channels.iter().map(|channel| channel.cost.expected()).sum()
+    }
+
     /// Publishes every frame that is due at `stamp_ns`, for which physics must have arrived there.
     pub fn publish(&mut self, stamp_ns: u64, physics: &Physics, robots: &[Robot], scene: &mut WorldScene) {
         for scheduled in &mut self.channels {
@@ -166,9 +183,11 @@ impl Rig {
                 scene.move_to(physics, stamp_ns);
             }
             let workspace = &mut self.workspace;
-            let mut context = RigContext { stamp_ns, physics, robots, scene, workspace };
+            let rendering = Duration::ZERO;
+            let mut context = RigContext { stamp_ns, physics, robots, scene, workspace, rendering };
             let frame = scheduled.schedule.next();
             scheduled.channel.publish(&mut context, frame);
+            scheduled.cost.add(context.rendering);
             if let Channel::Clock(_) = scheduled.channel {
                 // Whoever has come since the last change gets the settings now.
                 self.settings.update();

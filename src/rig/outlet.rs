@@ -1,14 +1,20 @@
 //! One published stream: its publisher, what it has cost, and a hash of what went through it.
 
+use super::post::{Post, Sender};
 use belvedere_bridge::payload::Message;
 use belvedere_bridge::{Consumer, Error, LoanedFrame, Lossless, Node, Publisher, StreamSpec};
 use std::cell::{Cell, OnceCell};
+use std::sync::Arc;
 use std::time::Duration;
 use xxhash_rust::xxh3::Xxh3;
 
 /// A stream of the rig.
 pub struct Outlet {
     publisher: Publisher,
+    /// By what frames go that are made ahead of their time; without it they are sent when they are made.
+    post: Option<Arc<Post>>,
+    sender: Arc<Sender>,
+    loaned: usize,
     rate_hz: Cell<Option<f64>>,
     hash: Option<Xxh3>,
     tally: Tally,
@@ -30,7 +36,8 @@ pub struct Tally {
 }
 
 impl Outlet {
-    /// Opens the stream; with `hashed`, every byte sent is hashed; with `lossless`, it waits for consumers.
+    /// Opens the stream; with `hashed`, every byte sent is hashed; with `lossless`, it waits for consumers; with `post`,
+    /// its frames go by that.
     ///
     /// # Errors
     /// When the bridge cannot open it.
@@ -39,10 +46,14 @@ impl Outlet {
         spec: &StreamSpec,
         hashed: bool,
         lossless: Option<&Lossless>,
+        post: Option<&Arc<Post>>,
     ) -> Result<Self, Error> {
         let spec = StreamSpec { lossless: lossless.cloned(), ..spec.clone() };
         Ok(Self {
             publisher: node.publisher(&spec)?,
+            post: post.cloned(),
+            sender: Arc::default(),
+            loaned: spec.loaned,
             rate_hz: Cell::new(spec.rate_hz),
             hash: hashed.then(Xxh3::new),
             tally: Tally::default(),
@@ -83,7 +94,7 @@ impl Outlet {
 
     /// What it has done so far.
     pub fn tally(&self) -> Tally {
-        self.tally
+        Tally { dropped: self.tally.dropped + self.sender.failed(), ..self.tally }
     }
 
     /// Hash of everything sent so far, if it is hashed.
@@ -97,23 +108,35 @@ impl Outlet {
     }
 
     /// Shared memory for the next frame; none when nobody wants it, or there is no free piece.
-    pub fn loan(&self, len: usize) -> Option<LoanedFrame<'_>> {
+    pub fn loan(&self, len: usize) -> Option<LoanedFrame> {
         self.unwanted.set(!self.is_wanted());
         if self.unwanted.get() {
             return None;
         }
+        self.wait_for_room();
         self.publisher.loan(len).map_err(|error| self.report(&error)).ok()
     }
 
     /// Sends a frame loaned from here. [`Outlet::record`] the outcome.
-    pub fn send(&self, frame: Option<LoanedFrame<'_>>) -> Outcome {
+    pub fn send(&self, frame: Option<LoanedFrame>) -> Outcome {
         let Some(frame) = frame else {
             return if self.unwanted.get() { Outcome::Unwanted } else { Outcome::Dropped };
         };
         let hash = self.hash.is_some().then(|| frame_hash(frame.header().stamp_ns, frame.payload()));
+        if let Some(post) = &self.post {
+            post.send(frame, &self.sender);
+            return Outcome::Sent(hash);
+        }
         match frame.send() {
             Ok(_) => Outcome::Sent(hash),
             Err(error) => self.failed(error),
+        }
+    }
+
+    /// A frame is on loan until it is sent: those that wait for their time leave room for the next.
+    fn wait_for_room(&self) {
+        if let Some(post) = &self.post {
+            post.wait_for_room(&self.sender, self.loaned);
         }
     }
 
@@ -134,10 +157,9 @@ impl Outlet {
 
     /// Sends structs that belong to `stamp_ns`, and counts them.
     pub fn send_structs<T: Message>(&mut self, stamp_ns: u64, structs: &[T]) {
-        let outcome = match self.publisher.send_structs(stamp_ns, structs) {
-            Ok(_) => Outcome::Sent(
-                self.hash.is_some().then(|| frame_hash(stamp_ns, bytemuck::cast_slice(structs))),
-            ),
+        self.wait_for_room();
+        let outcome = match self.publisher.loan_structs(stamp_ns, structs) {
+            Ok(frame) => self.send(Some(frame)),
             Err(error) => self.failed(error),
         };
         self.record(outcome, Duration::ZERO);

@@ -84,7 +84,7 @@ impl TruthOutlets {
         stamp_ns: u64,
         world_from_sensor: &Pose,
         write: impl Fn(&mut FrameHeader),
-    ) -> TruthFrames<'_> {
+    ) -> TruthFrames {
         let [width, height] = self.size;
         let loans = self.outlets.iter().zip(Channel::ALL).map(|(outlet, channel)| {
             let element = channel.stream().2.elem_size().unwrap_or_default();
@@ -123,9 +123,9 @@ impl TruthOutlets {
 }
 
 /// Frames on loan, in the order of the channels.
-pub(super) struct TruthFrames<'a>(Vec<Option<LoanedFrame<'a>>>);
+pub(super) struct TruthFrames(Vec<Option<LoanedFrame>>);
 
-impl TruthFrames<'_> {
+impl TruthFrames {
     /// The memory of the frames that are wanted; none if none is.
     pub(super) fn truth(&mut self) -> Option<Truth<'_>> {
         if self.0.iter().all(Option::is_none) {

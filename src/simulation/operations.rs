@@ -80,10 +80,19 @@ impl Simulation {
                 tracing::debug!(time_ns, id = command.id, model = %command.name, "{name} refused: {reason}");
             }
         }
-        self.inbox.answer(command, self.physics.time_ns(), &outcome);
+        self.answer(command, self.physics.time_ns(), &outcome);
         if self.is_paused() {
             self.states.send(self.physics.time_ns(), &self.roster, &self.physics);
         }
+    }
+
+    /// Answers a command. What was published before it is out before the answer: who has that knows that what comes next
+    /// is of the time after the command.
+    fn answer(&self, command: &SimulationCommand, time_ns: u64, outcome: &Result<(), String>) {
+        if let Some(post) = &self.post {
+            post.flush();
+        }
+        self.inbox.answer(command, time_ns, outcome);
     }
 
     fn operate(&mut self, operation: Operation, request: &Request) -> Result<(), String> {
@@ -141,14 +150,14 @@ impl Simulation {
             let time_ns = self.physics.time_ns();
             let left = until_ns.saturating_sub(time_ns) / self.physics.step_ns();
             let reason = format!("it {why}, {left} of {} steps before its end", command.steps);
-            self.inbox.answer(&command, time_ns, &Err(reason));
+            self.answer(&command, time_ns, &Err(reason));
         }
     }
 
     /// Answers a step command that is done.
     pub(super) fn finish_steps(&mut self) {
         if let Some(steps) = self.steps.take_if(|steps| self.physics.time_ns() >= steps.until_ns) {
-            self.inbox.answer(&steps.command, self.physics.time_ns(), &Ok(()));
+            self.answer(&steps.command, self.physics.time_ns(), &Ok(()));
             self.states.send(self.physics.time_ns(), &self.roster, &self.physics);
         }
     }

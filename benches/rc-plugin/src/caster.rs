@@ -5,8 +5,9 @@ use crate::sensor::Sensors;
 use belvedere_sensors::Execution;
 use belvedere_sensors::scene::MeshScene;
 use belvedere_sensors::scene::build::{self, Quality, Scratch};
-use belvedere_sensors::scene::tree::{Facet, TriangleBlock, WIDTH, WideNode};
+use belvedere_sensors::scene::tree::{Facet, TriangleBlock, WideNode};
 use belvedere_sensors::simd::Level;
+use belvedere_sensors::simd::WIDTH;
 use belvedere_sensors::trace::rays::{Rays, Tree, cast_mesh};
 use belvedere_sensors::trace::{CacheLine, Faces, Hits, Workspace, cast_grid, grid_workspace_len};
 

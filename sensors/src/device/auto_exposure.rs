@@ -1,7 +1,6 @@
 //! Automatic exposure: time and gain follow the mean of the frames.
 
-use super::{DeviceConfig, DeviceError, Exposure, Tone, srgb};
-use crate::sensor::camera::PixelFormat;
+use super::{DeviceConfig, DeviceError, Exposure, PixelFormat, Tone, srgb};
 
 /// What a frame is metered by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

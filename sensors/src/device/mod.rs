@@ -19,6 +19,7 @@
 
 mod auto_exposure;
 mod config;
+mod format;
 mod mosaic;
 mod poisson;
 pub mod presets;
@@ -34,6 +35,7 @@ pub(crate) use auto_exposure::meter;
 pub use auto_exposure::{AutoExposure, AutoExposureConfig, FrameStatistics, Metering};
 pub use config::{DeviceConfig, DeviceError, Exposure, Tone};
 use fearless_simd::Simd;
+pub use format::PixelFormat;
 pub use mosaic::Mosaic;
 use signal::Signal;
 pub use vignetting::Vignetting;

@@ -1,8 +1,7 @@
 //! Colour filters over the pixels of a sensor (B. E. Bayer, US patent 3,971,065, 1976).
 
-use crate::scene::tree::WIDTH;
 use crate::shade::Colours;
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, WIDTH};
 use crate::trace::tiling::BLOCKS;
 
 /// The colours of the first two pixels of the first row, then of the second: every two by two are the same.

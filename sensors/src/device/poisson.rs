@@ -10,8 +10,7 @@
 //! 0.0015 for σ of at least half an electron, below which whole electrons would show: then the count is rounded, by
 //! Giles's second order, ⌊m + w·√m + ⅓ + w²/6 − (2w + w³)/(72·√m)⌋, whose total variation from Poisson's is below 0.0008.
 
-use crate::scene::tree::WIDTH;
-use crate::simd::{LANES, Lanes, load_row, sqrt_f32, store_row};
+use crate::simd::{LANES, Lanes, WIDTH, load_row, sqrt_f32, store_row};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 
 /// The mean from which a count is a bent normal.

@@ -3,10 +3,7 @@
 #[cfg(feature = "alloc")]
 use super::RayTableBuf;
 use super::rays::Fan;
-use super::{GridError, PinholeGrid, RayTable, SphericalGrid};
-
-/// Most columns and rows of a grid. Columns of a ring are counted on over its seam, up to twice its width, in 16 bits.
-pub const MAX_GRID_SIZE: u32 = 32_767;
+use super::{GridError, MAX_GRID_SIZE, PinholeGrid, RayTable, SphericalGrid};
 
 /// Directions of rays from a sensor, which looks along +x, y is left, z is up; row after row.
 ///

@@ -64,11 +64,14 @@ pub(super) fn require_finite(name: &'static str, value: f64) -> Result<(), LensE
     require(name, value, value.is_finite(), "a finite number")
 }
 
+/// Most columns and rows of a grid. Columns of a ring are counted on over its seam, up to twice its width, in 16 bits.
+pub const MAX_GRID_SIZE: u32 = 32_767;
+
 /// Why rules of directions are no grid of rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum GridError {
-    /// Columns, rows, width or height: not 1 to [`MAX_GRID_SIZE`](super::MAX_GRID_SIZE).
+    /// Columns, rows, width or height: not 1 to [`MAX_GRID_SIZE`].
     Size {
         /// Which of them.
         parameter: &'static str,
@@ -88,7 +91,7 @@ impl core::fmt::Display for GridError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {
             Self::Size { parameter, value } => {
-                write!(f, "{parameter} of the grid is {value}; it must be 1 to {}", super::MAX_GRID_SIZE)
+                write!(f, "{parameter} of the grid is {value}; it must be 1 to {MAX_GRID_SIZE}")
             }
             Self::Number { parameter, value } => {
                 write!(f, "{parameter} of the grid is {value}; it must be a finite number")

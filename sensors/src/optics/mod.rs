@@ -53,11 +53,11 @@ pub(crate) mod rays;
 mod tilt;
 mod wide_angle;
 
-pub use any::{MAX_GRID_SIZE, Optics};
+pub use any::Optics;
 pub use brown_conrady::BrownConrady;
 pub use double_sphere::DoubleSphere;
 pub use equirectangular::Equirectangular;
-pub use error::{GridError, LensError};
+pub use error::{GridError, LensError, MAX_GRID_SIZE};
 pub use eucm::Eucm;
 pub use intrinsics::Intrinsics;
 pub use kannala_brandt::KannalaBrandt;

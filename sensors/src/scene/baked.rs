@@ -17,8 +17,8 @@ pub use error::BakedError;
 use super::builder::Packed;
 use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneBuilder, Texture};
+use crate::memory::CacheLine;
 use crate::pose::Pose;
-use crate::trace::CacheLine;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
 

@@ -1,5 +1,6 @@
 //! Shapes and where they stand.
 
+use super::kind::{Kind, Solid, Triangles};
 use super::{SceneError, limits};
 use crate::pose::Pose;
 use bytemuck::{Pod, Zeroable};
@@ -117,21 +118,6 @@ impl Default for InstanceConfig {
     }
 }
 
-pub(crate) const KIND_BOX: u32 = 0;
-pub(crate) const KIND_RECTANGLE: u32 = 1;
-pub(crate) const KIND_SPHERE: u32 = 2;
-pub(crate) const KIND_CYLINDER: u32 = 3;
-pub(crate) const KIND_CAPSULE: u32 = 4;
-pub(crate) const KIND_MESH: u32 = 5;
-pub(crate) const KIND_PLANE: u32 = 6;
-pub(crate) const KIND_ELLIPSOID: u32 = 7;
-pub(crate) const KIND_CONE: u32 = 8;
-pub(crate) const KIND_HEIGHT_FIELD: u32 = 9;
-
-/// Half the edges of the box of an endless plane: a tenth of a light-year, beyond the range of every sensor, and
-/// yet small enough that areas in single precision stay finite.
-const ENDLESS: f64 = 1e15;
-
 /// An instance as it lies in a scene's memory. Where it is, a [`Moment`](crate::Moment) says.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -140,7 +126,8 @@ pub struct Instance {
     /// length.
     pub(crate) size: [f64; 3],
     pub(crate) scale: [f64; 3],
-    pub(crate) kind: u32,
+    /// The number of its [`Kind`].
+    pub(super) kind: u32,
     /// Of a mesh or height field: which one.
     pub(crate) mesh: u32,
     pub(crate) material: u32,
@@ -156,35 +143,40 @@ impl Instance {
     /// [`SceneError::BadSize`], [`SceneError::BadScale`], [`SceneError::BadPose`].
     pub fn new(config: &InstanceConfig) -> Result<Self, SceneError> {
         let (kind, size, mesh) = match config.shape {
-            Shape::Box { size } => (KIND_BOX, size.map(|edge| edge * 0.5), 0),
-            Shape::Rectangle { size } => (KIND_RECTANGLE, [size[0] * 0.5, size[1] * 0.5, 1.0], 0),
-            Shape::Plane => (KIND_PLANE, [1.0; 3], 0),
-            Shape::Sphere { radius } => (KIND_SPHERE, [radius, 1.0, 1.0], 0),
-            Shape::Ellipsoid { radii } => (KIND_ELLIPSOID, radii, 0),
-            Shape::Cylinder { radius, length } => (KIND_CYLINDER, [radius, length * 0.5, 1.0], 0),
-            Shape::Capsule { radius, length } => (KIND_CAPSULE, [radius, length * 0.5, 1.0], 0),
-            Shape::Cone { radius, length } => (KIND_CONE, [radius, length * 0.5, 1.0], 0),
-            Shape::Mesh(mesh) => (KIND_MESH, [1.0; 3], mesh.0),
-            Shape::HeightField(field) => (KIND_HEIGHT_FIELD, [1.0; 3], field.0),
+            Shape::Box { size } => (Kind::Solid(Solid::Box), size.map(|edge| edge * 0.5), 0),
+            Shape::Rectangle { size: [x, y] } => (Kind::Solid(Solid::Rectangle), [x * 0.5, y * 0.5, 1.0], 0),
+            Shape::Plane => (Kind::Solid(Solid::Plane), [1.0; 3], 0),
+            Shape::Sphere { radius } => (Kind::Solid(Solid::Sphere), [radius, 1.0, 1.0], 0),
+            Shape::Ellipsoid { radii } => (Kind::Solid(Solid::Ellipsoid), radii, 0),
+            Shape::Cylinder { radius, length } => {
+                (Kind::Solid(Solid::Cylinder), [radius, length * 0.5, 1.0], 0)
+            }
+            Shape::Capsule { radius, length } => {
+                (Kind::Solid(Solid::Capsule), [radius, length * 0.5, 1.0], 0)
+            }
+            Shape::Cone { radius, length } => (Kind::Solid(Solid::Cone), [radius, length * 0.5, 1.0], 0),
+            Shape::Mesh(mesh) => (Kind::Triangles(Triangles::Mesh), [1.0; 3], mesh.0),
+            Shape::HeightField(field) => (Kind::Triangles(Triangles::HeightField), [1.0; 3], field.0),
         };
         let instance = Self {
             size,
             scale: config.scale,
-            kind,
+            kind: kind.number(),
             mesh,
             material: config.material.0,
             visibility: config.visibility,
             laser_retro: config.laser_retro,
             class: config.class,
         };
-        limits::instance(&instance)?;
+        limits::instance(instance.size, instance.scale)?;
         limits::pose(&config.world_from_instance)?;
         Ok(instance)
     }
 
-    /// Whether the shape is convex: it cannot stand in its own light.
-    pub(crate) fn is_convex(&self) -> bool {
-        self.kind != KIND_MESH && self.kind != KIND_HEIGHT_FIELD
+    /// What its surface is.
+    #[inline(always)]
+    pub(crate) fn kind(&self) -> Kind {
+        Kind::of_checked(self.kind)
     }
 
     /// The instance's axes in the world: turned, and as long as the scale makes them. `axes` are turned only.
@@ -197,20 +189,5 @@ impl Instance {
     pub(crate) fn inverse_scaled_axes(&self, axes: &DMat3) -> DMat3 {
         let [x, y, z] = self.scale;
         DMat3::from_cols(axes.x_axis / x, axes.y_axis / y, axes.z_axis / z).transpose()
-    }
-
-    /// Half extents of the box that holds the surface in its own unscaled frame; none for a mesh or
-    /// height field, whose tree knows: see [`Scene::local_bounds`](super::Scene::local_bounds).
-    pub(crate) fn half_extents(&self) -> Option<[f64; 3]> {
-        let [a, b, c] = self.size;
-        Some(match self.kind {
-            KIND_BOX | KIND_ELLIPSOID => [a, b, c],
-            KIND_RECTANGLE => [a, b, 0.0],
-            KIND_SPHERE => [a, a, a],
-            KIND_CYLINDER | KIND_CONE => [a, a, b],
-            KIND_CAPSULE => [a, a, a + b],
-            KIND_PLANE => [ENDLESS, ENDLESS, 0.0],
-            _ => return None,
-        })
     }
 }

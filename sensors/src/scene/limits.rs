@@ -3,8 +3,8 @@
 //! Lengths stay between 1e-12 m and 1e12 m, so that no product of several of them overflows, neither in double nor in
 //! single precision.
 
-use super::build::MAX_COORDINATE;
-use super::{Instance, SceneError};
+use super::SceneError;
+use super::vertices::MAX_COORDINATE;
 #[cfg(feature = "alloc")]
 use super::{Light, Material};
 use crate::pose::Pose;
@@ -63,9 +63,9 @@ pub(crate) fn material(material: &Material) -> Result<(), Refusal> {
     all(material.texture_repeat.map(f64::from), in_space, "texture repeat", SceneError::BadTextureRepeat)
 }
 
-pub(crate) fn instance(instance: &Instance) -> Result<(), Refusal> {
-    all(instance.size, is_length, "size", SceneError::BadSize)?;
-    all(instance.scale, |factor| is_length(factor.abs()), "scale", SceneError::BadScale)
+pub(crate) fn instance(size: [f64; 3], scale: [f64; 3]) -> Result<(), Refusal> {
+    all(size, is_length, "size", SceneError::BadSize)?;
+    all(scale, |factor| is_length(factor.abs()), "scale", SceneError::BadScale)
 }
 
 pub(crate) fn pose(pose: &Pose) -> Result<(), Refusal> {

@@ -102,9 +102,38 @@ pub struct LightConfig {
     pub cast_shadows: bool,
 }
 
-pub(crate) const LIGHT_POINT: u32 = 0;
-pub(crate) const LIGHT_DIRECTIONAL: u32 = 1;
-pub(crate) const LIGHT_SPOT: u32 = 2;
+/// How the light of a lamp spreads: a [`LightKind`] without its numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// To all sides.
+    Point,
+    /// Parallel.
+    Directional,
+    /// In a cone.
+    Spot,
+}
+
+impl Form {
+    /// The form that a number stands for, if it is one.
+    #[inline(always)]
+    pub(crate) const fn from_number(number: u32) -> Option<Self> {
+        Some(match number {
+            0 => Self::Point,
+            1 => Self::Directional,
+            2 => Self::Spot,
+            _ => return None,
+        })
+    }
+
+    /// The number that stands for it.
+    const fn number(self) -> u32 {
+        match self {
+            Self::Point => 0,
+            Self::Directional => 1,
+            Self::Spot => 2,
+        }
+    }
+}
 
 /// A lamp as it lies in a scene's memory.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -117,7 +146,8 @@ pub struct Light {
     pub(crate) range_m: f32,
     pub(crate) cos_inner: f32,
     pub(crate) cos_outer: f32,
-    pub(crate) kind: u32,
+    /// The number of its [`Form`].
+    pub(super) form: u32,
     pub(crate) cast_shadows: u32,
     pub(crate) reserved: u32,
 }
@@ -126,11 +156,11 @@ impl Light {
     /// Packs a configuration; directions are normalised, (0, 0, 0) becomes (0, 0, −1).
     pub fn new(config: &LightConfig) -> Self {
         let unit = |v: [f64; 3]| glam::DVec3::from_array(v).normalize_or(glam::DVec3::NEG_Z).to_array();
-        let (kind, position, direction, cos_inner, cos_outer) = match config.kind {
-            LightKind::Point { position } => (LIGHT_POINT, position, [0.0, 0.0, -1.0], 1.0, 1.0),
-            LightKind::Directional { direction } => (LIGHT_DIRECTIONAL, [0.0; 3], unit(direction), 1.0, 1.0),
+        let (form, position, direction, cos_inner, cos_outer) = match config.kind {
+            LightKind::Point { position } => (Form::Point, position, [0.0, 0.0, -1.0], 1.0, 1.0),
+            LightKind::Directional { direction } => (Form::Directional, [0.0; 3], unit(direction), 1.0, 1.0),
             LightKind::Spot { position, direction, cos_inner, cos_outer } => {
-                (LIGHT_SPOT, position, unit(direction), cos_inner, cos_outer)
+                (Form::Spot, position, unit(direction), cos_inner, cos_outer)
             }
         };
         Self {
@@ -141,10 +171,18 @@ impl Light {
             range_m: config.range_m,
             cos_inner,
             cos_outer,
-            kind,
+            form: form.number(),
             cast_shadows: config.cast_shadows.into(),
             reserved: 0,
         }
+    }
+}
+
+impl Light {
+    /// How its light spreads. The number was checked where it came in; of another, to all sides.
+    #[inline(always)]
+    pub(crate) fn form(&self) -> Form {
+        Form::from_number(self.form).unwrap_or(Form::Point)
     }
 }
 

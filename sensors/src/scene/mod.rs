@@ -25,12 +25,14 @@ mod baked;
 pub mod build;
 mod height_field;
 mod instance;
+mod kind;
 pub(crate) mod limits;
 mod material;
 mod single;
 mod texture;
 pub mod tree;
 mod validate;
+mod vertices;
 
 #[cfg(feature = "alloc")]
 mod builder;
@@ -40,22 +42,21 @@ pub use height_field::{HeightField, HeightGrid};
 pub use instance::{
     HeightFieldId, Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility,
 };
-pub(crate) use instance::{
-    KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH,
-    KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
-};
+pub(crate) use kind::{Kind, Solid, Triangles};
 pub use material::{Environment, Light, LightConfig, LightId, LightKind, Material, MaterialConfig};
-pub(crate) use material::{LIGHT_DIRECTIONAL, LIGHT_SPOT, NO_TEXTURE};
+pub(crate) use material::{Form, NO_TEXTURE};
 pub use single::MeshScene;
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
 
 pub use validate::{TreeFault, validate_scratch_len, validate_tree};
+pub use vertices::MAX_COORDINATE;
 
 #[cfg(feature = "alloc")]
 pub use baked::BakedError;
 #[cfg(feature = "alloc")]
 pub use builder::SceneBuilder;
 
+use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
@@ -127,24 +128,30 @@ impl<'a> Scene<'a> {
 
     /// Slots of an instance: every triangle that a ray may hit has one of its own, any other shape one in all.
     pub(crate) fn slots(&self, instance: &Instance) -> u32 {
-        match instance.kind {
-            KIND_MESH => self.meshes[instance.mesh as usize].blocks * tree::WIDTH as u32,
-            KIND_HEIGHT_FIELD => self.height_fields[instance.mesh as usize].blocks() * tree::WIDTH as u32,
-            _ => 1,
+        match instance.kind() {
+            Kind::Solid(_) => 1,
+            Kind::Triangles(Triangles::Mesh) => self.meshes[instance.mesh as usize].blocks * WIDTH as u32,
+            Kind::Triangles(Triangles::HeightField) => {
+                self.height_fields[instance.mesh as usize].blocks() * WIDTH as u32
+            }
         }
     }
 
     /// Corners of the box that holds an instance's surface in its own unscaled frame.
     pub(crate) fn local_bounds(&self, instance: &Instance) -> [DVec3; 2] {
-        if let Some(half) = instance.half_extents() {
-            return [-DVec3::from_array(half), DVec3::from_array(half)];
-        }
-        let corners = if instance.kind == KIND_MESH {
-            let mesh = &self.meshes[instance.mesh as usize];
-            [mesh.min, mesh.max]
-        } else {
-            let field = &self.height_fields[instance.mesh as usize];
-            HeightGrid::of(field, self.heights, self.extents).bounds()
+        let corners = match instance.kind() {
+            Kind::Solid(solid) => {
+                let half = DVec3::from_array(solid.half_extents(instance.size));
+                return [-half, half];
+            }
+            Kind::Triangles(Triangles::Mesh) => {
+                let mesh = &self.meshes[instance.mesh as usize];
+                [mesh.min, mesh.max]
+            }
+            Kind::Triangles(Triangles::HeightField) => {
+                let field = &self.height_fields[instance.mesh as usize];
+                HeightGrid::of(field, self.heights, self.extents).bounds()
+            }
         };
         corners.map(|corner| DVec3::from_array(corner.map(f64::from)))
     }
@@ -168,7 +175,7 @@ pub enum SceneError {
     BadUv(usize),
     /// Vertex of that index is not finite.
     BadVertex(usize),
-    /// Vertex of that index is farther from the mesh's origin than [`build::MAX_COORDINATE`].
+    /// Vertex of that index is farther from the mesh's origin than [`MAX_COORDINATE`].
     VertexTooFar(usize),
     /// Triangle of that index refers to a vertex that is not there.
     BadTriangle(usize),
@@ -180,7 +187,7 @@ pub enum SceneError {
     HeightFieldTooSmall,
     /// The heights are not rows × columns.
     HeightCount,
-    /// Height of that index is not finite, or beyond [`build::MAX_COORDINATE`].
+    /// Height of that index is not finite, or beyond [`MAX_COORDINATE`].
     BadHeight(usize),
     /// An instance refers to a height field that the scene does not have.
     NoSuchHeightField,

@@ -2,10 +2,11 @@
 
 use super::instance::{Instance, InstanceConfig, MeshId, Shape};
 use super::material::{Environment, Material, MaterialConfig};
-use super::tree::{Facet, TriangleBlock, WIDTH, WideNode};
+use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{Mesh, Scene, SceneError};
 use crate::moment::Moment;
 use crate::pose::Pose;
+use crate::simd::WIDTH;
 
 /// A mesh that stands at the world's origin, seen by all sensors, in the default material. Nothing is copied, so
 /// making one takes no time: for who keeps trees in memory of his own and casts rays at one of them.

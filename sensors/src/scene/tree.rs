@@ -3,16 +3,18 @@
 //! Both are structures of arrays of sixteen, the number of lanes that every kernel works on at every SIMD level,
 //! so the layout never depends on the machine. Coordinates are metres in the frame of the mesh.
 
+use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};
-
-/// Children of a node, triangles of a leaf.
-pub const WIDTH: usize = 16;
 
 /// No child, no triangle: what fills the lanes that a node or leaf does not need.
 pub const NONE: u32 = u32::MAX;
 
 /// Set in a child that is a leaf; the rest is then its index among the mesh's leaves, else among its nodes.
 pub const LEAF: u32 = 1 << 31;
+
+/// No path from the root of a tree to a node has more nodes than this; a stack of `MAX_DEPTH * 15 + 1` nodes is
+/// always enough to walk it.
+pub const MAX_DEPTH: usize = 64;
 
 /// Boxes of up to sixteen children. Unused lanes come last: they repeat the box of the last child, and their
 /// `child` is [`NONE`]. A tree's root is its first node, and always there: without triangles it has no child.

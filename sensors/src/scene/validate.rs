@@ -4,8 +4,9 @@
 //! walk in circles. A tree that passes here does neither.
 
 use super::SceneError;
-use super::build::{MAX_COORDINATE, MAX_DEPTH, check_vertices, corners};
-use super::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+use super::tree::{LEAF, MAX_DEPTH, NONE, TriangleBlock, WideNode};
+use super::vertices::{MAX_COORDINATE, check_vertices, corners};
+use crate::simd::WIDTH;
 
 /// What is wrong with a tree. Nodes, blocks and triangles are named by their indices in the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

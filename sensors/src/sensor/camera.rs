@@ -1,14 +1,14 @@
 //! Colour cameras: textured, lit, with shadows and Gazebo's pixel noise.
 
+pub(super) mod brush;
 mod config;
 
 use super::Sensor;
-use super::brush::{Brush, ColourRows, sums_len};
 pub use super::edges::Edges;
 use super::edges::{Canvas, Smoothing, TILE_HEIGHT};
 use super::pixel;
-pub use super::pixel::{Mosaic, PixelFormat};
 use crate::device::{Device, Exposure, FrameStatistics, Metering, TileView, meter};
+pub use crate::device::{Mosaic, PixelFormat};
 use crate::execution::SplitRows;
 use crate::memory::lines;
 use crate::moment::{Capture, Shutter};
@@ -22,6 +22,7 @@ use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::packet::Faces;
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
+use brush::{Brush, ColourRows, sums_len};
 pub use config::{CameraConfig, CameraError, MAX_IMAGE_SIZE};
 use fearless_simd::Simd;
 

@@ -3,7 +3,7 @@
 mod rows;
 
 use super::Sensor;
-use super::brush::{Brush, ColourRows, sums_len};
+use super::camera::brush::{Brush, ColourRows, sums_len};
 use super::camera::{Camera, CameraConfig, CameraError};
 use super::edges::Smoothing;
 use rows::{Retouched, Rows};
@@ -12,9 +12,8 @@ use crate::execution::SplitRows;
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normal_columns64_at, normals64_at};
-use crate::scene::tree::WIDTH;
 use crate::scene::{Scene, visibility};
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, WIDTH};
 pub use crate::trace::TooNear;
 use crate::trace::error::check_output;
 use crate::trace::grid::{Band, BandWork, Frame, Sight};

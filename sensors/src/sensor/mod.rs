@@ -2,7 +2,6 @@
 //!
 //! A configuration is checked once, and makes a [`Sensor`]; each of its frames goes into memory of the caller's.
 
-mod brush;
 pub mod camera;
 pub mod depth;
 pub(crate) mod edges;

@@ -1,54 +1,11 @@
 //! Encoding of colours into bytes, with the noise of a camera.
 
-pub use crate::device::Mosaic;
-use crate::device::{LUMA, Planes};
+use crate::device::{LUMA, PixelFormat, Planes};
 use crate::noise::GaussianNoise;
-use crate::scene::tree::WIDTH;
 use crate::shade::Colours;
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, WIDTH};
 use crate::trace::tiling::Tiling;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, u32x16};
-
-/// Layout of a colour pixel in memory. Of 16 bits the low byte comes first; their full scale is 65535, or the largest
-/// number of the converter where there is a [device](crate::device).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PixelFormat {
-    /// Red, green, blue.
-    Rgb8,
-    /// Blue, green, red.
-    Bgr8,
-    /// Brightness: 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601).
-    Mono8,
-    /// Red, green, blue, and 255: opaque.
-    Rgba8,
-    /// Brightness in 16 bits.
-    Mono16,
-    /// The one colour that each pixel sees.
-    Bayer8(Mosaic),
-    /// The same in 16 bits.
-    Bayer16(Mosaic),
-}
-
-impl PixelFormat {
-    /// Bytes of a pixel.
-    pub const fn bytes(self) -> usize {
-        match self {
-            Self::Rgba8 => 4,
-            Self::Rgb8 | Self::Bgr8 => 3,
-            Self::Mono16 | Self::Bayer16(_) => 2,
-            Self::Mono8 | Self::Bayer8(_) => 1,
-        }
-    }
-
-    /// The pixels of the sensor behind one of the picture.
-    pub(super) const fn planes(self) -> Planes {
-        match self {
-            Self::Rgb8 | Self::Bgr8 | Self::Rgba8 => Planes::Colours,
-            Self::Mono8 | Self::Mono16 => Planes::Brightness,
-            Self::Bayer8(mosaic) | Self::Bayer16(mosaic) => Planes::Mosaic(mosaic),
-        }
-    }
-}
 
 /// Light times a factor; clamped, where it is too much, when it becomes a byte.
 #[inline(always)]

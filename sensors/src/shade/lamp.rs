@@ -1,10 +1,9 @@
 //! What one lamp adds, with its shadows.
 
+use super::tile::Tile;
 use super::{Colours, Shader};
-use crate::scene::tree::WIDTH;
-use crate::scene::{LIGHT_DIRECTIONAL, LIGHT_SPOT, Light};
-use crate::simd::{LANES, Lanes, load_row, store_row};
-use crate::trace::tile::Tile;
+use crate::scene::{Form, Light};
+use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::trace::view::View;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use glam::DVec3;
@@ -20,7 +19,7 @@ impl Shader {
         colours: &mut Colours,
     ) {
         let Self { surfaces, albedo, shadows, seen, .. } = self;
-        let parallel = light.kind == LIGHT_DIRECTIONAL;
+        let parallel = light.form() == Form::Directional;
         let position = view.point_in_frame(light.position);
         let mut brightness = [0.0; LANES];
         let mut lit = 0;
@@ -127,7 +126,7 @@ fn shine_from<S: Simd>(
     let lossy = loss.simd_gt(1.0);
     let mut gain = if lossy.any_true() { lossy.select(one / loss, one) } else { one };
     gain = distance.simd_gt(light.range_m).select(f32x16::splat(simd, 0.0), gain);
-    if light.kind == LIGHT_SPOT {
+    if light.form() == Form::Spot {
         let along = dot(simd, &[x, y, z], &DVec3::from_array(light.direction));
         gain *= cone(simd, light, along * per_distance * -1.0);
     }

@@ -6,20 +6,25 @@
 //! A tile sees few instances. One after the other gives its lanes their normals and their albedo, sixteen at a time;
 //! then come the lamps, for all lanes at once.
 
+mod face;
 mod lamp;
+mod lift;
+mod occluders;
+mod shadow;
+mod surface;
 mod texture;
+pub(crate) mod tile;
 
-use crate::scene::NO_TEXTURE;
-use crate::scene::tree::WIDTH;
-use crate::simd::{LANES, Lanes, load_row, store_row};
-use crate::trace::face::{Face, faces, has_flat_faces};
+use crate::scene::{Kind, NO_TEXTURE};
+use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::trace::packet::MISS;
-use crate::trace::shadow::Shadows;
-use crate::trace::surface::{Footprint, Surfaces};
-use crate::trace::tile::{Steps, Tile};
 use crate::trace::view::View;
+use face::{Face, faces};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
+use shadow::Shadows;
+use surface::{Footprint, Surfaces};
 use texture::Sampler;
+use tile::{Steps, Tile};
 
 /// Rows of a tile.
 const ROWS: usize = LANES / WIDTH;
@@ -123,14 +128,17 @@ impl Shader {
 
         // Step 1: normals, and what the pixels cover of the texture.
         let mut footprints = [Footprint::nothing(simd); ROWS];
-        if has_flat_faces(instance) {
-            let faces = faces(simd, view, tile, placed, lanes);
+        if let Kind::Solid(solid) = instance.kind()
+            && solid.has_flat_faces()
+        {
+            let faces = faces(simd, view, tile, (placed, solid), lanes);
             let mut rest = lanes;
             while rest != 0 {
                 let number = faces[rest.trailing_zeros() as usize % LANES];
                 if self.face_of != (placed, number) {
                     self.face_of = (placed, number);
-                    self.face = Face::new(instance, &view.placed[placed as usize], number, repeat, steps);
+                    self.face =
+                        Face::new((instance, solid), &view.placed[placed as usize], number, repeat, steps);
                 }
                 let face = &self.face;
                 for row in 0..ROWS {

@@ -3,9 +3,9 @@
 //!
 //! Tried without gain: reading a texel of every lane of a tile before any is needed, in place of a prefetch.
 
-use crate::scene::tree::WIDTH;
+use super::surface::Footprint;
 use crate::scene::{NO_TEXTURE, Scene, Texture};
-use crate::trace::surface::Footprint;
+use crate::simd::WIDTH;
 use fearless_simd::{
     Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask, f32x16, mask32x16, u32x16, u64x8,
 };

@@ -1,7 +1,7 @@
 //! How a grid of rays is cut into bands.
 
 use crate::optics::rays::Fan;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 
 /// A band has about that many rays: what is worked on at a time should lie in the second-level cache.
 const RAYS_IN_BAND: usize = 40_000;

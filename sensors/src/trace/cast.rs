@@ -15,7 +15,7 @@ use crate::moment::{Moment, Shutter};
 use crate::optics::Optics;
 use crate::pose::Pose;
 use crate::scene::Scene;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 
 /// Where the answers go, one for each ray, row after row; what is none is not worked out.

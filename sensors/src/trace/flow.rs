@@ -9,7 +9,7 @@ use super::view::View;
 use crate::moment::{Moment, Shutter};
 use crate::optics::Intrinsics;
 use crate::optics::rays::{PinholeFan, Rays};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3};
 

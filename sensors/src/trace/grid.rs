@@ -12,7 +12,7 @@ use crate::moment::{Shutter, Slice};
 use crate::optics::rays::{Fan, PinholeFan, Projection, Rays, SphericalFan, Steps, TableFan, each};
 use crate::optics::{Optics, SphericalGrid};
 use crate::scene::Scene;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, dispatch};
 
 /// What counts as seen.

@@ -2,11 +2,10 @@
 
 use super::grid::Band;
 use super::image::NO_HIT;
-use super::resolve::{Hit, Resolver};
+use super::resolve::Resolver;
 use super::view::View;
 use crate::pose::Pose;
-use crate::scene::tree::WIDTH;
-use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::simd::WIDTH;
 use glam::{DMat3, DVec3};
 
 /// Finds the points that the rays of a grid have hit.
@@ -21,13 +20,9 @@ pub(crate) fn block_index(band: &Band<'_>, [column, row]: [usize; 2]) -> usize {
     (row - *band.block_rows().start()) * band.rays.fan().blocks_across() + column
 }
 
-fn is_solid(hit: &Hit<'_>) -> bool {
-    hit.instance.kind != KIND_MESH && hit.instance.kind != KIND_HEIGHT_FIELD
-}
-
 /// Whether anything in view is not made of triangles.
 pub(crate) fn has_solids(view: &View<'_>) -> bool {
-    view.placed.iter().any(|placed| placed.kind != KIND_MESH && placed.kind != KIND_HEIGHT_FIELD)
+    view.placed.iter().any(|placed| placed.kind().is_solid())
 }
 
 impl HitPoints {
@@ -51,7 +46,7 @@ impl HitPoints {
                 continue;
             }
             let hit = resolver.hit(slots[lane]);
-            if !is_solid(&hit) {
+            if !hit.instance.kind().is_solid() {
                 let direction = self.axes * DVec3::from_array(directions.map(|axis| axis[lane]));
                 let rough = 1.0 / f64::from(band.target.inverse[index][lane]);
                 let t = resolver.exact(&hit, direction, rough);

@@ -5,7 +5,7 @@ use super::image::{GRAZING, NO_HIT};
 use super::resolve::Resolver;
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DMat3;
 

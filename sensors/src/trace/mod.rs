@@ -5,33 +5,26 @@
 //! which share an origin. Shadow rays go through the same trees 64 at a time, with interval bounds: a subtree
 //! that none can meet is left out for all.
 
-mod any_hit;
 mod bands;
 mod boxes;
 mod cast;
 pub(crate) mod error;
-pub(crate) mod face;
-pub(crate) mod first_hit;
 mod flow;
 pub(crate) mod grid;
 pub(crate) mod hit_point;
 pub(crate) mod image;
-mod lift;
 pub(crate) mod measure;
 pub(crate) mod memory;
 mod near;
 mod normals;
-mod occluders;
 pub(crate) mod packet;
+pub(crate) mod packet_hits;
 pub(crate) mod place;
 pub(crate) mod prefetch;
 pub mod rays;
 mod recent;
 pub(crate) mod resolve;
-pub(crate) mod shadow;
 pub(crate) mod shapes;
-pub(crate) mod surface;
-pub(crate) mod tile;
 pub(crate) mod tiling;
 mod too_near;
 mod top;

@@ -1,8 +1,8 @@
 //! Whether anything is near the sensor at all: most often nothing is, and a look at some boxes tells.
 
 use super::view::{MAX_DEPTH, View};
-use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
-use crate::scene::{KIND_MESH, build};
+use crate::scene::tree::{self, LEAF, NONE, TriangleBlock, WideNode};
+use crate::simd::WIDTH;
 use glam::DVec3;
 
 impl View<'_> {
@@ -15,7 +15,7 @@ impl View<'_> {
             radius,
             |index| {
                 let placed = &self.placed[index as usize];
-                if placed.kind != KIND_MESH {
+                if !placed.kind().is_mesh() {
                     return true;
                 }
                 // A ball of the frame lies in one of this radius in the instance: no row of the inverse stretches more
@@ -68,7 +68,7 @@ fn visit<'a>(
     leaf: impl Fn(u32) -> bool,
 ) -> bool {
     let radius = margin(point, radius);
-    let mut stack = [0_u32; (WIDTH - 1) * (build::MAX_DEPTH + MAX_DEPTH) + 2];
+    let mut stack = [0_u32; (WIDTH - 1) * (tree::MAX_DEPTH + MAX_DEPTH) + 2];
     let mut waiting = 1;
     while waiting > 0 {
         waiting -= 1;

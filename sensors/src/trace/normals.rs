@@ -8,14 +8,11 @@ use super::hit_point::block_index;
 use super::packet::Faces;
 use super::recent::Recent;
 use super::resolve::{Resolver, hit_lanes};
-use super::shapes::surface::solid_normal;
+use super::shapes::solid_normal;
 use super::view::{Placed, View};
 use crate::optics::rays::Points;
-use crate::scene::tree::WIDTH;
-use crate::scene::{
-    KIND_BOX, KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH,
-    KIND_PLANE, KIND_RECTANGLE, KIND_SPHERE,
-};
+use crate::scene::{Kind, Solid};
+use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use glam::{DMat3, DVec3, Vec3};
 
@@ -59,7 +56,7 @@ fn arrays<S: Simd>([x, y, z]: Points<S>) -> [[f32; WIDTH]; 3] {
 
 /// What is the same for all rays that hit a solid.
 #[derive(Clone, Copy)]
-enum Solid {
+enum Seen {
     /// The sensor sees so many flat faces of it, and nothing else.
     Flat([Face; 3], usize),
     Curved(Curved),
@@ -77,7 +74,7 @@ struct Face {
 
 #[derive(Clone, Copy)]
 struct Curved {
-    kind: u32,
+    solid: Solid,
     size: [f32; 3],
     /// Rows of the matrix from the sensor's axes to the instance's, and the sensor's place there.
     rows: [[f32; 3]; 3],
@@ -86,8 +83,8 @@ struct Curved {
     normal_rows: [[f32; 3]; 3],
 }
 
-impl Solid {
-    fn new(view: &View<'_>, index: u32, faces: Faces) -> Self {
+impl Seen {
+    fn new(view: &View<'_>, solid: Solid, index: u32, faces: Faces) -> Self {
         let (instance, placed) = (view.instance(index), &view.placed[index as usize]);
         let rows = view.rows_from_sensor(placed);
         let (size, origin) = (instance.size, placed.origin_in_instance);
@@ -95,15 +92,15 @@ impl Solid {
         let mut count = 0;
         for axis in 0..3 {
             // Of a box the faces that look to the sensor, if insides are not seen.
-            let is_seen = match instance.kind {
-                KIND_BOX => faces == Faces::Front && origin[axis].abs() > size[axis],
-                KIND_RECTANGLE | KIND_PLANE => axis == 2,
+            let is_seen = match solid {
+                Solid::Box => faces == Faces::Front && origin[axis].abs() > size[axis],
+                Solid::Rectangle | Solid::Plane => axis == 2,
                 _ => false,
             };
             if !is_seen {
                 continue;
             }
-            let sign = if instance.kind == KIND_BOX && origin[axis] < 0.0 { -1.0 } else { 1.0 };
+            let sign = if solid == Solid::Box && origin[axis] < 0.0 { -1.0 } else { 1.0 };
             let normal = normal_to_frame(placed) * (DVec3::AXES[axis] * sign);
             seen[count] = Face {
                 normal: normal.normalize_or_zero().as_vec3().to_array(),
@@ -120,7 +117,7 @@ impl Solid {
         let to_frame = normal_to_frame(placed);
         let most = to_frame.to_cols_array().into_iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         Self::Curved(Curved {
-            kind: instance.kind,
+            solid,
             size: size.map(|value| value as f32),
             rows: rows.map(|row| row.map(|value| value as f32)),
             origin: origin.map(|value| value as f32),
@@ -137,7 +134,7 @@ fn normal_to_frame(placed: &Placed) -> DMat3 {
 /// Finds normals.
 pub(crate) struct NormalFinder {
     faces: Faces,
-    solids: Recent<Solid>,
+    solids: Recent<Seen>,
 }
 
 impl NormalFinder {
@@ -161,13 +158,16 @@ impl NormalFinder {
         while rest != 0 {
             let (hit, own) = resolver.first_of(simd, slots, rest);
             rest &= !own;
-            let found = match hit.instance.kind {
-                KIND_MESH | KIND_HEIGHT_FIELD => triangles(simd, resolver, slots, own),
-                _ => match self.solids.get(hit.placed, || Solid::new(band.view, hit.placed, self.faces)) {
-                    Solid::Flat(faces, 1) => Normals::Same(faces[0].normal),
-                    Solid::Flat(faces, count) => flat(simd, &points(simd, band, block), &faces[..*count]),
-                    Solid::Curved(solid) => solid.normals(simd, &points(simd, band, block)),
-                },
+            let found = match hit.instance.kind() {
+                Kind::Triangles(_) => triangles(simd, resolver, slots, own),
+                Kind::Solid(solid) => {
+                    let make = || Seen::new(band.view, solid, hit.placed, self.faces);
+                    match self.solids.get(hit.placed, make) {
+                        Seen::Flat(faces, 1) => Normals::Same(faces[0].normal),
+                        Seen::Flat(faces, count) => flat(simd, &points(simd, band, block), &faces[..*count]),
+                        Seen::Curved(solid) => solid.normals(simd, &points(simd, band, block)),
+                    }
+                }
             };
             if own == u16::MAX {
                 return (found, hits);
@@ -251,23 +251,23 @@ impl Curved {
         let [x, y, z] = arrays(local);
         let mut normals = [[0.0; WIDTH]; 3];
         macro_rules! each_lane {
-            ($kind:expr) => {
+            ($solid:expr) => {
                 for lane in 0..WIDTH {
-                    let [a, b, c] = solid_normal($kind, self.size, [x[lane], y[lane], z[lane]]);
+                    let [a, b, c] = solid_normal($solid, self.size, [x[lane], y[lane], z[lane]]);
                     normals[0][lane] = a;
                     normals[1][lane] = b;
                     normals[2][lane] = c;
                 }
             };
         }
-        match self.kind {
-            KIND_BOX => each_lane!(KIND_BOX),
-            KIND_SPHERE => each_lane!(KIND_SPHERE),
-            KIND_CYLINDER => each_lane!(KIND_CYLINDER),
-            KIND_CAPSULE => each_lane!(KIND_CAPSULE),
-            KIND_ELLIPSOID => each_lane!(KIND_ELLIPSOID),
-            KIND_CONE => each_lane!(KIND_CONE),
-            _ => each_lane!(KIND_PLANE),
+        match self.solid {
+            Solid::Box => each_lane!(Solid::Box),
+            Solid::Sphere => each_lane!(Solid::Sphere),
+            Solid::Cylinder => each_lane!(Solid::Cylinder),
+            Solid::Capsule => each_lane!(Solid::Capsule),
+            Solid::Ellipsoid => each_lane!(Solid::Ellipsoid),
+            Solid::Cone => each_lane!(Solid::Cone),
+            Solid::Rectangle | Solid::Plane => each_lane!(Solid::Plane),
         }
         let [x, y, z] = &normals;
         let local = [

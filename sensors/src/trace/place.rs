@@ -2,7 +2,7 @@
 
 use super::grid::Band;
 use crate::optics::rays::Fan;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Bytes, Simd, SimdBase, f32x4, f32x16, u32x16};
 
 /// Calls `work` for each block of a band that no slice before had, with its column and row among the blocks of the grid.

@@ -3,7 +3,7 @@
 //! A large mesh does not fit into a cache, and a walk meets most of its leaves once a frame: without this, an
 //! OS1-128 over half a million triangles spends 28 % of its time waiting for the lines of leaves.
 
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use bytemuck::Pod;
 
 /// Asks for all cache lines of an element. One that is not there is no error, and nothing is asked for.

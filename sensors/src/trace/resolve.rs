@@ -2,8 +2,9 @@
 
 use super::image::{GRAZING, GRAZING_SQUARED, NO_HIT};
 use super::view::{Placed, View};
-use crate::scene::tree::{Facet, WIDTH};
-use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::scene::tree::Facet;
+use crate::scene::{Kind, Triangles};
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 use glam::DVec3;
 
@@ -98,7 +99,7 @@ impl<'a> Resolver<'a> {
         }
         let instance = &self.view.placed[self.placed as usize];
         let facets = &self.view.scene.facets[instance.first_block as usize * WIDTH..];
-        (instance.kind == KIND_MESH).then_some((instance, facets))
+        instance.kind().is_mesh().then_some((instance, facets))
     }
 
     #[cold]
@@ -119,27 +120,29 @@ impl<'a> Resolver<'a> {
     /// Which triangle of its mesh or height field was hit, in the order of its maker; 0 for other shapes.
     #[inline(always)]
     pub(crate) fn triangle(&self, hit: &Hit<'_>) -> u32 {
-        match hit.instance.kind {
-            KIND_MESH => self.view.scene.facets[hit.facet()].triangle,
-            KIND_HEIGHT_FIELD => {
+        match hit.instance.kind() {
+            Kind::Triangles(Triangles::Mesh) => self.view.scene.facets[hit.facet()].triangle,
+            Kind::Triangles(Triangles::HeightField) => {
                 let block = self.view.height_grid(hit.instance).block(hit.local / WIDTH as u32);
                 block.triangle[hit.local as usize % WIDTH]
             }
-            _ => 0,
+            Kind::Solid(_) => 0,
         }
     }
 
     /// Unit normal of the triangle that was hit, in the frame; 0 for shapes without triangles.
     #[inline(always)]
     pub(crate) fn triangle_normal(&self, hit: &Hit<'_>) -> [f32; 3] {
-        match hit.instance.kind {
-            KIND_MESH => hit.instance.normal_in_frame(self.view.scene.facets[hit.facet()].normal),
-            KIND_HEIGHT_FIELD => {
+        match hit.instance.kind() {
+            Kind::Triangles(Triangles::Mesh) => {
+                hit.instance.normal_in_frame(self.view.scene.facets[hit.facet()].normal)
+            }
+            Kind::Triangles(Triangles::HeightField) => {
                 let [a, b, c] = self.corners(hit);
                 let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
                 hit.instance.normal_in_frame(normal.to_array())
             }
-            _ => [0.0; 3],
+            Kind::Solid(_) => [0.0; 3],
         }
     }
 

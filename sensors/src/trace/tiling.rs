@@ -1,8 +1,8 @@
 //! How a picture is cut into tiles of sixty-four rays.
 
 use crate::optics::rays::Fan;
-use crate::scene::tree::WIDTH;
-use crate::simd::LANES;
+use crate::simd::{LANES, WIDTH};
+use fearless_simd::{Simd, SimdBase, SimdCombine, f32x4, f32x16, u32x4, u32x16};
 
 /// Blocks in a tile.
 pub(crate) const BLOCKS: usize = LANES / WIDTH;
@@ -77,4 +77,40 @@ pub(crate) const fn lane_in_tile(tiling: Tiling, block: usize, lane: usize) -> u
         Tiling::Square => lane / 4 * WIDTH + block * 4 + lane % 4,
         Tiling::Rows => block * WIDTH + lane,
     }
+}
+
+/// A line of the tile that four blocks make.
+#[inline(always)]
+pub(crate) fn line_u32<S: Simd>(
+    simd: S,
+    tiling: Tiling,
+    blocks: &[&[u32; WIDTH]; BLOCKS],
+    line: usize,
+) -> u32x16<S> {
+    if tiling == Tiling::Rows {
+        return u32x16::load_array_ref(simd, blocks[line]);
+    }
+    let [a, b, c, d] = blocks;
+    let part = line * 4..line * 4 + 4;
+    let left = u32x4::from_slice(simd, &a[part.clone()]).combine(u32x4::from_slice(simd, &b[part.clone()]));
+    let right = u32x4::from_slice(simd, &c[part.clone()]).combine(u32x4::from_slice(simd, &d[part]));
+    left.combine(right)
+}
+
+/// A line of the tile that four blocks make.
+#[inline(always)]
+pub(crate) fn line_f32<S: Simd>(
+    simd: S,
+    tiling: Tiling,
+    blocks: &[&[f32; WIDTH]; BLOCKS],
+    line: usize,
+) -> f32x16<S> {
+    if tiling == Tiling::Rows {
+        return f32x16::load_array_ref(simd, blocks[line]);
+    }
+    let [a, b, c, d] = blocks;
+    let part = line * 4..line * 4 + 4;
+    let left = f32x4::from_slice(simd, &a[part.clone()]).combine(f32x4::from_slice(simd, &b[part.clone()]));
+    let right = f32x4::from_slice(simd, &c[part.clone()]).combine(f32x4::from_slice(simd, &d[part]));
+    left.combine(right)
 }

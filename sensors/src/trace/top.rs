@@ -1,7 +1,8 @@
 //! The tree over the instances of a frame.
 
 use crate::scene::Aabb;
-use crate::scene::tree::{LEAF, NONE, WIDTH, WideNode};
+use crate::scene::tree::{LEAF, NONE, WideNode};
+use crate::simd::WIDTH;
 use bytemuck::Zeroable;
 
 /// Nodes of a tree over that many instances.

@@ -4,8 +4,9 @@ use super::error::SenseError;
 use super::top::{build_top, top_nodes};
 use crate::moment::Moment;
 use crate::pose::Pose;
-use crate::scene::tree::{WIDTH, WideNode};
-use crate::scene::{Aabb, HeightGrid, Instance, KIND_HEIGHT_FIELD, KIND_MESH, Scene, limits};
+use crate::scene::tree::WideNode;
+use crate::scene::{Aabb, HeightGrid, Instance, Kind, Scene, Triangles, limits};
+use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 
@@ -51,7 +52,8 @@ pub(crate) struct Placed {
     /// Takes normals of the instance to the frame: rows of the inverse transpose.
     normal_rows: [[f32; 3]; 3],
     pub(crate) instance: u32,
-    pub(crate) kind: u32,
+    /// The number of its [`Kind`].
+    kind: u32,
     /// Slot of its first primitive.
     pub(crate) first_slot: u32,
     pub(crate) first_node: u32,
@@ -68,6 +70,12 @@ pub(crate) struct Placed {
 }
 
 impl Placed {
+    /// What the surface of the instance is.
+    #[inline(always)]
+    pub(crate) fn kind(&self) -> Kind {
+        Kind::of_checked(self.kind)
+    }
+
     /// Whether the instance has other axes than the frame.
     #[inline(always)]
     pub(crate) fn is_turned(&self) -> bool {
@@ -176,7 +184,7 @@ impl<'a> View<'a> {
             let translation = pose.translation() - origin_in_world;
             let inverse = instance.inverse_scaled_axes(&turn);
             let origin = inverse * -translation;
-            let mesh = (instance.kind == KIND_MESH).then(|| &scene.meshes[instance.mesh as usize]);
+            let mesh = (instance.kind().is_mesh()).then(|| &scene.meshes[instance.mesh as usize]);
             let turned = axes != DMat3::IDENTITY;
             placed[count] = Placed {
                 axes: axes.to_cols_array_2d(),
@@ -185,7 +193,7 @@ impl<'a> View<'a> {
                 origin_in_instance: origin.to_array(),
                 to_sensor: ToSensor::new(&(sensor_from_world * axes), origin),
                 instance: index as u32,
-                kind: instance.kind,
+                kind: instance.kind().number(),
                 first_slot: slots,
                 first_node: mesh.map_or(0, |mesh| mesh.first_node),
                 mesh: instance.mesh,
@@ -198,7 +206,7 @@ impl<'a> View<'a> {
             };
             bounds[count] = bounds_in_frame(scene, instance, &axes, translation);
             slots += scene.slots(instance);
-            has_concave |= !instance.is_convex();
+            has_concave |= !instance.kind().is_solid();
             count += 1;
         }
         let used = build_top(&bounds[..count], &mut order[..count], nodes);
@@ -236,7 +244,7 @@ impl<'a> View<'a> {
         let (block, lane) = (local / WIDTH as u32, local as usize % WIDTH);
         let corner =
             |[x, y, z]: [[f32; WIDTH]; 3]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into());
-        if placed.kind == KIND_HEIGHT_FIELD {
+        if placed.kind() == Kind::Triangles(Triangles::HeightField) {
             self.height_grid(placed).block(block).corners.map(corner)
         } else {
             self.scene.blocks[(placed.first_block + block) as usize].corners.map(corner)

@@ -1,6 +1,6 @@
 //! The rays of a frame: a grid of directions from one origin, in blocks of sixteen.
 
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 
 /// How a grid of rays is cut into blocks of sixteen: 4×4, or 16×1 where it has few rows.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,9 +10,24 @@ const SETTLED: f64 = 1e-6;
 /// So far beyond the middles of the outermost pixels they reach.
 const HALF: f64 = 0.5;
 
+impl Rays<'_> {
+    /// Column and row whose ray goes through a point, found from a guess of them, between pixels as on them. None where
+    /// there is no such ray: behind a pinhole, and beyond the pixels of other rules.
+    pub(crate) fn project(&self, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
+        match self {
+            Self::Pinhole(rule) => {
+                let lens = rule.intrinsics();
+                let at = [lens.cx - lens.fx * (point.y / point.x), lens.cy - lens.fy * (point.z / point.x)];
+                (point.x > 0.0).then_some(at)
+            }
+            Self::Spherical(_) | Self::Table(_) => pixel(self, point, guess),
+        }
+    }
+}
+
 /// Column and row, by Newton's method on the directions of four neighbouring rays, between which directions are linear:
 /// off by no more than the square of the angle between two rays, over eight.
-pub(super) fn pixel(rays: &Rays<'_>, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
+fn pixel(rays: &Rays<'_>, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
     let fan = rays.fan();
     let last = DVec2::new(f64::from(fan.width - 1), f64::from(fan.height - 1));
     let target = point.try_normalize()?;

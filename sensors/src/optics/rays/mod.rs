@@ -22,7 +22,7 @@ pub use table::RayTableBuf;
 pub(crate) use table::TableFan;
 pub use table::{RayTable, TableError};
 
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16};
 use glam::DVec3;
 
@@ -125,19 +125,6 @@ impl Rays<'_> {
             Self::Pinhole(_) => f32x16::splat(simd, 1.0) / inverse,
             Self::Spherical(rule) => rule.block(simd, column, row)[0] / inverse,
             Self::Table(rule) => rule.block(simd, column, row)[0] / inverse,
-        }
-    }
-
-    /// Column and row whose ray goes through a point, found from a guess of them, between pixels as on them. None where
-    /// there is no such ray: behind a pinhole, and beyond the pixels of other rules.
-    pub(crate) fn project(&self, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
-        match self {
-            Self::Pinhole(rule) => {
-                let lens = rule.intrinsics();
-                let at = [lens.cx - lens.fx * (point.y / point.x), lens.cy - lens.fy * (point.z / point.x)];
-                (point.x > 0.0).then_some(at)
-            }
-            Self::Spherical(_) | Self::Table(_) => find::pixel(self, point, guess),
         }
     }
 

@@ -4,7 +4,7 @@
 use super::fan::Fan;
 use super::projection::{Planes, Points, Projection, Rectangles, TINY, bounds_of, max, min, whole};
 use crate::optics::{Intrinsics, LensError, Pinhole};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
 //! Where on the grid of rays something may be seen.
 
 use super::fan::Fan;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, f64x8, i32x16, mask32x16};
 use glam::DVec3;
 

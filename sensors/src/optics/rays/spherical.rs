@@ -12,8 +12,7 @@ use super::fan::Fan;
 use super::projection::{
     Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance, max, min, outside,
 };
-use crate::scene::tree::WIDTH;
-use crate::simd::sqrt_f32;
+use crate::simd::{WIDTH, sqrt_f32};
 use angles::{atan2, azimuth_error, magnitude};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
 use glam::DVec3;

@@ -19,8 +19,7 @@ pub use owned::RayTableBuf;
 
 use super::fan::Fan;
 use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance};
-use crate::scene::tree::WIDTH;
-use crate::simd::sqrt_f32;
+use crate::simd::{WIDTH, sqrt_f32};
 use chart::{Kind, Windows};
 use fearless_simd::{Select, Simd, SimdBase, SimdWiden, f32x16, f64x8, i32x16, mask32x16};
 use glam::DVec3;

@@ -1,14 +1,15 @@
 //! Whether the sections of a baked scene are a scene.
 
 use super::BakedError;
-use crate::scene::build::{MAX_COORDINATE, fill_facets};
+use crate::scene::build::fill_facets;
 use crate::scene::limits::{self, Refusal};
-use crate::scene::material::LIGHT_SPOT;
 use crate::scene::texture::{mip_levels, mip_texels};
-use crate::scene::tree::{Facet, TriangleBlock, WIDTH};
+use crate::scene::tree::{Facet, TriangleBlock};
+use crate::scene::vertices::MAX_COORDINATE;
 use crate::scene::{
-    HeightField, KIND_HEIGHT_FIELD, KIND_MESH, Mesh, NO_TEXTURE, Scene, validate_scratch_len, validate_tree,
+    Form, HeightField, Kind, Mesh, NO_TEXTURE, Scene, Triangles, validate_scratch_len, validate_tree,
 };
+use crate::simd::WIDTH;
 use crate::{Execution, Pose};
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
@@ -203,14 +204,17 @@ fn instances(scene: &Scene<'_>) -> Result<(), BakedError> {
     let mut slots = 0_u64;
     for (index, instance) in scene.instances.iter().enumerate() {
         let element = Element::of("instances", index);
-        element.require(instance.kind <= KIND_HEIGHT_FIELD, "kind", f64::from(instance.kind))?;
+        let known = Kind::from_number(instance.kind).is_some();
+        element.require(known, "kind", f64::from(instance.kind))?;
         element.index("material", instance.material, scene.materials.len())?;
-        match instance.kind {
-            KIND_MESH => element.index("mesh", instance.mesh, scene.meshes.len())?,
-            KIND_HEIGHT_FIELD => element.index("height field", instance.mesh, scene.height_fields.len())?,
-            _ => {}
+        match instance.kind() {
+            Kind::Triangles(Triangles::Mesh) => element.index("mesh", instance.mesh, scene.meshes.len())?,
+            Kind::Triangles(Triangles::HeightField) => {
+                element.index("height field", instance.mesh, scene.height_fields.len())?;
+            }
+            Kind::Solid(_) => {}
         }
-        element.accept(limits::instance(instance))?;
+        element.accept(limits::instance(instance.size, instance.scale))?;
         // What nobody sees is given none.
         slots += if instance.visibility == 0 { 0 } else { u64::from(scene.slots(instance)) };
         if slots >= 1 << 31 {
@@ -231,7 +235,7 @@ fn poses(scene: &Scene<'_>, poses: &[Pose]) -> Result<(), BakedError> {
 fn lights(scene: &Scene<'_>) -> Result<(), BakedError> {
     for (index, light) in scene.lights.iter().enumerate() {
         let element = Element::of("lights", index);
-        element.require(light.kind <= LIGHT_SPOT, "kind", f64::from(light.kind))?;
+        element.require(Form::from_number(light.form).is_some(), "kind", f64::from(light.form))?;
         element.accept(limits::light(light))?;
     }
     Ok(())

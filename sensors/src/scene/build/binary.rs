@@ -6,7 +6,7 @@ use super::bounds::{Scratch, centre};
 use super::cost::Power;
 use super::sweep::{SWEEP, sweep};
 use crate::Execution;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x4, f32x8};
 
 /// From this depth on sets are halved, whatever it costs, so that the depth of every tree is bounded.

@@ -5,7 +5,7 @@
 
 use super::bounds::{Scratch, centre};
 use super::cost::{Cheapest, Points, Power, lengths};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x4, f32x8, u32x16};
 
 /// Bins on each axis: a vector of them.

@@ -1,12 +1,7 @@
 //! What the builder sorts: boxes with a tag, thirty-two bytes each.
 
-use crate::scene::SceneError;
 use bytemuck::{Pod, Zeroable};
 use fearless_simd::{Simd, f32x4, f32x8};
-
-/// Vertices farther than this from the origin of their mesh are refused, in metres: products of three lengths
-/// must stay in the range of f32.
-pub const MAX_COORDINATE: f32 = 1e12;
 
 /// Added to tags: as floats they are not subnormal then, which some processors are slow at.
 const TAG: u32 = 1 << 23;
@@ -81,40 +76,6 @@ impl Scratch {
 pub(super) fn centre<S: Simd>(simd: S, bounds: f32x8<S>) -> f32x4<S> {
     let (lower, upper) = simd.split_f32x8(bounds);
     lower - upper
-}
-
-/// Vertices that are checked at a time.
-const CHUNK: usize = 1024;
-
-/// Every vertex is finite and within [`MAX_COORDINATE`].
-pub(in crate::scene) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), SceneError> {
-    // Without an early way out within a chunk, so that it is done in vectors.
-    let inside = |x: &f32| x.abs() <= MAX_COORDINATE;
-    let faulty = |chunk: &[[f32; 3]]| !chunk.as_flattened().iter().fold(true, |all, x| all & inside(x));
-    let Some(chunk) = positions.chunks(CHUNK).position(faulty) else {
-        return Ok(());
-    };
-    let within = positions[chunk * CHUNK..].iter().position(|vertex| !vertex.iter().all(inside));
-    let bad = chunk * CHUNK + within.unwrap_or(0);
-    let finite = positions[bad].iter().all(|x| x.is_finite());
-    Err(if finite { SceneError::VertexTooFar(bad) } else { SceneError::BadVertex(bad) })
-}
-
-/// Corners of a triangle.
-///
-/// # Errors
-/// [`SceneError::BadTriangle`] when it names a vertex that is not there.
-#[inline(always)]
-pub(in crate::scene) fn corners(
-    positions: &[[f32; 3]],
-    triangles: &[[u32; 3]],
-    index: usize,
-) -> Result<[[f32; 3]; 3], SceneError> {
-    let [a, b, c] = triangles[index];
-    match (positions.get(a as usize), positions.get(b as usize), positions.get(c as usize)) {
-        (Some(&a), Some(&b), Some(&c)) => Ok([a, b, c]),
-        _ => Err(SceneError::BadTriangle(index)),
-    }
 }
 
 /// The box of three corners.

@@ -1,10 +1,12 @@
 //! From the binary tree to nodes of sixteen children and leaves as structures of arrays.
 
-use super::bounds::{Scratch, corners};
+use super::TreeSize;
+use super::bounds::Scratch;
 use super::cut::children;
-use super::{MAX_DEPTH, TreeSize};
 use crate::scene::SceneError;
-use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+use crate::scene::tree::{LEAF, MAX_DEPTH, NONE, TriangleBlock, WideNode};
+use crate::scene::vertices::corners;
+use crate::simd::WIDTH;
 
 /// Nodes that can wait for their turn: of each level all but one child.
 const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;

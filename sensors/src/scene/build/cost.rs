@@ -1,6 +1,6 @@
 //! What cuts cost, sixteen at a time.
 
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x8, f32x16, prelude::*, u32x16};
 
 /// Sixteen times x, y, z and something else.

@@ -6,7 +6,7 @@
 //! sides.
 
 use super::bounds::Scratch;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 
 /// `costs[k]`: the least sum of surfaces of a subtree that takes at most k + 1 lanes of the node above.
 type Costs = [f32; WIDTH - 1];

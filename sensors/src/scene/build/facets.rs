@@ -1,7 +1,8 @@
 //! What is known of triangles besides their corners.
 
 use crate::Execution;
-use crate::scene::tree::{Facet, TriangleBlock, WIDTH};
+use crate::scene::tree::{Facet, TriangleBlock};
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, dispatch, f32x16, f64x8, prelude::*};
 
 /// Works out the facets of blocks, sixteen for each. (Within [`refit`](super::refit), block by block, it is no faster:

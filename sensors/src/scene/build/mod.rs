@@ -19,23 +19,20 @@ mod owned;
 mod refit;
 mod sweep;
 
-pub use bounds::{MAX_COORDINATE, Scratch};
-pub(super) use bounds::{check_vertices, corners};
+pub use bounds::Scratch;
 pub use facets::fill_facets;
 #[cfg(feature = "alloc")]
 pub use owned::Tree;
 pub use refit::refit;
 
 use super::SceneError;
-use super::tree::{NONE, TriangleBlock, WIDTH, WideNode};
+use super::tree::{NONE, TriangleBlock, WideNode};
+use super::vertices::{check_vertices, corners};
 use crate::Execution;
+use crate::simd::WIDTH;
 use bytemuck::Zeroable;
 use cost::Power;
 use fearless_simd::dispatch;
-
-/// No path from the root of a tree to a node has more nodes than this; a stack of `MAX_DEPTH * 15 + 1` nodes is
-/// always enough to walk it.
-pub const MAX_DEPTH: usize = 64;
 
 /// How much effort goes into a tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -128,13 +125,13 @@ pub fn plan<'a>(
         return Err(SceneError::TooMany);
     }
     enough("scratch", scratch.len(), scratch_len(triangles.len()))?;
-    bounds::check_vertices(positions)?;
+    check_vertices(positions)?;
     let (items, rest) = scratch.split_at_mut(triangles.len());
     let (binary, rest) = rest.split_at_mut(2 * most.blocks);
     let ways: &mut [u64] = bytemuck::cast_slice_mut(rest);
     let mut make = |power| -> Result<_, SceneError> {
         for (index, item) in items.iter_mut().enumerate() {
-            let corners = bounds::corners(positions, triangles, index)?;
+            let corners = corners(positions, triangles, index)?;
             *item = bounds::bounds_of(corners).with_tags(index as u32, 0);
         }
         dispatch!(execution.level, simd => {

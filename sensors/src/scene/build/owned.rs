@@ -2,8 +2,9 @@
 
 use super::{Quality, Scratch, fill_facets, plan, refit, scratch_len};
 use crate::Execution;
-use crate::scene::tree::{Facet, TriangleBlock, WIDTH, WideNode};
+use crate::scene::tree::{Facet, TriangleBlock, WideNode};
 use crate::scene::{SceneError, TreeFault, validate_scratch_len, validate_tree};
+use crate::simd::WIDTH;
 use alloc::vec::Vec;
 use bytemuck::allocation::zeroed_vec;
 

@@ -1,10 +1,11 @@
 //! New boxes for moved vertices.
 
-use super::bounds::check_vertices;
 use super::collapse::put;
 use crate::Execution;
 use crate::scene::SceneError;
-use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+use crate::scene::tree::{LEAF, NONE, TriangleBlock, WideNode};
+use crate::scene::vertices::check_vertices;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, dispatch, f32x16};
 
 /// Takes over moved vertices: the same triangles, the same tree, new boxes. `nodes` and `blocks` are what

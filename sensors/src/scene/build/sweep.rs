@@ -3,7 +3,7 @@
 
 use super::bounds::{Scratch, centre};
 use super::cost::{Cheapest, Points, Power, lengths, numbers};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x8, f32x16, prelude::*, u32x16};
 
 /// Sets up to this size are swept. With 128, leaves are 2 % fuller, but rays meet no fewer boxes.

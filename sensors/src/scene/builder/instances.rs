@@ -2,9 +2,7 @@
 
 use super::{SceneBuilder, room};
 use crate::pose::Pose;
-use crate::scene::{
-    Instance, InstanceConfig, InstanceId, KIND_HEIGHT_FIELD, KIND_MESH, SceneError, Shape, limits,
-};
+use crate::scene::{Instance, InstanceConfig, InstanceId, Kind, SceneError, Shape, Triangles, limits};
 
 impl SceneBuilder {
     /// Takes in an instance.
@@ -89,11 +87,14 @@ impl SceneBuilder {
         replaced: Option<&Instance>,
     ) -> Result<Instance, SceneError> {
         let instance = Instance::new(config)?;
-        if instance.kind == KIND_MESH && self.meshes.get(instance.mesh).is_none() {
-            return Err(SceneError::NoSuchMesh);
-        }
-        if instance.kind == KIND_HEIGHT_FIELD && self.height_fields.get(instance.mesh).is_none() {
-            return Err(SceneError::NoSuchHeightField);
+        match instance.kind() {
+            Kind::Triangles(Triangles::Mesh) if self.meshes.get(instance.mesh).is_none() => {
+                return Err(SceneError::NoSuchMesh);
+            }
+            Kind::Triangles(Triangles::HeightField) if self.height_fields.get(instance.mesh).is_none() => {
+                return Err(SceneError::NoSuchHeightField);
+            }
+            Kind::Triangles(Triangles::Mesh | Triangles::HeightField) | Kind::Solid(_) => {}
         }
         if self.materials.get(instance.material).is_none() {
             return Err(SceneError::NoSuchMaterial);
@@ -115,10 +116,10 @@ impl SceneBuilder {
     fn enter(&mut self, instance: &Instance) {
         self.slots += self.slots_of(instance);
         self.materials.use_one(instance.material);
-        match instance.kind {
-            KIND_MESH => self.meshes.use_one(instance.mesh),
-            KIND_HEIGHT_FIELD => self.height_fields.use_one(instance.mesh),
-            _ => {}
+        match instance.kind() {
+            Kind::Triangles(Triangles::Mesh) => self.meshes.use_one(instance.mesh),
+            Kind::Triangles(Triangles::HeightField) => self.height_fields.use_one(instance.mesh),
+            Kind::Solid(_) => {}
         }
     }
 
@@ -126,10 +127,10 @@ impl SceneBuilder {
     fn leave(&mut self, instance: &Instance) {
         self.slots -= self.slots_of(instance);
         self.materials.leave_one(instance.material);
-        match instance.kind {
-            KIND_MESH => self.meshes.leave_one(instance.mesh),
-            KIND_HEIGHT_FIELD => self.height_fields.leave_one(instance.mesh),
-            _ => {}
+        match instance.kind() {
+            Kind::Triangles(Triangles::Mesh) => self.meshes.leave_one(instance.mesh),
+            Kind::Triangles(Triangles::HeightField) => self.height_fields.leave_one(instance.mesh),
+            Kind::Solid(_) => {}
         }
     }
 

@@ -2,8 +2,9 @@
 
 use super::SceneBuilder;
 use crate::scene::texture::mip_texels;
-use crate::scene::tree::{Facet, NONE, TriangleBlock, WIDTH, WideNode};
+use crate::scene::tree::{Facet, NONE, TriangleBlock, WideNode};
 use crate::scene::{HeightField, Mesh, Scene, Texture};
+use crate::simd::WIDTH;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
 

@@ -3,10 +3,9 @@
 use super::{SceneBuilder, room, unused};
 use crate::execution::Execution;
 use crate::scene::build::{Quality, Tree};
-use crate::scene::tree::{Facet, WIDTH};
-use crate::scene::{
-    HeightField, HeightFieldId, KIND_HEIGHT_FIELD, KIND_MESH, Mesh, MeshId, SceneError, limits,
-};
+use crate::scene::tree::Facet;
+use crate::scene::{HeightField, HeightFieldId, Kind, Mesh, MeshId, SceneError, Triangles, limits};
+use crate::simd::WIDTH;
 use alloc::vec;
 use bytemuck::Zeroable;
 
@@ -62,7 +61,9 @@ impl SceneBuilder {
     /// [`SceneError::NoSuchMesh`], [`SceneError::InUse`] by an instance.
     pub fn remove_mesh(&mut self, mesh: MeshId) -> Result<(), SceneError> {
         let old = unused(&self.meshes, mesh.0, SceneError::NoSuchMesh, || {
-            self.used_by_instance(|instance| instance.kind == KIND_MESH && instance.mesh == mesh.0)
+            self.used_by_instance(|instance| {
+                instance.kind() == Kind::Triangles(Triangles::Mesh) && instance.mesh == mesh.0
+            })
         })?;
         self.release_mesh(&old);
         self.meshes.remove(mesh.0, Mesh::zeroed());
@@ -173,7 +174,9 @@ impl SceneBuilder {
     /// [`SceneError::NoSuchHeightField`], [`SceneError::InUse`] by an instance.
     pub fn remove_height_field(&mut self, field: HeightFieldId) -> Result<(), SceneError> {
         let old = unused(&self.height_fields, field.0, SceneError::NoSuchHeightField, || {
-            self.used_by_instance(|instance| instance.kind == KIND_HEIGHT_FIELD && instance.mesh == field.0)
+            self.used_by_instance(|instance| {
+                instance.kind() == Kind::Triangles(Triangles::HeightField) && instance.mesh == field.0
+            })
         })?;
         self.release_height_field(&old);
         self.height_fields.remove(field.0, HeightField::zeroed());

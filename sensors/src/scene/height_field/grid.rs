@@ -1,7 +1,8 @@
 //! Nodes and leaves of a height field's tree, made when they are visited.
 
 use super::{FAN, HeightField, LEAF_COLUMNS, LEAF_ROWS, leaves, level_size};
-use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
+use crate::scene::tree::{LEAF, NONE, TriangleBlock, WideNode};
+use crate::simd::WIDTH;
 
 /// Heights along a row and rows of heights in a full leaf.
 const WIDE: usize = LEAF_COLUMNS as usize + 1;

@@ -103,7 +103,7 @@ impl HeightField {
     /// # Errors
     /// [`SceneError::HeightFieldTooSmall`] for fewer than 2 × 2 heights, [`SceneError::HeightCount`] if `heights`
     /// are not rows × columns, [`SceneError::BadSize`], [`SceneError::BadHeight`] with the index of a height that is
-    /// not finite or beyond [`MAX_COORDINATE`](super::build::MAX_COORDINATE), [`SceneError::BufferTooSmall`], [`SceneError::TooMany`].
+    /// not finite or beyond [`MAX_COORDINATE`](super::MAX_COORDINATE), [`SceneError::BufferTooSmall`], [`SceneError::TooMany`].
     pub fn build(
         rows: u32,
         columns: u32,

@@ -2,7 +2,7 @@
 
 use super::{FAN, HeightField, HeightGrid, LEAF_COLUMNS, LEAF_ROWS, leaves, level_size};
 use crate::scene::SceneError;
-use crate::scene::build::MAX_COORDINATE;
+use crate::scene::vertices::MAX_COORDINATE;
 
 impl HeightField {
     /// Checks a field that was not made by [`HeightField::build`] just now, but comes from a file: that its measures
@@ -61,7 +61,7 @@ impl HeightField {
         let (levels, nodes) = Self::count_nodes(rows, columns);
         let [x, y] = leaves(rows, columns);
         // Every triangle has a slot of its own, in 32 bits with the marks of leaves.
-        let slots = u64::from(x) * u64::from(y) * crate::scene::tree::WIDTH as u64;
+        let slots = u64::from(x) * u64::from(y) * crate::simd::WIDTH as u64;
         if slots > u64::from(u32::MAX) || heights.len() as u64 > u64::from(u32::MAX) {
             return Err(SceneError::TooMany);
         }

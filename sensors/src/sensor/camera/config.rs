@@ -1,10 +1,9 @@
 //! What a camera is like, and why there can be none.
 
-use crate::device::{DeviceConfig, DeviceError};
+use crate::device::{DeviceConfig, DeviceError, PixelFormat};
 use crate::noise::GaussianNoise;
 use crate::optics::{GridError, Optics};
 use crate::sensor::edges::Edges;
-use crate::sensor::pixel::PixelFormat;
 
 /// Largest width and height of a picture in pixels.
 pub const MAX_IMAGE_SIZE: u32 = 16384;

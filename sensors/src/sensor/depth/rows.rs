@@ -3,13 +3,12 @@
 use super::{DepthCamera, OutOfRange, POINT_STEP};
 use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
-use crate::scene::tree::WIDTH;
-use crate::sensor::brush::ColourRows;
 use crate::sensor::camera::Camera;
+use crate::sensor::camera::brush::ColourRows;
 use crate::sensor::edges::{Canvas, TILE_HEIGHT, TILE_WIDTH};
 use crate::sensor::pixel::{self, to_byte};
 use crate::shade::Colours;
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, WIDTH};
 use crate::trace::Truth;
 use crate::trace::grid::Band;
 use crate::trace::place::Place;

@@ -5,11 +5,11 @@
 //! triangles with a common edge decide alike, and no ray slips between them. A ray is inside where all three are
 //! on the same side as the triangle, and there 1/t = n·d / n·a.
 
+use super::leaf::{Leaf, Rules};
 use super::sharp::{BLURRED_SQUARED, PlaneArrays, THIN_SQUARED};
 use super::target::GRAZING;
-use super::triangles::{Leaf, Rules};
 use crate::optics::rays::{Planes, Points, max};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
 

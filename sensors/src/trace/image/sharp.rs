@@ -5,7 +5,8 @@
 //! robot that stands on a large triangle, and where a triangle is so thin that its normal is a small difference.
 //! Such triangles are rare. Their planes are made again, from the corners as they are stored.
 
-use crate::scene::tree::{TriangleBlock, WIDTH};
+use crate::scene::tree::TriangleBlock;
+use crate::simd::WIDTH;
 use crate::trace::view::{Placed, View};
 use fearless_simd::{Simd, mask32x16};
 use glam::{DMat3, DVec3};

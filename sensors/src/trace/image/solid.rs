@@ -1,10 +1,11 @@
 //! Shapes that are not made of triangles: exact, in double precision, block by block.
 
+use super::leaf::Rules;
 use super::silhouette::Silhouette;
 use super::target::Target;
-use super::triangles::Rules;
 use crate::optics::rays::Projection;
-use crate::scene::tree::WIDTH;
+use crate::scene::Solid;
+use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
 use crate::trace::shapes::match_solid;
 use crate::trace::view::View;
@@ -30,18 +31,17 @@ pub(super) fn draw<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    index: u32,
+    (index, solid): (u32, Solid),
     part: &Part,
 ) {
     let placed = &view.placed[index as usize];
-    let instance = view.instance(index);
+    let size = view.instance(index).size;
     let fan = *projection.fan();
     let blocks_across = fan.blocks_across();
     // From the sensor's axes to the instance's.
     let to_instance = view.rows_from_sensor(placed);
     let origin = placed.origin_in_instance;
-    let Some(half) = instance.half_extents() else { return };
-    let silhouette = Silhouette::new(half, origin, &to_instance);
+    let silhouette = Silhouette::new(solid.half_extents(size), origin, &to_instance);
     let both = rules.faces == Faces::Both;
     let pieces = fan.pieces(part.columns.map(i32::from));
     let block_rows = (part.rows[0] >> fan.shift_y) as usize..=(part.rows[1] >> fan.shift_y) as usize;
@@ -76,12 +76,12 @@ pub(super) fn draw<S: Simd, P: Projection>(
                     }
                     let mut inverse = [0.0_f32; WIDTH];
                     match_solid!(
-                        instance,
+                        solid,
+                        size,
                         inside => for lane in 0..WIDTH {
                             let direction = [local[0][lane], local[1][lane], local[2][lane]];
                             inverse[lane] = (1.0 / inside(origin, direction).first(rules.near, both)) as f32;
-                        },
-                        _ => {}
+                        }
                     );
                     commit(simd, target, start + column, placed.first_slot, &inverse);
                 }

@@ -4,12 +4,13 @@
 //! block, all but a few of the sixteen triangles are dropped at once, and each of these meets the sixteen rays
 //! at once. No triangle needs a rectangle of its own.
 
+use super::leaf::{Leaf, Rules};
 use super::set_up::{facing, set_up};
 use super::target::Target;
-use super::triangles::{Leaf, Rules, inside, splat};
+use super::triangles::{inside, splat};
 use crate::optics::rays::Fan;
 use crate::optics::rays::{Planes, Projection, min};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
 
 /// Leaves over fewer rays are better tested ray by ray …

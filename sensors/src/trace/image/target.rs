@@ -1,8 +1,7 @@
 //! What has been hit so far, block by block.
 
-use crate::scene::tree::WIDTH;
-
 /// No slot: the ray has hit nothing.
+use crate::simd::WIDTH;
 pub(crate) const NO_HIT: u32 = u32::MAX;
 
 /// Set in the slot of a hit on a triangle that is seen edge-on somewhere: 1/t in single precision is not exact

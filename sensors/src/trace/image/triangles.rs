@@ -6,47 +6,18 @@
 mod each;
 mod tiny;
 
+use super::leaf::{Leaf, Rules};
 use super::set_up::{Setup, facing, set_up};
 use super::sharp::Source;
 use super::target::Target;
-use crate::optics::rays::{Planes, Points, Projection, min};
-use crate::scene::tree::WIDTH;
-use crate::trace::packet::Faces;
+use crate::optics::rays::{Planes, Projection, min};
+use crate::simd::WIDTH;
 use each::draw_each;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};
 use tiny::{TINY_TRIANGLE, TINY_TRIANGLES, draw_tiny};
 
 /// Grid rectangles of up to that many rays are tested ray by ray against all sixteen triangles.
 const FEW_RAYS: i32 = 48;
-
-/// A leaf to draw.
-#[derive(Clone, Copy)]
-pub(super) struct Leaf<'a, S: Simd> {
-    pub(super) source: Source<'a>,
-    /// Corners in the sensor's frame.
-    pub(super) corners: [Points<S>; 3],
-    /// Slot of the first triangle; the others follow.
-    pub(super) first_slot: u32,
-    /// Rectangle of the grid that holds all: columns, rows.
-    pub(super) columns: [i32; 2],
-    pub(super) rows: [i32; 2],
-    /// Bound of 1/t from above for all.
-    pub(super) nearest: f32,
-}
-
-/// What counts as a hit.
-#[derive(Clone, Copy)]
-pub(super) struct Rules {
-    pub(super) faces: Faces,
-    /// The instance is mirrored: its triangles run the other way round.
-    pub(super) mirrored: bool,
-    /// 1/t of the nearest that counts.
-    pub(super) inverse_near: f32,
-    /// And t itself.
-    pub(super) near: f64,
-    /// First row of blocks of the target.
-    pub(super) first_block_row: usize,
-}
 
 /// Draws the blurred triangles of a leaf, from planes in double precision. By itself, and with copies of all, so that
 /// the usual way has what it needs in registers.

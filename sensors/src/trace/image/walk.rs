@@ -1,13 +1,15 @@
 //! Once through the trees, front to back.
 
+use super::leaf::{Leaf, Rules};
 use super::sharp::Source;
 use super::solid::{self, Part};
 use super::strip;
 use super::target::Target;
-use super::triangles::{self, Leaf, Rules};
+use super::triangles;
 use crate::optics::rays::{Points, Projection, max};
-use crate::scene::tree::{LEAF, NONE, TriangleBlock, WIDTH, WideNode};
-use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::scene::tree::{self, LEAF, NONE, TriangleBlock, WideNode};
+use crate::scene::{Kind, Triangles};
+use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
 use crate::trace::prefetch::prefetch;
 use crate::trace::view::{ToSensor, View};
@@ -17,7 +19,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 const TOP: u32 = u32::MAX;
 
 /// More than the deepest trees leave waiting: fifteen siblings a level.
-const STACK: usize = 15 * (crate::scene::build::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
+const STACK: usize = 15 * (tree::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
 
 /// A subtree to visit.
 #[derive(Clone, Copy)]
@@ -84,7 +86,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
             if is_leaf {
                 let made;
                 let leaf = child & !LEAF;
-                let block = if placed.kind == KIND_MESH {
+                let block = if placed.kind().is_mesh() {
                     &view.scene.blocks[(placed.first_block + leaf) as usize]
                 } else {
                     made = view.height_grid(placed).block(leaf);
@@ -106,15 +108,15 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                 }
                 continue;
             }
-            let node = match placed.kind {
-                KIND_MESH => &view.scene.nodes[(placed.first_node + child) as usize],
-                KIND_HEIGHT_FIELD => {
+            let node = match placed.kind() {
+                Kind::Triangles(Triangles::Mesh) => &view.scene.nodes[(placed.first_node + child) as usize],
+                Kind::Triangles(Triangles::HeightField) => {
                     made = view.height_grid(placed).node(child);
                     &made
                 }
-                _ => {
+                Kind::Solid(solid) => {
                     let part = Part { columns: entry.columns, rows: entry.rows, nearest: entry.nearest };
-                    solid::draw(simd, view, projection, target, rules, index, &part);
+                    solid::draw(simd, view, projection, target, rules, (index, solid), &part);
                     continue;
                 }
             };
@@ -131,7 +133,7 @@ fn fetch(view: &View<'_>, entry: &Entry) {
         return;
     }
     let placed = &view.placed[entry.placed as usize];
-    if placed.kind != KIND_MESH {
+    if !placed.kind().is_mesh() {
         return;
     }
     if entry.child & LEAF != 0 {

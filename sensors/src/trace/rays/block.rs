@@ -6,7 +6,8 @@
 
 use super::bundle::Bundle;
 use super::ray::{Nearest, Ray};
-use crate::scene::tree::{TriangleBlock, WIDTH};
+use crate::scene::tree::TriangleBlock;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
 
 /// Single precision decides which triangles are worth a second look; what is farther than the nearest hit by

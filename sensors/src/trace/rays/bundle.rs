@@ -1,8 +1,9 @@
 //! Up to 64 rays made ready together, as structures of arrays.
 
+use super::ray::FrameRay;
 use super::ray::{ORIGIN_PAD, ORIGIN_PAD_AT_ZERO, Ray, TINY, low_part};
-use super::scene::FrameRay;
-use crate::scene::tree::{NONE, WIDTH};
+use crate::scene::tree::NONE;
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 use glam::DVec3;
 

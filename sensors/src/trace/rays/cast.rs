@@ -3,13 +3,14 @@
 use super::bundle::RAYS;
 use super::describe::{Description, on_triangle};
 use super::doubt_of;
-use super::scene::{FrameRay, SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};
+use super::ray::FrameRay;
+use super::scene::{SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};
 use super::walk::Tree;
 use super::wave::Wave;
 use crate::execution::{SplitRows, for_each_row};
-use crate::scene::tree::{NONE, WIDTH};
-use crate::scene::{KIND_MESH, Scene};
-use crate::simd::Level;
+use crate::scene::Scene;
+use crate::scene::tree::NONE;
+use crate::simd::{Level, WIDTH};
 use crate::trace::error::check_output;
 use crate::trace::memory::view_lines;
 use crate::trace::view::{View, check_moment};
@@ -159,7 +160,7 @@ fn cast_chunk<S: Simd>(
 ) {
     // One mesh is all there is: 64 rays go through its tree together.
     if let [only] = view.placed
-        && only.kind == KIND_MESH
+        && only.kind().is_mesh()
     {
         let tree = mesh_tree(view, only);
         let doubt = doubt_of(tree.nodes.first());

@@ -1,10 +1,12 @@
 //! What is told of a hit: triangle, normal, barycentrics.
 
 use super::block;
-use super::scene::{FrameRay, SceneHit, in_instance, mesh_tree};
-use crate::scene::tree::{TriangleBlock, WIDTH};
-use crate::scene::{HeightGrid, KIND_HEIGHT_FIELD, KIND_MESH};
-use crate::trace::shapes::surface::solid_normal;
+use super::ray::FrameRay;
+use super::scene::{SceneHit, in_instance, mesh_tree};
+use crate::scene::tree::TriangleBlock;
+use crate::scene::{Kind, Triangles};
+use crate::simd::WIDTH;
+use crate::trace::shapes::solid_normal;
 use crate::trace::view::{Placed, View};
 use glam::{DMat3, DVec3};
 
@@ -26,18 +28,16 @@ impl Description {
         let [origin, direction] = in_instance(placed, ray);
         let point = origin + direction * hit.t;
         let lane = hit.slot as usize % WIDTH;
-        let (normal, primitive, barycentrics) = match instance.kind {
-            KIND_MESH => {
+        let (normal, primitive, barycentrics) = match instance.kind() {
+            Kind::Triangles(Triangles::Mesh) => {
                 let block = mesh_tree(view, placed).blocks.get(hit.slot as usize / WIDTH)?;
                 on_triangle(block, lane, point)
             }
-            KIND_HEIGHT_FIELD => {
-                let field = view.scene.height_fields.get(instance.mesh as usize)?;
-                let grid = HeightGrid::of(field, view.scene.heights, view.scene.extents);
-                on_triangle(&grid.block(hit.slot / WIDTH as u32), lane, point)
+            Kind::Triangles(Triangles::HeightField) => {
+                on_triangle(&view.height_grid(placed).block(hit.slot / WIDTH as u32), lane, point)
             }
-            _ => {
-                let normal = solid_normal(instance.kind, instance.size, point.to_array());
+            Kind::Solid(solid) => {
+                let normal = solid_normal(solid, instance.size, point.to_array());
                 (DVec3::from_array(normal), 0, [0.0; 2])
             }
         };

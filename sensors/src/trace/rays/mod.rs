@@ -15,7 +15,8 @@ mod wave;
 pub use cast::{Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays, workspace_len};
 pub use walk::Tree;
 
-use crate::scene::tree::{WIDTH, WideNode};
+use crate::scene::tree::WideNode;
+use crate::simd::WIDTH;
 
 /// How far t near 0 may be off in single precision: 2⁻²⁰ of the coordinates below the root.
 #[inline(always)]

@@ -2,7 +2,8 @@
 
 use super::bundle::Bundle;
 use super::ray::Ray;
-use crate::scene::tree::{NONE, WIDTH, WideNode};
+use crate::scene::tree::{NONE, WideNode};
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 
 /// The products and differences of a slab test are off by at most two units in the last place of t; so is the

@@ -10,6 +10,15 @@ pub(super) const ORIGIN_PAD: f32 = f32::from_bits((127 - 22) << 23); // 2⁻²²
 /// The same for an origin at 0: with a reciprocal of 2¹⁰⁰ it still opens a slab for 2⁴⁰ m.
 pub(super) const ORIGIN_PAD_AT_ZERO: f32 = f32::from_bits((127 - 60) << 23); // 2⁻⁶⁰
 
+/// A ray in the frame of a [`View`](crate::trace::view::View).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FrameRay {
+    pub(crate) origin: [f32; 3],
+    pub(crate) direction: [f32; 3],
+    /// Least and greatest t that count.
+    pub(crate) range: [f32; 2],
+}
+
 /// A ray p(t) = origin + t·direction of one mesh, with what the tests of boxes and triangles need.
 ///
 /// The direction is scaled by a power of two such that its largest component lies in [1, 2); t here is in units

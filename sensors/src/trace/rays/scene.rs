@@ -5,24 +5,15 @@
 //! is one mesh, 64 rays at a time go straight through its tree.
 
 use super::doubt_of;
-use super::ray::{Nearest, Ray};
+use super::ray::{FrameRay, Nearest, Ray};
 use super::walk::{Stack, Tree, children_of, nearest_in_tree};
 use crate::scene::tree::NONE;
-use crate::scene::{HeightGrid, KIND_HEIGHT_FIELD, KIND_MESH};
+use crate::scene::{Kind, Triangles};
 use crate::trace::Faces;
 use crate::trace::shapes::match_solid;
 use crate::trace::view::{Placed, View};
 use fearless_simd::Simd;
 use glam::{DMat3, DVec3};
-
-/// A ray in the frame of a [`View`].
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct FrameRay {
-    pub(crate) origin: [f32; 3],
-    pub(crate) direction: [f32; 3],
-    /// Least and greatest t that count.
-    pub(crate) range: [f32; 2],
-}
 
 /// Where a ray hits a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,30 +106,33 @@ fn hit_instance<S: Simd>(
     let instance = &view.scene.instances[placed.instance as usize];
     let [origin, direction] = in_instance(placed, ray);
     let from = f64::from(ray.range[0]);
-    let found = match_solid!(
-        instance,
-        inside => (inside(origin.to_array(), direction.to_array()).first(from, faces == Faces::Both), 0),
-        _ => {
-            // No farther than the hit so far, but for what rounding to single precision may hide.
-            let limit = (hit.t * (1.0 + 1e-6)) as f32;
-            let range = [ray.range[0], if limit < ray.range[1] { limit } else { ray.range[1] }];
-            let (origin, direction) = (origin.to_array(), direction.to_array());
-            if instance.kind == KIND_MESH {
+    let (origin, direction) = (origin.to_array(), direction.to_array());
+    let nearest_in = |stack: &mut Stack, triangles: Triangles| {
+        // No farther than the hit so far, but for what rounding to single precision may hide.
+        let limit = (hit.t * (1.0 + 1e-6)) as f32;
+        let range = [ray.range[0], if limit < ray.range[1] { limit } else { ray.range[1] }];
+        let (nearest, unit) = match triangles {
+            Triangles::Mesh => {
                 let tree = mesh_tree(view, placed);
                 let local = Ray::new(origin, direction, range, doubt_of(tree.nodes.first()));
-                let nearest = nearest_of(simd, tree, &local, faces, stack);
-                (nearest.t * f64::from(local.unit), nearest.slot)
-            } else if instance.kind == KIND_HEIGHT_FIELD {
-                let field = &view.scene.height_fields[instance.mesh as usize];
-                let grid = HeightGrid::of(field, view.scene.heights, view.scene.extents);
-                let local = Ray::new(origin, direction, range, doubt_of(Some(&grid.node(0))));
-                let nearest = nearest_of(simd, &grid, &local, faces, stack);
-                (nearest.t * f64::from(local.unit), nearest.slot)
-            } else {
-                return;
+                (nearest_of(simd, tree, &local, faces, stack), local.unit)
             }
-        }
-    );
+            Triangles::HeightField => {
+                let grid = view.height_grid(placed);
+                let local = Ray::new(origin, direction, range, doubt_of(Some(&grid.node(0))));
+                (nearest_of(simd, &grid, &local, faces, stack), local.unit)
+            }
+        };
+        (nearest.t * f64::from(unit), nearest.slot)
+    };
+    let found = match instance.kind() {
+        Kind::Solid(solid) => match_solid!(
+            solid,
+            instance.size,
+            inside => (inside(origin, direction).first(from, faces == Faces::Both), 0)
+        ),
+        Kind::Triangles(triangles) => nearest_in(stack, triangles),
+    };
     let (t, slot) = found;
     let first = t < hit.t || (t == hit.t && (index, slot) < (hit.placed, hit.slot));
     if t < f64::INFINITY && t <= f64::from(ray.range[1]) && first {

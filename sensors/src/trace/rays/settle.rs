@@ -3,8 +3,8 @@
 use super::block;
 use super::bundle::{Bundle, PerRay, RAYS, load};
 use super::walk::Tree;
-use crate::scene::tree::{NONE, WIDTH};
-use crate::simd::sqrt;
+use crate::scene::tree::NONE;
+use crate::simd::{WIDTH, sqrt};
 use fearless_simd::{Simd, SimdBase, f32x16, f64x8, prelude::*};
 
 /// What is known of the hits of a bundle.

@@ -4,8 +4,8 @@ use super::block::{self, SLACK};
 use super::node;
 use super::ray::{Nearest, Ray};
 use crate::scene::HeightGrid;
-use crate::scene::build::MAX_DEPTH;
-use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
+use crate::scene::tree::{LEAF, MAX_DEPTH, TriangleBlock, WideNode};
+use crate::simd::WIDTH;
 use core::borrow::Borrow;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 

@@ -19,7 +19,8 @@ use super::node;
 use super::ray::Nearest;
 use super::settle::Settled;
 use super::walk::{Stack, Tree, nearest_in_tree};
-use crate::scene::tree::{LEAF, NONE, WIDTH};
+use crate::scene::tree::{LEAF, NONE};
+use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
 
 /// Nodes on the way from the root whose children may wait, and the end; a ray that goes deeper is walked alone.

@@ -24,20 +24,23 @@ pub(crate) mod triangle;
 mod tests;
 
 use super::packet::{Faces, Packet};
+use crate::scene::Solid;
 use crate::simd::{LANES, Lanes, sqrt};
+use glam::DVec3;
+use real::Real;
+use surface::Surface;
 
-/// Evaluates `$body` with `$inside` bound to the kernel of an instance's kind: a
+/// Evaluates `$body` with `$inside` bound to the kernel of a [`Solid`] of that size: a
 /// `Fn(origin: [f64; 3], direction: [f64; 3]) -> Inside` for rays in the instance's own (unscaled) frame.
-/// `$otherwise` is for the kinds that are made of triangles.
 ///
 /// The match is outside of `$body`, which is compiled once per kind: put the loop over lanes into it, and let it
 /// do nothing but fill an array of its own with [`Inside::first`]. If it changed hits in place, LLVM would make
 /// masked stores of that, which take four times as long as all the rest at AVX2.
 macro_rules! match_solid {
-    ($instance:expr, $inside:ident => $body:expr, _ => $otherwise:expr) => {{
-        use $crate::scene as kinds;
+    ($solid:expr, $size:expr, $inside:ident => $body:expr) => {{
+        use $crate::scene::Solid;
         use $crate::trace::shapes;
-        let size = $instance.size;
+        let size: [f64; 3] = $size;
         macro_rules! with {
             ($kernel:path, $sizes:expr) => {{
                 let sizes = $sizes;
@@ -48,20 +51,51 @@ macro_rules! match_solid {
                 $body
             }};
         }
-        match $instance.kind {
-            kinds::KIND_BOX => with!(shapes::cuboid::inside, size),
-            kinds::KIND_RECTANGLE => with!(shapes::rectangle::inside, [size[0], size[1]]),
-            kinds::KIND_SPHERE => with!(shapes::sphere::inside, size[0]),
-            kinds::KIND_CYLINDER => with!(shapes::cylinder::inside, [size[0], size[1]]),
-            kinds::KIND_CAPSULE => with!(shapes::capsule::inside, [size[0], size[1]]),
-            kinds::KIND_PLANE => with!(shapes::plane::inside, ()),
-            kinds::KIND_ELLIPSOID => with!(shapes::ellipsoid::inside, size.map(|radius| 1.0 / radius)),
-            kinds::KIND_CONE => with!(shapes::cone::inside, [1.0 / size[0], 0.5 / size[1]]),
-            _ => $otherwise,
+        match $solid {
+            Solid::Box => with!(shapes::cuboid::inside, size),
+            Solid::Rectangle => with!(shapes::rectangle::inside, [size[0], size[1]]),
+            Solid::Sphere => with!(shapes::sphere::inside, size[0]),
+            Solid::Cylinder => with!(shapes::cylinder::inside, [size[0], size[1]]),
+            Solid::Capsule => with!(shapes::capsule::inside, [size[0], size[1]]),
+            Solid::Plane => with!(shapes::plane::inside, ()),
+            Solid::Ellipsoid => with!(shapes::ellipsoid::inside, size.map(|radius| 1.0 / radius)),
+            Solid::Cone => with!(shapes::cone::inside, [1.0 / size[0], 0.5 / size[1]]),
         }
     }};
 }
 pub(crate) use match_solid;
+
+/// The surface of a solid at a point on it. What belongs to a texture is only there
+/// if there is one. Of a constant solid nothing is left of the match.
+#[inline(always)]
+pub(crate) fn solid_surface<const TEXTURED: bool>(solid: Solid, size: [f64; 3], point: DVec3) -> Surface {
+    let [a, b, c] = size;
+    match solid {
+        Solid::Box => cuboid::surface(point, DVec3::new(a, b, c)),
+        Solid::Rectangle => rectangle::surface(point, [a, b]),
+        Solid::Sphere => sphere::surface::<TEXTURED>(point, a),
+        Solid::Ellipsoid => ellipsoid::surface::<TEXTURED>(point, size),
+        Solid::Cylinder => cylinder::surface::<TEXTURED>(point, [a, b]),
+        Solid::Capsule => capsule::surface::<TEXTURED>(point, [a, b]),
+        Solid::Cone => cone::surface::<TEXTURED>(point, [a, b]),
+        Solid::Plane => plane::surface(point),
+    }
+}
+
+/// The outward normal of a solid at a point of its surface, of whatever length above 0.
+#[inline(always)]
+pub(crate) fn solid_normal<T: Real>(solid: Solid, size: [T; 3], point: [T; 3]) -> [T; 3] {
+    let [a, b, _] = size;
+    match solid {
+        Solid::Box => cuboid::normal(point, size),
+        Solid::Sphere => sphere::normal(point, a),
+        Solid::Ellipsoid => ellipsoid::normal(point, size),
+        Solid::Cylinder => cylinder::normal(point, [a, b]),
+        Solid::Capsule => capsule::normal(point, [a, b]),
+        Solid::Cone => cone::normal(point, [a, b]),
+        Solid::Rectangle | Solid::Plane => [T::ZERO, T::ZERO, T::ONE],
+    }
+}
 
 /// Its argument: only as an argument may a closure be marked as to be inlined.
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! Kernels where they are weakest, one ray at a time.
 
 use super::{Inside, match_solid};
-use crate::scene::{Instance, InstanceConfig, Shape};
+use crate::scene::{Instance, InstanceConfig, Kind, Shape};
 
 const SHAPES: [Shape; 8] = [
     Shape::Box { size: [1.0, 1.5, 2.0] },
@@ -16,7 +16,8 @@ const SHAPES: [Shape; 8] = [
 
 fn inside(shape: Shape, origin: [f64; 3], direction: [f64; 3]) -> Inside {
     let instance = Instance::new(&InstanceConfig { shape, ..Default::default() }).unwrap();
-    match_solid!(instance, inside => inside(origin, direction), _ => unreachable!())
+    let Kind::Solid(solid) = instance.kind() else { unreachable!("a mesh") };
+    match_solid!(solid, instance.size, inside => inside(origin, direction))
 }
 
 fn first(shape: Shape, origin: [f64; 3], direction: [f64; 3], both: bool) -> f64 {

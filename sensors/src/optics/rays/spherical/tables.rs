@@ -2,8 +2,7 @@
 
 use super::{ANGLE_MARGIN, SphericalFan};
 use crate::optics::rays::Fan;
-use crate::scene::tree::WIDTH;
-use crate::simd::{sin_cos, sqrt};
+use crate::simd::{WIDTH, sin_cos, sqrt};
 
 /// Grids that are narrower, in radians, are bounded as a whole.
 const NARROW: f64 = 1e-5;

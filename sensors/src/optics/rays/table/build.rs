@@ -8,7 +8,7 @@ use super::plan::Plan;
 use crate::memory::{CacheLine, Reader};
 use crate::optics::Lens;
 use crate::optics::rays::Fan;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use glam::{DVec2, DVec3};
 
 /// Directions of the rays of a sensor, prepared for tracing once and for all in the caller's memory: of a

@@ -2,8 +2,7 @@
 
 use super::super::Fan;
 use super::chart::{Chart, Kind, Stretch, TURN};
-use crate::scene::tree::WIDTH;
-use crate::simd::sqrt;
+use crate::simd::{WIDTH, sqrt};
 use glam::{DMat3, DVec3};
 
 /// Cosine of the greatest angle to the axis of a perspective chart: 65°.

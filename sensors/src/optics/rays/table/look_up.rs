@@ -1,7 +1,7 @@
 //! From a coordinate of a chart to the columns or rows that have rays there.
 
 use super::chart::TURN;
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16};
 
 /// The least and the greatest column (or row) from and up to each of the cells into which a coordinate is cut.

@@ -5,8 +5,7 @@ use super::layout::{Grid, Layout};
 use super::look_up::{Filling, LookUp, Scale, cells};
 use crate::memory::{CacheLine, Cutter};
 use crate::optics::rays::Fan;
-use crate::scene::tree::WIDTH;
-use crate::simd::sqrt;
+use crate::simd::{WIDTH, sqrt};
 use glam::DVec3;
 
 /// How far from 1 the length of a direction may be.

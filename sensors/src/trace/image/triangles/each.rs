@@ -1,8 +1,9 @@
 //! Triangles one after the other, each block by block.
 
-use super::{Rules, inside, splat};
+use super::{inside, splat};
 use crate::optics::rays::{Projection, Rectangles, min};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
+use crate::trace::image::leaf::Rules;
 use crate::trace::image::set_up::Setup;
 use crate::trace::image::target::Target;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};

@@ -1,8 +1,9 @@
 //! Tiny triangles, sixteen side by side.
 
-use super::{Rules, inside};
+use super::inside;
 use crate::optics::rays::{Projection, Rectangles};
-use crate::scene::tree::WIDTH;
+use crate::simd::WIDTH;
+use crate::trace::image::leaf::Rules;
 use crate::trace::image::set_up::Setup;
 use crate::trace::image::target::Target;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, i32x16, mask32x16};

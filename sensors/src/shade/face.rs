@@ -4,20 +4,14 @@
 //! double precision is worked out once a face, at the sensor; what is left for the rays is in proportion to the
 //! distance from there, and single precision is enough.
 
-use super::shapes::surface::solid_surface;
 use super::surface::Footprint;
 use super::tile::{Steps, Tile};
-use super::view::{Placed, View};
-use crate::scene::tree::WIDTH;
-use crate::scene::{Instance, KIND_BOX, KIND_PLANE, KIND_RECTANGLE};
-use crate::simd::{LANES, Lanes, floor, load_row};
+use crate::scene::{Instance, Solid};
+use crate::simd::{LANES, Lanes, WIDTH, floor, load_row};
+use crate::trace::shapes::solid_surface;
+use crate::trace::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
 use glam::DVec3;
-
-/// Whether an instance has nothing but flat faces, and few of them.
-pub(crate) fn has_flat_faces(instance: &Instance) -> bool {
-    matches!(instance.kind, KIND_BOX | KIND_RECTANGLE | KIND_PLANE)
-}
 
 /// A face, in the axes of the world around the sensor.
 pub(crate) struct Face {
@@ -43,10 +37,10 @@ impl Face {
         change: [[0.0; 2]; 2],
     };
 
-    /// Face `face` of an instance, as [`faces`] counts them.
+    /// Face `face` of an instance of a solid, as [`faces`] counts them.
     #[inline(always)]
     pub(crate) fn new(
-        instance: &Instance,
+        (instance, solid): (&Instance, Solid),
         placed: &Placed,
         face: u32,
         repeat: [f32; 2],
@@ -54,11 +48,11 @@ impl Face {
     ) -> Self {
         // Any point of the face will do.
         let mut point = DVec3::ZERO;
-        if instance.kind == KIND_BOX {
+        if solid == Solid::Box {
             let axis = (face / 2) as usize % 3;
             point[axis] = if face.is_multiple_of(2) { instance.size[axis] } else { -instance.size[axis] };
         }
-        let surface = solid_surface::<true>(instance.kind, instance.size, point);
+        let surface = solid_surface::<true>(solid, instance.size, point);
         let inverse = placed.inverse.map(DVec3::from_array);
         // Normals and gradients go by the inverse transpose.
         let in_frame = |v: DVec3| inverse[0] * v.x + inverse[1] * v.y + inverse[2] * v.z;
@@ -129,10 +123,16 @@ fn along<S: Simd>(simd: S, vector: &[f32; 3], with: &[Lanes<f32>; 3], row: usize
 /// Which face of its box each ray of the tile has hit: twice the axis of the face, and 1 more if the face looks to the
 /// axis's negative end. 0 for shapes of one face.
 #[inline(always)]
-pub(crate) fn faces<S: Simd>(simd: S, view: &View<'_>, tile: &Tile, placed: u32, lanes: u64) -> Lanes<u32> {
+pub(crate) fn faces<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    tile: &Tile,
+    (placed, solid): (u32, Solid),
+    lanes: u64,
+) -> Lanes<u32> {
     let instance = view.instance(placed);
     let placed = &view.placed[placed as usize];
-    if instance.kind != KIND_BOX {
+    if solid != Solid::Box {
         return [0; LANES];
     }
     // A face is seen from outside only: one face of three at the most, and of walls just the one.

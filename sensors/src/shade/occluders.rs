@@ -1,9 +1,9 @@
 //! What may stand between a lamp and the neighbourhood of a tile, remembered from tile to tile.
 
-use super::packet::PacketBounds;
-use super::shadow::from_lamp;
-use super::view::{MAX_DEPTH, View};
-use crate::scene::tree::{LEAF, NONE, WIDTH, WideNode};
+use crate::scene::tree::{LEAF, NONE, WideNode};
+use crate::simd::WIDTH;
+use crate::trace::packet::PacketBounds;
+use crate::trace::view::{MAX_DEPTH, View};
 use fearless_simd::Simd;
 use glam::DVec3;
 
@@ -68,7 +68,7 @@ impl Occluders {
         simd.vectorize(
             #[inline(always)]
             || {
-                let rays = from_lamp(lamp, &self.bounds);
+                let rays = PacketBounds::from_point(lamp, &self.bounds);
                 self.collect(simd, view, &rays);
             },
         );

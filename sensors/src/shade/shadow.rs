@@ -7,17 +7,16 @@
 //! A convex instance never stands in its own light. Points on meshes and height fields, which may, are [lifted](lift)
 //! above their triangles first.
 
-use super::any_hit::{Search, activate, hit_lanes, intersect_instance, walk};
-use super::first_hit::stack_len;
 use super::lift::lift;
 use super::occluders::Occluders;
-use super::packet::{Faces, Packet, PacketBounds};
-use super::shapes::LocalRays;
 use super::tile::Tile;
-use super::view::{MAX_DEPTH, View};
-use crate::scene::KIND_BOX;
-use crate::scene::tree::WIDTH;
-use crate::simd::{LANES, load_row};
+use crate::scene::{Kind, Solid};
+use crate::simd::{LANES, WIDTH, load_row};
+use crate::trace::packet::walk::{stack_len, walk};
+use crate::trace::packet::{Faces, Packet, PacketBounds};
+use crate::trace::packet_hits::{Search, activate, hit_lanes, intersect_instance};
+use crate::trace::shapes::LocalRays;
+use crate::trace::view::{MAX_DEPTH, View};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 use glam::DVec3;
 
@@ -61,7 +60,7 @@ impl Shadows {
             #[inline(always)]
             || {
                 let Self { occluders, packet, local } = self;
-                let bounds = from_lamp(position, &tile.bounds);
+                let bounds = PacketBounds::from_point(position, &tile.bounds);
                 let mut rays = ShadowRays {
                     view,
                     tile,
@@ -163,22 +162,10 @@ impl Shadows {
     }
 }
 
-/// Bounds of rays from a lamp that end at points within `bounds`, at t = 1.
-#[inline(always)]
-pub(super) fn from_lamp(position: DVec3, bounds: &[[f32; 2]; 3]) -> PacketBounds {
-    let (mut origin, mut direction) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
-    for axis in 0..3 {
-        let [low, high] = bounds[axis];
-        origin[axis] = [position[axis]; 2];
-        direction[axis] = [f64::from(low) - position[axis], f64::from(high) - position[axis]];
-    }
-    PacketBounds::of_intervals(origin, direction, 0.0)
-}
-
 /// The lanes that lie on an instance, if it cannot stand in its own light.
 #[inline(always)]
 fn own_lanes<S: Simd>(simd: S, view: &View<'_>, tile: &Tile, index: u32) -> u64 {
-    if view.instance(index).is_convex() { tile.lanes_of(simd, index) } else { 0 }
+    if view.instance(index).kind().is_solid() { tile.lanes_of(simd, index) } else { 0 }
 }
 
 /// Rays from a lamp to the points of a tile.
@@ -204,19 +191,20 @@ impl ShadowRays<'_> {
         let active = self.lit & !self.dark & !own_lanes(simd, self.view, self.tile, index);
         if active != 0 {
             let instance = self.view.instance(index);
-            self.dark |= if instance.kind == KIND_BOX {
-                self.meet_box(simd, index, active)
-            } else if instance.half_extents().is_some_and(|half| !self.comes_near(simd, index, half, active))
-            {
-                0
-            } else {
-                self.meet_other(simd, index, active)
+            self.dark |= match instance.kind() {
+                Kind::Solid(Solid::Box) => self.meet_box(simd, index, active),
+                Kind::Solid(solid)
+                    if !self.comes_near(simd, index, solid.half_extents(instance.size), active) =>
+                {
+                    0
+                }
+                Kind::Solid(_) | Kind::Triangles(_) => self.meet_other(simd, index, active),
             };
         }
         self.dark != self.lit
     }
 
-    /// Slabs, as [`super::shapes::cuboid`], in single precision.
+    /// Slabs, as [`crate::trace::shapes::cuboid`], in single precision.
     #[inline(always)]
     fn meet_box<S: Simd>(&self, simd: S, index: u32, active: u64) -> u64 {
         let half = self.view.instance(index).size;

@@ -3,16 +3,15 @@
 //! Coordinates are metres along the world's axes, relative to the sensor, in single precision: what that loses is
 //! in proportion to the distance, and less than a thousandth of a pixel at any.
 
-use super::grid::Band;
-use super::image::{GRAZING, NO_HIT};
-use super::packet::{MISS, Packet};
-use super::resolve::Resolver;
-use super::tiling::{BLOCKS, Tiling, lane_in_tile};
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
-use crate::scene::tree::WIDTH;
-use crate::simd::{LANES, Lanes, load_row, store_row};
-use fearless_simd::{Select, Simd, SimdBase, SimdCombine, SimdMask, f32x4, f32x16, mask32x16, u32x4, u32x16};
+use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
+use crate::trace::grid::Band;
+use crate::trace::image::{GRAZING, NO_HIT};
+use crate::trace::packet::{MISS, Packet};
+use crate::trace::resolve::Resolver;
+use crate::trace::tiling::{BLOCKS, Tiling, lane_in_tile, line_f32, line_u32};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
 use glam::{DMat3, DVec3};
 
 /// The rays of a camera in the axes of the world.
@@ -113,32 +112,6 @@ impl<'a> CameraRays<'a> {
         };
         [step(0), step(1)]
     }
-}
-
-/// A line of the tile that four blocks make.
-#[inline(always)]
-fn line_u32<S: Simd>(simd: S, tiling: Tiling, blocks: &[&[u32; WIDTH]; BLOCKS], line: usize) -> u32x16<S> {
-    if tiling == Tiling::Rows {
-        return u32x16::load_array_ref(simd, blocks[line]);
-    }
-    let [a, b, c, d] = blocks;
-    let part = line * 4..line * 4 + 4;
-    let left = u32x4::from_slice(simd, &a[part.clone()]).combine(u32x4::from_slice(simd, &b[part.clone()]));
-    let right = u32x4::from_slice(simd, &c[part.clone()]).combine(u32x4::from_slice(simd, &d[part]));
-    left.combine(right)
-}
-
-/// A line of the tile that four blocks make.
-#[inline(always)]
-fn line_f32<S: Simd>(simd: S, tiling: Tiling, blocks: &[&[f32; WIDTH]; BLOCKS], line: usize) -> f32x16<S> {
-    if tiling == Tiling::Rows {
-        return f32x16::load_array_ref(simd, blocks[line]);
-    }
-    let [a, b, c, d] = blocks;
-    let part = line * 4..line * 4 + 4;
-    let left = f32x4::from_slice(simd, &a[part.clone()]).combine(f32x4::from_slice(simd, &b[part.clone()]));
-    let right = f32x4::from_slice(simd, &c[part.clone()]).combine(f32x4::from_slice(simd, &d[part]));
-    left.combine(right)
 }
 
 /// The lanes of a tile that have no ray.

@@ -1,21 +1,19 @@
-//! Whether anything is hit by the rays of a packet, in double precision. Which of several hits is found is not
-//! specified. And where a packet meets one instance, of which [first hits](super::first_hit) are made too.
+//! Where a packet meets one instance, in double precision: any hit, of which it is not specified which, or the first.
 
-use super::first_hit::{stack_len, walk_to_nearest};
+use super::packet::walk::{stack_len, walk, walk_to_nearest};
 use super::packet::{Faces, MISS, Packet, PacketBounds};
-use super::shapes::{LocalRays, commit, match_solid, triangle};
-use super::view::{Placed, View};
-use crate::scene::build::MAX_DEPTH;
-use crate::scene::tree::{LEAF, TriangleBlock, WIDTH, WideNode};
-use crate::scene::{KIND_HEIGHT_FIELD, KIND_MESH};
-use crate::simd::LANES;
+use crate::scene::tree::{MAX_DEPTH, TriangleBlock, WideNode};
+use crate::scene::{Kind, Triangles};
+use crate::simd::{LANES, WIDTH};
+use crate::trace::shapes::{LocalRays, commit, match_solid, triangle};
+use crate::trace::view::{self, Placed, View};
 use core::borrow::Borrow;
 use fearless_simd::Simd;
 use glam::DVec3;
 
 /// Only the lanes whose bits are set take part, up to `t_max`.
 #[inline(always)]
-pub(super) fn activate(packet: &mut Packet, lanes: u64, t_max: f64) {
+pub(crate) fn activate(packet: &mut Packet, lanes: u64, t_max: f64) {
     packet.hit = [MISS; LANES];
     for lane in 0..LANES {
         packet.t[lane] = if lanes >> lane & 1 != 0 { t_max } else { f64::NEG_INFINITY };
@@ -23,7 +21,7 @@ pub(super) fn activate(packet: &mut Packet, lanes: u64, t_max: f64) {
 }
 
 #[inline(always)]
-pub(super) fn hit_lanes(packet: &Packet) -> u64 {
+pub(crate) fn hit_lanes(packet: &Packet) -> u64 {
     let mut lanes = 0;
     for lane in 0..LANES {
         lanes |= u64::from(packet.hit[lane] != MISS) << lane;
@@ -39,42 +37,9 @@ fn retire_hits(packet: &mut Packet) {
     }
 }
 
-/// Visits the leaves that the packet may meet before `t_max`, until `visit` returns that no lane is left. A stack of
-/// [`stack_len`] entries is enough.
-#[inline(always)]
-pub(super) fn walk<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
-    simd: S,
-    node: impl Fn(u32) -> N,
-    bounds: &PacketBounds,
-    t_max: f32,
-    mut visit: impl FnMut(u32) -> bool,
-) {
-    let mut stack = [0_u32; STACK];
-    let mut waiting = 1;
-    while waiting > 0 {
-        waiting -= 1;
-        let child = stack[waiting];
-        if child & LEAF != 0 {
-            if !visit(child & !LEAF) {
-                return;
-            }
-            continue;
-        }
-        let node = node(child);
-        let node = node.borrow();
-        let mut lanes = bounds.enter(simd, node, t_max);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
-            lanes &= lanes - 1;
-            stack[waiting] = node.child[lane];
-            waiting += 1;
-        }
-    }
-}
-
 /// What is looked for.
 #[derive(Clone, Copy)]
-pub(super) enum Search {
+pub(crate) enum Search {
     /// Any hit before some t.
     Any(f32),
     /// The first.
@@ -82,7 +47,7 @@ pub(super) enum Search {
 }
 
 #[inline(always)]
-pub(super) fn intersect_instance<S: Simd>(
+pub(crate) fn intersect_instance<S: Simd>(
     simd: S,
     view: &View<'_>,
     index: u32,
@@ -91,11 +56,14 @@ pub(super) fn intersect_instance<S: Simd>(
 ) {
     let placed = &view.placed[index as usize];
     take_in(placed, packet, rays);
-    match_solid!(
-        view.instance(index),
-        inside => commit(rays, packet, faces, placed.first_slot, inside),
-        _ => walk_triangles(simd, view, placed, rays, packet, (faces, search))
-    );
+    match placed.kind() {
+        Kind::Solid(solid) => match_solid!(
+            solid,
+            view.instance(index).size,
+            inside => commit(rays, packet, faces, placed.first_slot, inside)
+        ),
+        Kind::Triangles(kind) => walk_triangles(simd, view, (placed, kind), rays, packet, (faces, search)),
+    }
 }
 
 /// The rays of a packet, in the frame of an instance.
@@ -126,7 +94,7 @@ fn take_in(placed: &Placed, packet: &Packet, rays: &mut LocalRays) {
 fn walk_triangles<S: Simd>(
     simd: S,
     view: &View<'_>,
-    placed: &Placed,
+    (placed, kind): (&Placed, Triangles),
     rays: &LocalRays,
     packet: &mut Packet,
     (faces, search): (Faces, Search),
@@ -140,8 +108,8 @@ fn walk_triangles<S: Simd>(
         #[inline(always)]
         || {
             let bounds = PacketBounds::new(&rays.origin, &rays.direction, packet);
-            match placed.kind {
-                KIND_MESH => walk_leaves(
+            match kind {
+                Triangles::Mesh => walk_leaves(
                     simd,
                     #[inline(always)]
                     |node| &view.scene.nodes[(placed.first_node + node) as usize],
@@ -153,7 +121,7 @@ fn walk_triangles<S: Simd>(
                         draw(rays, block, packet, faces, placed.first_slot + leaf * WIDTH as u32);
                     },
                 ),
-                KIND_HEIGHT_FIELD => {
+                Triangles::HeightField => {
                     let grid = view.height_grid(placed);
                     walk_leaves(
                         simd,
@@ -168,7 +136,6 @@ fn walk_triangles<S: Simd>(
                         },
                     );
                 }
-                _ => {}
             }
         },
     );
@@ -211,4 +178,28 @@ fn draw(rays: &LocalRays, block: &TriangleBlock, packet: &mut Packet, faces: tri
             .map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()));
         triangle::intersect(rays, corners, packet, faces, slot + lane as u32);
     }
+}
+
+/// Finds the first hit of each ray from the frame's origin. [`Packet::hit`] is then its slot, as the
+/// [`Resolver`](crate::trace::resolve::Resolver) knows it; `local` is room to work in.
+#[inline(always)]
+pub(crate) fn first_hits<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    packet: &mut Packet,
+    local: &mut LocalRays,
+    faces: Faces,
+) {
+    let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
+    walk_to_nearest::<S, _, { stack_len(view::MAX_DEPTH) }>(
+        simd,
+        #[inline(always)]
+        |node| &view.nodes[node as usize],
+        &bounds,
+        packet,
+        #[inline(always)]
+        |index, packet| {
+            intersect_instance(simd, view, index, (packet, local), (faces, Search::First));
+        },
+    );
 }

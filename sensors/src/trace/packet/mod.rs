@@ -1,8 +1,11 @@
 //! 64 rays that are traced together, and the bounds that let whole subtrees be skipped for all of them.
 
-use crate::scene::tree::{NONE, WIDTH, WideNode};
-use crate::simd::{LANES, Lanes};
+pub(crate) mod walk;
+
+use crate::scene::tree::{NONE, WideNode};
+use crate::simd::{LANES, Lanes, WIDTH};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
+use glam::DVec3;
 
 /// No instance was hit.
 pub(crate) const MISS: u32 = u32::MAX;
@@ -116,6 +119,18 @@ impl PacketBounds {
             bounds.ascending[axis] = high >= 0.0;
         }
         bounds
+    }
+
+    /// Bounds of rays from one point that end, at t = 1, within a box.
+    #[inline(always)]
+    pub(crate) fn from_point(from: DVec3, ends: &[[f32; 2]; 3]) -> Self {
+        let (mut origin, mut direction) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
+        for axis in 0..3 {
+            let [low, high] = ends[axis];
+            origin[axis] = [from[axis]; 2];
+            direction[axis] = [f64::from(low) - from[axis], f64::from(high) - from[axis]];
+        }
+        Self::of_intervals(origin, direction, 0.0)
     }
 
     /// Children of a node that some ray may meet before `t_max`, a bit for each.

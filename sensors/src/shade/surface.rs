@@ -4,14 +4,12 @@
 //! A tile sees few instances, so its surfaces are worked out instance by instance, for all lanes at once; each lane
 //! keeps those of its own.
 
-use super::shapes::surface::{Surface, flat, solid_surface};
 use super::tile::{Steps, Tile};
-use super::view::{Placed, View};
-use crate::scene::tree::WIDTH;
-use crate::scene::{
-    KIND_CAPSULE, KIND_CONE, KIND_CYLINDER, KIND_ELLIPSOID, KIND_HEIGHT_FIELD, KIND_MESH, KIND_SPHERE,
-};
-use crate::simd::{LANES, Lanes, floor, load_row, sqrt_f32};
+use crate::scene::{Kind, Solid, Triangles};
+use crate::simd::{LANES, Lanes, WIDTH, floor, load_row, sqrt_f32};
+use crate::trace::shapes::solid_surface;
+use crate::trace::shapes::surface::{Surface, flat};
+use crate::trace::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, f32x16, mask32x16};
 use glam::DVec3;
 
@@ -102,24 +100,26 @@ impl Surfaces {
         let instance = view.instance(index);
         let placed = &view.placed[index as usize];
         macro_rules! solid {
-            ($kind:expr) => {
+            ($solid:expr) => {
                 self.add_lanes::<TEXTURED>(
                     tile,
                     index,
                     placed,
                     (repeat, steps),
                     #[inline(always)]
-                    |_, point| solid_surface::<TEXTURED>($kind, instance.size, point),
+                    |_, point| solid_surface::<TEXTURED>($solid, instance.size, point),
                 )
             };
         }
-        match instance.kind {
-            KIND_SPHERE => solid!(KIND_SPHERE),
-            KIND_CYLINDER => solid!(KIND_CYLINDER),
-            KIND_CAPSULE => solid!(KIND_CAPSULE),
-            KIND_ELLIPSOID => solid!(KIND_ELLIPSOID),
-            KIND_CONE => solid!(KIND_CONE),
-            KIND_HEIGHT_FIELD | KIND_MESH => self.add_lanes::<TEXTURED>(
+        match placed.kind() {
+            Kind::Solid(Solid::Sphere) => solid!(Solid::Sphere),
+            Kind::Solid(Solid::Cylinder) => solid!(Solid::Cylinder),
+            Kind::Solid(Solid::Capsule) => solid!(Solid::Capsule),
+            Kind::Solid(Solid::Ellipsoid) => solid!(Solid::Ellipsoid),
+            Kind::Solid(Solid::Cone) => solid!(Solid::Cone),
+            // Theirs are flat faces.
+            Kind::Solid(Solid::Box | Solid::Rectangle | Solid::Plane) => {}
+            Kind::Triangles(triangles) => self.add_lanes::<TEXTURED>(
                 tile,
                 index,
                 placed,
@@ -128,15 +128,14 @@ impl Surfaces {
                 |lane, point| {
                     // Other lanes may have hit the triangle of something else.
                     if tile.placed[lane] != index {
-                        flat(DVec3::Z, point, [DVec3::ZERO; 2])
-                    } else if instance.kind == KIND_MESH {
-                        on_triangle::<TEXTURED>(view, placed, tile.local[lane], point)
-                    } else {
-                        on_height_field(view, placed, tile.local[lane], point)
+                        return flat(DVec3::Z, point, [DVec3::ZERO; 2]);
+                    }
+                    match triangles {
+                        Triangles::Mesh => on_triangle::<TEXTURED>(view, placed, tile.local[lane], point),
+                        Triangles::HeightField => on_height_field(view, placed, tile.local[lane], point),
                     }
                 },
             ),
-            _ => {}
         }
     }
 

@@ -1,45 +1,52 @@
-//! What the rays of a packet hit first, in double precision: for the few rays that are traced after a picture.
+//! The ways of a packet through a tree.
 
-use super::any_hit::{Search, intersect_instance};
-use super::packet::{Faces, Packet, PacketBounds};
-use super::shapes::LocalRays;
-use super::view::{MAX_DEPTH, View};
-use crate::scene::tree::{LEAF, WIDTH, WideNode};
+use super::{Packet, PacketBounds};
+use crate::scene::tree::{LEAF, WideNode};
+use crate::simd::WIDTH;
 use core::borrow::Borrow;
 use fearless_simd::Simd;
 
 /// Entries of the stack that a walk of so deep a tree needs.
-pub(super) const fn stack_len(depth: usize) -> usize {
+pub(crate) const fn stack_len(depth: usize) -> usize {
     (WIDTH - 1) * depth + 2
 }
 
-/// Finds the first hit of each ray from the frame's origin. [`Packet::hit`] is then its slot, as the
-/// [`Resolver`](super::resolve::Resolver) knows it; `local` is room to work in.
+/// Visits the leaves that the packet may meet before `t_max`, until `visit` returns that no lane is left. A stack of
+/// [`stack_len`] entries is enough.
 #[inline(always)]
-pub(crate) fn first_hits<S: Simd>(
+pub(crate) fn walk<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
     simd: S,
-    view: &View<'_>,
-    packet: &mut Packet,
-    local: &mut LocalRays,
-    faces: Faces,
+    node: impl Fn(u32) -> N,
+    bounds: &PacketBounds,
+    t_max: f32,
+    mut visit: impl FnMut(u32) -> bool,
 ) {
-    let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
-    walk_to_nearest::<S, _, { stack_len(MAX_DEPTH) }>(
-        simd,
-        #[inline(always)]
-        |node| &view.nodes[node as usize],
-        &bounds,
-        packet,
-        #[inline(always)]
-        |index, packet| {
-            intersect_instance(simd, view, index, (packet, local), (faces, Search::First));
-        },
-    );
+    let mut stack = [0_u32; STACK];
+    let mut waiting = 1;
+    while waiting > 0 {
+        waiting -= 1;
+        let child = stack[waiting];
+        if child & LEAF != 0 {
+            if !visit(child & !LEAF) {
+                return;
+            }
+            continue;
+        }
+        let node = node(child);
+        let node = node.borrow();
+        let mut lanes = bounds.enter(simd, node, t_max);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+            lanes &= lanes - 1;
+            stack[waiting] = node.child[lane];
+            waiting += 1;
+        }
+    }
 }
 
 /// Visits the leaves that the packet may meet before what it has hit, the nearer ones first.
 #[inline(always)]
-pub(super) fn walk_to_nearest<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
+pub(crate) fn walk_to_nearest<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
     simd: S,
     node: impl Fn(u32) -> N,
     bounds: &PacketBounds,

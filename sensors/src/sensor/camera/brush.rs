@@ -1,23 +1,23 @@
 //! How a camera colours the tiles of a traced band: light, its mean over the moments of a shutter, exposure and noise.
 
-use super::camera::Camera;
-use super::edges::{Edges, Marks};
-use super::pixel;
+use super::Camera;
 use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
 use crate::memory::{Cutter, lines};
 use crate::moment::{Capture, Shutter};
 use crate::optics::rays::Fan;
+use crate::sensor::edges::{Edges, Marks};
+use crate::sensor::pixel;
+use crate::shade::tile::{CameraRays, Tile};
 use crate::shade::{Colours, Shader};
 use crate::simd::LANES;
 use crate::trace::grid::Band;
 use crate::trace::resolve::Resolver;
-use crate::trace::tile::{CameraRays, Tile};
 use crate::trace::tiling::Tiling;
 use fearless_simd::Simd;
 
 /// Rows of colours, cut between rows of tiles.
-pub(super) struct ColourRows<'a> {
+pub(in crate::sensor) struct ColourRows<'a> {
     /// None if nobody wants the picture itself.
     pixels: Option<&'a mut [u8]>,
     /// Light of each tile, summed over the moments that see it; empty if none is seen at more than one.
@@ -30,7 +30,7 @@ pub(super) struct ColourRows<'a> {
 }
 
 /// Cache lines of [`ColourRows::sums`].
-pub(super) fn sums_len(fan: &Fan, shutter: &Shutter<'_>) -> usize {
+pub(in crate::sensor) fn sums_len(fan: &Fan, shutter: &Shutter<'_>) -> usize {
     lines(sums(fan, shutter) * size_of::<Colours>())
 }
 
@@ -40,7 +40,7 @@ fn sums(fan: &Fan, shutter: &Shutter<'_>) -> usize {
 }
 
 impl<'a> ColourRows<'a> {
-    pub(super) fn new<'m>(
+    pub(in crate::sensor) fn new<'m>(
         camera: &Camera<'_>,
         fan: &Fan,
         shutter: &Shutter<'_>,
@@ -75,7 +75,7 @@ impl SplitRows for ColourRows<'_> {
 }
 
 /// Colours the tiles of one band.
-pub(super) struct Brush<'a> {
+pub(in crate::sensor) struct Brush<'a> {
     camera: &'a Camera<'a>,
     capture: &'a Capture<'a>,
     rays: CameraRays<'a>,
@@ -83,15 +83,15 @@ pub(super) struct Brush<'a> {
     seen: Tile,
     shader: Shader,
     /// Of the last tile that was seen: its light, and then its colours.
-    pub(super) colours: Colours,
+    pub(in crate::sensor) colours: Colours,
     tiling: Tiling,
     /// Tiles across.
-    pub(super) tiles: usize,
+    pub(in crate::sensor) tiles: usize,
 }
 
 impl<'a> Brush<'a> {
     #[inline(always)]
-    pub(super) fn new(camera: &'a Camera<'a>, capture: &'a Capture<'a>, band: &Band<'a>) -> Self {
+    pub(in crate::sensor) fn new(camera: &'a Camera<'a>, capture: &'a Capture<'a>, band: &Band<'a>) -> Self {
         let fan = band.rays.fan();
         let tiling = Tiling::of(fan);
         Self {
@@ -112,14 +112,14 @@ impl<'a> Brush<'a> {
 
     /// Works out the light of a tile.
     #[inline(always)]
-    pub(super) fn see<S: Simd>(&mut self, simd: S, band: &Band<'_>, tile: [usize; 2]) {
+    pub(in crate::sensor) fn see<S: Simd>(&mut self, simd: S, band: &Band<'_>, tile: [usize; 2]) {
         self.seen.take(simd, band, &mut self.resolver, &self.rays, tile);
         self.shader.shade(simd, band.view, &self.seen, &self.rays.steps, &mut self.colours);
     }
 
     /// Marks what was seen last, if marks are kept.
     #[inline(always)]
-    pub(super) fn mark<S: Simd>(
+    pub(in crate::sensor) fn mark<S: Simd>(
         &self,
         simd: S,
         band: &Band<'_>,
@@ -132,7 +132,7 @@ impl<'a> Brush<'a> {
 
     /// Makes the light seen last the mean over the moments of the shutter; false if there are some to come.
     #[inline(always)]
-    pub(super) fn take_mean(
+    pub(in crate::sensor) fn take_mean(
         &mut self,
         band: &Band<'_>,
         [column, row]: [usize; 2],
@@ -158,7 +158,7 @@ impl<'a> Brush<'a> {
 
     /// Turns light into what the device makes of it.
     #[inline(always)]
-    pub(super) fn expose<S: Simd>(&mut self, simd: S, [column, row]: [usize; 2]) {
+    pub(in crate::sensor) fn expose<S: Simd>(&mut self, simd: S, [column, row]: [usize; 2]) {
         let view = TileView {
             directions: &self.seen.direction,
             forward: self.rays.forward(),
@@ -170,7 +170,7 @@ impl<'a> Brush<'a> {
 
     /// Writes the colours into the picture, if it is wanted.
     #[inline(always)]
-    pub(super) fn write<S: Simd>(
+    pub(in crate::sensor) fn write<S: Simd>(
         &self,
         simd: S,
         band: &Band<'_>,

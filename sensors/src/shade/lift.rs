@@ -6,8 +6,8 @@
 //! them by as much as the neighbours' corners may be off.
 
 use super::tile::Tile;
-use super::view::{Placed, View};
 use crate::simd::{LANES, Lanes};
+use crate::trace::view::{Placed, View};
 use fearless_simd::Simd;
 use glam::DVec3;
 
@@ -32,7 +32,7 @@ pub(super) fn lift<S: Simd>(
         let index = tile.placed[rest.trailing_zeros() as usize % LANES];
         let own = tile.lanes_of(simd, index) & rest;
         rest &= !own;
-        if !view.instance(index).is_convex() {
+        if !view.instance(index).kind().is_solid() {
             lift_own(view, tile, index, own, points);
             lifted |= own;
         }

@@ -1,0 +1,39 @@
+//! How long something takes that is done again and again.
+
+use std::time::Duration;
+
+/// Part of the difference by which the expectation follows when it takes less time: 1 / 16.
+const FORGETTING: u32 = 16;
+
+/// The time that it may take next: the longest lately.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Cost(Duration);
+
+impl Cost {
+    /// It took so long this time.
+    pub fn add(&mut self, took: Duration) {
+        self.0 = took.max(self.0 - self.0.saturating_sub(took) / FORGETTING);
+    }
+
+    /// The time that it may take next.
+    pub fn expected(&self) -> Duration {
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_grows_at_once_and_shrinks_slowly() {
+        let ms = Duration::from_millis;
+        let mut cost = Cost::default();
+        cost.add(ms(32));
+        assert_eq!(cost.expected(), ms(32));
+        cost.add(ms(16));
+        assert_eq!(cost.expected(), ms(31));
+        (0..100).for_each(|_| cost.add(ms(16)));
+        assert!(cost.expected() - ms(16) < Duration::from_micros(50), "{cost:?}");
+    }
+}

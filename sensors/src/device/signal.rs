@@ -76,19 +76,19 @@ impl Signal {
         }
         let mut counts = [0.0; LANES];
         let mut reading = [0.0; LANES];
-        if !is_one {
-            if read_e != 0.0 {
-                reading = normals64_at(&of(Stream::READ), samples);
-            }
-            for lane in 0..LANES {
-                counts[lane] = many(electrons[lane], shot[lane]) + read_e * reading[lane];
-            }
-        } else {
+        if is_one {
             reading = shot;
             if any_many != 0 {
                 for lane in 0..LANES {
                     counts[lane] = many_with_reading(electrons[lane], variance, shot[lane]);
                 }
+            }
+        } else {
+            if read_e != 0.0 {
+                reading = normals64_at(&of(Stream::READ), samples);
+            }
+            for lane in 0..LANES {
+                counts[lane] = many(electrons[lane], shot[lane]) + read_e * reading[lane];
             }
         }
         if any_few | any_none != 0 {

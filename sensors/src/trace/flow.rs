@@ -89,15 +89,11 @@ impl<'a> Flow<'a> {
         resolver: &mut Resolver<'_>,
         block: [usize; 2],
     ) -> [f32x16<S>; 2] {
-        match (&band.rays, self.other) {
-            (Rays::Pinhole(rays), Shutter::Global(moment)) => {
-                self.pinhole(simd, band, rays, moment, resolver, block)
-            }
-            _ => {
-                let [right, down] = self.ray_by_ray(band, resolver, block);
-                [f32x16::load_array(simd, right), f32x16::load_array(simd, down)]
-            }
+        if let (Rays::Pinhole(rays), Shutter::Global(moment)) = (&band.rays, self.other) {
+            return self.pinhole(simd, band, rays, moment, resolver, block);
         }
+        let [right, down] = self.ray_by_ray(band, resolver, block);
+        [f32x16::load_array(simd, right), f32x16::load_array(simd, down)]
     }
 
     /// Between two moments of a pinhole: all rays of an instance at once.

@@ -78,6 +78,7 @@ fn instances() -> Vec<InstanceConfig> {
         let place = DVec3::new(2.5 + 0.3 * index as f64, index as f64 - 3.0, -0.4);
         let world_from_instance = match shape {
             Shape::Plane => Pose::from_translation(DVec3::NEG_Z),
+            Shape::HeightField(_) => Pose::from_translation(place),
             _ => Pose::from_xyz_rpy(place, turn),
         };
         let material = MaterialId(index as u32 % 2);

@@ -17,14 +17,17 @@ use super::{Environment, HeightField, Instance, Light, Material, Meshes, Scene, 
 /// let wall = |half: f32| [[0.0, -half, -half], [0.0, half, -half], [0.0, half, half], [0.0, -half, half]];
 /// let faces = [[0, 2, 1], [0, 3, 2]];
 /// const MOST: usize = 2 * max_size(2).blocks;
+/// let (mut meshes, mut uvs, mut triangles) = ([Mesh::zeroed(); 2], [[0.0; 2]; 8], [[0; 3]; 4]);
+/// let (mut nodes, mut blocks) = ([WideNode::zeroed(); MOST], [TriangleBlock::zeroed(); MOST]);
+/// let (mut facets, mut scratch) = ([Facet::zeroed(); 16 * MOST], [Scratch::zeroed(); scratch_len(2)]);
 /// let mut store = MeshStore::new(MeshMemory {
-///     meshes: &mut [Mesh::zeroed(); 2],
-///     uvs: &mut [[0.0; 2]; 8],
-///     triangles: &mut [[0; 3]; 4],
-///     nodes: &mut [WideNode::zeroed(); MOST],
-///     blocks: &mut [TriangleBlock::zeroed(); MOST],
-///     facets: &mut [Facet::zeroed(); 16 * MOST],
-///     scratch: &mut [Scratch::zeroed(); scratch_len(2)],
+///     meshes: &mut meshes,
+///     uvs: &mut uvs,
+///     triangles: &mut triangles,
+///     nodes: &mut nodes,
+///     blocks: &mut blocks,
+///     facets: &mut facets,
+///     scratch: &mut scratch,
 /// });
 /// let execution = Execution::default();
 /// let large = store.add(&wall(1.0), &[], &faces, execution)?;

@@ -8,6 +8,7 @@ use super::normals::{NormalFinder, Normals};
 use super::place::{Place, for_each_block};
 use super::resolve::{Resolver, hit_lanes};
 use crate::execution::split_at;
+use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
 use crate::optics::Optics;
 use crate::scene::Scene;
@@ -91,6 +92,39 @@ impl<'a> Truth<'a> {
             (Some(_), None, ..) => Err(SenseError::OtherMoment { parameter: "after" }),
             (.., Some(_), None) => Err(SenseError::OtherMoment { parameter: "before" }),
             _ => Ok(()),
+        }
+    }
+
+    /// The same outputs, of so many rays, in other memory; of flow, none.
+    pub(crate) fn elsewhere<'m>(&self, memory: &mut Cutter<'m>, rays: usize) -> Truth<'m> {
+        Truth {
+            depth: self.depth.is_some().then(|| memory.take(rays)),
+            range: self.range.is_some().then(|| memory.take(rays)),
+            normal: self.normal.is_some().then(|| memory.take(rays)),
+            instance: self.instance.is_some().then(|| memory.take(rays)),
+            class: self.class.is_some().then(|| memory.take(rays)),
+            incidence: self.incidence.is_some().then(|| memory.take(rays)),
+            flow: None,
+            flow_back: None,
+        }
+    }
+
+    /// Cache lines of [`Truth::elsewhere`], whatever is wanted.
+    pub(crate) const fn elsewhere_len(rays: usize) -> usize {
+        5 * lines(rays * size_of::<f32>()) + lines(rays * size_of::<[f32; 3]>())
+    }
+
+    /// To be lent once more.
+    pub(crate) fn reborrow(&mut self) -> Truth<'_> {
+        Truth {
+            depth: self.depth.as_deref_mut(),
+            range: self.range.as_deref_mut(),
+            normal: self.normal.as_deref_mut(),
+            instance: self.instance.as_deref_mut(),
+            class: self.class.as_deref_mut(),
+            incidence: self.incidence.as_deref_mut(),
+            flow: self.flow.as_deref_mut(),
+            flow_back: self.flow_back.as_deref_mut(),
         }
     }
 

@@ -31,6 +31,18 @@ impl Execution {
     }
 }
 
+impl Execution {
+    /// The same on the calling thread alone.
+    #[cfg_attr(not(feature = "rayon"), allow(unused_mut, reason = "threads come with rayon"))]
+    pub(crate) fn alone(mut self) -> Self {
+        #[cfg(feature = "rayon")]
+        {
+            self.parallel = false;
+        }
+        self
+    }
+}
+
 /// Output that can be cut between two rows of tiles.
 pub(crate) trait SplitRows: Sized + Send {
     /// The first `rows` rows of tiles, and the rest.

@@ -33,7 +33,8 @@ pub struct Moment<'a> {
 
 /// Some lines of a frame, and the moment at which they are taken.
 ///
-/// Lines are rows of the grid of rays: of a picture from its top, of a lidar from its first scan line.
+/// Lines are rows of a picture, from its top. Of a lidar they are what its [`Sweep`](crate::lidar::Sweep) says: columns of
+/// one that turns, from the first beam of the scan lines, or scan lines.
 #[derive(Debug, Clone)]
 pub struct Slice<'a> {
     /// Which lines.

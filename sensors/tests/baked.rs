@@ -82,16 +82,13 @@ fn errors_say_what_is_wrong() {
         let nodes = section(bytes, 4);
         bytes[nodes + 384..][..4].copy_from_slice(&77_u32.to_le_bytes());
     });
-    assert!(
-        fault.contains("element 0 of section `meshes`") && fault.contains("child 0 of node 0"),
-        "{fault}"
-    );
+    assert!(fault.contains("element 0 of `meshes`") && fault.contains("child 0 of node 0"), "{fault}");
     // The x of the third instance's position.
     let fault = fault_of(|bytes| {
         let third = section(bytes, 14) + 2 * 56;
         bytes[third + 32..][..8].copy_from_slice(&f64::NAN.to_le_bytes());
     });
-    assert!(fault.contains("element 2 of section `poses`: translation cannot be NaN"), "{fault}");
+    assert!(fault.contains("element 2 of `poses` of the scene: translation cannot be NaN"), "{fault}");
 }
 
 proptest! {

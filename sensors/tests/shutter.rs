@@ -6,7 +6,7 @@ mod common;
 use belvedere_sensors::camera::{Camera, CameraConfig, Mosaic, Picture, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::DeviceConfig;
-use belvedere_sensors::lidar::{Beams, Lidar, Scan};
+use belvedere_sensors::lidar::{Beams, Lidar, Scan, Sweep};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, RayTableBuf};
 use belvedere_sensors::scene::{Environment, Scene, SceneBuilder, Shape};
@@ -108,8 +108,10 @@ fn slices_of_one_moment_are_that_moments_frame() {
             == picture_of(&scene, config, &sliced, Execution::default())
     );
 
-    let lidar =
-        Lidar::new(LIDAR.vertical(Beams { samples: 40, min_angle_rad: -0.4, max_angle_rad: 0.3 })).unwrap();
+    let lidar = Lidar::new(
+        LIDAR.vertical(Beams { samples: 40, min_angle_rad: -0.4, max_angle_rad: 0.3 }).sweep(Sweep::Rows),
+    )
+    .unwrap();
     let scan = |capture: &Capture<'_>| {
         let mut values = [vec![7.0_f32; lidar.beams()], vec![7.0; lidar.beams()]];
         let [ranges, intensities] = &mut values;

@@ -9,17 +9,20 @@
 //! Numbers are little-endian; the magic number tells a machine with another byte order that it cannot use them.
 //! Whoever wrote the bytes, [`Scene::from_baked`] checks all that tracing relies on.
 
-mod check;
 mod error;
 
 pub use error::BakedError;
 
 use super::builder::Packed;
 use super::tree::{Facet, TriangleBlock, WideNode};
-use super::{Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneBuilder, Texture};
+use super::{
+    Environment, HeightField, Instance, Light, Material, Mesh, Meshes, Scene, SceneBuilder, SceneSlices,
+    Texture, check,
+};
 use crate::memory::CacheLine;
 use crate::pose::Pose;
 use alloc::vec::Vec;
+use bytemuck::allocation::zeroed_vec;
 use bytemuck::{Pod, Zeroable};
 
 /// `BLVDRSCN`, read as a little-endian number.
@@ -196,14 +199,19 @@ impl<'a> Scene<'a> {
             lights,
             poses,
         ] = sections;
-        let scene = Self {
-            instances: bytemuck::cast_slice(instances),
+        let meshes = Meshes {
             meshes: bytemuck::cast_slice(meshes),
             uvs: bytemuck::cast_slice(uvs),
             triangles: bytemuck::cast_slice(triangles),
             nodes: bytemuck::cast_slice(nodes),
             blocks: bytemuck::cast_slice(blocks),
             facets: bytemuck::cast_slice(facets),
+        };
+        check::parts_of_meshes(&meshes)?;
+        check::meshes(&meshes, &mut zeroed_vec(Meshes::scratch_len(meshes.meshes)))?;
+        let scene = Self::from_slices(&SceneSlices {
+            instances: bytemuck::cast_slice(instances),
+            meshes,
             height_fields: bytemuck::cast_slice(height_fields),
             heights: bytemuck::cast_slice(heights),
             extents: bytemuck::cast_slice(extents),
@@ -212,9 +220,9 @@ impl<'a> Scene<'a> {
             texels: bytemuck::cast_slice(texels),
             lights: bytemuck::cast_slice(lights),
             environment: Environment { ambient: header.ambient, background: header.background },
-        };
+        })?;
         let poses = bytemuck::cast_slice(poses);
-        check::scene(&scene, poses)?;
+        check::poses(&scene, poses)?;
         Ok((scene, poses))
     }
 }

@@ -5,7 +5,6 @@
 
 use super::SceneError;
 use super::vertices::MAX_COORDINATE;
-#[cfg(feature = "alloc")]
 use super::{Light, Material};
 use crate::pose::Pose;
 
@@ -13,7 +12,6 @@ const MOST: f64 = MAX_COORDINATE as f64;
 
 /// What cannot be accepted: as a builder says it, and the value for who reads bytes.
 #[derive(Debug, Clone, Copy)]
-#[cfg_attr(not(feature = "alloc"), allow(dead_code, reason = "bytes are read with a heap only"))]
 pub(crate) struct Refusal {
     pub(crate) error: SceneError,
     pub(crate) field: &'static str,
@@ -53,12 +51,21 @@ fn is_unit(square: f64) -> bool {
     (square - 1.0).abs() <= 1e-6
 }
 
-#[cfg(feature = "alloc")]
 pub(crate) fn uv(index: usize, uv: [f32; 2]) -> Result<(), Refusal> {
     all(uv.map(f64::from), in_space, "uv", SceneError::BadUv(index))
 }
 
-#[cfg(feature = "alloc")]
+/// Texture coordinates of a mesh: none, or one a vertex.
+pub(crate) fn uvs(uvs: &[[f32; 2]], vertices: usize) -> Result<(), SceneError> {
+    if !uvs.is_empty() && uvs.len() != vertices {
+        return Err(SceneError::UvCount);
+    }
+    for (index, &own) in uvs.iter().enumerate() {
+        uv(index, own)?;
+    }
+    Ok(())
+}
+
 pub(crate) fn material(material: &Material) -> Result<(), Refusal> {
     all(material.texture_repeat.map(f64::from), in_space, "texture repeat", SceneError::BadTextureRepeat)
 }
@@ -74,7 +81,6 @@ pub(crate) fn pose(pose: &Pose) -> Result<(), Refusal> {
     all(pose.translation().to_array(), in_space, "translation", SceneError::BadPose)
 }
 
-#[cfg(feature = "alloc")]
 pub(crate) fn light(light: &Light) -> Result<(), Refusal> {
     all(light.position, in_space, "position", SceneError::BadLight)?;
     let length = light.direction.iter().map(|value| value * value).sum::<f64>();

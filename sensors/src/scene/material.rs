@@ -195,9 +195,14 @@ pub struct Environment {
     pub background: [f32; 3],
 }
 
-impl Default for Environment {
+impl Environment {
     /// Gazebo's: ambient 0.4, background 0.7.
+    pub const GAZEBO: Self = Self { ambient: [0.4; 3], background: [0.7; 3] };
+}
+
+impl Default for Environment {
+    /// [`Environment::GAZEBO`].
     fn default() -> Self {
-        Self { ambient: [0.4; 3], background: [0.7; 3] }
+        Self::GAZEBO
     }
 }

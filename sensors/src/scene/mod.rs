@@ -1,7 +1,7 @@
 //! What the sensors look at: shapes, materials, textures and lights, in borrowed slices.
 //!
-//! A [`Scene`] borrows plain (`Pod`) data that somebody else owns: a [`SceneBuilder`] with the feature `alloc`,
-//! a static table, a mapped file. Where its instances are is no part of it: a [`Moment`](crate::Moment) says that.
+//! A [`Scene`] borrows plain (`Pod`) data that somebody else owns: a [`SceneBuilder`] with the feature `alloc`, a mapped
+//! file ([`Scene::from_baked`]), or without a heap the caller's own arrays ([`Scene::from_slices`]). Where its instances are is no part of it: a [`Moment`](crate::Moment) says that.
 //!
 //! The surface parameters (u, v) of textures, u to the right and v up when the face is looked at from outside:
 //!
@@ -23,12 +23,16 @@ mod aabb;
 #[cfg(feature = "alloc")]
 mod baked;
 pub mod build;
+mod check;
+mod fault;
 mod height_field;
 mod instance;
 mod kind;
 pub(crate) mod limits;
 mod material;
+mod meshes;
 mod single;
+mod slices;
 mod texture;
 pub mod tree;
 mod validate;
@@ -38,6 +42,7 @@ mod vertices;
 mod builder;
 
 pub use aabb::Aabb;
+pub use fault::SceneFault;
 pub use height_field::{HeightField, HeightGrid};
 pub use instance::{
     HeightFieldId, Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility,
@@ -45,7 +50,9 @@ pub use instance::{
 pub(crate) use kind::{Kind, Solid, Triangles};
 pub use material::{Environment, Light, LightConfig, LightId, LightKind, Material, MaterialConfig};
 pub(crate) use material::{Form, NO_TEXTURE};
+pub use meshes::{MeshMemory, MeshSlices, MeshStore, Meshes};
 pub use single::MeshScene;
+pub use slices::SceneSlices;
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
 
 pub use validate::{TreeFault, validate_scratch_len, validate_tree};
@@ -102,6 +109,25 @@ pub struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
+    /// Nothing, in Gazebo's default light.
+    pub(crate) const EMPTY: Self = Self {
+        instances: &[],
+        meshes: &[],
+        uvs: &[],
+        triangles: &[],
+        nodes: &[],
+        blocks: &[],
+        facets: &[],
+        height_fields: &[],
+        heights: &[],
+        extents: &[],
+        materials: &[],
+        textures: &[],
+        texels: &[],
+        lights: &[],
+        environment: Environment::GAZEBO,
+    };
+
     /// Least and greatest corner of the box that holds an instance, along its own axes and in its scale; none if there is
     /// no such instance. An endless plane's is 2e15 m wide.
     pub fn bounds(&self, instance: usize) -> Option<[DVec3; 2]> {

@@ -1,7 +1,7 @@
 //! One mesh as a scene of its own, over memory of the caller's.
 
 use super::instance::{Instance, InstanceConfig, MeshId, Shape};
-use super::material::{Environment, Material, MaterialConfig};
+use super::material::{Material, MaterialConfig};
 use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{Mesh, Scene, SceneError};
 use crate::moment::Moment;
@@ -52,6 +52,7 @@ impl<'a> MeshScene<'a> {
         if facets.len() < need {
             return Err(SceneError::BufferTooSmall { buffer: "facets", have: facets.len(), need });
         }
+        let [min, max] = root.bounds();
         let mesh = Mesh {
             first_vertex: 0,
             vertices: 0,
@@ -61,9 +62,8 @@ impl<'a> MeshScene<'a> {
             nodes: nodes.len() as u32,
             first_block: 0,
             blocks: blocks.len() as u32,
-            // Unused lanes repeat the last child's box.
-            min: root.min.map(|axis| axis.into_iter().fold(f32::INFINITY, f32::min)),
-            max: root.max.map(|axis| axis.into_iter().fold(f32::NEG_INFINITY, f32::max)),
+            min,
+            max,
         };
         let instance =
             Instance::new(&InstanceConfig { shape: Shape::Mesh(MeshId(0)), ..Default::default() })?;
@@ -84,23 +84,15 @@ impl<'a> MeshScene<'a> {
 
     /// Lends the scene to sensors.
     pub fn scene(&self) -> Scene<'_> {
+        // Only textures ask for the vertices of triangles and their coordinates, and there is none.
         Scene {
             instances: &self.instances,
             meshes: &self.meshes,
-            uvs: &[],
-            // Only textures ask for these, and there is none.
-            triangles: &[],
             nodes: self.nodes,
             blocks: self.blocks,
             facets: self.facets,
-            height_fields: &[],
-            heights: &[],
-            extents: &[],
             materials: &self.materials,
-            textures: &[],
-            texels: &[],
-            lights: &[],
-            environment: Environment::default(),
+            ..Scene::EMPTY
         }
     }
 }

@@ -17,6 +17,14 @@ pub struct Texture {
     pub(crate) levels: u32,
 }
 
+impl Texture {
+    /// A picture whose texels begin with that one of the scene's: [`mip_texels`] of them, as [`fill_mip_levels`] fills
+    /// them.
+    pub const fn new(width: u32, height: u32, first_texel: u32) -> Self {
+        Self { first_texel, width, height, levels: mip_levels(width, height) }
+    }
+}
+
 /// Number of mip levels of a picture.
 pub const fn mip_levels(width: u32, height: u32) -> u32 {
     let longer = if width > height { width } else { height };

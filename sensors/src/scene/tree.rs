@@ -29,6 +29,16 @@ pub struct WideNode {
     pub child: [u32; WIDTH],
 }
 
+impl WideNode {
+    /// Corners of the box that holds the children; both 0 for the root of an empty tree.
+    pub fn bounds(&self) -> [[f32; 3]; 2] {
+        // Unused lanes repeat the last child's box.
+        let least = |values: &[f32; WIDTH]| values.iter().copied().fold(f32::INFINITY, f32::min);
+        let most = |values: &[f32; WIDTH]| values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        [self.min.each_ref().map(least), self.max.each_ref().map(most)]
+    }
+}
+
 /// Up to sixteen triangles. Unused lanes come last; they hold a triangle without area, which nothing hits, made
 /// of the first corner of the last one, and their `triangle` is [`NONE`].
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]

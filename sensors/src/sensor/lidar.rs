@@ -1,8 +1,10 @@
 //! Lidars with fixed beams: ranges and intensities, with Gazebo's range noise.
 
+mod turning;
+
 use super::Sensor;
 use crate::execution::{SplitRows, split_at};
-use crate::moment::Capture;
+use crate::moment::{Capture, Shutter, Slice};
 use crate::noise::{GaussianNoise, Stream, normals64};
 use crate::optics::Optics;
 use crate::optics::{MAX_GRID_SIZE, SphericalGrid};
@@ -10,7 +12,7 @@ use crate::scene::{Scene, visibility};
 use crate::simd::{LANES, WIDTH};
 pub use crate::trace::TooNear;
 use crate::trace::error::check_output;
-use crate::trace::grid::{Band, BandWork, Frame, Sight};
+use crate::trace::grid::{Band, BandWork, Frame, Sight, check_shutter};
 use crate::trace::image::NO_HIT;
 use crate::trace::measure::Measure;
 use crate::trace::packet::Faces;
@@ -63,6 +65,16 @@ impl Beams {
     }
 }
 
+/// Which beams of a lidar are taken together, where its [`Shutter`] has slices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sweep {
+    /// It turns: the lines of a slice are columns, the beams of all scan lines at some azimuths.
+    #[default]
+    Columns,
+    /// It nods: the lines of a slice are scan lines.
+    Rows,
+}
+
 /// What a lidar is like.
 ///
 /// ```
@@ -84,6 +96,8 @@ pub struct LidarConfig {
     pub range_max_m: f64,
     /// What happens nearer than the smallest range.
     pub too_near: TooNear,
+    /// Which beams are taken together.
+    pub sweep: Sweep,
     /// Noise of a range in metres; the noisy range is clamped to the two limits.
     pub noise: GaussianNoise,
     /// Seed of the simulation.
@@ -101,6 +115,7 @@ impl LidarConfig {
             range_min_m: 0.0,
             range_max_m: 30.0,
             too_near: TooNear::Blocks,
+            sweep: Sweep::Columns,
             noise: GaussianNoise::NONE,
             seed: 0,
             sensor: 0,
@@ -118,6 +133,8 @@ impl LidarConfig {
         range_max_m: f64,
         /// Sets what happens nearer than the smallest range.
         too_near: TooNear,
+        /// Sets which beams are taken together.
+        sweep: Sweep,
         /// Sets the noise of a range, in metres.
         noise: GaussianNoise,
         /// Sets the seed of the simulation.
@@ -194,6 +211,54 @@ impl Lidar {
         })
     }
 
+    /// That truth has a place for each beam, and moments for its flow.
+    fn check_truth(
+        &self,
+        truth: Option<&Truth<'_>>,
+        scene: &Scene<'_>,
+        capture: &Capture<'_>,
+    ) -> Result<(), SenseError> {
+        let turns = [Some(&capture.shutter), capture.before.as_ref(), capture.after.as_ref()]
+            .into_iter()
+            .flatten()
+            .any(|shutter| self.slices_of_columns(shutter).is_some());
+        if turns && truth.is_some_and(|truth| truth.flow.is_some() || truth.flow_back.is_some()) {
+            return Err(SenseError::FlowOfColumns);
+        }
+        // Without flow, the other moments are not looked at.
+        let capture = if turns { &Capture::new(capture.frame, capture.shutter) } else { capture };
+        check_truth(truth, scene, &self.optics(), capture)
+    }
+
+    /// What counts as a hit.
+    fn sight(&self) -> Sight {
+        let nearest = match self.config.too_near {
+            TooNear::Blocks => 0.0,
+            TooNear::SeenThrough => self.config.range_min_m,
+        };
+        Sight { faces: Faces::Both, range: [nearest, self.config.range_max_m], within: f64::INFINITY }
+    }
+
+    /// The slices, if they are of columns.
+    fn slices_of_columns<'a>(&self, shutter: &Shutter<'a>) -> Option<&'a [Slice<'a>]> {
+        match (self.config.sweep, *shutter) {
+            (Sweep::Columns, Shutter::Slices(slices)) => Some(slices),
+            (Sweep::Columns, Shutter::Global(_)) | (Sweep::Rows, _) => None,
+        }
+    }
+
+    /// Turns true ranges of whole scan lines, from one on, into measured ones.
+    #[inline(always)]
+    fn measure_lines(&self, frame: u64, first_line: usize, ranges: &mut [f32]) {
+        let samples = self.config.horizontal.samples as usize;
+        let blocks = samples.div_ceil(LANES);
+        for (line, ranges) in ranges.chunks_mut(samples).enumerate() {
+            for (block, ranges) in ranges.chunks_mut(LANES).enumerate() {
+                self.measure(frame, ((first_line + line) * blocks + block) as u32, ranges);
+            }
+        }
+    }
+
     /// Turns true ranges of up to 64 beams into measured ones. Noise is counted by 64 beams along each line.
     #[inline(always)]
     fn measure(&self, frame: u64, block: u32, ranges: &mut [f32]) {
@@ -247,11 +312,36 @@ impl<'a> Scan<'a> {
     }
 }
 
+impl Scan<'_> {
+    /// To be lent once more.
+    fn reborrow(&mut self) -> Scan<'_> {
+        Scan {
+            ranges: self.ranges.as_deref_mut(),
+            intensities: self.intensities.as_deref_mut(),
+            truth: self.truth.as_mut().map(Truth::reborrow),
+        }
+    }
+
+    /// The parts of the first beams, and of the rest.
+    fn split_at(self, beams: usize) -> (Self, Self) {
+        let (ranges, ranges_rest) = split_at(self.ranges, beams);
+        let (intensities, intensities_rest) = split_at(self.intensities, beams);
+        let (truth, truth_rest) = self.truth.map(|truth| truth.split_at(beams)).unzip();
+        (
+            Self { ranges, intensities, truth },
+            Self { ranges: ranges_rest, intensities: intensities_rest, truth: truth_rest },
+        )
+    }
+}
+
 impl Sensor for Lidar {
     type Output<'a> = Scan<'a>;
 
     fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
-        Frame::workspace_len(scene, &self.optics(), &capture.shutter)
+        match self.slices_of_columns(&capture.shutter) {
+            Some(slices) => turning::workspace_len(self, scene, slices),
+            None => Frame::workspace_len(scene, &self.optics(), &capture.shutter),
+        }
     }
 
     fn sense(
@@ -261,23 +351,23 @@ impl Sensor for Lidar {
         workspace: &mut Workspace<'_>,
         output: Scan<'_>,
     ) -> Result<(), SenseError> {
-        let Scan { ranges, intensities, truth } = output;
-        check_output("ranges", ranges.as_ref().map(|ranges| ranges.len()), self.beams())?;
-        check_output("intensities", intensities.as_ref().map(|values| values.len()), self.beams())?;
-        check_truth(truth.as_ref(), scene, &self.optics(), capture)?;
+        check_output("ranges", output.ranges.as_ref().map(|ranges| ranges.len()), self.beams())?;
+        check_output("intensities", output.intensities.as_ref().map(|values| values.len()), self.beams())?;
+        self.check_truth(output.truth.as_ref(), scene, capture)?;
         let execution = workspace.execution;
+        if let Some(slices) = self.slices_of_columns(&capture.shutter) {
+            check_shutter(scene, &capture.shutter, self.config.horizontal.samples)?;
+            let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
+            turning::sense(self, scene, (capture, slices), execution, &mut memory, output);
+            return Ok(());
+        }
         let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
         let (optics, shutter) = (self.optics(), &capture.shutter);
         let frame = Frame::new(scene, &optics, shutter, visibility::COLLISION, execution, &mut memory)?;
-        let nearest = match self.config.too_near {
-            TooNear::Blocks => 0.0,
-            TooNear::SeenThrough => self.config.range_min_m,
-        };
-        let range = [nearest, self.config.range_max_m];
-        let sight = Sight { faces: Faces::Both, range, within: f64::INFINITY };
+        let sight = self.sight();
         let samples = self.config.horizontal.samples as usize;
-        let lines = Lines { ranges, intensities, truth, samples, rows_in_block: 1 << frame.fan().shift_y };
-        frame.trace(&sight, &mut memory, lines, &Scanner { lidar: self, capture, sight });
+        let lines = Lines { scan: output, samples, rows_in_block: 1 << frame.fan().shift_y };
+        frame.trace(&sight, &mut memory, lines, &Scanner { lidar: self, capture, sight, is_whole: true });
         Ok(())
     }
 }
@@ -287,17 +377,19 @@ struct Scanner<'a> {
     lidar: &'a Lidar,
     capture: &'a Capture<'a>,
     sight: Sight,
+    /// The lines are whole ones: ranges are measured. Of parts of lines they stay true.
+    is_whole: bool,
 }
 
 impl BandWork<Lines<'_>> for Scanner<'_> {
     #[inline(always)]
     fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Lines<'_>) {
-        if let Some(truth) = &mut output.truth {
+        if let Some(truth) = &mut output.scan.truth {
             truth.write(simd, band, &self.sight, self.capture);
         }
         let measure = Measure::new(&band.view.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
-        let Lines { ranges, intensities, samples, .. } = output;
+        let Lines { scan: Scan { ranges, intensities, .. }, samples, .. } = output;
         let config = &self.lidar.config;
         let (min, max) = (config.range_min_m as f32, config.range_max_m as f32);
         for_each_block(
@@ -306,9 +398,10 @@ impl BandWork<Lines<'_>> for Scanner<'_> {
             |place, block| {
                 let truth = measure.block::<S, false>(simd, band, &mut resolver, block);
                 if let Some(ranges) = ranges.as_deref_mut() {
-                    place.write(&truth, ranges);
+                    place.write_f32(simd, truth, ranges);
                 }
                 if let Some(intensities) = intensities.as_deref_mut() {
+                    let truth: [f32; WIDTH] = truth.into();
                     let mut retro = [0.0; WIDTH];
                     for (lane, &slot) in band.target.slot[place.block].iter().enumerate() {
                         if slot != NO_HIT && min < truth[lane] && truth[lane] < max {
@@ -319,23 +412,18 @@ impl BandWork<Lines<'_>> for Scanner<'_> {
                 }
             },
         );
-        let Some(ranges) = ranges else { return };
-        let blocks = samples.div_ceil(LANES);
-        let [first, last] = band.rows.map(|row| row as usize);
-        let ranges = &mut ranges[(first - band.first_row as usize) * *samples..];
-        for (line, ranges) in (first..=last).zip(ranges.chunks_mut(*samples)) {
-            for (block, ranges) in ranges.chunks_mut(LANES).enumerate() {
-                self.lidar.measure(self.capture.frame, (line * blocks + block) as u32, ranges);
-            }
+        if let (true, Some(ranges)) = (self.is_whole, ranges) {
+            let [first, last] = band.rows.map(|row| row as usize);
+            let from = first - band.first_row as usize;
+            let ranges = &mut ranges[from * *samples..][..(last - first + 1) * *samples];
+            self.lidar.measure_lines(self.capture.frame, first, ranges);
         }
     }
 }
 
 /// Scan lines, cut between two rows of blocks.
 struct Lines<'a> {
-    ranges: Option<&'a mut [f32]>,
-    intensities: Option<&'a mut [f32]>,
-    truth: Option<Truth<'a>>,
+    scan: Scan<'a>,
     samples: usize,
     rows_in_block: usize,
 }
@@ -343,19 +431,7 @@ struct Lines<'a> {
 impl SplitRows for Lines<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let Self { samples, rows_in_block, .. } = self;
-        let at = rows * rows_in_block * samples;
-        let (ranges, ranges_rest) = split_at(self.ranges, at);
-        let (intensities, intensities_rest) = split_at(self.intensities, at);
-        let (truth, truth_rest) = self.truth.map(|truth| truth.split_at(at)).unzip();
-        (
-            Self { ranges, intensities, truth, samples, rows_in_block },
-            Self {
-                ranges: ranges_rest,
-                intensities: intensities_rest,
-                truth: truth_rest,
-                samples,
-                rows_in_block,
-            },
-        )
+        let (scan, below) = self.scan.split_at(rows * rows_in_block * samples);
+        (Self { scan, samples, rows_in_block }, Self { scan: below, samples, rows_in_block })
     }
 }

@@ -54,6 +54,8 @@ pub enum SenseError {
         /// Which: `before` or `after`.
         parameter: &'static str,
     },
+    /// Flow is wanted of a lidar whose columns are seen at moments of their own.
+    FlowOfColumns,
     /// Slices of lines that are not as a [`Shutter`](crate::Shutter) must have them.
     Slices {
         /// Which of them.
@@ -87,6 +89,10 @@ impl core::fmt::Display for SenseError {
             Self::OtherMoment { parameter } => {
                 write!(f, "flow wants a moment to flow to: give the capture `{parameter}`")
             }
+            Self::FlowOfColumns => f.write_str(
+                "flow is not worked out for a lidar whose columns have moments of their own: give all of the capture's \
+                 shutters one moment, or leave `flow` and `flow_back` out",
+            ),
             Self::Slices { slice, rule } => write!(f, "slice {slice} of the shutter must {rule}"),
         }
     }

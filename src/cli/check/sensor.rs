@@ -22,7 +22,7 @@ pub(super) fn report(model: &Model, sensor: &Sensor, gazebo_compat: bool) -> Vec
     say("rate", rate(sensor));
     match &sensor.kind {
         SensorKind::Camera(camera) | SensorKind::Depth(camera) => {
-            camera_report(camera, &sensor_lens(camera, sensor, gazebo_compat), &mut say)
+            camera_report(camera, &sensor_lens(camera, sensor, gazebo_compat), &mut say);
         }
         SensorKind::Ray(ray) => ray_report(ray, &mut say),
     }
@@ -136,14 +136,15 @@ fn camera_report(camera: &CameraSensor, drawn: &Lens, say: &mut impl FnMut(&str,
 
 /// When the light is collected, and how much.
 fn device_report(device: &CameraDevice, say: &mut impl FnMut(&str, String)) {
-    let mut shutter = match device.readout_time_s {
+    let rolling = match device.readout_time_s {
         0.0 => "global".to_owned(),
         time_s => format!("rolling, {} ms from the first row to the last", number(time_s * 1e3)),
     };
-    if device.motion_blur_samples > 1 {
-        shutter += &format!(", motion blur of {} moments", device.motion_blur_samples);
-    }
-    say("shutter", shutter);
+    let blur = match device.motion_blur_samples {
+        1 => String::new(),
+        samples => format!(", motion blur of {samples} moments"),
+    };
+    say("shutter", rolling + &blur);
     let start = device.config.exposure;
     let exposure = format!("{} ms, gain {}", number(start.time_s * 1e3), number(start.gain));
     say(

@@ -1,6 +1,6 @@
 //! What may be wrong with a baked scene.
 
-use crate::scene::{SceneError, TreeFault};
+use crate::scene::SceneFault;
 
 /// Why bytes are not a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,42 +36,8 @@ pub enum BakedError {
         /// How many elements it is said to have.
         count: u64,
     },
-    /// Two sections do not go together.
-    Count {
-        /// Which has a wrong number of elements.
-        section: &'static str,
-        /// Those that it has.
-        have: u64,
-        /// Those that it should have.
-        need: u64,
-    },
-    /// A value that cannot be.
-    Value {
-        /// Which section.
-        section: &'static str,
-        /// Which element of it.
-        element: usize,
-        /// Which part of the element.
-        field: &'static str,
-        /// The value; the first bad one of several.
-        value: f64,
-    },
-    /// The tree of a mesh.
-    Tree {
-        /// Which mesh.
-        mesh: usize,
-        /// What is wrong with its tree.
-        fault: TreeFault,
-    },
-    /// A height field.
-    HeightField {
-        /// Which.
-        element: usize,
-        /// What is wrong with it.
-        error: SceneError,
-    },
-    /// More triangles in all instances together than 31 bits count.
-    TooManyTriangles,
+    /// The sections are not a scene.
+    Scene(SceneFault),
 }
 
 impl core::fmt::Display for BakedError {
@@ -95,24 +61,15 @@ impl core::fmt::Display for BakedError {
                 f,
                 "section `{section}` of the baked scene cannot lie at byte {offset} with {count} elements"
             ),
-            Self::Count { section, have, need } => write!(
-                f,
-                "section `{section}` of the baked scene has {have} elements, and the others call for {need}"
-            ),
-            Self::Value { section, element, field, value } => {
-                write!(f, "element {element} of section `{section}`: {field} cannot be {value}")
-            }
-            Self::Tree { mesh, fault } => {
-                write!(f, "the tree of element {mesh} of section `meshes`: {fault}")
-            }
-            Self::HeightField { element, error } => {
-                write!(f, "element {element} of section `height_fields`: {error}")
-            }
-            Self::TooManyTriangles => {
-                f.write_str("the instances of the baked scene have more triangles than 31 bits count")
-            }
+            Self::Scene(fault) => fault.fmt(f),
         }
     }
 }
 
 impl core::error::Error for BakedError {}
+
+impl From<SceneFault> for BakedError {
+    fn from(fault: SceneFault) -> Self {
+        Self::Scene(fault)
+    }
+}

@@ -49,7 +49,7 @@ pub enum Quality {
 const TRIED: usize = 16_384;
 
 /// How many nodes and blocks a tree has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TreeSize {
     /// [`WideNode`]s.
     pub nodes: usize,

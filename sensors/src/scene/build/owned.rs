@@ -69,11 +69,7 @@ impl Tree {
 
     /// Corners of the box that holds the mesh; both 0 for a mesh without triangles.
     pub fn bounds(&self) -> [[f32; 3]; 2] {
-        // Unused lanes repeat the last child's box.
-        let root = &self.nodes[0];
-        let least = |values: &[f32; WIDTH]| values.iter().copied().fold(f32::INFINITY, f32::min);
-        let most = |values: &[f32; WIDTH]| values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        [root.min.each_ref().map(least), root.max.each_ref().map(most)]
+        self.nodes[0].bounds()
     }
 
     /// What is known of the triangles besides their corners, sixteen for each block.

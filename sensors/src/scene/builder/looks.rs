@@ -1,7 +1,7 @@
 //! Textures, materials and lamps of a builder.
 
 use super::{SceneBuilder, room, unused};
-use crate::scene::texture::{TextureId, fill_mip_levels, mip_levels, mip_texels};
+use crate::scene::texture::{TextureId, fill_mip_levels, mip_texels};
 use crate::scene::{
     Light, LightConfig, LightId, LightKind, Material, MaterialConfig, MaterialId, NO_TEXTURE, SceneError,
     Texture, limits,
@@ -70,7 +70,7 @@ impl SceneBuilder {
         texels[..rgba8.len()].copy_from_slice(rgba8);
         fill_mip_levels(width, height, &mut texels);
         self.texels.put(start, &texels);
-        Ok(Texture { first_texel: start as u32, width, height, levels: mip_levels(width, height) })
+        Ok(Texture::new(width, height, start as u32))
     }
 
     /// Takes in a material.

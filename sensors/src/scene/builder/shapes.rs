@@ -91,7 +91,7 @@ impl SceneBuilder {
         self.blocks.put(first_block, &tree.blocks);
         self.facets.resize(self.blocks.items().len() * WIDTH, Facet::zeroed());
         self.facets[first_block * WIDTH..][..tree.blocks.len() * WIDTH].copy_from_slice(&tree.facets());
-        let [min, max] = tree.bounds();
+        let [min, max] = tree.nodes[0].bounds();
         Ok(Mesh {
             first_vertex: first_vertex as u32,
             vertices: vertices as u32,
@@ -217,9 +217,6 @@ fn checked_tree(
     uvs: &[[f32; 2]],
     triangles: &[[u32; 3]],
 ) -> Result<Tree, SceneError> {
-    if !uvs.is_empty() && uvs.len() != positions.len() {
-        return Err(SceneError::UvCount);
-    }
-    uvs.iter().enumerate().try_for_each(|(index, &uv)| limits::uv(index, uv))?;
+    limits::uvs(uvs, positions.len())?;
     Tree::build(positions, triangles, Quality::High, Execution::default())
 }

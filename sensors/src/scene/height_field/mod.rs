@@ -120,6 +120,12 @@ impl HeightField {
         Ok(field)
     }
 
+    /// The same, where its heights and extents are not the first of the scene's but begin with those.
+    #[must_use]
+    pub const fn at(self, first_height: u32, first_extent: u32) -> Self {
+        Self { first_height, first_extent, ..self }
+    }
+
     fn fill(&self, heights: &[f32], extents: &mut [[f32; 2]]) {
         let [blocks_x, blocks_y] = leaves(self.rows, self.columns);
         let nodes = self.nodes as usize;

@@ -49,16 +49,25 @@ impl Steps {
         Self { first: self.first + self.step * half, step: self.step * f64::from(1 << shift) }
     }
 
+    /// The angles from one of them on.
+    fn from(self, index: u32) -> Self {
+        Self { first: self.first + self.step * f64::from(index), ..self }
+    }
+
     /// Calls `take` with the cosines and sines of each sixteen angles. Those of the first sixteen steps turn the
     /// first angle of each sixteen: a few products, where sine and cosine are dozens of them.
     #[inline(always)]
-    fn fill(self, sixteens: usize, mut take: impl FnMut(usize, [f64; WIDTH], [f64; WIDTH])) {
+    fn fill(
+        self,
+        sixteens: core::ops::Range<usize>,
+        mut take: impl FnMut(usize, [f64; WIDTH], [f64; WIDTH]),
+    ) {
         let (mut cos_step, mut sin_step) = ([0.0; WIDTH], [0.0; WIDTH]);
         for lane in 0..WIDTH {
             (sin_step[lane], cos_step[lane]) = sin_cos(self.step * lane as f64);
         }
-        for block in 0..sixteens {
-            let (sin, cos) = sin_cos(self.first + self.step * (block * WIDTH) as f64);
+        for (block, sixteen) in sixteens.enumerate() {
+            let (sin, cos) = sin_cos(self.first + self.step * (sixteen * WIDTH) as f64);
             let (mut cosines, mut sines) = ([0.0; WIDTH], [0.0; WIDTH]);
             for lane in 0..WIDTH {
                 cosines[lane] = cos * cos_step[lane] - sin * sin_step[lane];
@@ -69,10 +78,15 @@ impl Steps {
     }
 }
 
+/// Sixteens of columns whose directions are kept: those that the blocks of the grid reach into.
+const fn sixteens(fan: &Fan, first_column: u32) -> usize {
+    (first_column as usize % WIDTH + (fan.width as usize).next_multiple_of(WIDTH)).div_ceil(WIDTH)
+}
+
 impl<'a> SphericalFan<'a> {
-    /// Arrays of sixteen that the tables of a grid take.
-    pub(crate) const fn table_len(fan: &Fan) -> usize {
-        let columns = (fan.width as usize).div_ceil(WIDTH);
+    /// Arrays of sixteen that the tables of a grid take, which begins with a column of another.
+    pub(crate) const fn table_len(fan: &Fan, first_column: u32) -> usize {
+        let columns = sixteens(fan, first_column);
         let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
         2 * columns
             + 2 * fan.blocks_down()
@@ -82,12 +96,21 @@ impl<'a> SphericalFan<'a> {
             + (4 * fan.blocks_down() * WIDTH).div_ceil(WIDTH)
     }
 
-    /// Fills the tables.
+    /// Fills the tables of a grid that begins with a column of that whose angles are given.
     #[inline(always)]
-    pub(crate) fn new(fan: Fan, azimuth: Steps, elevation: Steps, tables: &'a mut [[f32; WIDTH]]) -> Self {
-        let (azimuth, elevation) =
+    pub(crate) fn new(
+        (fan, first_column): (Fan, u32),
+        azimuth: Steps,
+        elevation: Steps,
+        tables: &'a mut [[f32; WIDTH]],
+    ) -> Self {
+        let (all_azimuths, elevation) =
             (azimuth.reduced(core::f64::consts::TAU), elevation.reduced(core::f64::consts::PI));
-        let columns = (fan.width as usize).div_ceil(WIDTH);
+        // Directions of columns are worked out with those of their sixteen, counted from the first of all.
+        let skipped = first_column as usize % WIDTH;
+        let first_sixteen = first_column as usize / WIDTH;
+        let azimuth = all_azimuths.from(first_column).reduced(core::f64::consts::TAU);
+        let columns = sixteens(&fan, first_column);
         let (cos_azimuth, rest) = tables.split_at_mut(columns);
         let (sin_azimuth, rest) = rest.split_at_mut(columns);
         let (cos_elevation, rest) = rest.split_at_mut(fan.blocks_down());
@@ -100,8 +123,8 @@ impl<'a> SphericalFan<'a> {
         let (azimuths, rest) = rest.split_at_mut(4 * columns);
         let azimuths: &mut [[f64; 2]] = bytemuck::cast_slice_mut(azimuths);
         let elevations: &mut [[f64; 2]] = bytemuck::cast_slice_mut(&mut rest[..4 * fan.blocks_down()]);
-        azimuth.fill(
-            columns,
+        all_azimuths.fill(
+            first_sixteen..first_sixteen + columns,
             #[inline(always)]
             |block, cos, sin| {
                 for lane in 0..WIDTH {
@@ -126,7 +149,7 @@ impl<'a> SphericalFan<'a> {
         }
         let half = [((1 << fan.shift_x) - 1) as f64 * 0.5, ((1 << fan.shift_y) - 1) as f64 * 0.5];
         azimuth.of_blocks(half[0], fan.shift_x).fill(
-            middles,
+            0..middles,
             #[inline(always)]
             |block, cos, sin| {
                 cos_middle[block] = cos.map(|cos| cos as f32);
@@ -134,7 +157,7 @@ impl<'a> SphericalFan<'a> {
             },
         );
         elevation.of_blocks(half[1], fan.shift_y).fill(
-            levels.len().div_ceil(WIDTH),
+            0..levels.len().div_ceil(WIDTH),
             #[inline(always)]
             |block, cos, sin| {
                 for (lane, level) in levels[block * WIDTH..].iter_mut().take(WIDTH).enumerate() {
@@ -157,11 +180,11 @@ impl<'a> SphericalFan<'a> {
         let tumbles = beyond(elevation.first) || beyond(elevation.last(fan.height));
         Self {
             fan,
-            azimuths,
+            azimuths: &azimuths[skipped..],
             elevations,
             rows: [0, fan.height - 1],
-            cos_azimuth: cos_azimuth.as_flattened(),
-            sin_azimuth: sin_azimuth.as_flattened(),
+            cos_azimuth: &cos_azimuth.as_flattened()[skipped..],
+            sin_azimuth: &sin_azimuth.as_flattened()[skipped..],
             cos_elevation,
             sin_elevation,
             cos_middle: cos_middle.as_flattened(),

@@ -1,19 +1,27 @@
 //! Frames of rays from one point, band by band.
 
+mod band;
+mod shutter;
+
+pub(crate) use band::{Band, BandWork};
+pub(crate) use shutter::check_shutter;
+
 use super::bands::Bands;
 use super::error::SenseError;
 use super::image::{Target, walk};
 use super::memory::view_lines;
 use super::packet::Faces;
-use super::view::{View, ViewMemory, check_moment};
+use super::view::View;
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::memory::{Cutter, lines};
-use crate::moment::{Shutter, Slice};
+use crate::moment::{Moment, Shutter};
 use crate::optics::rays::{Fan, PinholeFan, Projection, Rays, SphericalFan, Steps, TableFan, each};
 use crate::optics::{Optics, SphericalGrid};
 use crate::scene::Scene;
 use crate::simd::WIDTH;
+use band::{BandOutput, Part};
 use fearless_simd::{Simd, dispatch};
+use shutter::fan_of;
 
 /// What counts as seen.
 #[derive(Debug, Clone, Copy)]
@@ -25,51 +33,12 @@ pub(crate) struct Sight {
     pub(crate) within: f64,
 }
 
-/// What is done with each band once it has been traced.
-pub(crate) trait BandWork<O>: Sync {
-    /// Works on a band of traced rays, inside `simd.vectorize`. `output` is cut by rows of blocks; it begins with the
-    /// band's [`first_row`](Band::first_row).
-    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut O);
-
-    /// Whether lines are wanted from every slice that has them, and not from the first alone.
-    fn is_mean(&self) -> bool {
-        false
-    }
-}
-
-/// A traced band of a grid, or the part of it that is taken at one moment.
-pub(crate) struct Band<'a> {
-    pub(crate) view: &'a View<'a>,
-    pub(crate) rays: Rays<'a>,
-    /// First and last row of the grid.
-    pub(crate) rows: [i32; 2],
-    /// The row that the output begins with.
-    pub(crate) first_row: i32,
-    /// Rows from here on are in no slice before this one.
-    pub(crate) fresh_from: i32,
-    /// Rows from here on are in a later slice, too.
-    pub(crate) open_from: i32,
-    pub(crate) target: Target<'a>,
-}
-
-impl Band<'_> {
-    /// First and last row of blocks.
-    pub(crate) fn block_rows(&self) -> core::ops::RangeInclusive<usize> {
-        let shift = self.rays.fan().shift_y;
-        (self.rows[0] >> shift) as usize..=(self.rows[1] >> shift) as usize
-    }
-
-    /// A row of blocks, counted from the first of the output.
-    #[inline(always)]
-    pub(crate) fn row_in_output(&self, block_row: usize) -> usize {
-        block_row - (self.first_row >> self.rays.fan().shift_y) as usize
-    }
-}
-
 /// A frame to be traced: its rays, and where everything is when they are cast.
 pub(crate) struct Frame<'a> {
     optics: &'a Optics<'a>,
     fan: Fan,
+    /// That of the grid of angles which the frame begins with.
+    first_column: u32,
     execution: Execution,
     when: When<'a>,
 }
@@ -82,49 +51,6 @@ enum When<'a> {
     Slices { scene: &'a Scene<'a>, shutter: Shutter<'a>, visibility: u32 },
 }
 
-/// The blocks that the rays of a frame are traced in: such that each lies in one slice.
-fn fan_of(optics: &Optics<'_>, shutter: &Shutter<'_>) -> Result<Fan, SenseError> {
-    let fan = optics.fan();
-    let height = fan.height as u32;
-    let mask = (1 << fan.shift_y) - 1;
-    let cuts = |line: u32| line & mask != 0 && line != height;
-    match shutter.slices().iter().position(|slice| cuts(slice.lines.start) || cuts(slice.lines.end)) {
-        None => Ok(fan),
-        Some(slice) if matches!(optics, Optics::Table(_)) => Err(SenseError::Slices {
-            slice,
-            rule: "begin and end at multiples of four lines, as the table of rays is in blocks of 4 × 4",
-        }),
-        Some(_) => Ok(fan.by_rows()),
-    }
-}
-
-/// That there is a moment for each of so many lines, with all poses.
-pub(crate) fn check_shutter(scene: &Scene<'_>, shutter: &Shutter<'_>, height: u32) -> Result<(), SenseError> {
-    let slices = match shutter {
-        Shutter::Global(moment) => return check_moment(scene, moment),
-        Shutter::Slices(slices) => *slices,
-    };
-    let (mut start, mut end) = (0, 0);
-    for (slice, Slice { lines, at }) in slices.iter().enumerate() {
-        let wrong = |rule| Err(SenseError::Slices { slice, rule });
-        if lines.start >= lines.end || lines.end > height {
-            return wrong("have one line at least, and none beyond the frame's");
-        }
-        if lines.start < start || lines.end < end {
-            return wrong("neither begin nor end before the slice before it");
-        }
-        if lines.start > end {
-            return wrong("begin no later than where the lines before it end");
-        }
-        check_moment(scene, at)?;
-        (start, end) = (lines.start, lines.end);
-    }
-    if end < height {
-        return Err(SenseError::Slices { slice: slices.len(), rule: "be there: the last lines are in none" });
-    }
-    Ok(())
-}
-
 impl<'a> Frame<'a> {
     /// Cache lines that it takes to make a frame and to trace it.
     pub(crate) fn workspace_len(scene: &Scene<'_>, optics: &Optics<'_>, shutter: &Shutter<'_>) -> usize {
@@ -132,15 +58,18 @@ impl<'a> Frame<'a> {
             return 0; // and no frame
         }
         let fan = Self::fan_of(optics, shutter);
-        let bands = Bands::new(&fan);
-        let views = if shutter.slices().is_empty() { 1 } else { bands.count };
-        let tables = match optics {
-            Optics::Spherical(_) => SphericalFan::table_len(&fan),
-            Optics::Pinhole(_) | Optics::Table(_) => 0,
-        };
-        // 1/t and slots take a line a block each.
-        let traced = tables + 2 * bands.blocks + lines(bands.farthest_len(&fan) * size_of::<f32>());
-        view_lines(scene.instances().len(), views) + traced
+        let views = if shutter.slices().is_empty() { 1 } else { Bands::new(&fan).count };
+        view_lines(scene.instances().len(), views) + traced_len(optics, &fan, 0)
+    }
+
+    /// The same of a frame of some [columns](Frame::of_columns).
+    pub(crate) fn columns_workspace_len(
+        scene: &Scene<'_>,
+        optics: &Optics<'_>,
+        columns: &core::ops::Range<u32>,
+    ) -> usize {
+        let fan = fan_of_columns(optics, columns);
+        view_lines(scene.instances().len(), 1) + traced_len(optics, &fan, columns.start)
     }
 
     /// The blocks that the rays are traced in.
@@ -167,7 +96,27 @@ impl<'a> Frame<'a> {
             }
             Shutter::Slices(_) => When::Slices { scene, shutter: *shutter, visibility },
         };
-        Ok(Self { optics, fan, execution, when })
+        Ok(Self { optics, fan, first_column: 0, execution, when })
+    }
+
+    /// Some columns of a grid of angles at one moment, both of which have been checked. Their rays are those of the whole
+    /// grid, to the last bit.
+    pub(crate) fn of_columns(
+        scene: &'a Scene<'a>,
+        optics: &'a Optics<'a>,
+        (columns, moment): (&core::ops::Range<u32>, &Moment<'a>),
+        visibility: u32,
+        execution: Execution,
+        memory: &mut Cutter<'a>,
+    ) -> Self {
+        let views = memory.views(scene.instances().len(), 1);
+        Self {
+            optics,
+            fan: fan_of_columns(optics, columns),
+            first_column: columns.start,
+            execution,
+            when: When::Once(View::new(scene, moment, visibility, views)),
+        }
     }
 
     pub(crate) fn fan(&self) -> &Fan {
@@ -206,7 +155,9 @@ impl<'a> Frame<'a> {
         let fan = self.fan;
         let rays = match self.optics {
             Optics::Pinhole(lens) => Rays::Pinhole(PinholeFan::new(lens, fan)),
-            Optics::Spherical(grid) => Rays::Spherical(spherical(grid, fan, self.execution, memory)),
+            Optics::Spherical(grid) => {
+                Rays::Spherical(spherical(grid, (fan, self.first_column), self.execution, memory))
+            }
             Optics::Table(table) => Rays::Table(TableFan::new(table)),
         };
         let bands = Bands::new(&fan);
@@ -299,27 +250,35 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Rows of a band, as [`Band`] has them.
-struct Part {
-    rows: [i32; 2],
-    first_row: i32,
-    fresh_from: i32,
-    open_from: i32,
+/// The blocks of some columns of a grid.
+fn fan_of_columns(optics: &Optics<'_>, columns: &core::ops::Range<u32>) -> Fan {
+    Fan::new(columns.end - columns.start, optics.fan().height as u32)
+}
+
+/// Cache lines that tracing a grid takes, which begins with a column of the optics'.
+fn traced_len(optics: &Optics<'_>, fan: &Fan, first_column: u32) -> usize {
+    let bands = Bands::new(fan);
+    let tables = match optics {
+        Optics::Spherical(_) => SphericalFan::table_len(fan, first_column),
+        Optics::Pinhole(_) | Optics::Table(_) => 0,
+    };
+    // 1/t and slots take a line a block each.
+    tables + 2 * bands.blocks + lines(bands.farthest_len(fan) * size_of::<f32>())
 }
 
 /// The angles of a spinning lidar, with their tables.
 fn spherical<'a>(
     grid: &SphericalGrid,
-    fan: Fan,
+    (fan, first_column): (Fan, u32),
     execution: Execution,
     memory: &mut Cutter<'a>,
 ) -> SphericalFan<'a> {
     let azimuth = Steps { first: grid.first_azimuth_rad, step: grid.azimuth_step_rad };
     let elevation = Steps { first: grid.first_elevation_rad, step: grid.elevation_step_rad };
-    let tables = memory.take(SphericalFan::table_len(&fan));
+    let tables = memory.take(SphericalFan::table_len(&fan, first_column));
     dispatch!(execution.level, simd => simd.vectorize(
         #[inline(always)]
-        || SphericalFan::new(fan, azimuth, elevation, tables)
+        || SphericalFan::new((fan, first_column), azimuth, elevation, tables)
     ))
 }
 
@@ -354,54 +313,4 @@ fn draw<S: Simd, P: Projection>(
         #[inline(always)]
         || walk(simd, view, projection, rows, sight.faces, sight.range, target),
     );
-}
-
-/// A part of the memory and of the output, cut between bands.
-struct BandOutput<'a, O> {
-    /// Of one view for each band, if bands make their own.
-    views: Option<ViewMemory<'a>>,
-    instances: usize,
-    inverse: &'a mut [[f32; WIDTH]],
-    slot: &'a mut [[u32; WIDTH]],
-    farthest: &'a mut [f32],
-    output: O,
-    farthest_stride: usize,
-    block_rows: usize,
-    blocks_across: usize,
-}
-
-impl<O: SplitRows> SplitRows for BandOutput<'_, O> {
-    fn split_rows(self, bands: usize) -> (Self, Self) {
-        let Self { instances, farthest_stride, block_rows, blocks_across, .. } = self;
-        let (views, views_rest) = self.views.map(|views| views.split(bands, instances)).unzip();
-        let blocks = bands * block_rows * blocks_across;
-        let (inverse, inverse_rest) = self.inverse.split_at_mut(blocks);
-        let (slot, slot_rest) = self.slot.split_at_mut(blocks);
-        let (farthest, farthest_rest) = self.farthest.split_at_mut(bands * farthest_stride);
-        let (output, output_rest) = self.output.split_rows(bands * block_rows);
-        (
-            Self {
-                views,
-                instances,
-                inverse,
-                slot,
-                farthest,
-                output,
-                farthest_stride,
-                block_rows,
-                blocks_across,
-            },
-            Self {
-                views: views_rest,
-                instances,
-                inverse: inverse_rest,
-                slot: slot_rest,
-                farthest: farthest_rest,
-                output: output_rest,
-                farthest_stride,
-                block_rows,
-                blocks_across,
-            },
-        )
-    }
 }

@@ -1,0 +1,223 @@
+//! Whether slices that somebody else has filled are the parts of a scene.
+//!
+//! Each mesh, height field and texture has its own part of a slice. Parts lie one after the other and fill it, so that
+//! checking them takes time in proportion to their length, whatever the elements say.
+
+use super::fault::{Element, count};
+use super::texture::{mip_levels, mip_texels};
+use super::tree::{Facet, TriangleBlock};
+use super::vertices::MAX_COORDINATE;
+use super::{
+    Form, HeightField, Kind, Mesh, Meshes, NO_TEXTURE, Scene, SceneFault, Triangles, build, limits,
+    validate_scratch_len, validate_tree,
+};
+use crate::Execution;
+#[cfg(feature = "alloc")]
+use crate::pose::Pose;
+use crate::simd::WIDTH;
+use bytemuck::Zeroable;
+
+/// Everything but the meshes, which have been checked.
+pub(super) fn all_but_meshes(scene: &Scene<'_>) -> Result<(), SceneFault> {
+    height_fields(scene)?;
+    textures(scene)?;
+    materials(scene)?;
+    instances(scene)?;
+    lights(scene)
+}
+
+/// Words that checking a mesh works in: a position of each vertex, and what the check of its tree needs.
+pub(super) fn scratch_of(mesh: &Mesh) -> usize {
+    let [triangles, nodes, blocks] = [mesh.triangles, mesh.nodes, mesh.blocks].map(|count| count as usize);
+    3 * mesh.vertices as usize + validate_scratch_len(triangles, nodes, blocks)
+}
+
+/// That the parts of meshes lie one after the other, and fill the slices.
+pub(super) fn parts_of_meshes(meshes: &Meshes<'_>) -> Result<(), SceneFault> {
+    let Meshes { uvs, triangles, nodes, blocks, .. } = meshes;
+    let mut ends = [0; 4];
+    for (index, mesh) in meshes.meshes.iter().enumerate() {
+        let element = Element::of("meshes", index);
+        let [of_vertices, of_triangles, of_nodes, of_blocks] = &mut ends;
+        element.follows("vertices", mesh.first_vertex, mesh.vertices, of_vertices, uvs.len())?;
+        element.follows("triangles", mesh.first_triangle, mesh.triangles, of_triangles, triangles.len())?;
+        element.follows("nodes", mesh.first_node, mesh.nodes, of_nodes, nodes.len())?;
+        element.follows("blocks", mesh.first_block, mesh.blocks, of_blocks, blocks.len())?;
+    }
+    count("uvs", uvs.len(), ends[0])?;
+    count("triangles", triangles.len(), ends[1])?;
+    count("nodes", nodes.len(), ends[2])?;
+    count("blocks", blocks.len(), ends[3])?;
+    count("facets", meshes.facets.len(), blocks.len().saturating_mul(WIDTH))
+}
+
+/// All of meshes, with scratch memory for the one that needs most.
+pub(super) fn meshes(meshes: &Meshes<'_>, scratch: &mut [u32]) -> Result<(), SceneFault> {
+    parts_of_meshes(meshes)?;
+    count_scratch(scratch.len(), Meshes::scratch_len(meshes.meshes))?;
+    for (index, mesh) in meshes.meshes.iter().enumerate() {
+        let triangles = part(meshes.triangles, mesh.first_triangle, mesh.triangles);
+        let nodes = part(meshes.nodes, mesh.first_node, mesh.nodes);
+        let blocks = part(meshes.blocks, mesh.first_block, mesh.blocks);
+        let (positions, scratch) = scratch.split_at_mut(3 * mesh.vertices as usize);
+        positions.fill(0);
+        let positions: &mut [[f32; 3]] = bytemuck::cast_slice_mut(positions);
+        take_corners(blocks, triangles, positions);
+        validate_tree(positions, triangles, nodes, blocks, scratch)
+            .map_err(|fault| SceneFault::Tree { mesh: index, fault })?;
+        // An empty tree has a root too, whose boxes hold nothing.
+        let root = &nodes[0];
+        for axis in 0..3 {
+            let (low, high) = (mesh.min[axis], mesh.max[axis]);
+            let holds = |corner: f32| (low <= corner && corner <= high) || triangles.is_empty();
+            let good = low.abs() <= MAX_COORDINATE
+                && high.abs() <= MAX_COORDINATE
+                && low <= high
+                && root.min[axis].iter().chain(&root.max[axis]).all(|&corner| holds(corner));
+            Element::of("meshes", index).require(good, "bounds", f64::from(low))?;
+        }
+    }
+    for (index, &uv) in meshes.uvs.iter().enumerate() {
+        Element::of("uvs", index).accept(limits::uv(index, uv))?;
+    }
+    facets(meshes)
+}
+
+fn count_scratch(have: usize, need: usize) -> Result<(), SceneFault> {
+    if have < need { count("scratch", have, need) } else { Ok(()) }
+}
+
+/// A mesh's part of a slice.
+fn part<T>(slice: &[T], first: u32, count: u32) -> &[T] {
+    &slice[first as usize..][..count as usize]
+}
+
+/// Positions of vertices, which lie nowhere but in the blocks: where two of these disagree, one of them is not
+/// bit for bit the position any more, which the check of the tree finds.
+fn take_corners(blocks: &[TriangleBlock], triangles: &[[u32; 3]], positions: &mut [[f32; 3]]) {
+    for block in blocks {
+        for lane in 0..WIDTH {
+            let Some(triangle) = triangles.get(block.triangle[lane] as usize) else { continue };
+            for (corner, &vertex) in block.corners.iter().zip(triangle) {
+                if let Some(position) = positions.get_mut(vertex as usize) {
+                    *position = corner.map(|axis| axis[lane]);
+                }
+            }
+        }
+    }
+}
+
+/// Facets follow from blocks, to the last bit.
+fn facets(meshes: &Meshes<'_>) -> Result<(), SceneFault> {
+    let execution = Execution::default();
+    let mut expected = [Facet::zeroed(); WIDTH];
+    for (index, block) in meshes.blocks.iter().enumerate() {
+        build::fill_facets(core::slice::from_ref(block), execution, &mut expected);
+        let held = &meshes.facets[index * WIDTH..][..WIDTH];
+        for (lane, (held, expected)) in held.iter().zip(&expected).enumerate() {
+            let element = Element::of("facets", index * WIDTH + lane);
+            element.require(held.triangle == expected.triangle, "triangle", f64::from(held.triangle))?;
+            let same = held.normal.map(f32::to_bits) == expected.normal.map(f32::to_bits);
+            element.require(same, "normal", f64::from(held.normal[0]))?;
+        }
+    }
+    Ok(())
+}
+
+fn height_fields(scene: &Scene<'_>) -> Result<(), SceneFault> {
+    let [mut heights, mut extents] = [0; 2];
+    for (index, field) in scene.height_fields.iter().enumerate() {
+        let element = Element::of("height_fields", index);
+        let [rows, columns] = [field.rows(), field.columns()];
+        let of_heights = rows as usize * columns as usize;
+        element.follows(
+            "heights",
+            field.first_height,
+            of_heights as u32,
+            &mut heights,
+            scene.heights.len(),
+        )?;
+        let of_extents = HeightField::extents_len(rows, columns);
+        element.follows(
+            "extents",
+            field.first_extent,
+            of_extents as u32,
+            &mut extents,
+            scene.extents.len(),
+        )?;
+        field
+            .validate(scene.heights, scene.extents)
+            .map_err(|error| SceneFault::HeightField { element: index, error })?;
+    }
+    count("heights", scene.heights.len(), heights)?;
+    count("extents", scene.extents.len(), extents)
+}
+
+fn textures(scene: &Scene<'_>) -> Result<(), SceneFault> {
+    let mut texels = 0;
+    for (index, texture) in scene.textures.iter().enumerate() {
+        let element = Element::of("textures", index);
+        let (width, height) = (texture.width, texture.height);
+        element.require(width > 0, "width", f64::from(width))?;
+        // The finest level alone must fit, so that no count of all levels overflows.
+        let fits = u64::from(width) * u64::from(height) <= scene.texels.len() as u64;
+        element.require(height > 0 && fits, "height", f64::from(height))?;
+        element.require(texture.levels == mip_levels(width, height), "levels", f64::from(texture.levels))?;
+        let of_texels = mip_texels(width, height);
+        element.follows("texels", texture.first_texel, of_texels as u32, &mut texels, scene.texels.len())?;
+    }
+    count("texels", scene.texels.len(), texels)
+}
+
+fn materials(scene: &Scene<'_>) -> Result<(), SceneFault> {
+    for (index, material) in scene.materials.iter().enumerate() {
+        let element = Element::of("materials", index);
+        if material.texture != NO_TEXTURE {
+            element.index("texture", material.texture, scene.textures.len())?;
+        }
+        element.accept(limits::material(material))?;
+    }
+    Ok(())
+}
+
+fn instances(scene: &Scene<'_>) -> Result<(), SceneFault> {
+    let mut slots = 0_u64;
+    for (index, instance) in scene.instances.iter().enumerate() {
+        let element = Element::of("instances", index);
+        let known = Kind::from_number(instance.kind).is_some();
+        element.require(known, "kind", f64::from(instance.kind))?;
+        element.index("material", instance.material, scene.materials.len())?;
+        match instance.kind() {
+            Kind::Triangles(Triangles::Mesh) => element.index("mesh", instance.mesh, scene.meshes.len())?,
+            Kind::Triangles(Triangles::HeightField) => {
+                element.index("height field", instance.mesh, scene.height_fields.len())?;
+            }
+            Kind::Solid(_) => {}
+        }
+        element.accept(limits::instance(instance.size, instance.scale))?;
+        // What nobody sees is given none.
+        slots += if instance.visibility == 0 { 0 } else { u64::from(scene.slots(instance)) };
+        if slots >= 1 << 31 {
+            return Err(SceneFault::TooManyTriangles);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(feature = "alloc")]
+pub(super) fn poses(scene: &Scene<'_>, poses: &[Pose]) -> Result<(), SceneFault> {
+    count("poses", poses.len(), scene.instances.len())?;
+    for (index, pose) in poses.iter().enumerate() {
+        Element::of("poses", index).accept(limits::pose(pose))?;
+    }
+    Ok(())
+}
+
+fn lights(scene: &Scene<'_>) -> Result<(), SceneFault> {
+    for (index, light) in scene.lights.iter().enumerate() {
+        let element = Element::of("lights", index);
+        element.require(Form::from_number(light.form).is_some(), "kind", f64::from(light.form))?;
+        element.accept(limits::light(light))?;
+    }
+    Ok(())
+}

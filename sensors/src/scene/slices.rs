@@ -1,0 +1,150 @@
+//! A scene from slices of the caller's.
+
+use super::{Environment, HeightField, Instance, Light, Material, Meshes, Scene, SceneFault, Texture, check};
+
+/// The parts of a scene in slices of the caller's, who needs no heap. What is not set is not there.
+///
+/// ```
+/// use belvedere_sensors::scene::build::{Scratch, max_size, scratch_len};
+/// use belvedere_sensors::scene::tree::{Facet, TriangleBlock, WideNode};
+/// use belvedere_sensors::trace::{CacheLine, Faces, Hits, Workspace, cast_grid};
+/// use belvedere_sensors::optics::{Intrinsics, Pinhole, PinholeGrid};
+/// use belvedere_sensors::{Execution, Moment, Pose, scene::*};
+/// use bytemuck::Zeroable;
+/// use glam::DVec3;
+///
+/// // Two meshes, a wall of 2 m and a smaller one, built into arrays.
+/// let wall = |half: f32| [[0.0, -half, -half], [0.0, half, -half], [0.0, half, half], [0.0, -half, half]];
+/// let faces = [[0, 2, 1], [0, 3, 2]];
+/// const MOST: usize = 2 * max_size(2).blocks;
+/// let (mut meshes, mut uvs, mut triangles) = ([Mesh::zeroed(); 2], [[0.0; 2]; 8], [[0; 3]; 4]);
+/// let (mut nodes, mut blocks) = ([WideNode::zeroed(); MOST], [TriangleBlock::zeroed(); MOST]);
+/// let (mut facets, mut scratch) = ([Facet::zeroed(); 16 * MOST], [Scratch::zeroed(); scratch_len(2)]);
+/// let mut store = MeshStore::new(MeshMemory {
+///     meshes: &mut meshes,
+///     uvs: &mut uvs,
+///     triangles: &mut triangles,
+///     nodes: &mut nodes,
+///     blocks: &mut blocks,
+///     facets: &mut facets,
+///     scratch: &mut scratch,
+/// });
+/// let execution = Execution::default();
+/// let large = store.add(&wall(1.0), &[], &faces, execution)?;
+/// let small = store.add(&wall(0.2), &[], &faces, execution)?;
+///
+/// // Three instances and where they are.
+/// let of = |shape| Instance::new(&InstanceConfig { shape, ..Default::default() });
+/// let instances = [of(Shape::Mesh(large))?, of(Shape::Mesh(small))?, of(Shape::Sphere { radius: 0.25 })?];
+/// let poses = [DVec3::X * 3.0, DVec3::X * 2.0, DVec3::new(2.0, 1.0, 0.0)].map(Pose::from_translation);
+/// let materials = [Material::new(&MaterialConfig::default())];
+/// let slices = SceneSlices::new().meshes(store.meshes()).instances(&instances).materials(&materials);
+/// let scene = Scene::from_slices(&slices).unwrap();
+///
+/// // Three rays, to the left, ahead and to the right.
+/// let lens = Pinhole::new(Intrinsics { fx: 2.0, fy: 2.0, cx: 1.0, cy: 0.0, skew: 0.0 }).unwrap();
+/// let optics = PinholeGrid::new(3, 1, lens).unwrap().into();
+/// let moment = Moment { world_from_sensor: Pose::IDENTITY, world_from_instance: &poses };
+/// let (mut distance, mut instance) = ([0.0; 3], [0; 3]);
+/// let hits = Hits { distance: Some(&mut distance), instance: Some(&mut instance), ..Default::default() };
+/// let mut workspace = Workspace { buffer: &mut [CacheLine::zeroed(); 256], execution };
+/// cast_grid(&scene, &moment, &optics, [0.1, 100.0], visibility::VISUAL, Faces::Front, &mut workspace, hits).unwrap();
+/// assert_eq!(instance, [2, 1, u32::MAX]);
+/// assert_eq!(distance[1], 2.0);
+/// // A sphere with its centre on the ray.
+/// assert!((f64::from(distance[0]) - (5_f64.sqrt() - 0.25)).abs() < 1e-6);
+/// # Ok::<(), SceneError>(())
+/// ```
+#[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
+pub struct SceneSlices<'a> {
+    /// Of shapes, meshes and height fields. Where they are, a [`Moment`](crate::Moment) says.
+    pub instances: &'a [Instance],
+    /// Those of a [`MeshStore`](super::MeshStore), or checked.
+    pub meshes: Meshes<'a>,
+    /// Terrains, [placed](HeightField::at) so that each one's heights and extents follow those of the one before.
+    pub height_fields: &'a [HeightField],
+    /// Of all height fields.
+    pub heights: &'a [f32],
+    /// Of all height fields, as [`HeightField::build`] fills them.
+    pub extents: &'a [[f32; 2]],
+    /// At least one if there is an instance.
+    pub materials: &'a [Material],
+    /// Pictures, each one's texels behind those of the one before.
+    pub textures: &'a [Texture],
+    /// Of all textures, with [all levels](super::fill_mip_levels) of each.
+    pub texels: &'a [[u8; 4]],
+    /// Lamps.
+    pub lights: &'a [Light],
+    /// Ambient light and background.
+    pub environment: Environment,
+}
+
+impl<'a> SceneSlices<'a> {
+    /// Of nothing, in Gazebo's default light.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    setters! {
+        /// Sets the instances.
+        instances: &'a [Instance],
+        /// Sets the meshes.
+        meshes: Meshes<'a>,
+        /// Sets the materials.
+        materials: &'a [Material],
+        /// Sets the lamps.
+        lights: &'a [Light],
+        /// Sets ambient light and background.
+        environment: Environment,
+    }
+
+    /// Sets the height fields, and the heights and extents of all.
+    #[must_use]
+    pub const fn height_fields(
+        mut self,
+        fields: &'a [HeightField],
+        heights: &'a [f32],
+        extents: &'a [[f32; 2]],
+    ) -> Self {
+        (self.height_fields, self.heights, self.extents) = (fields, heights, extents);
+        self
+    }
+
+    /// Sets the textures, and the texels of all.
+    #[must_use]
+    pub const fn textures(mut self, textures: &'a [Texture], texels: &'a [[u8; 4]]) -> Self {
+        (self.textures, self.texels) = (textures, texels);
+        self
+    }
+}
+
+impl<'a> Scene<'a> {
+    /// The scene of those slices, which it borrows as they lie. Everything that tracing relies on is checked, at a cost
+    /// in proportion to the length of heights and of what is counted in instances.
+    ///
+    /// # Errors
+    /// [`SceneFault`] names the slice, the element and what is wrong with it.
+    pub fn from_slices(slices: &SceneSlices<'a>) -> Result<Self, SceneFault> {
+        let Meshes { meshes, uvs, triangles, nodes, blocks, facets } = slices.meshes;
+        let scene = Self {
+            instances: slices.instances,
+            meshes,
+            uvs,
+            triangles,
+            nodes,
+            blocks,
+            facets,
+            height_fields: slices.height_fields,
+            heights: slices.heights,
+            extents: slices.extents,
+            materials: slices.materials,
+            textures: slices.textures,
+            texels: slices.texels,
+            lights: slices.lights,
+            environment: slices.environment,
+        };
+        check::all_but_meshes(&scene)?;
+        Ok(scene)
+    }
+}

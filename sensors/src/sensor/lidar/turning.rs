@@ -1,0 +1,187 @@
+//! Scans of a lidar that turns: slices are columns, each with a moment of its own.
+//!
+//! The columns of a slice are a small grid with the directions of the whole one, traced like a scan of one moment. Its
+//! beams lie side by side in the workspace, so that threads share nothing, and go to their columns at the end.
+
+use super::{Lidar, Lines, Scan, Scanner};
+use crate::execution::{Execution, SplitRows, for_each_row};
+use crate::memory::{CacheLine, Cutter, lines};
+use crate::moment::{Capture, Slice};
+use crate::optics::Optics;
+use crate::scene::{Scene, visibility};
+use crate::trace::Truth;
+use crate::trace::grid::Frame;
+use core::ops::Range;
+
+/// Pieces that slices are dealt out in, at the most: each needs memory of its own for a view. Nothing else depends on it.
+const MOST_PIECES: usize = 16;
+
+/// How the slices of a scan are dealt out.
+struct Plan<'a> {
+    lidar: &'a Lidar,
+    scene: &'a Scene<'a>,
+    optics: Optics<'static>,
+    slices: &'a [Slice<'a>],
+    /// Slices of a piece; the last may have fewer.
+    in_piece: usize,
+    pieces: usize,
+    /// Cache lines in which any slice can be traced.
+    stride: usize,
+}
+
+impl<'a> Plan<'a> {
+    fn new(lidar: &'a Lidar, scene: &'a Scene<'a>, slices: &'a [Slice<'a>]) -> Self {
+        let in_piece = slices.len().div_ceil(MOST_PIECES).max(1);
+        let (optics, pieces) = (lidar.optics(), slices.len().div_ceil(in_piece));
+        let mut plan = Self { lidar, scene, optics, slices, in_piece, pieces, stride: 0 };
+        for slice in 0..slices.len() {
+            let columns = plan.columns(slice);
+            if !columns.is_empty() {
+                plan.stride = plan.stride.max(Frame::columns_workspace_len(scene, &plan.optics, &columns));
+            }
+        }
+        plan
+    }
+
+    /// The columns of a slice that none before it has.
+    fn columns(&self, slice: usize) -> Range<u32> {
+        self.end_before(slice)..self.slices[slice].lines.end
+    }
+
+    /// Columns of all slices before one.
+    fn end_before(&self, slice: usize) -> u32 {
+        slice.checked_sub(1).map_or(0, |before| self.slices[before].lines.end)
+    }
+
+    /// The slices of a piece.
+    fn of_piece(&self, piece: usize) -> Range<usize> {
+        let end = self.slices.len();
+        (piece * self.in_piece).min(end)..((piece + 1) * self.in_piece).min(end)
+    }
+
+    fn rows(&self) -> usize {
+        self.lidar.config.vertical.samples as usize
+    }
+
+    /// Beams of all slices before one.
+    fn beams_before(&self, slice: usize) -> usize {
+        self.end_before(slice) as usize * self.rows()
+    }
+
+    /// Traces the beams of a slice; ranges stay true.
+    fn trace(
+        &self,
+        capture: &Capture<'_>,
+        slice: usize,
+        execution: Execution,
+        memory: &mut [CacheLine],
+        scan: Scan<'_>,
+    ) {
+        let (columns, mut memory) = (self.columns(slice), Cutter(memory));
+        let of = (&columns, &self.slices[slice].at);
+        let frame =
+            Frame::of_columns(self.scene, &self.optics, of, visibility::COLLISION, execution, &mut memory);
+        let sight = self.lidar.sight();
+        let rows_in_block = 1 << frame.fan().shift_y;
+        let lines = Lines { scan, samples: columns.len(), rows_in_block };
+        frame.trace(
+            &sight,
+            &mut memory,
+            lines,
+            &Scanner { lidar: self.lidar, capture, sight, is_whole: false },
+        );
+    }
+}
+
+/// Cache lines that a scan takes.
+pub(super) fn workspace_len(lidar: &Lidar, scene: &Scene<'_>, slices: &[Slice<'_>]) -> usize {
+    let samples = lidar.config.horizontal.samples;
+    let ends = || slices.iter().map(|slice| slice.lines.end);
+    if ends().any(|end| end > samples) || !ends().is_sorted() {
+        return 0; // and no scan
+    }
+    let plan = Plan::new(lidar, scene, slices);
+    let measured = 2 * lines(lidar.beams() * size_of::<f32>());
+    plan.pieces * plan.stride + measured + Truth::elsewhere_len(lidar.beams())
+}
+
+/// Takes a scan by slices of columns. They have been checked, as have the outputs.
+pub(super) fn sense(
+    lidar: &Lidar,
+    scene: &Scene<'_>,
+    (capture, slices): (&Capture<'_>, &[Slice<'_>]),
+    execution: Execution,
+    memory: &mut Cutter<'_>,
+    mut output: Scan<'_>,
+) {
+    let (plan, beams) = (Plan::new(lidar, scene, slices), lidar.beams());
+    let mut traced = Scan {
+        ranges: output.ranges.is_some().then(|| memory.take(beams)),
+        intensities: output.intensities.is_some().then(|| memory.take(beams)),
+        truth: output.truth.as_ref().map(|truth| truth.elsewhere(memory, beams)),
+    };
+    let memory = memory.take(plan.pieces * plan.stride);
+    let pieces = Pieces { plan: &plan, next: 0, memory, scan: traced.reborrow() };
+    for_each_row(execution, 0..plan.pieces, pieces, &|piece, part: Pieces<'_, '_>| {
+        let Pieces { memory, mut scan, .. } = part;
+        for slice in plan.of_piece(piece) {
+            let (own, rest) = scan.split_at(plan.columns(slice).len() * plan.rows());
+            scan = rest;
+            if !plan.columns(slice).is_empty() {
+                plan.trace(capture, slice, execution.alone(), memory, own);
+            }
+        }
+    });
+    gather(&plan, &traced, &mut output);
+    if let Some(ranges) = output.ranges {
+        lidar.measure_lines(capture.frame, 0, ranges);
+    }
+}
+
+/// Memory for the slices of some pieces, and where their beams go.
+struct Pieces<'p, 'a> {
+    plan: &'p Plan<'p>,
+    /// The first of them.
+    next: usize,
+    memory: &'a mut [CacheLine],
+    scan: Scan<'a>,
+}
+
+impl SplitRows for Pieces<'_, '_> {
+    fn split_rows(self, pieces: usize) -> (Self, Self) {
+        let Self { plan, next, .. } = self;
+        let from = |piece: usize| plan.beams_before(plan.of_piece(piece).start);
+        let (memory, memory_rest) = self.memory.split_at_mut(pieces * plan.stride);
+        let (scan, scan_rest) = self.scan.split_at(from(next + pieces) - from(next));
+        (
+            Self { plan, next, memory, scan },
+            Self { plan, next: next + pieces, memory: memory_rest, scan: scan_rest },
+        )
+    }
+}
+
+/// Takes the beams of all slices to their columns.
+fn gather(plan: &Plan<'_>, traced: &Scan<'_>, output: &mut Scan<'_>) {
+    put(plan, traced.ranges.as_deref(), output.ranges.as_deref_mut());
+    put(plan, traced.intensities.as_deref(), output.intensities.as_deref_mut());
+    let (Some(traced), Some(output)) = (&traced.truth, &mut output.truth) else { return };
+    put(plan, traced.depth.as_deref(), output.depth.as_deref_mut());
+    put(plan, traced.range.as_deref(), output.range.as_deref_mut());
+    put(plan, traced.normal.as_deref(), output.normal.as_deref_mut());
+    put(plan, traced.instance.as_deref(), output.instance.as_deref_mut());
+    put(plan, traced.class.as_deref(), output.class.as_deref_mut());
+    put(plan, traced.incidence.as_deref(), output.incidence.as_deref_mut());
+}
+
+/// The same of one output, if it is wanted.
+fn put<T: Copy>(plan: &Plan<'_>, traced: Option<&[T]>, output: Option<&mut [T]>) {
+    let (Some(traced), Some(output)) = (traced, output) else { return };
+    for slice in 0..plan.slices.len() {
+        let columns = plan.columns(slice);
+        let lines = output.chunks_mut(plan.lidar.config.horizontal.samples as usize);
+        let parts = traced[plan.beams_before(slice)..].chunks(columns.len().max(1));
+        for (line, part) in lines.zip(parts) {
+            line[columns.start as usize..columns.end as usize].copy_from_slice(&part[..columns.len()]);
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Bands of a grid: what is traced at a time, and what is done with it.
+
+use crate::execution::SplitRows;
+use crate::optics::rays::Rays;
+use crate::simd::WIDTH;
+use crate::trace::image::Target;
+use crate::trace::view::{View, ViewMemory};
+use fearless_simd::Simd;
+
+/// What is done with each band once it has been traced.
+pub(crate) trait BandWork<O>: Sync {
+    /// Works on a band of traced rays, inside `simd.vectorize`. `output` is cut by rows of blocks; it begins with the
+    /// band's [`first_row`](Band::first_row).
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut O);
+
+    /// Whether lines are wanted from every slice that has them, and not from the first alone.
+    fn is_mean(&self) -> bool {
+        false
+    }
+}
+
+/// A traced band of a grid, or the part of it that is taken at one moment.
+pub(crate) struct Band<'a> {
+    pub(crate) view: &'a View<'a>,
+    pub(crate) rays: Rays<'a>,
+    /// First and last row of the grid.
+    pub(crate) rows: [i32; 2],
+    /// The row that the output begins with.
+    pub(crate) first_row: i32,
+    /// Rows from here on are in no slice before this one.
+    pub(crate) fresh_from: i32,
+    /// Rows from here on are in a later slice, too.
+    pub(crate) open_from: i32,
+    pub(crate) target: Target<'a>,
+}
+
+impl Band<'_> {
+    /// First and last row of blocks.
+    pub(crate) fn block_rows(&self) -> core::ops::RangeInclusive<usize> {
+        let shift = self.rays.fan().shift_y;
+        (self.rows[0] >> shift) as usize..=(self.rows[1] >> shift) as usize
+    }
+
+    /// A row of blocks, counted from the first of the output.
+    #[inline(always)]
+    pub(crate) fn row_in_output(&self, block_row: usize) -> usize {
+        block_row - (self.first_row >> self.rays.fan().shift_y) as usize
+    }
+}
+
+/// Rows of a band, as [`Band`] has them.
+pub(super) struct Part {
+    pub(super) rows: [i32; 2],
+    pub(super) first_row: i32,
+    pub(super) fresh_from: i32,
+    pub(super) open_from: i32,
+}
+
+/// A part of the memory and of the output, cut between bands.
+pub(super) struct BandOutput<'a, O> {
+    /// Of one view for each band, if bands make their own.
+    pub(super) views: Option<ViewMemory<'a>>,
+    pub(super) instances: usize,
+    pub(super) inverse: &'a mut [[f32; WIDTH]],
+    pub(super) slot: &'a mut [[u32; WIDTH]],
+    pub(super) farthest: &'a mut [f32],
+    pub(super) output: O,
+    pub(super) farthest_stride: usize,
+    pub(super) block_rows: usize,
+    pub(super) blocks_across: usize,
+}
+
+impl<O: SplitRows> SplitRows for BandOutput<'_, O> {
+    fn split_rows(self, bands: usize) -> (Self, Self) {
+        let Self { instances, farthest_stride, block_rows, blocks_across, .. } = self;
+        let (views, views_rest) = self.views.map(|views| views.split(bands, instances)).unzip();
+        let blocks = bands * block_rows * blocks_across;
+        let (inverse, inverse_rest) = self.inverse.split_at_mut(blocks);
+        let (slot, slot_rest) = self.slot.split_at_mut(blocks);
+        let (farthest, farthest_rest) = self.farthest.split_at_mut(bands * farthest_stride);
+        let (output, output_rest) = self.output.split_rows(bands * block_rows);
+        (
+            Self {
+                views,
+                instances,
+                inverse,
+                slot,
+                farthest,
+                output,
+                farthest_stride,
+                block_rows,
+                blocks_across,
+            },
+            Self {
+                views: views_rest,
+                instances,
+                inverse: inverse_rest,
+                slot: slot_rest,
+                farthest: farthest_rest,
+                output: output_rest,
+                farthest_stride,
+                block_rows,
+                blocks_across,
+            },
+        )
+    }
+}

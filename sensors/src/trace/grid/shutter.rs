@@ -1,0 +1,51 @@
+//! What a shutter asks of a grid: a moment for each line, and blocks that lie in one slice each.
+
+use crate::moment::{Shutter, Slice};
+use crate::optics::Optics;
+use crate::optics::rays::Fan;
+use crate::scene::Scene;
+use crate::trace::error::SenseError;
+use crate::trace::view::check_moment;
+
+/// The blocks that the rays of a frame are traced in: such that each lies in one slice.
+pub(super) fn fan_of(optics: &Optics<'_>, shutter: &Shutter<'_>) -> Result<Fan, SenseError> {
+    let fan = optics.fan();
+    let height = fan.height as u32;
+    let mask = (1 << fan.shift_y) - 1;
+    let cuts = |line: u32| line & mask != 0 && line != height;
+    match shutter.slices().iter().position(|slice| cuts(slice.lines.start) || cuts(slice.lines.end)) {
+        None => Ok(fan),
+        Some(slice) if matches!(optics, Optics::Table(_)) => Err(SenseError::Slices {
+            slice,
+            rule: "begin and end at multiples of four lines, as the table of rays is in blocks of 4 × 4",
+        }),
+        Some(_) => Ok(fan.by_rows()),
+    }
+}
+
+/// That there is a moment for each of so many lines, with all poses.
+pub(crate) fn check_shutter(scene: &Scene<'_>, shutter: &Shutter<'_>, height: u32) -> Result<(), SenseError> {
+    let slices = match shutter {
+        Shutter::Global(moment) => return check_moment(scene, moment),
+        Shutter::Slices(slices) => *slices,
+    };
+    let (mut start, mut end) = (0, 0);
+    for (slice, Slice { lines, at }) in slices.iter().enumerate() {
+        let wrong = |rule| Err(SenseError::Slices { slice, rule });
+        if lines.start >= lines.end || lines.end > height {
+            return wrong("have one line at least, and none beyond the frame's");
+        }
+        if lines.start < start || lines.end < end {
+            return wrong("neither begin nor end before the slice before it");
+        }
+        if lines.start > end {
+            return wrong("begin no later than where the lines before it end");
+        }
+        check_moment(scene, at)?;
+        (start, end) = (lines.start, lines.end);
+    }
+    if end < height {
+        return Err(SenseError::Slices { slice: slices.len(), rule: "be there: the last lines are in none" });
+    }
+    Ok(())
+}

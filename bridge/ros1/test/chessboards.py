@@ -1,4 +1,4 @@
-"""A world of chessboards, and a robot that is nothing but two cameras: one that calibrates them needs no more.
+"""A world of chessboards, and a robot that is nothing but three cameras: one that calibrates them needs no more.
 
 The boards stand far apart along y. Seen from (0, y of the board, 0) along x each fills another part of the picture, at
 another distance and slant, and no other board is in view.
@@ -13,7 +13,8 @@ COLUMNS, ROWS, SQUARE_M = 8, 6, 0.05  # inner corners
 BOARDS, APART_M = 36, 20.0
 WIDTH, HEIGHT, HFOV_RAD = 640, 480, 1.3962634
 FOCAL = WIDTH / 2 / numpy.tan(HFOV_RAD / 2)
-DISTORTION = -0.25, 0.08, 0.001, -0.0008, 0.01  # of the second camera's camera_info alone: k1 k2 t1 t2 k3
+DISTORTION = -0.25, 0.08, 0.001, -0.0008, 0.01  # of the second camera: k1 k2 t1 t2 k3
+FISHEYE = 0.03, -0.01, 0.004, -0.001  # of the third: k1 k2 k3 k4
 MARGIN_PX = 12
 PIXELS_PER_SQUARE = 64
 
@@ -53,7 +54,10 @@ def poses():
     return found
 
 
-def camera(name, distortion):
+def camera(name, distortion=(0.0,) * 5, fisheye=()):
+    lens = "".join(f"<k{index}>{value}</k{index}>" for index, value in enumerate(fisheye, 1))
+    if lens:
+        lens = f"<lens><type>kannala_brandt</type>{lens}<intrinsics><fx>{FOCAL}</fx></intrinsics></lens>"
     told = "".join(
         f"<distortion{key}>{value}</distortion{key}>" for key, value in zip(("K1", "K2", "T1", "T2", "K3"), distortion)
     )
@@ -63,9 +67,9 @@ def camera(name, distortion):
     <update_rate>30</update_rate>
     <camera>
       <horizontal_fov>{HFOV_RAD}</horizontal_fov>
-      <image><width>{WIDTH}</width><height>{HEIGHT}</height><format>L8</format></image>
+      <image><width>{WIDTH}</width><height>{HEIGHT}</height><format>L8</format><anti_aliasing>4</anti_aliasing></image>
       <clip><near>0.02</near><far>10</far></clip>
-      <noise><type>gaussian</type><mean>0</mean><stddev>0.007</stddev></noise>
+      <noise><type>gaussian</type><mean>0</mean><stddev>0.007</stddev></noise>{lens}
     </camera>
     <plugin name="{name}" filename="libgazebo_ros_camera.so">
       <cameraName>{name}</cameraName><imageTopicName>image_raw</imageTopicName>
@@ -105,8 +109,9 @@ def write(folder):
     robot.write_text(
         f"""<robot name="cameras">
 <link name="eye"><inertial><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
-{camera("straight", [0.0] * 5)}
+{camera("straight")}
 {camera("bent", DISTORTION)}
+{camera("fisheye", fisheye=FISHEYE)}
 </robot>
 """
     )

@@ -14,20 +14,27 @@ import chessboards
 import cv2
 import numpy
 import rospy
-from camera_calibration.calibrator import ChessboardInfo, MonoCalibrator, Patterns
+from camera_calibration.calibrator import CAMERA_MODEL, ChessboardInfo, MonoCalibrator, Patterns
 from processes import SIMULATOR, Process, bridge, eventually, simulator
 from programs import program
 from sensor_msgs.msg import CameraInfo, Image
 
 DOMAIN = f"calibration-{os.getpid()}"
-FOCAL_TOLERANCE = 0.003
-CENTRE_TOLERANCE_PX = 1.5
+FOCAL_TOLERANCE = 0.002
+CENTRE_TOLERANCE_PX = 0.6
 DISTORTION_TOLERANCE_PX = 0.6  # at the edge of the picture
+LEAST_PSNR = 35.0  # dB, of the rectified picture against a pinhole's
 GREY_TOLERANCE = 0.2  # of 255, on average: the table of the lens is in fixed point
 
 
 def picture(message):
     return numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.width)
+
+
+def project(model, points, camera, lens):
+    """Pixels of points (x, y, 1) by one of OpenCV's models."""
+    points = numpy.column_stack([points, numpy.ones(len(points))])[:, None]
+    return model(points, numpy.zeros(3), numpy.zeros(3), camera, lens)[0].reshape(-1, 2)
 
 
 class Newest:
@@ -76,7 +83,7 @@ class Calibration(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.simulator = simulator(DOMAIN, *chessboards.write(cls.folder.name))
         cls.node = bridge(DOMAIN)
-        wanted = {"/straight/image_raw", "/bent/image_raw"}
+        wanted = {"/straight/image_raw", "/bent/image_raw", "/fisheye/image_raw"}
         assert eventually(lambda: wanted <= set(dict(rospy.get_published_topics()))), cls.node.output() + cls.simulator.output()
 
     @classmethod
@@ -85,10 +92,12 @@ class Calibration(unittest.TestCase):
         cls.simulator.stop()
         cls.folder.cleanup()
 
-    def test_camera_calibration_finds_the_camera(self):
+    def calibrated(self, name, model, *flags):
+        """What camera_calibration finds for a camera, and the camera_info that this tells."""
         board = ChessboardInfo(n_cols=chessboards.COLUMNS, n_rows=chessboards.ROWS, dim=chessboards.SQUARE_M)
-        calibrator = MonoCalibrator([board], cv2.CALIB_FIX_K3, pattern=Patterns.Chessboard)
-        camera = Newest(image="/straight/image_raw", info="/straight/camera_info")
+        calibrator = MonoCalibrator([board], *flags, pattern=Patterns.Chessboard)
+        calibrator.set_cammodel(model)
+        camera = Newest(image=f"/{name}/image_raw", info=f"/{name}/camera_info")
         for index in range(chessboards.BOARDS):
             seen = camera.after(look_at(index))
             with contextlib.redirect_stdout(io.StringIO()):
@@ -97,27 +106,48 @@ class Calibration(unittest.TestCase):
         self.assertGreaterEqual(len(calibrator.db), 20, "boards were not found, or too much alike")
         with contextlib.redirect_stdout(io.StringIO()):
             calibrator.do_calibration()
-        found, told = calibrator.intrinsics, numpy.reshape(seen["info"].K, (3, 3))
+        return calibrator, seen["info"]
+
+    def check(self, calibrator, info, model):
+        """Holds what was found against what is told; `model` is the one of OpenCV's that draws points."""
+        found, told = calibrator.intrinsics, numpy.reshape(info.K, (3, 3))
         off = numpy.abs(found[[0, 1], [0, 1]] / told[0, 0] - 1)
         centre = numpy.abs(found[:2, 2] - told[:2, 2])
-        corner = numpy.array([[[0.0, 0.0]], [[639.0, 479.0]], [[0.0, 239.5]], [[319.5, 0.0]]])
-        straightened = cv2.undistortPoints(corner, found, calibrator.distortion, P=found)
-        bent = numpy.abs(straightened - corner).max()
+        # At the border of what a straight camera sees: so far boards have been.
+        border = numpy.array([[0.0, 0.0], [639.0, 479.0], [0.0, 239.5], [319.5, 0.0]])
+        points = (border - [319.5, 239.5]) / chessboards.FOCAL
+        drawn = [project(model, points, *lens) for lens in [(found, calibrator.distortion), (told, numpy.array(info.D))]]
+        # Beside the middle: where that is has been looked at.
+        as_found, as_told = (pixels - camera[:2, 2] for pixels, camera in zip(drawn, (found, told)))
+        bent = numpy.linalg.norm(as_found - as_told, axis=1).max()
         print(
             f"{len(calibrator.db)} boards: fx {found[0, 0]:.3f}, fy {found[1, 1]:.3f} of {told[0, 0]:.3f} "
-            f"({off.max():.4%} off), centre {centre.max():.3f} px off, lens at most {bent:.3f} px from straight"
+            f"({off.max():.4%} off), centre {centre.max():.3f} px off, lens at most {bent:.3f} px off at the border"
         )
         self.assertLess(off.max(), FOCAL_TOLERANCE)
         self.assertLess(centre.max(), CENTRE_TOLERANCE_PX)
         self.assertLess(bent, DISTORTION_TOLERANCE_PX)
 
+    def test_camera_calibration_finds_the_camera(self):
+        calibrator, info = self.calibrated("straight", CAMERA_MODEL.PINHOLE, cv2.CALIB_FIX_K3)
+        self.assertEqual(info.distortion_model, "plumb_bob")
+        self.check(calibrator, info, cv2.projectPoints)
+
+    def test_camera_calibration_finds_the_fisheye(self):
+        flags = cv2.fisheye.CALIB_FIX_SKEW | cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC
+        calibrator, info = self.calibrated("fisheye", CAMERA_MODEL.FISHEYE, 0, flags)
+        self.assertEqual((info.distortion_model, info.D), ("equidistant", chessboards.FISHEYE))
+        self.check(calibrator, info, cv2.fisheye.projectPoints)
+
     def test_image_proc_takes_the_lens_out_that_camera_info_tells(self):
         with Process(program("image_proc", "image_proc"), ROS_NAMESPACE="/bent") as theirs:
             self.assertTrue(eventually(lambda: "/bent/image_rect" in dict(rospy.get_published_topics()), 20), theirs.output())
-            camera = Newest(image="/bent/image_raw", info="/bent/camera_info", rectified="/bent/image_rect")
+            camera = Newest(
+                image="/bent/image_raw", info="/bent/camera_info", rectified_image="/bent/image_rect", straight_image="/straight/image_raw"
+            )
             seen = camera.after(look_at(0))
             camera.close()
-        info, raw, rectified = seen["info"], picture(seen["image"]), picture(seen["rectified"])
+        info, raw, rectified = seen["info"], picture(seen["image"]), picture(seen["rectified_image"])
         self.assertEqual((info.distortion_model, info.D), ("plumb_bob", chessboards.DISTORTION))
         # The same in our own words: each pixel of the straight picture is where the lens would have drawn it.
         camera, y, x = numpy.reshape(info.K, (3, 3)), *numpy.indices(raw.shape).astype(float)
@@ -132,6 +162,12 @@ class Calibration(unittest.TestCase):
         difference = numpy.abs(rectified[2:-2, 2:-2].astype(int) - expected[2:-2, 2:-2])
         print(f"image_proc's picture differs by {difference.max()} at most, {difference.mean():.4f} on average")
         self.assertLess(difference.mean(), GREY_TOLERANCE)
+        # What a camera without a lens sees at that moment, of the same place.
+        straight = picture(seen["straight_image"])[2:-2, 2:-2].astype(float)
+        psnr = 10 * numpy.log10(255**2 / numpy.square(rectified[2:-2, 2:-2] - straight).mean())
+        beside = 10 * numpy.log10(255**2 / numpy.square(rectified[2:-2, 3:-1] - straight).mean())
+        print(f"the rectified picture and a pinhole's: PSNR {psnr:.1f} dB, a pixel beside {beside:.1f} dB")
+        self.assertGreaterEqual(psnr, LEAST_PSNR)
 
 
 if __name__ == "__main__":

@@ -388,7 +388,7 @@ fn store_in_mesh(
         let point =
             wide(ray.origin) + wide(ray.direction) * (wave.settled.t[id] * f64::from(wave.bundle.unit[id]));
         let (_, _, weights) = on_triangle(block, slot as usize % WIDTH, point);
-        barycentrics[index] = weights.map(|weight| weight as f32);
+        barycentrics[index] = weights;
     }
     if let Some(normal) = &mut hits.normal
         && hit

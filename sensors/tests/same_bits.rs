@@ -11,6 +11,7 @@ use belvedere_sensors::scene::SceneBuilder;
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Execution, Pose, Sensor};
+use common::casts::levels;
 use common::{LIDAR, camera, camera_of, depth_camera, picture_with, scenery};
 use glam::DVec3;
 
@@ -73,20 +74,6 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ("bayer_gbrg16", picture_with(&builder, bayer, pose, 7, execution)),
         ("rgba8 of sRGB", picture_with(&builder, srgb, pose, 7, execution)),
     ]
-}
-
-/// The levels of this machine's architecture; none for those that the machine has not.
-fn levels() -> Vec<(&'static str, Option<Level>)> {
-    let best = Level::new();
-    #[cfg(target_arch = "x86_64")]
-    return vec![
-        ("SSE2", best.as_sse2().map(Level::Sse2)),
-        ("SSE4.2", best.as_sse4_2().map(Level::Sse4_2)),
-        ("AVX2", best.as_avx2().map(Level::Avx2)),
-        ("AVX-512", best.as_avx512().map(Level::Avx512)),
-    ];
-    #[cfg(not(target_arch = "x86_64"))]
-    return vec![("the baseline", Some(Level::baseline())), ("the best", Some(best))];
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod common;
 use belvedere_sensors::camera::{Camera, CameraConfig, Picture};
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, Lens, Optics, Pinhole, RayTableBuf};
 use belvedere_sensors::scene::{InstanceConfig, Scene, SceneBuilder, Shape, visibility};
+use belvedere_sensors::simd::{Level, best_level};
 use belvedere_sensors::trace::{
     Faces, Hits, SeenBox, Truth, WorkspaceBuf, cast_grid, grid_workspace_len, seen_boxes,
 };
@@ -30,6 +31,10 @@ struct Known {
 }
 
 fn truth(scene: &Scene<'_>, config: CameraConfig<'_>, capture: &Capture<'_>) -> Known {
+    truth_at(best_level(), scene, config, capture)
+}
+
+fn truth_at(level: Level, scene: &Scene<'_>, config: CameraConfig<'_>, capture: &Capture<'_>) -> Known {
     let camera = Camera::new(config).unwrap();
     let rays = camera.size().iter().product();
     let mut known = Known {
@@ -56,6 +61,7 @@ fn truth(scene: &Scene<'_>, config: CameraConfig<'_>, capture: &Capture<'_>) -> 
         channels = channels.flow_back(&mut known.flow_back);
     }
     let mut memory = WorkspaceBuf::default();
+    memory.execution.level = level;
     let workspace = &mut memory.lend(camera.workspace_len(scene, capture));
     camera.sense(scene, capture, workspace, Picture::new().truth(channels)).unwrap();
     known
@@ -192,6 +198,31 @@ fn channels_agree() {
             }
             assert!(hits > 5000, "{hits} pixels hit something");
         }
+    }
+}
+
+#[test]
+fn same_bits_at_every_level() {
+    let story = Story::new();
+    let (scene, [now, then]) = (story.builder.scene(), [0.0, 1.0].map(|time| story.poses(time)));
+    let table = RayTableBuf::from_lens(SIZE[0], SIZE[1], &fisheye()).unwrap();
+    let at = |time, poses| Moment { world_from_sensor: Story::sensor(time), world_from_instance: poses };
+    let capture = Capture::new(0, at(0.0, &now)).after(at(1.0, &then));
+    let best = best_level();
+    let mut levels = vec![best];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(best.as_sse4_2().map(Level::Sse4_2).into_iter().chain(best.as_avx2().map(Level::Avx2)));
+    for config in [camera_of(SIZE, 1.4), CameraConfig::new(&table)] {
+        let bytes = |level| {
+            let known = truth_at(level, &scene, config, &capture);
+            let lengths = [known.depth, known.range, known.incidence].concat();
+            let vectors = [known.normal.into_flattened(), known.flow.into_flattened()].concat();
+            let numbers = [known.instance, known.class].concat();
+            let bits = lengths.into_iter().chain(vectors).map(f32::to_bits);
+            bits.chain(numbers).collect::<Vec<_>>()
+        };
+        let expected = bytes(Level::baseline());
+        assert!(levels.iter().all(|&level| bytes(level) == expected));
     }
 }
 

@@ -57,36 +57,46 @@ impl Signal {
                 offset[lane] = dsnu_e * dark[lane];
             }
         }
-        let (mut any_few, mut any_many) = (0, 0);
+        let (mut any_none, mut any_few, mut any_many) = (0, 0, 0);
         for lane in 0..LANES {
             electrons[lane] += dark_e;
             let is_many = u32::from(electrons[lane] >= MANY);
-            any_few |= is_many ^ 1;
+            let is_some = u32::from(electrons[lane] > 0.0);
+            any_none |= is_some ^ 1;
+            any_few |= is_some & (is_many ^ 1);
             any_many |= is_many;
         }
 
         // Step 2: what is counted, and the noise of reading it.
         let variance = read_e * read_e;
-        let shot = normals64_at(&of(Stream::SHOT), samples);
+        let is_one = variance >= WHOLE_ELECTRONS;
+        let mut shot = [0.0; LANES];
+        if is_one || any_many != 0 {
+            shot = normals64_at(&of(Stream::SHOT), samples);
+        }
         let mut counts = [0.0; LANES];
         let mut reading = [0.0; LANES];
-        if variance < WHOLE_ELECTRONS {
-            if read_e != 0.0 {
-                reading = normals64_at(&of(Stream::READ), samples);
-            }
-            for lane in 0..LANES {
-                counts[lane] = many(electrons[lane], shot[lane]) + read_e * reading[lane];
-            }
-        } else {
+        if is_one {
             reading = shot;
             if any_many != 0 {
                 for lane in 0..LANES {
                     counts[lane] = many_with_reading(electrons[lane], variance, shot[lane]);
                 }
             }
+        } else {
+            if read_e != 0.0 {
+                reading = normals64_at(&of(Stream::READ), samples);
+            }
+            for lane in 0..LANES {
+                counts[lane] = many(electrons[lane], shot[lane]) + read_e * reading[lane];
+            }
         }
-        if any_few != 0 {
-            let small = few(simd, electrons, &of(Stream::COUNT).words64(samples));
+        if any_few | any_none != 0 {
+            // Of no electrons none is counted.
+            let mut small = [0.0; LANES];
+            if any_few != 0 {
+                small = few(simd, electrons, &of(Stream::COUNT).words64(samples));
+            }
             for lane in 0..LANES {
                 let few = small[lane] + read_e * reading[lane];
                 counts[lane] = if electrons[lane] >= MANY { counts[lane] } else { few };

@@ -107,6 +107,17 @@ pub(crate) fn normals64_at(stream: &Stream, blocks: [u32; 4]) -> [f32; 64] {
     normals_of(stream.words_of_blocks(blocks))
 }
 
+/// The same normals by columns: those of the first four samples of each block, of the second four, and so on.
+#[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+#[inline(always)]
+pub(crate) fn normal_columns64_at(stream: &Stream, blocks: [u32; 4]) -> [[f32; 16]; 4] {
+    // That is how the words come.
+    let [w0, w1, w2, w3] = stream.words_of_blocks(blocks);
+    let (z0, z1) = box_muller(w0, w1);
+    let (z2, z3) = box_muller(w2, w3);
+    [z0, z1, z2, z3]
+}
+
 /// The normals of so many words, in the order of the samples.
 #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
 #[inline(always)]

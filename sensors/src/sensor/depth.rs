@@ -11,20 +11,20 @@ use rows::{Retouched, Rows};
 use crate::execution::SplitRows;
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
-use crate::noise::{GaussianNoise, Stream, normals64_at};
-use crate::optics::rays::Fan;
+use crate::noise::{GaussianNoise, Stream, normal_columns64_at, normals64_at};
 use crate::scene::{Scene, visibility};
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, WIDTH};
 pub use crate::trace::TooNear;
 use crate::trace::error::check_output;
 use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::image::NO_HIT;
 use crate::trace::measure::Measure;
+use crate::trace::place::Place;
 use crate::trace::resolve::Resolver;
 use crate::trace::tiling::{BLOCKS, Tiling, lane_in_tile};
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
-use fearless_simd::Simd;
+use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
 /// Bytes of a point of the cloud: x 0, y 4, z 8, rgb 16, all f32, as `gazebo_ros_openni_kinect` lays it out.
 pub const POINT_STEP: usize = 32;
@@ -154,28 +154,38 @@ impl<'a> DepthCamera<'a> {
         self.camera.size().into_iter().product()
     }
 
+    /// The random numbers of the depths of a tile, block by block; none if there is no noise.
+    #[inline(always)]
+    fn normals(&self, tiling: Tiling, frame: u64, samples: [u32; BLOCKS]) -> Option<[[f32; WIDTH]; BLOCKS]> {
+        if self.config.noise.is_none() {
+            return None;
+        }
+        let CameraConfig { seed, sensor, .. } = self.config.camera;
+        let stream = Stream { seed, sensor, frame, channel: Stream::DEPTH };
+        Some(match tiling {
+            // The four samples of each line that lie in the same block lie in the same column.
+            Tiling::Square => normal_columns64_at(&stream, samples),
+            Tiling::Rows => bytemuck::cast(normals64_at(&stream, samples)),
+        })
+    }
+
     /// Measured depths in metres: REP-117 values where there is none. What noise takes out of the valid range is out of
     /// it, as what was there before.
     #[inline(always)]
-    fn depths(&self, truth: &Lanes<f32>, frame: u64, samples: [u32; BLOCKS]) -> Lanes<f32> {
+    fn depths<S: Simd>(&self, simd: S, truth: f32x16<S>, normals: Option<&[f32; WIDTH]>) -> f32x16<S> {
         let config = &self.config;
-        let mut noisy = *truth;
-        if !config.noise.is_none() {
-            let CameraConfig { seed, sensor, .. } = config.camera;
-            let stream = Stream { seed, sensor, frame, channel: Stream::DEPTH };
-            let normals = normals64_at(&stream, samples);
-            config.noise.apply_all(&mut noisy, self.bias, &normals);
+        let mut noisy = truth;
+        if let Some(normals) = normals {
+            let mut values = truth.into();
+            config.noise.apply_all(&mut values, self.bias, normals);
+            noisy = f32x16::load_array(simd, values);
         }
         let (min, max) = (config.min_depth_m as f32, config.max_depth_m as f32);
-        let mut depths = [0.0; LANES];
-        for lane in 0..LANES {
-            let (truth, noisy) = (truth[lane], noisy[lane]);
-            let measured = if noisy <= min { f32::NEG_INFINITY } else { noisy };
-            let measured = if noisy >= max { f32::INFINITY } else { measured };
-            let near = if truth <= min { f32::NEG_INFINITY } else { measured };
-            depths[lane] = if truth >= max { f32::INFINITY } else { near };
-        }
-        depths
+        let (near, far) = (f32x16::splat(simd, f32::NEG_INFINITY), f32x16::splat(simd, f32::INFINITY));
+        let measured = noisy.simd_le(min).select(near, noisy);
+        let measured = noisy.simd_ge(max).select(far, measured);
+        let measured = truth.simd_le(min).select(near, measured);
+        truth.simd_ge(max).select(far, measured)
     }
 }
 
@@ -254,18 +264,39 @@ struct Measurer<'a> {
 }
 
 impl Measurer<'_> {
-    /// Takes away the depths of a tile that something is in the way of.
+    /// Measures the depths of a tile and writes them, block by block; in the order of the tile's lanes where they are
+    /// wanted for its points.
     #[inline(always)]
-    fn block(&self, truth: &mut Lanes<f32>, fan: &Fan, [column, row]: [usize; 2]) {
+    fn measure<S: Simd>(
+        &self,
+        simd: S,
+        band: &Band<'_>,
+        (measure, resolver): (&Measure, &mut Resolver<'_>),
+        [column, row]: [usize; 2],
+        output: &mut Rows<'_>,
+    ) -> Lanes<f32> {
+        let fan = band.rays.fan();
         let (tiling, across, first) = (Tiling::of(fan), fan.blocks_across(), column * BLOCKS);
-        let Some(blocked) = self.blocked.get(row * across + first..row * across + across) else { return };
-        for (part, &lanes) in blocked.iter().take(BLOCKS).enumerate() {
-            let mut rest = lanes;
-            while rest != 0 {
-                truth[lane_in_tile(tiling, part, rest.trailing_zeros() as usize)] = f32::NEG_INFINITY;
-                rest &= rest - 1;
+        let samples = tiling.samples(fan.width as usize, [column, row]);
+        let normals = self.camera.normals(tiling, self.capture.frame, samples);
+        let mut of_tile = [f32::INFINITY; LANES];
+        for part in 0..BLOCKS.min(across - first) {
+            let block = [first + part, row];
+            let mut truth = measure.block::<S, true>(simd, band, resolver, block);
+            if let Some(&lanes) = self.blocked.get(row * across + first + part) {
+                let blocked = simd.from_bitmask_mask32x16(u64::from(lanes));
+                truth = blocked.select(f32x16::splat(simd, f32::NEG_INFINITY), truth);
+            }
+            let depths = self.camera.depths(simd, truth, normals.as_ref().map(|normals| &normals[part]));
+            output.write_depths(simd, self.camera, depths, &Place::new(fan, band, block[0], block[1]));
+            if output.points.is_some() {
+                let depths: [f32; WIDTH] = depths.into();
+                for lane in 0..WIDTH {
+                    of_tile[lane_in_tile(tiling, part, lane)] = depths[lane];
+                }
             }
         }
+        of_tile
     }
 }
 
@@ -302,8 +333,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
     #[inline(always)]
     fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
         let Self { camera, capture, .. } = self;
-        let fan = band.rays.fan();
-        let tiling = Tiling::of(fan);
+        let tiling = Tiling::of(band.rays.fan());
         let mut brush = Brush::new(&camera.camera, capture, band);
         let measure = Measure::new(&band.view.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
@@ -321,11 +351,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                     brush.mark(simd, band, tile, &mut output.colour);
                 }
                 if is_first {
-                    let mut truth = measure.tile(simd, band, &mut resolver, tile);
-                    self.block(&mut truth, fan, tile);
-                    let samples = tiling.samples(fan.width as usize, tile);
-                    let depths = camera.depths(&truth, capture.frame, samples);
-                    output.write_depths(camera, &depths, band, tile);
+                    let depths = self.measure(simd, band, (&measure, &mut resolver), tile, output);
                     if wants_points {
                         let light = brush.colours;
                         brush.expose(simd, tile);

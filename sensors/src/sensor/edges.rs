@@ -219,13 +219,19 @@ impl<'a> Smoothing<'a> {
         edges
     }
 
-    /// Traces the rays of up to sixteen pixels and gives these their mean colours.
-    #[inline(always)]
+    /// Traces the rays of up to sixteen pixels and gives these their mean colours. Compiled once a level, whatever the
+    /// canvas.
+    #[inline(never)]
     fn sample<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel]) {
         let Bench { packet, local, tile, shader, resolver, colours } = bench;
-        self.aim(pixels, packet, tile);
-        first_hits(simd, self.view, packet, local, self.sight.faces);
-        tile.take_first_hits(simd, packet, resolver);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                self.aim(pixels, packet, tile);
+                first_hits(simd, self.view, packet, local, self.sight.faces);
+                tile.take_first_hits(simd, packet, resolver);
+            },
+        );
         shader.shade(simd, self.view, tile, &self.camera_rays.steps, colours);
         for channel in 0..3 {
             let samples = colours[channel].as_chunks::<SAMPLES>().0;
@@ -278,7 +284,7 @@ impl<'a> Smoothing<'a> {
 
     /// Paints pixels, of neighbouring tiles one after the other, into the part of a picture that begins at a row of
     /// tiles.
-    #[inline(always)]
+    #[inline(never)]
     fn put_down<S: Simd>(
         &self,
         simd: S,
@@ -287,24 +293,29 @@ impl<'a> Smoothing<'a> {
         first_row: usize,
         canvas: &mut impl Canvas,
     ) {
-        let mut colours = [[0.0; LANES]; 3];
-        for pixels in pixels.chunk_by(|a, b| a.tile == b.tile) {
-            let ([column, row], mut lanes) = (pixels[0].tile, 0);
-            for pixel in pixels {
-                lanes |= 1 << pixel.lane;
-                for channel in 0..3 {
-                    colours[channel][pixel.lane] = pixel.colour[channel];
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut colours = [[0.0; LANES]; 3];
+                for pixels in pixels.chunk_by(|a, b| a.tile == b.tile) {
+                    let ([column, row], mut lanes) = (pixels[0].tile, 0);
+                    for pixel in pixels {
+                        lanes |= 1 << pixel.lane;
+                        for channel in 0..3 {
+                            colours[channel][pixel.lane] = pixel.colour[channel];
+                        }
+                    }
+                    tile.take_directions(simd, &self.camera_rays, [column, row]);
+                    let view = TileView {
+                        directions: &tile.direction,
+                        forward: self.camera_rays.forward(),
+                        lines: Tiling::Square.lines([column, row]),
+                        samples: Tiling::Square.samples(self.size[0], [column, row]),
+                    };
+                    canvas.paint(simd, &view, [column, row - first_row], lanes, &mut colours);
                 }
-            }
-            tile.take_directions(simd, &self.camera_rays, [column, row]);
-            let view = TileView {
-                directions: &tile.direction,
-                forward: self.camera_rays.forward(),
-                lines: Tiling::Square.lines([column, row]),
-                samples: Tiling::Square.samples(self.size[0], [column, row]),
-            };
-            canvas.paint(simd, &view, [column, row - first_row], lanes, &mut colours);
-        }
+            },
+        );
     }
 }
 

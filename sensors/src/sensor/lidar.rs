@@ -256,9 +256,10 @@ impl BandWork<Lines<'_>> for Scanner<'_> {
             |place, block| {
                 let truth = measure.block::<S, false>(simd, band, &mut resolver, block);
                 if let Some(ranges) = ranges.as_deref_mut() {
-                    place.write(&truth, ranges);
+                    place.write_f32(simd, truth, ranges);
                 }
                 if let Some(intensities) = intensities.as_deref_mut() {
+                    let truth: [f32; WIDTH] = truth.into();
                     let mut retro = [0.0; WIDTH];
                     for (lane, &slot) in band.target.slot[place.block].iter().enumerate() {
                         if slot != NO_HIT && min < truth[lane] && truth[lane] < max {

@@ -81,9 +81,24 @@ pub(crate) fn write_lanes<S: Simd>(
 }
 
 /// Writes a tile's colours into the rows of a picture. `tile` is its column and row, `rows` begins with its first;
-/// `full_scale` is that of the formats of 16 bits.
-#[inline(always)]
+/// `full_scale` is that of the formats of 16 bits. Compiled once a level, whatever sensor the picture is of.
+#[inline(never)]
 pub(crate) fn write_tile<S: Simd>(
+    simd: S,
+    colours: &Colours,
+    format: (PixelFormat, f32),
+    tile: (Tiling, [usize; 2]),
+    rows: &mut [u8],
+    row_stride: usize,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || write_formatted(simd, colours, format, tile, rows, row_stride),
+    );
+}
+
+#[inline(always)]
+fn write_formatted<S: Simd>(
     simd: S,
     colours: &Colours,
     (format, full_scale): (PixelFormat, f32),

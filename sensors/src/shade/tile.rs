@@ -170,8 +170,8 @@ impl Tile {
         }
     }
 
-    /// Takes the hits of a tile out of a band. Rays outside the grid miss.
-    #[inline(always)]
+    /// Takes the hits of a tile out of a band. Rays outside the grid miss. Compiled once a level, whatever sensor it is for.
+    #[inline(never)]
     pub(crate) fn take<S: Simd>(
         &mut self,
         simd: S,
@@ -181,11 +181,16 @@ impl Tile {
         tile: [usize; 2],
     ) {
         // Apart, so that a pinhole's loop is as short as it can be.
-        if rays.steps.is_some() {
-            self.take_rays::<S, true>(simd, band, resolver, rays, tile);
-        } else {
-            self.take_rays::<S, false>(simd, band, resolver, rays, tile);
-        }
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                if rays.steps.is_some() {
+                    self.take_rays::<S, true>(simd, band, resolver, rays, tile);
+                } else {
+                    self.take_rays::<S, false>(simd, band, resolver, rays, tile);
+                }
+            },
+        );
     }
 
     #[inline(always)]

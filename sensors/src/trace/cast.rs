@@ -6,9 +6,10 @@ use super::hit_point::{HitPoints, block_index, has_solids};
 use super::image::NO_HIT;
 use super::measure::Measure;
 use super::memory::Workspace;
+use super::normals::{NormalFinder, Normals};
 use super::packet::Faces;
 use super::place::{Place, for_each_block};
-use super::resolve::{Resolver, local_slot};
+use super::resolve::{Resolver, hit_lanes, local_slot};
 use crate::execution::{SplitRows, split_at};
 use crate::moment::{Moment, Shutter};
 use crate::optics::Optics;
@@ -124,20 +125,13 @@ impl BandWork<Rows<'_>> for Cast {
     fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
         let world_from_sensor = &band.view.world_from_sensor;
         let measure = Measure::new(world_from_sensor);
-        let points = HitPoints::new(world_from_sensor, self.sight.range[0], self.sight.faces);
-        write_hits(simd, band, &measure, &points, &mut output.hits);
+        write_hits(simd, band, &measure, self.sight.faces, &mut output.hits);
     }
 }
 
 /// Writes the answers of the rays of a band.
 #[inline(always)]
-pub(super) fn write_hits<S: Simd>(
-    simd: S,
-    band: &Band<'_>,
-    measure: &Measure,
-    points: &HitPoints,
-    hits: &mut Hits<'_>,
-) {
+fn write_hits<S: Simd>(simd: S, band: &Band<'_>, measure: &Measure, faces: Faces, hits: &mut Hits<'_>) {
     let mut resolver = Resolver::new(band.view);
     // Two loops: short ones keep what they need in registers.
     if let Some(distance) = hits.distance.as_deref_mut() {
@@ -145,7 +139,24 @@ pub(super) fn write_hits<S: Simd>(
             band,
             #[inline(always)]
             |place, block| {
-                place.write(&measure.block::<S, false>(simd, band, &mut resolver, block), distance);
+                place.write_f32(simd, measure.block::<S, false>(simd, band, &mut resolver, block), distance);
+            },
+        );
+    }
+    // Those of solids depend on where a ray meets its surface, and not on which it is alone.
+    let mut normal = if has_solids(band.view) { hits.normal.take() } else { None };
+    if let Some(normal) = normal.as_deref_mut() {
+        let mut finder = NormalFinder::new(faces);
+        for_each_block(
+            band,
+            #[inline(always)]
+            |place, block| {
+                let (normals, lanes) = finder.block(simd, band, &mut resolver, block);
+                match normals {
+                    _ if lanes != u16::MAX => place.write_where(&normals.each(simd), lanes, normal),
+                    Normals::Same(same) => place.write_normal(simd, same, normal),
+                    Normals::Each(each) => place.write_normals(simd, each, normal),
+                }
             },
         );
     }
@@ -156,27 +167,20 @@ pub(super) fn write_hits<S: Simd>(
             |place, _| {
                 let slots = &band.target.slot[place.block];
                 if all_same(simd, slots) {
-                    write_same(&mut resolver, slots[0], place, hits);
+                    write_same(simd, &mut resolver, slots[0], place, hits);
                 } else {
                     write_each(simd, &mut resolver, slots, place, hits);
                 }
             },
         );
     }
-    // What depends on where a ray meets its surface, and not on which it is alone.
-    if let Some(normal) = hits.normal.as_deref_mut()
-        && has_solids(band.view)
-    {
-        for_each_block(band, |place, block| {
-            let (slots, normals) = points.solid_normals(band, &mut resolver, block);
-            place.write_where(&normals, &slots, normal);
-        });
-    }
+    hits.normal = hits.normal.take().or(normal);
     if let Some(barycentrics) = hits.barycentrics.as_deref_mut() {
+        let points = HitPoints::new(&band.view.world_from_sensor);
         for_each_block(band, |place, block| {
             let weights = points.barycentrics(band, &mut resolver, block);
-            let slots = &band.target.slot[block_index(band, block)];
-            place.write_where(&weights, slots, barycentrics);
+            let lanes = hit_lanes(simd, &band.target.slot[block_index(band, block)]);
+            place.write_where(&weights, lanes, barycentrics);
         });
     }
 }
@@ -188,11 +192,10 @@ fn all_same<S: Simd>(simd: S, slots: &[u32; WIDTH]) -> bool {
 }
 
 #[inline(always)]
-fn write_same(resolver: &mut Resolver<'_>, slot: u32, place: &Place, hits: &mut Hits<'_>) {
+fn write_same<S: Simd>(simd: S, resolver: &mut Resolver<'_>, slot: u32, place: &Place, hits: &mut Hits<'_>) {
     let found = Found::new(resolver, slot);
     if let (Some(output), true) = (hits.normal.as_deref_mut(), slot != NO_HIT) {
-        let [x, y, z] = found.normal;
-        place.write_normals(&[x, y, z, x, y, z, x, y, z, x, y, z], output);
+        place.write_normal(simd, found.normal, output);
     }
     if let Some(output) = hits.instance.as_deref_mut() {
         place.fill(found.instance, output);
@@ -232,7 +235,7 @@ fn write_each<S: Simd>(
     }
     if let Some(output) = hits.normal.as_deref_mut() {
         if missed {
-            place.write_where(&normals, slots, output);
+            place.write_where(&normals, hit_lanes(simd, slots), output);
         } else {
             place.write(&normals, output);
         }

@@ -3,16 +3,16 @@
 use super::grid::Band;
 use super::hit_point::block_index;
 use super::image::NO_HIT;
-use super::resolve::Resolver;
+use super::recent::Recent;
+use super::resolve::{Resolver, hit_lanes};
 use super::view::View;
 use crate::moment::{Moment, Shutter};
-use crate::optics::rays::Rays;
+use crate::optics::Intrinsics;
+use crate::optics::rays::{PinholeFan, Rays};
 use crate::simd::WIDTH;
-use fearless_simd::{Simd, SimdBase, f32x16};
+use fearless_simd::{Select, Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3};
 
-/// What stands for no flow.
-const NONE: [f32; 2] = [f32::NAN; 2];
 /// How often the row of a rolling shutter is looked for anew: it moves by less each time, as long as things move by less
 /// than the shutter.
 const MOST_STEPS: usize = 16;
@@ -40,18 +40,43 @@ impl Motion {
     }
 }
 
+/// A [`Motion`] between the pixels of a pinhole: those of a point's ray, together with 1/t, are taken to those of its
+/// ray at the other moment by one linear map, in homogeneous coordinates.
+#[derive(Debug, Clone, Copy)]
+struct PixelMotion {
+    /// How far ahead, column and row times that; of column, row and 1 each.
+    rows: [[f32; 3]; 3],
+    /// What 1/t adds.
+    shift: [f32; 3],
+}
+
+impl PixelMotion {
+    fn new(motion: &Motion, lens: &Intrinsics) -> Self {
+        let Intrinsics { fx, fy, cx, cy, .. } = *lens;
+        let direction = DMat3::from_cols(
+            DVec3::new(0.0, -1.0 / fx, 0.0),
+            DVec3::new(0.0, 0.0, -1.0 / fy),
+            DVec3::new(1.0, cx / fx, cy / fy),
+        );
+        let pixel = DMat3::from_cols(DVec3::new(1.0, cx, cy), DVec3::Y * -fx, DVec3::Z * -fy);
+        let rows = (pixel * (motion.turn * direction)).transpose();
+        Self { rows: rows.as_mat3().to_cols_array_2d(), shift: (pixel * motion.shift).as_vec3().to_array() }
+    }
+}
+
 /// Works out the flow of the blocks of a band.
 pub(crate) struct Flow<'a> {
     other: &'a Shutter<'a>,
-    /// That of the instance met last, if the other moment is one for all lines.
-    last: Option<(u32, Motion)>,
+    /// If the other moment is one for all lines: of a pinhole, and of other rays.
+    pixels: Recent<PixelMotion>,
+    motions: Recent<Motion>,
     /// Where the last ray's point went: a good guess for the next.
     guess: [f64; 2],
 }
 
 impl<'a> Flow<'a> {
     pub(crate) fn new(other: &'a Shutter<'a>) -> Self {
-        Self { other, last: None, guess: [0.0; 2] }
+        Self { other, pixels: Recent::new(), motions: Recent::new(), guess: [0.0; 2] }
     }
 
     /// Pixels to the right and down from each ray of a block to where its point is seen at the other moment; NaN where
@@ -63,26 +88,62 @@ impl<'a> Flow<'a> {
         band: &Band<'_>,
         resolver: &mut Resolver<'_>,
         block: [usize; 2],
-    ) -> [[f32; 2]; WIDTH] {
-        let slots = &band.target.slot[block_index(band, block)];
-        if let (Rays::Pinhole(lens), Shutter::Global(moment)) = (&band.rays, self.other)
-            && slots[0] != NO_HIT
-        {
-            let instance = resolver.hit(slots[0]).instance.instance;
-            if resolver.are_of_last(simd, slots) {
-                let lens = lens.intrinsics();
-                let scale = [lens.fx as f32, lens.fy as f32];
-                let centre = [lens.cx as f32, lens.cy as f32];
-                return pinhole(
-                    simd,
-                    band,
-                    &self.motion(band.view, instance, moment),
-                    (scale, centre),
-                    block,
-                );
-            }
+    ) -> [f32x16<S>; 2] {
+        if let (Rays::Pinhole(rays), Shutter::Global(moment)) = (&band.rays, self.other) {
+            return self.pinhole(simd, band, rays, moment, resolver, block);
         }
-        let mut flow = [NONE; WIDTH];
+        let [right, down] = self.ray_by_ray(band, resolver, block);
+        [f32x16::load_array(simd, right), f32x16::load_array(simd, down)]
+    }
+
+    /// Between two moments of a pinhole: all rays of an instance at once.
+    #[inline(always)]
+    fn pinhole<S: Simd>(
+        &mut self,
+        simd: S,
+        band: &Band<'_>,
+        rays: &PinholeFan,
+        moment: &Moment<'_>,
+        resolver: &mut Resolver<'_>,
+        block: [usize; 2],
+    ) -> [f32x16<S>; 2] {
+        let index = block_index(band, block);
+        let slots = &band.target.slot[index];
+        let inverse = f32x16::load_array_ref(simd, &band.target.inverse[index]);
+        let [columns, rows] = rays.pixels(simd, block[0], block[1]);
+        let mut flow = [f32x16::splat(simd, f32::NAN); 2];
+        let mut rest = hit_lanes(simd, slots);
+        while rest != 0 {
+            let (hit, own) = resolver.first_of(simd, slots, rest);
+            rest &= !own;
+            let instance = hit.instance.instance;
+            let motion = self.pixels.get(instance, || {
+                PixelMotion::new(&Motion::new(band.view, instance, moment), rays.intrinsics())
+            });
+            let mut moved = [inverse; 3];
+            for axis in 0..3 {
+                let [column, row, one] = motion.rows[axis];
+                moved[axis] = ((columns * column + rows * row) + one) + inverse * motion.shift[axis];
+            }
+            let [ahead, across, down] = moved;
+            let own = simd.from_bitmask_mask32x16(u64::from(own));
+            let seen = own & ahead.simd_gt(f32x16::splat(simd, 0.0));
+            let per_ahead = f32x16::splat(simd, 1.0) / ahead;
+            flow[0] = seen.select(across * per_ahead - columns, flow[0]);
+            flow[1] = seen.select(down * per_ahead - rows, flow[1]);
+        }
+        flow
+    }
+
+    /// Through any lens and shutter.
+    fn ray_by_ray(
+        &mut self,
+        band: &Band<'_>,
+        resolver: &mut Resolver<'_>,
+        block: [usize; 2],
+    ) -> [[f32; WIDTH]; 2] {
+        let slots = &band.target.slot[block_index(band, block)];
+        let mut flow = [[f32::NAN; WIDTH]; 2];
         let directions = band.rays.exact_block(block[0], block[1]);
         let fan = band.rays.fan();
         for lane in 0..WIDTH {
@@ -96,7 +157,9 @@ impl<'a> Flow<'a> {
             let from = [(block[0] << fan.shift_x) + x, (block[1] << fan.shift_y) + y].map(|at| at as f64);
             if let Some(to) = self.find(band, instance, direction * t, from) {
                 self.guess = to;
-                flow[lane] = [(to[0] - from[0]) as f32, (to[1] - from[1]) as f32];
+                for axis in 0..2 {
+                    flow[axis][lane] = (to[axis] - from[axis]) as f32;
+                }
             }
         }
         flow
@@ -106,7 +169,8 @@ impl<'a> Flow<'a> {
     fn find(&mut self, band: &Band<'_>, instance: u32, point: DVec3, from: [f64; 2]) -> Option<[f64; 2]> {
         let slices = match self.other {
             Shutter::Global(moment) => {
-                let Motion { turn, shift } = self.motion(band.view, instance, moment);
+                let &Motion { turn, shift } =
+                    self.motions.get(instance, || Motion::new(band.view, instance, moment));
                 return project(&band.rays, turn * point + shift, [self.guess, from]);
             }
             Shutter::Slices(slices) => *slices,
@@ -128,58 +192,9 @@ impl<'a> Flow<'a> {
         }
         seen
     }
-
-    #[inline(always)]
-    fn motion(&mut self, view: &View<'_>, instance: u32, other: &Moment<'_>) -> Motion {
-        match self.last {
-            Some((last, motion)) if last == instance => motion,
-            _ => {
-                let motion = Motion::new(view, instance, other);
-                self.last = Some((instance, motion));
-                motion
-            }
-        }
-    }
 }
 
 /// The pixel that sees a point; each of the guesses is tried.
 fn project(rays: &Rays<'_>, point: DVec3, guesses: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     guesses.into_iter().find_map(|guess| rays.project(point, guess))
-}
-
-/// The flow of a pinhole's block whose rays all meet one instance.
-#[inline(always)]
-fn pinhole<S: Simd>(
-    simd: S,
-    band: &Band<'_>,
-    motion: &Motion,
-    (scale, centre): ([f32; 2], [f32; 2]),
-    [column, row]: [usize; 2],
-) -> [[f32; 2]; WIDTH] {
-    let index = block_index(band, [column, row]);
-    let inverse = f32x16::load_array_ref(simd, &band.target.inverse[index]);
-    let distance = band.rays.distances(simd, inverse, column, row);
-    let [x, y, z] = band.rays.unit_directions(simd, column, row);
-    let [x, y, z] = [x * distance, y * distance, z * distance];
-    let turn = motion.turn.transpose().as_mat3().to_cols_array_2d();
-    let shift = motion.shift.as_vec3().to_array();
-    let moved = |axis: usize| {
-        let [a, b, c] = turn[axis];
-        ((x * a + y * b) + z * c) + shift[axis]
-    };
-    let (ahead, left, up) = (moved(0), moved(1), moved(2));
-    let per_depth = f32x16::splat(simd, 1.0) / ahead;
-    let (mut ahead_of, mut columns, mut rows) = ([0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]);
-    ahead.store_array(&mut ahead_of);
-    (f32x16::splat(simd, centre[0]) - (left * per_depth) * scale[0]).store_array(&mut columns);
-    (f32x16::splat(simd, centre[1]) - (up * per_depth) * scale[1]).store_array(&mut rows);
-    let fan = band.rays.fan();
-    let mut flow = [NONE; WIDTH];
-    for lane in 0..WIDTH {
-        let (x, y) = fan.lane_position(lane);
-        let from = [(column << fan.shift_x) + x, (row << fan.shift_y) + y].map(|at| at as f32);
-        let to = [columns[lane] - from[0], rows[lane] - from[1]];
-        flow[lane] = if ahead_of[lane] > 0.0 { to } else { NONE };
-    }
-    flow
 }

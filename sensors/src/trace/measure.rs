@@ -3,10 +3,9 @@
 use super::grid::Band;
 use super::image::{GRAZING, NO_HIT};
 use super::resolve::Resolver;
-use super::tiling::{BLOCKS, Tiling, line_f32};
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
-use crate::simd::{LANES, Lanes, WIDTH, store_row};
+use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DMat3;
 
@@ -33,7 +32,7 @@ impl Measure {
         band: &Band<'_>,
         resolver: &mut Resolver<'_>,
         [column, row]: [usize; 2],
-    ) -> [f32; WIDTH] {
+    ) -> f32x16<S> {
         let fan = band.rays.fan();
         let block = (row - *band.block_rows().start()) * fan.blocks_across() + column;
         let slots = u32x16::load_array_ref(simd, &band.target.slot[block]);
@@ -44,12 +43,13 @@ impl Measure {
         } else {
             band.rays.distances(simd, inverse, column, row)
         };
-        let mut values = [0.0; WIDTH];
-        hit.select(far, f32x16::splat(simd, f32::INFINITY)).store_array(&mut values);
+        let far = hit.select(far, f32x16::splat(simd, f32::INFINITY));
         let mut lanes = (slots.simd_ge(u32x16::splat(simd, GRAZING)) & hit).to_bitmask();
         if lanes == 0 {
-            return values;
+            return far;
         }
+        let mut values = [0.0; WIDTH];
+        far.store_array(&mut values);
         let directions = band.rays.unit_directions(simd, column, row);
         let mut rough = [[0.0; WIDTH]; 3];
         for axis in 0..3 {
@@ -73,29 +73,6 @@ impl Measure {
                 values[lane] = (resolver.exact(&hit, self.axes * direction, rough) * forward) as f32;
             }
         }
-        values
-    }
-
-    /// Depths of a tile, row after row.
-    #[inline(always)]
-    pub(crate) fn tile<S: Simd>(
-        &self,
-        simd: S,
-        band: &Band<'_>,
-        resolver: &mut Resolver<'_>,
-        [tile_column, row]: [usize; 2],
-    ) -> Lanes<f32> {
-        let mut blocks = [[f32::INFINITY; WIDTH]; BLOCKS];
-        let first = tile_column * BLOCKS;
-        for part in 0..BLOCKS.min(band.rays.fan().blocks_across() - first) {
-            blocks[part] = self.block::<S, true>(simd, band, resolver, [first + part, row]);
-        }
-        // Moved in registers: what is stored in parts and then loaded as a whole waits for the memory.
-        let tiling = Tiling::of(band.rays.fan());
-        let mut depths = [0.0; LANES];
-        for line in 0..BLOCKS {
-            store_row(line_f32(simd, tiling, &blocks.each_ref(), line), &mut depths, line);
-        }
-        depths
+        f32x16::load_array(simd, values)
     }
 }

@@ -1,12 +1,13 @@
 //! Whether anything is near the sensor at all: most often nothing is, and a look at some boxes tells.
 
 use super::view::{MAX_DEPTH, View};
-use crate::scene::tree::{self, LEAF, NONE, WideNode};
+use crate::scene::tree::{self, LEAF, NONE, TriangleBlock, WideNode};
 use crate::simd::WIDTH;
 use glam::DVec3;
 
 impl View<'_> {
-    /// False if no surface comes within `radius` metres of the sensor. Boxes decide, so true may be said of too much.
+    /// False if no surface comes within `radius` metres of the sensor. Boxes decide, and those of triangles and their
+    /// planes, so true may be said of too much.
     pub(crate) fn may_be_within(&self, radius: f64) -> bool {
         visit(
             |node| &self.nodes[node as usize],
@@ -19,16 +20,44 @@ impl View<'_> {
                 }
                 // A ball of the frame lies in one of this radius in the instance: no row of the inverse stretches more
                 // than all together.
-                let stretch: f64 = placed.inverse.as_flattened().iter().map(|value| value * value).sum();
+                let squared: f64 = placed.inverse.as_flattened().iter().map(|value| value * value).sum();
+                let stretch = crate::simd::sqrt(squared);
                 visit(
                     |node| &self.scene.nodes[(placed.first_node + node) as usize],
                     DVec3::from_array(placed.origin_in_instance),
-                    radius * crate::simd::sqrt(stretch),
-                    |_| true,
+                    radius * stretch,
+                    |block| {
+                        let first = (placed.first_block + block) as usize;
+                        let centre = DVec3::from_array(placed.origin_in_instance);
+                        any_triangle_within(&self.scene.blocks[first], centre, radius * stretch)
+                    },
                 )
             },
         )
     }
+}
+
+/// Whether a triangle's box and its plane come within `radius` of a point: a leaf of a wall and what stands before it
+/// may have the sensor in its box.
+fn any_triangle_within(block: &TriangleBlock, point: DVec3, radius: f64) -> bool {
+    let margin = margin(point, radius);
+    (0..WIDTH).any(|lane| {
+        let [a, b, c] =
+            block.corners.map(|corner| DVec3::from_array(corner.map(|axis| f64::from(axis[lane]))) - point);
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let outside = low.max(-high).max(DVec3::ZERO);
+        // Corners of large triangles are rounded by more.
+        let radius = margin + 1e-6 * high.max(-low).max_element();
+        let normal = (b - a).cross(c - a);
+        let above = normal.dot(a);
+        outside.length_squared() <= radius * radius
+            && above * above <= radius * radius * normal.length_squared()
+    })
+}
+
+/// Boxes and planes hold what is in them but for rounding.
+fn margin(point: DVec3, radius: f64) -> f64 {
+    radius * 1.001 + 1e-5 * point.abs().max_element()
 }
 
 /// Whether `leaf` says yes to a leaf of a tree whose box comes within `radius` of a point.
@@ -38,8 +67,7 @@ fn visit<'a>(
     radius: f64,
     leaf: impl Fn(u32) -> bool,
 ) -> bool {
-    // Boxes hold what is in them but for rounding.
-    let radius = radius * 1.001 + 1e-5 * point.abs().max_element();
+    let radius = margin(point, radius);
     let mut stack = [0_u32; (WIDTH - 1) * (tree::MAX_DEPTH + MAX_DEPTH) + 2];
     let mut waiting = 1;
     while waiting > 0 {

@@ -1,9 +1,9 @@
 //! Where the rays of a block lie in the rows of an output.
 
 use super::grid::Band;
-use super::image::NO_HIT;
 use crate::optics::rays::Fan;
 use crate::simd::WIDTH;
+use fearless_simd::{Bytes, Simd, SimdBase, f32x4, f32x16, u32x16};
 
 /// Calls `work` for each block of a band that no slice before had, with its column and row among the blocks of the grid.
 #[inline(always)]
@@ -82,6 +82,96 @@ impl Place {
         );
     }
 
+    /// Writes a number for each ray of the block. The lines of a square block go straight out of the register: parts of
+    /// what has just been stored as a whole would have to wait for the memory.
+    #[inline(always)]
+    pub(crate) fn write_f32<S: Simd>(&self, simd: S, values: f32x16<S>, output: &mut [f32]) {
+        if !self.is_square {
+            return self.write(&values.into(), output);
+        }
+        self.write_four(output, quarters(simd, values), |values, output| values.store_slice(output));
+    }
+
+    /// The same of whole numbers.
+    #[inline(always)]
+    pub(crate) fn write_u32<S: Simd>(&self, simd: S, values: u32x16<S>, output: &mut [u32]) {
+        self.write_f32(simd, values.bitcast(), bytemuck::cast_slice_mut(output));
+    }
+
+    /// Writes a pair of numbers for each ray of the block.
+    #[inline(always)]
+    pub(crate) fn write_pairs<S: Simd>(&self, simd: S, [x, y]: [f32x16<S>; 2], output: &mut [[f32; 2]]) {
+        let (upper, lower) = simd.interleave_f32x16(x, y);
+        if self.is_square {
+            let ((a, b), (c, d)) = (simd.split_f32x16(upper), simd.split_f32x16(lower));
+            return self.write_four(output, [a, b, c, d], |pairs, output| {
+                pairs.store_slice(output.as_flattened_mut());
+            });
+        }
+        let mut pairs = [[0.0; 2]; WIDTH];
+        let (first, last) = pairs.as_flattened_mut().split_at_mut(WIDTH);
+        upper.store_slice(first);
+        lower.store_slice(last);
+        self.write(&pairs, output);
+    }
+
+    /// Fills the block with one normal.
+    #[inline(always)]
+    pub(crate) fn write_normal<S: Simd>(&self, simd: S, [x, y, z]: [f32; 3], output: &mut [[f32; 3]]) {
+        if !self.is_square {
+            return self.fill([x, y, z], output);
+        }
+        let vector = |values| f32x4::load_array(simd, values);
+        let four = [vector([x, y, z, x]), vector([y, z, x, y]), vector([z, x, y, z])];
+        self.write_four(output, [four; 4], |normals, output| {
+            let output = output.as_flattened_mut();
+            normals[0].store_slice(&mut output[..4]);
+            normals[1].store_slice(&mut output[4..8]);
+            normals[2].store_slice(&mut output[8..]);
+        });
+    }
+
+    /// Writes a normal for each ray of the block: all x, all y, all z.
+    #[inline(always)]
+    pub(crate) fn write_normals<S: Simd>(&self, simd: S, normals: [f32x16<S>; 3], output: &mut [[f32; 3]]) {
+        if !self.is_square {
+            let [x, y, z] = normals.map(<[f32; WIDTH]>::from);
+            let mut normals = [[0.0; 3]; WIDTH];
+            for lane in 0..WIDTH {
+                normals[lane] = [x[lane], y[lane], z[lane]];
+            }
+            return self.write(&normals, output);
+        }
+        let [x, y, z] = normals;
+        let (x, y, z) = (quarters(simd, x), quarters(simd, y), quarters(simd, z));
+        let lines = [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]], [x[3], y[3], z[3]]];
+        self.write_four(output, lines, |[x, y, z], output| {
+            let ((xz, yz), (xz_2, yz_2)) = (
+                (simd.zip_low_f32x4(x, z), simd.zip_low_f32x4(y, z)),
+                (simd.zip_high_f32x4(x, z), simd.zip_high_f32x4(y, z)),
+            );
+            // Each with z twice; the second is overwritten by the next.
+            let (first, second) = (simd.zip_low_f32x4(xz, yz), simd.zip_high_f32x4(xz, yz));
+            let (third, fourth) = (simd.zip_low_f32x4(xz_2, yz_2), simd.zip_high_f32x4(xz_2, yz_2));
+            let output = output.as_flattened_mut();
+            first.store_slice(&mut output[..4]);
+            second.store_slice(&mut output[3..7]);
+            third.store_slice(&mut output[6..10]);
+            simd.slide_f32x4::<3>(third, fourth).store_slice(&mut output[8..]);
+        });
+    }
+
+    /// Writes the lines of a square block.
+    #[inline(always)]
+    fn write_four<T, V>(&self, output: &mut [T], lines: [V; 4], store: impl Fn(V, &mut [T; 4])) {
+        let first = self.index(0);
+        for (line, values) in lines.into_iter().enumerate() {
+            if let Some(output) = output[first + line * self.width..].first_chunk_mut() {
+                store(values, output);
+            }
+        }
+    }
+
     /// Calls `four` for each line of a whole block of 4×4, whose length is known, so that a line is a single move;
     /// `some` for those of others.
     #[inline(always)]
@@ -105,29 +195,13 @@ impl Place {
         }
     }
 
-    /// Writes those lanes that have hit something.
-    pub(crate) fn write_where<T: Copy>(&self, values: &[T; WIDTH], slots: &[u32; WIDTH], output: &mut [T]) {
+    /// Writes some of the lanes.
+    pub(crate) fn write_where<T: Copy>(&self, values: &[T; WIDTH], lanes: u16, output: &mut [T]) {
         for lane in 0..WIDTH {
-            if let (true, Some([column, row])) = (slots[lane] != NO_HIT, self.ray(lane)) {
+            if let (true, Some([column, row])) = (lanes >> lane & 1 == 1, self.ray(lane)) {
                 output[(row - self.first_row) * self.width + column] = values[lane];
             }
         }
-    }
-
-    /// Fills the block with one normal, given four times.
-    #[inline(always)]
-    pub(crate) fn write_normals(&self, four: &[f32; 12], output: &mut [[f32; 3]]) {
-        self.write_lines(
-            output,
-            #[inline(always)]
-            |_, output: &mut [[f32; 3]; 4]| output.as_flattened_mut().copy_from_slice(four),
-            #[inline(always)]
-            |_, output| {
-                for output in output.as_flattened_mut().chunks_mut(12) {
-                    output.copy_from_slice(&four[..output.len()]);
-                }
-            },
-        );
     }
 
     /// Fills the block with one value.
@@ -141,4 +215,12 @@ impl Place {
             |_, output| output.fill(value),
         );
     }
+}
+
+/// Four lanes at a time.
+#[inline(always)]
+fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
+    let (upper, lower) = simd.split_f32x16(values);
+    let ((a, b), (c, d)) = (simd.split_f32x8(upper), simd.split_f32x8(lower));
+    [a, b, c, d]
 }

@@ -16,6 +16,12 @@ pub(crate) struct Resolver<'a> {
     slots: core::ops::Range<u32>,
 }
 
+/// The lanes that have hit anything, a bit each.
+#[inline(always)]
+pub(crate) fn hit_lanes<S: Simd>(simd: S, slots: &[u32; WIDTH]) -> u16 {
+    u32x16::load_array_ref(simd, slots).simd_ne(u32x16::splat(simd, NO_HIT)).to_bitmask() as u16
+}
+
 /// A slot, counted from its instance's first.
 #[inline(always)]
 pub(crate) fn local_slot(slot: u32, instance: &Placed) -> u32 {
@@ -69,6 +75,16 @@ impl<'a> Resolver<'a> {
         let own = slots.simd_ge(u32x16::splat(simd, self.slots.start))
             & slots.simd_lt(u32x16::splat(simd, self.slots.end));
         own.all_true()
+    }
+
+    /// What the first of some lanes has hit, and which lanes have hit the same instance.
+    #[inline(always)]
+    pub(crate) fn first_of<S: Simd>(&mut self, simd: S, slots: &[u32; WIDTH], lanes: u16) -> (Hit<'a>, u16) {
+        let hit = self.hit(slots[lanes.trailing_zeros() as usize % WIDTH]);
+        let slots = u32x16::load_array_ref(simd, slots) & u32x16::splat(simd, !GRAZING);
+        let own = slots.simd_ge(u32x16::splat(simd, self.slots.start))
+            & slots.simd_lt(u32x16::splat(simd, self.slots.end));
+        (hit, own.to_bitmask() as u16)
     }
 
     /// The instance found last and the facets from its own on, if it is a mesh and all slots are its own.

@@ -1,21 +1,18 @@
 //! What is true of what each ray meets, from the same rays as a sensor's frame.
 
-use super::cast::{Hits, write_hits};
 use super::error::{SenseError, check_output};
 use super::flow::Flow;
 use super::grid::{Band, Sight, check_shutter};
-use super::hit_point::HitPoints;
-use super::image::NO_HIT;
 use super::measure::Measure;
-use super::place::for_each_block;
-use super::resolve::Resolver;
+use super::normals::{NormalFinder, Normals};
+use super::place::{Place, for_each_block};
+use super::resolve::{Resolver, hit_lanes};
 use crate::execution::split_at;
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
 use crate::optics::Optics;
 use crate::scene::Scene;
-use crate::simd::WIDTH;
-use fearless_simd::Simd;
+use fearless_simd::{Select, Simd, SimdBase, u32x16};
 
 /// Where truth goes, one for each ray, row after row; what is none is not worked out.
 ///
@@ -156,53 +153,65 @@ impl<'a> Truth<'a> {
         )
     }
 
-    /// Writes what is true of the rays of a band.
-    #[inline(always)]
+    /// Writes what is true of the rays of a band. Compiled once a level, whatever sensor it is for.
+    #[inline(never)]
     pub(crate) fn write<S: Simd>(&mut self, simd: S, band: &Band<'_>, sight: &Sight, capture: &Capture<'_>) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.write_channels(simd, band, sight, capture),
+        );
+    }
+
+    /// Channel by channel: short loops keep what they need in registers.
+    #[inline(always)]
+    fn write_channels<S: Simd>(&mut self, simd: S, band: &Band<'_>, sight: &Sight, capture: &Capture<'_>) {
         let mut resolver = Resolver::new(band.view);
         let measure = Measure::new(&band.view.world_from_sensor);
-        let points = HitPoints::new(&band.view.world_from_sensor, sight.range[0], sight.faces);
         if let Some(depth) = self.depth.as_deref_mut() {
             for_each_block(
                 band,
                 #[inline(always)]
                 |place, block| {
-                    place.write(&measure.block::<S, true>(simd, band, &mut resolver, block), depth);
+                    place.write_f32(simd, measure.block::<S, true>(simd, band, &mut resolver, block), depth);
                 },
             );
         }
-        if let Some(normal) = self.normal.as_deref_mut() {
-            for_each_block(band, |place, _| place.fill([0.0; 3], normal));
-        }
-        let mut hits = Hits {
-            distance: self.range.as_deref_mut(),
-            normal: self.normal.as_deref_mut(),
-            instance: self.instance.as_deref_mut(),
-            ..Hits::default()
-        };
-        write_hits(simd, band, &measure, &points, &mut hits);
-        if let Some(class) = self.class.as_deref_mut() {
-            let instances = band.view.scene.instances();
+        if let Some(range) = self.range.as_deref_mut() {
             for_each_block(
                 band,
                 #[inline(always)]
-                |place, _| {
-                    let slots = &band.target.slot[place.block];
-                    let mut classes = [0; WIDTH];
-                    for lane in 0..WIDTH {
-                        if slots[lane] != NO_HIT {
-                            let hit = resolver.hit(slots[lane]);
-                            classes[lane] = instances[hit.instance.instance as usize].class;
-                        }
-                    }
-                    place.write(&classes, class);
+                |place, block| {
+                    place.write_f32(simd, measure.block::<S, false>(simd, band, &mut resolver, block), range);
+                },
+            );
+        }
+        if self.instance.is_some() || self.class.is_some() {
+            for_each_block(
+                band,
+                #[inline(always)]
+                |place, _| self.write_identities(simd, band, &mut resolver, place),
+            );
+        }
+        let mut finder = NormalFinder::new(sight.faces);
+        if let Some(normal) = self.normal.as_deref_mut() {
+            for_each_block(
+                band,
+                #[inline(always)]
+                |place, block| match finder.block(simd, band, &mut resolver, block).0 {
+                    Normals::Same(same) => place.write_normal(simd, same, normal),
+                    Normals::Each(each) => place.write_normals(simd, each, normal),
                 },
             );
         }
         if let Some(incidence) = self.incidence.as_deref_mut() {
-            for_each_block(band, |place, block| {
-                place.write(&points.incidence(band, &mut resolver, block), incidence);
-            });
+            let axes = band.view.world_from_sensor.rotation_matrix();
+            for_each_block(
+                band,
+                #[inline(always)]
+                |place, block| {
+                    place.write(&finder.incidence(simd, band, &axes, &mut resolver, block), incidence);
+                },
+            );
         }
         for (output, other) in [(&mut self.flow, &capture.after), (&mut self.flow_back, &capture.before)] {
             let (Some(output), Some(other)) = (output, other) else { continue };
@@ -211,9 +220,37 @@ impl<'a> Truth<'a> {
                 band,
                 #[inline(always)]
                 |place, block| {
-                    place.write(&flow.block(simd, band, &mut resolver, block), output);
+                    place.write_pairs(simd, flow.block(simd, band, &mut resolver, block), output);
                 },
             );
+        }
+    }
+
+    /// Writes what the rays of a block have hit: instances and their classes.
+    #[inline(always)]
+    fn write_identities<S: Simd>(
+        &mut self,
+        simd: S,
+        band: &Band<'_>,
+        resolver: &mut Resolver<'_>,
+        place: &Place,
+    ) {
+        let slots = &band.target.slot[place.block];
+        let mut rest = hit_lanes(simd, slots);
+        let (mut instances, mut classes) = (u32x16::splat(simd, u32::MAX), u32x16::splat(simd, 0));
+        while rest != 0 {
+            let (hit, own) = resolver.first_of(simd, slots, rest);
+            rest &= !own;
+            let own = simd.from_bitmask_mask32x16(u64::from(own));
+            let index = hit.instance.instance;
+            instances = own.select(u32x16::splat(simd, index), instances);
+            let class = band.view.scene.instances()[index as usize].class;
+            classes = own.select(u32x16::splat(simd, class), classes);
+        }
+        for (output, values) in [(&mut self.instance, instances), (&mut self.class, classes)] {
+            if let Some(output) = output.as_deref_mut() {
+                place.write_u32(simd, values, output);
+            }
         }
     }
 }

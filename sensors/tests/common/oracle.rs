@@ -29,14 +29,19 @@ impl Ray {
 
 /// The ray of a camera's pixel, with t the depth.
 pub(crate) fn pixel_ray(camera: &CameraConfig<'_>, pose: &Pose, column: u32, row: u32) -> Ray {
+    ray_at(camera, pose, [column, row].map(f64::from))
+}
+
+/// The ray through a point between pixels.
+pub(crate) fn ray_at(camera: &CameraConfig<'_>, pose: &Pose, [column, row]: [f64; 2]) -> Ray {
     let lens = super::pinhole(camera).intrinsics();
-    let (right, down) = (f64::from(column) - lens.cx, f64::from(row) - lens.cy);
+    let (right, down) = (column - lens.cx, row - lens.cy);
     let direction = pose.rotation() * DVec3::new(1.0, -right / lens.fx, -down / lens.fy);
     Ray { origin: pose.translation(), direction }
 }
 
 /// A point of a shape's surface on a ray, and the outward normal there.
-type Candidate = (f64, DVec3);
+pub(crate) type Candidate = (f64, DVec3);
 
 /// The least t ≥ `t_min` at which the ray meets the shape's surface; from outside only, unless `both` sides
 /// count. Meshes have no formula of their own.
@@ -53,6 +58,18 @@ pub(crate) fn first_hit_scaled(
     t_min: f64,
     both: bool,
 ) -> Option<f64> {
+    first_surface(shape, pose, scale, ray, t_min, both).map(|(t, _)| t)
+}
+
+/// The same, and the outward unit normal there in the world.
+pub(crate) fn first_surface(
+    shape: &Shape,
+    pose: &Pose,
+    scale: DVec3,
+    ray: &Ray,
+    t_min: f64,
+    both: bool,
+) -> Option<Candidate> {
     let ray = ray.local(pose, scale);
     let candidates = match *shape {
         Shape::Box { size } => box_faces(&ray, DVec3::from_array(size) / 2.0),
@@ -91,8 +108,9 @@ pub(crate) fn first_hit_scaled(
     candidates
         .into_iter()
         .filter(|(t, normal)| *t >= t_min && (both || normal.dot(ray.direction) < 0.0))
-        .map(|(t, _)| t)
-        .reduce(f64::min)
+        .min_by(|(a, _), (b, _)| a.total_cmp(b))
+        // Normals go by the inverse transpose.
+        .map(|(t, normal)| (t, (pose.rotation() * (normal / scale)).normalize()))
 }
 
 /// The same shape with all lengths multiplied.

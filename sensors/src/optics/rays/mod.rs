@@ -74,6 +74,19 @@ impl Rays<'_> {
         each!(self, rule => rule.exact_block(column, row))
     }
 
+    /// Directions of the rays of a block, in units of t.
+    #[inline(always)]
+    pub(crate) fn directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
+        match self {
+            Self::Pinhole(rule) => {
+                let [y, z] = rule.block(simd, column, row);
+                [f32x16::splat(simd, 1.0), y, z]
+            }
+            Self::Spherical(rule) => rule.block(simd, column, row),
+            Self::Table(rule) => rule.block(simd, column, row),
+        }
+    }
+
     /// Directions of the rays of a block, of length 1.
     #[inline(always)]
     pub(crate) fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {

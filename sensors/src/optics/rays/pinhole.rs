@@ -112,6 +112,18 @@ impl PinholeFan {
         &self.lens
     }
 
+    /// Columns and rows of the rays of a block.
+    #[inline(always)]
+    pub(crate) fn pixels<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 2] {
+        let shape = usize::from(self.fan.shift_y == 0);
+        let first_column = (column << self.fan.shift_x) as f32;
+        let first_row = (row << self.fan.shift_y) as f32;
+        [
+            f32x16::load_array_ref(simd, &ACROSS[shape]) + first_column,
+            f32x16::load_array_ref(simd, &DOWN[shape]) + first_row,
+        ]
+    }
+
     /// y of a direction.
     #[inline(always)]
     fn left(&self, column: i32) -> f32 {
@@ -186,11 +198,7 @@ impl Projection for PinholeFan {
 
     #[inline(always)]
     fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S> {
-        let shape = usize::from(self.fan.shift_y == 0);
-        let first_column = (column << self.fan.shift_x) as f32;
-        let first_row = (row << self.fan.shift_y) as f32;
-        let columns = f32x16::load_array_ref(simd, &ACROSS[shape]) + first_column;
-        let rows = f32x16::load_array_ref(simd, &DOWN[shape]) + first_row;
+        let [columns, rows] = self.pixels(simd, column, row);
         [
             (f32x16::splat(simd, self.cx) - columns) * self.per_fx,
             (f32x16::splat(simd, self.cy) - rows) * self.per_fy,

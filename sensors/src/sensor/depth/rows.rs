@@ -11,8 +11,9 @@ use crate::shade::Colours;
 use crate::simd::{LANES, Lanes, WIDTH};
 use crate::trace::Truth;
 use crate::trace::grid::Band;
+use crate::trace::place::Place;
 use crate::trace::tiling::{BLOCKS, Tiling};
-use fearless_simd::Simd;
+use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
 /// From where on a point has its colour.
 const POINT_RGB: usize = 16;
@@ -91,35 +92,33 @@ impl Rows<'_> {
         })
     }
 
+    /// Writes the depths of a block.
     #[inline(always)]
-    pub(super) fn write_depths(
+    pub(super) fn write_depths<S: Simd>(
         &mut self,
+        simd: S,
         camera: &DepthCamera<'_>,
-        depths: &Lanes<f32>,
-        band: &Band<'_>,
-        tile: [usize; 2],
+        depths: f32x16<S>,
+        place: &Place,
     ) {
-        let nan = camera.config.out_of_range == OutOfRange::Nan;
-        for (line, first, count) in self.lines_of(band, tile) {
-            let depths = &depths.as_chunks::<WIDTH>().0[line];
-            if let Some(output) = &mut self.depth_32fc1 {
-                let output = &mut output[first..first + count];
-                match <&mut [f32; WIDTH]>::try_from(&mut *output) {
-                    Ok(output) => *output = *depths,
-                    Err(_) => output.copy_from_slice(&depths[..count]),
+        if let Some(output) = &mut self.depth_32fc1 {
+            let infinite = f32x16::splat(simd, f32::INFINITY);
+            let shown = match camera.config.out_of_range {
+                OutOfRange::Infinite => depths,
+                OutOfRange::Nan => {
+                    depths.abs().simd_lt(infinite).select(depths, f32x16::splat(simd, f32::NAN))
                 }
-                if nan {
-                    for depth in output {
-                        *depth = if depth.is_finite() { *depth } else { f32::NAN };
-                    }
-                }
+            };
+            place.write_f32(simd, shown, output);
+        }
+        if let Some(output) = &mut self.depth_16uc1 {
+            let depths: [f32; WIDTH] = depths.into();
+            let mut pixels = [0; WIDTH];
+            for lane in 0..WIDTH {
+                let millimetres = depths[lane] * 1000.0 + 0.5;
+                pixels[lane] = if (1.0..65536.0).contains(&millimetres) { millimetres as u16 } else { 0 };
             }
-            if let Some(output) = &mut self.depth_16uc1 {
-                for (pixel, &depth) in output[first..first + count].iter_mut().zip(depths) {
-                    let millimetres = depth * 1000.0 + 0.5;
-                    *pixel = if (1.0..65536.0).contains(&millimetres) { millimetres as u16 } else { 0 };
-                }
-            }
+            place.write(&pixels, output);
         }
     }
 

@@ -7,7 +7,7 @@ use crate::scene::tree::TriangleBlock;
 use crate::scene::{Kind, Triangles};
 use crate::simd::WIDTH;
 use crate::trace::hit_point::triangle_weights;
-use crate::trace::shapes::solid_surface;
+use crate::trace::shapes::solid_normal;
 use crate::trace::view::{Placed, View};
 use glam::{DMat3, DVec3};
 
@@ -37,7 +37,10 @@ impl Description {
             Kind::Triangles(Triangles::HeightField) => {
                 on_triangle(&view.height_grid(placed).block(hit.slot / WIDTH as u32), lane, point)
             }
-            Kind::Solid(solid) => (solid_surface::<false>(solid, instance.size, point).normal, 0, [0.0; 2]),
+            Kind::Solid(solid) => {
+                let normal = solid_normal(solid, instance.size, point.to_array());
+                (DVec3::from_array(normal), 0, [0.0; 2])
+            }
         };
         Some(Self { instance: placed.instance, primitive, normal: in_frame(placed, normal), barycentrics })
     }

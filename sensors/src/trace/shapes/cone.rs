@@ -3,6 +3,7 @@
 //! In a frame that is stretched to the unit cone ρ ≤ w, 0 ≤ w ≤ 1, w downwards from the apex, a ray is inside
 //! the endless double cone where A·t² + 2·B·t + C ≤ 0; the slab of w picks the lower nappe.
 
+use super::real::Real;
 use super::surface::{Surface, around, flat};
 use super::{Inside, dot};
 use crate::simd::sqrt;
@@ -50,15 +51,29 @@ pub(crate) fn inside(
 /// Takes the base's radius and half the length.
 #[inline(always)]
 pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [radius, half_length]: [f64; 2]) -> Surface {
-    let to_axis = sqrt(point.x * point.x + point.y * point.y);
-    // The side's normal goes outwards by the length while it goes up by the radius.
-    let (out, up) = (2.0 * half_length, radius);
-    let slant = sqrt(out * out + up * up);
-    let ahead = if to_axis > 0.0 { out / (slant * to_axis) } else { 0.0 };
-    let normal = DVec3::new(point.x * ahead, point.y * ahead, up / slant);
+    let (is_base, normal) = place(point.to_array(), [radius, half_length]);
+    let normal = DVec3::from_array(normal);
     let side = around::<TEXTURED>(point, normal, [-half_length, half_length]);
     let per_metre = 0.5 / radius;
-    let base = flat(DVec3::NEG_Z, point, [DVec3::X * per_metre, DVec3::NEG_Y * per_metre]);
-    let below_side = ((half_length - point.z) * up - to_axis * out) / slant;
-    if point.z + half_length < below_side { base } else { side }
+    let base = flat(normal, point, [DVec3::X * per_metre, DVec3::NEG_Y * per_metre]);
+    if is_base { base } else { side }
+}
+
+#[inline(always)]
+pub(crate) fn normal<T: Real>(point: [T; 3], size: [T; 2]) -> [T; 3] {
+    place(point, size).1
+}
+
+/// Whether a point of the surface is on the base, and its normal.
+#[inline(always)]
+fn place<T: Real>([x, y, z]: [T; 3], [radius, half_length]: [T; 2]) -> (bool, [T; 3]) {
+    let to_axis = (x * x + y * y).sqrt();
+    // The side's normal goes outwards by the length while it goes up by the radius.
+    let (out, up) = ((T::ONE + T::ONE) * half_length, radius);
+    let slant = (out * out + up * up).sqrt();
+    let ahead = if to_axis > T::ZERO { out / (slant * to_axis) } else { T::ZERO };
+    let below_side = ((half_length - z) * up - to_axis * out) / slant;
+    let is_base = z + half_length < below_side;
+    let normal = if is_base { [T::ZERO, T::ZERO, -T::ONE] } else { [x * ahead, y * ahead, up / slant] };
+    (is_base, normal)
 }

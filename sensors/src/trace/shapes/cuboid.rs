@@ -1,6 +1,7 @@
 //! Boxes: three slabs (Kay & Kajiya 1986).
 
 use super::Inside;
+use super::real::Real;
 use super::surface::{Surface, flat};
 use glam::DVec3;
 
@@ -15,23 +16,34 @@ pub(crate) fn inside(origin: [f64; 3], direction: [f64; 3], half: [f64; 3]) -> I
 
 #[inline(always)]
 pub(crate) fn surface(point: DVec3, half: DVec3) -> Surface {
-    // The face is the one that the point is nearest to.
-    let depth = half - point.abs();
-    let on_x = depth.x <= depth.y && depth.x <= depth.z;
-    let on_y = !on_x && depth.y <= depth.z;
-    let on_z = !on_x && !on_y;
-    let across = if on_x {
-        point.x
-    } else if on_y {
-        point.y
-    } else {
-        point.z
-    };
-    let sign = if across < 0.0 { -1.0 } else { 1.0 };
+    let ([on_x, on_y, on_z], sign) = face(point.to_array(), half.to_array());
     let when = |face: bool, value: f64| if face { value } else { 0.0 };
     let normal = DVec3::new(when(on_x, sign), when(on_y, sign), when(on_z, sign));
     let right = DVec3::new(when(on_y, -sign) + when(on_z, 1.0), when(on_x, sign), 0.0);
     let up = DVec3::new(0.0, when(on_z, sign), when(!on_z, 1.0));
     let per_metre = DVec3::new(0.5 / half.x, 0.5 / half.y, 0.5 / half.z);
     flat(normal, point, [right * per_metre, up * per_metre])
+}
+
+/// Across which axis the face lies that a point is nearest to, and on which side.
+#[inline(always)]
+fn face<T: Real>([x, y, z]: [T; 3], [a, b, c]: [T; 3]) -> ([bool; 3], T) {
+    let [to_x, to_y, to_z] = [a - x.abs(), b - y.abs(), c - z.abs()];
+    let on_x = to_x <= to_y && to_x <= to_z;
+    let on_y = !on_x && to_y <= to_z;
+    let across = if on_x {
+        x
+    } else if on_y {
+        y
+    } else {
+        z
+    };
+    ([on_x, on_y, !on_x && !on_y], if across < T::ZERO { -T::ONE } else { T::ONE })
+}
+
+#[inline(always)]
+pub(crate) fn normal<T: Real>(point: [T; 3], half: [T; 3]) -> [T; 3] {
+    let ([on_x, on_y, on_z], sign) = face(point, half);
+    let when = |face: bool| if face { sign } else { T::ZERO };
+    [when(on_x), when(on_y), when(on_z)]
 }

@@ -1,8 +1,8 @@
 //! Closed cylinders along z: an endless cylinder cut by a slab.
 
+use super::real::Real;
 use super::surface::{Surface, around, flat};
 use super::{Inside, dot};
-use crate::simd::sqrt;
 use glam::DVec3;
 
 #[inline(always)]
@@ -20,11 +20,26 @@ pub(crate) fn inside([x, y, z]: [f64; 3], [dx, dy, dz]: [f64; 3], [radius, half_
 
 #[inline(always)]
 pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [radius, half_length]: [f64; 2]) -> Surface {
-    let sign = if point.z < 0.0 { -1.0 } else { 1.0 };
-    let to_axis = sqrt(point.x * point.x + point.y * point.y);
+    let (is_end, sign) = end(point.to_array(), [radius, half_length]);
+    let normal = DVec3::from_array(normal(point.to_array(), [radius, half_length]));
     let per_metre = 0.5 / radius;
-    let end = flat(DVec3::Z * sign, point, [DVec3::X * per_metre, DVec3::Y * (sign * per_metre)]);
-    let radial = DVec3::new(point.x, point.y, 0.0);
-    let side = around::<TEXTURED>(point, radial / radius, [-half_length, half_length]);
-    if half_length - point.z * sign < radius - to_axis { end } else { side }
+    let end = flat(normal, point, [DVec3::X * per_metre, DVec3::Y * (sign * per_metre)]);
+    let side = around::<TEXTURED>(point, normal, [-half_length, half_length]);
+    if is_end { end } else { side }
+}
+
+/// Whether a point of the surface is on an end, and the sign of z.
+#[inline(always)]
+fn end<T: Real>([x, y, z]: [T; 3], [radius, half_length]: [T; 2]) -> (bool, T) {
+    let sign = if z < T::ZERO { -T::ONE } else { T::ONE };
+    let to_axis = (x * x + y * y).sqrt();
+    (half_length - z * sign < radius - to_axis, sign)
+}
+
+#[inline(always)]
+pub(crate) fn normal<T: Real>(point: [T; 3], [radius, half_length]: [T; 2]) -> [T; 3] {
+    let (is_end, sign) = end(point, [radius, half_length]);
+    let [x, y, _] = point;
+    let zero = T::ZERO;
+    if is_end { [zero, zero, sign] } else { [x / radius, y / radius, zero] }
 }

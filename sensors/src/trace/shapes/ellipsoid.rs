@@ -1,6 +1,7 @@
 //! Ellipsoids along the axes: the unit ball in a frame that is stretched to it.
 
 use super::Inside;
+use super::real::Real;
 use super::surface::{Surface, around};
 use glam::DVec3;
 
@@ -18,8 +19,15 @@ pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [a, b, c]: [f64; 3]) -
     let stretched = point * inverse;
     let surface = around::<TEXTURED>(stretched, stretched, [-1.0, 1.0]);
     Surface {
-        normal: surface.normal * inverse,
+        normal: DVec3::from_array(normal(point.to_array(), [a, b, c])),
         uv_gradient: surface.uv_gradient.map(|gradient| gradient * inverse),
         ..surface
     }
+}
+
+/// Takes the radii.
+#[inline(always)]
+pub(crate) fn normal<T: Real>([x, y, z]: [T; 3], [a, b, c]: [T; 3]) -> [T; 3] {
+    let [a, b, c] = [T::ONE / a, T::ONE / b, T::ONE / c];
+    [x * a * a, y * b * b, z * c * c]
 }

@@ -14,6 +14,7 @@ pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod ellipsoid;
 pub(crate) mod plane;
+pub(crate) mod real;
 pub(crate) mod rectangle;
 pub(crate) mod sphere;
 pub(crate) mod surface;
@@ -26,6 +27,7 @@ use super::packet::{Faces, Packet};
 use crate::scene::Solid;
 use crate::simd::{LANES, Lanes, sqrt};
 use glam::DVec3;
+use real::Real;
 use surface::Surface;
 
 /// Evaluates `$body` with `$inside` bound to the kernel of a [`Solid`] of that size: a
@@ -77,6 +79,21 @@ pub(crate) fn solid_surface<const TEXTURED: bool>(solid: Solid, size: [f64; 3], 
         Solid::Capsule => capsule::surface::<TEXTURED>(point, [a, b]),
         Solid::Cone => cone::surface::<TEXTURED>(point, [a, b]),
         Solid::Plane => plane::surface(point),
+    }
+}
+
+/// The outward normal of a solid at a point of its surface, of whatever length above 0.
+#[inline(always)]
+pub(crate) fn solid_normal<T: Real>(solid: Solid, size: [T; 3], point: [T; 3]) -> [T; 3] {
+    let [a, b, _] = size;
+    match solid {
+        Solid::Box => cuboid::normal(point, size),
+        Solid::Sphere => sphere::normal(point, a),
+        Solid::Ellipsoid => ellipsoid::normal(point, size),
+        Solid::Cylinder => cylinder::normal(point, [a, b]),
+        Solid::Capsule => capsule::normal(point, [a, b]),
+        Solid::Cone => cone::normal(point, [a, b]),
+        Solid::Rectangle | Solid::Plane => [T::ZERO, T::ZERO, T::ONE],
     }
 }
 

@@ -1,0 +1,311 @@
+//! Normals of what the rays of a block hit: instance by instance, for all lanes at once.
+//!
+//! In single precision, from the points that 1/t tells. That moves a normal by no more than the ray's own rounding does:
+//! some 1e-4 of a pixel.
+
+use super::grid::Band;
+use super::hit_point::block_index;
+use super::packet::Faces;
+use super::recent::Recent;
+use super::resolve::{Resolver, hit_lanes};
+use super::shapes::solid_normal;
+use super::view::{Placed, View};
+use crate::optics::rays::Points;
+use crate::scene::{Kind, Solid};
+use crate::simd::WIDTH;
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
+use glam::{DMat3, DVec3, Vec3};
+
+/// Unit normals in the frame; 0 where nothing is hit.
+#[derive(Clone, Copy)]
+pub(crate) enum Normals<S: Simd> {
+    /// All lanes have this one.
+    Same([f32; 3]),
+    Each(Points<S>),
+}
+
+impl<S: Simd> Normals<S> {
+    #[inline(always)]
+    fn points(self, simd: S) -> Points<S> {
+        match self {
+            Self::Same([x, y, z]) => [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)],
+            Self::Each(points) => points,
+        }
+    }
+
+    /// Lane by lane.
+    #[inline(always)]
+    pub(crate) fn each(self, simd: S) -> [[f32; 3]; WIDTH] {
+        let [x, y, z] = arrays(self.points(simd));
+        let mut normals = [[0.0; 3]; WIDTH];
+        for lane in 0..WIDTH {
+            normals[lane] = [x[lane], y[lane], z[lane]];
+        }
+        normals
+    }
+}
+
+#[inline(always)]
+fn arrays<S: Simd>([x, y, z]: Points<S>) -> [[f32; WIDTH]; 3] {
+    let mut arrays = [[0.0; WIDTH]; 3];
+    x.store_array(&mut arrays[0]);
+    y.store_array(&mut arrays[1]);
+    z.store_array(&mut arrays[2]);
+    arrays
+}
+
+/// What is the same for all rays that hit a solid.
+#[derive(Clone, Copy)]
+enum Seen {
+    /// The sensor sees so many flat faces of it, and nothing else.
+    Flat([Face; 3], usize),
+    Curved(Curved),
+}
+
+/// A flat face that looks to the sensor.
+#[derive(Clone, Copy)]
+struct Face {
+    /// Unit, in the frame.
+    normal: [f32; 3],
+    /// In the sensor's axes, of whatever length; and its product with the points of the face.
+    across: [f32; 3],
+    at: f32,
+}
+
+#[derive(Clone, Copy)]
+struct Curved {
+    solid: Solid,
+    size: [f32; 3],
+    /// Rows of the matrix from the sensor's axes to the instance's, and the sensor's place there.
+    rows: [[f32; 3]; 3],
+    origin: [f32; 3],
+    /// Rows of that from the instance's normals to the frame's, of whatever length.
+    normal_rows: [[f32; 3]; 3],
+}
+
+impl Seen {
+    fn new(view: &View<'_>, solid: Solid, index: u32, faces: Faces) -> Self {
+        let (instance, placed) = (view.instance(index), &view.placed[index as usize]);
+        let rows = view.rows_from_sensor(placed);
+        let (size, origin) = (instance.size, placed.origin_in_instance);
+        let mut seen = [Face { normal: [0.0; 3], across: [0.0; 3], at: 0.0 }; 3];
+        let mut count = 0;
+        for axis in 0..3 {
+            // Of a box the faces that look to the sensor, if insides are not seen.
+            let is_seen = match solid {
+                Solid::Box => faces == Faces::Front && origin[axis].abs() > size[axis],
+                Solid::Rectangle | Solid::Plane => axis == 2,
+                _ => false,
+            };
+            if !is_seen {
+                continue;
+            }
+            let sign = if solid == Solid::Box && origin[axis] < 0.0 { -1.0 } else { 1.0 };
+            let normal = normal_to_frame(placed) * (DVec3::AXES[axis] * sign);
+            seen[count] = Face {
+                normal: normal.normalize_or_zero().as_vec3().to_array(),
+                across: (DVec3::from_array(rows[axis]) * sign).as_vec3().to_array(),
+                // Rounded after the subtraction: however large the box, what is near the sensor is told apart.
+                at: (size[axis] - origin[axis].abs()) as f32,
+            };
+            count += 1;
+        }
+        if count > 0 {
+            return Self::Flat(seen, count);
+        }
+        // Scales may be so small or large that their squares would overflow.
+        let to_frame = normal_to_frame(placed);
+        let most = to_frame.to_cols_array().into_iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        Self::Curved(Curved {
+            solid,
+            size: size.map(|value| value as f32),
+            rows: rows.map(|row| row.map(|value| value as f32)),
+            origin: origin.map(|value| value as f32),
+            normal_rows: (to_frame * (1.0 / most)).transpose().as_mat3().to_cols_array_2d(),
+        })
+    }
+}
+
+/// Normals go by the inverse transpose, whose columns are the rows of the inverse.
+fn normal_to_frame(placed: &Placed) -> DMat3 {
+    DMat3::from_cols_array_2d(&placed.inverse)
+}
+
+/// Finds normals.
+pub(crate) struct NormalFinder {
+    faces: Faces,
+    solids: Recent<Seen>,
+}
+
+impl NormalFinder {
+    pub(crate) fn new(faces: Faces) -> Self {
+        Self { faces, solids: Recent::new() }
+    }
+
+    /// The normals of a block, and the lanes that have hit anything.
+    #[inline(always)]
+    pub(crate) fn block<S: Simd>(
+        &mut self,
+        simd: S,
+        band: &Band<'_>,
+        resolver: &mut Resolver<'_>,
+        block: [usize; 2],
+    ) -> (Normals<S>, u16) {
+        let slots = &band.target.slot[block_index(band, block)];
+        let hits = hit_lanes(simd, slots);
+        let mut rest = hits;
+        let mut all = Normals::Same([0.0; 3]);
+        while rest != 0 {
+            let (hit, own) = resolver.first_of(simd, slots, rest);
+            rest &= !own;
+            let found = match hit.instance.kind() {
+                Kind::Triangles(_) => triangles(simd, resolver, slots, own),
+                Kind::Solid(solid) => {
+                    let make = || Seen::new(band.view, solid, hit.placed, self.faces);
+                    match self.solids.get(hit.placed, make) {
+                        Seen::Flat(faces, 1) => Normals::Same(faces[0].normal),
+                        Seen::Flat(faces, count) => flat(simd, &points(simd, band, block), &faces[..*count]),
+                        Seen::Curved(solid) => solid.normals(simd, &points(simd, band, block)),
+                    }
+                }
+            };
+            if own == u16::MAX {
+                return (found, hits);
+            }
+            let own = simd.from_bitmask_mask32x16(u64::from(own));
+            let (mut mixed, found) = (all.points(simd), found.points(simd));
+            for axis in 0..3 {
+                mixed[axis] = own.select(found[axis], mixed[axis]);
+            }
+            all = Normals::Each(mixed);
+        }
+        (all, hits)
+    }
+
+    /// Angles between the rays of a block, backwards, and the normals of what they hit; NaN elsewhere.
+    #[inline(always)]
+    pub(crate) fn incidence<S: Simd>(
+        &mut self,
+        simd: S,
+        band: &Band<'_>,
+        axes: &DMat3,
+        resolver: &mut Resolver<'_>,
+        block: [usize; 2],
+    ) -> [f32; WIDTH] {
+        let (normals, hits) = self.block(simd, band, resolver, block);
+        let mut angles = [f32::NAN; WIDTH];
+        if hits == 0 {
+            return angles;
+        }
+        let normals = normals.each(simd);
+        let directions = band.rays.exact_block(block[0], block[1]);
+        for lane in 0..WIDTH {
+            if hits >> lane & 1 == 1 {
+                let direction = DVec3::from_array(directions.map(|axis| axis[lane]));
+                let ray = (*axes * direction).normalize();
+                let normal = Vec3::from_array(normals[lane]).as_dvec3();
+                angles[lane] = libm::acos(ray.dot(-normal).clamp(-1.0, 1.0)) as f32;
+            }
+        }
+        angles
+    }
+}
+
+/// Where the rays of a block have hit, in the axes of the sensor.
+#[inline(always)]
+fn points<S: Simd>(simd: S, band: &Band<'_>, block: [usize; 2]) -> Points<S> {
+    let inverse = f32x16::load_array_ref(simd, &band.target.inverse[block_index(band, block)]);
+    let t = f32x16::splat(simd, 1.0) / inverse;
+    let [x, y, z] = band.rays.directions(simd, block[0], block[1]);
+    [x * t, y * t, z * t]
+}
+
+#[inline(always)]
+fn along<S: Simd>([x, y, z]: &Points<S>, [a, b, c]: [f32; 3]) -> f32x16<S> {
+    (*x * a + *y * b) + *z * c
+}
+
+/// Of the faces of a box: each point is on that which it is nearest to.
+#[inline(always)]
+fn flat<S: Simd>(simd: S, points: &Points<S>, faces: &[Face]) -> Normals<S> {
+    let mut nearest = f32x16::splat(simd, f32::INFINITY);
+    let mut normals = [f32x16::splat(simd, 0.0); 3];
+    for face in faces {
+        let off = (along(points, face.across) - face.at).abs();
+        let is_nearer = off.simd_lt(nearest);
+        nearest = is_nearer.select(off, nearest);
+        for axis in 0..3 {
+            normals[axis] = is_nearer.select(f32x16::splat(simd, face.normal[axis]), normals[axis]);
+        }
+    }
+    Normals::Each(normals)
+}
+
+impl Curved {
+    #[inline(always)]
+    fn normals<S: Simd>(&self, simd: S, points: &Points<S>) -> Normals<S> {
+        let mut local = *points;
+        for axis in 0..3 {
+            local[axis] = along(points, self.rows[axis]) + self.origin[axis];
+        }
+        let [x, y, z] = arrays(local);
+        let mut normals = [[0.0; WIDTH]; 3];
+        macro_rules! each_lane {
+            ($solid:expr) => {
+                for lane in 0..WIDTH {
+                    let [a, b, c] = solid_normal($solid, self.size, [x[lane], y[lane], z[lane]]);
+                    normals[0][lane] = a;
+                    normals[1][lane] = b;
+                    normals[2][lane] = c;
+                }
+            };
+        }
+        match self.solid {
+            Solid::Box => each_lane!(Solid::Box),
+            Solid::Sphere => each_lane!(Solid::Sphere),
+            Solid::Cylinder => each_lane!(Solid::Cylinder),
+            Solid::Capsule => each_lane!(Solid::Capsule),
+            Solid::Ellipsoid => each_lane!(Solid::Ellipsoid),
+            Solid::Cone => each_lane!(Solid::Cone),
+            Solid::Rectangle | Solid::Plane => each_lane!(Solid::Plane),
+        }
+        let [x, y, z] = &normals;
+        let local = [
+            f32x16::load_array_ref(simd, x),
+            f32x16::load_array_ref(simd, y),
+            f32x16::load_array_ref(simd, z),
+        ];
+        let [to_x, to_y, to_z] = self.normal_rows;
+        let (x, y, z) = (along(&local, to_x), along(&local, to_y), along(&local, to_z));
+        let length = ((x * x + y * y) + z * z).sqrt();
+        let zero = f32x16::splat(simd, 0.0);
+        let shorter = length.simd_gt(zero).select(f32x16::splat(simd, 1.0) / length, zero);
+        Normals::Each([x * shorter, y * shorter, z * shorter])
+    }
+}
+
+/// Of the triangles that some lanes have hit.
+#[inline(always)]
+fn triangles<S: Simd>(simd: S, resolver: &mut Resolver<'_>, slots: &[u32; WIDTH], lanes: u16) -> Normals<S> {
+    let [mut x, mut y, mut z] = [[0.0; WIDTH]; 3];
+    let (mut last, mut normal, mut found) = (None, [0.0; 3], 0);
+    for lane in 0..WIDTH {
+        if lanes >> lane & 1 == 0 {
+            continue;
+        }
+        if last != Some(slots[lane]) {
+            (last, found) = (Some(slots[lane]), found + 1);
+            let hit = resolver.hit(slots[lane]);
+            normal = resolver.triangle_normal(&hit);
+        }
+        [x[lane], y[lane], z[lane]] = normal;
+    }
+    if found == 1 && lanes == u16::MAX {
+        return Normals::Same(normal);
+    }
+    Normals::Each([
+        f32x16::load_array_ref(simd, &x),
+        f32x16::load_array_ref(simd, &y),
+        f32x16::load_array_ref(simd, &z),
+    ])
+}

@@ -30,6 +30,7 @@ mod instance;
 mod kind;
 pub(crate) mod limits;
 mod material;
+mod mesh_slices;
 mod meshes;
 mod single;
 mod slices;
@@ -50,7 +51,8 @@ pub use instance::{
 pub(crate) use kind::{Kind, Solid, Triangles};
 pub use material::{Environment, Light, LightConfig, LightId, LightKind, Material, MaterialConfig};
 pub(crate) use material::{Form, NO_TEXTURE};
-pub use meshes::{MeshMemory, MeshSlices, MeshStore, Meshes};
+pub use mesh_slices::MeshSlices;
+pub use meshes::{MeshMemory, MeshStore, Meshes};
 pub use single::MeshScene;
 pub use slices::SceneSlices;
 pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};

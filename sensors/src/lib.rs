@@ -19,7 +19,8 @@
 //! What a sensor sees is decided by [`scene::visibility`]: cameras see visuals, lidars hit collision shapes.
 //!
 //! Features: `std` (default) finds the SIMD level at run time; `alloc` gives the owned
-//! [`SceneBuilder`](scene::SceneBuilder) and [`WorkspaceBuf`](trace::WorkspaceBuf); `rayon` spreads a frame over
+//! [`SceneBuilder`](scene::SceneBuilder) and [`WorkspaceBuf`](trace::WorkspaceBuf), without which scenes are made of the
+//! caller's arrays ([`SceneSlices`](scene::SceneSlices)); `rayon` spreads a frame over
 //! threads; `nalgebra` converts poses; `parry` takes in shapes of parry3d, and `rapier` mirrors the colliders of rapier3d.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]

@@ -11,6 +11,7 @@ use belvedere_sensors::scene::{ColourSpace, LightConfig, MaterialConfig, SceneBu
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Execution, Pose, Sensor};
+use common::casts::levels;
 use common::{LIDAR, add, camera, camera_of, depth_camera, picture_with, scenery, spot};
 use glam::DVec3;
 
@@ -97,20 +98,6 @@ fn gloss_and_glass(mut builder: SceneBuilder) -> SceneBuilder {
     let kind = spot([-2.5, 0.5, 2.5], DVec3::new(0.6, 0.0, -0.8), [0.9, 0.7, 1.7]);
     builder.add_light(&LightConfig { kind, specular: [0.9; 3], ..Default::default() }).unwrap();
     builder
-}
-
-/// The levels of this machine's architecture; none for those that the machine has not.
-fn levels() -> Vec<(&'static str, Option<Level>)> {
-    let best = Level::new();
-    #[cfg(target_arch = "x86_64")]
-    return vec![
-        ("SSE2", best.as_sse2().map(Level::Sse2)),
-        ("SSE4.2", best.as_sse4_2().map(Level::Sse4_2)),
-        ("AVX2", best.as_avx2().map(Level::Avx2)),
-        ("AVX-512", best.as_avx512().map(Level::Avx512)),
-    ];
-    #[cfg(not(target_arch = "x86_64"))]
-    return vec![("the baseline", Some(Level::baseline())), ("the best", Some(best))];
 }
 
 #[test]

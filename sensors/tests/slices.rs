@@ -1,4 +1,5 @@
 //! Scenes of the caller's own arrays: what a builder's are, to the last bit, and checked as these are.
+#![allow(clippy::large_stack_arrays, reason = "arrays are what is tested")]
 
 mod common;
 

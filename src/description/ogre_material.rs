@@ -167,7 +167,7 @@ fn read_pass(pass: &Statement, path: &Path, material: &mut OgreMaterial) -> Resu
                 material.texture_alpha = material.texture_alpha.or(Some(TextureAlpha::Blended));
             }
             "alpha_rejection" => {
-                material.texture_alpha = cut_out(statement, path)?.or(material.texture_alpha)
+                material.texture_alpha = cut_out(statement, path)?.or(material.texture_alpha);
             }
             "emissive" => set(&mut material.emissive, color(statement, path)?),
             "texture_unit" if material.texture.is_none() => {

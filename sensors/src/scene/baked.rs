@@ -16,8 +16,8 @@ pub use error::BakedError;
 use super::builder::Packed;
 use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{
-    ColourSpace, Environment, HeightField, Instance, Light, Material, Mesh, Meshes, Scene, SceneBuilder,
-    SceneSlices, Texture, check,
+    ColourSpace, Environment, HeightField, Instance, Light, Material, Mesh, MeshSlices, Meshes, Scene,
+    SceneBuilder, SceneSlices, Texture, check,
 };
 use crate::memory::CacheLine;
 use crate::pose::Pose;
@@ -202,7 +202,7 @@ impl<'a> Scene<'a> {
             lights,
             poses,
         ] = sections;
-        let meshes = Meshes {
+        let meshes = MeshSlices {
             meshes: bytemuck::cast_slice(meshes),
             uvs: bytemuck::cast_slice(uvs),
             triangles: bytemuck::cast_slice(triangles),
@@ -210,8 +210,9 @@ impl<'a> Scene<'a> {
             blocks: bytemuck::cast_slice(blocks),
             facets: bytemuck::cast_slice(facets),
         };
+        // Before their lengths decide about memory.
         check::parts_of_meshes(&meshes)?;
-        check::meshes(&meshes, &mut zeroed_vec(Meshes::scratch_len(meshes.meshes)))?;
+        let meshes = Meshes::new(meshes, &mut zeroed_vec(Meshes::scratch_len(meshes.meshes)))?;
         let scene = Self::from_slices(&SceneSlices {
             instances: bytemuck::cast_slice(instances),
             meshes,

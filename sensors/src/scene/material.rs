@@ -173,7 +173,7 @@ pub enum LightKind {
         cos_inner: f32,
         /// Cosine of half the angle outside which it has none.
         cos_outer: f32,
-        /// Between the two, the brightness is (cos − cos_outer) / (cos_inner − cos_outer) to this power, 0 up to
+        /// Between the two, the brightness is `(cos − cos_outer) / (cos_inner − cos_outer)` to this power, 0 up to
         /// [`MAX_FALLOFF`]: 1 is linear, 0 full brightness up to the outer angle.
         falloff: f32,
     },

@@ -30,6 +30,7 @@ mod instance;
 mod kind;
 pub(crate) mod limits;
 mod material;
+mod mesh_slices;
 mod meshes;
 mod single;
 mod slices;
@@ -53,7 +54,8 @@ pub use material::{
     ColourSpace, Environment, Light, LightConfig, LightId, LightKind, MAX_FALLOFF, MAX_SHININESS, Material,
     MaterialConfig, TextureAlpha,
 };
-pub use meshes::{MeshMemory, MeshSlices, MeshStore, Meshes};
+pub use mesh_slices::MeshSlices;
+pub use meshes::{MeshMemory, MeshStore, Meshes};
 pub use single::MeshScene;
 pub use slices::SceneSlices;
 pub use texture::{Texture, TextureId, fill_mip_levels, fill_srgb_mip_levels, mip_levels, mip_texels};

@@ -1,8 +1,8 @@
 //! A scene from slices of the caller's.
 
 use super::{
-    ColourSpace, Environment, HeightField, Instance, Light, Material, Meshes, Scene, SceneFault, Texture,
-    check,
+    ColourSpace, Environment, HeightField, Instance, Light, Material, MeshSlices, Meshes, Scene, SceneFault,
+    Texture, check,
 };
 
 /// The parts of a scene in slices of the caller's, who needs no heap. What is not set is not there.
@@ -133,7 +133,7 @@ impl<'a> Scene<'a> {
     /// # Errors
     /// [`SceneFault`] names the slice, the element and what is wrong with it.
     pub fn from_slices(slices: &SceneSlices<'a>) -> Result<Self, SceneFault> {
-        let Meshes { meshes, uvs, triangles, nodes, blocks, facets } = slices.meshes;
+        let MeshSlices { meshes, uvs, triangles, nodes, blocks, facets } = slices.meshes.slices();
         let scene = Self {
             instances: slices.instances,
             meshes,

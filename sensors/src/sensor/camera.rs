@@ -126,7 +126,7 @@ impl<'a> Camera<'a> {
         self.row_stride() * self.size()[1]
     }
 
-    /// Housings are seen from outside only: a camera within its own sees out.
+    /// Only front faces count. Seen from within, a housing has none: a camera in its own housing sees out.
     pub(crate) fn sight(&self) -> Sight {
         Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m], within: f64::INFINITY }
     }

@@ -4,6 +4,7 @@
 
 pub(crate) mod adversary;
 pub(crate) mod brute;
+pub(crate) mod casts;
 pub(crate) mod exactness;
 pub(crate) mod oracle;
 

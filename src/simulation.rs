@@ -83,6 +83,7 @@ impl Simulation {
         let commands = node.command_subscriber(&StreamSpec::velocity_command("/cmd_vel"))?;
         let base_commands = robots[0].base().map(|_| BaseCommands::open(node)).transpose()?;
         let rig = Rig::open(node, &models, &robots, &physics, options)?;
+        physics.remember(rig.window_ns());
         Ok(Self {
             world: world.clone(),
             inbox: Inbox::open(node)?,

@@ -50,14 +50,15 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     let file = args.file.clone().unwrap_or_else(default_robot_name);
     let mut diagnostics = Diagnostics::default();
     let report = if is_world(&file, &packages) {
-        load_world(&file, &packages, args.gazebo_compat, &mut diagnostics).map(|world| world::report(&world))
+        load_world(&file, &packages, args.gazebo_compat, &mut diagnostics)
+            .map(|world| world::report(&world, args.gazebo_compat))
     } else {
         let options = LoadOptions { packages, gazebo_compat: args.gazebo_compat, xacro_args: Vec::new() };
         load_robot(&file, &options, &mut diagnostics).map(|robot| {
             if let Err(problem) = Wheels::of(&robot) {
                 diagnostics.add(problem);
             }
-            robot::report(&robot)
+            robot::report(&robot, args.gazebo_compat)
         })
     };
     for line in report.into_iter().flatten() {

@@ -69,7 +69,7 @@ pub struct RunArgs {
     #[arg(long)]
     gazebo_compat: bool,
     /// Publish what is true of every pixel and beam as well: TOPIC/truth/depth, range, normal, instance, class,
-    /// incidence, flow_back
+    /// incidence, flow_back, flow_forward
     #[arg(long)]
     truth: bool,
     /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated

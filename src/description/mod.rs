@@ -2,6 +2,7 @@
 
 pub mod diagnostics;
 pub mod gazebo_materials;
+mod label;
 pub mod mesh;
 pub mod model;
 pub mod ogre_material;

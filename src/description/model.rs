@@ -2,12 +2,14 @@
 //!
 //! Lengths are metres, angles radians, masses kilograms. Poses are named `outer_from_inner`.
 
+mod device;
 mod lens;
 mod plugin;
 mod sensor;
 mod shape;
 
 pub use belvedere_sensors::camera::{Mosaic, PixelFormat};
+pub use device::{AutoExposed, CameraDevice};
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
 pub use plugin::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Plugin, Radiation, RangePlugin};
 pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis, Sensor, SensorKind};

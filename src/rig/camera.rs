@@ -1,6 +1,7 @@
 //! A colour camera and its two streams.
 
 use super::eye::{Eye, drawn_lens};
+use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Told, encoding};
@@ -9,6 +10,7 @@ use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraPlugin, CameraSensor, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Intrinsics, Kind, LoanedFrame, StreamSpec};
+use belvedere_sensors::Shutter;
 use belvedere_sensors::camera::Picture;
 use std::time::Instant;
 
@@ -21,6 +23,9 @@ pub(super) struct CameraChannel {
     info_message: CameraInfo,
     intrinsics: Intrinsics,
     truth: TruthOutlets,
+    moments: Moments,
+    /// A picture that is only metered.
+    unseen: Vec<u8>,
 }
 
 impl CameraChannel {
@@ -50,6 +55,8 @@ impl CameraChannel {
             intrinsics: told.intrinsics(camera.near_m, camera.far_m),
             truth: TruthOutlets::open(&plugin.image_topic, &frame, [camera.width, camera.height], setting)?,
             mount: Mount::new(sensor, setting, &frame),
+            moments: Moments::default(),
+            unseen: Vec::new(),
             eye,
         })
     }
@@ -59,6 +66,7 @@ impl CameraChannel {
         let world_from_sensor = self.mount.pose(context);
         let camera = self.eye.camera();
         let mut frame = self.image.loan(camera.frame_len());
+        self.truth.look_at(context.scene);
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |header| {
             header.set_intrinsics(&self.intrinsics);
         });
@@ -72,15 +80,43 @@ impl CameraChannel {
         let mut picture = Picture::new();
         picture.colour = frame.as_mut().map(LoanedFrame::payload_mut);
         picture.truth = truth.truth();
+        if self.eye.is_automatic() && picture.colour.is_none() {
+            self.unseen.resize(camera.frame_len(), 0);
+            picture.colour = Some(&mut self.unseen);
+        }
         let is_wanted = picture.colour.is_some() || picture.truth.is_some();
+        let device = self.eye.shutter().filter(|_| is_wanted || self.truth.wants_flow());
+        self.moments.fill(device, camera.size()[1], context, &self.mount);
+        let slices = self.moments.slices();
+        let at = shutter(&slices).unwrap_or(Shutter::Global(context.scene.moment(world_from_sensor)));
         let before = self.truth.before();
-        let taken = is_wanted && context.take(&camera, &world_from_sensor, frame_number, before, picture);
+        let taken = is_wanted && context.take(&camera, &capture(frame_number, at, &before), picture);
+        let picture = frame.as_ref().map_or(&self.unseen[..], LoanedFrame::payload);
+        let seen = if taken { self.eye.meter(picture) } else { None };
         let outcome = self.image.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);
         self.image.record(outcome, started.elapsed());
         self.truth.record(truths, started.elapsed());
-        self.truth.keep(&world_from_sensor, context.scene.poses());
+        self.truth.send_forward(
+            context,
+            &camera,
+            &at,
+            |header| header.set_intrinsics(&self.intrinsics),
+            |truth| Picture::new().truth(truth),
+        );
+        self.truth.keep(context, frame_number, &world_from_sensor, &at);
+        self.eye.expose_next(seen);
         self.info.send_structs(context.stamp_ns, &[self.info_message]);
+    }
+
+    pub(super) fn eye(&self) -> &Eye {
+        &self.eye
+    }
+
+    /// Forgets the frames so far.
+    pub(super) fn restart(&mut self) {
+        self.eye.restart();
+        self.truth.restart();
     }
 
     /// Takes other settings from its next frame on.

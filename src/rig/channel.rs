@@ -17,7 +17,7 @@ use crate::world::physics::{ModelIndex, Physics};
 use crate::world::scene::WorldScene;
 use belvedere_bridge::{Lossless, Node, StreamSpec};
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Moment, Pose, Sensor};
+use belvedere_sensors::{Capture, Sensor};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -70,25 +70,21 @@ pub(super) struct RigContext<'a> {
 }
 
 impl RigContext<'_> {
-    /// Takes a frame of a sensor, whose flow is back to the poses `before`; false, with a warning, if there is none to be had: of a body that physics has lost.
+    /// Takes a frame of a sensor; false, with a warning, if there is none to be had: of a body that physics has lost.
     pub(super) fn take<T: Sensor>(
         &mut self,
         sensor: &T,
-        world_from_sensor: &Pose,
-        frame: u64,
-        before: Option<&(Pose, Vec<Pose>)>,
+        capture: &Capture<'_>,
         output: T::Output<'_>,
     ) -> bool {
         let scene = self.scene.scene();
-        let mut capture = Capture::new(frame, self.scene.moment(*world_from_sensor));
-        if let Some((world_from_sensor, world_from_instance)) = before {
-            capture = capture.before(Moment { world_from_sensor: *world_from_sensor, world_from_instance });
-        }
-        let workspace = &mut self.workspace.lend(sensor.workspace_len(&scene, &capture));
+        let workspace = &mut self.workspace.lend(sensor.workspace_len(&scene, capture));
         let started = Instant::now();
-        let taken = sensor.sense(&scene, &capture, workspace, output);
+        let taken = sensor.sense(&scene, capture, workspace, output);
         self.rendering += started.elapsed();
-        taken.inspect_err(|error| tracing::warn!(%error, frame, "a frame of a sensor is left out")).is_ok()
+        taken
+            .inspect_err(|error| tracing::warn!(%error, capture.frame, "a frame of a sensor is left out"))
+            .is_ok()
     }
 }
 
@@ -146,9 +142,30 @@ impl Channel {
     pub(super) fn is_rendered(&self) -> bool {
         match self {
             Self::Clock(_) | Self::State(_) | Self::Base(_) => false,
+            Self::Camera(camera) if camera.eye().is_automatic() => true,
+            Self::Depth(depth) if depth.eye().is_automatic() => true,
             Self::Camera(_) | Self::Depth(_) | Self::Lidar(_) | Self::Range(_) => {
                 self.outlets().into_iter().any(Outlet::is_wanted)
             }
+        }
+    }
+
+    /// How long before its stamp a frame of it begins, at most, in ns.
+    pub(super) fn window_ns(&self) -> u64 {
+        match self {
+            Self::Camera(camera) => camera.eye().window_ns(),
+            Self::Depth(depth) => depth.eye().window_ns(),
+            Self::Clock(_) | Self::State(_) | Self::Base(_) | Self::Lidar(_) | Self::Range(_) => 0,
+        }
+    }
+
+    /// Forgets what its frames so far have left to the next.
+    pub(super) fn restart(&mut self) {
+        match self {
+            Self::Clock(_) | Self::State(_) | Self::Base(_) | Self::Range(_) => {}
+            Self::Camera(camera) => camera.restart(),
+            Self::Depth(depth) => depth.restart(),
+            Self::Lidar(lidar) => lidar.restart(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! A Kinect: depth, colour and cloud from one look, and the infos.
 
 use super::eye::{Eye, drawn_lens};
+use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Told, encoding};
@@ -9,6 +10,7 @@ use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraSensor, DepthCameraPlugin, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, LoanedFrame, StreamSpec};
+use belvedere_sensors::Shutter;
 use belvedere_sensors::camera::CameraError;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
 use std::time::Instant;
@@ -28,6 +30,9 @@ pub(super) struct DepthChannel {
     colour_intrinsics: Intrinsics,
     depth_intrinsics: Intrinsics,
     truth: TruthOutlets,
+    moments: Moments,
+    /// A picture that is only metered.
+    unseen: Vec<u8>,
 }
 
 impl DepthChannel {
@@ -86,6 +91,8 @@ impl DepthChannel {
             depth_intrinsics: told.intrinsics(near, far),
             truth: TruthOutlets::open(&names.image_topic, &frame, [camera.width, camera.height], setting)?,
             mount: Mount::new(sensor, setting, &frame),
+            moments: Moments::default(),
+            unseen: Vec::new(),
             eye,
             limits,
         })
@@ -112,24 +119,40 @@ impl DepthChannel {
             header.set_intrinsics(intrinsics);
             Mount::write(&world_from_sensor, header);
         }
+        self.truth.look_at(context.scene);
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |header| {
             header.set_intrinsics(&self.colour_intrinsics);
         });
         let known = truth.truth();
-        let mut taken = false;
-        if colour.is_some() || depth.is_some() || points.is_some() || known.is_some() {
+        let is_wanted = colour.is_some() || depth.is_some() || points.is_some() || known.is_some();
+        let is_metered = self.eye.is_automatic();
+        let is_timed = is_wanted || is_metered || self.truth.wants_flow();
+        let device = self.eye.shutter().filter(|_| is_timed);
+        self.moments.fill(device, camera.camera().size()[1], context, &self.mount);
+        let slices = self.moments.slices();
+        let at = shutter(&slices).unwrap_or(Shutter::Global(context.scene.moment(world_from_sensor)));
+        let (mut taken, mut seen) = (false, None);
+        if is_wanted || is_metered {
             let mut output = DepthFrame::new();
             output.truth = known;
             output.colour = colour.as_mut().map(LoanedFrame::payload_mut);
             output.points = points.as_mut().map(LoanedFrame::payload_mut);
+            if is_metered && output.colour.is_none() {
+                self.unseen.resize(camera.camera().frame_len(), 0);
+                output.colour = Some(&mut self.unseen);
+            }
             let depths = depth.as_mut().map(LoanedFrame::payload_mut);
             if self.in_millimetres {
                 output.depth_16uc1 = depths.map(bytemuck::cast_slice_mut);
             } else {
                 output.depth_32fc1 = depths.map(bytemuck::cast_slice_mut);
             }
-            taken = context.take(&camera, &world_from_sensor, frame_number, self.truth.before(), output);
-            if !taken {
+            let before = self.truth.before();
+            taken = context.take(&camera, &capture(frame_number, at, &before), output);
+            if taken {
+                let picture = colour.as_ref().map_or(&self.unseen[..], LoanedFrame::payload);
+                seen = self.eye.meter(picture);
+            } else {
                 (colour, depth, points) = (None, None, None);
             }
         }
@@ -142,9 +165,27 @@ impl DepthChannel {
             outlet.record(outcome, busy);
         }
         self.truth.record(truths, busy);
-        self.truth.keep(&world_from_sensor, context.scene.poses());
+        self.truth.send_forward(
+            context,
+            &camera,
+            &at,
+            |header| header.set_intrinsics(&self.colour_intrinsics),
+            |truth| DepthFrame::new().truth(truth),
+        );
+        self.truth.keep(context, frame_number, &world_from_sensor, &at);
+        self.eye.expose_next(seen);
         self.colour_info.send_structs(context.stamp_ns, &[self.info_message]);
         self.depth_info.send_structs(context.stamp_ns, &[self.info_message]);
+    }
+
+    pub(super) fn eye(&self) -> &Eye {
+        &self.eye
+    }
+
+    /// Forgets the frames so far.
+    pub(super) fn restart(&mut self) {
+        self.eye.restart();
+        self.truth.restart();
     }
 
     /// Takes other settings from its next frame on: noise and exposure are the colour picture's.

@@ -3,15 +3,16 @@
 use super::pictures::noise;
 use super::{Setting, Settings};
 use crate::description::model::{
-    AngleFunction, AngleMap, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
+    AngleFunction, AngleMap, CameraDevice, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
 };
 use belvedere_sensors::camera::{Camera, CameraConfig, Edges, PixelFormat};
-use belvedere_sensors::device::DeviceConfig;
+use belvedere_sensors::device::{AutoExposure, FrameStatistics};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{
     self, AngleFunction as Function, BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics,
-    KannalaBrandt, Mapping, Mei, Optics, Pinhole, PinholeGrid, RayTableBuf, WideAngle,
+    KannalaBrandt, LensError, Mapping, Mei, Optics, Pinhole, PinholeGrid, RayTableBuf, WideAngle,
 };
+use glam::DVec2;
 use std::error::Error;
 
 /// A camera's optics and settings.
@@ -23,7 +24,11 @@ pub(super) struct Eye {
     exposure: f32,
     edges: Edges,
     noise: GaussianNoise,
-    device: Option<DeviceConfig>,
+    /// With the exposure of the next frame.
+    device: Option<CameraDevice>,
+    automatic: Option<AutoExposure>,
+    /// What that was before the first frame.
+    first: Option<AutoExposure>,
     seed: u64,
     sensor: u32,
 }
@@ -44,6 +49,12 @@ impl Eye {
         lens: &Lens,
         setting: &Setting<'_>,
     ) -> Result<Self, Box<dyn Error>> {
+        let automatic = match &camera.device {
+            Some(CameraDevice { auto_exposure: Some(automatic), config, .. }) => {
+                Some(AutoExposure::new(automatic.config, config.exposure)?)
+            }
+            _ => None,
+        };
         let eye = Self {
             optics: EyeOptics::new([camera.width, camera.height], lens)?,
             format: camera.format,
@@ -58,6 +69,8 @@ impl Eye {
             },
             noise: noise(&camera.noise)?,
             device: camera.device,
+            automatic,
+            first: automatic,
             seed: setting.seed,
             sensor: setting.sensor,
         };
@@ -79,9 +92,45 @@ impl Eye {
             .exposure(self.exposure)
             .edges(self.edges)
             .noise(self.noise)
-            .device(self.device)
+            .device(self.device.map(|device| device.config))
             .seed(self.seed)
             .sensor(self.sensor)
+    }
+
+    /// What it is behind the lens, if its frames are of more than one moment.
+    pub(super) fn shutter(&self) -> Option<&CameraDevice> {
+        self.device.as_ref().filter(|device| !device.is_of_one_moment())
+    }
+
+    /// How long before its stamp a frame begins, at most, in ns.
+    pub(super) fn window_ns(&self) -> u64 {
+        self.shutter().map_or(0, |device| (device.window_s() * 1e9).ceil() as u64)
+    }
+
+    /// Whether the exposure of a frame depends on those before it, so that each has to be taken whoever looks.
+    pub(super) fn is_automatic(&self) -> bool {
+        self.automatic.is_some()
+    }
+
+    /// How bright a picture of it is, if its exposure is automatic.
+    pub(super) fn meter(&self, picture: &[u8]) -> Option<FrameStatistics> {
+        let metering = self.device?.auto_exposure?.metering;
+        self.camera().meter(picture, metering).ok()
+    }
+
+    /// Chooses the exposure of the next frame after one that was so bright.
+    pub(super) fn expose_next(&mut self, seen: Option<FrameStatistics>) {
+        if let (Some(automatic), Some(device), Some(seen)) = (&mut self.automatic, &mut self.device, seen) {
+            device.config.exposure = automatic.next(&seen);
+        }
+    }
+
+    /// Begins again with the exposure of the first frame.
+    pub(super) fn restart(&mut self) {
+        if let (Some(device), Some(first)) = (&mut self.device, self.first) {
+            self.automatic = Some(first);
+            device.config.exposure = first.exposure();
+        }
     }
 
     /// Takes other settings from the next frame on, if they are within their limits.
@@ -95,7 +144,7 @@ impl Eye {
 
 /// The lens that is drawn: what `camera_info` tells is what is seen. Gazebo's plugin tells of its own coefficients, focal
 /// length and principal point and draws without them, and so does `gazebo_compat`.
-pub(super) fn drawn_lens(camera: &CameraSensor, plugin: &CameraPlugin, gazebo_compat: bool) -> Lens {
+pub(crate) fn drawn_lens(camera: &CameraSensor, plugin: &CameraPlugin, gazebo_compat: bool) -> Lens {
     let mut lens = camera.lens.clone();
     if gazebo_compat {
         return lens;
@@ -114,40 +163,55 @@ pub(super) fn drawn_lens(camera: &CameraSensor, plugin: &CameraPlugin, gazebo_co
     lens
 }
 
+/// The model of a lens; none for a pinhole whose columns and rows are straight, which is a rule and no table.
+fn lens_model(lens: &Lens) -> Result<Option<Box<dyn optics::Lens>>, LensError> {
+    let LensIntrinsics { fx, fy, cx, cy, skew } = lens.intrinsics;
+    let intrinsics = Intrinsics { fx, fy, cx, cy, skew };
+    Ok(Some(match &lens.model {
+        LensModel::Pinhole if skew == 0.0 => return Ok(None),
+        LensModel::Pinhole => Box::new(Pinhole::new(intrinsics)?),
+        LensModel::BrownConrady { coefficients } if coefficients.iter().all(|k| *k == 0.0) && skew == 0.0 => {
+            return Ok(None);
+        }
+        LensModel::BrownConrady { coefficients } => Box::new(BrownConrady::new(intrinsics, coefficients)?),
+        LensModel::KannalaBrandt { k } => Box::new(KannalaBrandt::new(intrinsics, *k)?),
+        LensModel::Eucm { alpha, beta } => Box::new(Eucm::new(intrinsics, *alpha, *beta)?),
+        LensModel::DoubleSphere { xi, alpha } => Box::new(DoubleSphere::new(intrinsics, *xi, *alpha)?),
+        LensModel::Mei { xi, k1, k2, p1, p2 } => Box::new(Mei::new(intrinsics, *xi, [*k1, *k2, *p1, *p2])?),
+        LensModel::Equirectangular => Box::new(Equirectangular::with_intrinsics(intrinsics)?),
+        LensModel::WideAngle { map, cutoff_angle_rad, .. } => {
+            let AngleMap { c1, c2, c3, focal_px: f, function } = *map;
+            let fun = match function {
+                AngleFunction::Sine => Function::Sin,
+                AngleFunction::Tangent => Function::Tan,
+                AngleFunction::Identity => Function::Identity,
+            };
+            // The map's focal length is in pixels already.
+            let in_pixels = Intrinsics { fx: 1.0, fy: 1.0, cx, cy, skew: 0.0 };
+            Box::new(WideAngle::new(in_pixels, Mapping { c1, c2, c3, f, fun }, *cutoff_angle_rad)?)
+        }
+    }))
+}
+
+/// Which share of a picture's pixels its lens maps: the others are black.
+///
+/// # Errors
+/// When a parameter of the lens is out of range.
+pub(crate) fn mapped_share(camera: &CameraSensor, lens: &Lens) -> Result<f64, LensError> {
+    let Some(model) = lens_model(lens)? else { return Ok(1.0) };
+    let pixels = (0..camera.height).flat_map(|row| (0..camera.width).map(move |column| [column, row]));
+    let mapped = pixels.filter(|pixel| model.unproject(DVec2::from_array(pixel.map(f64::from))).is_some());
+    Ok(mapped.count() as f64 / (f64::from(camera.width) * f64::from(camera.height)))
+}
+
 impl EyeOptics {
     fn new([width, height]: [u32; 2], lens: &Lens) -> Result<Self, Box<dyn Error>> {
-        let LensIntrinsics { fx, fy, cx, cy, skew } = lens.intrinsics;
-        let intrinsics = Intrinsics { fx, fy, cx, cy, skew };
-        let table =
-            |lens: &dyn optics::Lens| Ok(Self::Table(RayTableBuf::from_lens(width, height, lens)?.into()));
-        match &lens.model {
-            LensModel::Pinhole if skew == 0.0 => {
-                Ok(Self::Pinhole(PinholeGrid::new(width, height, Pinhole::new(intrinsics)?)?))
-            }
-            LensModel::Pinhole => table(&Pinhole::new(intrinsics)?),
-            LensModel::BrownConrady { coefficients }
-                if coefficients.iter().all(|k| *k == 0.0) && skew == 0.0 =>
-            {
-                Ok(Self::Pinhole(PinholeGrid::new(width, height, Pinhole::new(intrinsics)?)?))
-            }
-            LensModel::BrownConrady { coefficients } => table(&BrownConrady::new(intrinsics, coefficients)?),
-            LensModel::KannalaBrandt { k } => table(&KannalaBrandt::new(intrinsics, *k)?),
-            LensModel::Eucm { alpha, beta } => table(&Eucm::new(intrinsics, *alpha, *beta)?),
-            LensModel::DoubleSphere { xi, alpha } => table(&DoubleSphere::new(intrinsics, *xi, *alpha)?),
-            LensModel::Mei { xi, k1, k2, p1, p2 } => table(&Mei::new(intrinsics, *xi, [*k1, *k2, *p1, *p2])?),
-            LensModel::Equirectangular => table(&Equirectangular::with_intrinsics(intrinsics)?),
-            LensModel::WideAngle { map, cutoff_angle_rad, .. } => {
-                let AngleMap { c1, c2, c3, focal_px: f, function } = *map;
-                let fun = match function {
-                    AngleFunction::Sine => Function::Sin,
-                    AngleFunction::Tangent => Function::Tan,
-                    AngleFunction::Identity => Function::Identity,
-                };
-                // The map's focal length is in pixels already.
-                let in_pixels = Intrinsics { fx: 1.0, fy: 1.0, cx, cy, skew: 0.0 };
-                table(&WideAngle::new(in_pixels, Mapping { c1, c2, c3, f, fun }, *cutoff_angle_rad)?)
-            }
+        if let Some(model) = lens_model(lens)? {
+            return Ok(Self::Table(RayTableBuf::from_lens(width, height, &*model)?.into()));
         }
+        let LensIntrinsics { fx, fy, cx, cy, skew } = lens.intrinsics;
+        let pinhole = Pinhole::new(Intrinsics { fx, fy, cx, cy, skew })?;
+        Ok(Self::Pinhole(PinholeGrid::new(width, height, pinhole)?))
     }
 
     fn lend(&self) -> Optics<'_> {

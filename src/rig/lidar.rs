@@ -1,5 +1,6 @@
 //! A lidar and its stream.
 
+use super::moments::capture;
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
@@ -7,6 +8,7 @@ use super::truth::TruthOutlets;
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
+use belvedere_sensors::Shutter;
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
 use belvedere_sensors::noise::GaussianNoiseError;
 use std::time::Instant;
@@ -73,6 +75,7 @@ impl LidarChannel {
         let world_from_sensor = self.mount.pose(context);
         let beams = self.lidar.beams();
         let mut frame = self.scan.loan(beams * size_of::<f32>() * 2);
+        self.truth.look_at(context.scene);
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |_| {});
         let mut output = Scan::new();
         output.truth = truth.truth();
@@ -88,13 +91,20 @@ impl LidarChannel {
             output = output.ranges(ranges).intensities(intensities);
         }
         let is_wanted = output.ranges.is_some() || output.truth.is_some();
+        let at = Shutter::Global(context.scene.moment(world_from_sensor));
         let before = self.truth.before();
-        let taken = is_wanted && context.take(&self.lidar, &world_from_sensor, frame_number, before, output);
+        let taken = is_wanted && context.take(&self.lidar, &capture(frame_number, at, &before), output);
         let outcome = self.scan.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);
         self.scan.record(outcome, started.elapsed());
         self.truth.record(truths, started.elapsed());
-        self.truth.keep(&world_from_sensor, context.scene.poses());
+        self.truth.send_forward(context, &self.lidar, &at, |_| {}, |truth| Scan::new().truth(truth));
+        self.truth.keep(context, frame_number, &world_from_sensor, &at);
+    }
+
+    /// Forgets the frames so far.
+    pub(super) fn restart(&mut self) {
+        self.truth.restart();
     }
 
     /// Takes other settings from its next frame on.

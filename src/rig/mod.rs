@@ -11,8 +11,9 @@ mod channel;
 pub mod cost;
 mod depth;
 mod error;
-mod eye;
+pub(crate) mod eye;
 mod lidar;
+mod moments;
 mod mount;
 mod outlet;
 pub mod pictures;
@@ -168,6 +169,11 @@ impl Rig {
         self.channels.iter().map(|channel| channel.schedule.next_ns()).min().unwrap_or(u64::MAX)
     }
 
+    /// How long before its stamp a frame begins, at most, in ns: for so long physics has to remember where things were.
+    pub fn window_ns(&self) -> u64 {
+        self.channels.iter().map(|scheduled| scheduled.channel.window_ns()).max().unwrap_or(0)
+    }
+
     /// How long it may take to render a frame of each sensor, by what the last ones took.
     pub fn cost(&self) -> Duration {
         self.channels.iter().map(|channel| channel.cost.expected()).sum()
@@ -206,6 +212,7 @@ impl Rig {
             if let Some(Tuning { described, .. }) = scheduled.tuning {
                 scheduled.configure(described, 0)?;
             }
+            scheduled.channel.restart();
             scheduled.schedule = Schedule::new(scheduled.rate);
         }
         self.tell_settings(0);

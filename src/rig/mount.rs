@@ -2,7 +2,7 @@
 
 use super::{RigContext, Setting};
 use crate::description::model::{LinkIndex, Model, Sensor, SensorKind};
-use crate::world::physics::ModelIndex;
+use crate::world::physics::{ModelIndex, Physics};
 use belvedere_bridge::FrameHeader;
 use belvedere_sensors::Pose;
 use glam::{DMat3, DQuat, DVec3};
@@ -38,7 +38,12 @@ impl Mount {
 
     /// Pose of the sensor (x forward, z up) at the stamp of the context.
     pub(super) fn pose(&self, context: &RigContext<'_>) -> Pose {
-        context.physics.world_from_link_at(self.model, self.link, context.stamp_ns) * self.link_from_sensor
+        self.pose_at(context.physics, context.stamp_ns)
+    }
+
+    /// The same at an earlier time, as far back as physics remembers.
+    pub(super) fn pose_at(&self, physics: &Physics, time_ns: u64) -> Pose {
+        physics.world_from_link_at(self.model, self.link, time_ns) * self.link_from_sensor
     }
 
     /// Writes the pose into a frame's header.

@@ -9,6 +9,7 @@ use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, StreamSpec};
 use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::noise::{GaussianNoise, Stream, normals16};
+use belvedere_sensors::{Capture, Shutter};
 
 /// Noise channel of the range; that of the ranges of a lidar, which draws none here.
 const RANGE_CHANNEL: u16 = 2;
@@ -64,13 +65,8 @@ impl RangeChannel {
             return;
         }
         let world_from_sensor = self.mount.pose(context);
-        if !context.take(
-            &self.lidar,
-            &world_from_sensor,
-            frame_number,
-            None,
-            Scan::new().ranges(&mut self.ranges),
-        ) {
+        let at = Shutter::Global(context.scene.moment(world_from_sensor));
+        if !context.take(&self.lidar, &Capture::new(frame_number, at), Scan::new().ranges(&mut self.ranges)) {
             return;
         }
         // −∞, of something too near, is the nearest of all.

@@ -1,12 +1,14 @@
 //! What is true of each pixel of a camera and of each beam of a lidar, in streams beside the sensor's own.
 
+use super::moments::{Moments, shutter};
 use super::mount::Mount;
 use super::outlet::{Outcome, Outlet};
-use super::{RigError, Setting};
+use super::{RigContext, RigError, Setting};
+use crate::world::scene::WorldScene;
 use belvedere_bridge::{Encoding, FrameHeader, Kind, LoanedFrame, StreamSpec};
-use belvedere_sensors::Pose;
 use belvedere_sensors::trace::Truth;
-use std::time::Duration;
+use belvedere_sensors::{Capture, Pose, Sensor, Shutter, Slice};
+use std::time::{Duration, Instant};
 
 /// A channel of truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,12 +48,27 @@ impl Channel {
     }
 }
 
+/// The flow to the sensor's next frame.
+const FLOW_FORWARD: (&str, Kind, Encoding) = ("flow_forward", Kind::Image, Encoding::F32C2);
+
 /// The streams of a sensor's truth; none unless truth is asked for.
 pub(super) struct TruthOutlets {
     outlets: Vec<Outlet>,
+    /// The flow to the next frame, which is known when that is taken.
+    forward: Option<Outlet>,
     size: [u32; 2],
-    /// Where the sensor and all instances were in the frame before, while somebody follows the flow.
-    before: Option<(Pose, Vec<Pose>)>,
+    /// The frame before, while somebody follows the flow.
+    before: Option<Before>,
+}
+
+/// What is kept of a frame until the next.
+struct Before {
+    moments: Moments,
+    frame: u64,
+    stamp_ns: u64,
+    world_from_sensor: Pose,
+    /// Of the scene.
+    edition: u64,
 }
 
 impl TruthOutlets {
@@ -62,20 +79,26 @@ impl TruthOutlets {
         size: [u32; 2],
         setting: &Setting<'_>,
     ) -> Result<Self, RigError> {
-        let channels = if setting.truth { &Channel::ALL[..] } else { &[] };
-        let open = |channel: &Channel| {
-            let (name, kind, encoding) = channel.stream();
+        let open = |(name, kind, encoding): (&str, Kind, Encoding)| {
             let element = encoding.elem_size().unwrap_or_default();
             let bytes = size[0] as usize * size[1] as usize * element;
             let spec = StreamSpec::new(format!("{topic}/truth/{name}"), kind, encoding, bytes);
             setting.open_rendered(spec.frame_id(frame_id).rate_hz(setting.rate.hz()))
         };
-        Ok(Self { outlets: channels.iter().map(open).collect::<Result<_, _>>()?, size, before: None })
+        let channels = if setting.truth { &Channel::ALL[..] } else { &[] };
+        let outlets = channels.iter().map(|channel| open(channel.stream())).collect::<Result<_, _>>()?;
+        let forward = setting.truth.then(|| open(FLOW_FORWARD)).transpose()?;
+        Ok(Self { outlets, forward, size, before: None })
     }
 
     /// All of them.
     pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
-        self.outlets.iter()
+        self.outlets.iter().chain(&self.forward)
+    }
+
+    /// Forgets the frame before if the scene had other things in it.
+    pub(super) fn look_at(&mut self, scene: &WorldScene) {
+        self.before.take_if(|before| before.edition != scene.edition());
     }
 
     /// Where the truth of a frame at `world_from_sensor` goes, as far as somebody follows it.
@@ -85,33 +108,91 @@ impl TruthOutlets {
         world_from_sensor: &Pose,
         write: impl Fn(&mut FrameHeader),
     ) -> TruthFrames {
-        let [width, height] = self.size;
         let loans = self.outlets.iter().zip(Channel::ALL).map(|(outlet, channel)| {
-            let element = channel.stream().2.elem_size().unwrap_or_default();
             // There is no flow without a frame before.
             let is_ready = channel != Channel::FlowBack || self.before.is_some();
-            let mut frame = outlet.loan(width as usize * height as usize * element).filter(|_| is_ready);
+            let mut frame = outlet.loan(self.bytes(channel.stream().2)).filter(|_| is_ready);
             if let Some(frame) = &mut frame {
-                let header = frame.header_mut();
-                header.set_packed(width, height);
-                header.stamp_ns = stamp_ns;
-                write(header);
-                Mount::write(world_from_sensor, header);
+                self.write(frame.header_mut(), stamp_ns, world_from_sensor, &write);
             }
             frame
         });
         TruthFrames(loans.collect())
     }
 
-    /// Poses of the frame before, if its flow is wanted.
-    pub(super) fn before(&self) -> Option<&(Pose, Vec<Pose>)> {
-        self.before.as_ref()
+    fn bytes(&self, encoding: Encoding) -> usize {
+        self.size[0] as usize * self.size[1] as usize * encoding.elem_size().unwrap_or_default()
     }
 
-    /// Keeps the poses of this frame for the next, if its flow is wanted then.
-    pub(super) fn keep(&mut self, world_from_sensor: &Pose, world_from_instance: &[Pose]) {
-        let is_wanted = self.outlets.get(Channel::FlowBack as usize).is_some_and(Outlet::is_wanted);
-        self.before = is_wanted.then(|| (*world_from_sensor, world_from_instance.to_vec()));
+    fn write(
+        &self,
+        header: &mut FrameHeader,
+        stamp_ns: u64,
+        world_from_sensor: &Pose,
+        write: &impl Fn(&mut FrameHeader),
+    ) {
+        header.set_packed(self.size[0], self.size[1]);
+        header.stamp_ns = stamp_ns;
+        write(header);
+        Mount::write(world_from_sensor, header);
+    }
+
+    /// Whether somebody follows the flow, so that a frame's moments have to be known in the next.
+    pub(super) fn wants_flow(&self) -> bool {
+        let back = self.outlets.get(Channel::FlowBack as usize);
+        back.into_iter().chain(&self.forward).any(Outlet::is_wanted)
+    }
+
+    /// The moments of the frame before, if the flow back to it is wanted; none if there was none.
+    pub(super) fn before(&self) -> Vec<Slice<'_>> {
+        self.before.as_ref().map(|before| before.moments.slices()).unwrap_or_default()
+    }
+
+    /// Sends the flow from the frame before to this one, which is taken `at` these moments: what is true then is traced
+    /// once more. It is stamped as that frame was. `output` makes the sensor's output of truth alone.
+    pub(super) fn send_forward<T: Sensor>(
+        &mut self,
+        context: &mut RigContext<'_>,
+        sensor: &T,
+        at: &Shutter<'_>,
+        write: impl Fn(&mut FrameHeader),
+        output: impl for<'a> FnOnce(Truth<'a>) -> T::Output<'a>,
+    ) {
+        let started = Instant::now();
+        let (Some(outlet), Some(before)) = (&self.forward, &self.before) else { return };
+        let Some(mut frame) = outlet.loan(self.bytes(FLOW_FORWARD.2)) else { return };
+        self.write(frame.header_mut(), before.stamp_ns, &before.world_from_sensor, &write);
+        let slices = before.moments.slices();
+        let Some(then) = shutter(&slices) else { return };
+        let capture = Capture::new(before.frame, then).after(*at);
+        let flow = bytemuck::cast_slice_mut(frame.payload_mut());
+        let taken = context.take(sensor, &capture, output(Truth::new().flow(flow)));
+        let outcome = outlet.send(Some(frame).filter(|_| taken));
+        if let Some(outlet) = &mut self.forward {
+            outlet.record(outcome, started.elapsed());
+        }
+    }
+
+    /// Keeps the moments of this frame for the next, if its flow is wanted then.
+    pub(super) fn keep(
+        &mut self,
+        context: &RigContext<'_>,
+        frame: u64,
+        world_from_sensor: &Pose,
+        at: &Shutter<'_>,
+    ) {
+        self.before = self.wants_flow().then(|| Before {
+            moments: Moments::of_truth(at),
+            frame,
+            stamp_ns: context.stamp_ns,
+            world_from_sensor: *world_from_sensor,
+            edition: context.scene.edition(),
+        });
+    }
+
+    /// Begins again, as if there had been no frame before.
+    pub(super) fn restart(&mut self) {
+        self.before = None;
     }
 
     /// Counts what became of the frames.

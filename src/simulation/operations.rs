@@ -172,6 +172,7 @@ impl Simulation {
         self.end_steps("was ended by a reset");
         self.before_resets_ns += self.physics.time_ns();
         self.physics = physics;
+        self.physics.remember(self.rig.window_ns());
         self.scene.replace(&self.physics);
         self.rig.restart()?;
         self.states.restart();

@@ -11,6 +11,7 @@
 //!   A body 1 km from the origin thus moves in steps of 0.06 mm.
 
 mod convert;
+mod history;
 mod insert;
 mod joint;
 mod lump;
@@ -25,6 +26,7 @@ use crate::description::model::{LinkIndex, Model, World};
 use belvedere_sensors::Pose;
 use convert::{from_rapier, vector};
 use glam::DVec3;
+use history::History;
 use joint::{Motion, MovingJoint};
 use rapier3d::dynamics::{FrictionModel, RigidBodyHandle};
 use rapier3d::geometry::{ColliderHandle, SolverFlags};
@@ -51,6 +53,7 @@ pub struct Physics {
     bodies: Vec<Body>,
     models: Vec<PlacedModel>,
     moving: Vec<MovingLink>,
+    history: History,
     first_robot: ModelIndex,
     notes: Vec<Problem>,
 }
@@ -160,6 +163,7 @@ impl Physics {
             bodies: Vec::new(),
             models: Vec::new(),
             moving: Vec::new(),
+            history: History::default(),
             first_robot: world.models.len(),
             notes: Vec::new(),
         };
@@ -224,6 +228,12 @@ impl Physics {
             joint.update(world_from_body, handles, &self.rapier.bodies, &self.rapier.impulse_joints, step_s);
         }
         self.carry();
+        self.history.add(self.time_ns, &self.bodies);
+    }
+
+    /// Keeps where everything was for so long, besides the last two steps. Not at all for 0, as at first.
+    pub fn remember(&mut self, window_ns: u64) {
+        self.history.keep(window_ns, self.time_ns, &self.bodies);
     }
 
     /// Takes the wheels along with the bodies that carry them.
@@ -246,7 +256,8 @@ impl Physics {
         placed.body.map_or(placed.body_from_link, |body| self.bodies[body].current * placed.body_from_link)
     }
 
-    /// Pose of a link at a time between the last two steps; a stamp outside takes the nearer of the two.
+    /// Pose of a link at a time between the last two steps; a stamp outside takes the nearer of the two. Before that,
+    /// poses are those that [`Physics::remember`] keeps.
     pub fn world_from_link_at(&self, model: ModelIndex, link: LinkIndex, stamp_ns: u64) -> Pose {
         let placed = &self.models[model].links[link];
         placed.body.map_or(placed.body_from_link, |body| self.body_at(body, stamp_ns) * placed.body_from_link)
@@ -380,10 +391,15 @@ impl Physics {
         1.0 - before_ns as f64 / self.step_ns as f64
     }
 
-    fn body_at(&self, body: usize, stamp_ns: u64) -> Pose {
-        let body = &self.bodies[body];
+    fn body_at(&self, index: usize, stamp_ns: u64) -> Pose {
+        let body = &self.bodies[index];
         if stamp_ns >= self.time_ns {
             return body.current;
+        }
+        if self.time_ns - stamp_ns > self.step_ns
+            && let Some(pose) = self.history.pose(index, stamp_ns)
+        {
+            return pose;
         }
         body.previous.interpolate(&body.current, self.fraction(stamp_ns))
     }

@@ -22,6 +22,7 @@ const INFINITE_M: f64 = 20_000.0;
 pub struct WorldScene {
     assembly: Assembly,
     stamp_ns: Option<u64>,
+    edition: u64,
 }
 
 impl WorldScene {
@@ -46,7 +47,7 @@ impl WorldScene {
             added.map_err(|error| refused(error, &light.source))?;
         }
         assembly.meshes.clear();
-        Ok(Self { assembly, stamp_ns: None })
+        Ok(Self { assembly, stamp_ns: None, edition: 0 })
     }
 
     /// Moves everything that moves to where it is at a time between the last two physics steps.
@@ -80,6 +81,7 @@ impl WorldScene {
         world_from_model: &Pose,
     ) -> Result<(), Problem> {
         self.stamp_ns = None;
+        self.edition += 1;
         let added = model.links.iter().enumerate().try_for_each(|(number, link)| {
             self.assembly.add_link((index, number), link, &(*world_from_model * link.model_from_link))
         });
@@ -92,6 +94,7 @@ impl WorldScene {
 
     /// Lets a model be seen no more. Its places and memory in the scene are used again.
     pub fn remove_model(&mut self, index: ModelIndex) {
+        self.edition += 1;
         let assembly = &mut self.assembly;
         let mut gone: Vec<_> = assembly
             .placed
@@ -123,6 +126,25 @@ impl WorldScene {
     /// Where all instances are.
     pub fn poses(&self) -> &[Pose] {
         self.assembly.builder.poses()
+    }
+
+    /// A number that is another one after models were added or taken out: instances are others then.
+    pub fn edition(&self) -> u64 {
+        self.edition
+    }
+
+    /// Appends where all instances were at an earlier time, as far back as physics remembers.
+    pub fn poses_at(&self, physics: &Physics, time_ns: u64, poses: &mut Vec<Pose>) {
+        let first = poses.len();
+        poses.extend_from_slice(self.poses());
+        for (model, link, world_from_link) in physics.moving_links_at(time_ns) {
+            for placed in self.assembly.placed.get(&(model, link)).into_iter().flatten() {
+                let pose = world_from_link * placed.link_from_shape;
+                if pose.is_finite() {
+                    poses[first + placed.instance.0 as usize] = pose;
+                }
+            }
+        }
     }
 
     /// What there is to see.

@@ -7,7 +7,7 @@ use crate::rig::base;
 use crate::robot::imu::Imu;
 use crate::robot::kobuki::Wheels;
 
-pub(super) fn report(robot: &Model) -> Vec<String> {
+pub(super) fn report(robot: &Model, gazebo_compat: bool) -> Vec<String> {
     let mut lines = vec![format!("robot {} ({})", robot.name, robot.source)];
     let roots = (0..robot.links.len()).filter(|link| robot.joint_above(*link).is_none());
     for root in roots {
@@ -16,7 +16,7 @@ pub(super) fn report(robot: &Model) -> Vec<String> {
     }
     for sensor in &robot.sensors {
         lines.push(String::new());
-        lines.extend(sensor::report(robot, sensor));
+        lines.extend(sensor::report(robot, sensor, gazebo_compat));
     }
     if Wheels::of(robot).is_ok() {
         lines.push(String::new());

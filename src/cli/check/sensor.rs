@@ -2,12 +2,13 @@
 
 use super::text::{angle, number, pose};
 use crate::description::model::{
-    AngleFunction, CameraPlugin, CameraSensor, LensIntrinsics, LensModel, Model, Noise, Plugin, Radiation,
-    RaySensor, Sensor, SensorKind,
+    AngleFunction, AutoExposed, CameraDevice, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
+    Model, Noise, Plugin, Radiation, RaySensor, Sensor, SensorKind,
 };
+use crate::rig::eye::{drawn_lens, mapped_share};
 use crate::rig::pictures::encoding;
 
-pub(super) fn report(model: &Model, sensor: &Sensor) -> Vec<String> {
+pub(super) fn report(model: &Model, sensor: &Sensor, gazebo_compat: bool) -> Vec<String> {
     let kind = match sensor.kind {
         SensorKind::Camera(_) => "camera",
         SensorKind::Depth(_) => "depth camera",
@@ -20,7 +21,9 @@ pub(super) fn report(model: &Model, sensor: &Sensor) -> Vec<String> {
     say("link", format!("{link} {}", pose(&sensor.link_from_sensor)));
     say("rate", rate(sensor));
     match &sensor.kind {
-        SensorKind::Camera(camera) | SensorKind::Depth(camera) => camera_report(camera, &mut say),
+        SensorKind::Camera(camera) | SensorKind::Depth(camera) => {
+            camera_report(camera, &sensor_lens(camera, sensor, gazebo_compat), &mut say);
+        }
         SensorKind::Ray(ray) => ray_report(ray, &mut say),
     }
     match &sensor.plugin {
@@ -65,7 +68,28 @@ fn rate(sensor: &Sensor) -> String {
     }
 }
 
-fn camera_report(camera: &CameraSensor, say: &mut impl FnMut(&str, String)) {
+/// The lens that is drawn.
+fn sensor_lens(camera: &CameraSensor, sensor: &Sensor, gazebo_compat: bool) -> Lens {
+    match &sensor.plugin {
+        Some(Plugin::Camera(plugin)) => drawn_lens(camera, plugin, gazebo_compat),
+        Some(Plugin::DepthCamera(plugin)) => drawn_lens(camera, &plugin.camera, gazebo_compat),
+        Some(Plugin::Laser(_) | Plugin::Range(_)) | None => camera.lens.clone(),
+    }
+}
+
+/// How much of the picture a lens maps, if that is not all.
+fn mapped(camera: &CameraSensor, drawn: &Lens) -> Option<String> {
+    match mapped_share(camera, drawn) {
+        Ok(1.0) => None,
+        // Rounded down: what is not all never reads as all.
+        Ok(share) => {
+            Some(format!("{:.1} % of the pixels, the others are black", (share * 1000.0).floor() / 10.0))
+        }
+        Err(error) => Some(format!("nothing: {error}")),
+    }
+}
+
+fn camera_report(camera: &CameraSensor, drawn: &Lens, say: &mut impl FnMut(&str, String)) {
     let format = encoding(camera.format).as_str();
     let (width, height) = (camera.width, camera.height);
     say("picture", format!("{width} x {height} {format}"));
@@ -96,12 +120,47 @@ fn camera_report(camera: &CameraSensor, say: &mut impl FnMut(&str, String)) {
     if let Some(lens) = lens(&camera.lens.model) {
         say("lens", lens);
     }
+    if let Some(mapped) = mapped(camera, drawn) {
+        say("maps", mapped);
+    }
     say("clip", format!("{} to {} m", number(camera.near_m), number(camera.far_m)));
     say("noise", noise(&camera.noise, "of [0, 1]"));
+    if let Some(device) = &camera.device {
+        device_report(device, say);
+    }
     if let Some(p) = camera.lens.projection {
         let values = [p.fx, p.fy, p.cx, p.cy, p.tx, p.ty].map(number).join(", ");
         say("projection", format!("fx, fy, cx, cy, tx, ty = {values}"));
     }
+}
+
+/// When the light is collected, and how much.
+fn device_report(device: &CameraDevice, say: &mut impl FnMut(&str, String)) {
+    let rolling = match device.readout_time_s {
+        0.0 => "global".to_owned(),
+        time_s => format!("rolling, {} ms from the first row to the last", number(time_s * 1e3)),
+    };
+    let blur = match device.motion_blur_samples {
+        1 => String::new(),
+        samples => format!(", motion blur of {samples} moments"),
+    };
+    say("shutter", rolling + &blur);
+    let start = device.config.exposure;
+    let exposure = format!("{} ms, gain {}", number(start.time_s * 1e3), number(start.gain));
+    say(
+        "exposure",
+        match &device.auto_exposure {
+            None => exposure,
+            Some(AutoExposed { config, .. }) => {
+                let [shortest, longest] = config.time_range_s.map(|time_s| number(time_s * 1e3));
+                format!(
+                    "automatic to {} of full scale, {shortest} to {longest} ms, gain up to {}, at first {exposure}",
+                    number(config.target),
+                    number(config.most_gain)
+                )
+            }
+        },
+    );
 }
 
 /// The model and its parameters; none for a pinhole.

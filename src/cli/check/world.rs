@@ -5,7 +5,7 @@ use super::sensor;
 use super::text::{angle, number, pose, vector};
 use crate::description::model::{Geometry, Light, LightKind, World};
 
-pub(super) fn report(world: &World) -> Vec<String> {
+pub(super) fn report(world: &World, gazebo_compat: bool) -> Vec<String> {
     let mut lines = vec![format!("world {} ({})", world.name, world.source)];
     lines.push(format!(
         "physics: step {} s, gravity {} m/s²",
@@ -28,7 +28,7 @@ pub(super) fn report(world: &World) -> Vec<String> {
             lines.push(format!("  joint {} {parent} → {child}: {}", joint.name, joint_kind(joint)));
         }
         for sensor in &model.sensors {
-            lines.extend(sensor::report(model, sensor).iter().map(|line| format!("  {line}")));
+            lines.extend(sensor::report(model, sensor, gazebo_compat).iter().map(|line| format!("  {line}")));
         }
     }
     lines.push(String::new());

@@ -1,9 +1,8 @@
 //! Sensors: what they measure, how, and how often.
 
-use super::{Lens, LinkIndex, PixelFormat, Plugin};
+use super::{CameraDevice, Lens, LinkIndex, PixelFormat, Plugin};
 use crate::description::diagnostics::Source;
 use belvedere_sensors::Pose;
-use belvedere_sensors::device::DeviceConfig;
 
 /// A sensor on a link.
 #[derive(Debug, Clone)]
@@ -78,7 +77,7 @@ pub struct CameraSensor {
     /// SDF `<lens>` and `<distortion>`.
     pub lens: Lens,
     /// `<device>`, which is ours.
-    pub device: Option<DeviceConfig>,
+    pub device: Option<CameraDevice>,
 }
 
 /// `<ray>` or `<lidar>` of SDF.

@@ -3,6 +3,7 @@
 use super::frames::Frames;
 use super::model::Parts;
 use super::{Loader, Scope, name_of};
+use crate::description::label::label;
 use crate::description::model::{Collision, Inertial, Link, Visual};
 use crate::description::sensor::parse_sensor;
 use crate::description::values::{child_bool, child_number, child_text};
@@ -130,7 +131,7 @@ impl Loader<'_> {
             );
         }
         let material = self.material(element, scope);
-        let label = self.label(element);
+        let label = label(element, self.diagnostics);
         // A mesh whose triangles have several materials becomes one visual for each.
         for geometry in self.visual_geometry(element, scope) {
             let own = geometry.own_material();

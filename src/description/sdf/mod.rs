@@ -16,7 +16,6 @@
 mod frames;
 mod geometry;
 mod joint;
-mod label;
 mod light;
 mod link;
 mod material;

@@ -2,10 +2,10 @@
 //! `inner::name`, as Gazebo calls them.
 
 use super::frames::{Frames, WrittenPose};
-use super::label::is_label;
 use super::resources::Resolved;
 use super::{Loader, Scope, Version, canonical, name_of, resources};
 use crate::description::diagnostics::Source;
+use crate::description::label::{is_label, label};
 use crate::description::model::{Joint, JointKind, Light, Link, Model, Sensor};
 use crate::description::values::{child_bool, child_text, nearest};
 use crate::description::xml::Element;
@@ -91,7 +91,7 @@ impl Loader<'_> {
         let mut pose = self.pose(element, scope.version);
         let placement = element.attribute("placement_frame").filter(|frame| !frame.is_empty());
         self.place_by(placement, &frames, &mut pose, &element.source);
-        if let Some(label) = self.label(element) {
+        if let Some(label) = label(element, self.diagnostics) {
             for visual in parts.links.iter_mut().flat_map(|link| &mut link.visuals) {
                 visual.label.get_or_insert(label);
             }

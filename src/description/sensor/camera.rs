@@ -30,9 +30,21 @@ impl Reader<'_> {
         let distances = self.clip(clip, sensor, far_m);
         let noise = self.noise(camera);
         let device = self.device(camera);
+        self.not_simulated_by_sensor(sensor);
         self.not_simulated(camera);
         let (width, height) = (width?, height?);
         let lens = self.lens(camera, &Picture { width, height, is_wide_angle });
+        if anti_aliasing.is_some_and(|samples| samples > 1)
+            && device.flatten().is_some_and(|device| !device.is_of_one_moment())
+        {
+            let what = format!(
+                "{} is left out: pictures of a rolling shutter or with motion blur keep sharp edges",
+                self.what("anti_aliasing")
+            );
+            let remedy =
+                "take it out, or write <readout_time_s>0</readout_time_s> and no <motion_blur_samples>";
+            self.diagnostics.warning(Self::place(image, "anti_aliasing", sensor), what, remedy);
+        }
         let (near_m, far_m) = distances?;
         let (lens, horizontal_fov_rad) = lens?;
         Some(CameraSensor {
@@ -97,6 +109,23 @@ impl Reader<'_> {
             "write <near> below <far>",
         );
         None
+    }
+
+    /// A warning for each element beside the `<camera>` that has no effect here and would have one elsewhere. There is no
+    /// window that `<visualize>` could show a picture in.
+    fn not_simulated_by_sensor(&mut self, sensor: &Element) {
+        for child in sensor.elements() {
+            let remedy = match child.name.as_str() {
+                "camera" | "pose" | "update_rate" | "always_on" | "visualize" | "plugin" => continue,
+                "enable_metrics" if matches!(child.text().as_str(), "false" | "0") => continue,
+                "enable_metrics" => "take it out, and measure with `belvedere hz`",
+                "topic" => "write <imageTopicName> in the plugin",
+                "frame_id" | "gz_frame_id" | "ignition_frame_id" => "write <frameName> in the plugin",
+                _ => "take it out: a camera sensor has pose, update_rate, always_on, camera and plugin",
+            };
+            let what = format!("{} is not simulated and left out", self.what(&child.name));
+            self.diagnostics.warning(&child.source, what, remedy);
+        }
     }
 
     /// A warning for each element that has no effect here and would have one elsewhere.

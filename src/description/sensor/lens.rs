@@ -10,6 +10,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// How much farther than a lens can see an angle of view may be written, for a rounded π: SDF allows 6.283186.
 const ROUNDED_ANGLE_RAD: f64 = 1e-5;
+/// How far apart, as a share, two focal lengths may be that both are written: an angle has few digits.
+const CONTRADICTION: f64 = 0.01;
 /// Coefficients of `<distortion>` in OpenCV's order, and how many a model may have.
 const COEFFICIENTS: [&str; 14] =
     ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tau_x", "tau_y"];
@@ -113,6 +115,18 @@ impl Reader<'_> {
                 resolved.cx = x * f64::from(picture.width) - 0.5;
                 resolved.cy = y * f64::from(picture.height) - 0.5;
             }
+        }
+        let fov_element = camera.and_then(|camera| camera.child("horizontal_fov"));
+        if let (Some(element), Some(focal)) = (fov_element, fx)
+            && !matches!(model, LensModel::WideAngle { .. })
+            && (focal / resolved.fx - 1.0).abs() > CONTRADICTION
+        {
+            let what = format!(
+                "{} is left out: it would be a focal length of {:.1} pixels, and <fx> is {focal}",
+                self.what("horizontal_fov"),
+                resolved.fx
+            );
+            self.diagnostics.warning(&element.source, what, "take one of them out");
         }
         if let (LensModel::WideAngle { .. }, Some(intrinsics)) = (&model, intrinsics) {
             self.diagnostics.warning(

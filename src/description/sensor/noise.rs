@@ -5,6 +5,9 @@ use crate::description::model::Noise;
 use crate::description::values::child_text;
 use crate::description::xml::Element;
 
+/// What of it is simulated.
+const READ: [&str; 6] = ["type", "mean", "stddev", "bias_mean", "bias_stddev", "precision"];
+
 impl Reader<'_> {
     /// The noise in a `<camera>` or a `<ray>`; none at all if it is not there.
     pub(super) fn noise(&mut self, parent: Option<&Element>) -> Option<Noise> {
@@ -29,6 +32,12 @@ impl Reader<'_> {
                 return None;
             }
         };
+        let is_nothing = |name: &str| {
+            let value: Option<f64> = child_text(element, name).and_then(|text| text.parse().ok());
+            name.starts_with("dynamic_bias_") && value == Some(0.0)
+        };
+        let remedy = format!("take it out: a noise has {}", READ.join(", "));
+        self.left_out(element, |name| READ.contains(&name) || is_nothing(name), &remedy);
         let element = Some(element);
         let mean = self.number(element, "mean", 0.0);
         let stddev = self.not_negative(element, "stddev");

@@ -12,6 +12,35 @@ use crate::description::xml::Element;
 const SUPPORTED: &str = "libgazebo_ros_camera.so, libgazebo_ros_openni_kinect.so, libgazebo_ros_laser.so, \
     libgazebo_ros_block_laser.so and libgazebo_ros_velodyne_laser.so (also as gpu_laser), and libgazebo_ros_range.so";
 
+/// What all camera plugins are told, without the coefficients of the distortion.
+const CAMERA_PARAMETERS: [&str; 12] = [
+    "robotNamespace",
+    "cameraName",
+    "imageTopicName",
+    "cameraInfoTopicName",
+    "frameName",
+    "updateRate",
+    "hackBaseline",
+    "autoDistortion",
+    "CxPrime",
+    "Cx",
+    "Cy",
+    "focalLength",
+];
+/// What the Kinect's is told besides.
+const DEPTH_PARAMETERS: [&str; 6] = [
+    "depthImageTopicName",
+    "depthImageCameraInfoTopicName",
+    "pointCloudTopicName",
+    "pointCloudCutoff",
+    "pointCloudCutoffMax",
+    "useDepth16UC1MM",
+];
+/// What many files tell them, and no plugin reads.
+const READ_BY_NOBODY: [&str; 2] = ["alwaysOn", "baseline"];
+/// Coefficients of the distortion, behind `distortion`, or in small letters behind `distortion_`.
+const COEFFICIENTS: [&str; 5] = ["K1", "K2", "K3", "T1", "T2"];
+
 /// The defaults of `<imageTopicName>` and `<cameraInfoTopicName>`.
 struct CameraTopics {
     image: &'static str,
@@ -72,6 +101,7 @@ impl Reader<'_> {
                     SensorKind::Camera(camera) => {
                         let topics = CameraTopics { image: "image_raw", info: "camera_info" };
                         let plugin = self.camera_plugin(element, &topics);
+                        self.not_simulated_by_plugin(element, &[]);
                         plugin.map(|plugin| {
                             self.compare_lenses(element, &plugin, &camera.lens);
                             Plugin::Camera(plugin)
@@ -96,9 +126,7 @@ impl Reader<'_> {
         let camera_info_topic = topic("cameraInfoTopicName", topics.info);
         let update_rate_hz = self.rate(plugin, "updateRate");
         let hack_baseline_m = self.number(Some(plugin), "hackBaseline", 0.0);
-        let distortion = [1, 2, 3].map(|index| format!("K{index}"));
-        let [k1, k2, k3] = distortion.map(|name| self.distortion_value(plugin, &name));
-        let [t1, t2] = ["T1", "T2"].map(|name| self.distortion_value(plugin, name));
+        let [k1, k2, k3, t1, t2] = COEFFICIENTS.map(|name| self.distortion_value(plugin, name));
         let [cx_prime, cx, cy] = ["CxPrime", "Cx", "Cy"].map(|name| self.number(Some(plugin), name, 0.0));
         let focal_length = self.not_negative(Some(plugin), "focalLength");
         let given = |value: f64| (value != 0.0).then_some(value);
@@ -136,9 +164,38 @@ impl Reader<'_> {
         self.diagnostics.warning(&place.source, what, remedy);
     }
 
+    /// A warning for each parameter of a camera's plugin that has no effect here and would have one elsewhere.
+    fn not_simulated_by_plugin(&mut self, plugin: &Element, of_depth: &[&str]) {
+        for child in plugin.elements() {
+            let name = child.name.as_str();
+            let is_read = CAMERA_PARAMETERS.contains(&name) || of_depth.contains(&name);
+            let is_coefficient =
+                COEFFICIENTS.iter().any(|known| distortion_names(known).contains(&child.name));
+            if is_read || is_coefficient || READ_BY_NOBODY.contains(&name) {
+                continue;
+            }
+            let (why, remedy) = match name {
+                // Nothing is cropped here.
+                "borderCrop" => match child_bool(plugin, name, self.diagnostics) {
+                    Some(true) => (
+                        "not simulated: the picture keeps what the lens does not map, in black",
+                        "write false, and see how much that is with `belvedere check`",
+                    ),
+                    Some(false) | None => continue,
+                },
+                "triggerTopicName" => {
+                    ("not simulated and left out", "take it out: pictures are sent at <updateRate>")
+                }
+                _ => ("not simulated and left out", "take it out, or correct its name"),
+            };
+            let what = format!("{} is {why}", self.what(name));
+            self.diagnostics.warning(&child.source, what, remedy);
+        }
+    }
+
     /// `distortionK1`, or `distortion_k1` as the Kinect's files write it.
     fn distortion_value(&mut self, plugin: &Element, name: &str) -> Option<f64> {
-        let names = [format!("distortion{name}"), format!("distortion_{}", name.to_ascii_lowercase())];
+        let names = distortion_names(name);
         let written = names.iter().find(|name| plugin.child(name).is_some()).unwrap_or(&names[0]);
         self.number(Some(plugin), written, 0.0)
     }
@@ -146,6 +203,7 @@ impl Reader<'_> {
     fn depth_plugin(&mut self, plugin: &Element) -> Option<DepthCameraPlugin> {
         let topics = CameraTopics { image: "ir/image_raw", info: "ir/camera_info" };
         let camera = self.camera_plugin(plugin, &topics);
+        self.not_simulated_by_plugin(plugin, &DEPTH_PARAMETERS);
         let cutoff = self.checked(
             Some(plugin),
             "pointCloudCutoff",
@@ -243,6 +301,11 @@ impl Reader<'_> {
             update_rate_hz: self.rate(plugin, "updateRate")?,
         })
     }
+}
+
+/// The two ways in which files write a coefficient.
+fn distortion_names(name: &str) -> [String; 2] {
+    [format!("distortion{name}"), format!("distortion_{}", name.to_ascii_lowercase())]
 }
 
 /// The absolute topic in the child element `name`: as it stands if it begins with a slash, else under

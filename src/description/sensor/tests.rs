@@ -3,8 +3,8 @@
 use super::parse_sensor;
 use crate::description::diagnostics::{Diagnostics, Severity};
 use crate::description::model::{
-    AngleFunction, AngleMap, CameraSensor, LensIntrinsics, LensModel, LensProjection, Noise, PixelFormat,
-    Plugin, Radiation, Sensor, SensorKind,
+    AngleFunction, AngleMap, AutoExposed, CameraDevice, CameraSensor, LensIntrinsics, LensModel,
+    LensProjection, Noise, PixelFormat, Plugin, Radiation, Sensor, SensorKind,
 };
 use crate::description::xml::Element;
 use std::f64::consts::PI;
@@ -399,6 +399,22 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
         ("camera", "<distortion><center>0 0</center></distortion>", "has no effect: all coefficients are 0"),
         (
             "camera",
+            "<distortion><borderCrop>true</borderCrop></distortion>",
+            "<borderCrop> of sensor 'c' is not",
+        ),
+        (
+            "camera",
+            "<noise><dynamic_bias_stddev>.1</dynamic_bias_stddev></noise>",
+            "<dynamic_bias_stddev> of",
+        ),
+        ("camera", "<noise><type>gaussian</type><seed>1</seed></noise>", "a noise has type, mean, stddev"),
+        (
+            "camera",
+            "<horizontal_fov>1.2</horizontal_fov><lens><intrinsics><fx>400</fx></intrinsics></lens>",
+            "<horizontal_fov> of sensor 'c' is left out: it would be a focal length of 467.7 pixels, and <fx> is 400",
+        ),
+        (
+            "camera",
             "<lens><cutoff_angle>1</cutoff_angle></lens>",
             "a lens of type gnomonical has no parameters",
         ),
@@ -447,6 +463,43 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
         assert!(problems.iter().all(|problem| problem.contains("write a whole number from 0 to 64")));
         assert_eq!(problems.is_empty(), expected.is_some());
     }
+    // Beside the <camera>, and in the plugins of both kinds.
+    for (inside, expected) in [
+        ("<topic>t</topic>", "<topic> of sensor 'c' is not simulated and left out; write <imageTopicName>"),
+        ("<gz_frame_id>f</gz_frame_id>", "write <frameName> in the plugin"),
+        ("<enable_metrics>true</enable_metrics>", "measure with `belvedere hz`"),
+        ("<ray/>", "<ray> of sensor 'c' is not simulated"),
+        ("<plugin name='p' filename='F'>\n<borderCrop>true</borderCrop></plugin>", "in black; write false"),
+        (
+            "<plugin name='p' filename='F'>\n<triggerTopicName>t</triggerTopicName></plugin>",
+            "sent at <updateRate>",
+        ),
+        (
+            "<plugin name='p' filename='F'>\n<imageTopicname>t</imageTopicname></plugin>",
+            "<imageTopicname> of",
+        ),
+    ] {
+        for (kind, file) in
+            [("camera", "libgazebo_ros_camera.so"), ("depth", "libgazebo_ros_openni_kinect.so")]
+        {
+            let inside = inside.replace('F', file);
+            let newline = if inside.contains('\n') { "" } else { "\n" };
+            let (sensor, problems) =
+                parse(&format!("<sensor name='c' type='{kind}'>{newline}{inside}</sensor>"));
+            assert!(sensor.is_some() && problems.len() == 1, "{inside}: {problems:?}");
+            let line = problems[0].strip_prefix("s.sdf:2: warning: ");
+            assert!(line.is_some_and(|line| line.contains(expected)), "{problems:?}");
+        }
+    }
+    let (_, problems) = parse(
+        "<sensor name='c' type='camera'><visualize>true</visualize><enable_metrics>false</enable_metrics>\
+         <camera><horizontal_fov>1.2</horizontal_fov><image><width>640</width></image>\
+         <noise><dynamic_bias_stddev>0</dynamic_bias_stddev></noise>\
+         <lens><intrinsics><fx>468</fx></intrinsics></lens></camera>\
+         <plugin name='p' filename='libgazebo_ros_camera.so'><alwaysOn>true</alwaysOn>\
+         <borderCrop>false</borderCrop><distortion_k1>0</distortion_k1></plugin></sensor>",
+    );
+    assert!(problems.is_empty(), "{problems:?}");
     let harmless =
         "<save enabled='false'><path>p</path></save><triggered>false</triggered><pose>0 0 0 0 0 0</pose>";
     lens_of("camera", harmless);
@@ -472,14 +525,48 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
 
 #[test]
 fn a_device_is_a_preset_and_what_is_written_besides() {
-    use belvedere_sensors::device::{DeviceConfig, Exposure, presets};
+    use belvedere_sensors::device::{AutoExposureConfig, DeviceConfig, Exposure, Metering, presets};
     assert_eq!(lens_of("camera", "").device, None);
-    assert_eq!(lens_of("camera", "<device/>").device, Some(DeviceConfig::default()));
+    let momentary = |config| {
+        Some(CameraDevice { config, readout_time_s: 0.0, motion_blur_samples: 1, auto_exposure: None })
+    };
+    assert_eq!(lens_of("camera", "<device/>").device, momentary(DeviceConfig::default()));
     let inside = "<device><preset>webcam</preset><exposure_time_s>0.002</exposure_time_s><gain>2</gain>\
                   <prnu>0</prnu><bits>8</bits></device>";
     let expected = presets::webcam().exposure(Exposure { time_s: 0.002, gain: 2.0 }).prnu(0.0).bits(8);
     for kind in ["camera", "depth", "wideanglecamera"] {
-        assert_eq!(lens_of(kind, inside).device, Some(expected));
+        let device = lens_of(kind, inside).device.unwrap();
+        assert_eq!(device.config, expected);
+        // Linux's driver: 1104 rows of 1920 × 1080 at 30 Hz and a little more.
+        assert!((device.readout_time_s - 1079.0 / 1104.0 * 0.030_48).abs() < 1e-5, "{device:?}");
+    }
+    let of = |inside: &str| lens_of("camera", &format!("<device>{inside}</device>")).device.unwrap();
+    assert_eq!(Some(of("<preset>machine_vision</preset>")), momentary(presets::machine_vision()));
+    assert_eq!(
+        Some(of("<preset>raspberry_pi_hq</preset><readout_time_s>0</readout_time_s>")),
+        momentary(presets::raspberry_pi_hq())
+    );
+    let device = of("<readout_time_s>0.02</readout_time_s><motion_blur_samples>8</motion_blur_samples>\
+         <auto_exposure><target>0.3</target><longest_time_s>0.04</longest_time_s><metering>centre</metering></auto_exposure>");
+    let automatic = AutoExposureConfig::default().target(0.3).time_range_s([20e-6, 0.04]);
+    let automatic = AutoExposed { config: automatic, metering: Metering::Centre };
+    assert_eq!((device.motion_blur_samples, device.auto_exposure), (8, Some(automatic)));
+    assert!((device.window_s() - 0.06).abs() < 1e-12 && !device.is_of_one_moment());
+    let plain = AutoExposed { config: AutoExposureConfig::default(), metering: Metering::Mean };
+    assert_eq!(of("<auto_exposure/>").auto_exposure, Some(plain));
+    // Edges of such pictures are not smoothed.
+    for (device, warnings) in [("<device/>", 0), ("<device><preset>webcam</preset></device>", 1)] {
+        let (sensor, problems) = parse(&format!(
+            "<sensor name='c' type='camera'><camera><image>\n<anti_aliasing>4</anti_aliasing></image>{device}</camera></sensor>"
+        ));
+        assert!(sensor.is_some() && problems.len() == warnings, "{problems:?}");
+        assert!(
+            problems
+                .iter()
+                .all(|problem| problem.starts_with("s.sdf:2: warning: <anti_aliasing> of sensor 'c'")
+                    && problem.contains("keep sharp edges")),
+            "{problems:?}"
+        );
     }
     for (inside, expected) in [
         ("<preset>webcan</preset>", "did you mean webcam?"),
@@ -492,6 +579,32 @@ fn a_device_is_a_preset_and_what_is_written_besides() {
             "<exposure_time_s> of sensor 'c' is 4000; write a number from 0",
         ),
         ("<bits>17</bits>", "<bits> of sensor 'c' is 17"),
+        ("<readout_time_s>11</readout_time_s>", "is 11; write a time in seconds from 0 to 10"),
+        ("<motion_blur_samples>0</motion_blur_samples>", "is 0; write a whole number from 1 to 64"),
+        (
+            "<exposure_time_s>20</exposure_time_s><motion_blur_samples>2</motion_blur_samples>",
+            "<motion_blur_samples> of sensor 'c' asks for exposures of up to 20 s",
+        ),
+        (
+            "<auto_exposure><target>2</target></auto_exposure>",
+            "<target> of sensor 'c' is 2; write a number from 0.0001",
+        ),
+        (
+            "<auto_exposure><shortest_time_s>0</shortest_time_s></auto_exposure>",
+            "<shortest_time_s> of sensor 'c' is 0; write a number from 0.000000001",
+        ),
+        (
+            "<auto_exposure><longest_time_s>1e-6</longest_time_s></auto_exposure>",
+            "<longest_time_s> of sensor 'c' is 0.000001; write a number from 0.00002",
+        ),
+        (
+            "<auto_exposure><metering>spot</metering></auto_exposure>",
+            "<metering> of sensor 'c' is 'spot'; write mean or",
+        ),
+        (
+            "<exposure_time_s>0</exposure_time_s><auto_exposure/>",
+            "<exposure_time_s> of sensor 'c' is 0; write a number from 0.000000001",
+        ),
     ] {
         let (camera, problems) = camera_of("camera", &format!("<device>{inside}</device>"));
         assert!(camera.is_none() && problems.len() == 1, "{inside}: {problems:?}");

@@ -1,11 +1,12 @@
 //! `<gazebo>`: sensors, and what Gazebo overrides of a link.
 //!
-//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro` and `turnGravityOff`; for the whole robot:
-//! `static`. The rest is accepted: contact parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
+//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff` and the plugin `Label`; for the
+//! whole robot: `static` and `Label`. The rest is accepted: contact parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
 //! another physics engine does not have, plugins of the robot, extensions of joints.
 
 use super::{Loader, nearest_link};
 use crate::description::gazebo_materials::{gazebo_material, gazebo_material_names};
+use crate::description::label::label;
 use crate::description::model::{LinkIndex, Model};
 use crate::description::sensor::parse_sensor;
 use crate::description::values::{child_bool, child_number, child_text, nearest};
@@ -13,17 +14,25 @@ use crate::description::xml::Element;
 
 impl Loader<'_> {
     pub(super) fn extensions(&mut self, robot: &Element, model: &mut Model) {
+        let mut of_robot = None;
         for element in robot.elements_named("gazebo") {
             match element.attribute("reference").filter(|name| !name.is_empty()) {
                 None => {
                     if let Some(is_static) = child_bool(element, "static", self.diagnostics) {
                         model.is_static = is_static;
                     }
+                    of_robot = label(element, self.diagnostics).or(of_robot);
                 }
                 Some(name) => match model.link_named(name) {
                     Some(link) => self.extend_link(element, link, model),
                     None => self.unknown_reference(element, name, model),
                 },
+            }
+        }
+        // A link's own label holds, wherever in the file it stands.
+        if let Some(label) = of_robot {
+            for visual in model.links.iter_mut().flat_map(|link| &mut link.visuals) {
+                visual.label.get_or_insert(label);
             }
         }
     }
@@ -33,6 +42,12 @@ impl Loader<'_> {
             model.sensors.extend(parse_sensor(sensor, index, self.diagnostics));
         }
         let link = &mut model.links[index];
+        // Gazebo puts what stands in <visual> into each visual of the link.
+        for element in std::iter::once(element).chain(element.elements_named("visual")) {
+            if let Some(label) = label(element, self.diagnostics) {
+                link.visuals.iter_mut().for_each(|visual| visual.label = Some(label));
+            }
+        }
         if let Some(off) = child_bool(element, "turnGravityOff", self.diagnostics) {
             link.gravity = !off;
         }

@@ -181,3 +181,59 @@ fn every_mistake_is_one_error_that_names_it() {
 fn a_root_called_world_holds_a_robot_without_moving_joints() {
     assert!(accepted(&format!("<link name='world'/><link name='b'/>{}", joint("j", "world", "b"))).is_static);
 }
+
+#[test]
+fn labels_are_the_links_own_or_the_robots() {
+    let plugin = |file: &str, name: &str, label: &str| {
+        format!("<plugin filename='{file}' name='{name}'><label>{label}</label></plugin>")
+    };
+    let robot = |extensions: &str| {
+        load_as(
+            &format!(
+                "<link name='base'><visual><geometry><box size='1 1 1'/></geometry></visual></link>\
+                 <link name='head'><visual><geometry><sphere radius='1'/></geometry></visual>\
+                 <visual><geometry><sphere radius='2'/></geometry></visual></link>{}\n{extensions}",
+                joint("neck", "base", "head")
+            ),
+            false,
+        )
+    };
+    let labels = |extensions: &str| {
+        let (model, problems) = robot(extensions);
+        assert!(problems.is_empty(), "{extensions}: {problems:?}");
+        model
+            .unwrap()
+            .links
+            .into_iter()
+            .flat_map(|link| link.visuals)
+            .map(|visual| visual.label)
+            .collect::<Vec<_>>()
+    };
+    let gz = plugin("gz-sim-label-system", "gz::sim::systems::Label", "7");
+    let ignition = plugin("ignition-gazebo-label-system", "ignition::gazebo::systems::Label", "9");
+    assert_eq!(labels(""), [None; 3]);
+    assert_eq!(labels(&format!("<gazebo reference='head'>{gz}</gazebo>")), [None, Some(7), Some(7)]);
+    assert_eq!(
+        labels(&format!("<gazebo reference='head'><visual>{gz}</visual></gazebo>")),
+        [None, Some(7), Some(7)]
+    );
+    // In either order.
+    for (first, second) in [("", " reference='base'"), (" reference='base'", "")] {
+        let [first_label, second_label] = if first.is_empty() { [&gz, &ignition] } else { [&ignition, &gz] };
+        let both = format!("<gazebo{first}>{first_label}</gazebo><gazebo{second}>{second_label}</gazebo>");
+        assert_eq!(labels(&both), [Some(9), Some(7), Some(7)]);
+    }
+    for (label, expected) in
+        [("-1", "<label> is -1; write a whole number"), ("x", "'x' is not a finite number")]
+    {
+        let (_, problems) = robot(&format!(
+            "<gazebo reference='head'>{}</gazebo>",
+            plugin("gz-sim-label-system", "l", label)
+        ));
+        assert!(problems.len() == 1 && problems[0].starts_with("r.urdf:2: error: "), "{problems:?}");
+        assert!(problems[0].contains(expected), "{problems:?}");
+    }
+    let (_, problems) =
+        robot("<gazebo reference='head'><plugin filename='gz-sim-label-system' name='l'/></gazebo>");
+    assert!(problems.len() == 1 && problems[0].contains("the plugin Label has no <label>"), "{problems:?}");
+}

@@ -96,6 +96,7 @@ impl Physics {
                 }
             }
         }
+        self.history.add(self.time_ns, &self.bodies);
         // What rested on it, or where it is now, has to notice.
         self.rapier.wake_up_all(true);
     }
@@ -125,6 +126,7 @@ impl Physics {
         for body in self.bodies.drain(first..end).filter(|body| body.carrier.is_none()) {
             self.rapier.remove_body_with_colliders(body.handle, true);
         }
+        self.history.remove(first..end);
         self.moving.retain(|link| link.model != model);
         // Bodies behind it have moved up.
         let count = end - first;

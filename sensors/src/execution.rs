@@ -43,7 +43,7 @@ impl Execution {
     }
 }
 
-/// Output that can be cut between two rows of tiles.
+/// Output of a frame that can be cut in two between rows of tiles, so that two threads can write to it.
 pub(crate) trait SplitRows: Sized + Send {
     /// The first `rows` rows of tiles, and the rest.
     fn split_rows(self, rows: usize) -> (Self, Self);
@@ -55,8 +55,8 @@ pub(crate) fn split_at<T>(values: Option<&mut [T]>, at: usize) -> (Option<&mut [
 }
 
 #[cfg_attr(not(feature = "rayon"), allow(clippy::only_used_in_recursion, reason = "threads come with rayon"))]
-/// Calls `work` for each row of tiles with its part of `output`. Halves the rows until one is left, so that
-/// threads can take over the other half; nothing is allocated.
+/// Calls `work` for each row of tiles, with the part of `output` that is the row's. The rows are halved again and again
+/// until one is left; at each cut another thread may take one of the halves. Nothing is allocated for that.
 pub(crate) fn for_each_row<O: SplitRows>(
     execution: Execution,
     rows: core::ops::Range<usize>,

@@ -36,6 +36,20 @@ pub(crate) fn store_row<S: Simd>(values: f32x16<S>, lanes: &mut Lanes<f32>, row:
     values.store_array(&mut lanes.as_chunks_mut().0[row]);
 }
 
+/// The least of a power of two of values, by halves: a chain of dependent compares would take longer.
+#[inline(always)]
+pub(crate) fn least<const N: usize>(mut values: [f32; N]) -> f32 {
+    let mut half = N / 2;
+    while half > 0 {
+        for lane in 0..half {
+            let other = values[lane + half];
+            values[lane] = if other < values[lane] { other } else { values[lane] };
+        }
+        half /= 2;
+    }
+    values[0]
+}
+
 /// √, correctly rounded everywhere.
 #[inline(always)]
 pub(crate) fn sqrt(x: f64) -> f64 {

@@ -2,57 +2,16 @@
 
 mod common;
 
-use belvedere_sensors::Pose;
 use belvedere_sensors::optics::{Lens, Optics, PinholeGrid, SphericalGrid};
-use belvedere_sensors::scene::visibility::VISUAL;
-use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays, workspace_len};
-use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
+use belvedere_sensors::trace::Faces;
+use belvedere_sensors::trace::rays::Rays;
+use belvedere_sensors::{Execution, Pose};
 use common::adversary;
-use common::brute::{Found, Pair, Tally};
+use common::brute::{Pair, Tally};
+use common::casts::{cast, cast_each};
 use common::exactness::{Dice, Scenario, scenarios, stands};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::{DVec2, DVec3};
-
-/// Outputs of a cast.
-struct Answers {
-    distance: Vec<f32>,
-    normal: Vec<[f32; 3]>,
-    instance: Vec<u32>,
-    primitive: Vec<u32>,
-    barycentrics: Vec<[f32; 2]>,
-}
-
-impl Answers {
-    fn new(rays: usize) -> Self {
-        Self {
-            distance: vec![f32::NAN; rays],
-            normal: vec![[f32::NAN; 3]; rays],
-            instance: vec![7; rays],
-            primitive: vec![7; rays],
-            barycentrics: vec![[f32::NAN; 2]; rays],
-        }
-    }
-
-    fn hits(&mut self) -> Hits<'_> {
-        Hits {
-            distance: Some(&mut self.distance),
-            normal: Some(&mut self.normal),
-            instance: Some(&mut self.instance),
-            primitive: Some(&mut self.primitive),
-            barycentrics: Some(&mut self.barycentrics),
-        }
-    }
-
-    fn of(&self, ray: usize) -> Found {
-        Found {
-            distance: self.distance[ray],
-            normal: self.normal[ray],
-            instance: self.instance[ray],
-            primitive: self.primitive[ray],
-            barycentrics: self.barycentrics[ray],
-        }
-    }
-}
 
 /// A camera, a lidar that closes to a ring, and one with poles and single steps.
 fn grids() -> [Optics<'static>; 3] {
@@ -100,22 +59,8 @@ fn check_grid(
     tally: &mut Tally,
 ) {
     let pair: &Pair = &scenario.pair;
-    let scene = pair.builder.scene();
     let [width, height] = grid.size();
-    let mut answers = Answers::new(width * height);
-    let mut workspace = WorkspaceBuf::default();
-    let mut workspace = workspace.lend(grid_workspace_len(&scene, grid));
-    cast_grid(
-        &scene,
-        &pair.builder.moment(*pose),
-        grid,
-        range,
-        VISUAL,
-        faces,
-        &mut workspace,
-        answers.hits(),
-    )
-    .unwrap();
+    let answers = cast(scenario, (grid, pose, range), faces, Execution::default());
     for row in 0..height {
         for column in 0..width {
             let direction = direction(grid, column, row);
@@ -173,36 +118,11 @@ fn single_rays_agree_with_the_oracle() {
     let mut all = Tally::default();
     for scenario in &scenarios() {
         let (origins, directions) = assorted(scenario, 6000);
-        let scene = scenario.pair.builder.scene();
         let ranges = vec![[(1e-3 * scenario.size) as f32, f32::INFINITY]; origins.len()];
         let rays = Rays { origins: &origins, directions: &directions, ranges: Some(&ranges) };
-        let mut workspace = WorkspaceBuf::default();
         for faces in [Faces::Front, Faces::Both] {
-            let mut answers = Answers::new(origins.len());
-            let mut occluded = vec![false; origins.len()];
-            let mut workspace = workspace.lend(workspace_len(&scene));
-            cast_rays(
-                &scene,
-                scenario.pair.builder.poses(),
-                scenario.centre,
-                &rays,
-                VISUAL,
-                faces,
-                &mut workspace,
-                answers.hits(),
-            )
-            .expect("outputs of the right size");
-            occluded_rays(
-                &scene,
-                scenario.pair.builder.poses(),
-                scenario.centre,
-                &rays,
-                VISUAL,
-                faces,
-                &mut workspace,
-                &mut occluded,
-            )
-            .expect("outputs of the right size");
+            let (answers, occluded) =
+                cast_each(scenario, scenario.centre, &rays, faces, Execution::default());
             for (index, &occluded) in occluded.iter().enumerate() {
                 let ray = (scenario.centre, wide(origins[index]), wide(directions[index]));
                 let range = ranges[index].map(f64::from);
@@ -225,23 +145,9 @@ fn origins_on_surfaces_see_what_is_beyond() {
     let mut tally = Tally::default();
     for scenario in scenarios().iter().take(2) {
         // From where rays of a first cast have hit.
-        let scene = scenario.pair.builder.scene();
         let (origins, directions) = assorted(scenario, 60);
         let rays = Rays { origins: &origins, directions: &directions, ranges: None };
-        let mut answers = Answers::new(origins.len());
-        let mut workspace = WorkspaceBuf::default();
-        let mut workspace = workspace.lend(workspace_len(&scene));
-        cast_rays(
-            &scene,
-            scenario.pair.builder.poses(),
-            scenario.centre,
-            &rays,
-            VISUAL,
-            Faces::Both,
-            &mut workspace,
-            answers.hits(),
-        )
-        .expect("outputs of the right size");
+        let (answers, _) = cast_each(scenario, scenario.centre, &rays, Faces::Both, Execution::default());
         for ray in 0..origins.len() {
             let distance = f64::from(answers.distance[ray]);
             if distance.is_finite() {
@@ -308,36 +214,10 @@ fn check_rays(hard: &adversary::Hard, place: DVec3, dice: &mut Dice, faces: Face
             (origin.to_array(), direction.normalize().as_vec3().to_array())
         })
         .unzip();
-    let scene = scenario.pair.builder.scene();
     let range = [(1e-3 * scenario.size) as f32, f32::INFINITY];
     let ranges = vec![range; origins.len()];
     let rays = Rays { origins: &origins, directions: &directions, ranges: Some(&ranges) };
-    let mut workspace = WorkspaceBuf::default();
-    let mut workspace = workspace.lend(workspace_len(&scene));
-    let mut answers = Answers::new(origins.len());
-    let mut occluded = vec![false; origins.len()];
-    cast_rays(
-        &scene,
-        scenario.pair.builder.poses(),
-        place,
-        &rays,
-        VISUAL,
-        faces,
-        &mut workspace,
-        answers.hits(),
-    )
-    .expect("outputs of the right size");
-    occluded_rays(
-        &scene,
-        scenario.pair.builder.poses(),
-        place,
-        &rays,
-        VISUAL,
-        faces,
-        &mut workspace,
-        &mut occluded,
-    )
-    .expect("outputs of the right size");
+    let (answers, occluded) = cast_each(scenario, place, &rays, faces, Execution::default());
     for (index, &occluded) in occluded.iter().enumerate() {
         let ray = (place, wide(origins[index]), wide(directions[index]));
         let found = answers.of(index);

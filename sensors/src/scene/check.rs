@@ -8,7 +8,7 @@ use super::texture::{mip_levels, mip_texels};
 use super::tree::{Facet, TriangleBlock};
 use super::vertices::MAX_COORDINATE;
 use super::{
-    Form, HeightField, Kind, Mesh, Meshes, NO_TEXTURE, Scene, SceneFault, Triangles, build, limits,
+    Form, HeightField, Kind, Mesh, MeshSlices, NO_TEXTURE, Scene, SceneFault, Triangles, build, limits,
     validate_scratch_len, validate_tree,
 };
 use crate::Execution;
@@ -26,15 +26,20 @@ pub(super) fn all_but_meshes(scene: &Scene<'_>) -> Result<(), SceneFault> {
     lights(scene)
 }
 
-/// Words that checking a mesh works in: a position of each vertex, and what the check of its tree needs.
-pub(super) fn scratch_of(mesh: &Mesh) -> usize {
+/// Words that checking meshes works in.
+pub(super) fn scratch_len(meshes: &[Mesh]) -> usize {
+    meshes.iter().map(scratch_of).max().unwrap_or(0)
+}
+
+/// Of one mesh: a position of each vertex, and what the check of its tree needs.
+fn scratch_of(mesh: &Mesh) -> usize {
     let [triangles, nodes, blocks] = [mesh.triangles, mesh.nodes, mesh.blocks].map(|count| count as usize);
     3 * mesh.vertices as usize + validate_scratch_len(triangles, nodes, blocks)
 }
 
 /// That the parts of meshes lie one after the other, and fill the slices.
-pub(super) fn parts_of_meshes(meshes: &Meshes<'_>) -> Result<(), SceneFault> {
-    let Meshes { uvs, triangles, nodes, blocks, .. } = meshes;
+pub(super) fn parts_of_meshes(meshes: &MeshSlices<'_>) -> Result<(), SceneFault> {
+    let MeshSlices { uvs, triangles, nodes, blocks, .. } = meshes;
     let mut ends = [0; 4];
     for (index, mesh) in meshes.meshes.iter().enumerate() {
         let element = Element::of("meshes", index);
@@ -52,9 +57,9 @@ pub(super) fn parts_of_meshes(meshes: &Meshes<'_>) -> Result<(), SceneFault> {
 }
 
 /// All of meshes, with scratch memory for the one that needs most.
-pub(super) fn meshes(meshes: &Meshes<'_>, scratch: &mut [u32]) -> Result<(), SceneFault> {
+pub(super) fn meshes(meshes: &MeshSlices<'_>, scratch: &mut [u32]) -> Result<(), SceneFault> {
     parts_of_meshes(meshes)?;
-    count_scratch(scratch.len(), Meshes::scratch_len(meshes.meshes))?;
+    count_scratch(scratch.len(), scratch_len(meshes.meshes))?;
     for (index, mesh) in meshes.meshes.iter().enumerate() {
         let triangles = part(meshes.triangles, mesh.first_triangle, mesh.triangles);
         let nodes = part(meshes.nodes, mesh.first_node, mesh.nodes);
@@ -108,7 +113,7 @@ fn take_corners(blocks: &[TriangleBlock], triangles: &[[u32; 3]], positions: &mu
 }
 
 /// Facets follow from blocks, to the last bit.
-fn facets(meshes: &Meshes<'_>) -> Result<(), SceneFault> {
+fn facets(meshes: &MeshSlices<'_>) -> Result<(), SceneFault> {
     let execution = Execution::default();
     let mut expected = [Facet::zeroed(); WIDTH];
     for (index, block) in meshes.blocks.iter().enumerate() {
@@ -172,8 +177,10 @@ fn textures(scene: &Scene<'_>) -> Result<(), SceneFault> {
 fn materials(scene: &Scene<'_>) -> Result<(), SceneFault> {
     for (index, material) in scene.materials.iter().enumerate() {
         let element = Element::of("materials", index);
-        if material.texture != NO_TEXTURE {
-            element.index("texture", material.texture, scene.textures.len())?;
+        for (name, texture) in [("texture", material.texture), ("normal map", material.normal_map)] {
+            if texture != NO_TEXTURE {
+                element.index(name, texture, scene.textures.len())?;
+            }
         }
         element.accept(limits::material(material))?;
     }

@@ -2,7 +2,7 @@
 
 use super::build::{Quality, Scratch, TreeSize, fill_facets, plan};
 use super::tree::{Facet, TriangleBlock, WideNode};
-use super::{Mesh, MeshId, SceneError, SceneFault, check, limits};
+use super::{Mesh, MeshId, MeshSlices, SceneError, SceneFault, check, limits};
 use crate::Execution;
 use crate::simd::WIDTH;
 
@@ -11,31 +11,7 @@ const MOST_BLOCKS: usize = 1 << (32 - WIDTH.ilog2());
 
 /// Meshes with their trees: those of a [`MeshStore`], or from elsewhere and [checked](Meshes::new).
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Meshes<'a> {
-    pub(super) meshes: &'a [Mesh],
-    pub(super) uvs: &'a [[f32; 2]],
-    pub(super) triangles: &'a [[u32; 3]],
-    pub(super) nodes: &'a [WideNode],
-    pub(super) blocks: &'a [TriangleBlock],
-    pub(super) facets: &'a [Facet],
-}
-
-/// The slices of meshes, each mesh's part behind that of the one before.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct MeshSlices<'a> {
-    /// One a mesh.
-    pub meshes: &'a [Mesh],
-    /// One a vertex.
-    pub uvs: &'a [[f32; 2]],
-    /// Vertices, counted from the first of their mesh.
-    pub triangles: &'a [[u32; 3]],
-    /// The nodes of the trees.
-    pub nodes: &'a [WideNode],
-    /// Their leaves.
-    pub blocks: &'a [TriangleBlock],
-    /// Sixteen for each block.
-    pub facets: &'a [Facet],
-}
+pub struct Meshes<'a>(MeshSlices<'a>);
 
 impl<'a> Meshes<'a> {
     /// Takes meshes that somebody else has stored, such as those of a table that was made when a program was compiled.
@@ -45,21 +21,18 @@ impl<'a> Meshes<'a> {
     /// # Errors
     /// [`SceneFault`] names the slice, the element and what is wrong with it.
     pub fn new(slices: MeshSlices<'a>, scratch: &mut [u32]) -> Result<Self, SceneFault> {
-        let MeshSlices { meshes, uvs, triangles, nodes, blocks, facets } = slices;
-        let made = Self { meshes, uvs, triangles, nodes, blocks, facets };
-        check::meshes(&made, scratch)?;
-        Ok(made)
+        check::meshes(&slices, scratch)?;
+        Ok(Self(slices))
     }
 
     /// The slices.
     pub fn slices(&self) -> MeshSlices<'a> {
-        let Self { meshes, uvs, triangles, nodes, blocks, facets } = *self;
-        MeshSlices { meshes, uvs, triangles, nodes, blocks, facets }
+        self.0
     }
 
     /// Words that [`Meshes::new`] works in.
     pub fn scratch_len(meshes: &[Mesh]) -> usize {
-        meshes.iter().map(check::scratch_of).max().unwrap_or(0)
+        check::scratch_len(meshes)
     }
 }
 
@@ -157,14 +130,14 @@ impl<'a> MeshStore<'a> {
     /// The meshes that were added, for a scene.
     pub fn meshes(&self) -> Meshes<'_> {
         let Self { memory, meshes, vertices, triangles, size } = self;
-        Meshes {
+        Meshes(MeshSlices {
             meshes: &memory.meshes[..*meshes],
             uvs: &memory.uvs[..*vertices],
             triangles: &memory.triangles[..*triangles],
             nodes: &memory.nodes[..size.nodes],
             blocks: &memory.blocks[..size.blocks],
             facets: &memory.facets[..size.blocks * WIDTH],
-        }
+        })
     }
 }
 

@@ -8,14 +8,16 @@
 //! Marks are compared once the picture is complete, so that bands do not show, and in the same pieces whatever the number
 //! of threads. Pixels without an edge keep their bits.
 
-use super::pixel::to_bytes;
+mod marks;
+
 use crate::device::TileView;
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::optics::Optics;
 use crate::optics::rays::{PinholeFan, Rays, TableFan};
+use crate::shade::through::Through;
 use crate::shade::tile::{CameraRays, Tile};
 use crate::shade::{Colours, Shader};
-use crate::simd::{LANES, WIDTH, load_row};
+use crate::simd::{LANES, WIDTH};
 use crate::trace::grid::{Frame, Sight};
 use crate::trace::packet::{MISS, Packet};
 use crate::trace::packet_hits::first_hits;
@@ -23,8 +25,11 @@ use crate::trace::resolve::Resolver;
 use crate::trace::shapes::LocalRays;
 use crate::trace::tiling::Tiling;
 use crate::trace::view::View;
-use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdMask, dispatch, u8x64, u32x16};
+use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, u32x16};
 use glam::DVec3;
+pub(crate) use marks::Marks;
+use marks::{COLOUR, NO_RAY, beyond};
+pub(super) use marks::{TILE_HEIGHT, TILE_WIDTH};
 
 /// What becomes of the edges of shapes and shadows in a picture.
 ///
@@ -71,73 +76,12 @@ const SAMPLES: usize = 4;
 const OFFSETS: [[f64; 2]; SAMPLES] = [[-0.125, -0.375], [0.375, -0.125], [-0.375, 0.125], [0.125, 0.375]];
 /// Pixels whose rays are traced at a time.
 const PIXELS: usize = LANES / SAMPLES;
-/// By how much of 255 some channel must differ for an edge to be one.
-const LEAST_DIFFERENCE: u32 = 24;
-
-/// The mark of a pixel without a ray, and of what lies beyond the picture.
-const NO_RAY: u32 = 0;
-/// Set in all others.
-const RAY: u32 = 1 << 31;
-/// Bits of a mark that hold the colour; those above, what the pixel shows.
-const COLOUR: u32 = 0x00ff_ffff;
-
-/// Pixels across a tile, and down.
-pub(super) const TILE_WIDTH: usize = Tiling::Square.size()[0];
-pub(super) const TILE_HEIGHT: usize = Tiling::Square.size()[1];
 /// Rows of tiles that are searched and painted at a time.
 const CHUNK: usize = 8;
 /// Tiles of a row that are searched at a time.
 const GROUP: usize = 16;
 /// Pixels that are painted together.
 const QUEUE: usize = 8 * PIXELS;
-
-/// What is kept of each pixel of a picture, row after row; of none, if edges are sharp.
-pub(crate) struct Marks<'a> {
-    marks: &'a mut [u32],
-    width: usize,
-}
-
-impl<'a> Marks<'a> {
-    pub(crate) fn new(marks: &'a mut [u32], width: usize) -> Self {
-        Self { marks, width }
-    }
-
-    /// Marks the pixels of a tile, given by its column and its row among these.
-    #[inline(always)]
-    pub(crate) fn put<S: Simd>(
-        &mut self,
-        simd: S,
-        colours: &Colours,
-        exposure: f32,
-        shader: &Shader,
-        missing: u64,
-        [column, row]: [usize; 2],
-    ) {
-        let Some(seen) = shader.seen() else { return };
-        let first = column * TILE_WIDTH;
-        let lines = self.marks.chunks_mut(self.width).skip(row * TILE_HEIGHT).take(TILE_HEIGHT);
-        for (row, line) in lines.enumerate() {
-            let red = load_row(simd, &colours[0], row) * exposure;
-            let green = load_row(simd, &colours[1], row) * exposure;
-            let blue = load_row(simd, &colours[2], row) * exposure;
-            let seen = u32x16::load_array_ref(simd, &seen.as_chunks().0[row]) << 24;
-            let marks = to_bytes(simd, [red, green, blue]) | seen | u32x16::splat(simd, RAY);
-            let rays = simd.from_bitmask_mask32x16(!(missing >> (row * TILE_WIDTH)) & 0xffff);
-            let mut sixteen = [NO_RAY; TILE_WIDTH];
-            rays.select(marks, u32x16::splat(simd, NO_RAY)).store_array(&mut sixteen);
-            let across = TILE_WIDTH.min(line.len() - first);
-            line[first..first + across].copy_from_slice(&sixteen[..across]);
-        }
-    }
-}
-
-impl SplitRows for Marks<'_> {
-    fn split_rows(self, rows: usize) -> (Self, Self) {
-        let at = (rows * TILE_HEIGHT * self.width).min(self.marks.len());
-        let (upper, lower) = self.marks.split_at_mut(at);
-        (Self { marks: upper, width: self.width }, Self { marks: lower, width: self.width })
-    }
-}
 
 /// A picture that pixels are painted over in.
 pub(crate) trait Canvas: SplitRows {
@@ -280,7 +224,7 @@ impl<'a> Smoothing<'a> {
     /// canvas.
     #[inline(never)]
     fn sample<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel]) {
-        let Bench { packet, local, tile, shader, resolver, colours } = bench;
+        let Bench { packet, local, tile, shader, through, resolver, colours } = bench;
         simd.vectorize(
             #[inline(always)]
             || {
@@ -289,7 +233,11 @@ impl<'a> Smoothing<'a> {
                 tile.take_first_hits(simd, packet, resolver);
             },
         );
-        shader.shade(simd, self.view, tile, &self.camera_rays.steps, colours);
+        let steps = &self.camera_rays.steps;
+        shader.shade(simd, self.view, tile, steps, colours);
+        if shader.is_clear() {
+            through.look(simd, self.view, &self.sight, (shader, resolver, steps), tile, colours);
+        }
         for channel in 0..3 {
             let samples = colours[channel].as_chunks::<SAMPLES>().0;
             for (pixel, [a, b, c, d]) in pixels.iter_mut().zip(samples) {
@@ -376,18 +324,6 @@ impl<'a> Smoothing<'a> {
     }
 }
 
-/// By how much marks differ from others beyond what makes an edge; 0 where there is none.
-#[inline(always)]
-fn beyond<S: Simd>(simd: S, own: u32x16<S>, other: u32x16<S>) -> u32x16<S> {
-    // In each byte, how much more is let pass: anything where the same is seen, or nothing.
-    let elsewhere = (own ^ other).simd_gt(u32x16::splat(simd, COLOUR)) & other.simd_ne(NO_RAY);
-    let least = u32x16::splat(simd, (LEAST_DIFFERENCE * 0x0001_0101) | !COLOUR);
-    let passed: u8x64<S> = elsewhere.select(least, u32x16::splat(simd, u32::MAX)).bitcast();
-    let (own, other): (u8x64<S>, u8x64<S>) = (own.bitcast(), other.bitcast());
-    let difference = simd.saturating_sub_u8x64(own, other) | simd.saturating_sub_u8x64(other, own);
-    simd.saturating_sub_u8x64(difference, passed).bitcast()
-}
-
 /// A pixel at an edge.
 #[derive(Clone, Copy)]
 struct Pixel {
@@ -403,6 +339,7 @@ struct Bench<'a> {
     local: LocalRays,
     tile: Tile,
     shader: Shader,
+    through: Through,
     resolver: Resolver<'a>,
     colours: Colours,
 }
@@ -414,6 +351,7 @@ impl<'a> Bench<'a> {
             local: LocalRays::new(),
             tile: Tile::new(),
             shader: Shader::new(),
+            through: Through::new(),
             resolver: Resolver::new(view),
             colours: [[0.0; LANES]; 3],
         }

@@ -1,4 +1,7 @@
-//! What may stand between a lamp and the neighbourhood of a tile, remembered from tile to tile.
+//! The instances that may stand between a lamp and a box around some tiles.
+//!
+//! Neighbouring tiles are shadowed by the same few instances. So for each lamp the instances are looked for once for a box
+//! that is larger than the tile at hand, and remembered; tiles that lie in this box need no walk through the tree.
 
 use crate::scene::tree::{LEAF, NONE, WideNode};
 use crate::simd::WIDTH;
@@ -7,19 +10,20 @@ use crate::trace::view::{MAX_DEPTH, View};
 use fearless_simd::Simd;
 use glam::DVec3;
 
-/// The neighbourhood reaches so many times the tile's own extent beyond it: far enough for the next few tiles, and not so
-/// far that much lies between it and the lamp.
+/// How much larger the box is than the tile that it is made for: to each side, so many times the tile's extent along that
+/// axis. A larger box serves more tiles, and has more instances between it and the lamp.
 const REACH: f32 = 4.0;
-/// And so much of its greatest extent along every axis, as points of one wall differ in their last bits.
+/// Besides, so many times the tile's greatest extent along every axis. The points of a wall are all but in one plane, and
+/// across it the box would otherwise be no thicker than their rounding errors.
 const THICKNESS: f32 = 0.01;
 
-/// The instances between a lamp and a box, if there are no more than sixteen.
+/// The instances between a lamp and a box, where there are sixteen at the most.
 pub(super) struct Occluders {
     /// Least and most along each axis, around the sensor. Empty at first.
     bounds: [[f32; 2]; 3],
     /// Their boxes; children are indices of placed instances.
     node: WideNode,
-    /// There are more.
+    /// There are more than sixteen: nothing is remembered.
     is_crowded: bool,
 }
 
@@ -34,8 +38,8 @@ impl Occluders {
         &self.node
     }
 
-    /// Sees to it that what is remembered is all that may stand between the lamp and a tile within `bounds`; whether it
-    /// is.
+    /// Makes a new box if a tile within `bounds` lies outside of the old one. True if the instances of
+    /// [`Occluders::node`] are then all that may stand between the lamp and the tile.
     #[inline(always)]
     pub(super) fn cover<S: Simd>(
         &mut self,
@@ -92,6 +96,9 @@ impl Occluders {
                 if child & LEAF == 0 {
                     stack[waiting] = child;
                     waiting += 1;
+                    continue;
+                }
+                if !view.placed[(child & !LEAF) as usize].casts_shadows() {
                     continue;
                 }
                 if count == WIDTH {

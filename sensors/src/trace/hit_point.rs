@@ -61,7 +61,7 @@ impl HitPoints {
 
 /// Weights of the second and third corner at a point of a triangle's plane: areas of the parts that the point
 /// cuts it into, as shares of the whole.
-fn triangle_weights([a, b, c]: [DVec3; 3], point: DVec3) -> [f32; 2] {
+pub(crate) fn triangle_weights([a, b, c]: [DVec3; 3], point: DVec3) -> [f32; 2] {
     let (ab, ac, ap) = (b - a, c - a, point - a);
     let normal = ab.cross(ac);
     let per_area = 1.0 / normal.length_squared();

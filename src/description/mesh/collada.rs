@@ -1,23 +1,24 @@
 //! Collada 1.4 and 1.5 (`.dae`): the triangles of the visual scene in metres with z up, and their colours.
 //!
 //! Read: units and up axis, nodes with all their transforms and instances, `triangles`, `polylist`, `polygons`,
-//! `trifans`, `tristrips`, diffuse and emission as colour or picture. Passed over: lines, splines, skins,
+//! `trifans`, `tristrips`, diffuse as colour or picture, emission, specular, shininess, and what is
+//! transparent if it says how (`opaque="…"`), as in Gazebo. Passed over: lines, splines, skins,
 //! animation, lights and cameras. A file without `<up_axis>` is taken as z up, as Gazebo takes it.
 
-use super::{Part, surface};
+mod numbers;
+
+use super::{Look, Part};
 use crate::description::diagnostics::{Diagnostics, Source};
 use crate::description::model::Material;
 use crate::description::xml::Element;
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use belvedere_sensors::scene::TextureAlpha;
+use glam::{DAffine3, DMat3, DVec3};
+use numbers::{Values, list, offset, polygons, transform, values};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 /// Nodes deeper than this are a circle of `<instance_node>`.
 const MAX_DEPTH: usize = 64;
-
-/// A corner with more indices than this is a mistake.
-const MAX_INPUTS: usize = 64;
 
 /// Where in the file it is wrong, and what.
 struct Wrong(Source, String);
@@ -57,27 +58,6 @@ struct Document<'a> {
 struct Input<'a> {
     offset: usize,
     values: Values<'a>,
-}
-
-/// The numbers of a `<source>`.
-struct Values<'a> {
-    numbers: Vec<f32>,
-    stride: usize,
-    first: usize,
-    count: usize,
-    element: &'a Element,
-}
-
-impl Values<'_> {
-    /// The first N numbers of an entry.
-    fn get<const N: usize>(&self, index: usize) -> Outcome<[f32; N]> {
-        let start = (index < self.count).then(|| self.first + index * self.stride);
-        let entry = start.and_then(|start| self.numbers.get(start..start + N));
-        match entry.and_then(|entry| entry.try_into().ok()) {
-            Some(entry) => Ok(entry),
-            None => wrong(self.element, format!("entry {index} is asked for, of {}", self.count)),
-        }
-    }
 }
 
 impl<'a> Document<'a> {
@@ -205,19 +185,20 @@ impl<'a> Document<'a> {
             return Ok(None);
         };
         let color = |name: &str| -> Outcome<Option<[f32; 3]>> {
-            let Some(element) = shading.child(name).and_then(|part| part.child("color")) else {
-                return Ok(None);
-            };
-            match list::<f32>(element)?[..] {
-                [r, g, b, ..] if [r, g, b].iter().all(|value| value.is_finite()) => Ok(Some([r, g, b])),
-                _ => wrong(element, "a colour needs three finite numbers"),
+            match shading.child(name).and_then(|part| part.child("color")) {
+                Some(element) => rgba(element).map(|[r, g, b, _]| Some([r, g, b])),
+                None => Ok(None),
             }
         };
+        let shininess = shading.child("shininess").map(float).transpose()?.flatten();
+        let (alpha, texture_alpha) = opacity(shading)?;
         let texture = shading.child("diffuse").and_then(|diffuse| diffuse.child("texture"));
         let picture = texture
             .and_then(|texture| texture.attribute("texture"))
             .and_then(|sampler| self.picture(profile, sampler));
-        Ok(surface(color("diffuse")?, color("emission")?, picture))
+        let (diffuse, emissive, specular) = (color("diffuse")?, color("emission")?, color("specular")?);
+        let look = Look { diffuse, emissive, specular, shininess, alpha, texture_alpha, texture: picture };
+        Ok(look.material())
     }
 
     /// The file behind a texture: sampler → surface → image (1.4), sampler → image (1.5), or the image itself.
@@ -325,127 +306,49 @@ impl<'a> Document<'a> {
         Ok(())
     }
 }
+/// The colour of an element's text; opaque if it does not say.
+fn rgba(element: &Element) -> Outcome<[f32; 4]> {
+    match list::<f32>(element)?[..] {
+        [r, g, b, ref rest @ ..] if [r, g, b].iter().chain(rest).all(|value| value.is_finite()) => {
+            Ok([r, g, b, rest.first().copied().unwrap_or(1.0)])
+        }
+        _ => wrong(element, "a colour needs three finite numbers"),
+    }
+}
 
-/// The numbers of a `<source>` as its accessor arranges them.
-fn values(source: &Element) -> Outcome<Values<'_>> {
-    let Some(array) = source.child("float_array") else {
-        return wrong(source, "<source> has no <float_array>");
+/// The number in an element's `<float>`, if there is one.
+fn float(element: &Element) -> Outcome<Option<f32>> {
+    let Some(float) = element.child("float") else { return Ok(None) };
+    match list::<f32>(float)?[..] {
+        [value] if value.is_finite() => Ok(Some(value)),
+        _ => wrong(float, format!("<{}> needs one finite number", element.name)),
+    }
+}
+
+/// How much of a surface is to be seen. Exporters disagree on what `<transparency>` alone means, so it counts only beside
+/// a `<transparent>` that says how it is meant, as in Gazebo; with a picture there, the picture's alpha cuts out.
+fn opacity(shading: &Element) -> Outcome<(Option<f32>, TextureAlpha)> {
+    let transparent = shading.child("transparent");
+    let Some((transparent, mode)) = transparent.and_then(|it| Some((it, it.attribute("opaque")?))) else {
+        return Ok((None, TextureAlpha::Ignored));
     };
-    let numbers = list::<f32>(array)?;
-    let accessor = source.child("technique_common").and_then(|technique| technique.child("accessor"));
-    let number = |name: &str, default: usize| -> Outcome<usize> {
-        match accessor.and_then(|accessor| accessor.attribute(name)) {
-            None => Ok(default),
-            Some(text) => match text.trim().parse() {
-                Ok(value) if value <= numbers.len() => Ok(value),
-                _ => wrong(source, format!("the accessor's {name} is '{text}'")),
-            },
+    if transparent.child("texture").is_some() {
+        return Ok((None, TextureAlpha::CutOut { least: 0.5 }));
+    }
+    let share = shading.child("transparency").map(float).transpose()?.flatten().unwrap_or(1.0);
+    let [r, g, b, a] = transparent.child("color").map(rgba).transpose()?.unwrap_or([1.0; 4]);
+    let luminance = 0.212_671 * r + 0.715_160 * g + 0.072_169 * b;
+    let alpha = match mode {
+        "A_ONE" => a * share,
+        "A_ZERO" => 1.0 - a * share,
+        "RGB_ONE" => luminance * share,
+        "RGB_ZERO" => 1.0 - luminance * share,
+        _ => {
+            return wrong(
+                transparent,
+                format!("opaque='{mode}' is none of A_ONE, A_ZERO, RGB_ONE, RGB_ZERO"),
+            );
         }
     };
-    let stride = number("stride", 1)?.max(1);
-    let count = number("count", numbers.len() / stride)?;
-    Ok(Values { first: number("offset", 0)?, stride, count, element: source, numbers })
-}
-
-/// The indices of a primitive, a list for each polygon.
-fn polygons(primitive: &Element) -> Outcome<Vec<Vec<usize>>> {
-    let mut stride = 1;
-    for input in primitive.elements_named("input") {
-        stride = stride.max(offset(input)? + 1);
-    }
-    let corner = |list: &[usize], at: usize| list[at * stride..(at + 1) * stride].to_vec();
-    let mut polygons = Vec::new();
-    let sizes = primitive.child("vcount").map(list::<usize>).transpose()?;
-    for element in primitive.elements_named("p") {
-        let indices = list::<usize>(element)?;
-        if indices.len() % stride != 0 {
-            return wrong(element, format!("{} indices are no multiple of {stride}", indices.len()));
-        }
-        let corners = indices.len() / stride;
-        match primitive.name.as_str() {
-            "polygons" => polygons.push(indices),
-            "trifans" => {
-                polygons.extend(
-                    (2..corners).map(|i| {
-                        [corner(&indices, 0), corner(&indices, i - 1), corner(&indices, i)].concat()
-                    }),
-                );
-            }
-            // Every second triangle of a strip runs the other way round.
-            "tristrips" => polygons.extend((2..corners).map(|i| {
-                let (a, b) = if i % 2 == 0 { (i - 2, i - 1) } else { (i - 1, i - 2) };
-                [corner(&indices, a), corner(&indices, b), corner(&indices, i)].concat()
-            })),
-            "polylist" => {
-                let mut rest = &indices[..];
-                for size in sizes.iter().flatten() {
-                    let Some((polygon, after)) =
-                        size.checked_mul(stride).and_then(|length| rest.split_at_checked(length))
-                    else {
-                        return wrong(element, "<vcount> asks for more corners than <p> has");
-                    };
-                    polygons.push(polygon.to_vec());
-                    rest = after;
-                }
-            }
-            _ => polygons.extend(indices.chunks_exact(3 * stride).map(<[usize]>::to_vec)),
-        }
-    }
-    Ok(polygons)
-}
-
-/// The place of an `<input>` among the indices of a corner.
-fn offset(input: &Element) -> Outcome<usize> {
-    match input.attribute("offset").unwrap_or("0").trim().parse() {
-        Ok(offset) if offset < MAX_INPUTS => Ok(offset),
-        _ => wrong(input, "the offset of <input> is not a small number"),
-    }
-}
-
-/// The transform that an element of a node stands for, if it does.
-fn transform(element: &Element) -> Outcome<Option<DAffine3>> {
-    if !matches!(element.name.as_str(), "matrix" | "translate" | "rotate" | "scale" | "lookat" | "skew") {
-        return Ok(None);
-    }
-    let numbers = list::<f64>(element)?;
-    let transform = match (element.name.as_str(), &numbers[..]) {
-        ("matrix", numbers) if numbers.len() == 16 => {
-            let mut rows = [0.0; 16];
-            rows.copy_from_slice(numbers);
-            DAffine3::from_mat4(DMat4::from_cols_array(&rows).transpose())
-        }
-        ("translate", &[x, y, z]) => DAffine3::from_translation(DVec3::new(x, y, z)),
-        ("scale", &[x, y, z]) => DAffine3::from_scale(DVec3::new(x, y, z)),
-        ("rotate", &[x, y, z, degrees]) => match DVec3::new(x, y, z).try_normalize() {
-            Some(axis) => {
-                // libm, not the platform's functions: the same bits on every machine.
-                let half = belvedere_sensors::Pose::from_xyz_rpy(
-                    DVec3::ZERO,
-                    DVec3::new(degrees.to_radians(), 0.0, 0.0),
-                )
-                .rotation();
-                let axis = axis * half.x;
-                DAffine3::from_quat(DQuat::from_xyzw(axis.x, axis.y, axis.z, half.w))
-            }
-            None => DAffine3::IDENTITY,
-        },
-        ("lookat" | "skew", _) => return wrong(element, format!("<{}> is not read", element.name)),
-        _ => return wrong(element, format!("<{}> has {} numbers", element.name, numbers.len())),
-    };
-    if !transform.is_finite() {
-        return wrong(element, format!("<{}> is not finite", element.name));
-    }
-    Ok(Some(transform))
-}
-
-/// The numbers of an element's text.
-fn list<T: FromStr>(element: &Element) -> Outcome<Vec<T>> {
-    element
-        .text()
-        .split_whitespace()
-        .map(|word| match word.parse() {
-            Ok(value) => Ok(value),
-            Err(_) => wrong(element, format!("'{word}' in <{}> is not a number", element.name)),
-        })
-        .collect()
+    Ok((Some(alpha), TextureAlpha::Ignored))
 }

@@ -2,7 +2,7 @@
 //! and a plane's 1/t takes two multiplications.
 
 use super::fan::Fan;
-use super::projection::{Planes, Points, Projection, Rectangles, TINY, bounds_of, max, min, whole};
+use super::projection::{Planes, Points, Projection, Rectangles, TINY, bounds_of, max, min, of_rows, whole};
 use crate::optics::{Intrinsics, LensError, Pinhole};
 use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
@@ -177,15 +177,7 @@ impl Projection for PinholeFan {
     /// y and z; x is 1.
     type Directions<S: Simd> = [f32x16<S>; 2];
 
-    #[inline(always)]
-    fn fan(&self) -> &Fan {
-        &self.fan
-    }
-
-    #[inline(always)]
-    fn with_rows(self, rows: [i32; 2]) -> Self {
-        Self { rows, ..self }
-    }
+    of_rows!();
 
     fn direction(&self, column: i32, row: i32) -> DVec3 {
         let left = (self.lens.cx - f64::from(column)) / self.lens.fx;

@@ -97,6 +97,40 @@ pub(crate) trait Projection: Copy {
     }
 }
 
+/// What [`Projection`] asks of a rule that keeps its grid in `fan`, and the rows to draw in `rows`.
+macro_rules! of_rows {
+    () => {
+        #[inline(always)]
+        fn fan(&self) -> &Fan {
+            &self.fan
+        }
+
+        #[inline(always)]
+        fn with_rows(self, rows: [i32; 2]) -> Self {
+            Self { rows, ..self }
+        }
+    };
+}
+pub(super) use of_rows;
+
+/// What [`Projection`] asks of a rule whose directions have three coordinates, and length 1.
+macro_rules! of_length_one {
+    () => {
+        type Directions<S: Simd> = [f32x16<S>; 3];
+
+        #[inline(always)]
+        fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S> {
+            dot(plane, directions)
+        }
+
+        #[inline(always)]
+        fn inverse_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
+            inverse_distance(simd, low, high)
+        }
+    };
+}
+pub(super) use of_length_one;
+
 /// Lower and upper bounds of three points, coordinate by coordinate.
 #[inline(always)]
 pub(crate) fn bounds_of<S: Simd>(corners: &[Points<S>; 3]) -> (Points<S>, Points<S>) {

@@ -10,7 +10,8 @@ pub(crate) use tables::Steps;
 
 use super::fan::Fan;
 use super::projection::{
-    Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance, max, min, outside,
+    Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance, max, min, of_length_one,
+    of_rows, outside,
 };
 use crate::simd::{WIDTH, sqrt_f32};
 use angles::{atan2, azimuth_error, magnitude};
@@ -63,19 +64,10 @@ pub(crate) struct SphericalFan<'a> {
 }
 
 impl Projection for SphericalFan<'_> {
-    type Directions<S: Simd> = [f32x16<S>; 3];
+    of_rows!();
+    of_length_one!();
 
     const HAS_STRIPS: bool = true;
-
-    #[inline(always)]
-    fn fan(&self) -> &Fan {
-        &self.fan
-    }
-
-    #[inline(always)]
-    fn with_rows(self, rows: [i32; 2]) -> Self {
-        Self { rows, ..self }
-    }
 
     fn direction(&self, column: i32, row: i32) -> DVec3 {
         let ([cos, sin], [level, up]) = (self.azimuths[column as usize], self.elevations[row as usize]);
@@ -145,16 +137,6 @@ impl Projection for SphericalFan<'_> {
             f32x16::splat(simd, self.sin_azimuth[column as usize] * level),
             f32x16::splat(simd, self.sin_elevation[block][place]),
         ]
-    }
-
-    #[inline(always)]
-    fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S> {
-        dot(plane, directions)
-    }
-
-    #[inline(always)]
-    fn inverse_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
-        inverse_distance(simd, low, high)
     }
 
     #[inline(always)]

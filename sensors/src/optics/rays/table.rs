@@ -18,7 +18,9 @@ pub use error::TableError;
 pub use owned::RayTableBuf;
 
 use super::fan::Fan;
-use super::projection::{Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance};
+use super::projection::{
+    Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance, of_length_one, of_rows,
+};
 use crate::simd::{WIDTH, sqrt_f32};
 use chart::{Kind, Windows};
 use fearless_simd::{Select, Simd, SimdBase, SimdWiden, f32x16, f64x8, i32x16, mask32x16};
@@ -84,17 +86,8 @@ fn sixteen<S: Simd>(simd: S, values: &[f32], first: usize) -> f32x16<S> {
 }
 
 impl Projection for TableFan<'_> {
-    type Directions<S: Simd> = [f32x16<S>; 3];
-
-    #[inline(always)]
-    fn fan(&self) -> &Fan {
-        &self.fan
-    }
-
-    #[inline(always)]
-    fn with_rows(self, rows: [i32; 2]) -> Self {
-        Self { rows, ..self }
-    }
+    of_rows!();
+    of_length_one!();
 
     fn direction(&self, column: i32, row: i32) -> DVec3 {
         let (block, lane) = self.place(column, row);
@@ -154,16 +147,6 @@ impl Projection for TableFan<'_> {
         let (block, lane) = self.place(column, row);
         let [x, y, z] = &self.table.directions[block];
         [f32x16::splat(simd, x[lane]), f32x16::splat(simd, y[lane]), f32x16::splat(simd, z[lane])]
-    }
-
-    #[inline(always)]
-    fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S> {
-        dot(plane, directions)
-    }
-
-    #[inline(always)]
-    fn inverse_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
-        inverse_distance(simd, low, high)
     }
 
     #[inline(always)]

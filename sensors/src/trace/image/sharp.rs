@@ -11,14 +11,15 @@ use crate::trace::view::{Placed, View};
 use fearless_simd::{Simd, mask32x16};
 use glam::{DMat3, DVec3};
 
-/// (Distance of the farthest corner from the sensor / that of the plane)² from which on a triangle that is large
-/// for its distance is blurred.
+/// A triangle is blurred, that is to be made again, where its plane passes much nearer to the sensor than its corners lie:
+/// from this square of (distance of the farthest corner / distance of the plane) on.
 pub(super) const BLURRED_SQUARED: f32 = 700.0;
-/// (Product of two sides and the longer of them / volume that the triangle spans with the sensor)² from which on a
-/// triangle is blurred.
+/// It is blurred too where it is thin: from this square of (product of two sides and the longer of them / volume of the
+/// solid between triangle and sensor) on.
 pub(super) const THIN_SQUARED: f32 = 1e4;
-/// The same as [`BLURRED_SQUARED`] for an edge and its own ends. It is so much more that both triangles of such an
-/// edge are blurred, and give it the same plane: no ray slips between them.
+/// What [`BLURRED_SQUARED`] is for a plane, for the plane through the sensor and an edge, with the ends of the edge for
+/// corners. An edge belongs to two triangles, which must give it the same plane, so that no ray slips between them. The
+/// limit is higher, so that where an edge exceeds it both of its triangles are blurred.
 const BLURRED_EDGE_SQUARED: f64 = 1600.0;
 
 /// Where the triangles of a leaf come from.

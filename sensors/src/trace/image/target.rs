@@ -1,7 +1,7 @@
 //! What has been hit so far, block by block.
 
 /// No slot: the ray has hit nothing.
-use crate::simd::WIDTH;
+use crate::simd::{WIDTH, least};
 pub(crate) const NO_HIT: u32 = u32::MAX;
 
 /// Set in the slot of a hit on a triangle that is seen edge-on somewhere: 1/t in single precision is not exact
@@ -33,21 +33,6 @@ impl Target<'_> {
     /// Brings `farthest` of a block up to date.
     #[inline(always)]
     pub(crate) fn update_farthest(&mut self, block: usize) {
-        self.farthest[block] = least(&self.inverse[block]);
+        self.farthest[block] = least(self.inverse[block]);
     }
-}
-
-/// The least of sixteen, by halves: a chain of dependent compares would take longer.
-#[inline(always)]
-pub(crate) fn least(values: &[f32; WIDTH]) -> f32 {
-    let mut values = *values;
-    let mut half = WIDTH / 2;
-    while half > 0 {
-        for lane in 0..half {
-            let other = values[lane + half];
-            values[lane] = if other < values[lane] { other } else { values[lane] };
-        }
-        half /= 2;
-    }
-    values[0]
 }

@@ -3,7 +3,7 @@
 pub(crate) mod walk;
 
 use crate::scene::tree::{NONE, WideNode};
-use crate::simd::{LANES, Lanes, WIDTH};
+use crate::simd::{LANES, Lanes, WIDTH, least};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DVec3;
 
@@ -191,18 +191,4 @@ fn interval(values: &Lanes<f64>, t: &Lanes<f64>) -> [f64; 2] {
         down[lane] = if active { -value } else { f32::INFINITY };
     }
     [least(up), -least(down)].map(f64::from)
-}
-
-/// The least of all lanes, by halves: a chain of dependent compares would take longer.
-#[inline(always)]
-fn least(mut values: Lanes<f32>) -> f32 {
-    let mut half = LANES / 2;
-    while half > 0 {
-        for lane in 0..half {
-            let other = values[lane + half];
-            values[lane] = if other < values[lane] { other } else { values[lane] };
-        }
-        half /= 2;
-    }
-    values[0]
 }

@@ -70,21 +70,9 @@ pub fn cast_rays(
     workspace: &mut Workspace<'_>,
     hits: Hits<'_>,
 ) -> Result<(), SenseError> {
-    let count = rays.check()?;
-    hits.check(count)?;
-    let execution = workspace.execution;
-    let mut memory = workspace.cut(workspace_len(scene))?;
-    let world_from_sensor = Pose::from_translation(reference_in_world);
-    let moment = Moment { world_from_sensor, world_from_instance };
-    check_moment(scene, &moment)?;
-    let view = View::new(scene, &moment, visibility, memory.views(scene.instances().len(), 1));
-    let chunks = 0..count.div_ceil(CHUNK);
-    for_each_row(execution, chunks, Output::Hits(hits), &|chunk, output| {
-        let first = chunk * CHUNK;
-        let last = count.min(first + CHUNK);
-        dispatch!(execution.level, simd => cast_chunk(simd, &view, rays, first..last, faces, output));
-    });
-    Ok(())
+    hits.check(rays.check()?)?;
+    let what = (rays, faces, Output::Hits(hits));
+    cast_in_view(scene, (world_from_instance, reference_in_world), visibility, workspace, what)
 }
 
 /// Tells which rays hit anything within their ranges: shadows.
@@ -102,16 +90,27 @@ pub fn occluded_rays(
     workspace: &mut Workspace<'_>,
     occluded: &mut [bool],
 ) -> Result<(), SenseError> {
-    let count = rays.check()?;
-    check_output("occluded", Some(occluded.len()), count)?;
+    check_output("occluded", Some(occluded.len()), rays.check()?)?;
+    let what = (rays, faces, Output::Occluded(occluded));
+    cast_in_view(scene, (world_from_instance, reference_in_world), visibility, workspace, what)
+}
+
+/// Places the instances around the reference, and casts rays that have been checked.
+fn cast_in_view(
+    scene: &Scene<'_>,
+    (world_from_instance, reference_in_world): (&[Pose], DVec3),
+    visibility: u32,
+    workspace: &mut Workspace<'_>,
+    (rays, faces, output): (&Rays<'_>, Faces, Output<'_>),
+) -> Result<(), SenseError> {
     let execution = workspace.execution;
     let mut memory = workspace.cut(workspace_len(scene))?;
     let world_from_sensor = Pose::from_translation(reference_in_world);
     let moment = Moment { world_from_sensor, world_from_instance };
     check_moment(scene, &moment)?;
     let view = View::new(scene, &moment, visibility, memory.views(scene.instances().len(), 1));
-    let chunks = 0..count.div_ceil(CHUNK);
-    for_each_row(execution, chunks, Output::Occluded(occluded), &|chunk, output| {
+    let count = rays.check()?;
+    for_each_row(execution, 0..count.div_ceil(CHUNK), output, &|chunk, output| {
         let first = chunk * CHUNK;
         let last = count.min(first + CHUNK);
         dispatch!(execution.level, simd => cast_chunk(simd, &view, rays, first..last, faces, output));
@@ -389,7 +388,7 @@ fn store_in_mesh(
         let point =
             wide(ray.origin) + wide(ray.direction) * (wave.settled.t[id] * f64::from(wave.bundle.unit[id]));
         let (_, _, weights) = on_triangle(block, slot as usize % WIDTH, point);
-        barycentrics[index] = weights.map(|weight| weight as f32);
+        barycentrics[index] = weights;
     }
     if let Some(normal) = &mut hits.normal
         && hit

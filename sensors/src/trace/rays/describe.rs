@@ -6,6 +6,7 @@ use super::scene::{SceneHit, in_instance, mesh_tree};
 use crate::scene::tree::TriangleBlock;
 use crate::scene::{Kind, Triangles};
 use crate::simd::WIDTH;
+use crate::trace::hit_point::triangle_weights;
 use crate::trace::shapes::solid_normal;
 use crate::trace::view::{Placed, View};
 use glam::{DMat3, DVec3};
@@ -41,12 +42,7 @@ impl Description {
                 (DVec3::from_array(normal), 0, [0.0; 2])
             }
         };
-        Some(Self {
-            instance: placed.instance,
-            primitive,
-            normal: in_frame(placed, normal),
-            barycentrics: barycentrics.map(|weight| weight as f32),
-        })
+        Some(Self { instance: placed.instance, primitive, normal: in_frame(placed, normal), barycentrics })
     }
 }
 
@@ -58,13 +54,9 @@ fn in_frame(placed: &Placed, normal: DVec3) -> [f32; 3] {
 }
 
 /// Normal, triangle, and weights of the second and third corner at a point.
-pub(super) fn on_triangle(block: &TriangleBlock, lane: usize, point: DVec3) -> (DVec3, u32, [f64; 2]) {
-    let corner =
-        |corner: usize| DVec3::from_array([0, 1, 2].map(|axis| f64::from(block.corners[corner][axis][lane])));
-    let a = corner(0);
-    let (ab, ac, ap) = (corner(1) - a, corner(2) - a, point - a);
+pub(super) fn on_triangle(block: &TriangleBlock, lane: usize, point: DVec3) -> (DVec3, u32, [f32; 2]) {
+    let corners = [0, 1, 2]
+        .map(|corner| DVec3::from_array([0, 1, 2].map(|axis| f64::from(block.corners[corner][axis][lane]))));
     let normal = DVec3::from_array(block::normal(block, lane));
-    let per_area = 1.0 / normal.length_squared();
-    let weights = [ap.cross(ac).dot(normal) * per_area, ab.cross(ap).dot(normal) * per_area];
-    (normal, block.triangle[lane], weights)
+    (normal, block.triangle[lane], triangle_weights(corners, point))
 }

@@ -18,7 +18,8 @@ pub use walk::Tree;
 use crate::scene::tree::WideNode;
 use crate::simd::WIDTH;
 
-/// How far t near 0 may be off in single precision: 2⁻²⁰ of the coordinates below the root.
+/// How far t may be off in single precision, besides a share of itself: coordinates are rounded, so this is 2⁻²⁰ of the
+/// largest one in the tree. It matters where t is near 0.
 #[inline(always)]
 fn doubt_of(root: Option<&WideNode>) -> f32 {
     let mut size = 0.0_f32;

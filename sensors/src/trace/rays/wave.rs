@@ -26,7 +26,9 @@ use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
 /// Nodes on the way from the root whose children may wait, and the end; a ray that goes deeper is walked alone.
 const LEVELS: usize = 16;
 
-/// By how much of t a hit in single precision may be too near and still nothing that matters lie before it.
+/// The nearest t of a ray is known in single precision, which may be too small. Boxes and triangles are looked at up to
+/// this many times t, so that the true nearest hit is among what is looked at; a t in double precision that is larger
+/// than this says that the two disagree, and the ray is walked again by itself.
 pub(super) const AGREES: f32 = 1.0 + f32::from_bits((127 - 17) << 23); // 1 + 2⁻¹⁷
 
 /// Sine of the angle between a ray and a plane below which any hit is looked for in double precision.
@@ -118,7 +120,7 @@ impl Wave {
         for id in 0..count.min(RAYS) {
             if self.bundle.hit[id][0] != NONE {
                 let t = self.settled.t[id];
-                // A hair more than single precision said, or far less, or out of range, or NaN.
+                // They disagree if t is more than was looked at, far less, out of range, or NaN.
                 let agree = t <= f64::from(self.bundle.t[id] * AGREES + self.bundle.doubt)
                     && t >= f64::from(self.bundle.t[id] / SLACK - self.bundle.doubt)
                     && t >= f64::from(self.bundle.range[0][id])

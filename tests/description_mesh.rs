@@ -64,7 +64,7 @@ fn dae(asset: &str, node: &str, positions: impl Fn([f32; 3]) -> [f32; 3]) -> Str
   <newparam sid='surf'><surface type='2D'><init_from>pic</init_from></surface></newparam>
   <newparam sid='samp'><sampler2D><source>surf</source></sampler2D></newparam>
   <technique sid='c'><phong><emission><color>0 0 0 1</color></emission><diffuse><texture texture='samp' texcoord='UV'/></diffuse></phong></technique>
-</profile_COMMON></effect><effect id='red_fx'><profile_COMMON><technique sid='c'><lambert><diffuse><color>1 0 0 1</color></diffuse></lambert></technique></profile_COMMON></effect></library_effects>
+</profile_COMMON></effect><effect id='red_fx'><profile_COMMON><technique sid='c'><phong><diffuse><color>1 0 0 1</color></diffuse><specular><color>.2 .3 .4 1</color></specular><shininess><float>50</float></shininess><transparent opaque='A_ONE'><color>1 1 1 0.5</color></transparent><transparency><float>0.5</float></transparency></phong></technique></profile_COMMON></effect></library_effects>
 <library_materials><material id='mat'><instance_effect url='#fx'/></material><material id='red'><instance_effect url='#red_fx'/></material></library_materials>
 <library_geometries><geometry id='box'><mesh>
   <source id='pos'><float_array id='pos-a' count='24'>{numbers}</float_array><technique_common><accessor source='#pos-a' count='8' stride='3'/></technique_common></source>
@@ -163,7 +163,9 @@ fn collada_instances_and_materials() {
     let parts = load_mesh_parts(&path, DVec3::ONE, &Source::new("w", 1), &mut diagnostics).unwrap();
     let [textured, red] = &parts[..] else { panic!("{}", parts.len()) };
     assert!(textured.material.as_ref().unwrap().texture.is_some());
-    assert_eq!(red.material.as_ref().unwrap().diffuse, [1.0, 0.0, 0.0]);
+    let look = red.material.as_ref().unwrap();
+    assert_eq!(look.diffuse, [1.0, 0.0, 0.0]);
+    assert_eq!((look.specular, look.shininess, look.alpha), ([0.2, 0.3, 0.4], 50.0, 0.25));
     assert_box(red, [5.0, 0.0, 0.0], [6.0, 2.0, 3.0], 6.0);
     // In a world: a visual for each material, one collision.
     let geometry = "<geometry><mesh><uri>b.dae</uri></mesh></geometry>";

@@ -7,6 +7,7 @@ use belvedere::description::Severity;
 use belvedere::description::model::{Geometry, JointKind, LightKind};
 use belvedere::description::package::PackagePath;
 use belvedere::description::world::{load_world, world_names};
+use belvedere_sensors::scene::TextureAlpha;
 use glam::DVec3;
 use sdf::*;
 
@@ -98,12 +99,12 @@ fn names_are_found_in_the_users_turtlebot_gazebo_first() {
 fn scene_physics_and_gravity() {
     let world = good(
         "1.6",
-        "<scene><ambient>0.1 0.2 0.3 1</ambient><background>0.4 0.5 0.6</background><shadows>0</shadows></scene>
+        "<scene><ambient>0.1 0.2 0.3 1</ambient><background>0.4 0.5 0.6</background><shadows>0</shadows><linear_light>1</linear_light></scene>
          <physics type='ode'><max_step_size>0.002</max_step_size></physics><gravity>0 0 -1.6</gravity>
          <light type='point' name='p'><cast_shadows>1</cast_shadows></light>",
     );
     assert_eq!((world.ambient, world.background), ([0.1, 0.2, 0.3], [0.4, 0.5, 0.6]));
-    assert!(!world.shadows && !world.lights[0].cast_shadows);
+    assert!(world.linear_light && !world.shadows && !world.lights[0].cast_shadows);
     assert_eq!((world.max_step_size_s, world.gravity), (0.002, DVec3::new(0.0, 0.0, -1.6)));
     // SDF 1.4 has gravity in <physics>; defaults are those of the format.
     let world = good("1.4", "<physics type='ode'><gravity>0 0 -3</gravity></physics>");
@@ -115,15 +116,17 @@ fn scene_physics_and_gravity() {
 fn lights() {
     let world = good(
         "1.6",
-        "<light type='spot' name='s'><pose>1 2 3 0 0 0</pose><diffuse>0.5 0.4 0.3 1</diffuse><direction>0 0 -2</direction>
+        "<light type='spot' name='s'><pose>1 2 3 0 0 0</pose><diffuse>0.5 0.4 0.3 1</diffuse><specular>0.3 0.2 0.1 1</specular>
+           <intensity>2</intensity><direction>0 0 -2</direction>
            <attenuation><range>7</range><constant>0.5</constant><linear>0.1</linear><quadratic>0.2</quadratic></attenuation>
-           <spot><inner_angle>0.3</inner_angle><outer_angle>0.6</outer_angle><falloff>1</falloff></spot></light>
+           <spot><inner_angle>0.3</inner_angle><outer_angle>0.6</outer_angle><falloff>1.5</falloff></spot></light>
          <model name='m'><static>1</static><pose>0 0 5 0 0 1.5707963267948966</pose><link name='l'><pose>1 0 0 0 0 0</pose>
            <light type='point' name='on_link'><pose>1 0 0 0 0 0</pose></light></link></model>",
     );
     let [spot, on_link] = &world.lights[..] else { panic!() };
-    assert_eq!(spot.kind, LightKind::Spot { inner_angle: 0.3, outer_angle: 0.6, falloff: 1.0 });
-    assert_eq!((spot.range_m, spot.attenuation, spot.diffuse), (7.0, [0.5, 0.1, 0.2], [0.5, 0.4, 0.3]));
+    assert_eq!(spot.kind, LightKind::Spot { inner_angle: 0.3, outer_angle: 0.6, falloff: 1.5 });
+    assert_eq!((spot.range_m, spot.attenuation, spot.diffuse), (7.0, [0.5, 0.1, 0.2], [1.0, 0.8, 0.6]));
+    assert_eq!((spot.specular, on_link.specular), ([0.6, 0.4, 0.2], [0.1; 3]));
     close(spot.direction, DVec3::NEG_Z);
     close(on_link.world_from_light.translation(), DVec3::new(0.0, 2.0, 5.0));
 }
@@ -293,7 +296,71 @@ fn materials() {
         "<script><uri>file://media/materials/scripts/gazebo.material</uri><name>Gazebo/Grey</name></script>"
             .into(),
     );
-    assert_eq!(grey.diffuse, [0.7; 3]);
+    assert_eq!((grey.diffuse, grey.specular, grey.shininess), ([0.7; 3], [0.01; 3], 1.5));
+}
+
+#[test]
+fn gloss_and_alpha() {
+    let folder = Folder::new();
+    folder.write("tags/materials/textures/a.png", b"");
+    folder.write(
+        "tags/materials/scripts/tags.material",
+        "material Fence { technique { pass { diffuse 1 1 1 0.5\n specular 0.1 0.2 0.3 12.5\n alpha_rejection greater 127\n
+         texture_unit { texture a.png } } } }",
+    );
+    let look = |visual: String| {
+        let geometry = "<geometry><box><size>1 1 1</size></box></geometry>";
+        let (world, problems) = folder.load("1.6", &sdf::visual(&format!("{geometry}{visual}")), false);
+        assert!(problems.is_empty(), "{problems:#?}");
+        let material = world.unwrap().models[0].links[0].visuals[0].material.clone();
+        (material.specular, material.shininess, material.alpha, material.texture_alpha)
+    };
+    let material = |text: &str| look(format!("<material>{text}</material>"));
+    let opaque = TextureAlpha::Ignored;
+    let shiny = "<diffuse>1 1 1 0.5</diffuse><specular>0.4 0.5 0.6 1</specular>";
+    assert_eq!(material(shiny), ([0.4, 0.5, 0.6], 0.0, 0.5, opaque), "no shininess, no highlight");
+    let glossy = format!("{shiny}<shininess>30</shininess>");
+    assert_eq!(material(&glossy), ([0.4, 0.5, 0.6], 30.0, 0.5, opaque));
+    let glass = look(format!("<transparency>0.2</transparency><material>{glossy}</material>"));
+    assert_eq!(glass, ([0.4, 0.5, 0.6], 30.0, 0.4, opaque));
+    assert_eq!(look("<transparency>0.25</transparency>".into()).2, 0.75);
+    let script = "<script><uri>model://tags/materials/scripts</uri><uri>model://tags/materials/textures</uri>\
+                  <name>Fence</name></script>";
+    let cut_out = TextureAlpha::CutOut { least: 0.5 };
+    assert_eq!(material(script), ([0.1, 0.2, 0.3], 12.5, 0.5, cut_out));
+    let dull = format!("{script}<specular>1 1 1 1</specular>");
+    assert_eq!(material(&dull), ([1.0; 3], 0.0, 0.5, cut_out), "as Gazebo: the script's shininess goes");
+    let pbr = "<pbr><metal><albedo_map>tags/materials/textures/a.png</albedo_map></metal></pbr>";
+    assert_eq!(material(pbr), ([0.0; 3], 0.0, 1.0, cut_out));
+}
+
+#[test]
+fn normal_maps() {
+    let folder = Folder::new();
+    folder.write("tags/materials/textures/n.png", b"");
+    let load = |material: &str| {
+        let (world, problems) =
+            folder.load("1.6", &box_visual(&format!("<material>{material}</material>")), false);
+        (world.unwrap().models[0].links[0].visuals[0].material.normal_map.clone(), problems)
+    };
+    let shader = "<script><uri>model://tags/materials/textures</uri><name>Gazebo/Grey</name></script>\
+                  <shader type='normal_map_tangent_space'><normal_map>n.png</normal_map></shader>";
+    let pbr = "<pbr><metal><normal_map>tags/materials/textures/n.png</normal_map></metal></pbr>";
+    for material in [shader, pbr] {
+        let (map, problems) = load(material);
+        assert!(problems.is_empty() && map.unwrap().ends_with("n.png"), "{material}: {problems:#?}");
+    }
+    for (material, words) in [
+        (shader.replace("tangent", "object"), "<shader> is ignored"),
+        (pbr.replace("<normal_map>", "<normal_map type='object'>"), "<normal_map> is ignored"),
+        (pbr.replace("n.png", "gone.png"), "gone.png"),
+    ] {
+        let (map, problems) = load(&material);
+        assert!(
+            map.is_none() && matches!(&problems[..], [only] if only.to_string().contains(words)),
+            "{problems:#?}"
+        );
+    }
 }
 
 #[test]
@@ -303,7 +370,9 @@ fn what_is_ignored_is_said() {
         "<model name='m'><link name='l'/><plugin name='p' filename='libfoo.so'/></model>",
         "<actor name='a'/>",
         &visual("<geometry><heightmap><uri>x.png</uri></heightmap></geometry>"),
-        &box_visual("<transparency>0.5</transparency>"),
+        &box_visual("<material><lighting>0</lighting></material>"),
+        &box_visual("<material><double_sided>1</double_sided></material>"),
+        &box_visual("<material><pbr><metal><roughness>0.5</roughness></metal></pbr></material>"),
         "<scene><sky/></scene>",
     ] {
         let (world, problems) = Folder::new().load("1.6", content, false);

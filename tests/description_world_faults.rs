@@ -37,6 +37,15 @@ fn bad_numbers() {
         &["<size> of a box is '1 -2 3'", "above 0"],
     );
     assert_bad("1.6", &shape("<box><size>1 2</size></box>"), 2, &["too few numbers"]);
+    let look = |look: &str| visual(&format!("<geometry><box><size>1 1 1</size></box></geometry>{look}"));
+    for (element, words) in [
+        ("<transparency>1.5</transparency>", "<transparency> is 1.5"),
+        ("<material><shininess>-1</shininess></material>", "<shininess> is -1"),
+        ("<material><shininess>1e5</shininess></material>", "<shininess> is 100000"),
+        ("<material><specular>1 -1 1 1</specular></material>", "<specular> is '1 -1 1 1'"),
+    ] {
+        assert_bad("1.6", &look(element), 2, &[words]);
+    }
     assert_bad("1.6", &shape("<box/>"), 2, &["no <size>"]);
     assert_bad("1.6", &shape("<sphere><radius>0</radius></sphere>"), 2, &["<radius> of a sphere is '0'"]);
     assert_bad("1.6", &shape("<cylinder><radius>1</radius><length>nan</length></cylinder>"), 2, &["'nan'"]);

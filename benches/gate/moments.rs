@@ -66,9 +66,8 @@ fn stage(bodies: u32) -> Stage {
     let lamp = LightConfig {
         kind: LightKind::Point { position: [3.0, 1.0, 6.0] },
         diffuse: [1.0; 3],
-        range_m: f32::INFINITY,
-        attenuation: [1.0, 0.0, 0.0],
         cast_shadows: true,
+        ..Default::default()
     };
     builder.add_light(&lamp).expect("our own lamp");
     let shift = Pose::from_translation(DVec3::new(0.02, -0.01, 0.0));

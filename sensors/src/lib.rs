@@ -3,7 +3,7 @@
 //! `no_std`, no allocation while sensing, no unsafe code, and the same bits from the same input on every machine,
 //! thread count and SIMD level. The layers, bottom up; each uses only those above it in this list:
 //!
-//! 1. [`simd`]: the level token and the packet width; [`pose`]: rigid poses in f64.
+//! 1. [`simd`]: the level token and the packet width; [`pose`]: rigid poses in f64; [`srgb`]: the curve of pictures.
 //! 2. [`noise`]: counter-based random numbers and Gazebo's Gaussian noise.
 //! 3. [`moment`]: where everything is, and when; [`scene`]: what is looked at, as plain borrowed data.
 //! 4. [`optics`]: which way rays go: the rules of pinhole and lidar, and tables of any lens model.
@@ -77,6 +77,7 @@ pub mod scene;
 pub mod sensor;
 mod shade;
 pub mod simd;
+pub mod srgb;
 pub mod trace;
 
 pub use execution::Execution;

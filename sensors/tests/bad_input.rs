@@ -8,7 +8,7 @@ use belvedere_sensors::lidar::{Beams, Lidar, Scan, TooNear};
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{
     HeightFieldId, InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, MeshId,
-    Scene, SceneBuilder, SceneError, Shape, TextureId, visibility,
+    Scene, SceneBuilder, SceneError, Shape, TextureAlpha, TextureId, visibility,
 };
 use belvedere_sensors::trace::{WorkspaceBuf, grid_workspace_len};
 use belvedere_sensors::{Capture, Pose, SenseError, Sensor};
@@ -58,17 +58,18 @@ fn pose() -> impl Strategy<Value = Pose> {
 }
 
 fn light() -> impl Strategy<Value = LightConfig> {
-    let kind = (0..3, uniform3(number()), uniform3(number()), single(), single()).prop_map(
-        |(kind, position, direction, cos_inner, cos_outer)| match kind {
+    let kind = (0..3, uniform3(number()), uniform3(number()), uniform3(single())).prop_map(
+        |(kind, position, direction, [cos_inner, cos_outer, falloff])| match kind {
             0 => LightKind::Point { position },
             1 => LightKind::Directional { direction },
-            _ => LightKind::Spot { position, direction, cos_inner, cos_outer },
+            _ => LightKind::Spot { position, direction, cos_inner, cos_outer, falloff },
         },
     );
-    (kind, uniform3(single()), single(), uniform3(single()), any::<bool>()).prop_map(
-        |(kind, diffuse, range_m, attenuation, cast_shadows)| LightConfig {
+    (kind, uniform3(single()), uniform3(single()), single(), uniform3(single()), any::<bool>()).prop_map(
+        |(kind, diffuse, specular, range_m, attenuation, cast_shadows)| LightConfig {
             kind,
             diffuse,
+            specular,
             range_m,
             attenuation,
             cast_shadows,
@@ -235,14 +236,22 @@ fn every_error_has_its_name() {
     assert_eq!(builder.add_mesh(&corners[..2], &[[0.0; 2], [0.0, f32::NAN]], &[]), Err(SceneError::BadUv(1)));
     let often = MaterialConfig { texture_repeat: [1.0, f32::INFINITY], ..MaterialConfig::default() };
     assert_eq!(builder.add_material(&often), Err(SceneError::BadTextureRepeat));
-    let lamp = LightConfig {
-        kind: LightKind::Point { position: [0.0, 0.0, f64::NAN] },
-        diffuse: [1.0; 3],
-        range_m: 1.0,
-        attenuation: [1.0, 0.0, 0.0],
-        cast_shadows: false,
-    };
-    assert_eq!(builder.add_light(&lamp), Err(SceneError::BadLight));
+    let kind = LightKind::Point { position: [0.0, 0.0, f64::NAN] };
+    assert_eq!(builder.add_light(&LightConfig { kind, ..Default::default() }), Err(SceneError::BadLight));
+    for value in [-0.1, 1.1e4, f32::NAN] {
+        let shiny = MaterialConfig { shininess: value, ..MaterialConfig::default() };
+        assert_eq!(builder.add_material(&shiny), Err(SceneError::BadShininess));
+        let clear = MaterialConfig { alpha: value, ..MaterialConfig::default() };
+        assert_eq!(builder.add_material(&clear), Err(SceneError::BadAlpha));
+        let texture_alpha = TextureAlpha::CutOut { least: value };
+        let cut_out = MaterialConfig { texture_alpha, ..MaterialConfig::default() };
+        assert_eq!(builder.add_material(&cut_out), Err(SceneError::BadAlpha));
+        let kind = common::spot([0.0; 3], DVec3::X, [0.9, 0.8, value]);
+        assert_eq!(
+            builder.add_light(&LightConfig { kind, ..Default::default() }),
+            Err(SceneError::BadFalloff)
+        );
+    }
     for beyond in [DVec3::X * 1e13, DVec3::Y * f64::INFINITY] {
         let bad = InstanceConfig { world_from_instance: Pose::from_translation(beyond), ..config };
         assert_eq!(builder.add_instance(&bad), Err(SceneError::BadPose));

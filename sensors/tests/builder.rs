@@ -92,6 +92,7 @@ fn lamp(place: DVec3) -> LightConfig {
         range_m: 3.0,
         attenuation: [1.0, 0.1, 0.0],
         cast_shadows: true,
+        ..LightConfig::default()
     }
 }
 

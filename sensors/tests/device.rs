@@ -4,7 +4,7 @@ mod common;
 
 use belvedere_sensors::camera::{Camera, CameraConfig, CameraError, Mosaic, Picture, PixelFormat};
 use belvedere_sensors::device::{
-    AutoExposure, AutoExposureConfig, DeviceConfig, Exposure, Metering, Tone, Vignetting, presets, srgb,
+    AutoExposure, AutoExposureConfig, DeviceConfig, Exposure, Metering, Tone, Vignetting, presets,
 };
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
@@ -288,7 +288,11 @@ fn noise_comes_before_the_curve() {
     let curved = picture(camera(Tone::Srgb { white_balance: [1.5; 3] }));
     for (raw, curved) in raw.iter().zip(curved) {
         let linear = (raw - 200.0) / (4095.0 - 200.0) * 1.5;
-        assert_eq!(curved, f64::from((srgb::encode(linear as f32) * 4095.0 + 0.5).floor()), "of {raw}");
+        assert_eq!(
+            curved,
+            f64::from((belvedere_sensors::srgb::encode(linear as f32) * 4095.0 + 0.5).floor()),
+            "of {raw}"
+        );
     }
 }
 

@@ -91,8 +91,7 @@ fn plain(builder: &mut SceneBuilder, colour: [f32; 3]) -> MaterialId {
 }
 
 fn lamp(builder: &mut SceneBuilder, kind: LightKind, diffuse: [f32; 3]) {
-    let attenuation = [1.0, 0.0, 0.0];
-    let config = LightConfig { kind, diffuse, range_m: 50.0, attenuation, cast_shadows: true };
+    let config = LightConfig { kind, diffuse, range_m: 50.0, cast_shadows: true, ..Default::default() };
     builder.add_light(&config).unwrap();
 }
 

@@ -5,7 +5,7 @@ mod common;
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{Environment, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape};
 use common::oracle::{Ray, first_hit, pixel_ray, scaled};
-use common::{SIZE, add, camera, look_at, picture};
+use common::{SIZE, add, camera, look_at, picture, spot};
 use glam::DVec3;
 
 const DIFFUSE: [f32; 3] = [0.9, 0.6, 0.3];
@@ -45,7 +45,15 @@ fn scene(light: &LightConfig, obstacle: bool) -> SceneBuilder {
 }
 
 fn lamp(kind: LightKind) -> LightConfig {
-    LightConfig { kind, diffuse: LAMP, range_m: 3.5, attenuation: [0.8, 0.1, 0.2], cast_shadows: true }
+    let attenuation = [0.8, 0.1, 0.2];
+    LightConfig {
+        kind,
+        diffuse: LAMP,
+        range_m: 3.5,
+        attenuation,
+        cast_shadows: true,
+        ..LightConfig::default()
+    }
 }
 
 fn point() -> LightConfig {
@@ -109,8 +117,7 @@ fn a_directional_light() {
 fn a_spot_light() {
     let axis = DVec3::new(0.2, 0.3, -1.0);
     let (cos_inner, cos_outer) = (0.95, 0.8);
-    let kind =
-        LightKind::Spot { position: LAMP_AT.to_array(), direction: axis.to_array(), cos_inner, cos_outer };
+    let kind = spot(LAMP_AT.to_array(), axis, [cos_inner, cos_outer, 1.0]);
     check(&scene(&LightConfig { range_m: f32::INFINITY, ..lamp(kind) }, false), |at| {
         let to_lamp = LAMP_AT - at;
         let distance = to_lamp.length();

@@ -7,12 +7,12 @@ use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
-use belvedere_sensors::scene::SceneBuilder;
+use belvedere_sensors::scene::{ColourSpace, LightConfig, MaterialConfig, SceneBuilder, Shape, TextureAlpha};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Execution, Pose, Sensor};
 use common::casts::levels;
-use common::{LIDAR, camera, camera_of, depth_camera, picture_with, scenery};
+use common::{LIDAR, add, camera, camera_of, depth_camera, picture_with, scenery, spot};
 use glam::DVec3;
 
 /// What is sensed of the scenery, by name, as bytes.
@@ -73,7 +73,31 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ("ranges", bytes(&ranges)),
         ("bayer_gbrg16", picture_with(&builder, bayer, pose, 7, execution)),
         ("rgba8 of sRGB", picture_with(&builder, srgb, pose, 7, execution)),
+        (
+            "rgb8 of gloss and glass",
+            picture_with(&gloss_and_glass(builder.clone()), camera, pose, 7, execution),
+        ),
     ]
+}
+
+/// A scene with a glossy ball, a ball of glass and a pane with holes in it, in linear light.
+fn gloss_and_glass(mut builder: SceneBuilder) -> SceneBuilder {
+    builder.set_colour_space(ColourSpace::Srgb);
+    let texels = [[255, 200, 100, 255], [0, 0, 0, 0], [50, 60, 70, 120], [9, 250, 3, 200]];
+    let texture = Some(builder.add_texture(2, 2, &texels).unwrap());
+    let gloss = MaterialConfig { specular: [0.6, 0.5, 0.4], shininess: 25.0, ..Default::default() };
+    let texture_alpha = TextureAlpha::Blended;
+    for (config, shape, y) in [
+        (gloss, Shape::Sphere { radius: 0.4 }, 0.8),
+        (MaterialConfig { alpha: 0.4, ..gloss }, Shape::Sphere { radius: 0.5 }, -0.4),
+        (MaterialConfig { texture, texture_alpha, ..gloss }, Shape::Box { size: [0.1, 0.7, 0.9] }, 0.3),
+    ] {
+        let material = builder.add_material(&config).unwrap();
+        add(&mut builder, shape, Pose::from_translation(DVec3::new(-1.6, y, 1.1)), material);
+    }
+    let kind = spot([-2.5, 0.5, 2.5], DVec3::new(0.6, 0.0, -0.8), [0.9, 0.7, 1.7]);
+    builder.add_light(&LightConfig { kind, specular: [0.9; 3], ..Default::default() }).unwrap();
+    builder
 }
 
 #[test]
@@ -111,7 +135,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 8] = [
+    let expected: [(&str, u64); 9] = [
         ("rgb8", 0xfec5_f269_d2c3_fc1e),
         ("mono8", 0xb026_71ad_ee52_ca9b),
         ("32fc1", 0x1392_fca0_f3d9_1261),
@@ -120,6 +144,7 @@ fn every_machine() {
         ("ranges", 0xc9ca_a20a_a236_3cb1),
         ("bayer_gbrg16", 0x6215_9310_a363_6205),
         ("rgba8 of sRGB", 0x3e10_324d_d2d9_7e78),
+        ("rgb8 of gloss and glass", 0x936a_0a27_e3c0_5650),
     ];
     let found: Vec<_> =
         sense_all(Execution::default()).into_iter().map(|(name, bytes)| (name, fnv(&bytes))).collect();

@@ -130,9 +130,8 @@ fn floors_are_lit_however_low_the_lamp_is() {
                         .add_light(&LightConfig {
                             kind,
                             diffuse: [gain as f32; 3],
-                            range_m: f32::INFINITY,
-                            attenuation: [1.0, 0.0, 0.0],
                             cast_shadows: true,
+                            ..Default::default()
                         })
                         .unwrap();
                     let bare = core::mem::replace(&mut floor.builder, builder);
@@ -208,9 +207,8 @@ fn a_millimetre_casts_its_shadow_from_its_foot_on() {
                 .add_light(&LightConfig {
                     kind,
                     diffuse: [20.0; 3],
-                    range_m: f32::INFINITY,
-                    attenuation: [1.0, 0.0, 0.0],
                     cast_shadows: true,
+                    ..Default::default()
                 })
                 .unwrap();
             let view = look_at(DVec3::new(0.25, -0.02, 0.3), DVec3::new(0.11, 0.0, 0.0), 0.0);
@@ -261,9 +259,8 @@ fn no_light_comes_into_a_closed_room() {
                     .add_light(&LightConfig {
                         kind,
                         diffuse: [100.0; 3],
-                        range_m: f32::INFINITY,
-                        attenuation: [1.0, 0.0, 0.0],
                         cast_shadows: true,
+                        ..Default::default()
                     })
                     .unwrap();
             }

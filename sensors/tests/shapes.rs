@@ -391,9 +391,7 @@ fn lit_picture(config: &InstanceConfig, repeat: [f32; 2], view: Pose) -> Vec<u8>
         .add_light(&belvedere_sensors::scene::LightConfig {
             kind: belvedere_sensors::scene::LightKind::Directional { direction: [-0.5, -0.7, -0.6] },
             diffuse: [0.8; 3],
-            range_m: f32::INFINITY,
-            attenuation: [1.0, 0.0, 0.0],
-            cast_shadows: false,
+            ..Default::default()
         })
         .unwrap();
     builder.add_instance(&InstanceConfig { material, ..*config }).unwrap();

@@ -50,13 +50,14 @@ fn heights() -> Vec<f32> {
 fn materials() -> [MaterialConfig; 2] {
     let textured =
         MaterialConfig { texture: Some(TextureId(0)), texture_repeat: [2.0, 3.0], ..Default::default() };
-    [MaterialConfig::default(), textured]
+    [MaterialConfig { specular: [0.5; 3], shininess: 9.0, ..Default::default() }, textured]
 }
 
 fn lights() -> [LightConfig; 2] {
     let lamp = LightConfig {
         kind: LightKind::Point { position: [-1.0, 2.0, 3.0] },
         diffuse: [0.9, 0.8, 0.7],
+        specular: [0.2, 0.3, 0.4],
         range_m: 30.0,
         attenuation: [0.5, 0.05, 0.01],
         cast_shadows: true,

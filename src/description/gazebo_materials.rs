@@ -2,10 +2,8 @@
 //!
 //! Robots name them in `<gazebo reference="…"><material>Gazebo/Grey</material>`, worlds in
 //! `<material><script><name>Gazebo/Grey</name>`. Ambient, diffuse and emissive are the numbers of Gazebo
-//! classic 11's own material script. What differs here:
+//! classic 11's own material script, as are the gloss and alpha of those that have them. What differs here:
 //!
-//! - Specular light is not simulated.
-//! - Transparent materials are opaque.
 //! - The names that come with a picture (wood, bricks, …) give that surface's usual mean colour: the pictures
 //!   are Gazebo's own and are not shipped.
 
@@ -60,7 +58,7 @@ const MATERIALS: &[Row] = &[
     glowing("TurquoiseGlowOutline", [0.0, 1.0, 1.0]),
     glowing("LightOn", [0.0, 1.0, 0.0]),
     glowing("LightOff", [1.0, 0.0, 0.0]),
-    // Transparent in Gazebo, opaque here; the overlays are unlit there.
+    // Transparent: see ALPHAS. The overlays are unlit in Gazebo.
     plain("RedTransparent", [1.0, 0.0, 0.0]),
     plain("GreenTransparent", [0.0, 1.0, 0.0]),
     plain("BlueTransparent", [0.0, 0.0, 1.0]),
@@ -103,22 +101,83 @@ const MATERIALS: &[Row] = &[
     plain("Runway", [0.35, 0.35, 0.35]),
 ];
 
+/// Name, colour of highlights and shininess of those that are glossy.
+type Gloss = (&'static str, [f32; 3], f32);
+
+#[rustfmt::skip]
+const GLOSS: &[Gloss] = &[
+    ("Grey", [0.01; 3], 1.5),
+    ("DarkGrey", [0.175; 3], 1.5),
+    ("White", [0.1; 3], 128.0),
+    ("FlatBlack", [0.01; 3], 1.0),
+    ("Black", [0.1; 3], 5.0),
+    ("Red", [0.1; 3], 1.0),
+    ("RedBright", [0.87, 0.26, 0.07], 1.0),
+    ("Green", [0.1; 3], 1.0),
+    ("Blue", [0.1; 3], 1.0),
+    ("SkyBlue", [0.1; 3], 1.0),
+    ("ZincYellow", [0.9725, 0.9529, 0.2078], 1.0),
+    ("Purple", [0.1; 3], 1.0),
+    ("Turquoise", [0.1; 3], 1.0),
+    ("Orange", [0.5; 3], 128.0),
+    ("Gold", [0.4; 3], 12.5),
+    ("Pioneer2Body", [0.5; 3], 12.5),
+    ("PioneerBody", [0.5, 0.0, 0.0], 10.0),
+    ("WhiteGlow", [0.1; 3], 128.0),
+    ("RedGlow", [1.0, 0.0, 0.0], 128.0),
+    ("GreenGlow", [0.1; 3], 1.0),
+    ("BlueGlow", [0.1; 3], 1.0),
+    ("PurpleGlow", [0.1; 3], 1.0),
+    ("TurquoiseGlow", [0.1; 3], 1.0),
+    ("TurquoiseGlowOutline", [0.1; 3], 128.0),
+    ("Wood", [0.2; 3], 12.5),
+    ("Bricks", [0.2; 3], 12.5),
+    ("Road", [0.01; 3], 2.0),
+    ("Residential", [0.01; 3], 2.0),
+    ("Tertiary", [0.01; 3], 2.0),
+    ("Primary", [0.01; 3], 2.0),
+    ("Trunk", [0.01; 3], 2.0),
+    ("Motorway", [0.01; 3], 2.0),
+    ("Lanes_4", [0.01; 3], 2.0),
+    ("Lanes_6", [0.01; 3], 2.0),
+    ("Pedestrian", [0.01; 3], 2.0),
+    ("Footway", [0.01; 3], 2.0),
+];
+
+/// Alphas of the lasers and of one that goes by another than [`TRANSPARENT`].
+const ALPHAS: [(&str, f32); 3] = [("BlueLaser", 0.4), ("LightBlueLaser", 0.4), ("OrangeTransparent", 0.4)];
+
+/// Of all others whose name has "Transparent" in it.
+const TRANSPARENT: f32 = 0.5;
+
+fn alpha(name: &str) -> f32 {
+    let named = ALPHAS.iter().find(|(row, _)| *row == name).map(|&(_, alpha)| alpha);
+    named.unwrap_or(if name.contains("Transparent") { TRANSPARENT } else { 1.0 })
+}
+
 /// The look of a built-in material, named with its prefix: `Gazebo/Grey`. None for a name that Gazebo lacks.
 ///
 /// ```
 /// use belvedere::description::gazebo_materials::gazebo_material;
 /// let grey = gazebo_material("Gazebo/Grey").unwrap();
 /// assert_eq!((grey.ambient, grey.diffuse), ([0.3; 3], [0.7; 3]));
+/// assert_eq!(gazebo_material("Gazebo/GreenTransparent").unwrap().alpha, 0.5);
 /// assert!(gazebo_material("Gazebo/Graay").is_none());
 /// ```
 pub fn gazebo_material(name: &str) -> Option<Material> {
     let short = name.strip_prefix("Gazebo/")?;
     // A misspelling that was Gazebo's own for years, and stands in many robots.
     let short = if short == "Torquoise" { "Turquoise" } else { short };
+    let gloss = GLOSS.iter().find(|(row, ..)| *row == short);
+    let (specular, shininess) =
+        gloss.map_or(([0.0; 3], 0.0), |&(_, specular, shininess)| (specular, shininess));
     MATERIALS.iter().find(|(row, ..)| *row == short).map(|&(_, ambient, diffuse, emissive)| Material {
         diffuse,
         ambient,
         emissive,
+        specular,
+        shininess,
+        alpha: alpha(short),
         ..Material::default()
     })
 }

@@ -8,6 +8,7 @@ mod collada;
 
 use super::diagnostics::{Diagnostics, Source};
 use super::model::{Material, Mesh};
+use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
 use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -142,32 +143,55 @@ fn from_scene((mesh, material): (mesh_loader::Mesh, mesh_loader::Material)) -> P
     let [uvs, _] = mesh.texcoords;
     let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
     let texture: Option<PathBuf> = material.texture.diffuse;
-    let diffuse = if texture.is_some() { Some([1.0; 3]) } else { material.color.diffuse.map(rgb) };
-    let emissive = material.color.emissive.map(rgb);
+    let look = Look {
+        diffuse: if texture.is_some() { Some([1.0; 3]) } else { material.color.diffuse.map(rgb) },
+        emissive: material.color.emissive.map(rgb),
+        specular: material.color.specular.map(rgb),
+        shininess: material.shininess,
+        alpha: material.opacity,
+        texture_alpha: TextureAlpha::Ignored,
+        texture,
+    };
     Part {
         name: mesh.name,
         uvs: if uvs.len() == mesh.vertices.len() { uvs } else { Vec::new() },
         positions: mesh.vertices,
         triangles: mesh.faces,
-        material: surface(diffuse, emissive, texture),
+        material: look.material(),
     }
 }
 
-/// A file's look. Exporters leave the ambient colour black or at odds with the diffuse one, so the diffuse colour
-/// stands for both.
-fn surface(
+/// A file's look, as far as it says.
+#[derive(Default)]
+struct Look {
     diffuse: Option<[f32; 3]>,
     emissive: Option<[f32; 3]>,
+    specular: Option<[f32; 3]>,
+    shininess: Option<f32>,
+    alpha: Option<f32>,
+    texture_alpha: TextureAlpha,
     texture: Option<PathBuf>,
-) -> Option<Material> {
-    let diffuse = diffuse.or(texture.is_some().then_some([1.0; 3]))?;
-    Some(Material {
-        diffuse,
-        ambient: diffuse,
-        emissive: emissive.unwrap_or([0.0; 3]),
-        texture,
-        texture_repeat: [1.0; 2],
-    })
+}
+
+impl Look {
+    /// Exporters leave the ambient colour black or at odds with the diffuse one, so the diffuse colour stands for both.
+    /// What is beyond its range counts as its end.
+    fn material(self) -> Option<Material> {
+        let diffuse = self.diffuse.or(self.texture.is_some().then_some([1.0; 3]))?;
+        let within = |value: f32, most: f32| if value.is_nan() { 0.0 } else { value.clamp(0.0, most) };
+        Some(Material {
+            diffuse,
+            ambient: diffuse,
+            emissive: self.emissive.unwrap_or([0.0; 3]),
+            specular: self.specular.unwrap_or([0.0; 3]),
+            shininess: within(self.shininess.unwrap_or(0.0), MAX_SHININESS),
+            alpha: within(self.alpha.unwrap_or(1.0), 1.0),
+            texture_alpha: self.texture_alpha,
+            texture: self.texture,
+            normal_map: None,
+            texture_repeat: [1.0; 2],
+        })
+    }
 }
 
 /// Says so if the picture that a mesh names is not there.

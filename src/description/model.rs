@@ -37,6 +37,8 @@ pub struct World {
     pub background: [f32; 3],
     /// Whether lights cast shadows at all.
     pub shadows: bool,
+    /// Whether colours are sRGB, and light is linear: ours, not Gazebo's.
+    pub linear_light: bool,
     /// m/s², in the world frame.
     pub gravity: DVec3,
     /// Physics step in seconds.
@@ -169,6 +171,8 @@ pub struct Light {
     pub kind: LightKind,
     /// Colour times brightness.
     pub diffuse: [f32; 3],
+    /// The same of its highlights.
+    pub specular: [f32; 3],
     /// Unit direction of the light's travel in its own frame (directional and spot).
     pub direction: DVec3,
     /// Range in metres beyond which it gives nothing; infinite for a sun.
@@ -194,7 +198,7 @@ pub enum LightKind {
         inner_angle: f64,
         /// Nothing outside.
         outer_angle: f64,
-        /// Shape of the fall between the two.
+        /// Exponent of the fall between the two: 1 is linear.
         falloff: f64,
     },
 }

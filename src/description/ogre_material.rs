@@ -1,9 +1,11 @@
-//! Ogre `.material` scripts, as far as they say how a surface looks: `ambient`, `diffuse`, `emissive`, and the
-//! first texture with its `scale`, of the first technique. Shaders, blending and further layers are passed over.
+//! Ogre `.material` scripts, as far as they say how a surface looks: `ambient`, `diffuse` with its alpha, `specular`,
+//! `emissive`, `scene_blend alpha_blend`, `alpha_rejection greater`, and the first texture with its `scale`, of the first
+//! technique. Shaders, other kinds of blending and further layers are passed over.
 
 mod script;
 
 use super::diagnostics::{Diagnostics, Problem, Severity, Source};
+use belvedere_sensors::scene::TextureAlpha;
 use script::{Statement, problem, statements};
 use std::path::Path;
 
@@ -20,6 +22,12 @@ pub struct OgreMaterial {
     pub diffuse: Option<[f32; 3]>,
     /// Own light.
     pub emissive: Option<[f32; 3]>,
+    /// Colour of highlights, and shininess.
+    pub specular: Option<[f32; 4]>,
+    /// Alpha of the diffuse colour.
+    pub alpha: Option<f32>,
+    /// What the alpha of the picture means.
+    pub texture_alpha: Option<TextureAlpha>,
     /// File name of the picture, and where it is named.
     pub texture: Option<(String, Source)>,
     /// How often the picture repeats: Ogre's `scale` enlarges it, so this is one over it.
@@ -89,6 +97,9 @@ pub fn inherited(
         merged.ambient = merged.ambient.or(parent.ambient);
         merged.diffuse = merged.diffuse.or(parent.diffuse);
         merged.emissive = merged.emissive.or(parent.emissive);
+        merged.specular = merged.specular.or(parent.specular);
+        merged.alpha = merged.alpha.or(parent.alpha);
+        merged.texture_alpha = merged.texture_alpha.or(parent.texture_alpha);
         merged.texture = merged.texture.or_else(|| parent.texture.clone());
         merged.texture_repeat = merged.texture_repeat.or(parent.texture_repeat);
         merged.parent.clone_from(&parent.parent);
@@ -124,6 +135,9 @@ fn material(statement: &Statement, path: &Path) -> Result<OgreMaterial, Problem>
         ambient: None,
         diffuse: None,
         emissive: None,
+        specular: None,
+        alpha: None,
+        texture_alpha: None,
         texture: None,
         texture_repeat: None,
         source: Source::new(path, statement.line),
@@ -144,7 +158,17 @@ fn read_pass(pass: &Statement, path: &Path, material: &mut OgreMaterial) -> Resu
         let Some(word) = statement.words.first() else { continue };
         match word.as_str() {
             "ambient" => set(&mut material.ambient, color(statement, path)?),
-            "diffuse" => set(&mut material.diffuse, color(statement, path)?),
+            "diffuse" => {
+                set(&mut material.diffuse, color(statement, path)?);
+                material.alpha = material.alpha.or(alpha(statement, path)?);
+            }
+            "specular" => material.specular = material.specular.or(specular(statement, path)?),
+            "scene_blend" if statement.words.get(1).is_some_and(|kind| kind == "alpha_blend") => {
+                material.texture_alpha = material.texture_alpha.or(Some(TextureAlpha::Blended));
+            }
+            "alpha_rejection" => {
+                material.texture_alpha = cut_out(statement, path)?.or(material.texture_alpha);
+            }
             "emissive" => set(&mut material.emissive, color(statement, path)?),
             "texture_unit" if material.texture.is_none() => {
                 for line in &statement.block {
@@ -200,6 +224,48 @@ fn color(statement: &Statement, path: &Path) -> Result<Option<[f32; 3]>, Problem
     }
 }
 
+/// Of `keyword r g b a`; none if it does not say.
+fn alpha(statement: &Statement, path: &Path) -> Result<Option<f32>, Problem> {
+    if statement.words.len() < 5 {
+        return Ok(None);
+    }
+    Ok(values(statement, path)?.get(3).copied())
+}
+
+/// `specular r g b [a] shininess`.
+fn specular(statement: &Statement, path: &Path) -> Result<Option<[f32; 4]>, Problem> {
+    if statement.words.get(1).is_some_and(|word| word.starts_with("vertexcolo")) {
+        return Ok(None);
+    }
+    match values(statement, path)?[..] {
+        [r, g, b, shininess] | [r, g, b, _, shininess] => Ok(Some([r, g, b, shininess])),
+        _ => Err(problem(
+            path,
+            statement.line,
+            format!("'{}': a specular colour has four or five numbers", statement.words.join(" ")),
+            "write red, green and blue, alpha if you like, and the shininess",
+        )),
+    }
+}
+
+/// `alpha_rejection greater N` or `greater_equal N`, N of 255; other functions are passed over.
+fn cut_out(statement: &Statement, path: &Path) -> Result<Option<TextureAlpha>, Problem> {
+    let words: Vec<_> = statement.words.iter().map(String::as_str).collect();
+    let [_, function @ ("greater" | "greater_equal"), value, ..] = words[..] else { return Ok(None) };
+    match value.parse::<f32>() {
+        Ok(value) if (0.0..=255.0).contains(&value) => {
+            let least = if function == "greater" { value + 0.5 } else { value };
+            Ok(Some(TextureAlpha::CutOut { least: (least / 255.0).min(1.0) }))
+        }
+        _ => Err(problem(
+            path,
+            statement.line,
+            format!("'{}': '{value}' is not a number from 0 to 255", words.join(" ")),
+            "write alpha_rejection greater 128",
+        )),
+    }
+}
+
 /// `scale u v` as repeats.
 fn repeat(statement: &Statement, path: &Path) -> Result<[f32; 2], Problem> {
     match values(statement, path)?[..] {
@@ -223,7 +289,9 @@ mod tests {
         {
           technique { pass {
             ambient 0.5 0.5 0.5 1
-            diffuse 1 0 0
+            diffuse 1 0 0 0.5
+            specular 0.1 0.2 0.3 1 12.5
+            alpha_rejection greater 127
             texture_unit paint { texture base.png
               scale 0.5 0.5 }
           } }
@@ -251,9 +319,11 @@ mod tests {
         assert_eq!(materials.len(), 2);
         let mut diagnostics = Diagnostics::default();
         let one = inherited("Tags/One", &materials, &mut diagnostics).unwrap();
-        assert_eq!(one.diffuse, Some([1.0, 0.0, 0.0]));
+        assert_eq!((one.diffuse, one.alpha), (Some([1.0, 0.0, 0.0]), Some(0.5)));
+        assert_eq!(one.specular, Some([0.1, 0.2, 0.3, 12.5]));
+        assert_eq!(one.texture_alpha, Some(TextureAlpha::CutOut { least: 0.5 }));
         let (file, source) = one.texture.unwrap();
-        assert_eq!((file.as_str(), source.to_string().as_str()), ("one 1.png", "a.material:21"));
+        assert_eq!((file.as_str(), source.to_string().as_str()), ("one 1.png", "a.material:23"));
         assert_eq!(one.texture_repeat, Some([2.0, 2.0]));
         assert!(diagnostics.problems().is_empty());
     }
@@ -265,6 +335,8 @@ mod tests {
             ("}\n", 1),
             ("material A\n{ technique { pass {\n diffuse 1 nan 0\n} } }", 3),
             ("material A { technique { pass { texture_unit {\n scale 0 1 } } } }", 2),
+            ("material A { technique { pass {\n\n specular 1 1 1 } } }", 3),
+            ("material A { technique { pass {\n alpha_rejection greater 256 } } }", 2),
             ("material {\n}", 1),
             (&format!("material A\n{}", "{".repeat(2_000_000)), 2),
         ] {

@@ -2,7 +2,7 @@
 //! its own exact rate.
 //!
 //! A frame is rendered straight into the shared memory that subscribers read: the bridge lends it, the sensor
-//! fills it, the bridge sends it. What nobody follows is not rendered.
+//! fills it, the bridge sends it. What nobody follows is not rendered, unless a camera's exposure depends on it.
 
 pub mod attendance;
 pub mod base;

@@ -99,7 +99,7 @@ impl Post {
 
 impl std::fmt::Debug for Post {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Post").field("waiting", &self.counter.lock().letters.len()).finish()
+        f.debug_struct("Post").field("waiting", &self.counter.lock().letters.len()).finish_non_exhaustive()
     }
 }
 

@@ -5,8 +5,8 @@ use crate::description::model as description;
 use crate::description::model::{Geometry, LinkIndex, Mesh, Model, World};
 use crate::world::physics::{ModelIndex, Physics};
 use belvedere_sensors::scene::{
-    Environment, InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, MeshId,
-    Scene, SceneBuilder, SceneError, Shape, TextureId, visibility,
+    ColourSpace, Environment, InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId,
+    MeshId, Scene, SceneBuilder, SceneError, Shape, TextureAlpha, TextureId, visibility,
 };
 use belvedere_sensors::{Moment, Pose};
 use glam::{DMat3, DQuat, DVec3};
@@ -35,6 +35,8 @@ impl WorldScene {
         assembly
             .builder
             .set_environment(Environment { ambient: world.ambient, background: world.background });
+        let space = if world.linear_light { ColourSpace::Srgb } else { ColourSpace::AsGiven };
+        assembly.builder.set_colour_space(space);
         let first_robot = (0..robots.len()).map(|robot| physics.robot(robot));
         for (index, model) in world.models.iter().enumerate().chain(first_robot.zip(robots)) {
             for (link_index, link) in model.links.iter().enumerate() {
@@ -166,7 +168,9 @@ struct Placed {
 #[derive(Debug, Default)]
 struct Assembly {
     builder: SceneBuilder,
-    textures: HashMap<PathBuf, TextureId>,
+    /// By path, with whether they are opaque.
+    textures: HashMap<PathBuf, (TextureId, bool)>,
+    normal_maps: HashMap<PathBuf, TextureId>,
     /// By address: only for as long as the models that they are of are borrowed.
     meshes: HashMap<*const Mesh, MeshId>,
     placed: HashMap<(ModelIndex, LinkIndex), Vec<Placed>>,
@@ -279,36 +283,63 @@ impl Assembly {
     }
 
     fn material(&mut self, material: &description::Material, source: &Source) -> Result<MaterialId, Problem> {
-        let texture = material.texture.as_deref().map(|path| self.texture(path, source)).transpose()?;
+        let found = material.texture.as_deref().map(|path| self.texture(path, source)).transpose()?;
+        let normal_map =
+            material.normal_map.as_deref().map(|path| self.normal_map(path, source)).transpose()?;
+        let (texture, is_opaque) = found.map_or((None, true), |(texture, opaque)| (Some(texture), opaque));
+        let texture_alpha = if is_opaque { TextureAlpha::Ignored } else { material.texture_alpha };
         let config = MaterialConfig {
             diffuse: material.diffuse,
             ambient: material.ambient,
             emissive: material.emissive,
+            specular: material.specular,
+            shininess: material.shininess,
+            alpha: material.alpha,
+            texture_alpha,
+            normal_map,
             texture,
             texture_repeat: material.texture_repeat,
         };
         self.builder.add_material(&config).map_err(|error| refused(error, source))
     }
 
-    fn texture(&mut self, path: &Path, source: &Source) -> Result<TextureId, Problem> {
+    fn normal_map(&mut self, path: &Path, source: &Source) -> Result<TextureId, Problem> {
+        if let Some(known) = self.normal_maps.get(path) {
+            return Ok(*known);
+        }
+        let picture = open(path, source)?;
+        let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
+        let added = self.builder.add_normal_map(picture.width(), picture.height(), texels);
+        let added = added.map_err(|error| refused(error, source))?;
+        self.normal_maps.insert(path.to_path_buf(), added);
+        Ok(added)
+    }
+
+    /// A picture, and whether all of it is opaque.
+    fn texture(&mut self, path: &Path, source: &Source) -> Result<(TextureId, bool), Problem> {
         if let Some(known) = self.textures.get(path) {
             return Ok(*known);
         }
-        let picture = image::open(path).map_err(|error| Problem {
-            severity: Severity::Error,
-            source: source.clone(),
-            what: format!("texture {} cannot be read: {error}", path.display()),
-            remedy: "use a PNG, JPEG, TGA or BMP picture".into(),
-        })?;
-        let picture = picture.into_rgba8();
+        let picture = open(path, source)?;
         let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
         let added = self
             .builder
             .add_texture(picture.width(), picture.height(), texels)
             .map_err(|error| refused(error, source))?;
-        self.textures.insert(path.to_path_buf(), added);
-        Ok(added)
+        let found = (added, texels.iter().all(|texel| texel[3] == u8::MAX));
+        self.textures.insert(path.to_path_buf(), found);
+        Ok(found)
     }
+}
+
+fn open(path: &Path, source: &Source) -> Result<image::RgbaImage, Problem> {
+    let picture = image::open(path).map_err(|error| Problem {
+        severity: Severity::Error,
+        source: source.clone(),
+        what: format!("texture {} cannot be read: {error}", path.display()),
+        remedy: "use a PNG, JPEG, TGA or BMP picture".into(),
+    })?;
+    Ok(picture.into_rgba8())
 }
 
 /// The rotation that turns a rectangle's outside (+z) to `normal`, the picture on it as on the face of a box that
@@ -330,16 +361,18 @@ fn lamp(light: &description::Light, shadows: bool) -> LightConfig {
     let kind = match light.kind {
         description::LightKind::Point => LightKind::Point { position },
         description::LightKind::Directional => LightKind::Directional { direction },
-        description::LightKind::Spot { inner_angle, outer_angle, .. } => LightKind::Spot {
+        description::LightKind::Spot { inner_angle, outer_angle, falloff } => LightKind::Spot {
             position,
             direction,
             cos_inner: (inner_angle * 0.5).cos() as f32,
             cos_outer: (outer_angle * 0.5).cos() as f32,
+            falloff: falloff as f32,
         },
     };
     LightConfig {
         kind,
         diffuse: light.diffuse,
+        specular: light.specular,
         range_m: light.range_m as f32,
         attenuation: light.attenuation.map(|factor| factor as f32),
         cast_shadows: shadows && light.cast_shadows,

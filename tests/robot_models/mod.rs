@@ -122,6 +122,7 @@ pub(crate) fn ground() -> Model {
 
 pub(crate) fn world(max_step_size_s: f64, models: Vec<Model>) -> World {
     World {
+        linear_light: false,
         name: "by_hand".into(),
         models,
         lights: Vec::new(),

@@ -1,6 +1,7 @@
 //! Automatic exposure: time and gain follow the mean of the frames.
 
-use super::{DeviceConfig, DeviceError, Exposure, PixelFormat, Tone, srgb};
+use super::{DeviceConfig, DeviceError, Exposure, PixelFormat, Tone};
+use crate::srgb;
 
 /// What a frame is metered by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

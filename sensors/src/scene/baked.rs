@@ -16,8 +16,8 @@ pub use error::BakedError;
 use super::builder::Packed;
 use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{
-    Environment, HeightField, Instance, Light, Material, Mesh, MeshSlices, Meshes, Scene, SceneBuilder,
-    SceneSlices, Texture, check,
+    ColourSpace, Environment, HeightField, Instance, Light, Material, Mesh, MeshSlices, Meshes, Scene,
+    SceneBuilder, SceneSlices, Texture, check,
 };
 use crate::memory::CacheLine;
 use crate::pose::Pose;
@@ -28,7 +28,7 @@ use bytemuck::{Pod, Zeroable};
 /// `BLVDRSCN`, read as a little-endian number.
 const MAGIC: u64 = u64::from_le_bytes(*b"BLVDRSCN");
 /// Of the layout of all elements.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const LINE: usize = size_of::<CacheLine>();
 
 /// What the sections hold, in their order.
@@ -61,7 +61,9 @@ struct Header {
     length: u64,
     ambient: [f32; 3],
     background: [f32; 3],
-    reserved: [u32; 4],
+    /// 1 if colours are sRGB.
+    is_srgb: u32,
+    reserved: [u32; 3],
 }
 
 const _: () = assert!(size_of::<Header>() == LINE);
@@ -128,7 +130,8 @@ impl SceneBuilder {
             length: length as u64,
             ambient: scene.environment.ambient,
             background: scene.environment.background,
-            reserved: [0; 4],
+            is_srgb: u32::from(scene.colour_space == ColourSpace::Srgb),
+            reserved: [0; 3],
         };
         let mut lines: Vec<CacheLine> = bytemuck::allocation::zeroed_vec(length / LINE);
         let all: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
@@ -221,6 +224,7 @@ impl<'a> Scene<'a> {
             texels: bytemuck::cast_slice(texels),
             lights: bytemuck::cast_slice(lights),
             environment: Environment { ambient: header.ambient, background: header.background },
+            colour_space: if header.is_srgb == 0 { ColourSpace::AsGiven } else { ColourSpace::Srgb },
         })?;
         let poses = bytemuck::cast_slice(poses);
         check::poses(&scene, poses)?;

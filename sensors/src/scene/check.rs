@@ -177,8 +177,10 @@ fn textures(scene: &Scene<'_>) -> Result<(), SceneFault> {
 fn materials(scene: &Scene<'_>) -> Result<(), SceneFault> {
     for (index, material) in scene.materials.iter().enumerate() {
         let element = Element::of("materials", index);
-        if material.texture != NO_TEXTURE {
-            element.index("texture", material.texture, scene.textures.len())?;
+        for (name, texture) in [("texture", material.texture), ("normal map", material.normal_map)] {
+            if texture != NO_TEXTURE {
+                element.index(name, texture, scene.textures.len())?;
+            }
         }
         element.accept(limits::material(material))?;
     }

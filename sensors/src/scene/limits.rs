@@ -4,8 +4,9 @@
 //! single precision.
 
 use super::SceneError;
+use super::material::ALPHA_BLENDED;
 use super::vertices::MAX_COORDINATE;
-use super::{Light, Material};
+use super::{Light, MAX_FALLOFF, MAX_SHININESS, Material};
 use crate::pose::Pose;
 
 const MOST: f64 = MAX_COORDINATE as f64;
@@ -42,6 +43,10 @@ fn in_space(value: f64) -> bool {
     value.abs() <= MOST
 }
 
+fn up_to(most: f32) -> impl Fn(f64) -> bool {
+    move |value| (0.0..=f64::from(most)).contains(&value)
+}
+
 fn is_length(value: f64) -> bool {
     (1.0 / MOST..=MOST).contains(&value)
 }
@@ -67,7 +72,12 @@ pub(crate) fn uvs(uvs: &[[f32; 2]], vertices: usize) -> Result<(), SceneError> {
 }
 
 pub(crate) fn material(material: &Material) -> Result<(), Refusal> {
-    all(material.texture_repeat.map(f64::from), in_space, "texture repeat", SceneError::BadTextureRepeat)
+    all(material.texture_repeat.map(f64::from), in_space, "texture repeat", SceneError::BadTextureRepeat)?;
+    all([f64::from(material.shininess)], up_to(MAX_SHININESS), "shininess", SceneError::BadShininess)?;
+    let alphas = [material.alpha, material.least_alpha].map(f64::from);
+    all(alphas, up_to(1.0), "alpha", SceneError::BadAlpha)?;
+    let kind = f64::from(material.texture_alpha);
+    all([kind], up_to(ALPHA_BLENDED as f32), "kind of texture alpha", SceneError::BadAlpha)
 }
 
 pub(crate) fn instance(size: [f64; 3], scale: [f64; 3]) -> Result<(), Refusal> {
@@ -84,5 +94,6 @@ pub(crate) fn pose(pose: &Pose) -> Result<(), Refusal> {
 pub(crate) fn light(light: &Light) -> Result<(), Refusal> {
     all(light.position, in_space, "position", SceneError::BadLight)?;
     let length = light.direction.iter().map(|value| value * value).sum::<f64>();
-    all([length], is_unit, "squared length of the direction", SceneError::BadLight)
+    all([length], is_unit, "squared length of the direction", SceneError::BadLight)?;
+    all([f64::from(light.falloff)], up_to(MAX_FALLOFF), "falloff", SceneError::BadFalloff)
 }

@@ -49,13 +49,16 @@ pub use instance::{
     HeightFieldId, Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility,
 };
 pub(crate) use kind::{Kind, Solid, Triangles};
-pub use material::{Environment, Light, LightConfig, LightId, LightKind, Material, MaterialConfig};
-pub(crate) use material::{Form, NO_TEXTURE};
+pub(crate) use material::{ALPHA_CUT_OUT, Form, NO_TEXTURE};
+pub use material::{
+    ColourSpace, Environment, Light, LightConfig, LightId, LightKind, MAX_FALLOFF, MAX_SHININESS, Material,
+    MaterialConfig, TextureAlpha,
+};
 pub use mesh_slices::MeshSlices;
 pub use meshes::{MeshMemory, MeshStore, Meshes};
 pub use single::MeshScene;
 pub use slices::SceneSlices;
-pub use texture::{Texture, TextureId, fill_mip_levels, mip_levels, mip_texels};
+pub use texture::{Texture, TextureId, fill_mip_levels, fill_srgb_mip_levels, mip_levels, mip_texels};
 
 pub use validate::{TreeFault, validate_scratch_len, validate_tree};
 pub use vertices::MAX_COORDINATE;
@@ -108,6 +111,7 @@ pub struct Scene<'a> {
     pub(crate) texels: &'a [[u8; 4]],
     pub(crate) lights: &'a [Light],
     pub(crate) environment: Environment,
+    pub(crate) colour_space: ColourSpace,
 }
 
 impl<'a> Scene<'a> {
@@ -128,6 +132,7 @@ impl<'a> Scene<'a> {
         texels: &[],
         lights: &[],
         environment: Environment::GAZEBO,
+        colour_space: ColourSpace::AsGiven,
     };
 
     /// Least and greatest corner of the box that holds an instance, along its own axes and in its scale; none if there is
@@ -147,6 +152,11 @@ impl<'a> Scene<'a> {
     /// The lamps.
     pub fn lights(&self) -> &'a [Light] {
         self.lights
+    }
+
+    /// What its colours are.
+    pub fn colour_space(&self) -> ColourSpace {
+        self.colour_space
     }
 
     /// Whether anything may be textured.
@@ -199,6 +209,12 @@ pub enum SceneError {
     BadLight,
     /// How often a texture repeats is not finite, or beyond ±1e12.
     BadTextureRepeat,
+    /// A shininess is not between 0 and [`MAX_SHININESS`].
+    BadShininess,
+    /// An alpha, or the least of what is cut out, is not between 0 and 1.
+    BadAlpha,
+    /// The falloff of a spot is not between 0 and [`MAX_FALLOFF`].
+    BadFalloff,
     /// The texture coordinates of the vertex of that index are not finite, or beyond ±1e12.
     BadUv(usize),
     /// Vertex of that index is not finite.
@@ -261,6 +277,9 @@ impl core::fmt::Display for SceneError {
             Self::BadTextureRepeat => {
                 f.write_str("how often a texture repeats is not finite, or beyond 1e12")
             }
+            Self::BadShininess => f.write_str("a shininess is not between 0 and 10000"),
+            Self::BadAlpha => f.write_str("an alpha is not between 0 and 1"),
+            Self::BadFalloff => f.write_str("the falloff of a spot is not between 0 and 10000"),
             Self::BadUv(index) => {
                 write!(f, "the texture coordinates of vertex {index} are not finite, or beyond 1e12")
             }

@@ -1,8 +1,8 @@
 //! A scene from slices of the caller's.
 
 use super::{
-    Environment, HeightField, Instance, Light, Material, MeshSlices, Meshes, Scene, SceneFault, Texture,
-    check,
+    ColourSpace, Environment, HeightField, Instance, Light, Material, MeshSlices, Meshes, Scene, SceneFault,
+    Texture, check,
 };
 
 /// The parts of a scene in slices of the caller's, who needs no heap. What is not set is not there.
@@ -81,6 +81,8 @@ pub struct SceneSlices<'a> {
     pub lights: &'a [Light],
     /// Ambient light and background.
     pub environment: Environment,
+    /// What the colours are. Of sRGB's, levels are for [`fill_srgb_mip_levels`](super::fill_srgb_mip_levels) to fill.
+    pub colour_space: ColourSpace,
 }
 
 impl<'a> SceneSlices<'a> {
@@ -100,6 +102,8 @@ impl<'a> SceneSlices<'a> {
         lights: &'a [Light],
         /// Sets ambient light and background.
         environment: Environment,
+        /// Sets what the colours are.
+        colour_space: ColourSpace,
     }
 
     /// Sets the height fields, and the heights and extents of all.
@@ -146,6 +150,7 @@ impl<'a> Scene<'a> {
             texels: slices.texels,
             lights: slices.lights,
             environment: slices.environment,
+            colour_space: slices.colour_space,
         };
         check::all_but_meshes(&scene)?;
         Ok(scene)

@@ -1,5 +1,7 @@
 //! Textures with mip levels (Williams 1983, "Pyramidal parametrics").
 
+use super::material::ColourSpace;
+use crate::srgb;
 use bytemuck::{Pod, Zeroable};
 
 /// Index of a texture in its scene.
@@ -15,13 +17,15 @@ pub struct Texture {
     pub(crate) width: u32,
     pub(crate) height: u32,
     pub(crate) levels: u32,
+    /// 1 if it holds numbers that are no colours.
+    pub(crate) is_data: u32,
 }
 
 impl Texture {
     /// A picture whose texels begin with that one of the scene's: [`mip_texels`] of them, as [`fill_mip_levels`] fills
     /// them.
     pub const fn new(width: u32, height: u32, first_texel: u32) -> Self {
-        Self { first_texel, width, height, levels: mip_levels(width, height) }
+        Self { first_texel, width, height, levels: mip_levels(width, height), is_data: 0 }
     }
 }
 
@@ -47,6 +51,17 @@ pub const fn mip_texels(width: u32, height: u32) -> usize {
 /// Fills all levels after the first from the one before. `texels` holds [`mip_texels`], the first level filled
 /// in. Every texel is the mean of the area that it covers, so no row of an odd-sized picture is lost.
 pub fn fill_mip_levels(width: u32, height: u32, texels: &mut [[u8; 4]]) {
+    fill_levels(width, height, texels, ColourSpace::AsGiven);
+}
+
+/// The same of colours in sRGB, which are averaged in linear light; alpha is linear as it is.
+pub fn fill_srgb_mip_levels(width: u32, height: u32, texels: &mut [[u8; 4]]) {
+    fill_levels(width, height, texels, ColourSpace::Srgb);
+}
+
+pub(crate) fn fill_levels(width: u32, height: u32, texels: &mut [[u8; 4]], space: ColourSpace) {
+    let tables = [Amounts::new(space), Amounts::new(ColourSpace::AsGiven)];
+    let tables = [&tables[0], &tables[0], &tables[0], &tables[1]];
     let (mut width, mut height) = (width as usize, height as usize);
     let mut rest = texels;
     while width > 1 || height > 1 {
@@ -54,8 +69,13 @@ pub fn fill_mip_levels(width: u32, height: u32, texels: &mut [[u8; 4]]) {
         let (half_width, half_height) = ((width / 2).max(1), (height / 2).max(1));
         for row in 0..half_height {
             for column in 0..half_width {
-                coarse[row * half_width + column] =
-                    mean_of(fine, width, span(column, half_width, width), span(row, half_height, height));
+                coarse[row * half_width + column] = mean_of(
+                    fine,
+                    width,
+                    span(column, half_width, width),
+                    span(row, half_height, height),
+                    tables,
+                );
             }
         }
         (width, height, rest) = (half_width, half_height, coarse);
@@ -72,19 +92,46 @@ fn mean_of(
     width: usize,
     (left, right, x_unit): (usize, usize, usize),
     (top, bottom, y_unit): (usize, usize, usize),
+    amounts: [&Amounts; 4],
 ) -> [u8; 4] {
     let mut sum = [0_u64; 4];
     for row in top / y_unit..bottom.div_ceil(y_unit) {
         let y_weight = bottom.min((row + 1) * y_unit) - top.max(row * y_unit);
         for column in left / x_unit..right.div_ceil(x_unit) {
             let weight = (y_weight * (right.min((column + 1) * x_unit) - left.max(column * x_unit))) as u64;
-            for (channel, value) in sum.iter_mut().zip(fine[row * width + column]) {
-                *channel += weight * u64::from(value);
+            for (channel, value) in fine[row * width + column].into_iter().enumerate() {
+                sum[channel] += weight * u64::from(amounts[channel].of[usize::from(value)]);
             }
         }
     }
     let area = ((right - left) * (bottom - top)) as u64;
-    sum.map(|channel| ((channel + area / 2) / area) as u8)
+    core::array::from_fn(|channel| amounts[channel].back((sum[channel] + area / 2) / area))
+}
+
+/// What bytes amount to where they are averaged.
+struct Amounts {
+    of: [u32; 256],
+    space: ColourSpace,
+}
+
+impl Amounts {
+    /// Of full scale in linear light: digits enough for the darkest byte of sRGB.
+    const LINEAR: f32 = 16_777_215.0;
+
+    fn new(space: ColourSpace) -> Self {
+        let of = core::array::from_fn(|byte| match space {
+            ColourSpace::AsGiven => byte as u32,
+            ColourSpace::Srgb => (srgb::decode(byte as f32 / 255.0) * Self::LINEAR + 0.5) as u32,
+        });
+        Self { of, space }
+    }
+
+    fn back(&self, mean: u64) -> u8 {
+        match self.space {
+            ColourSpace::AsGiven => mean as u8,
+            ColourSpace::Srgb => (srgb::encode(mean as f32 / Self::LINEAR) * 255.0 + 0.5) as u8,
+        }
+    }
 }
 
 #[cfg(all(test, feature = "alloc"))]

@@ -14,7 +14,7 @@ use crate::memory::lines;
 use crate::moment::{Capture, Shutter};
 use crate::noise::{Stream, normals64_at};
 use crate::optics::Optics;
-use crate::scene::{Scene, visibility};
+use crate::scene::{ColourSpace, Scene, visibility};
 use crate::shade::Colours;
 use crate::simd::LANES;
 use crate::trace::error::check_output;
@@ -145,13 +145,13 @@ impl<'a> Camera<'a> {
         self.device.map_or(65_535.0, |device| device.full_scale())
     }
 
-    /// Exposure, device and noise of a tile. Where there is no ray there is no light: a pixel is black, or what a device
+    /// Exposure, device or the curve of sRGB, and noise of a tile. Where there is no ray there is no light: a pixel is black, or what a device
     /// makes of darkness.
     #[inline(always)]
     pub(super) fn expose<S: Simd>(
         &self,
         simd: S,
-        frame: u64,
+        (frame, space): (u64, ColourSpace),
         view: &TileView<'_>,
         missing: u64,
         colours: &mut Colours,
@@ -164,6 +164,8 @@ impl<'a> Camera<'a> {
             blacken(colours, missing);
             let stream = Stream { seed, sensor, frame, channel: 0 };
             device.expose(simd, format.planes(), &stream, view, colours);
+        } else if space == ColourSpace::Srgb {
+            pixel::encode(colours);
         }
         if !noise.is_none() {
             let stream = Stream { seed, sensor, frame, channel: Stream::COLOUR };
@@ -243,7 +245,8 @@ impl Sensor for Camera<'_> {
         frame.trace(&self.sight(), &mut memory, rows, &Painter { camera: self, capture });
         if let (Some(pixels), Some(smoothing)) = (colour, Smoothing::new(&frame, optics, self.sight(), marks))
         {
-            smoothing.paint(execution, Retouched { camera: self, frame: capture.frame, pixels });
+            let space = scene.colour_space();
+            smoothing.paint(execution, Retouched { camera: self, frame: capture.frame, space, pixels });
         }
         Ok(())
     }
@@ -308,14 +311,15 @@ impl SplitRows for Rows<'_> {
 struct Retouched<'a> {
     camera: &'a Camera<'a>,
     frame: u64,
+    space: ColourSpace,
     pixels: &'a mut [u8],
 }
 
 impl SplitRows for Retouched<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
-        let Self { camera, frame, pixels } = self;
+        let Self { camera, frame, space, pixels } = self;
         let (pixels, below) = pixels.split_at_mut(rows * TILE_HEIGHT * camera.row_stride());
-        (Self { camera, frame, pixels }, Self { camera, frame, pixels: below })
+        (Self { camera, frame, space, pixels }, Self { camera, frame, space, pixels: below })
     }
 }
 
@@ -329,8 +333,8 @@ impl Canvas for Retouched<'_> {
         lanes: u64,
         colours: &mut Colours,
     ) {
-        let Self { camera, frame, pixels } = self;
-        camera.expose(simd, *frame, view, 0, colours);
+        let Self { camera, frame, space, pixels } = self;
+        camera.expose(simd, (*frame, *space), view, 0, colours);
         let (format, stride) = ((camera.config.format, camera.full_scale()), camera.row_stride());
         let rows = &mut pixels[row * TILE_HEIGHT * stride..];
         pixel::write_lanes(simd, (colours, lanes), format, column, rows, stride);

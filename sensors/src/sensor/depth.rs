@@ -249,7 +249,8 @@ impl Sensor for DepthCamera<'_> {
         frame.trace(&sight, &mut memory, rows, &Measurer { camera: self, capture, blocked });
         if let Some(smoothing) = Smoothing::new(&frame, optics, sight, marks) {
             let camera = &self.camera;
-            smoothing.paint(execution, Retouched { camera, frame: capture.frame, colour, points });
+            let space = scene.colour_space();
+            smoothing.paint(execution, Retouched { camera, frame: capture.frame, space, colour, points });
         }
         Ok(())
     }

@@ -14,6 +14,7 @@ use crate::device::TileView;
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::optics::Optics;
 use crate::optics::rays::{PinholeFan, Rays, TableFan};
+use crate::shade::through::Through;
 use crate::shade::tile::{CameraRays, Tile};
 use crate::shade::{Colours, Shader};
 use crate::simd::{LANES, WIDTH};
@@ -223,7 +224,7 @@ impl<'a> Smoothing<'a> {
     /// canvas.
     #[inline(never)]
     fn sample<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel]) {
-        let Bench { packet, local, tile, shader, resolver, colours } = bench;
+        let Bench { packet, local, tile, shader, through, resolver, colours } = bench;
         simd.vectorize(
             #[inline(always)]
             || {
@@ -232,7 +233,11 @@ impl<'a> Smoothing<'a> {
                 tile.take_first_hits(simd, packet, resolver);
             },
         );
-        shader.shade(simd, self.view, tile, &self.camera_rays.steps, colours);
+        let steps = &self.camera_rays.steps;
+        shader.shade(simd, self.view, tile, steps, colours);
+        if shader.is_clear() {
+            through.look(simd, self.view, &self.sight, (shader, resolver, steps), tile, colours);
+        }
         for channel in 0..3 {
             let samples = colours[channel].as_chunks::<SAMPLES>().0;
             for (pixel, [a, b, c, d]) in pixels.iter_mut().zip(samples) {
@@ -334,6 +339,7 @@ struct Bench<'a> {
     local: LocalRays,
     tile: Tile,
     shader: Shader,
+    through: Through,
     resolver: Resolver<'a>,
     colours: Colours,
 }
@@ -345,6 +351,7 @@ impl<'a> Bench<'a> {
             local: LocalRays::new(),
             tile: Tile::new(),
             shader: Shader::new(),
+            through: Through::new(),
             resolver: Resolver::new(view),
             colours: [[0.0; LANES]; 3],
         }

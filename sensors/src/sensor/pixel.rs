@@ -4,8 +4,19 @@ use crate::device::{LUMA, PixelFormat, Planes};
 use crate::noise::GaussianNoise;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes, WIDTH};
+use crate::srgb;
 use crate::trace::tiling::Tiling;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, u32x16};
+
+/// Linear light as pictures hold it.
+#[inline(always)]
+pub(crate) fn encode(colours: &mut Colours) {
+    for channel in colours {
+        for value in channel {
+            *value = srgb::encode(*value);
+        }
+    }
+}
 
 /// Light times a factor; clamped, where it is too much, when it becomes a byte.
 #[inline(always)]

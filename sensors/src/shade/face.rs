@@ -20,7 +20,7 @@ pub(crate) struct Face {
     /// Texture coordinates below the sensor, less whole repetitions.
     uv: [f32; 2],
     /// Change of u and of v per metre.
-    gradient: [[f32; 3]; 2],
+    pub(crate) gradient: [[f32; 3]; 2],
     /// Of a pinhole, for the ray of the next pixel along the row, and of that down the column: how the ray's approach to
     /// the face changes, and u and v at t = 1.
     approach: [f32; 2],

@@ -1,7 +1,8 @@
-//! What one lamp adds, with its shadows.
+//! What one lamp adds, with its highlights and shadows.
 
+use super::power::power;
 use super::tile::Tile;
-use super::{Colours, Shader};
+use super::{Colours, Gloss, Shader};
 use crate::scene::{Form, Light};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::trace::view::View;
@@ -18,7 +19,7 @@ impl Shader {
         tile: &Tile,
         colours: &mut Colours,
     ) {
-        let Self { surfaces, albedo, shadows, seen, .. } = self;
+        let Self { surfaces, albedo, gloss, bumps, shadows, seen, .. } = self;
         let parallel = light.form() == Form::Directional;
         let position = view.point_in_frame(light.position);
         let mut brightness = [0.0; LANES];
@@ -31,7 +32,7 @@ impl Shader {
                     let gain = if parallel {
                         dot(simd, &normal, &DVec3::from_array(light.direction)) * -1.0
                     } else {
-                        shine_from(simd, light, position, normal, row_of(simd, &tile.point, row))
+                        Ray::to(simd, light, position, row_of(simd, &tile.point, row)).shine_on(simd, normal)
                     };
                     // A NaN, from a lamp that lies in the surface, lights nothing.
                     let on = gain.simd_gt(0.0);
@@ -41,6 +42,9 @@ impl Shader {
             },
         );
         lit &= tile.hits;
+        if lit & bumps.lanes != 0 {
+            lit &= !bumps.turned_away(light, position, tile);
+        }
         if lit == 0 {
             return;
         }
@@ -54,6 +58,9 @@ impl Shader {
             #[inline(always)]
             || {
                 add_light(simd, light, albedo, &brightness, lit, colours);
+                if lit & gloss.lanes != 0 {
+                    add_highlights(simd, (light, position), tile, &surfaces.normal, gloss, lit, colours);
+                }
                 if let Some(seen) = seen {
                     tell_lit(simd, number, lit, seen);
                 }
@@ -104,41 +111,99 @@ fn dot<S: Simd>(_simd: S, vectors: &[f32x16<S>; 3], with: &DVec3) -> f32x16<S> {
     (*x * with.x as f32 + *y * with.y as f32) + *z * with.z as f32
 }
 
-/// Light from a point, in a cone if it is a spot.
-#[inline(always)]
-fn shine_from<S: Simd>(
-    simd: S,
-    light: &Light,
-    position: DVec3,
-    normal: [f32x16<S>; 3],
-    point: [f32x16<S>; 3],
-) -> f32x16<S> {
-    let one = f32x16::splat(simd, 1.0);
-    let x = f32x16::splat(simd, position.x as f32) - point[0];
-    let y = f32x16::splat(simd, position.y as f32) - point[1];
-    let z = f32x16::splat(simd, position.z as f32) - point[2];
-    let distance = ((x * x + y * y) + z * z).sqrt();
-    let per_distance = one / distance;
-    let facing = ((normal[0] * x + normal[1] * y) + normal[2] * z) * per_distance;
-
-    let [constant, linear, quadratic] = light.attenuation;
-    let loss = distance * linear + (distance * distance) * quadratic + constant;
-    let lossy = loss.simd_gt(1.0);
-    let mut gain = if lossy.any_true() { lossy.select(one / loss, one) } else { one };
-    gain = distance.simd_gt(light.range_m).select(f32x16::splat(simd, 0.0), gain);
-    if light.form() == Form::Spot {
-        let along = dot(simd, &[x, y, z], &DVec3::from_array(light.direction));
-        gain *= cone(simd, light, along * per_distance * -1.0);
-    }
-    let zero = f32x16::splat(simd, 0.0);
-    (facing.simd_gt(zero) & gain.simd_gt(zero)).select(facing * gain, zero)
+/// The ways from the points of a row to a lamp.
+struct Ray<S: Simd> {
+    /// To the lamp, in metres.
+    way: [f32x16<S>; 3],
+    per_distance: f32x16<S>,
+    /// What arrives on a surface that faces the lamp.
+    gain: f32x16<S>,
 }
 
-/// Full inside the inner cone, none outside the outer, linear in the cosine between.
+impl<S: Simd> Ray<S> {
+    /// To a lamp with a place, which is given in the view.
+    #[inline(always)]
+    fn to(simd: S, light: &Light, position: DVec3, point: [f32x16<S>; 3]) -> Self {
+        let one = f32x16::splat(simd, 1.0);
+        let x = f32x16::splat(simd, position.x as f32) - point[0];
+        let y = f32x16::splat(simd, position.y as f32) - point[1];
+        let z = f32x16::splat(simd, position.z as f32) - point[2];
+        let distance = ((x * x + y * y) + z * z).sqrt();
+        let per_distance = one / distance;
+
+        let [constant, linear, quadratic] = light.attenuation;
+        let loss = distance * linear + (distance * distance) * quadratic + constant;
+        let lossy = loss.simd_gt(1.0);
+        let mut gain = if lossy.any_true() { lossy.select(one / loss, one) } else { one };
+        gain = distance.simd_gt(light.range_m).select(f32x16::splat(simd, 0.0), gain);
+        if light.form() == Form::Spot {
+            let along = dot(simd, &[x, y, z], &DVec3::from_array(light.direction));
+            gain *= cone(simd, light, along * per_distance * -1.0);
+        }
+        Self { way: [x, y, z], per_distance, gain }
+    }
+
+    /// What arrives on surfaces of these normals; 0 on those that look away.
+    #[inline(always)]
+    fn shine_on(&self, simd: S, normal: [f32x16<S>; 3]) -> f32x16<S> {
+        let [x, y, z] = self.way;
+        let zero = f32x16::splat(simd, 0.0);
+        let facing = ((normal[0] * x + normal[1] * y) + normal[2] * z) * self.per_distance;
+        (facing.simd_gt(zero) & self.gain.simd_gt(zero)).select(facing * self.gain, zero)
+    }
+}
+
+/// Adds the lamp's highlights after Blinn and Phong: specular colours · (n·h)^shininess, where h lies in the middle between
+/// the directions to the lamp and to the sensor. As Ogre's shader has it, they end where the surface turns away from the
+/// lamp, without fading before.
+#[inline(always)]
+fn add_highlights<S: Simd>(
+    simd: S,
+    (light, position): (&Light, DVec3),
+    tile: &Tile,
+    normal: &[Lanes<f32>; 3],
+    gloss: &Gloss,
+    lit: u64,
+    colours: &mut Colours,
+) {
+    let one = f32x16::splat(simd, 1.0);
+    for row in 0..LANES / WIDTH {
+        let glossy = (lit & gloss.lanes) >> (row * WIDTH) & 0xffff;
+        if glossy == 0 {
+            continue;
+        }
+        let glossy: mask32x16<S> = simd.from_bitmask_mask32x16(glossy);
+        let point = row_of(simd, &tile.point, row);
+        let (to_lamp, gain) = if light.form() == Form::Directional {
+            (light.direction.map(|along| f32x16::splat(simd, -along as f32)), one)
+        } else {
+            let ray = Ray::to(simd, light, position, point);
+            (ray.way.map(|way| way * ray.per_distance), ray.gain)
+        };
+        let [x, y, z] = point;
+        let per_range = one / ((x * x + y * y) + z * z).sqrt();
+        let middle = [0, 1, 2].map(|axis| to_lamp[axis] - point[axis] * per_range);
+        let [x, y, z] = middle;
+        let length = ((x * x + y * y) + z * z).sqrt();
+        let [a, b, c] = row_of(simd, normal, row);
+        let cos = ((a * x + b * y) + c * z) / length;
+        let highlight = power(simd, cos, load_row(simd, &gloss.shininess, row)) * gain;
+        let highlight = glossy.select(highlight, f32x16::splat(simd, 0.0));
+        for channel in 0..3 {
+            let added = (load_row(simd, &gloss.specular[channel], row) * light.specular[channel]) * highlight;
+            store_row(load_row(simd, &colours[channel], row) + added, &mut colours[channel], row);
+        }
+    }
+}
+
+/// Full inside the inner cone, none outside the outer; between, a power of what is linear in the cosine.
 #[inline(always)]
 fn cone<S: Simd>(simd: S, light: &Light, cos_angle: f32x16<S>) -> f32x16<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let between = (cos_angle - light.cos_outer) / (light.cos_inner - light.cos_outer);
+    let mut between = (cos_angle - light.cos_outer) / (light.cos_inner - light.cos_outer);
+    if light.falloff != 1.0 {
+        between = power(simd, between, f32x16::splat(simd, light.falloff));
+    }
     let outside = cos_angle.simd_le(light.cos_outer).select(zero, between);
     cos_angle.simd_ge(light.cos_inner).select(one, outside)
 }

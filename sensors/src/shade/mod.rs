@@ -1,29 +1,35 @@
 //! The colour of what a camera sees.
 //!
 //! colour = emissive + texture · (ambient · ambient light + Σ diffuse · lamp · max(0, n·l) · attenuation ·
-//! shadow), in the space of the files' colours without gamma, as Gazebo classic renders.
+//! shadow) + Σ specular · lamp's specular · (n·h)^shininess · attenuation · shadow, in the space of the files' colours
+//! without gamma, as Gazebo classic renders.
 //!
 //! A tile sees few instances. One after the other gives its lanes their normals and their albedo, sixteen at a time;
 //! then come the lamps, for all lanes at once.
 
+mod bumps;
 mod face;
 mod lamp;
 mod lift;
 mod occluders;
+mod power;
 mod shadow;
 mod surface;
 mod texture;
+pub(crate) mod through;
 pub(crate) mod tile;
 
-use crate::scene::{Kind, NO_TEXTURE};
+use crate::scene::{ALPHA_CUT_OUT, ColourSpace, Kind, Material, NO_TEXTURE, Scene};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
+use crate::srgb;
 use crate::trace::packet::MISS;
 use crate::trace::view::View;
+use bumps::Bumps;
 use face::{Face, faces};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use shadow::Shadows;
 use surface::{Footprint, Surfaces};
-use texture::Sampler;
+use texture::{Reading, Sampler};
 use tile::{Steps, Tile};
 
 /// Rows of a tile.
@@ -41,9 +47,23 @@ pub(crate) struct Shader {
     sampler: Sampler,
     /// Diffuse colour times texture; black where nothing was hit.
     albedo: Colours,
+    gloss: Gloss,
+    bumps: Bumps,
+    /// Share of what is seen that is the surface: of the lanes that are [`Shader::clear`].
+    coverage: Lanes<f32>,
+    /// Those through which something may be seen, a bit each.
+    clear: u64,
     shadows: Shadows,
     /// What is seen by each lane, if that is kept: [`Shader::seen`].
     seen: Option<Lanes<u32>>,
+}
+
+/// How the lanes of a tile shine.
+struct Gloss {
+    /// Those that do, a bit each; the others have no more than places below.
+    lanes: u64,
+    specular: Colours,
+    shininess: Lanes<f32>,
 }
 
 impl Shader {
@@ -54,6 +74,10 @@ impl Shader {
             face: Face::NONE,
             sampler: Sampler::new(),
             albedo: [[0.0; LANES]; 3],
+            gloss: Gloss { lanes: 0, specular: [[0.0; LANES]; 3], shininess: [0.0; LANES] },
+            bumps: Bumps::new(),
+            coverage: [1.0; LANES],
+            clear: 0,
             shadows: Shadows::new(),
             seen: None,
         }
@@ -70,7 +94,13 @@ impl Shader {
         self.seen.as_ref()
     }
 
-    /// Colours of a traced tile; the background where nothing was hit.
+    /// Whether something may be seen behind the tile shaded last.
+    pub(crate) fn is_clear(&self) -> bool {
+        self.clear != 0
+    }
+
+    /// Colours of a traced tile; the background where nothing was hit. What lies behind clear surfaces is for
+    /// [`Through`](through::Through) to add.
     pub(crate) fn shade<S: Simd>(
         &mut self,
         simd: S,
@@ -84,12 +114,14 @@ impl Shader {
             || {
                 let all = !0;
                 if tile.hits != all {
+                    let background = light_of(view.scene.environment.background, view.scene.colour_space);
                     for channel in 0..3 {
-                        colours[channel] = [view.scene.environment.background[channel]; LANES];
+                        colours[channel] = [background[channel]; LANES];
                     }
                     self.albedo = [[0.0; LANES]; 3];
                     self.surfaces.normal = [[0.0; LANES]; 3];
                 }
+                (self.gloss.lanes, self.bumps.lanes, self.clear) = (0, 0, 0);
                 let mut rest = tile.hits;
                 while rest != 0 {
                     let placed = tile.placed[rest.trailing_zeros() as usize % LANES];
@@ -99,6 +131,9 @@ impl Shader {
                 }
                 if let Some(seen) = &mut self.seen {
                     tell_surfaces(simd, tile, &self.surfaces, seen);
+                }
+                if self.bumps.lanes != 0 {
+                    self.bumps.swap(&mut self.surfaces.normal);
                 }
             },
         );
@@ -124,6 +159,9 @@ impl Shader {
         let instance = view.instance(placed);
         let material = &scene.materials[instance.material as usize];
         let textured = material.texture != NO_TEXTURE;
+        let bumpy = material.normal_map != NO_TEXTURE;
+        // Whether anything needs to know where on the texture the pixels are.
+        let mapped = textured || bumpy;
         let repeat = material.texture_repeat;
 
         // Step 1: normals, and what the pixels cover of the texture.
@@ -149,7 +187,15 @@ impl Shader {
                         let normal = f32x16::splat(simd, face.normal[axis]);
                         store_where(simd, mine, normal, &mut self.surfaces.normal[axis], row);
                     }
-                    if textured && mine.any_true() {
+                    if bumpy {
+                        for (place, gradient) in self.surfaces.gradient.iter_mut().zip(&face.gradient) {
+                            for axis in 0..3 {
+                                let gradient = f32x16::splat(simd, gradient[axis]);
+                                store_where(simd, mine, gradient, &mut place[axis], row);
+                            }
+                        }
+                    }
+                    if mapped && mine.any_true() {
                         let footprint = if steps.is_some() {
                             face.footprint::<S, true>(simd, tile, row)
                         } else {
@@ -160,13 +206,18 @@ impl Shader {
                 }
             }
         } else {
-            self.surfaces.add(view, tile, placed, textured.then_some(repeat), steps);
+            self.surfaces.wants_gradient = bumpy;
+            self.surfaces.add(view, tile, placed, mapped.then_some(repeat), steps);
             for row in 0..ROWS {
                 footprints[row] = self.surfaces.footprint(simd, row);
             }
         }
 
         // Step 2: colours.
+        let space = scene.colour_space;
+        let ambient = light_of(material.ambient, space);
+        let (diffuse, emissive) = (light_of(material.diffuse, space), light_of(material.emissive, space));
+        let reading = if space == ColourSpace::Srgb { Reading::Light } else { Reading::Numbers };
         if textured {
             self.sampler.turn_to(scene, material.texture);
         }
@@ -177,15 +228,84 @@ impl Shader {
             }
             let mut texture = [f32x16::splat(simd, 1.0); 3];
             if textured {
-                texture = self.sampler.sample(simd, scene, &footprints[row], mine);
+                texture = self.sampler.sample(simd, scene, &footprints[row], mine, reading);
             }
             for channel in 0..3 {
-                let ambient = material.ambient[channel] * scene.environment.ambient[channel];
-                let colour = texture[channel] * ambient + material.emissive[channel];
+                let ambient = ambient[channel] * scene.environment.ambient[channel];
+                let colour = texture[channel] * ambient + emissive[channel];
                 store_where(simd, mine, colour, &mut colours[channel], row);
-                let albedo = texture[channel] * material.diffuse[channel];
+                let albedo = texture[channel] * diffuse[channel];
                 store_where(simd, mine, albedo, &mut self.albedo[channel], row);
             }
+        }
+        if material.is_glossy() {
+            self.gloss.add(simd, material, lanes, space);
+        }
+        if bumpy {
+            self.bump(simd, scene, material, &footprints, lanes);
+        }
+        if material.is_clear() {
+            self.uncover(simd, scene, material, &footprints, lanes);
+        }
+    }
+
+    /// How much is to be seen of the surfaces of a clear material.
+    fn uncover<S: Simd>(
+        &mut self,
+        simd: S,
+        scene: &Scene<'_>,
+        material: &Material,
+        footprints: &[Footprint<S>; ROWS],
+        lanes: u64,
+    ) {
+        let Self { sampler, coverage, clear, .. } = self;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let one = f32x16::splat(simd, 1.0);
+                for row in 0..ROWS {
+                    let mine = lanes_in(simd, lanes, row);
+                    if !mine.any_true() {
+                        continue;
+                    }
+                    let mut alpha = one;
+                    if material.has_texture_alpha() {
+                        [alpha, ..] = sampler.sample(simd, scene, &footprints[row], mine, Reading::Alpha);
+                        if material.texture_alpha == ALPHA_CUT_OUT {
+                            alpha = alpha.simd_ge(material.least_alpha).select(one, f32x16::splat(simd, 0.0));
+                        }
+                    }
+                    let alpha = alpha * material.alpha;
+                    store_where(simd, mine, alpha, coverage, row);
+                    *clear |= (alpha.simd_lt(one) & mine).to_bitmask() << (row * WIDTH);
+                }
+            },
+        );
+    }
+}
+
+/// What a colour is in the light that is worked with.
+#[inline(always)]
+fn light_of(colour: [f32; 3], space: ColourSpace) -> [f32; 3] {
+    match space {
+        ColourSpace::AsGiven => colour,
+        ColourSpace::Srgb => colour.map(srgb::decode),
+    }
+}
+
+impl Gloss {
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, material: &Material, lanes: u64, space: ColourSpace) {
+        self.lanes |= lanes;
+        let colour = light_of(material.specular, space);
+        for row in 0..ROWS {
+            let mine = lanes_in(simd, lanes, row);
+            for channel in 0..3 {
+                let specular = f32x16::splat(simd, colour[channel]);
+                store_where(simd, mine, specular, &mut self.specular[channel], row);
+            }
+            let shininess = f32x16::splat(simd, material.shininess);
+            store_where(simd, mine, shininess, &mut self.shininess, row);
         }
     }
 }

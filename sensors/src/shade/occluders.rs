@@ -98,6 +98,9 @@ impl Occluders {
                     waiting += 1;
                     continue;
                 }
+                if !view.placed[(child & !LEAF) as usize].casts_shadows() {
+                    continue;
+                }
                 if count == WIDTH {
                     self.is_crowded = true;
                     return;

@@ -92,7 +92,7 @@ impl Shadows {
                         &bounds,
                         1.0,
                         #[inline(always)]
-                        |index| rays.meet(simd, index),
+                        |index| !view.placed[index as usize].casts_shadows() || rays.meet(simd, index),
                     );
                 }
                 rays.dark
@@ -146,6 +146,9 @@ impl Shadows {
                     f32::INFINITY,
                     #[inline(always)]
                     |index| {
+                        if !view.placed[index as usize].casts_shadows() {
+                            return true;
+                        }
                         let active = lit & !dark & !own_lanes(simd, view, tile, index);
                         if active != 0 {
                             activate(packet, active, f64::INFINITY);

@@ -51,11 +51,20 @@ pub(crate) struct Surfaces {
     uv: [Lanes<f32>; 2],
     /// Change of u and v to the next pixel along the row, and to that down the column.
     footprint: [[Lanes<f32>; 2]; 2],
+    /// Change of u and of v per metre, times any factor above 0. Only if it is wanted.
+    pub(crate) gradient: [[Lanes<f32>; 3]; 2],
+    pub(crate) wants_gradient: bool,
 }
 
 impl Surfaces {
     pub(crate) const fn new() -> Self {
-        Self { normal: [[0.0; LANES]; 3], uv: [[0.0; LANES]; 2], footprint: [[[0.0; LANES]; 2]; 2] }
+        Self {
+            normal: [[0.0; LANES]; 3],
+            uv: [[0.0; LANES]; 2],
+            footprint: [[[0.0; LANES]; 2]; 2],
+            gradient: [[[0.0; LANES]; 3]; 2],
+            wants_gradient: false,
+        }
     }
 
     /// Of a row of sixteen lanes.
@@ -212,6 +221,20 @@ impl Surfaces {
                 let coordinate = uv[axis][lane] * repeat;
                 let rest = (coordinate - floor(coordinate)) as f32;
                 self.uv[axis][lane] = if mine(lane) { rest } else { self.uv[axis][lane] };
+            }
+        }
+        if self.wants_gradient {
+            // Gradients go by the inverse transpose, as normals do.
+            for side in 0..2 {
+                for axis in 0..3 {
+                    let [x, y, z] = inverse.map(|row| row[axis] as f32 * repeat[side]);
+                    let [along_x, along_y, along_z] = &gradient[side];
+                    for lane in 0..LANES {
+                        let change = x * along_x[lane] + y * along_y[lane] + z * along_z[lane];
+                        let old = self.gradient[side][axis][lane];
+                        self.gradient[side][axis][lane] = if mine(lane) { change } else { old };
+                    }
+                }
             }
         }
         // The pixel's footprint: how far the hit moves on the surface's plane from one pixel to the next

@@ -6,6 +6,7 @@
 use super::surface::Footprint;
 use crate::scene::{NO_TEXTURE, Scene, Texture};
 use crate::simd::WIDTH;
+use crate::srgb::decode_row;
 use fearless_simd::{
     Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask, f32x16, mask32x16, u32x16, u64x8,
 };
@@ -15,6 +16,17 @@ const MAX_ANISOTROPY: f32 = 8.0;
 
 /// Most mip levels of a texture.
 const MOST_LEVELS: usize = 32;
+
+/// What is looked for in a texture.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reading {
+    /// Its numbers, as they are.
+    Numbers,
+    /// The linear light that they are in sRGB.
+    Light,
+    /// Its alpha, in the place of each colour.
+    Alpha,
+}
 
 /// Looks into one texture after the other; keeps what it knows of the last.
 pub(super) struct Sampler {
@@ -70,7 +82,7 @@ impl Sampler {
         }
     }
 
-    /// Mean colours over the footprints of sixteen pixels, RGB in [0, 1]; only lanes that are `mine`, of which there
+    /// Means over the footprints of sixteen pixels, RGB in [0, 1]; only lanes that are `mine`, of which there
     /// is one at least, count.
     #[inline(always)]
     pub(super) fn sample<S: Simd>(
@@ -79,6 +91,7 @@ impl Sampler {
         scene: &Scene<'_>,
         footprint: &Footprint<S>,
         mine: mask32x16<S>,
+        reading: Reading,
     ) -> [f32x16<S>; 3] {
         let texels = &scene.texels[self.first_texel..];
         let taps = self.taps(simd, footprint);
@@ -95,9 +108,9 @@ impl Sampler {
         while index < most {
             let along = f32x16::splat(simd, index + 0.5) - counts * 0.5;
             let (u, v) = (u + taps.step[0] * along, v + taps.step[1] * along);
-            let mut colour = fine.bilinear(simd, texels, u, v, mine);
+            let mut colour = fine.bilinear(simd, texels, [u, v], mine, reading);
             if mixed {
-                let other = coarse.bilinear(simd, texels, u, v, mine);
+                let other = coarse.bilinear(simd, texels, [u, v], mine, reading);
                 for channel in 0..3 {
                     colour[channel] = mix(colour[channel], other[channel], taps.blend);
                 }
@@ -198,9 +211,9 @@ impl<S: Simd> LaneLevels<S> {
         &self,
         simd: S,
         texels: &[[u8; 4]],
-        u: f32x16<S>,
-        v: f32x16<S>,
+        [u, v]: [f32x16<S>; 2],
         mine: mask32x16<S>,
+        reading: Reading,
     ) -> [f32x16<S>; 3] {
         let (left, right_of, right) = neighbours(simd, u, self.width);
         let (top, below, down) = neighbours(simd, f32x16::splat(simd, 1.0) - v, self.height);
@@ -209,8 +222,8 @@ impl<S: Simd> LaneLevels<S> {
         let [top_left, top_right] = look_up_neighbours(simd, texels, [top + left, top + right_of], wrapping);
         let [below_left, below_right] =
             look_up_neighbours(simd, texels, [below + left, below + right_of], wrapping);
-        let upper = mix_texels(simd, top_left, top_right, right);
-        let lower = mix_texels(simd, below_left, below_right, right);
+        let upper = mix_texels(simd, [top_left, top_right], right, reading);
+        let lower = mix_texels(simd, [below_left, below_right], right, reading);
         let mut mixed = upper;
         for channel in 0..3 {
             mixed[channel] = mix(upper[channel], lower[channel], down);
@@ -337,15 +350,27 @@ fn mix<S: Simd>(from: f32x16<S>, to: f32x16<S>, part: f32x16<S>) -> f32x16<S> {
     from + (to - from) * part
 }
 
-/// Red, green and blue of texels, mixed.
+/// What is read of texels, 0 to 255, mixed.
 #[inline(always)]
-fn mix_texels<S: Simd>(simd: S, from: u32x16<S>, to: u32x16<S>, part: f32x16<S>) -> [f32x16<S>; 3] {
+fn mix_texels<S: Simd>(
+    simd: S,
+    [from, to]: [u32x16<S>; 2],
+    part: f32x16<S>,
+    reading: Reading,
+) -> [f32x16<S>; 3] {
     let low = u32x16::splat(simd, 0xff);
+    if reading == Reading::Alpha {
+        return [mix((from >> 24).to_float(), (to >> 24).to_float(), part); 3];
+    }
     let mut mixed = [part; 3];
     for (channel, mixed) in mixed.iter_mut().enumerate() {
         let shift = 8 * channel as u32;
-        let from = ((from >> shift) & low).to_float::<f32x16<S>>();
-        let to = ((to >> shift) & low).to_float::<f32x16<S>>();
+        let mut from = ((from >> shift) & low).to_float::<f32x16<S>>();
+        let mut to = ((to >> shift) & low).to_float::<f32x16<S>>();
+        if reading == Reading::Light {
+            from = decode_row(simd, from * (1.0 / 255.0)) * 255.0;
+            to = decode_row(simd, to * (1.0 / 255.0)) * 255.0;
+        }
         *mixed = mix(from, to, part);
     }
     mixed

@@ -60,7 +60,8 @@ pub(crate) struct Placed {
     pub(crate) first_block: u32,
     /// Which mesh or height field.
     pub(crate) mesh: u32,
-    reserved: u32,
+    /// 1 if it does not stand in the way of light.
+    clear: u32,
     /// 1 if its scale mirrors it.
     pub(crate) mirrored: u32,
     /// 1 if normals change their length on the way to the frame.
@@ -80,6 +81,12 @@ impl Placed {
     #[inline(always)]
     pub(crate) fn is_turned(&self) -> bool {
         self.turned != 0
+    }
+
+    /// Whether it stands in the way of light.
+    #[inline(always)]
+    pub(crate) fn casts_shadows(&self) -> bool {
+        self.clear == 0
     }
 
     /// A unit normal of the instance in the frame.
@@ -197,7 +204,7 @@ impl<'a> View<'a> {
                 first_slot: slots,
                 first_node: mesh.map_or(0, |mesh| mesh.first_node),
                 mesh: instance.mesh,
-                reserved: 0,
+                clear: u32::from(!scene.materials[instance.material as usize].casts_shadows()),
                 first_block: mesh.map_or(0, |mesh| mesh.first_block),
                 mirrored: u32::from(axes.determinant() < 0.0),
                 normal_rows: inverse.as_mat3().to_cols_array_2d(),

@@ -254,7 +254,7 @@ pub(crate) fn scenery(builder: &mut SceneBuilder) -> InstanceId {
     for (kind, range_m) in [
         (LightKind::Point { position: [1.0, -1.5, 2.4] }, 5.0),
         (LightKind::Directional { direction: [0.4, 0.3, -1.0] }, f32::INFINITY),
-        (LightKind::Spot { position, direction: [0.5, 0.0, -1.0], cos_inner: 0.95, cos_outer: 0.8 }, 20.0),
+        (spot(position, DVec3::new(0.5, 0.0, -1.0), [0.95, 0.8, 1.0]), 20.0),
     ] {
         let attenuation = [0.9, 0.05, 0.02];
         builder
@@ -264,8 +264,18 @@ pub(crate) fn scenery(builder: &mut SceneBuilder) -> InstanceId {
                 range_m,
                 attenuation,
                 cast_shadows: true,
+                ..LightConfig::default()
             })
             .unwrap();
     }
     last
+}
+
+/// A spot: the cosines of half its inner and outer angle, and its falloff.
+pub(crate) fn spot(
+    position: [f64; 3],
+    direction: DVec3,
+    [cos_inner, cos_outer, falloff]: [f32; 3],
+) -> LightKind {
+    LightKind::Spot { position, direction: direction.to_array(), cos_inner, cos_outer, falloff }
 }

@@ -1,15 +1,17 @@
 //! Collada 1.4 and 1.5 (`.dae`): the triangles of the visual scene in metres with z up, and their colours.
 //!
 //! Read: units and up axis, nodes with all their transforms and instances, `triangles`, `polylist`, `polygons`,
-//! `trifans`, `tristrips`, diffuse and emission as colour or picture. Passed over: lines, splines, skins,
+//! `trifans`, `tristrips`, diffuse as colour or picture, emission, specular, shininess, and what is
+//! transparent if it says how (`opaque="…"`), as in Gazebo. Passed over: lines, splines, skins,
 //! animation, lights and cameras. A file without `<up_axis>` is taken as z up, as Gazebo takes it.
 
 mod numbers;
 
-use super::{Part, surface};
+use super::{Look, Part};
 use crate::description::diagnostics::{Diagnostics, Source};
 use crate::description::model::Material;
 use crate::description::xml::Element;
+use belvedere_sensors::scene::TextureAlpha;
 use glam::{DAffine3, DMat3, DVec3};
 use numbers::{Values, list, offset, polygons, transform, values};
 use std::collections::HashMap;
@@ -183,19 +185,20 @@ impl<'a> Document<'a> {
             return Ok(None);
         };
         let color = |name: &str| -> Outcome<Option<[f32; 3]>> {
-            let Some(element) = shading.child(name).and_then(|part| part.child("color")) else {
-                return Ok(None);
-            };
-            match list::<f32>(element)?[..] {
-                [r, g, b, ..] if [r, g, b].iter().all(|value| value.is_finite()) => Ok(Some([r, g, b])),
-                _ => wrong(element, "a colour needs three finite numbers"),
+            match shading.child(name).and_then(|part| part.child("color")) {
+                Some(element) => rgba(element).map(|[r, g, b, _]| Some([r, g, b])),
+                None => Ok(None),
             }
         };
+        let shininess = shading.child("shininess").map(float).transpose()?.flatten();
+        let (alpha, texture_alpha) = opacity(shading)?;
         let texture = shading.child("diffuse").and_then(|diffuse| diffuse.child("texture"));
         let picture = texture
             .and_then(|texture| texture.attribute("texture"))
             .and_then(|sampler| self.picture(profile, sampler));
-        Ok(surface(color("diffuse")?, color("emission")?, picture))
+        let (diffuse, emissive, specular) = (color("diffuse")?, color("emission")?, color("specular")?);
+        let look = Look { diffuse, emissive, specular, shininess, alpha, texture_alpha, texture: picture };
+        Ok(look.material())
     }
 
     /// The file behind a texture: sampler → surface → image (1.4), sampler → image (1.5), or the image itself.
@@ -302,4 +305,50 @@ impl<'a> Document<'a> {
         }
         Ok(())
     }
+}
+/// The colour of an element's text; opaque if it does not say.
+fn rgba(element: &Element) -> Outcome<[f32; 4]> {
+    match list::<f32>(element)?[..] {
+        [r, g, b, ref rest @ ..] if [r, g, b].iter().chain(rest).all(|value| value.is_finite()) => {
+            Ok([r, g, b, rest.first().copied().unwrap_or(1.0)])
+        }
+        _ => wrong(element, "a colour needs three finite numbers"),
+    }
+}
+
+/// The number in an element's `<float>`, if there is one.
+fn float(element: &Element) -> Outcome<Option<f32>> {
+    let Some(float) = element.child("float") else { return Ok(None) };
+    match list::<f32>(float)?[..] {
+        [value] if value.is_finite() => Ok(Some(value)),
+        _ => wrong(float, format!("<{}> needs one finite number", element.name)),
+    }
+}
+
+/// How much of a surface is to be seen. Exporters disagree on what `<transparency>` alone means, so it counts only beside
+/// a `<transparent>` that says how it is meant, as in Gazebo; with a picture there, the picture's alpha cuts out.
+fn opacity(shading: &Element) -> Outcome<(Option<f32>, TextureAlpha)> {
+    let transparent = shading.child("transparent");
+    let Some((transparent, mode)) = transparent.and_then(|it| Some((it, it.attribute("opaque")?))) else {
+        return Ok((None, TextureAlpha::Ignored));
+    };
+    if transparent.child("texture").is_some() {
+        return Ok((None, TextureAlpha::CutOut { least: 0.5 }));
+    }
+    let share = shading.child("transparency").map(float).transpose()?.flatten().unwrap_or(1.0);
+    let [r, g, b, a] = transparent.child("color").map(rgba).transpose()?.unwrap_or([1.0; 4]);
+    let luminance = 0.212_671 * r + 0.715_160 * g + 0.072_169 * b;
+    let alpha = match mode {
+        "A_ONE" => a * share,
+        "A_ZERO" => 1.0 - a * share,
+        "RGB_ONE" => luminance * share,
+        "RGB_ZERO" => 1.0 - luminance * share,
+        _ => {
+            return wrong(
+                transparent,
+                format!("opaque='{mode}' is none of A_ONE, A_ZERO, RGB_ONE, RGB_ZERO"),
+            );
+        }
+    };
+    Ok((Some(alpha), TextureAlpha::Ignored))
 }

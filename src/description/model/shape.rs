@@ -2,6 +2,7 @@
 
 use crate::description::diagnostics::Source;
 use belvedere_sensors::Pose;
+use belvedere_sensors::scene::TextureAlpha;
 use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -113,8 +114,18 @@ pub struct Material {
     pub ambient: [f32; 3],
     /// Own light.
     pub emissive: [f32; 3],
+    /// Highlights of lamps, which [`Material::shininess`] switches on.
+    pub specular: [f32; 3],
+    /// Exponent of Blinn's and Phong's highlights; without one, 0, there are none, as in Gazebo.
+    pub shininess: f32,
+    /// How much of what is seen is the surface: 1 is opaque, 0 not there.
+    pub alpha: f32,
+    /// What the texture's own alpha means.
+    pub texture_alpha: TextureAlpha,
     /// An image file over the surface.
     pub texture: Option<PathBuf>,
+    /// An image file of normals in the axes of the surface.
+    pub normal_map: Option<PathBuf>,
     /// How often the texture repeats over the surface (Ogre's `scale`, inverted), along u and v.
     pub texture_repeat: [f32; 2],
 }
@@ -126,7 +137,12 @@ impl Default for Material {
             diffuse: [0.7; 3],
             ambient: [0.7; 3],
             emissive: [0.0; 3],
+            specular: [0.0; 3],
+            shininess: 0.0,
+            alpha: 1.0,
+            texture_alpha: TextureAlpha::Ignored,
             texture: None,
+            normal_map: None,
             texture_repeat: [1.0; 2],
         }
     }

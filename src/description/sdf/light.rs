@@ -5,10 +5,14 @@ use crate::description::model::{Light, LightKind};
 use crate::description::values::{child_bool, child_number, numbers};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
+use belvedere_sensors::scene::MAX_FALLOFF;
 use glam::DVec3;
 
 /// `<attenuation><range>` where none is given (sdf/1.6), in metres.
 const DEFAULT_RANGE_M: f64 = 10.0;
+
+/// `<specular>` where none is given (sdf/1.6).
+const DEFAULT_SPECULAR: [f32; 3] = [0.1; 3];
 
 impl Loader<'_> {
     /// Reads a lamp that stands at `outer_from_light`; none if it is switched off.
@@ -48,11 +52,13 @@ impl Loader<'_> {
         let is_sun = kind == LightKind::Directional;
         let intensity = child_number(element, "intensity", self.diagnostics).unwrap_or(1.0);
         let diffuse = self.color(element, "diffuse").unwrap_or([1.0; 3]);
+        let specular = self.color(element, "specular").unwrap_or(DEFAULT_SPECULAR);
         Some(Light {
             name: name_of(element),
             world_from_light: outer_from_light,
             kind,
             diffuse: diffuse.map(|value| value * intensity as f32),
+            specular: specular.map(|value| value * intensity as f32),
             direction: self.direction(element)?,
             range_m: if is_sun { f64::INFINITY } else { range_m },
             attenuation: if is_sun { [1.0, 0.0, 0.0] } else { attenuation },
@@ -90,12 +96,12 @@ impl Loader<'_> {
             (number("inner_angle"), number("outer_angle"), number("falloff"));
         if !(0.0..=std::f64::consts::PI).contains(&outer_angle)
             || !(0.0..=outer_angle).contains(&inner_angle)
-            || falloff < 0.0
+            || !(0.0..=f64::from(MAX_FALLOFF)).contains(&falloff)
         {
             self.diagnostics.error(
                 &spot.source,
                 format!("<spot> has inner_angle {inner_angle}, outer_angle {outer_angle}, falloff {falloff}"),
-                "write full angles with 0 ≤ inner ≤ outer ≤ 3.1416, and a falloff of 0 or more",
+                "write full angles with 0 ≤ inner ≤ outer ≤ 3.1416, and a falloff from 0 to 10000",
             );
             return None;
         }

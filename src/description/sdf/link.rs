@@ -124,21 +124,18 @@ impl Loader<'_> {
 
     fn visual(&mut self, element: &Element, scope: Scope<'_>, frames: &Frames, link: &mut Link) {
         let link_from_visual = self.pose_in_link(element, scope.version, &link.name, frames);
-        if child_number(element, "transparency", self.diagnostics).is_some_and(|value| value > 0.0) {
-            self.ignored(
-                element.child("transparency").unwrap_or(element),
-                "every surface is opaque; leave the visual out if it should not be seen",
-            );
-        }
+        let opacity = 1.0 - self.within(element, "transparency", 1.0).unwrap_or(0.0);
         let material = self.material(element, scope);
         let label = label(element, self.diagnostics);
         // A mesh whose triangles have several materials becomes one visual for each.
         for geometry in self.visual_geometry(element, scope) {
             let own = geometry.own_material();
+            let mut material = material.clone().or(own).unwrap_or_default();
+            material.alpha *= opacity;
             link.visuals.push(Visual {
                 name: name_of(element),
                 link_from_visual,
-                material: material.clone().or(own).unwrap_or_default(),
+                material,
                 label,
                 geometry,
                 source: element.source.clone(),

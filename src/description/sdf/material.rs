@@ -1,17 +1,21 @@
-//! `<material>`: an Ogre script by name, colours, and the albedo map of `<pbr>`.
+//! `<material>`: an Ogre script by name, colours, gloss, normals, and the albedo map of `<pbr>`.
 
 use super::resources::Resolved;
 use super::{Loader, Scope, resources};
 use crate::description::gazebo_materials::gazebo_material;
 use crate::description::model::Material;
 use crate::description::ogre_material::{self, OgreMaterial};
-use crate::description::values::{child_text, nearest};
+use crate::description::values::{child_bool, child_text, nearest};
 use crate::description::xml::Element;
+use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Picture formats that are decoded.
 const PICTURES: [&str; 5] = ["png", "jpg", "jpeg", "tga", "bmp"];
+
+/// What the alpha of an albedo map means to gz-sim.
+const PBR_ALPHA: TextureAlpha = TextureAlpha::CutOut { least: 0.5 };
 
 impl Loader<'_> {
     /// The look of a `<visual>`; none if it says nothing, so that a mesh keeps its own.
@@ -21,11 +25,17 @@ impl Loader<'_> {
     pub(super) fn material(&mut self, visual: &Element, scope: Scope<'_>) -> Option<Material> {
         let element = visual.child("material")?;
         let script = element.child("script").and_then(|script| self.script(script, scope));
-        let diffuse = self.color(element, "diffuse");
+        let rgba = self.rgba(element, "diffuse");
+        let diffuse = rgba.map(|[r, g, b, _]| [r, g, b]);
         let ambient = self.color(element, "ambient");
         let emissive = self.color(element, "emissive");
+        let specular = self.color(element, "specular");
+        let shininess = self.within(element, "shininess", MAX_SHININESS);
         let texture = self.albedo_map(element, scope);
-        if script.is_none() && diffuse.or(ambient).or(emissive).is_none() && texture.is_none() {
+        let normal_map = self.normal_map(element, scope);
+        self.tell_what_is_ignored(element);
+        let says_a_colour = diffuse.or(ambient).or(emissive).or(specular).is_some();
+        if script.is_none() && !says_a_colour && texture.is_none() && normal_map.is_none() {
             return None;
         }
         let mut material = script.unwrap_or_else(|| {
@@ -37,23 +47,87 @@ impl Loader<'_> {
         material.diffuse = diffuse.unwrap_or(material.diffuse);
         material.ambient = ambient.unwrap_or(material.ambient);
         material.emissive = emissive.unwrap_or(material.emissive);
-        material.texture = material.texture.or(texture);
+        // Gazebo sets both at once: without a shininess of its own, a specular colour switches the script's off.
+        material.shininess = shininess.unwrap_or(if specular.is_some() { 0.0 } else { material.shininess });
+        material.specular = specular.unwrap_or(material.specular);
+        material.normal_map = normal_map;
+        material.alpha = rgba.map_or(material.alpha, |[.., alpha]| alpha.min(1.0));
+        if material.texture.is_none() && texture.is_some() {
+            material.texture = texture;
+            material.texture_alpha = PBR_ALPHA;
+        }
         Some(material)
     }
 
+    /// What else a `<material>` may say, and is not drawn.
+    fn tell_what_is_ignored(&mut self, material: &Element) {
+        let lit = "surfaces are lit by <diffuse>, <specular> and <shininess>";
+        if child_bool(material, "lighting", self.diagnostics) == Some(false) {
+            self.ignored(material.child("lighting").unwrap_or(material), "every surface is lit");
+        }
+        if child_bool(material, "double_sided", self.diagnostics) == Some(true) {
+            self.ignored(material.child("double_sided").unwrap_or(material), "cameras see outsides alone");
+        }
+        let Some(workflow) = workflow(material) else { return };
+        for child in workflow.elements() {
+            let text = child.text();
+            let is_drawn = match child.name.as_str() {
+                "albedo_map" | "normal_map" => true,
+                // What is as dull as can be is drawn so.
+                "metalness" | "glossiness" => text.parse() == Ok(0.0),
+                "roughness" => text.parse() == Ok(1.0),
+                _ => text.is_empty(),
+            };
+            if !is_drawn {
+                self.ignored(child, lit);
+            }
+        }
+    }
+
     fn albedo_map(&mut self, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
-        let pbr = material.child("pbr")?;
-        let workflow = pbr.child("metal").or_else(|| pbr.child("specular"))?;
-        let map = workflow.child("albedo_map")?;
-        let uri = map.text();
-        if uri.is_empty() {
+        let map = workflow(material)?.child("albedo_map")?;
+        self.map(map, material, scope)
+    }
+
+    /// Normals in the axes of the surface: of a `<shader>`, as Gazebo classic has them, or of `<pbr>`.
+    fn normal_map(&mut self, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
+        let shader = material.child("shader").filter(|shader| shader.child("normal_map").is_some());
+        let map = match shader.map(|shader| (shader, shader.attribute("type"))) {
+            Some((shader, Some("normal_map_tangent_space"))) => shader.child("normal_map"),
+            Some((shader, Some("normal_map_object_space"))) => {
+                self.ignored(shader, "normals are read in the axes of the surface, normal_map_tangent_space");
+                None
+            }
+            _ => workflow(material).and_then(|workflow| workflow.child("normal_map")),
+        }?;
+        if map.attribute("type") == Some("object") {
+            self.ignored(map, "normals are read in the axes of the surface, type=\"tangent\"");
             return None;
         }
-        // Gazebo's successors also look beside the model's file and in its materials/textures.
-        let bare = !uri.contains("://") && !scope.folder.join(&uri).exists();
-        let textures = scope.folder.join("materials/textures");
-        let folder = if bare && textures.join(&uri).exists() { &textures } else { scope.folder };
-        let path = self.existing_file(map, &uri, folder, "texture")?;
+        self.map(map, material, scope)
+    }
+
+    /// The picture that an element names.
+    fn map(&mut self, map: &Element, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
+        let uri = map.text();
+        if uri.is_empty() || uri == "__default__" {
+            return None;
+        }
+        let mut folder = scope.folder.to_path_buf();
+        if !uri.contains("://") && !folder.join(&uri).exists() {
+            // Gazebo also looks where the script is, its successors in the model's materials/textures.
+            let uris = material.child("script").into_iter().flat_map(|script| script.elements_named("uri"));
+            let mut places = vec![folder.join("materials/textures")];
+            for uri in uris {
+                if let Resolved::Found(path) = self.resources.resolve(&uri.text(), scope.folder) {
+                    places.extend([path.join("../textures"), path]);
+                }
+            }
+            if let Some(found) = places.into_iter().find(|place| place.join(&uri).is_file()) {
+                folder = found;
+            }
+        }
+        let path = self.existing_file(map, &uri, &folder, "texture")?;
         self.picture(map, path)
     }
 
@@ -158,10 +232,21 @@ impl Loader<'_> {
             diffuse: ogre.diffuse.unwrap_or([1.0; 3]),
             ambient: ogre.ambient.unwrap_or([1.0; 3]),
             emissive: ogre.emissive.unwrap_or([0.0; 3]),
+            specular: ogre.specular.map_or([0.0; 3], |[r, g, b, _]| [r, g, b]),
+            shininess: ogre.specular.map_or(0.0, |[.., shininess]| shininess.clamp(0.0, MAX_SHININESS)),
+            alpha: ogre.alpha.unwrap_or(1.0).clamp(0.0, 1.0),
+            texture_alpha: ogre.texture_alpha.unwrap_or_default(),
             texture,
+            normal_map: None,
             texture_repeat: ogre.texture_repeat.unwrap_or([1.0; 2]),
         }
     }
+}
+
+/// The workflow of `<pbr>` that is read.
+fn workflow(material: &Element) -> Option<&Element> {
+    let pbr = material.child("pbr")?;
+    pbr.child("metal").or_else(|| pbr.child("specular"))
 }
 
 /// The script itself, or every script of a folder by name.

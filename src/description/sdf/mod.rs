@@ -11,7 +11,7 @@
 //! | `resources` | where `model://` and other URIs point to |
 //!
 //! Elements that change neither motion nor picture here are passed over in silence (`<gui>`, `<audio>`,
-//! solver settings, specular light); those that a user would count on give a warning.
+//! solver settings); those that a user would count on give a warning.
 
 mod frames;
 mod geometry;
@@ -27,7 +27,7 @@ use super::diagnostics::{Diagnostics, Source};
 use super::model::{Mesh, Model, World};
 use super::ogre_material::OgreMaterial;
 use super::package::PackagePath;
-use super::values::numbers;
+use super::values::{child_number, numbers};
 use super::xml::Element;
 use resources::Resources;
 use std::collections::HashMap;
@@ -197,18 +197,39 @@ impl Loader<'_> {
         self.diagnostics.warning(&element.source, format!("<{}> is ignored: {why}", element.name), "");
     }
 
+    /// The number from 0 to `most` in the child element `name`.
+    fn within(&mut self, parent: &Element, name: &str, most: f32) -> Option<f32> {
+        let value = child_number(parent, name, self.diagnostics)?;
+        if (0.0..=f64::from(most)).contains(&value) {
+            return Some(value as f32);
+        }
+        let source = &parent.child(name).unwrap_or(parent).source;
+        self.diagnostics.error(
+            source,
+            format!("<{name}> is {value}"),
+            format!("write a number from 0 to {most}"),
+        );
+        None
+    }
+
     /// The colour `r g b` or `r g b a` in the child element `name`; alpha is dropped.
     fn color(&mut self, parent: &Element, name: &str) -> Option<[f32; 3]> {
+        let [r, g, b, _] = self.rgba(parent, name)?;
+        Some([r, g, b])
+    }
+
+    /// The colour `r g b` or `r g b a` in the child element `name`; opaque if it does not say.
+    fn rgba(&mut self, parent: &Element, name: &str) -> Option<[f32; 4]> {
         let element = parent.child(name)?;
         let text = element.text();
         let what = format!("<{name}>");
-        let [r, g, b] = if text.split_whitespace().count() == 4 {
-            let [r, g, b, _] = numbers::<4>(&text, &what, &element.source, self.diagnostics)?;
-            [r, g, b]
+        let rgba = if text.split_whitespace().count() == 4 {
+            numbers::<4>(&text, &what, &element.source, self.diagnostics)?
         } else {
-            numbers::<3>(&text, &what, &element.source, self.diagnostics)?
+            let [r, g, b] = numbers::<3>(&text, &what, &element.source, self.diagnostics)?;
+            [r, g, b, 1.0]
         };
-        if [r, g, b].iter().any(|value| *value < 0.0) {
+        if rgba.iter().any(|value| *value < 0.0) {
             self.diagnostics.error(
                 &element.source,
                 format!("<{name}> is '{text}': a colour cannot be negative"),
@@ -216,7 +237,7 @@ impl Loader<'_> {
             );
             return None;
         }
-        Some([r as f32, g as f32, b as f32])
+        Some(rgba.map(|value| value as f32))
     }
 }
 

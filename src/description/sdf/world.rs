@@ -29,6 +29,7 @@ impl Loader<'_> {
             ambient: DEFAULT_AMBIENT,
             background: DEFAULT_BACKGROUND,
             shadows: true,
+            linear_light: false,
             gravity: DEFAULT_GRAVITY,
             max_step_size_s: DEFAULT_STEP_S,
             source: element.source.clone(),
@@ -108,6 +109,9 @@ impl Loader<'_> {
         }
         if let Some(shadows) = child_bool(scene, "shadows", self.diagnostics) {
             world.shadows = shadows;
+        }
+        if let Some(linear) = child_bool(scene, "linear_light", self.diagnostics) {
+            world.linear_light = linear;
         }
         for child in scene.elements() {
             match child.name.as_str() {

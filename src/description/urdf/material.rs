@@ -57,11 +57,13 @@ impl Loader<'_> {
         });
         // A picture without a colour is shown as it is.
         let plain = if texture.is_some() { [1.0; 3] } else { Material::default().diffuse };
-        let color = element.child("color").and_then(|color| self.color(color)).unwrap_or(plain);
-        Some(Material { diffuse: color, ambient: color, texture, ..Material::default() })
+        let rgba = element.child("color").and_then(|color| self.color(color));
+        let [red, green, blue, alpha] = rgba.unwrap_or([plain[0], plain[1], plain[2], 1.0]);
+        let color = [red, green, blue];
+        Some(Material { diffuse: color, ambient: color, alpha, texture, ..Material::default() })
     }
 
-    fn color(&mut self, element: &Element) -> Option<[f32; 3]> {
+    fn color(&mut self, element: &Element) -> Option<[f32; 4]> {
         let text = self.required(element, "rgba")?;
         let what = "attribute 'rgba' of <color>";
         let rgba = numbers::<4>(text, what, &element.source, self.diagnostics)?;
@@ -73,15 +75,7 @@ impl Loader<'_> {
             );
             return None;
         }
-        let [red, green, blue, alpha] = rgba;
-        if alpha < 1.0 {
-            self.diagnostics.warning(
-                &element.source,
-                format!("{what} has an alpha of {alpha}: the surface is opaque all the same"),
-                "leave the visual out if it should not be seen",
-            );
-        }
-        Some([red, green, blue].map(|value| value as f32))
+        Some(rgba.map(|value| value as f32))
     }
 }
 

@@ -51,7 +51,7 @@ fn links_have_mass_shapes_and_looks() {
         "<material name='Orange'><color rgba='1 0.5 0 1'/></material>\
          <link name='base'><inertial><mass value='2'/><origin xyz='0 0 1'/><inertia ixx='1' iyy='2' izz='3' iyz='4'/></inertial>\
          <visual><geometry><box size='1 2 3'/></geometry><material name='Orange'/></visual>\
-         <visual><geometry><sphere radius='1'/></geometry><material name='Own'><color rgba='0 0 1 1'/></material></visual>\
+         <visual><geometry><sphere radius='1'/></geometry><material name='Own'><color rgba='0 0 1 0.5'/></material></visual>\
          <visual><geometry><capsule radius='1' length='2'/></geometry><material name='Own'/></visual>\
          <collision name='c'><origin xyz='0 1 0'/><geometry><cylinder radius='0.5' length='2'/></geometry></collision></link>\
          <gazebo reference='base'><mu1>0.3</mu1><mu2>9</mu2><kp>1e6</kp><laserRetro>7</laserRetro>\
@@ -61,6 +61,8 @@ fn links_have_mass_shapes_and_looks() {
     let inertial = base.inertial.unwrap();
     assert_eq!((inertial.mass_kg, inertial.inertia), (2.0, [1.0, 2.0, 3.0, 0.0, 0.0, 4.0]));
     assert_eq!(inertial.link_from_inertial.translation(), DVec3::Z);
+    let alphas: Vec<_> = base.visuals.iter().map(|visual| visual.material.alpha).collect();
+    assert_eq!(alphas[..3], [1.0, 0.5, 0.5]);
     let colors: Vec<_> = base.visuals.iter().map(|visual| visual.material.diffuse).collect();
     assert_eq!(colors, [[1.0, 0.5, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]);
     let collision = &base.collisions[0];

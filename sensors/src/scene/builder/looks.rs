@@ -1,9 +1,9 @@
 //! Textures, materials and lamps of a builder.
 
 use super::{SceneBuilder, room, unused};
-use crate::scene::texture::{TextureId, fill_mip_levels, mip_texels};
+use crate::scene::texture::{TextureId, fill_levels, mip_texels};
 use crate::scene::{
-    Light, LightConfig, LightId, LightKind, Material, MaterialConfig, MaterialId, NO_TEXTURE, SceneError,
+    ColourSpace, Light, LightConfig, LightId, Material, MaterialConfig, MaterialId, NO_TEXTURE, SceneError,
     Texture, limits,
 };
 use alloc::vec;
@@ -20,7 +20,23 @@ impl SceneBuilder {
         rgba8: &[[u8; 4]],
     ) -> Result<TextureId, SceneError> {
         room(&self.textures)?;
-        let texture = self.store_texture(width, height, rgba8)?;
+        let texture = self.store_texture(width, height, rgba8, false)?;
+        Ok(TextureId(self.textures.add(texture)))
+    }
+
+    /// Takes in a picture of normals: of each, the parts along u, along v and outwards, which 0 to 255 stand for −1 to 1.
+    /// Unlike a picture of colours it is averaged as it is, whatever the [`ColourSpace`].
+    ///
+    /// # Errors
+    /// Those of [`SceneBuilder::add_texture`].
+    pub fn add_normal_map(
+        &mut self,
+        width: u32,
+        height: u32,
+        rgba8: &[[u8; 4]],
+    ) -> Result<TextureId, SceneError> {
+        room(&self.textures)?;
+        let texture = self.store_texture(width, height, rgba8, true)?;
         Ok(TextureId(self.textures.add(texture)))
     }
 
@@ -36,7 +52,7 @@ impl SceneBuilder {
         rgba8: &[[u8; 4]],
     ) -> Result<(), SceneError> {
         let old = *self.textures.get(texture.0).ok_or(SceneError::NoSuchTexture)?;
-        let new = self.store_texture(width, height, rgba8)?;
+        let new = self.store_texture(width, height, rgba8, old.is_data != 0)?;
         self.texels.release(old.first_texel, mip_texels(old.width, old.height));
         if let Some(place) = self.textures.get_mut(texture.0) {
             *place = new;
@@ -52,35 +68,85 @@ impl SceneBuilder {
         let old = unused(&self.textures, texture.0, SceneError::NoSuchTexture, || {
             let mut users = self.materials.items().iter().enumerate();
             let user = users.position(|(index, material)| {
-                material.texture == texture.0 && self.materials.get(index as u32).is_some()
+                [material.texture, material.normal_map].contains(&texture.0)
+                    && self.materials.get(index as u32).is_some()
             });
             SceneError::InUse { user: "material", index: user.unwrap_or(0) as u32 }
         })?;
         self.texels.release(old.first_texel, mip_texels(old.width, old.height));
-        self.textures.remove(texture.0, Texture { first_texel: 0, width: 0, height: 0, levels: 0 });
+        self.textures
+            .remove(texture.0, Texture { first_texel: 0, width: 0, height: 0, levels: 0, is_data: 0 });
         Ok(())
     }
 
-    fn store_texture(&mut self, width: u32, height: u32, rgba8: &[[u8; 4]]) -> Result<Texture, SceneError> {
+    fn store_texture(
+        &mut self,
+        width: u32,
+        height: u32,
+        rgba8: &[[u8; 4]],
+        is_data: bool,
+    ) -> Result<Texture, SceneError> {
         if width == 0 || height == 0 || rgba8.len() as u64 != u64::from(width) * u64::from(height) {
             return Err(SceneError::BadTexture);
         }
         let start = self.texels.place(mip_texels(width, height), 32)?;
         let mut texels = vec![[0; 4]; mip_texels(width, height)];
         texels[..rgba8.len()].copy_from_slice(rgba8);
-        fill_mip_levels(width, height, &mut texels);
+        let space = if is_data { ColourSpace::AsGiven } else { self.colour_space };
+        fill_levels(width, height, &mut texels, space);
         self.texels.put(start, &texels);
-        Ok(Texture::new(width, height, start as u32))
+        Ok(Texture { is_data: is_data.into(), ..Texture::new(width, height, start as u32) })
+    }
+
+    /// Sets what the colours of materials and textures, and of the background, are, of what is there and what will come.
+    ///
+    /// ```
+    /// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
+    /// let mut builder = SceneBuilder::new();
+    /// builder.set_environment(Environment { ambient: [0.5; 3], ..Default::default() });
+    /// let grey = builder.add_material(&MaterialConfig { ambient: [0.8; 3], ..Default::default() })?;
+    /// builder.add_instance(&InstanceConfig {
+    ///     world_from_instance: Pose::from_translation(glam::DVec3::X * 2.0),
+    ///     material: grey,
+    ///     ..Default::default()
+    /// })?;
+    /// let camera = Camera::new(CameraConfig::new(PinholeGrid::from_fov(5, 5, 0.1)?))?;
+    /// let grey_in = |builder: &SceneBuilder| {
+    ///     let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(Pose::IDENTITY)));
+    ///     let mut pixels = [0; 75];
+    ///     let mut memory = WorkspaceBuf::default();
+    ///     let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
+    ///     camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels)).unwrap();
+    ///     pixels[36]
+    /// };
+    /// assert_eq!(grey_in(&builder), 102); // half of 0.8
+    /// builder.set_colour_space(ColourSpace::Srgb);
+    /// assert_eq!(grey_in(&builder), 149); // half the light of 0.8 in sRGB
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn set_colour_space(&mut self, colour_space: ColourSpace) {
+        if core::mem::replace(&mut self.colour_space, colour_space) == colour_space {
+            return;
+        }
+        for &Texture { first_texel, width, height, is_data, .. } in self.textures.items() {
+            // What was taken out has no size.
+            if width > 0 && is_data == 0 {
+                let texels = self.texels.slice_mut(first_texel, mip_texels(width, height));
+                fill_levels(width, height, texels, colour_space);
+            }
+        }
     }
 
     /// Takes in a material.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchTexture`], [`SceneError::BadTextureRepeat`], [`SceneError::TooMany`].
+    /// [`SceneError::NoSuchTexture`], [`SceneError::BadTextureRepeat`], [`SceneError::BadShininess`],
+    /// [`SceneError::BadAlpha`], [`SceneError::TooMany`].
     pub fn add_material(&mut self, config: &MaterialConfig) -> Result<MaterialId, SceneError> {
         room(&self.materials)?;
         let material = self.check_material(config)?;
         self.textures.use_one(material.texture);
+        self.textures.use_one(material.normal_map);
         Ok(MaterialId(self.materials.add(material)))
     }
 
@@ -92,8 +158,10 @@ impl SceneBuilder {
         let new = self.check_material(config)?;
         let place = self.materials.get_mut(material.0).ok_or(SceneError::NoSuchMaterial)?;
         let old = core::mem::replace(place, new);
-        self.textures.use_one(new.texture);
-        self.textures.leave_one(old.texture);
+        for (new, old) in [(new.texture, old.texture), (new.normal_map, old.normal_map)] {
+            self.textures.use_one(new);
+            self.textures.leave_one(old);
+        }
         Ok(())
     }
 
@@ -106,6 +174,7 @@ impl SceneBuilder {
             self.used_by_instance(|instance| instance.material == material.0)
         })?;
         self.textures.leave_one(old.texture);
+        self.textures.leave_one(old.normal_map);
         self.materials.remove(material.0, Material::new(&MaterialConfig::default()));
         Ok(())
     }
@@ -113,8 +182,10 @@ impl SceneBuilder {
     fn check_material(&self, config: &MaterialConfig) -> Result<Material, SceneError> {
         let material = Material::new(config);
         limits::material(&material)?;
-        if material.texture != NO_TEXTURE && self.textures.get(material.texture).is_none() {
-            return Err(SceneError::NoSuchTexture);
+        for texture in [material.texture, material.normal_map] {
+            if texture != NO_TEXTURE && self.textures.get(texture).is_none() {
+                return Err(SceneError::NoSuchTexture);
+            }
         }
         Ok(material)
     }
@@ -122,7 +193,7 @@ impl SceneBuilder {
     /// Takes in a lamp.
     ///
     /// # Errors
-    /// [`SceneError::BadLight`], [`SceneError::TooMany`].
+    /// [`SceneError::BadLight`], [`SceneError::BadFalloff`], [`SceneError::TooMany`].
     pub fn add_light(&mut self, config: &LightConfig) -> Result<LightId, SceneError> {
         room(&self.lights)?;
         Ok(LightId(self.lights.add(check_light(config)?)))
@@ -131,7 +202,7 @@ impl SceneBuilder {
     /// Changes a lamp.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchLight`], [`SceneError::BadLight`].
+    /// [`SceneError::NoSuchLight`], and those of [`SceneBuilder::add_light`].
     pub fn set_light(&mut self, light: LightId, config: &LightConfig) -> Result<(), SceneError> {
         *self.lights.get_mut(light.0).ok_or(SceneError::NoSuchLight)? = check_light(config)?;
         Ok(())
@@ -143,13 +214,7 @@ impl SceneBuilder {
     /// [`SceneError::NoSuchLight`].
     pub fn remove_light(&mut self, light: LightId) -> Result<(), SceneError> {
         self.lights.get(light.0).ok_or(SceneError::NoSuchLight)?;
-        let dark = LightConfig {
-            kind: LightKind::Point { position: [0.0; 3] },
-            diffuse: [0.0; 3],
-            range_m: 0.0,
-            attenuation: [1.0, 0.0, 0.0],
-            cast_shadows: false,
-        };
+        let dark = LightConfig { diffuse: [0.0; 3], range_m: 0.0, ..LightConfig::default() };
         self.lights.remove(light.0, Light::new(&dark));
         Ok(())
     }

@@ -8,7 +8,9 @@ mod shapes;
 mod table;
 
 use super::tree::{Facet, TriangleBlock, WideNode};
-use super::{Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneError, Texture};
+use super::{
+    ColourSpace, Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneError, Texture,
+};
 use crate::moment::Moment;
 use crate::pose::Pose;
 use alloc::vec::Vec;
@@ -62,6 +64,7 @@ pub struct SceneBuilder {
     texels: Pool<[u8; 4]>,
     lights: Table<Light>,
     environment: Environment,
+    colour_space: ColourSpace,
 }
 
 impl SceneBuilder {
@@ -103,6 +106,7 @@ impl SceneBuilder {
             texels: self.texels.items(),
             lights: self.lights.items(),
             environment: self.environment,
+            colour_space: self.colour_space,
         }
     }
 

@@ -91,7 +91,7 @@ impl Packed {
     fn add_texture(&mut self, scene: &Scene<'_>, texture: &Texture) {
         if texture.width == 0 {
             let first_texel = append(&mut self.texels, &[[0; 4]], 0, 1);
-            self.textures.push(Texture { first_texel, width: 1, height: 1, levels: 1 });
+            self.textures.push(Texture { first_texel, width: 1, height: 1, levels: 1, is_data: 0 });
             return;
         }
         let count = mip_texels(texture.width, texture.height);

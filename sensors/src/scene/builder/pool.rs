@@ -24,6 +24,11 @@ impl<T: Pod> Pool<T> {
         &self.items
     }
 
+    /// The elements from one on, to be changed.
+    pub(super) fn slice_mut(&mut self, start: u32, count: usize) -> &mut [T] {
+        &mut self.items[start as usize..][..count]
+    }
+
     /// Where so many elements can be put: into the smallest range that is free and holds them, or at the end.
     ///
     /// # Errors

@@ -6,12 +6,14 @@ use crate::execution::{SplitRows, split_at};
 use crate::memory::{Cutter, lines};
 use crate::moment::{Capture, Shutter};
 use crate::optics::rays::Fan;
+use crate::scene::ColourSpace;
 use crate::sensor::edges::{Edges, Marks};
 use crate::sensor::pixel;
+use crate::shade::through::Through;
 use crate::shade::tile::{CameraRays, Tile};
 use crate::shade::{Colours, Shader};
 use crate::simd::LANES;
-use crate::trace::grid::Band;
+use crate::trace::grid::{Band, Sight};
 use crate::trace::resolve::Resolver;
 use crate::trace::tiling::Tiling;
 use fearless_simd::Simd;
@@ -82,6 +84,9 @@ pub(in crate::sensor) struct Brush<'a> {
     resolver: Resolver<'a>,
     seen: Tile,
     shader: Shader,
+    through: Through,
+    sight: Sight,
+    space: ColourSpace,
     /// Of the last tile that was seen: its light, and then its colours.
     pub(in crate::sensor) colours: Colours,
     tiling: Tiling,
@@ -104,6 +109,9 @@ impl<'a> Brush<'a> {
                 Edges::Sharp => Shader::new(),
                 Edges::Smooth => Shader::telling(),
             },
+            through: Through::new(),
+            sight: camera.sight(),
+            space: band.view.scene.colour_space(),
             colours: [[0.0; LANES]; 3],
             tiling,
             tiles: tiling.across(fan.width as usize),
@@ -114,7 +122,12 @@ impl<'a> Brush<'a> {
     #[inline(always)]
     pub(in crate::sensor) fn see<S: Simd>(&mut self, simd: S, band: &Band<'_>, tile: [usize; 2]) {
         self.seen.take(simd, band, &mut self.resolver, &self.rays, tile);
-        self.shader.shade(simd, band.view, &self.seen, &self.rays.steps, &mut self.colours);
+        let Self { shader, resolver, colours, seen, .. } = self;
+        let steps = &self.rays.steps;
+        shader.shade(simd, band.view, seen, steps, colours);
+        if shader.is_clear() {
+            self.through.look(simd, band.view, &self.sight, (shader, resolver, steps), seen, colours);
+        }
     }
 
     /// Marks what was seen last, if marks are kept.
@@ -127,7 +140,14 @@ impl<'a> Brush<'a> {
         output: &mut ColourRows<'_>,
     ) {
         let (exposure, place) = (self.camera.config().exposure, [column, band.row_in_output(row)]);
-        output.marks.put(simd, &self.colours, exposure, &self.shader, self.seen.missing, place);
+        if self.space == ColourSpace::AsGiven || self.shader.seen().is_none() {
+            output.marks.put(simd, &self.colours, exposure, &self.shader, self.seen.missing, place);
+            return;
+        }
+        let mut shown = self.colours;
+        pixel::expose(&mut shown, exposure);
+        pixel::encode(&mut shown);
+        output.marks.put(simd, &shown, 1.0, &self.shader, self.seen.missing, place);
     }
 
     /// Makes the light seen last the mean over the moments of the shutter; false if there are some to come.
@@ -165,7 +185,8 @@ impl<'a> Brush<'a> {
             lines: self.tiling.lines([column, row]),
             samples: self.tiling.samples(self.rays.width(), [column, row]),
         };
-        self.camera.expose(simd, self.capture.frame, &view, self.seen.missing, &mut self.colours);
+        let (frame, missing) = (self.capture.frame, self.seen.missing);
+        self.camera.expose(simd, (frame, self.space), &view, missing, &mut self.colours);
     }
 
     /// Writes the colours into the picture, if it is wanted.

@@ -3,6 +3,7 @@
 use super::{DepthCamera, OutOfRange, POINT_STEP};
 use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
+use crate::scene::ColourSpace;
 use crate::sensor::camera::Camera;
 use crate::sensor::camera::brush::ColourRows;
 use crate::sensor::edges::{Canvas, TILE_HEIGHT, TILE_WIDTH};
@@ -149,19 +150,20 @@ impl Rows<'_> {
 pub(super) struct Retouched<'a> {
     pub(super) camera: &'a Camera<'a>,
     pub(super) frame: u64,
+    pub(super) space: ColourSpace,
     pub(super) colour: Option<&'a mut [u8]>,
     pub(super) points: Option<&'a mut [u8]>,
 }
 
 impl SplitRows for Retouched<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
-        let Self { camera, frame, .. } = self;
+        let Self { camera, frame, space, .. } = self;
         let rows = rows * TILE_HEIGHT;
         let (colour, colour_below) = split_at(self.colour, rows * camera.row_stride());
         let (points, points_below) = split_at(self.points, rows * camera.size()[0] * POINT_STEP);
         (
-            Self { camera, frame, colour, points },
-            Self { camera, frame, colour: colour_below, points: points_below },
+            Self { camera, frame, space, colour, points },
+            Self { camera, frame, space, colour: colour_below, points: points_below },
         )
     }
 }
@@ -176,8 +178,8 @@ impl Canvas for Retouched<'_> {
         lanes: u64,
         colours: &mut Colours,
     ) {
-        let Self { camera, frame, .. } = self;
-        camera.expose(simd, *frame, view, 0, colours);
+        let Self { camera, frame, space, .. } = self;
+        camera.expose(simd, (*frame, *space), view, 0, colours);
         let first = row * TILE_HEIGHT;
         if let Some(colour) = &mut self.colour {
             let (format, stride) = ((camera.config().format, camera.full_scale()), camera.row_stride());

@@ -1,6 +1,8 @@
-//! Draws the pictures of `docs/cameras.md`: lenses, shutters, devices and channels of truth, all of one room.
+//! Draws the pictures of `docs/cameras.md`: lenses, shutters, devices and channels of truth, all of one room, and light.
 //!
 //! `cargo run --release --example draw_cameras -- docs/cameras`
+
+mod light;
 
 use belvedere::description::Diagnostics;
 use belvedere::description::package::PackagePath;
@@ -106,6 +108,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = WorldScene::new(&world, &[], &physics).map_err(|problem| format!("{problem:?}"))?;
     let mut studio = Studio { scene, folder: folder.into(), memory: WorkspaceBuf::default() };
 
+    for (name, picture) in light::pictures()? {
+        studio.save(name, &picture)?;
+    }
     let at = Pose::from_xyz_rpy(DVec3::new(-1.5, 0.4, 0.6), DVec3::new(0.0, 0.1, 0.3));
     let turned = |angle: f64| at * Pose::from_xyz_rpy(DVec3::ZERO, DVec3::new(0.0, 0.0, angle));
     let lens = |focal| Intrinsics { fx: focal, fy: focal, cx: 159.5, cy: 119.5, skew: 0.0 };

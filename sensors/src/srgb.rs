@@ -4,6 +4,7 @@
 //! scale, a fifth of a step of 16 bits.
 
 use crate::simd::sqrt_f32;
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
 /// 1.055·t^(5/3) − 0.055 of t = x^¼, for x from 0.0031308 to 1.
 const ENCODE: [f32; 7] =
@@ -23,7 +24,7 @@ const DECODE: [f32; 8] = [
 /// The value in a picture, 0 … 1, of linear light, which is clamped to [0, 1].
 ///
 /// ```
-/// use belvedere_sensors::device::srgb;
+/// use belvedere_sensors::srgb;
 /// assert_eq!((srgb::encode(0.18) * 255.0).round(), 118.0); // a fifth of the light is half of the scale
 /// assert_eq!([srgb::encode(-1.0), srgb::encode(2.0) * 255.0].map(f32::round), [0.0, 255.0]);
 /// ```
@@ -42,7 +43,7 @@ pub fn encode(linear: f32) -> f32 {
 /// The linear light of a value in a picture, 0 … 1, to which it is clamped: of a texture, say.
 ///
 /// ```
-/// use belvedere_sensors::device::srgb;
+/// use belvedere_sensors::srgb;
 /// assert!((srgb::decode(128.0 / 255.0) - 0.215_861).abs() < 2e-6);
 /// ```
 #[must_use]
@@ -53,6 +54,20 @@ pub fn decode(value: f32) -> f32 {
     let value = if value < 1.0 { value } else { 1.0 };
     let curve = polynomial(&DECODE, sqrt_f32((value + 0.055) * (1.0 / 1.055)));
     if value < 0.040_45 { value * (1.0 / 12.92) } else { curve }
+}
+
+/// [`decode`] of sixteen values.
+#[inline(always)]
+pub(crate) fn decode_row<S: Simd>(simd: S, value: f32x16<S>) -> f32x16<S> {
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+    let value = value.simd_gt(zero).select(value, zero);
+    let value = value.simd_lt(one).select(value, one);
+    let root = ((value + 0.055) * (1.0 / 1.055)).sqrt();
+    let mut curve = f32x16::splat(simd, DECODE[DECODE.len() - 1]);
+    for term in (0..DECODE.len() - 1).rev() {
+        curve = curve * root + DECODE[term];
+    }
+    value.simd_lt(0.040_45).select(value * (1.0 / 12.92), curve)
 }
 
 #[inline(always)]

@@ -1,0 +1,144 @@
+//! What is seen through clear surfaces: rays go on behind them, and what they meet there is shaded and blended.
+//!
+//! Only the pixels that show a clear surface are traced again, 64 at a time from where they were, in double precision. So
+//! scenes without such surfaces pay for a compare of each tile.
+
+use super::tile::{Steps, Tile};
+use super::{Colours, Shader};
+use crate::simd::{LANES, Lanes};
+use crate::trace::grid::Sight;
+use crate::trace::packet::{MISS, Packet};
+use crate::trace::packet_hits::first_hits;
+use crate::trace::resolve::Resolver;
+use crate::trace::shapes::LocalRays;
+use crate::trace::view::View;
+use fearless_simd::Simd;
+
+/// Surfaces that are seen behind the first; the last one is opaque.
+const SURFACES: usize = 4;
+/// Rays go on this part of their way behind a surface: more than single precision loses of it.
+const GAP: f64 = 1e-5;
+/// Where less than this share of the light is left, no more is looked for: a fourth of a step of 8 bits.
+const LEAST: f32 = 1.0 / 1024.0;
+
+/// What rays behind surfaces are traced with.
+pub(crate) struct Through {
+    packet: Packet,
+    local: LocalRays,
+    tile: Tile,
+    colours: Colours,
+}
+
+impl Through {
+    pub(crate) const fn new() -> Self {
+        Self { packet: Packet::new(), local: LocalRays::new(), tile: Tile::new(), colours: [[0.0; LANES]; 3] }
+    }
+
+    /// Adds to the colours of a tile, which `shader` has just worked out, what is seen behind its clear surfaces.
+    pub(crate) fn look<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &View<'_>,
+        sight: &Sight,
+        (shader, resolver, steps): (&mut Shader, &mut Resolver<'_>, &Steps),
+        first: &Tile,
+        colours: &mut Colours,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.look_behind(simd, view, sight, (shader, resolver, steps), first, colours),
+        );
+    }
+
+    #[inline(always)]
+    fn look_behind<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &View<'_>,
+        sight: &Sight,
+        (shader, resolver, steps): (&mut Shader, &mut Resolver<'_>, &Steps),
+        first: &Tile,
+        colours: &mut Colours,
+    ) {
+        let Self { packet, local, tile, colours: behind } = self;
+        let mut seen = shader.seen;
+        // The share of the light that comes from farther behind.
+        let mut share = [0.0; LANES];
+        for lane in 0..LANES {
+            let coverage = if shader.clear >> lane & 1 != 0 { shader.coverage[lane] } else { 1.0 };
+            share[lane] = 1.0 - coverage;
+            for channel in colours.iter_mut() {
+                channel[lane] *= coverage;
+            }
+        }
+        if steps.is_none() {
+            tile.steps = first.steps;
+        }
+        let (mut t, mut placed, mut triangle) = (first.t, first.placed, first.local);
+        packet.shared_origin = false;
+        packet.t_min = 0.0;
+        for surface in 1..=SURFACES {
+            let start = aim(packet, &first.direction, &t, &share, sight.range[1]);
+            if !packet.is_active() {
+                break;
+            }
+            first_hits(simd, view, packet, local, sight.faces);
+            for lane in 0..LANES {
+                packet.t[lane] += start[lane];
+            }
+            tile.take_first_hits(simd, packet, resolver);
+            shader.shade(simd, view, tile, steps, behind);
+            for lane in 0..LANES {
+                if share[lane] <= LEAST {
+                    continue;
+                }
+                let is_hit = packet.hit[lane] != MISS;
+                // A ray that meets the surface which it has just left has not got behind it.
+                let again = is_hit && (placed[lane], triangle[lane]) == (tile.placed[lane], tile.local[lane]);
+                let clear = shader.clear >> lane & 1 != 0;
+                let coverage = match clear {
+                    _ if surface == SURFACES => 1.0,
+                    _ if again => 0.0,
+                    true => shader.coverage[lane],
+                    false => 1.0,
+                };
+                for channel in 0..3 {
+                    colours[channel][lane] += share[lane] * coverage * behind[channel][lane];
+                }
+                share[lane] *= 1.0 - coverage;
+                (t[lane], placed[lane], triangle[lane]) = (tile.t[lane], tile.placed[lane], tile.local[lane]);
+                if let (Some(seen), Some(own)) = (&mut seen, &shader.seen) {
+                    seen[lane] = ((seen[lane] * 5) ^ own[lane]) & 0x7f;
+                }
+            }
+        }
+        shader.seen = seen;
+    }
+}
+
+/// Lets the rays of lanes that have light left go on behind t; returns where they begin.
+#[inline(always)]
+fn aim(
+    packet: &mut Packet,
+    direction: &[Lanes<f32>; 3],
+    t: &Lanes<f32>,
+    share: &Lanes<f32>,
+    farthest: f64,
+) -> Lanes<f64> {
+    let mut start = [0.0; LANES];
+    for lane in 0..LANES {
+        start[lane] = f64::from(t[lane]) * (1.0 + GAP);
+    }
+    for axis in 0..3 {
+        for lane in 0..LANES {
+            let along = f64::from(direction[axis][lane]);
+            packet.direction[axis][lane] = along;
+            packet.origin[axis][lane] = along * start[lane];
+        }
+    }
+    packet.hit = [MISS; LANES];
+    for lane in 0..LANES {
+        packet.t[lane] = if share[lane] > LEAST { farthest - start[lane] } else { f64::NEG_INFINITY };
+    }
+    start
+}

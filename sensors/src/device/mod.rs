@@ -9,7 +9,7 @@
 //!
 //! A [`DeviceConfig`] is a data sheet in the terms of EMVA 1288, and [`presets`] are some. It is set by
 //! [`CameraConfig::device`](crate::camera::CameraConfig::device()); without one a camera shows colours as they are shaded.
-//! Noise comes before the curve of [`srgb`](crate::srgb). Each colour of an rgb8, bgr8 or rgba8 picture is a pixel of its own, as
+//! Noise comes before the curve of [`srgb`](mod@crate::srgb). Each colour of an rgb8, bgr8 or rgba8 picture is a pixel of its own, as
 //! of a camera with three sensors; a mosaic has one pixel that sees one colour ([`Mosaic`]), and mono8 and mono16 one
 //! that sees the brightness. The fixed patterns of PRNU and DSNU are those of the seed and the number of the sensor, the
 //! same in every frame.

@@ -10,7 +10,7 @@ const GIVE_UP: Duration = Duration::from_millis(200);
 /// Longest time by which simulation goes ahead. What comes to a robot meanwhile moves it so much later.
 const LONGEST_LEAD: Duration = Duration::from_millis(50);
 /// Added to what physics and rendering took before: they may take a little longer this time.
-const MARGIN: Duration = Duration::from_millis(1);
+const MARGIN: Duration = Duration::from_millis(3);
 
 /// Lets the simulation go ahead by the time that the next frames take to make, and holds them until they are due: they
 /// arrive in the rhythm of their stamps, whatever each of them shows.

@@ -30,7 +30,7 @@ Master::Master(int argc, char** argv) : uri_(uri_of(argc, argv)) {
         throw std::runtime_error("ROS_MASTER_URI is " + uri_ + "; it must be like http://localhost:11311");
 }
 
-int Master::ask(const char* method, const std::string& argument) const {
+Master::Answer Master::ask(const char* method, const std::string& argument) const {
     std::string host;
     std::uint32_t port = 0;
     ros::network::splitURI(uri_, host, port);
@@ -42,16 +42,25 @@ int Master::ask(const char* method, const std::string& argument) const {
                           answer.getType() == XmlRpc::XmlRpcValue::TypeArray && answer.size() == 3 &&
                           answer[0].getType() == XmlRpc::XmlRpcValue::TypeInt;
     client.close();
-    return answered ? static_cast<int>(answer[0]) : kSilence;
+    if (!answered) return {kSilence, 0};
+    const bool is_number = answer[2].getType() == XmlRpc::XmlRpcValue::TypeInt;
+    return {static_cast<int>(answer[0]), is_number ? static_cast<int>(answer[2]) : 0};
 }
 
-bool Master::answers() const {
-    return ask("getPid", {}) == kSuccess;
+bool Master::answers() {
+    const Answer pid = ask("getPid", {});
+    pid_ = pid.value;
+    return pid.status == kSuccess;
 }
 
 Master::State Master::look(const std::string& node) const {
-    const int status = ask("lookupNode", node);
-    return status == kSuccess ? State::fine : status == kSilence ? State::gone : State::forgetful;
+    const int status = ask("lookupNode", node).status;
+    if (status == kSilence) return State::gone;
+    // One that knows the node may be another one all the same: roscpp registers again with it what it was about to
+    // register with the one before, and nothing else.
+    const Answer pid = ask("getPid", {});
+    const bool is_other = pid.status == kSuccess && pid.value != pid_;
+    return status == kSuccess && !is_other ? State::fine : State::forgetful;
 }
 
 }  // namespace belvedere_ros

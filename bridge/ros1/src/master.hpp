@@ -13,7 +13,7 @@ public:
         fine,
         /// It does not answer.
         gone,
-        /// It answers, and has never heard of the node: it was started again.
+        /// It answers, and was started again: it does not know what was registered with the one before.
         forgetful,
     };
 
@@ -21,15 +21,24 @@ public:
     Master(int argc, char** argv);
 
     const std::string& uri() const { return uri_; }
-    bool answers() const;
+    /// Remembers which one it is.
+    bool answers();
     /// Asks it about a node that is registered there.
     State look(const std::string& node) const;
 
 private:
-    /// Its answer's status: 1 is success. Nothing answered: negative.
-    int ask(const char* method, const std::string& argument) const;
+    /// What it answers: a status, 1 is success, a text, and the value that was asked for.
+    struct Answer {
+        /// Nothing answered: negative.
+        int status;
+        /// If it is a number; 0 otherwise.
+        int value;
+    };
+    Answer ask(const char* method, const std::string& argument) const;
 
     std::string uri_;
+    /// Process of the master that answered first.
+    int pid_ = 0;
 };
 
 }  // namespace belvedere_ros

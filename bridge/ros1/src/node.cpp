@@ -41,7 +41,7 @@ bool signalled(const sigset_t& signals) {
 }
 
 // False when a signal came first.
-bool wait_for(const Master& master, const sigset_t& signals) {
+bool wait_for(Master& master, const sigset_t& signals) {
     belvedere_ros::Reminder reminder;
     while (!master.answers()) {
         if (reminder.due()) ROS_WARN_STREAM("waiting for roscore at " << master.uri() << " (ROS_MASTER_URI)");
@@ -103,7 +103,7 @@ int main(int argc, char** argv) try {
     const std::vector<char*> arguments(argv, argv + argc + 1);  // with the null at the end; ros::init takes some away
     const sigset_t signals = block_signals();
     std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // into a file or a pipe, what is said would come late
-    const Master master(argc, argv);
+    Master master(argc, argv);
     if (!wait_for(master, signals)) return 0;
     ros::init(argc, argv, "belvedere", ros::init_options::NoSigintHandler);
     restore_parameters();

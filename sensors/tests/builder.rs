@@ -30,10 +30,14 @@ fn time_to_add(count: u32) -> Duration {
 
 #[test]
 fn an_instance_costs_the_same_however_many_there_are() {
-    let (few, many) = (time_to_add(10_000), time_to_add(100_000));
-    println!("10 thousand in {few:?}, 100 thousand in {many:?}");
-    // Ten times as many. With sums over all, it was a hundred times as long.
-    assert!(many < few * 30, "10 thousand took {few:?}, 100 thousand {many:?}");
+    // Ten times as many. With sums over all, it was a hundred times as long, whatever else the machine did; what else it
+    // does may hold up some of these.
+    let is_linear = || {
+        let (few, many) = (time_to_add(10_000), time_to_add(100_000));
+        println!("10 thousand in {few:?}, 100 thousand in {many:?}");
+        many < few * 30
+    };
+    assert!((0..10).any(|_| is_linear()), "a hundred thousand cost more than ten times ten thousand");
 }
 
 /// Corners, texture coordinates, triangles.

@@ -51,7 +51,7 @@ pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnos
     let update_rate_hz = reader.rate(sensor, "update_rate");
     let mut kind = kind?;
     let plugin = reader.plugin(sensor, &mut kind);
-    Some(Sensor {
+    let read = Sensor {
         name,
         link,
         link_from_sensor: child_pose(sensor, diagnostics),
@@ -60,5 +60,27 @@ pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnos
         kind,
         plugin,
         source: sensor.source.clone(),
-    })
+    };
+    warn_of_long_readout(&read, sensor, diagnostics);
+    Some(read)
+}
+
+/// A sensor cannot begin with a picture before it has read the one before.
+fn warn_of_long_readout(sensor: &Sensor, element: &Element, diagnostics: &mut Diagnostics) {
+    let (SensorKind::Camera(camera) | SensorKind::Depth(camera)) = &sensor.kind else { return };
+    let (Some(device), Some(rate_hz)) = (camera.device, sensor.effective_rate_hz()) else { return };
+    if device.readout_time_s * rate_hz <= 1.0 {
+        return;
+    }
+    let device_element = element.child("camera").and_then(|camera| camera.child("device"));
+    let readout = device_element.and_then(|device| device.child("readout_time_s")).or(device_element);
+    diagnostics.warning(
+        &readout.unwrap_or(element).source,
+        format!(
+            "<readout_time_s> of sensor '{}' is {} s, longer than the time between pictures at {rate_hz} Hz: no such \
+             sensor can be built, and its rows are read while those of the picture before still are",
+            sensor.name, device.readout_time_s
+        ),
+        "write a shorter <readout_time_s>, or a lower <update_rate>",
+    );
 }

@@ -207,7 +207,6 @@ fn what_is_not_simulated_gives_a_warning() {
 }
 
 /// A camera of 640 × 480 with this inside, and what was warned of.
-
 fn camera_of(kind: &str, inside: &str) -> (Option<CameraSensor>, Vec<String>) {
     let (sensor, problems) = parse(&format!(
         "<sensor name='c' type='{kind}'><camera><image><width>640</width><height>480</height></image>\n{inside}\

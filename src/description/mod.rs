@@ -2,6 +2,7 @@
 
 pub mod diagnostics;
 pub mod gazebo_materials;
+pub(crate) mod inertia;
 mod label;
 pub mod mesh;
 pub mod model;

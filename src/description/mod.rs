@@ -2,6 +2,7 @@
 
 pub mod diagnostics;
 pub mod gazebo_materials;
+pub mod housing;
 pub(crate) mod inertia;
 mod label;
 pub mod mesh;

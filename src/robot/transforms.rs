@@ -29,6 +29,7 @@ pub struct JointTransform {
     pub name: Arc<str>,
     rest: Transform,
     axis: DVec3,
+    pivot: DVec3,
     slides: bool,
 }
 
@@ -40,7 +41,8 @@ impl JointTransform {
         } else {
             let (sin, cos) = libm::sincos(position * 0.5);
             let axis = self.axis * sin;
-            Pose::new(DVec3::ZERO, DQuat::from_xyzw(axis.x, axis.y, axis.z, cos))
+            let turn = DQuat::from_xyzw(axis.x, axis.y, axis.z, cos);
+            Pose::new(self.pivot - turn * self.pivot, turn)
         };
         let parent_from_child = self.rest.parent_from_child * motion;
         Transform { parent: self.rest.parent.clone(), child: self.rest.child.clone(), parent_from_child }
@@ -57,8 +59,8 @@ pub struct Transforms {
 }
 
 impl Transforms {
-    /// Sorts the joints of a model into fixed transforms and moving ones. A floating joint gives neither: no
-    /// joint state describes it.
+    /// Sorts the joints of a model into fixed transforms and moving ones. A ball or floating joint gives neither:
+    /// no joint state describes it.
     pub fn of(model: &Model) -> Self {
         let names: Vec<Arc<str>> = model.links.iter().map(|link| link.name.as_str().into()).collect();
         let (mut fixed, mut moving) = (Vec::new(), Vec::new());
@@ -73,7 +75,7 @@ impl Transforms {
                     fixed.push(rest);
                     continue;
                 }
-                JointKind::Floating => continue,
+                JointKind::Ball | JointKind::Floating => continue,
                 JointKind::Prismatic { .. } => true,
                 JointKind::Continuous | JointKind::Revolute { .. } => false,
             };
@@ -82,6 +84,7 @@ impl Transforms {
                 name: joint.name.as_str().into(),
                 rest,
                 axis: joint.axis,
+                pivot: joint.pivot,
                 slides,
             });
         }

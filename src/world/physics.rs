@@ -1,8 +1,10 @@
 //! Rigid-body dynamics of a world and its robots, by rapier3d.
 //!
 //! - A static model is a set of fixed shapes. In any other model the links joined by fixed joints are one body
-//!   (Gazebo lumps them likewise), and the other joints constrain or drive the bodies.
-//! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false).
+//!   (Gazebo lumps them likewise), and the other joints constrain or drive the bodies. Bodies come in an order that
+//!   the names of links tell, not their places in the file: its order changes no bit.
+//! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false). Where one says that it
+//!   does, those that a joint connects still do not.
 //! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
 //! - The wheels of a Kobuki are part of its base's body and only shown turning: see [`crate::robot::kobuki`].
 //! - Time is counted in whole nanoseconds, so it never drifts. Between the last two steps every pose can be
@@ -29,7 +31,7 @@ use glam::DVec3;
 use history::History;
 use joint::{Motion, MovingJoint};
 use rapier3d::dynamics::{FrictionModel, RigidBodyHandle};
-use rapier3d::geometry::{ColliderHandle, SolverFlags};
+use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
 use rapier3d::pipeline::{PairFilterContext, PhysicsHooks, PhysicsWorld};
 
 /// Index of a model: those of the world file first, in its order, then the robots.
@@ -63,6 +65,8 @@ struct Body {
     handle: RigidBodyHandle,
     /// The body and the joint of its model that carry it, if it is a wheel: its handle is the carrier's.
     carrier: Option<(usize, ModelIndex, JointIndex)>,
+    /// Stands still: of static links in a model that moves otherwise.
+    is_fixed: bool,
     /// Its pose in its model with every joint at zero.
     model_at_rest: Pose,
     /// World poses after the last step but one, and after the last.
@@ -81,6 +85,8 @@ struct PlacedModel {
     /// Its bodies are `bodies[first_body..end_body]`.
     first_body: usize,
     end_body: usize,
+    /// The body that the model's frame goes along with; none if nothing of it moves.
+    leading: Option<usize>,
 }
 
 /// A link in its body, or in the world if it never moves.
@@ -101,13 +107,35 @@ struct MovingLink {
     body_from_link: Pose,
 }
 
-/// Keeps the links of one model from touching each other: colliders carry the model's index.
-struct NoSelfCollision;
+/// Whose a collider is, as it carries it.
+#[derive(Debug, Clone, Copy)]
+struct Owner {
+    model: ModelIndex,
+    /// Whether its link touches others of its model.
+    self_collide: bool,
+}
 
-impl PhysicsHooks for NoSelfCollision {
+impl Owner {
+    fn into_data(self) -> u128 {
+        (self.model as u128) << 1 | u128::from(self.self_collide)
+    }
+
+    fn of(collider: &Collider) -> Self {
+        Self { model: (collider.user_data >> 1) as ModelIndex, self_collide: collider.user_data & 1 == 1 }
+    }
+}
+
+/// Keeps the links of one model from touching each other, unless one of them says that it does.
+struct SelfCollision;
+
+impl PhysicsHooks for SelfCollision {
     fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
-        let model = |collider| context.colliders.get(collider).map(|collider| collider.user_data);
-        (model(context.collider1) != model(context.collider2)).then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
+        let owner = |collider| context.colliders.get(collider).map(Owner::of);
+        let touch = match (owner(context.collider1), owner(context.collider2)) {
+            (Some(one), Some(other)) => one.model != other.model || one.self_collide || other.self_collide,
+            _ => true,
+        };
+        touch.then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
     }
 }
 
@@ -206,7 +234,7 @@ impl Physics {
 
     /// Advances by one step.
     pub fn step(&mut self) {
-        self.rapier.step_with_events(&NoSelfCollision, &());
+        self.rapier.step_with_events(&SelfCollision, &());
         self.time_ns += self.step_ns;
         for body in &mut self.bodies {
             body.previous = body.current;
@@ -225,7 +253,8 @@ impl Physics {
         for joint in self.models.iter_mut().flat_map(|model| model.joints.iter_mut().flatten()) {
             let world_from_body = joint.bodies.map(|body| self.bodies[body].current);
             let handles = joint.bodies.map(|body| self.bodies[body].handle);
-            joint.update(world_from_body, handles, &self.rapier.bodies, &self.rapier.impulse_joints, step_s);
+            let rapier = &mut self.rapier;
+            joint.update(world_from_body, handles, &rapier.bodies, &mut rapier.impulse_joints, step_s);
         }
         self.carry();
         self.history.add(self.time_ns, &self.bodies);

@@ -47,7 +47,7 @@ impl Bench {
         );
         let mut physics = Physics::new(&world(step_s, models), &[(model.clone(), Pose::IDENTITY)]).unwrap();
         let index = physics.robot(0);
-        let robot = Robot::new(&model, index, &mut physics).0;
+        let robot = Robot::new(&model, "", index, &mut physics).0;
         Self { physics, robot }
     }
 

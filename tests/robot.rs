@@ -3,7 +3,7 @@
 mod robot_models;
 
 use belvedere::description::model::{Geometry, Model};
-use belvedere::robot::{Command, Drive, Robot};
+use belvedere::robot::{Autopilot, Command, Robot};
 use belvedere::world::physics::Physics;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -32,7 +32,7 @@ impl Bench {
         let mut physics =
             Physics::new(&world(step_s, models), &[(robot.clone(), start)]).expect("a good world");
         let index = physics.robot(0);
-        let (robot, problem) = Robot::new(&robot, index, &mut physics);
+        let (robot, problem) = Robot::new(&robot, "", index, &mut physics);
         assert_eq!(problem, None);
         let mut bench =
             Self { physics, robot, turned_rad: 0.0, yaw_rad: 0.0, lowest_m: f64::MAX, highest_m: f64::MIN };
@@ -154,12 +154,12 @@ fn stops_without_commands() {
 #[test]
 fn follows_the_loop() {
     for step_s in STEPS_S {
-        let path = belvedere::robot::drive::LoopPath::DEFAULT;
-        let mut bench = Bench::new(step_s, vec![], Drive::Loop.start_pose());
+        let path = belvedere::robot::autopilot::LoopPath::DEFAULT;
+        let mut bench = Bench::new(step_s, vec![], Autopilot::Loop.start_pose());
         let mut worst_m: f64 = 0.0;
         while bench.physics.time_ns() < 40_000_000_000 {
             let base = bench.base();
-            bench.robot.command(Drive::Loop.command(&base), bench.physics.time_ns());
+            bench.robot.command(Autopilot::Loop.command(&base), bench.physics.time_ns());
             bench.step();
             worst_m = worst_m.max(path.nearest(bench.base().translation().truncate()).1);
         }
@@ -173,7 +173,7 @@ fn a_box_is_a_passive_robot() {
     let crate_model = empty_model("crate");
     let mut physics = Physics::new(&world(0.01, vec![]), &[(crate_model.clone(), Pose::IDENTITY)]).unwrap();
     let index = physics.robot(0);
-    let (robot, problem) = Robot::new(&crate_model, index, &mut physics);
+    let (robot, problem) = Robot::new(&crate_model, "", index, &mut physics);
     assert!(robot.base().is_none());
     assert!(problem.unwrap().to_string().contains("it has no joint 'wheel_left_joint'"));
 }
@@ -185,7 +185,7 @@ fn stands_and_climbs_on_a_slope() {
     let plane = static_model("slope", slope, Geometry::Plane { normal: DVec3::Z, size: [100.0; 2] });
     let mut physics = Physics::new(&world(0.004, vec![plane]), &[(kobuki(), slope)]).expect("a good world");
     let index = physics.robot(0);
-    let mut robot = Robot::new(&kobuki(), index, &mut physics).0;
+    let mut robot = Robot::new(&kobuki(), "", index, &mut physics).0;
     let mut run = |seconds: f64, linear_m_s: f64| {
         for _ in 0..(seconds / 0.004) as usize {
             robot.command(Command { linear_m_s, angular_rad_s: 0.0 }, physics.time_ns());

@@ -106,10 +106,15 @@ impl Physics {
     ///
     /// # Errors
     /// If a pose is not finite.
-    pub fn insert_model(&mut self, model: &Model, world_from_model: &Pose) -> Result<ModelIndex, Problem> {
+    pub fn insert_model(
+        &mut self,
+        model: &Model,
+        world_from_model: &Pose,
+        is_robot: bool,
+    ) -> Result<ModelIndex, Problem> {
         check_poses(model, world_from_model)?;
         let index = self.models.len();
-        self.add(model, world_from_model, false);
+        self.add(model, world_from_model, is_robot);
         self.rapier.wake_up_all(true);
         Ok(index)
     }

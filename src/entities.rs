@@ -2,8 +2,8 @@
 
 use crate::description::model::{LinkIndex, Model, Sensor};
 use crate::description::values::nearest;
-use crate::robot::Robot;
-use crate::world::physics::{ModelIndex, Physics};
+use crate::robot::{self, Robot};
+use crate::world::physics::{ModelIndex, Physics, Placement};
 use belvedere_sensors::Pose;
 
 /// Names that mean the world itself; Gazebo's services know the same.
@@ -48,14 +48,17 @@ pub fn namespace(given: &str) -> Result<String, String> {
     }
 }
 
-/// One model in a simulation: its [`ModelIndex`] in the world. That of a deleted one is not given to another.
+/// One model in a simulation. The index of a deleted one is given to another, which is of a later generation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct EntityId(pub(crate) ModelIndex);
+pub struct EntityId {
+    index: ModelIndex,
+    generation: u32,
+}
 
 impl EntityId {
     /// Its index in the world.
     pub fn index(self) -> ModelIndex {
-        self.0
+        self.index
     }
 }
 
@@ -88,6 +91,15 @@ pub struct Entity {
 }
 
 impl Entity {
+    /// How it takes part in physics, at its start.
+    pub(crate) fn placement(&self) -> Placement<'_> {
+        if self.robot.is_some() {
+            robot::placement(&self.model, self.start)
+        } else {
+            Placement::of_thing(&self.model, self.start)
+        }
+    }
+
     /// What it carries that senses.
     pub fn sensors(&self) -> &[Sensor] {
         &self.model.sensors
@@ -127,39 +139,51 @@ pub(crate) fn scoped(namespace: &str, name: &str) -> String {
     if namespace.is_empty() { name.to_owned() } else { format!("{namespace}/{name}") }
 }
 
-/// Everybody; places of those that were deleted stay empty.
+/// Everybody; places of those that were deleted are empty until another comes.
 #[derive(Debug, Default)]
 pub struct Entities {
-    places: Vec<Option<Entity>>,
+    places: Vec<Place>,
+}
+
+#[derive(Debug, Default)]
+struct Place {
+    /// How many were here before.
+    generation: u32,
+    entity: Option<Entity>,
+}
+
+impl Place {
+    fn id(&self, index: ModelIndex) -> EntityId {
+        EntityId { index, generation: self.generation }
+    }
 }
 
 impl Entities {
-    /// Takes one in. Its place is that of physics if all were added in the same order.
-    pub(crate) fn add(&mut self, entity: Entity) -> EntityId {
-        self.places.push(Some(entity));
-        EntityId(self.places.len() - 1)
-    }
-
-    /// Leaves the next place empty.
-    pub(crate) fn add_nobody(&mut self) {
-        self.places.push(None);
+    /// Takes one in at the index that physics gave it.
+    pub(crate) fn add(&mut self, index: ModelIndex, entity: Entity) -> EntityId {
+        if index >= self.places.len() {
+            self.places.resize_with(index + 1, Place::default);
+        }
+        let place = &mut self.places[index];
+        place.entity = Some(entity);
+        place.id(index)
     }
 
     /// Empties a place.
     pub(crate) fn remove(&mut self, id: EntityId) {
-        if let Some(place) = self.places.get_mut(id.0) {
-            *place = None;
+        if let Some(place) = self.places.get_mut(id.index).filter(|place| place.generation == id.generation) {
+            *place = Place { generation: place.generation + 1, entity: None };
         }
     }
 
-    /// The one of that place, unless it was deleted.
+    /// The one of that identity, unless it was deleted.
     pub fn get(&self, id: EntityId) -> Option<&Entity> {
-        self.places.get(id.0)?.as_ref()
+        self.places.get(id.index).filter(|place| place.generation == id.generation)?.entity.as_ref()
     }
 
     /// The same, to be changed.
     pub(crate) fn get_mut(&mut self, id: EntityId) -> Option<&mut Entity> {
-        self.places.get_mut(id.0)?.as_mut()
+        self.places.get_mut(id.index).filter(|place| place.generation == id.generation)?.entity.as_mut()
     }
 
     /// The robot of that place.
@@ -169,27 +193,24 @@ impl Entities {
 
     /// Everybody, to be changed.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (EntityId, &mut Entity)> {
-        self.places
-            .iter_mut()
-            .enumerate()
-            .filter_map(|(index, entity)| Some((EntityId(index), entity.as_mut()?)))
+        let places = self.places.iter_mut().enumerate();
+        places.filter_map(|(index, place)| Some((place.id(index), place.entity.as_mut()?)))
     }
 
     /// All robots.
     pub fn robots_mut(&mut self) -> impl Iterator<Item = &mut Robot> {
-        self.places.iter_mut().flatten().filter_map(|entity| entity.robot.as_mut())
+        self.iter_mut().filter_map(|(_, entity)| entity.robot.as_mut())
     }
 
-    /// All, with their places.
+    /// All, with their identities.
     pub fn iter(&self) -> impl Iterator<Item = (EntityId, &Entity)> {
-        self.places.iter().enumerate().filter_map(|(index, entity)| Some((EntityId(index), entity.as_ref()?)))
+        let places = self.places.iter().enumerate();
+        places.filter_map(|(index, place)| Some((place.id(index), place.entity.as_ref()?)))
     }
 
     /// Every place, empty ones too: as physics is built from it.
-    pub(crate) fn places(&self) -> impl Iterator<Item = Option<(&Model, Pose, bool)>> {
-        self.places
-            .iter()
-            .map(|entity| entity.as_ref().map(|entity| (&entity.model, entity.start, entity.robot.is_some())))
+    pub(crate) fn placements(&self) -> impl Iterator<Item = Option<Placement<'_>>> {
+        self.places.iter().map(|place| place.entity.as_ref().map(Entity::placement))
     }
 
     /// Those that came while it ran.
@@ -227,11 +248,11 @@ impl Entities {
             return Ok(Pose::IDENTITY);
         }
         if let Some((id, _)) = self.iter().find(|(_, entity)| entity.name == name) {
-            return Ok(physics.world_from_model(id.0));
+            return Ok(physics.world_from_model(id.index));
         }
         let link = |(id, entity): (EntityId, &Entity)| -> Option<(ModelIndex, LinkIndex)> {
             let own = name.strip_prefix(&entity.name).and_then(|rest| rest.strip_prefix("::"));
-            Some((id.0, entity.model.link_named(own.unwrap_or(name))?))
+            Some((id.index, entity.model.link_named(own.unwrap_or(name))?))
         };
         let (model, link) = self.iter().find_map(link).ok_or_else(|| {
             format!(

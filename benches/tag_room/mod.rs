@@ -30,7 +30,7 @@ pub fn room() -> World {
 
 /// What sensors see of it.
 pub fn scene(world: &World) -> WorldScene {
-    let physics = Physics::new(world, &[]).expect("our own world runs");
+    let physics = Physics::new(world).expect("our own world runs");
     WorldScene::new(world, &physics).expect("our own world shows")
 }
 

@@ -216,10 +216,7 @@ fn run_loop(
             continue;
         }
         let keeps_time = args.rate == Pace::Realtime;
-        let before_reset_ns = server.simulated_ns() - server.time_ns();
-        if before_reset_ns.saturating_add(server.next_stamp_ns()) >= end_ns
-            || keeps_time && !pacer.wait_for_next(server)
-        {
+        if server.next_simulated_ns() >= end_ns || keeps_time && !pacer.wait_for_next(server) {
             break;
         }
         gather(&mut attendance, server, node, Some(args.patience))?;

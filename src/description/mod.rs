@@ -2,6 +2,8 @@
 
 pub mod diagnostics;
 pub mod gazebo_materials;
+pub mod housing;
+pub(crate) mod inertia;
 mod label;
 pub mod mesh;
 pub mod model;

@@ -32,7 +32,8 @@ pub use schedule::Schedule;
 pub use settings::Settings;
 pub use sink::{FrameBuf, Sink};
 
-use crate::description::model::Sensor;
+use crate::description::housing::{CollisionIndex, housings};
+use crate::description::model::{Sensor, SensorKind};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
@@ -92,6 +93,8 @@ struct Scheduled {
     tuning: Option<Tuning>,
     /// Of rendering a frame.
     cost: Cost,
+    /// What its sensor looks through: shapes of its own model.
+    housing: Vec<CollisionIndex>,
 }
 
 /// All channels of a simulation.
@@ -125,6 +128,7 @@ impl Rig {
             channel: Channel::Clock(ClockChannel::new(clock).into()),
             tuning: None,
             cost: Cost::default(),
+            housing: Vec::new(),
         };
         let mut rig = Self { options, channels: vec![clock], settings, most_sensors, workspace };
         for (id, _) in stage.entities.iter() {
@@ -177,16 +181,26 @@ impl Rig {
             hashed: options.hashed,
             taken: &taken,
         };
-        let mut add = |rate, channel, tuning| {
+        let mut add = |rate, channel, tuning, housing| {
             let schedule = Schedule::starting(rate, physics.time_ns());
             let cost = Cost::default();
-            self.channels.push(Scheduled { entity: Some(id), rate, schedule, channel, tuning, cost });
+            self.channels.push(Scheduled {
+                entity: Some(id),
+                rate,
+                schedule,
+                channel,
+                tuning,
+                cost,
+                housing,
+            });
         };
         if let Some(robot) = &entity.robot {
             let rate = fixed_rate(STATE_HZ, physics);
-            add(rate, Channel::State(StateChannel::open(robot, &setting(rate, 0))?.into()), None);
+            let state = StateChannel::open(robot, &setting(rate, 0))?;
+            add(rate, Channel::State(state.into()), None, Vec::new());
             if robot.base().is_some() {
-                add(rate, Channel::Base(BaseChannel::open(&setting(rate, 0))?.into()), None);
+                let base = BaseChannel::open(&setting(rate, 0))?;
+                add(rate, Channel::Base(base.into()), None, Vec::new());
             }
         }
         let first_number = noise_number(entity.noise_name());
@@ -196,7 +210,11 @@ impl Rig {
             if let Some(channel) = Channel::of_sensor(sensor, &setting(rate, number))? {
                 let described = Settings::described(sensor, rate.hz());
                 let name = entity.scoped(&sensor.name);
-                add(rate, channel, Some(Tuning { sensor: name, described, now: described }));
+                let looks_through = matches!(sensor.kind, SensorKind::Ray(_)) && !options.gazebo_compat;
+                let housing =
+                    looks_through.then(|| housings(&entity.model, sensor.link, &sensor.link_from_sensor));
+                let tuning = Tuning { sensor: name, described, now: described };
+                add(rate, channel, Some(tuning), housing.unwrap_or_default());
             }
         }
         let sensors = self.channels.iter().filter(|channel| channel.tuning.is_some()).count();
@@ -295,10 +313,17 @@ impl Scheduled {
             scene.move_to(stage.physics, stamp_ns);
         }
         let Stage { entities, physics } = stage;
+        let model = self.entity.map(EntityId::index);
+        if let Some(model) = model {
+            scene.hide(model, &self.housing, true);
+        }
         let rendering = Duration::ZERO;
         let mut context = RigContext { stamp_ns, physics, entities, scene, workspace, rendering };
         self.channel.publish(&mut context, self.schedule.next());
         self.cost.add(context.rendering);
+        if let Some(model) = model {
+            scene.hide(model, &self.housing, false);
+        }
         self.schedule.advance();
     }
 }

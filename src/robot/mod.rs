@@ -20,13 +20,19 @@ pub use state::RobotState;
 
 use crate::description::diagnostics::Problem;
 use crate::description::model::{LinkIndex, Model};
-use crate::world::physics::{ModelIndex, Physics};
+use crate::world::physics::{ModelIndex, Physics, Placement};
 use belvedere_sensors::Pose;
 use transforms::{Transform, Transforms};
 
 /// Whether a model has a base that drives.
 pub fn has_base(model: &Model) -> bool {
     kobuki::Wheels::of(model).is_ok()
+}
+
+/// How a robot takes part in physics, its model's frame at a pose: the wheels of its base are carried, and it stays awake.
+pub fn placement(model: &Model, world_from_model: Pose) -> Placement<'_> {
+    let wheels = kobuki::Wheels::of(model).map(|wheels| wheels.joints().to_vec());
+    Placement { model, world_from_model, carried: wheels.unwrap_or_default(), stays_awake: true }
 }
 
 /// A robot in the world, with or without a base that drives.
@@ -102,6 +108,13 @@ impl Robot {
                 base.command(command, now_ns);
             }
             base.control(physics);
+        }
+    }
+
+    /// Notices that the robot was moved by hand, its base from `world_from_before`.
+    pub fn carried(&mut self, physics: &Physics, world_from_before: &Pose) {
+        if let Some(base) = &mut self.base {
+            base.carried(physics, world_from_before);
         }
     }
 

@@ -211,6 +211,12 @@ impl<'a> Server<'a> {
         self.simulation.time_ns()
     }
 
+    /// Simulated time in ns since the start at which the next frame is due, not set back by resets.
+    pub fn next_simulated_ns(&self) -> u64 {
+        let before_resets_ns = self.simulated_ns() - self.time_ns();
+        before_resets_ns.saturating_add(self.next_stamp_ns())
+    }
+
     /// Simulated time in ns since the start, not set back by resets.
     pub fn simulated_ns(&self) -> u64 {
         self.simulation.simulated_ns()

@@ -83,19 +83,20 @@ impl SimulationBuilder {
     pub fn build(self) -> Result<Simulation, SimulationError> {
         let Self { world, seed, gazebo_compat, execution } = self;
         let mut entities = Entities::default();
-        for model in &world.models {
-            entities.add(Entity {
+        for (index, model) in world.models.iter().enumerate() {
+            let entity = Entity {
                 name: model.name.clone(),
                 namespace: String::new(),
                 model: model.clone(),
                 start: model.world_from_model,
                 origin: Origin::World,
                 robot: None,
-            });
+            };
+            entities.add(index, entity);
         }
-        let physics = Physics::new(&world, &[])?;
+        let mut physics = Physics::new(&world)?;
         let scene = WorldScene::new(&world, &physics)?;
-        let notes = physics.notes().to_vec();
+        let notes = physics.take_notes();
         let options = RigOptions { seed, gazebo_compat, truth: false, hashed: false, execution };
         Ok(Simulation {
             world,
@@ -184,9 +185,24 @@ impl Simulation {
         if !(world_from_model.is_finite() && linear.is_finite() && angular.is_finite()) {
             return Err(SimulationError::Refused("a pose or velocity is not finite".into()));
         }
+        let before = self.bases();
         self.physics.move_model(id.index(), world_from_model, linear, angular);
-        self.scene.replace(&self.physics);
+        self.carried(&before);
         Ok(())
+    }
+
+    /// Where the robots' bases are.
+    fn bases(&self) -> Vec<Pose> {
+        let robots = self.entities.iter().filter_map(|(_, entity)| entity.robot.as_ref());
+        robots.map(|robot| robot.world_from_base(&self.physics)).collect()
+    }
+
+    /// Tells everybody of a move by hand, before which the bases were there.
+    fn carried(&mut self, before: &[Pose]) {
+        for (robot, world_from_before) in self.entities.robots_mut().zip(before) {
+            robot.carried(&self.physics, world_from_before);
+        }
+        self.scene.replace(&self.physics);
     }
 
     /// Gives a robot's base a velocity command, which it follows for [0.6 s](crate::robot::kobuki::COMMAND_TIMEOUT_NS).
@@ -248,10 +264,11 @@ impl Simulation {
 
     /// Puts everybody where each was at the start; time goes on.
     pub fn replace(&mut self) {
+        let before = self.bases();
         for (id, entity) in self.entities.iter() {
             self.physics.place_model(id.index(), &entity.start);
         }
-        self.scene.replace(&self.physics);
+        self.carried(&before);
     }
 
     /// Begins again at time 0, with everybody who is there now in the place where each was at first. What is built is
@@ -260,7 +277,7 @@ impl Simulation {
     /// # Errors
     /// Never in practice: the same world ran before.
     pub fn reset(&mut self) -> Result<(), SimulationError> {
-        let mut physics = Physics::with_models(&self.world, self.entities.places())?;
+        let mut physics = Physics::with_models(&self.world, self.entities.placements())?;
         for entity in self.entities.iter_mut() {
             let (id, Entity { robot: Some(robot), model, namespace, .. }) = entity else { continue };
             let autopilot = robot.autopilot();

@@ -4,7 +4,8 @@ use super::{Simulation, SimulationError};
 use crate::description::Severity;
 use crate::description::model::Model;
 use crate::entities::{Entity, EntityId, Origin, model_name, namespace};
-use crate::robot::{Robot, has_base};
+use crate::robot::{self, Robot, has_base};
+use crate::world::physics::Placement;
 use belvedere_sensors::Pose;
 
 /// How a model is to come.
@@ -62,21 +63,26 @@ impl Simulation {
         let start = world_from_model * model.world_from_model;
         let model = Model { name: name.clone(), ..model.clone() };
         let is_robot = is_robot.unwrap_or_else(|| !model.sensors.is_empty() || has_base(&model));
-        let noted = self.physics.notes().len();
-        let index = self.physics.insert_model(&model, &start, is_robot)?;
-        self.notes.extend_from_slice(&self.physics.notes()[noted..]);
+        let mut placement = robot::placement(&model, start);
+        if !is_robot {
+            placement = Placement::of_thing(&model, start);
+        }
+        let index = self.physics.insert_model(&placement)?;
         if let Err(problem) = self.scene.add_model(index, &model, &start) {
             self.physics.remove_model(index);
-            self.entities.add_nobody();
             return Err(problem.into());
         }
+        let mut notes = self.physics.take_notes();
         let robot = is_robot.then(|| {
             let (robot, problem) = Robot::new(&model, &namespace, index, &mut self.physics);
-            self.notes.extend(problem.filter(|problem| problem.severity < Severity::Error));
+            notes.extend(problem.filter(|problem| problem.severity < Severity::Error));
             robot
         });
+        // Each is said once, however often the same model comes.
+        notes.retain(|note| !self.notes.contains(note));
+        self.notes.extend(notes);
         self.studio = None;
-        Ok(self.entities.add(Entity { name, namespace, model, start, origin, robot }))
+        Ok(self.entities.add(index, Entity { name, namespace, model, start, origin, robot }))
     }
 
     /// Takes a model out of the world. What was rendered of it is not changed.

@@ -32,7 +32,7 @@ pub(super) fn tree_order(model: &Model) -> Vec<LinkIndex> {
     let mut loops: Vec<LinkIndex> = (0..model.links.len()).collect();
     by_name(&mut loops);
     let mut open: Vec<LinkIndex> = loops.iter().copied().filter(|link| !is_child[*link]).collect();
-    loops.extend(open.drain(..));
+    loops.append(&mut open);
     let (mut order, mut seen) = (Vec::with_capacity(model.links.len()), vec![false; model.links.len()]);
     while let Some(link) = loops.pop() {
         open.push(link);

@@ -60,7 +60,7 @@ fn bad_numbers() {
     assert_bad("1.6", &model("<inertial><mass>-1</mass></inertial>"), 2, &["-1 kg"]);
     assert_bad(
         "1.6",
-        &model("<inertial><inertia><ixx>0</ixx></inertia></inertial>"),
+        &model("<inertial><inertia><ixx>-1</ixx></inertia></inertial>"),
         2,
         &["moments of inertia"],
     );

@@ -63,7 +63,7 @@ pub enum Frame {
     /// In shared memory.
     Shared(LoanedFrame),
     /// In a caller's memory.
-    Owned(FrameBuf),
+    Owned(Box<FrameBuf>),
 }
 
 impl Frame {
@@ -150,9 +150,9 @@ impl FrameBuf {
     }
 
     /// Another frame of `len` bytes: zeros, or what was there before.
-    pub(crate) fn reset(&mut self, header: FrameHeader, len: usize) {
+    pub(crate) fn reset(&mut self, header: &FrameHeader, len: usize) {
         self.lines.resize(len.div_ceil(size_of::<Line>()), Line::zeroed());
-        (self.header, self.len) = (header, len);
+        (self.header, self.len) = (*header, len);
         self.header.payload_len = len as u64;
     }
 

@@ -60,11 +60,10 @@ impl Studio {
         topic: &str,
         frame: &mut FrameBuf,
     ) -> Result<(), SimulationError> {
-        self.slot.lock().begin(topic, std::mem::take(frame));
+        self.slot.lock().begin(topic, frame);
         let (stage, scene) = simulation.stage();
         let is_there = self.rig.take(topic, stage, scene);
-        let (rendered, is_filled) = self.slot.lock().end();
-        *frame = rendered;
+        let is_filled = self.slot.lock().end(frame);
         if !is_there {
             let topics = self.rig.outlets().into_iter().map(|outlet| outlet.topic().to_owned());
             let topics: Vec<String> = topics.collect();
@@ -83,7 +82,8 @@ struct Slot(Arc<Mutex<Inside>>);
 #[derive(Default)]
 struct Inside {
     wanted: String,
-    frame: FrameBuf,
+    /// None while it is on loan.
+    frame: Option<Box<FrameBuf>>,
     is_filled: bool,
 }
 
@@ -94,15 +94,19 @@ impl Slot {
 }
 
 impl Inside {
-    fn begin(&mut self, topic: &str, frame: FrameBuf) {
+    /// Takes the caller's memory.
+    fn begin(&mut self, topic: &str, frame: &mut FrameBuf) {
         self.wanted.clear();
         self.wanted.push_str(topic);
-        (self.frame, self.is_filled) = (frame, false);
+        self.is_filled = false;
+        std::mem::swap(&mut **self.frame.get_or_insert_default(), frame);
     }
 
-    fn end(&mut self) -> (FrameBuf, bool) {
+    /// Gives it back; says whether a frame was put into it.
+    fn end(&mut self, frame: &mut FrameBuf) -> bool {
         self.wanted.clear();
-        (std::mem::take(&mut self.frame), self.is_filled)
+        std::mem::swap(&mut **self.frame.get_or_insert_default(), frame);
+        self.is_filled
     }
 }
 
@@ -130,15 +134,15 @@ impl Port for Ending {
     }
 
     fn loan(&self, len: usize) -> Result<Frame, Error> {
-        let mut frame = std::mem::take(&mut self.slot.lock().frame);
-        frame.reset(self.template, len);
+        let mut frame = self.slot.lock().frame.take().unwrap_or_default();
+        frame.reset(&self.template, len);
         Ok(Frame::Owned(frame))
     }
 
     fn send(&self, frame: Frame) -> Result<(), Error> {
         if let Frame::Owned(frame) = frame {
             let mut inside = self.slot.lock();
-            (inside.frame, inside.is_filled) = (frame, true);
+            (inside.frame, inside.is_filled) = (Some(frame), true);
         }
         Ok(())
     }

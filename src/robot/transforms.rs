@@ -59,8 +59,8 @@ pub struct Transforms {
 }
 
 impl Transforms {
-    /// Sorts the joints of a model into fixed transforms and moving ones. A floating joint gives neither: no
-    /// joint state describes it. Names are in the namespace, if there is one.
+    /// Sorts the joints of a model into fixed transforms and moving ones. A ball or floating joint gives
+    /// neither: no joint state describes it. Names are in the namespace, if there is one.
     pub fn of(model: &Model, namespace: &str) -> Self {
         let name = |name: &str| -> Arc<str> {
             if namespace.is_empty() { name.into() } else { format!("{namespace}/{name}").into() }
@@ -78,7 +78,7 @@ impl Transforms {
                     fixed.push(rest);
                     continue;
                 }
-                JointKind::Floating => continue,
+                JointKind::Ball | JointKind::Floating => continue,
                 JointKind::Prismatic { .. } => true,
                 JointKind::Continuous | JointKind::Revolute { .. } => false,
             };

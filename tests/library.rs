@@ -140,7 +140,7 @@ fn what_cannot_be_is_refused() {
     );
     let wall = simulation.spawn(&wall.unwrap(), SpawnOptions::default()).unwrap();
     simulation.spawn(&model, SpawnOptions::default()).unwrap();
-    let said = |result: Result<_, SimulationError>| result.err().expect("refused").to_string();
+    let said = |result: Result<_, SimulationError>| result.expect_err("refused").to_string();
     let twice = said(simulation.spawn(&model, SpawnOptions::default()).map(|_| ()));
     assert!(twice.contains("already") && twice.contains("another name"), "{twice}");
     for namespace in ["1st", "a b", "a//b", "ä"] {

@@ -82,7 +82,7 @@ impl Simulation {
         let scene = WorldScene::new(world, &models, &physics)?;
         let commands = node.command_subscriber(&StreamSpec::velocity_command("/cmd_vel"))?;
         let base_commands = robots[0].base().map(|_| BaseCommands::open(node)).transpose()?;
-        let rig = Rig::open(node, &models, &robots, &physics, options)?;
+        let rig = Rig::open(node, &models, &robots, &physics, &scene, options)?;
         physics.remember(rig.window_ns());
         Ok(Self {
             world: world.clone(),

@@ -4,6 +4,7 @@
 //! A frame is rendered straight into the shared memory that subscribers read: the bridge lends it, the sensor
 //! fills it, the bridge sends it. What nobody follows is not rendered, unless a camera's exposure depends on it.
 
+mod annotations;
 pub mod attendance;
 pub mod base;
 mod camera;
@@ -36,6 +37,7 @@ use crate::description::model::{Model, Sensor};
 use crate::robot::Robot;
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
+use annotations::Census;
 use base::BaseChannel;
 use belvedere_bridge::{Error as BridgeError, Lossless, Node, StreamSpec};
 use belvedere_sensors::Execution;
@@ -100,7 +102,7 @@ pub struct Rig {
 
 impl Rig {
     /// Opens every stream of the robots. `models` and `robots` belong together, in the order in which physics
-    /// has them.
+    /// has them; `scene` is what they see.
     ///
     /// # Errors
     /// When the bridge cannot open a stream, or a sensor's description cannot be used.
@@ -109,6 +111,7 @@ impl Rig {
         models: &[Model],
         robots: &[Robot],
         physics: &Physics,
+        scene: &WorldScene,
         options: &RigOptions,
     ) -> Result<Self, RigError> {
         let mut workspace = WorkspaceBuf::default();
@@ -131,6 +134,7 @@ impl Rig {
                 sensor,
                 gazebo_compat: options.gazebo_compat,
                 truth: options.truth,
+                census: Census::of(scene),
                 hashed: options.hashed,
                 lossless: options.lossless.as_ref(),
                 post: options.post.as_ref(),

@@ -3,6 +3,8 @@
 pub mod diagnostics;
 mod fiducial;
 pub mod gazebo_materials;
+pub mod housing;
+pub(crate) mod inertia;
 mod label;
 pub mod mesh;
 pub mod model;

@@ -1,6 +1,7 @@
 //! What the sensors see of the world: its shapes, looks and lamps as a `sensors` scene, kept in step with physics.
 
 use crate::description::diagnostics::{Problem, Severity, Source};
+use crate::description::housing::CollisionIndex;
 use crate::description::model as description;
 use crate::description::model::{Geometry, LinkIndex, Mesh, Model, World};
 use crate::world::physics::{ModelIndex, Physics};
@@ -16,6 +17,9 @@ use std::sync::Arc;
 
 /// Edge length of the rectangle that stands for an infinite collision plane, in metres.
 const INFINITE_M: f64 = 20_000.0;
+
+/// The bit of visibility of what no sensor sees.
+const HIDDEN: u32 = 1 << 31;
 
 /// The scene of a running world.
 #[derive(Debug)]
@@ -92,6 +96,19 @@ impl WorldScene {
             self.remove_model(index);
         }
         added
+    }
+
+    /// Lets rays pass through collision shapes of a model, or no more.
+    pub fn hide(&mut self, model: ModelIndex, shapes: &[CollisionIndex], hidden: bool) {
+        // Not 0, so that nothing else of the scene changes.
+        let seen = if hidden { HIDDEN } else { visibility::COLLISION };
+        for (link, shape) in shapes {
+            let placed = self.assembly.placed.get(&(model, *link)).into_iter().flatten();
+            for placed in placed.filter(|placed| placed.collision == Some(*shape)) {
+                // It is there.
+                let _ = self.assembly.builder.set_visibility(placed.instance, seen);
+            }
+        }
     }
 
     /// Lets a model be seen no more. Its places and memory in the scene are used again.
@@ -183,6 +200,8 @@ struct Placed {
     link_from_shape: Pose,
     shape: Shape,
     material: MaterialId,
+    /// Its number among the link's collision shapes, if it is one.
+    collision: Option<usize>,
 }
 
 /// A scene being put together; files and meshes that are used twice are taken in once.
@@ -220,7 +239,8 @@ impl Assembly {
                 class: visual.label.unwrap_or(class),
                 ..Default::default()
             };
-            let instance = self.place(key, world_from_link, link_from_shape, &visual.source, config)?;
+            let instance =
+                self.place((key, None), world_from_link, link_from_shape, &visual.source, config)?;
             self.fiducials.extend(visual.fiducials.iter().map(|tag| PlacedFiducial {
                 instance: instance.0,
                 instance_from_fiducial: shape_pose.inverse() * tag.visual_from_fiducial,
@@ -229,7 +249,7 @@ impl Assembly {
                 size_m: tag.size_m,
             }));
         }
-        for collision in &link.collisions {
+        for (number, collision) in link.collisions.iter().enumerate() {
             let material = match self.bare {
                 Some(material) => material,
                 None => self.material(&description::Material::default(), &collision.source)?,
@@ -237,6 +257,7 @@ impl Assembly {
             self.bare = Some(material);
             let (shape, shape_pose) = self.shape(&collision.geometry, true, &collision.source)?;
             let link_from_shape = collision.link_from_collision * shape_pose;
+            let key = (key, Some(number));
             self.place(key, world_from_link, link_from_shape, &collision.source, |world_from_instance| {
                 InstanceConfig {
                     shape,
@@ -254,7 +275,7 @@ impl Assembly {
 
     fn place(
         &mut self,
-        key: (ModelIndex, LinkIndex),
+        (key, collision): ((ModelIndex, LinkIndex), Option<usize>),
         world_from_link: &Pose,
         link_from_shape: Pose,
         source: &Source,
@@ -263,7 +284,13 @@ impl Assembly {
         let config = config(*world_from_link * link_from_shape);
         let instance = self.builder.add_instance(&config).map_err(|error| refused(error, source))?;
         let InstanceConfig { shape, material, .. } = config;
-        self.placed.entry(key).or_default().push(Placed { instance, link_from_shape, shape, material });
+        self.placed.entry(key).or_default().push(Placed {
+            instance,
+            link_from_shape,
+            shape,
+            material,
+            collision,
+        });
         Ok(instance)
     }
 

@@ -4,6 +4,7 @@ use super::frames::Frames;
 use super::model::Parts;
 use super::{Loader, Scope, name_of};
 use crate::description::fiducial::fiducials;
+use crate::description::inertia;
 use crate::description::label::label;
 use crate::description::model::{Collision, Inertial, Link, Visual};
 use crate::description::sensor::parse_sensor;
@@ -51,6 +52,7 @@ impl Loader<'_> {
             visuals: Vec::new(),
             collisions: Vec::new(),
             gravity: child_bool(element, "gravity", self.diagnostics).unwrap_or(true),
+            is_static: false,
             source: element.source.clone(),
         };
         for child in element.elements() {
@@ -108,15 +110,7 @@ impl Loader<'_> {
                     *value = given;
                 }
             }
-            if inertia[..3].iter().any(|moment| *moment <= 0.0) {
-                self.diagnostics.error(
-                    &tensor.source,
-                    format!(
-                        "the moments of inertia of the link '{link_name}' are {} {} {} kg·m²",
-                        inertia[0], inertia[1], inertia[2]
-                    ),
-                    "write ixx, iyy and izz above 0",
-                );
+            if !inertia::check(inertia, link_name, &tensor.source, self.diagnostics) {
                 return None;
             }
         }

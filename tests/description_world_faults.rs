@@ -62,7 +62,7 @@ fn bad_numbers() {
         (format!("{family}{id}{size}<pose>0 0 0</pose>"), "<pose> is '0 0 0': too few numbers"),
         (format!("{family}{id}{size}<pose degrees='1'>0 0 0 0 0 0</pose>"), "has attributes"),
     ] {
-        assert_bad("1.6", &tag(&parts), 2, &[words]);
+        assert_bad("1.6", &tag(&parts), 3, &[words]);
     }
     assert_bad("1.6", &shape("<box/>"), 2, &["no <size>"]);
     assert_bad("1.6", &shape("<sphere><radius>0</radius></sphere>"), 2, &["<radius> of a sphere is '0'"]);

@@ -170,7 +170,7 @@ impl Annotations {
     }
 }
 
-/// Top left, top right, bottom right and bottom left of a tag as one reads it: the order of OpenCV's ArUco.
+/// Top left, top right, bottom right and bottom left of a tag as one reads it: the order of OpenCV's `ArUco`.
 fn corners(tag: &PlacedFiducial) -> [Landmark; 4] {
     let (pose, half) = (&tag.instance_from_fiducial, tag.size_m / 2.0);
     [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(right, up)| Landmark {

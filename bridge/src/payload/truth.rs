@@ -34,7 +34,7 @@ pub struct BoundingBox {
 
 /// Where a tag is seen: one of which a corner is in the picture with nothing in front of it. Its pose is in the optical
 /// frame of the sensor (x right, y down, z forward) at the header's stamp; the tag's own x is to the right and y up as one
-/// reads it, z towards the reader, as in OpenCV's ArUco.
+/// reads it, z towards the reader, as in OpenCV's `ArUco`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct TagDetection {
@@ -47,7 +47,7 @@ pub struct TagDetection {
     /// Edge of its square without the white margin; metres.
     pub size: f64,
     /// Column and row of each corner, centres of pixels at integers: top left, top right, bottom right, bottom left as one
-    /// reads it (OpenCV's ArUco), when the row is taken. NaN where no pixel of the lens sees in that direction.
+    /// reads it (OpenCV's `ArUco`), when the row is taken. NaN where no pixel of the lens sees in that direction.
     pub corners: [[f64; 2]; 4],
     /// Its middle; metres.
     pub position: [f64; 3],

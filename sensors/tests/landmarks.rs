@@ -65,11 +65,12 @@ impl Story {
                 normal: DVec3::Z,
             }));
         }
-        let balls = Vec::from_iter((0..BALLS).map(|_| {
+        let mut ball = || {
             let (centre, radius) = (FAR + random.vector() * 3.0, 0.5 + 0.3 * random.next());
             add_grey(&mut builder, Shape::Sphere { radius }, Pose::from_translation(centre));
             (centre, radius)
-        }));
+        };
+        let balls = (0..BALLS).map(|_| ball()).collect();
         // Lidars see it, cameras do not.
         let config = InstanceConfig {
             shape: Shape::Sphere { radius: 0.3 },

@@ -78,7 +78,7 @@ fn bad_numbers() {
     assert_bad("1.6", &model("<inertial><mass>-1</mass></inertial>"), 2, &["-1 kg"]);
     assert_bad(
         "1.6",
-        &model("<inertial><inertia><ixx>0</ixx></inertia></inertial>"),
+        &model("<inertial><inertia><ixx>-1</ixx></inertia></inertial>"),
         2,
         &["moments of inertia"],
     );
@@ -127,9 +127,9 @@ fn bad_models() {
     assert_bad("1.6", &joint("<joint name='j' type='fixed'><parent>b</parent></joint>"), 2, &["no <child>"]);
     assert_bad(
         "1.6",
-        &joint("<joint name='j' type='ball'><parent>left</parent><child>b</child></joint>"),
+        &joint("<joint name='j' type='screw'><parent>left</parent><child>b</child></joint>"),
         2,
-        &["'ball'", "revolute"],
+        &["'screw'", "revolute"],
     );
     assert_bad(
         "1.6",

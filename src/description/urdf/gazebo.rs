@@ -1,7 +1,8 @@
 //! `<gazebo>`: sensors, and what Gazebo overrides of a link.
 //!
-//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, the plugin `Label` and our own
-//! `<visual><fiducial>`; for the whole robot: `static` and `Label`. The rest is accepted: contact parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
+//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, the plugin `Label` and
+//! our own `<visual><fiducial>`; for the whole robot: `static`, `self_collide` and `Label`. The rest is accepted: contact
+//! parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
 //! another physics engine does not have, plugins of the robot, extensions of joints.
 
 use super::{Loader, nearest_link};
@@ -21,6 +22,9 @@ impl Loader<'_> {
                 None => {
                     if let Some(is_static) = child_bool(element, "static", self.diagnostics) {
                         model.is_static = is_static;
+                    }
+                    if child_bool(element, "self_collide", self.diagnostics) == Some(true) {
+                        model.links.iter_mut().for_each(|link| link.self_collide = true);
                     }
                     of_robot = label(element, self.diagnostics).or(of_robot);
                 }
@@ -67,6 +71,9 @@ impl Loader<'_> {
         }
         if let Some(off) = child_bool(element, "turnGravityOff", self.diagnostics) {
             link.gravity = !off;
+        }
+        if let Some(collides) = child_bool(element, "selfCollide", self.diagnostics) {
+            link.self_collide = collides;
         }
         if let Some(retro) = child_number(element, "laserRetro", self.diagnostics) {
             for collision in &mut link.collisions {

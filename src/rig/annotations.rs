@@ -4,7 +4,8 @@
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::{RigContext, RigError, Setting};
-use crate::world::scene::{PlacedFiducial, WorldScene};
+use crate::entities::Entities;
+use crate::world::scene::PlacedFiducial;
 use belvedere_bridge::payload::{BoundingBox, Message, TagDetection};
 use belvedere_bridge::{Kind, StreamSpec, Text};
 use belvedere_sensors::camera::Camera;
@@ -28,8 +29,10 @@ pub(super) struct Census {
 }
 
 impl Census {
-    pub(super) fn of(scene: &WorldScene) -> Self {
-        Self { things: scene.scene().instances().len(), tags: scene.fiducials().len() }
+    pub(super) fn of(entities: &Entities) -> Self {
+        let links = || entities.iter().flat_map(|(_, entity)| &entity.model.links);
+        let visuals = || links().flat_map(|link| &link.visuals);
+        Self { things: visuals().count(), tags: visuals().map(|visual| visual.fiducials.len()).sum() }
     }
 }
 

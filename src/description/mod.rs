@@ -1,6 +1,7 @@
 //! Robot and world files: text in, one typed model out, every problem with its file and line.
 
 pub mod diagnostics;
+mod fiducial;
 pub mod gazebo_materials;
 pub mod housing;
 pub(crate) mod inertia;

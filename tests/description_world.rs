@@ -2,11 +2,11 @@
 
 mod sdf;
 
-use belvedere::description::Diagnostics;
 use belvedere::description::Severity;
 use belvedere::description::model::{Geometry, JointKind, LightKind};
 use belvedere::description::package::PackagePath;
 use belvedere::description::world::{load_world, world_names};
+use belvedere::description::{Diagnostics, Rules};
 use belvedere_sensors::scene::TextureAlpha;
 use glam::DVec3;
 use sdf::*;
@@ -87,9 +87,9 @@ fn names_are_found_in_the_users_turtlebot_gazebo_first() {
     let packages = PackagePath::new([folder.path("")], None);
     let mut diagnostics = Diagnostics::default();
     for name in ["playground", "playground.world"] {
-        assert_eq!(load_world(name, &packages, false, &mut diagnostics).unwrap().name, "mine");
+        assert_eq!(load_world(name, &packages, Rules::default(), &mut diagnostics).unwrap().name, "mine");
     }
-    assert!(load_world("corridor", &packages, false, &mut diagnostics).is_some());
+    assert!(load_world("corridor", &packages, Rules::default(), &mut diagnostics).is_some());
     assert!(diagnostics.problems().is_empty());
 }
 

@@ -60,7 +60,7 @@ fn bad_numbers() {
     assert_bad("1.6", &model("<inertial><mass>-1</mass></inertial>"), 2, &["-1 kg"]);
     assert_bad(
         "1.6",
-        &model("<inertial><inertia><ixx>0</ixx></inertia></inertial>"),
+        &model("<inertial><inertia><ixx>-1</ixx></inertia></inertial>"),
         2,
         &["moments of inertia"],
     );
@@ -87,6 +87,29 @@ fn bad_numbers() {
         &["no length"],
     );
     assert_bad("1.6", "<model name='m'><static>maybe</static><link name='l'/></model>", 1, &["'maybe'"]);
+}
+
+#[test]
+fn what_gazebo_goes_on_with_is_a_warning() {
+    let link = |inside: &str, words: &str| {
+        let (world, problems) = Folder::new().load(
+            "1.6",
+            &format!("<model name='m'><link name='l'>{inside}</link></model>"),
+            false,
+        );
+        assert!(problems.len() == 1 && problems[0].severity == Severity::Warning, "{problems:#?}");
+        assert!(problems[0].what.contains(words), "{}", problems[0]);
+        world.unwrap().models.remove(0).links.remove(0)
+    };
+    let inertial =
+        |inside: &str, words| link(&format!("<inertial>{inside}</inertial>"), words).inertial.unwrap();
+    assert_eq!(inertial("<mass>0</mass>", "is 0 kg").mass_kg, 1.0);
+    let ball = inertial("<mass>2</mass><inertia><ixx>0</ixx><ixy>3</ixy></inertia>", "0 1 1");
+    assert_eq!((ball.mass_kg, ball.inertia), (2.0, [0.002, 0.002, 0.002, 0.0, 0.0, 0.0]));
+    let geometry = "<geometry><box><size>1 1 1</size></box></geometry>";
+    let surface = "<surface><friction><ode><mu>-1</mu></ode></friction></surface>";
+    let l = link(&format!("<collision name='c'>{geometry}{surface}</collision>"), "<mu> is -1");
+    assert!(l.collisions[0].friction.unwrap() >= 1e6);
 }
 
 #[test]

@@ -6,11 +6,12 @@ use super::pacer::Pacer;
 use super::status::Status;
 use crate::control::SpawnOptions;
 use crate::control::roster::model_name;
+use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
-use crate::description::robot::{LoadOptions, default_robot_name, load_robot};
+use crate::description::robot::{LoadOptions, default_robot_name, load_robot, xacro_argument};
 use crate::description::world::{default_world, load_world};
-use crate::description::{Diagnostics, Severity};
+use crate::description::{Diagnostics, Rules, Severity};
 use crate::rig::attendance::{Attendance, Awaited};
 use crate::rig::post::Post;
 use crate::rig::{Rig, RigOptions};
@@ -30,6 +31,7 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run
   belvedere run --robot kobuki_hexagons_kinect --world playground --drive spin
   belvedere run --robot my_robot.urdf.xacro --package-path ~/catkin_ws/src --domain lab
+  belvedere run --robot my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
   belvedere run --truth
   belvedere run --rate max --duration 10 --hash
   belvedere run --rate max --wait-for recorder=3 --patience 30")]
@@ -39,6 +41,9 @@ pub struct RunArgs {
     /// [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]
     #[arg(long, value_name = "FILE|NAME")]
     robot: Option<String>,
+    /// Arguments of the robot's xacro, for its $(arg NAME)
+    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+    xacro_args: Vec<(String, String)>,
     /// What the robot is called in the world [default: as its description has it]
     #[arg(long, value_name = "NAME", value_parser = model_name)]
     name: Option<String>,
@@ -68,6 +73,9 @@ pub struct RunArgs {
     /// range, ranges that begin at the minimum, sensors on missing links left out
     #[arg(long)]
     gazebo_compat: bool,
+    /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
+    #[arg(long)]
+    apply_up_axis: bool,
     /// Publish what is true of every pixel and beam as well: TOPIC/truth/depth, range, normal, instance, class,
     /// incidence, flow_back, flow_forward
     #[arg(long)]
@@ -85,6 +93,13 @@ pub struct RunArgs {
     /// How long it waits for one of them before it ends with a report of who held it up
     #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "wait_for", default_value = "10")]
     patience: Duration,
+}
+
+impl RunArgs {
+    fn rules(&self) -> Rules {
+        let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
+        Rules { gazebo_compat: self.gazebo_compat, up_axis }
+    }
 }
 
 /// How simulated time runs.
@@ -124,7 +139,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let mut notes = Vec::new();
     let packages = packages(args);
     let mut simulation = Simulation::new(&world, &robot, args.drive, &node, &options, &mut notes)?;
-    simulation.set_spawn_options(SpawnOptions { packages, gazebo_compat: args.gazebo_compat });
+    simulation.set_spawn_options(SpawnOptions { packages, rules: args.rules() });
     if args.paused {
         simulation.pause();
     }
@@ -165,8 +180,8 @@ fn load(args: &RunArgs) -> Result<(World, Model), CliError> {
     let mut diagnostics = Diagnostics::default();
     let packages = packages(args);
     let world = args.world.clone().unwrap_or_else(default_world);
-    let world = load_world(&world, &packages, args.gazebo_compat, &mut diagnostics);
-    let options = LoadOptions { packages, gazebo_compat: args.gazebo_compat, xacro_args: Vec::new() };
+    let world = load_world(&world, &packages, args.rules(), &mut diagnostics);
+    let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
     let robot = args.robot.clone().unwrap_or_else(default_robot_name);
     let mut robot = load_robot(&robot, &options, &mut diagnostics);
     if let (Some(robot), Some(name)) = (&mut robot, &args.name) {

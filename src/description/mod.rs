@@ -1,5 +1,6 @@
 //! Robot and world files: text in, one typed model out, every problem with its file and line.
 
+mod budget;
 pub mod diagnostics;
 pub mod gazebo_materials;
 mod label;
@@ -8,6 +9,7 @@ pub mod model;
 pub mod ogre_material;
 pub mod package;
 pub mod robot;
+pub mod rules;
 mod sdf;
 pub mod sensor;
 pub mod single;
@@ -18,3 +20,4 @@ pub mod xacro;
 pub mod xml;
 
 pub use diagnostics::{Diagnostics, Problem, Severity, Source};
+pub use rules::Rules;

@@ -108,7 +108,7 @@ impl Loader<'_> {
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();
         }
-        let parts = load_mesh_parts(&path, scale, &shape.source, self.diagnostics);
+        let parts = load_mesh_parts(&path, scale, self.rules.up_axis, &shape.source, self.diagnostics);
         self.meshes.insert(key, parts.clone());
         parts
     }

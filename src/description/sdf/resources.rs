@@ -1,6 +1,7 @@
 //! Where the URIs of a world point to.
 
 use crate::description::package::PackagePath;
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
 /// Environment variables with folders of models: Gazebo classic's, then those of its successors.
@@ -14,6 +15,8 @@ pub(super) struct Resources<'a> {
     model_folders: Vec<PathBuf>,
     /// Folders that `file://media/…` may lie in.
     media_folders: Vec<PathBuf>,
+    /// What packages export: models, then media. Looked for when nothing else helps.
+    exported: OnceCell<[Vec<PathBuf>; 2]>,
 }
 
 /// What a URI resolves to.
@@ -49,7 +52,12 @@ impl<'a> Resources<'a> {
             .chain(downloads)
             .chain([ours.to_path_buf()])
             .collect();
-        Self { packages, model_folders, media_folders: variable("GAZEBO_RESOURCE_PATH") }
+        Self {
+            packages,
+            model_folders,
+            media_folders: variable("GAZEBO_RESOURCE_PATH"),
+            exported: OnceCell::new(),
+        }
     }
 
     /// Looks a URI up; `folder` is that of the file it stands in.
@@ -71,10 +79,23 @@ impl<'a> Resources<'a> {
             Some((scheme, _)) => return Resolved::UnknownScheme(scheme.to_owned()),
             None => vec![folder.join(uri)],
         };
-        match candidates.iter().find(|candidate| candidate.exists()) {
-            Some(found) => Resolved::Found(std::path::absolute(found).unwrap_or_else(|_| found.clone())),
+        let found = candidates.iter().find(|candidate| candidate.exists()).cloned();
+        match found.or_else(|| self.exported(uri)) {
+            Some(found) => Resolved::Found(std::path::absolute(&found).unwrap_or(found)),
             None => Resolved::NotFound(candidates),
         }
+    }
+
+    /// What a URI means in the folders that the user's packages export to Gazebo.
+    fn exported(&self, uri: &str) -> Option<PathBuf> {
+        let (kind, rest) = match uri.split_once("://")? {
+            ("model", rest) => (0, rest),
+            ("file", rest) => (1, rest),
+            _ => return None,
+        };
+        let keys = ["gazebo_model_path", "gazebo_media_path"];
+        let exported = self.exported.get_or_init(|| keys.map(|key| self.packages.exported(key)));
+        exported[kind].iter().map(|folder| folder.join(rest)).find(|place| place.exists())
     }
 
     /// Names of the models that `model://` can reach, for "did you mean".

@@ -56,9 +56,9 @@ fn xacro_calls_times_elements() {
     // Expressions in properties in expressions.
     let nested = |i: usize| format!("{}p{}{}", "(-".repeat(12), i + 1, ")".repeat(12));
     let chain: Vec<String> =
-        (0..100).map(|i| format!("<xacro:property name='p{i}' value='${{{}}}'/>", nested(i))).collect();
+        (0..160).map(|i| format!("<xacro:property name='p{i}' value='${{{}}}'/>", nested(i))).collect();
     let chain = chain.concat();
-    let chain = format!("{chain}<xacro:property name='p100' value='1'/><gazebo x='${{p0}}'/>");
+    let chain = format!("{chain}<xacro:property name='p160' value='1'/><gazebo x='${{p0}}'/>");
     assert_refused(&chain, "more than 300 deep");
 }
 

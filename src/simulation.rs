@@ -210,6 +210,11 @@ impl Simulation {
         self.physics.time_ns()
     }
 
+    /// Simulated time in ns since the start at which the next frame is due, not set back by resets.
+    pub fn next_simulated_ns(&self) -> u64 {
+        self.before_resets_ns.saturating_add(self.next_stamp_ns())
+    }
+
     /// Simulated time in ns since the start, not set back by resets.
     pub fn simulated_ns(&self) -> u64 {
         self.before_resets_ns + self.physics.time_ns()

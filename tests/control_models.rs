@@ -2,10 +2,10 @@
 
 mod live;
 
-use belvedere_bridge::payload::{ModelState, Odometry, SimulationCommand};
+use belvedere_bridge::payload::{Imu, ModelState, Odometry, SimulationCommand};
 use belvedere_bridge::{Operation, SimulationControl, StreamSpec, Subscriber, Text};
 use live::control::{BOX, ROBOT, assert_near, done, done_with, named, state, states, step};
-use live::{Simulator, next_frame};
+use live::{Simulator, follow, next_frame};
 
 #[test]
 fn models_are_moved_and_put_back() {
@@ -50,12 +50,21 @@ fn models_are_moved_and_put_back() {
         linear: [0.0, 0.0, 2.0],
         ..named(Operation::SetModelState, ROBOT)
     };
+    let mut imu = follow(simulator.domain(), "imu", &["mobile_base/sensors/imu_data"]).remove(0);
     done_with(&mut control, &thrown, "");
     let before = state(&mut models, ROBOT).unwrap();
     assert_near(before.linear, [0.0, 0.0, 2.0], 1e-5);
     step(&mut control, 20);
     let robot = state(&mut models, ROBOT).unwrap();
     assert_near(robot.position, [0.0, 0.0, 0.5 + 0.2 - 0.5 * 9.8 * 0.01], 0.02);
+    // It falls freely: neither the throw nor the fall is a force.
+    let felt: Vec<[f64; 3]> = std::iter::from_fn(|| imu.take().unwrap())
+        .map(|frame| frame.message::<Imu>().unwrap().linear_acceleration)
+        .collect();
+    assert!(!felt.is_empty());
+    // What the last report before the throw left of standing is in the first.
+    assert!(felt.iter().all(|force| force.iter().all(|along| along.abs() < 10.0)), "{felt:?}");
+    assert!(felt.last().unwrap().iter().all(|along| along.abs() < 0.1), "{felt:?}");
     // The world's own models, static ones too.
     let ceiling =
         SimulationCommand { position: [0.0, 0.0, 3.0], ..named(Operation::SetModelState, "tag_ceiling") };

@@ -5,7 +5,8 @@ mod live;
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{Domain, Node, Operation, SimulationControl, Subscriber};
 use live::control::{BOX, ROBOT, call, done, done_with, named, step};
-use live::{Simulator, follow, next_frame};
+use live::{Simulator, belvedere, follow, next_frame, own_domain};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -128,4 +129,29 @@ fn after_a_reset_the_bytes_of_a_fresh_start_follow() {
     drop((subscribers, simulator));
     let (another, mut subscribers) = start_lossless("3");
     assert_eq!(first_second(&another, &mut subscribers), fresh, "of another simulator");
+}
+
+#[test]
+fn a_reset_does_not_lengthen_a_run() {
+    let domain = own_domain();
+    let run = belvedere()
+        .args(["run", "--domain", &domain, "--paused", "--rate", "max", "--duration", "1", "--hash"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    follow(&domain, "waiting", &["clock"]);
+    let node = Node::open(&Domain::new(&domain).unwrap(), "control").unwrap();
+    let mut control = SimulationControl::open(&node).unwrap();
+    let step_ns = step(&mut control, 1);
+    let far_ns = step(&mut control, 600_000_000 / step_ns);
+    assert!(far_ns > 600_000_000);
+    done(&mut control, Operation::ResetSimulation);
+    done(&mut control, Operation::Resume);
+    let printed = String::from_utf8(run.wait_with_output().unwrap().stdout).unwrap();
+    let clock =
+        printed.lines().find(|line| line.contains("  /clock  ")).unwrap_or_else(|| panic!("{printed}"));
+    // 100 Hz: 61 frames before the reset and 40 after it.
+    let frames: u32 = clock.split_whitespace().nth(2).unwrap().parse().unwrap();
+    assert!((99..=103).contains(&frames), "{clock}");
 }

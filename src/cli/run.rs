@@ -227,7 +227,7 @@ fn run_loop(
             continue;
         }
         let keeps_time = args.rate == Pace::Realtime;
-        if simulation.next_stamp_ns() >= end_ns || keeps_time && !pacer.wait_for_next(simulation) {
+        if simulation.next_simulated_ns() >= end_ns || keeps_time && !pacer.wait_for_next(simulation) {
             break;
         }
         gather(&mut attendance, simulation, node, Some(args.patience))?;

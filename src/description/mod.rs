@@ -3,6 +3,8 @@
 mod budget;
 pub mod diagnostics;
 pub mod gazebo_materials;
+pub mod housing;
+pub(crate) mod inertia;
 mod label;
 pub mod mesh;
 pub mod model;

@@ -77,6 +77,18 @@ impl Model {
         self.joints.iter().find(|joint| joint.child == link)
     }
 
+    /// The link that stands for all that fixed joints join with `link`: the uppermost.
+    pub fn rigid_root(&self, mut link: LinkIndex) -> LinkIndex {
+        // A tree has fewer steps to its root than links.
+        for _ in 0..self.links.len() {
+            match self.joint_above(link) {
+                Some(joint) if joint.kind == JointKind::Fixed => link = joint.parent,
+                _ => break,
+            }
+        }
+        link
+    }
+
     /// Pose of each link in the model frame with every joint at zero, in the order of [`Model::links`].
     ///
     /// A URDF link's pose follows from its joints; an SDF link's from its own `<pose>`, which the loader put
@@ -101,6 +113,9 @@ pub struct Link {
     pub collisions: Vec<Collision>,
     /// False for `<turnGravityOff>true`.
     pub gravity: bool,
+    /// Stands still in a model that moves: of a static model inside it, or fixed to the world. So does what is fixed
+    /// to this link.
+    pub is_static: bool,
     /// Where it stands.
     pub source: Source,
 }
@@ -131,6 +146,8 @@ pub struct Joint {
     pub parent_from_child: Pose,
     /// Unit axis in the child's frame.
     pub axis: DVec3,
+    /// A point of the child that the axis goes through, in the child's frame: 0 in URDF, an SDF joint's `<pose>`.
+    pub pivot: DVec3,
     /// Where it stands.
     pub source: Source,
 }
@@ -142,14 +159,14 @@ pub enum JointKind {
     Fixed,
     /// Turns without end.
     Continuous,
-    /// Turns between two angles in radians.
+    /// Turns between two angles in radians; an infinite one is no limit.
     Revolute {
         /// Lower limit.
         lower: f64,
         /// Upper limit.
         upper: f64,
     },
-    /// Slides between two lengths in metres.
+    /// Slides between two lengths in metres; an infinite one is no limit.
     Prismatic {
         /// Lower limit.
         lower: f64,

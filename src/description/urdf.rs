@@ -26,6 +26,7 @@ mod tree;
 pub(super) use plain::make_plain;
 
 use super::diagnostics::{Diagnostics, Source};
+use super::housing;
 use super::model::{Link, Material, Mesh, Model};
 use super::package::PackagePath;
 use super::rules::Rules;
@@ -76,6 +77,9 @@ pub(super) fn load_urdf(
     loader.joints(robot, &mut model);
     let is_tree = loader.build_tree(robot, &mut model);
     loader.extensions(robot, &mut model);
+    if is_tree {
+        housing::report(&model, rules.gazebo_compat, loader.diagnostics);
+    }
     is_tree.then_some(model)
 }
 

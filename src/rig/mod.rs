@@ -32,9 +32,10 @@ pub use rate::Rate;
 pub use schedule::Schedule;
 pub use settings::Settings;
 
-use crate::description::model::{Model, Sensor};
+use crate::description::housing::{CollisionIndex, housings};
+use crate::description::model::{Model, Sensor, SensorKind};
 use crate::robot::Robot;
-use crate::world::physics::Physics;
+use crate::world::physics::{ModelIndex, Physics};
 use crate::world::scene::WorldScene;
 use base::BaseChannel;
 use belvedere_bridge::{Error as BridgeError, Lossless, Node, StreamSpec};
@@ -82,11 +83,14 @@ struct Scheduled {
     tuning: Option<Tuning>,
     /// Of rendering a frame.
     cost: Cost,
+    /// What its sensor looks through: shapes of a model.
+    housing: (ModelIndex, Vec<CollisionIndex>),
 }
 
 impl Scheduled {
     fn new(rate: Rate, channel: Channel) -> Self {
-        Self { rate, schedule: Schedule::new(rate), channel, tuning: None, cost: Cost::default() }
+        let schedule = Schedule::new(rate);
+        Self { rate, schedule, channel, tuning: None, cost: Cost::default(), housing: (0, Vec::new()) }
     }
 }
 
@@ -151,7 +155,14 @@ impl Rig {
                 if let Some(channel) = Channel::of_sensor(sensor, &setting(rate, sensor_number))? {
                     let described = Settings::described(sensor, rate.hz());
                     let tuning = Tuning { sensor: sensor.name.clone(), described, now: described };
-                    rig.channels.push(Scheduled { tuning: Some(tuning), ..Scheduled::new(rate, channel) });
+                    let looks_through = matches!(sensor.kind, SensorKind::Ray(_)) && !options.gazebo_compat;
+                    let housing =
+                        looks_through.then(|| housings(model, sensor.link, &sensor.link_from_sensor));
+                    rig.channels.push(Scheduled {
+                        tuning: Some(tuning),
+                        housing: (running.model(), housing.unwrap_or_default()),
+                        ..Scheduled::new(rate, channel)
+                    });
                 }
                 sensor_number += 1;
             }
@@ -188,12 +199,15 @@ impl Rig {
             if scheduled.channel.is_rendered() {
                 scene.move_to(physics, stamp_ns);
             }
+            let (model, housing) = &scheduled.housing;
+            scene.hide(*model, housing, true);
             let workspace = &mut self.workspace;
             let rendering = Duration::ZERO;
             let mut context = RigContext { stamp_ns, physics, robots, scene, workspace, rendering };
             let frame = scheduled.schedule.next();
             scheduled.channel.publish(&mut context, frame);
             scheduled.cost.add(context.rendering);
+            scene.hide(*model, housing, false);
             if let Channel::Clock(_) = scheduled.channel {
                 // Whoever has come since the last change gets the settings now.
                 self.settings.update();

@@ -56,7 +56,7 @@ impl Mount {
 /// The sensor's pose in its link if it sits in the optical frame `frame` and looks as it does now.
 fn optical_mount(sensor: &Sensor, model: &Model, frame: &str) -> Option<Pose> {
     let named = model.link_named(frame)?;
-    if named == sensor.link || !rigidly_joined(model, named, sensor.link) {
+    if named == sensor.link || model.rigid_root(named) != model.rigid_root(sensor.link) {
         return None;
     }
     // Columns: the sensor's forward, left and up in the optical frame's right, down and forward.
@@ -67,20 +67,4 @@ fn optical_mount(sensor: &Sensor, model: &Model, frame: &str) -> Option<Pose> {
     let moved = link_from_frame * optical_from_sensor;
     let looks_alike = moved.rotation().dot(sensor.link_from_sensor.rotation()).abs() > 1.0 - 1e-6;
     looks_alike.then(|| Pose::new(moved.translation(), sensor.link_from_sensor.rotation()))
-}
-
-fn rigidly_joined(model: &Model, one: LinkIndex, other: LinkIndex) -> bool {
-    let rigid_root = |mut link: LinkIndex| {
-        // A tree has fewer steps to its root than links.
-        for _ in 0..model.links.len() {
-            match model.joint_above(link) {
-                Some(joint) if joint.kind == crate::description::model::JointKind::Fixed => {
-                    link = joint.parent;
-                }
-                _ => break,
-            }
-        }
-        link
-    };
-    rigid_root(one) == rigid_root(other)
 }

@@ -9,6 +9,7 @@ use super::odometry::{Odometry, gyro_reading};
 use super::transforms::base_link;
 use crate::description::model::{LinkIndex, Model};
 use crate::world::physics::{ModelIndex, Physics};
+use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
 
 /// The link that the gyro is mounted at; a model without it has its gyro in the base's origin.
@@ -87,6 +88,13 @@ impl Imu {
                 imu_from_world.transform_vector(acceleration - physics.gravity()),
             ),
         }
+    }
+
+    /// Notices that it was moved by hand, in the world by `moved`: a velocity that was given or taken is no force.
+    pub(super) fn carried(&mut self, physics: &Physics, moved: &Pose) {
+        let (velocity_m_s, _) = physics.link_velocity(self.model, self.link);
+        let changed_m_s = moved.transform_vector(self.velocity_m_s - self.reported_m_s);
+        (self.velocity_m_s, self.reported_m_s) = (velocity_m_s, velocity_m_s - changed_m_s);
     }
 
     /// Keeps the velocity for the next step's reports.

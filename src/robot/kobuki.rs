@@ -21,8 +21,9 @@ use super::imu::{Imu, ImuReading};
 use super::odometry::{ODOMETRY_PERIOD_NS, Odometer, Odometry, encoder_count, gyro_reading};
 use super::transforms::base_link;
 use crate::description::diagnostics::{Problem, Severity, Source};
-use crate::description::model::{Geometry, JointKind, LinkIndex, Model};
+use crate::description::model::{Collision, Geometry, JointKind, LinkIndex, Model};
 use crate::world::physics::{JointIndex, ModelIndex, Physics};
+use belvedere_sensors::Pose;
 use glam::DVec3;
 
 /// A command is followed for so long, in ns; then the base stops.
@@ -37,7 +38,7 @@ pub const MAX_ACCELERATION_M_S2: f64 = 1.0;
 pub const MAX_ANGULAR_ACCELERATION_RAD_S2: f64 = 4.0;
 /// Torque of a wheel's motor, in N·m.
 const WHEEL_TORQUE_N_M: f64 = 1.0;
-/// The wheel's radius where the model gives its wheel no round shape, in m.
+/// The wheel's radius where the model gives its wheel no shape, in m.
 const DEFAULT_WHEEL_RADIUS_M: f64 = 0.035;
 const WHEEL_JOINTS: [&str; 2] = ["wheel_left_joint", "wheel_right_joint"];
 /// Reports within one step of physics of at most 0.1 s, both ends included, and a few before.
@@ -86,16 +87,14 @@ struct Wheel {
 }
 
 impl Kobuki {
-    /// Takes the base of a robot that is in `physics`, and makes its wheels and casters slide: the grip of the
-    /// wheels is computed here.
+    /// Takes the base of a robot that is in `physics`, and makes its wheels slide: their grip is computed here.
     ///
     /// # Errors
     /// As [`Wheels::of`]; the robot is a passive one then.
     pub fn new(model: &Model, index: ModelIndex, physics: &mut Physics) -> Result<Self, Problem> {
         let wheels = Wheels::of(model)?;
-        let casters = (0..model.links.len()).filter(|link| model.links[*link].name.contains("caster"));
-        for link in casters.chain(wheels.sides.iter().map(|wheel| wheel.link)) {
-            physics.set_link_friction(index, link, 0.0);
+        for wheel in &wheels.sides {
+            physics.set_link_friction(index, wheel.link, 0.0);
         }
         let mut odometer = Odometer::new(wheels.radius_m);
         let mut imu = Imu::new(model, index, physics);
@@ -231,6 +230,12 @@ impl Kobuki {
         }
     }
 
+    /// Notices that the base was moved by hand from where it was: what changed by that was no motion.
+    pub fn carried(&mut self, physics: &Physics, world_from_before: &Pose) {
+        let moved = physics.world_from_link(self.model, self.base) * world_from_before.inverse();
+        self.imu.carried(physics, &moved);
+    }
+
     /// Reads the sensors after a step, and reports as often as the base does.
     pub fn observe(&mut self, physics: &Physics) {
         self.contact.notice(physics);
@@ -342,10 +347,9 @@ impl Wheels {
             ));
         }
         let shapes = &model.links[wheels[0].link].collisions;
-        let radius_m = shapes.iter().find_map(|shape| match shape.geometry {
-            Geometry::Cylinder { radius, .. } | Geometry::Sphere { radius } if radius > 0.0 => Some(radius),
-            _ => None,
-        });
+        let axis = model.joints[wheels[0].joint].axis;
+        let radius_m =
+            shapes.iter().find_map(|shape| radius_about(axis, shape)).filter(|radius| *radius > 0.0);
         Ok(Self {
             sides: wheels,
             separation_m,
@@ -358,5 +362,20 @@ impl Wheels {
     /// The joints of the left and the right wheel.
     pub fn joints(&self) -> [JointIndex; 2] {
         self.sides.map(|wheel| wheel.joint)
+    }
+}
+
+/// How far the shape of a wheel reaches from the wheel's axis; none for a shape that is no wheel.
+fn radius_about(axis: DVec3, shape: &Collision) -> Option<f64> {
+    match &shape.geometry {
+        Geometry::Cylinder { radius, .. } | Geometry::Sphere { radius } => Some(*radius),
+        Geometry::Mesh(mesh) => mesh
+            .positions
+            .iter()
+            .map(|point| shape.link_from_collision.transform_point(DVec3::from(point.map(f64::from))))
+            .map(|point| point.reject_from_normalized(axis).length())
+            .filter(|radius| radius.is_finite())
+            .reduce(f64::max),
+        _ => None,
     }
 }

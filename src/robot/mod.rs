@@ -71,6 +71,13 @@ impl Robot {
         }
     }
 
+    /// Notices that the robot was moved by hand, its base from `world_from_before`.
+    pub fn carried(&mut self, physics: &Physics, world_from_before: &Pose) {
+        if let Some(base) = &mut self.base {
+            base.carried(physics, world_from_before);
+        }
+    }
+
     /// Reads encoders and gyro after a step.
     pub fn observe(&mut self, physics: &Physics) {
         if let Some(base) = &mut self.base {

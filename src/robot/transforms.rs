@@ -29,6 +29,7 @@ pub struct JointTransform {
     pub name: Arc<str>,
     rest: Transform,
     axis: DVec3,
+    pivot: DVec3,
     slides: bool,
 }
 
@@ -40,7 +41,8 @@ impl JointTransform {
         } else {
             let (sin, cos) = libm::sincos(position * 0.5);
             let axis = self.axis * sin;
-            Pose::new(DVec3::ZERO, DQuat::from_xyzw(axis.x, axis.y, axis.z, cos))
+            let turn = DQuat::from_xyzw(axis.x, axis.y, axis.z, cos);
+            Pose::new(self.pivot - turn * self.pivot, turn)
         };
         let parent_from_child = self.rest.parent_from_child * motion;
         Transform { parent: self.rest.parent.clone(), child: self.rest.child.clone(), parent_from_child }
@@ -82,6 +84,7 @@ impl Transforms {
                 name: joint.name.as_str().into(),
                 rest,
                 axis: joint.axis,
+                pivot: joint.pivot,
                 slides,
             });
         }

@@ -109,10 +109,11 @@ impl Simulation {
             }
             Operation::Step => {}
             Operation::ResetWorld => {
+                let before = self.bases();
                 for (index, resident) in self.roster.iter() {
                     self.physics.place_model(index, &resident.start);
                 }
-                self.scene.replace(&self.physics);
+                self.carried(&before);
             }
             Operation::ResetSimulation => self.restart()?,
             Operation::SetModelState => self.set_model_state(command)?,
@@ -187,9 +188,23 @@ impl Simulation {
         let pose = values::pose(command)?;
         let (linear, angular) = values::twist(command)?;
         let [linear, angular] = [linear, angular].map(|vector| world_from_reference.transform_vector(vector));
+        let before = self.bases();
         self.physics.move_model(index, &(world_from_reference * pose), linear, angular);
-        self.scene.replace(&self.physics);
+        self.carried(&before);
         Ok(())
+    }
+
+    /// Where the robots' bases are.
+    fn bases(&self) -> Vec<Pose> {
+        self.robots.iter().map(|robot| robot.world_from_base(&self.physics)).collect()
+    }
+
+    /// Tells everybody of a move by hand, before which the bases were there.
+    fn carried(&mut self, before: &[Pose]) {
+        for (robot, world_from_before) in self.robots.iter_mut().zip(before) {
+            robot.carried(&self.physics, world_from_before);
+        }
+        self.scene.replace(&self.physics);
     }
 
     fn spawn(&mut self, command: &SimulationCommand, text: &str) -> Result<(), String> {

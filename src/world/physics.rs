@@ -1,7 +1,8 @@
 //! Rigid-body dynamics of a world and its robots, by rapier3d.
 //!
 //! - A static model is a set of fixed shapes. In any other model the links joined by fixed joints are one body
-//!   (Gazebo lumps them likewise), and the other joints constrain or drive the bodies.
+//!   (Gazebo lumps them likewise), and the other joints constrain or drive the bodies. Bodies come in an order that
+//!   the names of links tell, not their places in the file: its order changes no bit.
 //! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false).
 //! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
 //! - The wheels of a Kobuki are part of its base's body and only shown turning: see [`crate::robot::kobuki`].
@@ -63,6 +64,8 @@ struct Body {
     handle: RigidBodyHandle,
     /// The body and the joint of its model that carry it, if it is a wheel: its handle is the carrier's.
     carrier: Option<(usize, ModelIndex, JointIndex)>,
+    /// Stands still: of static links in a model that moves otherwise.
+    is_fixed: bool,
     /// Its pose in its model with every joint at zero.
     model_at_rest: Pose,
     /// World poses after the last step but one, and after the last.
@@ -81,6 +84,8 @@ struct PlacedModel {
     /// Its bodies are `bodies[first_body..end_body]`.
     first_body: usize,
     end_body: usize,
+    /// The body that the model's frame goes along with; none if nothing of it moves.
+    leading: Option<usize>,
 }
 
 /// A link in its body, or in the world if it never moves.
@@ -225,7 +230,8 @@ impl Physics {
         for joint in self.models.iter_mut().flat_map(|model| model.joints.iter_mut().flatten()) {
             let world_from_body = joint.bodies.map(|body| self.bodies[body].current);
             let handles = joint.bodies.map(|body| self.bodies[body].handle);
-            joint.update(world_from_body, handles, &self.rapier.bodies, &self.rapier.impulse_joints, step_s);
+            let rapier = &mut self.rapier;
+            joint.update(world_from_body, handles, &rapier.bodies, &mut rapier.impulse_joints, step_s);
         }
         self.carry();
         self.history.add(self.time_ns, &self.bodies);

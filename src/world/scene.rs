@@ -1,6 +1,7 @@
 //! What the sensors see of the world: its shapes, looks and lamps as a `sensors` scene, kept in step with physics.
 
 use crate::description::diagnostics::{Problem, Severity, Source};
+use crate::description::housing::CollisionIndex;
 use crate::description::model as description;
 use crate::description::model::{Geometry, LinkIndex, Mesh, Model, World};
 use crate::world::physics::{ModelIndex, Physics};
@@ -16,6 +17,9 @@ use std::sync::Arc;
 
 /// Edge length of the rectangle that stands for an infinite collision plane, in metres.
 const INFINITE_M: f64 = 20_000.0;
+
+/// The bit of visibility of what no sensor sees.
+const HIDDEN: u32 = 1 << 31;
 
 /// The scene of a running world.
 #[derive(Debug)]
@@ -94,6 +98,19 @@ impl WorldScene {
         added
     }
 
+    /// Lets rays pass through collision shapes of a model, or no more.
+    pub fn hide(&mut self, model: ModelIndex, shapes: &[CollisionIndex], hidden: bool) {
+        // Not 0, so that nothing else of the scene changes.
+        let seen = if hidden { HIDDEN } else { visibility::COLLISION };
+        for (link, shape) in shapes {
+            let placed = self.assembly.placed.get(&(model, *link)).into_iter().flatten();
+            for placed in placed.filter(|placed| placed.collision == Some(*shape)) {
+                // It is there.
+                let _ = self.assembly.builder.set_visibility(placed.instance, seen);
+            }
+        }
+    }
+
     /// Lets a model be seen no more. Its places and memory in the scene are used again.
     pub fn remove_model(&mut self, index: ModelIndex) {
         self.edition += 1;
@@ -162,6 +179,8 @@ struct Placed {
     link_from_shape: Pose,
     shape: Shape,
     material: MaterialId,
+    /// Its number among the link's collision shapes, if it is one.
+    collision: Option<usize>,
 }
 
 /// A scene being put together; files and meshes that are used twice are taken in once.
@@ -190,18 +209,22 @@ impl Assembly {
             let material = self.material(&visual.material, &visual.source)?;
             let (shape, shape_pose) = self.shape(&visual.geometry, false, &visual.source)?;
             let link_from_shape = visual.link_from_visual * shape_pose;
-            self.place(key, world_from_link, link_from_shape, &visual.source, |world_from_instance| {
-                InstanceConfig {
+            self.place(
+                (key, None),
+                world_from_link,
+                link_from_shape,
+                &visual.source,
+                |world_from_instance| InstanceConfig {
                     shape,
                     world_from_instance,
                     material,
                     visibility: visibility::VISUAL,
                     class: visual.label.unwrap_or(class),
                     ..Default::default()
-                }
-            })?;
+                },
+            )?;
         }
-        for collision in &link.collisions {
+        for (number, collision) in link.collisions.iter().enumerate() {
             let material = match self.bare {
                 Some(material) => material,
                 None => self.material(&description::Material::default(), &collision.source)?,
@@ -209,6 +232,7 @@ impl Assembly {
             self.bare = Some(material);
             let (shape, shape_pose) = self.shape(&collision.geometry, true, &collision.source)?;
             let link_from_shape = collision.link_from_collision * shape_pose;
+            let key = (key, Some(number));
             self.place(key, world_from_link, link_from_shape, &collision.source, |world_from_instance| {
                 InstanceConfig {
                     shape,
@@ -226,7 +250,7 @@ impl Assembly {
 
     fn place(
         &mut self,
-        key: (ModelIndex, LinkIndex),
+        (key, collision): ((ModelIndex, LinkIndex), Option<usize>),
         world_from_link: &Pose,
         link_from_shape: Pose,
         source: &Source,
@@ -235,7 +259,13 @@ impl Assembly {
         let config = config(*world_from_link * link_from_shape);
         let instance = self.builder.add_instance(&config).map_err(|error| refused(error, source))?;
         let InstanceConfig { shape, material, .. } = config;
-        self.placed.entry(key).or_default().push(Placed { instance, link_from_shape, shape, material });
+        self.placed.entry(key).or_default().push(Placed {
+            instance,
+            link_from_shape,
+            shape,
+            material,
+            collision,
+        });
         Ok(())
     }
 

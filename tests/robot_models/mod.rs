@@ -24,6 +24,7 @@ pub(crate) fn link(name: &str, model_from_link: Pose) -> Link {
         visuals: Vec::new(),
         collisions: Vec::new(),
         gravity: true,
+        is_static: false,
         source: source(),
     }
 }
@@ -75,6 +76,7 @@ pub(crate) fn hang(
         child,
         parent_from_child,
         axis: DVec3::Z,
+        pivot: DVec3::ZERO,
         source: source(),
     });
     child
@@ -101,8 +103,10 @@ pub(crate) fn kobuki() -> Model {
         let name = format!("caster_{end}_link");
         let caster = hang(&mut robot, base, &name, &format!("caster_{end}_joint"), JointKind::Fixed, mount);
         robot.links[caster].inertial = Some(inertial(0.01, [0.001; 3]));
-        robot.links[caster].collisions =
-            vec![collision(Pose::IDENTITY, Geometry::Cylinder { radius: 0.017, length: 0.0176 })];
+        robot.links[caster].collisions = vec![Collision {
+            friction: Some(0.0),
+            ..collision(Pose::IDENTITY, Geometry::Cylinder { radius: 0.017, length: 0.0176 })
+        }];
     }
     let camera_mount = Pose::from_xyz_rpy(DVec3::new(0.15, 0.0, 0.35), DVec3::new(0.0, -FRAC_PI_2, 0.0));
     let camera = hang(&mut robot, base, "base_camera_link", "camera_joint", JointKind::Fixed, camera_mount);

@@ -110,6 +110,13 @@ struct Frame {
     source: Source,
 }
 
+/// Begins the names under which joints' frames are kept; no name in XML can hold it.
+const JOINT: char = '\0';
+
+fn joint_key(name: &str) -> String {
+    format!("{JOINT}{name}")
+}
+
 /// The frames of one model or world.
 pub(super) struct Frames {
     root: &'static str,
@@ -129,6 +136,34 @@ impl Frames {
             .insert(name.to_owned(), Frame { parent, pose: written.pose, source: written.source.clone() });
     }
 
+    /// Adds a joint's frame. A name that a link or frame has already means that one, as in libsdformat; the joint's own
+    /// place is still found by [`Frames::resolve_joint`].
+    pub(super) fn add_joint(&mut self, name: &str, written: &WrittenPose, child: Option<&str>) {
+        if !self.frames.contains_key(name) {
+            self.add_known(name.to_owned(), &joint_key(name), Pose::IDENTITY, &written.source);
+        }
+        self.add(&joint_key(name), written, child);
+    }
+
+    /// The pose of a joint's frame in the root.
+    pub(super) fn resolve_joint(
+        &self,
+        name: &str,
+        source: &Source,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Pose> {
+        self.resolve(&joint_key(name), source, diagnostics)
+    }
+
+    /// The pose in the root of what was written in the world or model itself.
+    pub(super) fn place(&self, written: &WrittenPose, diagnostics: &mut Diagnostics) -> Pose {
+        let outer = written
+            .relative_to
+            .as_deref()
+            .and_then(|frame| self.resolve(frame, &written.source, diagnostics));
+        outer.map_or(written.pose, |root_from_frame| root_from_frame * written.pose)
+    }
+
     /// Adds a frame of known pose in another.
     pub(super) fn add_known(&mut self, name: String, parent: &str, pose: Pose, source: &Source) {
         self.frames.insert(name, Frame { parent: parent.into(), pose, source: source.clone() });
@@ -144,7 +179,8 @@ impl Frames {
                 return Some(root_from_frame);
             }
             let Some(frame) = self.frames.get(name) else {
-                let near = nearest(name, self.frames.keys().map(String::as_str).chain([self.root]));
+                let known = self.frames.keys().map(String::as_str).filter(|key| !key.starts_with(JOINT));
+                let near = nearest(name, known.chain([self.root]));
                 diagnostics.error(
                     source,
                     format!("there is no frame '{name}' here"),
@@ -160,7 +196,7 @@ impl Frames {
         }
         diagnostics.error(
             source,
-            format!("the frame '{name}' is relative to itself"),
+            format!("the frame '{}' is relative to itself", name.trim_start_matches(JOINT)),
             "break the circle of relative_to and attached_to",
         );
         None

@@ -3,6 +3,7 @@
 use super::frames::Frames;
 use super::model::Parts;
 use super::{Loader, Scope, Version, name_of};
+use crate::description::diagnostics::Source;
 use crate::description::model::{Joint, JointKind, Link, LinkIndex};
 use crate::description::values::{child_bool, child_number, child_text, nearest};
 use crate::description::xml::Element;
@@ -11,78 +12,48 @@ use glam::DVec3;
 
 /// Limits at or beyond this mean none (SDF's default is 1e16).
 const NO_LIMIT: f64 = 1e15;
-/// A joint nearer to its child's origin than this stands in it.
-const SAME_PLACE_M: f64 = 1e-9;
+
+/// What a joint's `<parent>` calls the world.
+const WORLD: &str = "world";
+
+/// The world as a link: what a joint moves against.
+fn world_link(source: &Source) -> Link {
+    Link {
+        name: WORLD.into(),
+        model_from_link: Pose::IDENTITY,
+        inertial: None,
+        visuals: Vec::new(),
+        collisions: Vec::new(),
+        gravity: true,
+        is_static: true,
+        source: source.clone(),
+    }
+}
 
 impl Loader<'_> {
-    pub(super) fn joint(
-        &mut self,
-        element: &Element,
-        scope: Scope<'_>,
-        frames: &Frames,
-        parts: &mut Parts,
-        fixed_to_world: &mut bool,
-    ) {
+    pub(super) fn joint(&mut self, element: &Element, scope: Scope<'_>, frames: &Frames, parts: &mut Parts) {
         let name = name_of(element);
         let kind_name = element.attribute("type").unwrap_or_default();
         let Some(child) = self.joint_end(element, "child", &parts.links) else { return };
-        if child_text(element, "parent").as_deref() == Some("world") {
+        if child_text(element, "parent").as_deref() == Some(WORLD) {
             if kind_name == "fixed" {
-                *fixed_to_world = true;
-            } else {
-                self.missing(
-                    &element.source,
-                    format!("the joint '{name}' moves a link against the world"),
-                    "give the model a fixed base link and hang the moving one on it",
-                );
+                parts.links[child].is_static = true;
+                return;
             }
-            return;
+            if !parts.links.iter().any(|link| link.name == WORLD) {
+                parts.links.push(world_link(&element.source));
+            }
         }
         let Some(parent) = self.joint_end(element, "parent", &parts.links) else { return };
 
         let model_from_joint =
-            frames.resolve(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);
+            frames.resolve_joint(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);
         let model_from_parent = parts.links[parent].model_from_link;
         let model_from_child = parts.links[child].model_from_link;
         let axis_in_model = self.axis_in_model(element, scope.version, frames, model_from_joint);
         let Some(kind) = self.joint_kind(element, kind_name) else { return };
         let source = element.source.clone();
 
-        let child_from_joint = model_from_child.inverse() * model_from_joint;
-        let turns = matches!(kind, JointKind::Continuous | JointKind::Revolute { .. });
-        if turns && child_from_joint.translation().length() > SAME_PLACE_M {
-            // The model's joints turn about their child's origin. A hinge elsewhere gets a link of its own, to
-            // which the child is fixed.
-            let hinge = parts.links.len();
-            parts.links.push(Link {
-                name: format!("{name}::hinge"),
-                model_from_link: model_from_joint,
-                inertial: None,
-                visuals: Vec::new(),
-                collisions: Vec::new(),
-                gravity: true,
-                source: source.clone(),
-            });
-            parts.joints.push(Joint {
-                name: name.clone(),
-                kind,
-                parent,
-                child: hinge,
-                parent_from_child: model_from_parent.inverse() * model_from_joint,
-                axis: model_from_joint.inverse().transform_vector(axis_in_model),
-                source: source.clone(),
-            });
-            parts.joints.push(Joint {
-                name: format!("{name}::mount"),
-                kind: JointKind::Fixed,
-                parent: hinge,
-                child,
-                parent_from_child: child_from_joint.inverse(),
-                axis: DVec3::X,
-                source,
-            });
-            return;
-        }
         parts.joints.push(Joint {
             name,
             kind,
@@ -90,6 +61,7 @@ impl Loader<'_> {
             child,
             parent_from_child: model_from_parent.inverse() * model_from_child,
             axis: model_from_child.inverse().transform_vector(axis_in_model),
+            pivot: (model_from_child.inverse() * model_from_joint).translation(),
             source,
         });
     }
@@ -105,7 +77,7 @@ impl Loader<'_> {
             return None;
         };
         let found = links.iter().position(|link| link.name == name);
-        if found.is_none() && !(end == "parent" && name == "world") {
+        if found.is_none() {
             let near = nearest(&name, links.iter().map(|link| link.name.as_str()))
                 .map(|near| format!("did you mean '{near}'?"))
                 .unwrap_or_default();
@@ -124,6 +96,8 @@ impl Loader<'_> {
             limit.and_then(|limit| child_number(limit, name, self.diagnostics)).unwrap_or(default)
         };
         let (lower, upper) = (bound("lower", -NO_LIMIT), bound("upper", NO_LIMIT));
+        let lower = if lower <= -NO_LIMIT { f64::NEG_INFINITY } else { lower };
+        let upper = if upper >= NO_LIMIT { f64::INFINITY } else { upper };
         if lower > upper {
             self.diagnostics.error(
                 limit.map_or(&element.source, |limit| &limit.source),
@@ -135,7 +109,7 @@ impl Loader<'_> {
         match kind {
             "fixed" => Some(JointKind::Fixed),
             "continuous" => Some(JointKind::Continuous),
-            "revolute" if lower <= -NO_LIMIT && upper >= NO_LIMIT => Some(JointKind::Continuous),
+            "revolute" if lower == f64::NEG_INFINITY && upper == f64::INFINITY => Some(JointKind::Continuous),
             "revolute" => Some(JointKind::Revolute { lower, upper }),
             "prismatic" => Some(JointKind::Prismatic { lower, upper }),
             other => {

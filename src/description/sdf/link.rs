@@ -3,6 +3,7 @@
 use super::frames::Frames;
 use super::model::Parts;
 use super::{Loader, Scope, name_of};
+use crate::description::inertia;
 use crate::description::label::label;
 use crate::description::model::{Collision, Inertial, Link, Visual};
 use crate::description::sensor::parse_sensor;
@@ -50,6 +51,7 @@ impl Loader<'_> {
             visuals: Vec::new(),
             collisions: Vec::new(),
             gravity: child_bool(element, "gravity", self.diagnostics).unwrap_or(true),
+            is_static: false,
             source: element.source.clone(),
         };
         for child in element.elements() {
@@ -118,29 +120,7 @@ impl Loader<'_> {
                     *value = given;
                 }
             }
-            if inertia[..3].contains(&0.0) {
-                self.diagnostics.warning(
-                    &tensor.source,
-                    format!(
-                        "the moments of inertia of the link '{link_name}' are {} {} {} kg·m²: a ball of its mass and \
-                         10 cm across has others",
-                        inertia[0], inertia[1], inertia[2]
-                    ),
-                    "write ixx, iyy and izz above 0",
-                );
-                // Off its axes there is nothing that would fit.
-                let ball = 0.001 * mass_kg;
-                inertia = [ball, ball, ball, 0.0, 0.0, 0.0];
-            }
-            if inertia[..3].iter().any(|moment| *moment < 0.0) {
-                self.diagnostics.error(
-                    &tensor.source,
-                    format!(
-                        "the moments of inertia of the link '{link_name}' are {} {} {} kg·m²",
-                        inertia[0], inertia[1], inertia[2]
-                    ),
-                    "write ixx, iyy and izz above 0",
-                );
+            if !inertia::check(inertia, link_name, &tensor.source, self.diagnostics) {
                 return None;
             }
         }

@@ -10,6 +10,7 @@ use crate::description::model::{Joint, JointKind, Light, Link, Model, Sensor};
 use crate::description::values::{child_bool, child_text, nearest};
 use crate::description::xml::{Element, Weight};
 use belvedere_sensors::Pose;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// A model whose place in what it stands in is not resolved yet.
@@ -24,7 +25,8 @@ pub(super) struct ParsedModel {
 #[derive(Default)]
 pub(super) struct Included {
     pub(super) models: Vec<ParsedModel>,
-    pub(super) lights: Vec<Light>,
+    /// Each with its place in what includes it.
+    pub(super) lights: Vec<(Light, WrittenPose)>,
 }
 
 /// Opening a file takes as long as so many elements.
@@ -71,6 +73,7 @@ impl Loader<'_> {
             }
         }
 
+        self.make_names_unique(&mut nested);
         let frames = self.model_frames(element, &nested, scope.version);
         let mut parts = Parts::default();
         for child in element.elements_named("link") {
@@ -87,17 +90,12 @@ impl Loader<'_> {
             );
             return None;
         }
-        let mut fixed_to_world = false;
         for child in element.elements_named("joint") {
-            self.joint(child, scope, &frames, &mut parts, &mut fixed_to_world);
+            self.joint(child, scope, &frames, &mut parts);
         }
-        if fixed_to_world && parts.joints.iter().any(|joint| joint.kind != JointKind::Fixed) {
-            self.missing(
-                &element.source,
-                format!("the model '{name}' is fixed to the world and moves at other joints"),
-                "models either stand still as a whole or move freely",
-            );
-        }
+        let stands = parts.links.iter().any(|link| link.is_static)
+            && parts.joints.iter().all(|joint| joint.kind == JointKind::Fixed)
+            && is_one_body(&parts);
 
         let mut pose = self.pose(element, scope.version);
         let placement = element.attribute("placement_frame").filter(|frame| !frame.is_empty());
@@ -112,7 +110,7 @@ impl Loader<'_> {
             model: Model {
                 name,
                 world_from_model: Pose::IDENTITY,
-                is_static: is_static || fixed_to_world,
+                is_static: is_static || stands,
                 links: parts.links,
                 joints: parts.joints,
                 sensors: parts.sensors,
@@ -132,6 +130,30 @@ impl Loader<'_> {
         }
     }
 
+    /// Two models of one name cannot be told apart: the later one gets a number.
+    pub(super) fn make_names_unique(&mut self, models: &mut [ParsedModel]) {
+        let mut taken: HashSet<String> = HashSet::new();
+        let given: HashSet<String> = models.iter().map(|parsed| parsed.model.name.clone()).collect();
+        for Model { name, source, .. } in models.iter_mut().map(|parsed| &mut parsed.model) {
+            if taken.insert(name.clone()) {
+                continue;
+            }
+            let numbered = (0..).map(|number| format!("{name}_{number}"));
+            let Some(unique) =
+                numbered.into_iter().find(|unique| !taken.contains(unique) && !given.contains(unique))
+            else {
+                continue;
+            };
+            self.diagnostics.warning(
+                source,
+                format!("two models are called '{name}': this one becomes '{unique}'"),
+                "give each model or <include> its own <name>",
+            );
+            taken.insert(unique.clone());
+            *name = unique;
+        }
+    }
+
     /// The frames that poses of this model can be relative to.
     fn model_frames(&mut self, element: &Element, nested: &[ParsedModel], version: Version) -> Frames {
         let mut frames = Frames::new("__model__");
@@ -145,12 +167,15 @@ impl Loader<'_> {
         for child in element.elements() {
             let parent = match child.name.as_str() {
                 "link" => None,
-                "joint" => child_text(child, "child"),
-                "frame" => child.attribute("attached_to").filter(|name| !name.is_empty()).map(str::to_owned),
+                "frame" => child.attribute("attached_to").filter(|name| !name.is_empty()),
                 _ => continue,
             };
             let pose = self.pose(child, version);
-            frames.add(&name_of(child), &pose, parent.as_deref());
+            frames.add(&name_of(child), &pose, parent);
+        }
+        for child in element.elements_named("joint") {
+            let pose = self.pose(child, version);
+            frames.add_joint(&name_of(child), &pose, child_text(child, "child").as_deref());
         }
         frames
     }
@@ -164,6 +189,8 @@ impl Loader<'_> {
         parts.links.extend(model.links.into_iter().map(|mut link| {
             link.name = format!("{}::{}", model.name, link.name);
             link.model_from_link = outer_from_inner * link.model_from_link;
+            // Gazebo keeps what a nested model says of itself.
+            link.is_static |= model.is_static;
             link
         }));
         parts.joints.extend(model.joints.into_iter().map(|mut joint| {
@@ -231,8 +258,8 @@ impl Loader<'_> {
             match child.name.as_str() {
                 "model" => included.models.extend(self.model(child, scope)),
                 "light" => {
-                    let pose = self.pose(child, version).pose;
-                    included.lights.extend(self.light(child, pose));
+                    let pose = self.pose(child, version);
+                    included.lights.extend(self.light(child, pose.pose).map(|light| (light, pose)));
                 }
                 _ => {}
             }
@@ -262,12 +289,12 @@ impl Loader<'_> {
                     }
                 }
             }
-        } else if let Some(light) = included.lights.first_mut() {
+        } else if let Some((light, light_pose)) = included.lights.first_mut() {
             if let Some(name) = name {
                 light.name = name;
             }
             if let Some(pose) = pose {
-                light.world_from_light = pose.pose;
+                *light_pose = pose;
             }
         } else if !self.diagnostics.has_errors() {
             self.diagnostics.error(
@@ -351,4 +378,15 @@ impl Loader<'_> {
         );
         None
     }
+}
+
+/// Whether all links hang together, or all stand still by themselves.
+fn is_one_body(parts: &Parts) -> bool {
+    let mut body: Vec<usize> = (0..parts.links.len()).collect();
+    for joint in &parts.joints {
+        let (keep, drop) = (body[joint.parent], body[joint.child]);
+        body.iter_mut().filter(|of| **of == drop).for_each(|of| *of = keep);
+    }
+    let stands = |of: usize| parts.links.iter().zip(&body).any(|(link, body)| *body == of && link.is_static);
+    body.iter().all(|of| stands(*of))
 }

@@ -63,7 +63,7 @@ impl<'a> Resources<'a> {
     /// Looks a URI up; `folder` is that of the file it stands in.
     pub(super) fn resolve(&self, uri: &str, folder: &Path) -> Resolved {
         let candidates: Vec<PathBuf> = match uri.split_once("://") {
-            Some(("model", rest)) => self.model_folders.iter().map(|models| models.join(rest)).collect(),
+            Some(("model", rest)) => self.in_models(rest.trim_start_matches('/')).collect(),
             Some(("package", rest)) => {
                 let (package, relative) = rest.split_once('/').unwrap_or((rest, ""));
                 match self.packages.find_file(package, relative) {
@@ -80,10 +80,23 @@ impl<'a> Resources<'a> {
             None => vec![folder.join(uri)],
         };
         let found = candidates.iter().find(|candidate| candidate.exists()).cloned();
-        match found.or_else(|| self.exported(uri)) {
+        match found.or_else(|| self.among_models(uri)).or_else(|| self.exported(uri)) {
             Some(found) => Resolved::Found(std::path::absolute(&found).unwrap_or(found)),
             None => Resolved::NotFound(candidates),
         }
+    }
+
+    /// The places of a relative name among the models.
+    fn in_models(&self, name: &str) -> impl Iterator<Item = PathBuf> {
+        let is_relative = Path::new(name).is_relative() && !name.is_empty();
+        let folders = self.model_folders.iter().filter(move |_| is_relative);
+        folders.map(move |models| models.join(name))
+    }
+
+    /// As libsdformat has it, a name that is not in its own folder may be one among the models.
+    fn among_models(&self, uri: &str) -> Option<PathBuf> {
+        let name = uri.strip_prefix("file://").unwrap_or(uri);
+        self.in_models(name).find(|place| place.exists())
     }
 
     /// What a URI means in the folders that the user's packages export to Gazebo.

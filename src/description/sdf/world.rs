@@ -1,12 +1,11 @@
 //! `<world>`: scene, physics, what stands in it, and `<state>`.
 
-use super::frames::Frames;
+use super::frames::{Frames, WrittenPose};
 use super::model::ParsedModel;
 use super::{Loader, Scope, name_of};
-use crate::description::model::{Model, World};
+use crate::description::model::{Light, Model, World};
 use crate::description::values::{child_bool, child_number, nearest, numbers};
 use crate::description::xml::Element;
-use belvedere_sensors::Pose;
 use glam::DVec3;
 
 /// `<scene><ambient>` where none is given (sdf/1.6).
@@ -38,18 +37,19 @@ impl Loader<'_> {
         self.physics(element, &mut world);
 
         let mut models: Vec<ParsedModel> = Vec::new();
+        let mut lights: Vec<(Light, WrittenPose)> = Vec::new();
         for child in element.elements() {
             match child.name.as_str() {
                 "model" => models.extend(self.model(child, scope)),
                 "include" => {
                     if let Some(included) = self.include(child, scope) {
                         models.extend(included.models);
-                        world.lights.extend(included.lights);
+                        lights.extend(included.lights);
                     }
                 }
                 "light" => {
-                    let pose = self.pose(child, scope.version).pose;
-                    world.lights.extend(self.light(child, pose));
+                    let pose = self.pose(child, scope.version);
+                    lights.extend(self.light(child, pose.pose).map(|light| (light, pose)));
                 }
                 "plugin" => self.ignored(child, "plugins of a world are not run"),
                 "road" | "population" | "actor" | "joint" => self.ignored(child, "it is not simulated"),
@@ -57,6 +57,7 @@ impl Loader<'_> {
             }
         }
 
+        self.make_names_unique(&mut models);
         // Poses in the world: models may stand relative to one another.
         let mut frames = Frames::new("world");
         for parsed in &models {
@@ -78,11 +79,14 @@ impl Loader<'_> {
         for ParsedModel { mut model, pose, lights } in models {
             model.world_from_model =
                 frames.resolve(&model.name, &pose.source, self.diagnostics).unwrap_or(pose.pose);
-            self.make_name_unique(&mut model, &placed);
             placed.push((model, lights));
         }
+        world.lights.extend(lights.into_iter().map(|(mut light, pose)| {
+            light.world_from_light = frames.place(&pose, self.diagnostics);
+            light
+        }));
         if let Some(state) = element.child("state") {
-            self.state(state, &mut placed, &mut world, scope);
+            self.state(state, &frames, &mut placed, &mut world, scope);
         }
         for (model, lights) in placed {
             world.lights.extend(lights.into_iter().map(|mut light| {
@@ -147,33 +151,22 @@ impl Loader<'_> {
         }
     }
 
-    /// Two models of one name cannot be told apart: the later one gets a number.
-    fn make_name_unique<T>(&mut self, model: &mut Model, earlier: &[(Model, T)]) {
-        let is_taken = |name: &str| earlier.iter().any(|(other, _)| other.name == name);
-        if !is_taken(&model.name) {
-            return;
-        }
-        let Some(unique) =
-            (0..=earlier.len()).map(|i| format!("{}_{i}", model.name)).find(|name| !is_taken(name))
-        else {
-            return;
-        };
-        self.diagnostics.warning(
-            &model.source,
-            format!("two models are called '{}': this one becomes '{unique}'", model.name),
-            "give each model or <include> its own <name>",
-        );
-        model.name = unique;
-    }
-
     /// Puts models where a saved `<state>` says they stood. Gazebo applies the models' poses; those of their
     /// links follow from them.
-    fn state<T>(&mut self, state: &Element, models: &mut [(Model, T)], world: &mut World, scope: Scope<'_>) {
+    fn state<T>(
+        &mut self,
+        state: &Element,
+        frames: &Frames,
+        models: &mut [(Model, T)],
+        world: &mut World,
+        scope: Scope<'_>,
+    ) {
         for child in state.elements() {
             let name = name_of(child);
             match child.name.as_str() {
                 "model" => {
-                    let pose = self.pose(child, scope.version).pose;
+                    let written = self.pose(child, scope.version);
+                    let pose = frames.place(&written, self.diagnostics);
                     if let Some((model, _)) = models.iter_mut().find(|(model, _)| model.name == name) {
                         model.world_from_model = pose;
                     } else {
@@ -187,7 +180,8 @@ impl Loader<'_> {
                     }
                 }
                 "light" => {
-                    let pose: Pose = self.pose(child, scope.version).pose;
+                    let written = self.pose(child, scope.version);
+                    let pose = frames.place(&written, self.diagnostics);
                     match world.lights.iter_mut().find(|light| light.name == name) {
                         Some(light) => light.world_from_light = pose,
                         None => self.unknown_in_state(child, world.lights.iter().map(|l| l.name.as_str())),

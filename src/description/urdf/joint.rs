@@ -27,7 +27,8 @@ impl Loader<'_> {
             }
             let parent_from_child = child_origin(element, self.diagnostics);
             let source = element.source.clone();
-            model.joints.push(Joint { name, kind, parent, child, parent_from_child, axis, source });
+            let pivot = DVec3::ZERO;
+            model.joints.push(Joint { name, kind, parent, child, parent_from_child, axis, pivot, source });
         }
     }
 

@@ -1,6 +1,7 @@
 //! `<link>`.
 
 use super::Loader;
+use crate::description::inertia;
 use crate::description::model::{Collision, Inertial, Link, Model, Visual};
 use crate::description::values::{child_origin, number};
 use crate::description::xml::Element;
@@ -25,6 +26,7 @@ impl Loader<'_> {
                 visuals,
                 collisions,
                 gravity: true,
+                is_static: false,
                 source: element.source.clone(),
             });
         }
@@ -71,15 +73,7 @@ impl Loader<'_> {
                     *value = self.attribute_number(tensor, name)?;
                 }
             }
-            if inertia[..3].iter().any(|moment| *moment < 0.0) {
-                self.diagnostics.error(
-                    &tensor.source,
-                    format!(
-                        "the moments of inertia of link '{name}' are {} {} {} kg·m²",
-                        inertia[0], inertia[1], inertia[2]
-                    ),
-                    "write ixx, iyy and izz of 0 or more",
-                );
+            if !inertia::check(inertia, name, &tensor.source, self.diagnostics) {
                 return None;
             }
         }

@@ -51,7 +51,7 @@ fn poses_follow_from_joints_in_any_order() {
 fn links_have_mass_shapes_and_looks() {
     let model = accepted(
         "<material name='Orange'><color rgba='1 0.5 0 1'/></material>\
-         <link name='base'><inertial><mass value='2'/><origin xyz='0 0 1'/><inertia ixx='1' iyy='2' izz='3' iyz='4'/></inertial>\
+         <link name='base'><inertial><mass value='2'/><origin xyz='0 0 1'/><inertia ixx='2' iyy='2' izz='3' iyz='0.5'/></inertial>\
          <visual><geometry><box size='1 2 3'/></geometry><material name='Orange'/></visual>\
          <visual><geometry><sphere radius='1'/></geometry><material name='Own'><color rgba='0 0 1 0.5'/></material></visual>\
          <visual><geometry><capsule radius='1' length='2'/></geometry><material name='Own'/></visual>\
@@ -61,7 +61,7 @@ fn links_have_mass_shapes_and_looks() {
     );
     let base = &model.links[0];
     let inertial = base.inertial.unwrap();
-    assert_eq!((inertial.mass_kg, inertial.inertia), (2.0, [1.0, 2.0, 3.0, 0.0, 0.0, 4.0]));
+    assert_eq!((inertial.mass_kg, inertial.inertia), (2.0, [2.0, 2.0, 3.0, 0.0, 0.0, 0.5]));
     assert_eq!(inertial.link_from_inertial.translation(), DVec3::Z);
     let alphas: Vec<_> = base.visuals.iter().map(|visual| visual.material.alpha).collect();
     assert_eq!(alphas[..3], [1.0, 0.5, 0.5]);

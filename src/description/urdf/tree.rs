@@ -40,7 +40,7 @@ impl Loader<'_> {
         if let Some(&root) = roots.first()
             && model.links[root].name == "world"
         {
-            self.stand_on_world(model);
+            stand_on_world(root, model);
         }
         true
     }
@@ -82,18 +82,12 @@ impl Loader<'_> {
             "remove one of these joints: a robot is a tree",
         );
     }
+}
 
-    /// A root link `world` is the world itself, as in Gazebo.
-    fn stand_on_world(&mut self, model: &mut Model) {
-        model.is_static = model.joints.iter().all(|joint| joint.kind == JointKind::Fixed);
-        if !model.is_static {
-            self.diagnostics.warning(
-                &model.source,
-                "the root link 'world' does not hold the robot: it has joints that move",
-                "a robot stands on the ground by its own weight",
-            );
-        }
-    }
+/// A root link `world` is the world itself, as in Gazebo.
+fn stand_on_world(world: LinkIndex, model: &mut Model) {
+    model.links[world].is_static = true;
+    model.is_static = model.joints.iter().all(|joint| joint.kind == JointKind::Fixed);
 }
 
 /// Sets each link's pose from its joints, from the roots on; tells which links were reached.

@@ -2,13 +2,14 @@
 
 use super::convert::{from_rapier, to_rapier, vector};
 use super::joint::{JointState, Motion, MovingJoint};
-use super::lump::{BodyMass, Lumps};
+use super::lump::{BodyMass, Lumps, joints_in, root_above, tree_order};
 use super::{Body, JointIndex, ModelIndex, MovingLink, Physics, PlacedLink, PlacedModel, shape};
 use crate::description::diagnostics::{Problem, Severity};
-use crate::description::model::{Geometry, Inertial, LinkIndex, Model};
+use crate::description::inertia::is_positive_definite;
+use crate::description::model::{Geometry, Inertial, Joint, LinkIndex, Model};
 use crate::robot::kobuki::Wheels;
 use belvedere_sensors::Pose;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rapier3d::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBuilder, RigidBodyHandle};
 use rapier3d::geometry::ColliderBuilder;
 use rapier3d::math::Matrix;
@@ -21,8 +22,11 @@ impl Physics {
     /// Adds a model's bodies, joints and shapes.
     pub(super) fn add(&mut self, model: &Model, world_from_model: &Pose, is_robot: bool) {
         let index = self.models.len();
+        let order = tree_order(model);
         let rest = model.rest_poses();
         let (first_body, mut joints) = (self.bodies.len(), Vec::new());
+        joints.resize_with(model.joints.len(), || None);
+        let mut leading = None;
         let mut links: Vec<PlacedLink> = rest
             .iter()
             .map(|model_from_link| PlacedLink {
@@ -33,18 +37,16 @@ impl Physics {
                 shapes: Vec::new(),
             })
             .collect();
-        if model.is_static {
-            joints.resize_with(model.joints.len(), || None);
-        } else {
+        if !model.is_static {
             let rolled: Vec<JointIndex> =
                 if is_robot { Wheels::of(model).map(|wheels| wheels.joints()).ok() } else { None }
                     .map_or_else(Vec::new, Vec::from);
-            let lumps = Lumps::of(model, &rolled, &mut self.notes);
+            let lumps = Lumps::of(model, &order, &rolled, &mut self.notes);
             let wheel_of = |root: LinkIndex| {
                 rolled.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
             };
             let roots: Vec<LinkIndex> =
-                (0..model.links.len()).filter(|link| lumps.root[*link] == *link).collect();
+                order.iter().copied().filter(|link| lumps.root[*link] == *link).collect();
             for root in roots.iter().copied().filter(|root| wheel_of(*root).is_none()) {
                 let carried = rolled.iter().map(|joint| &model.joints[*joint]);
                 let carried = carried.filter(|joint| lumps.root[joint.parent] == root);
@@ -52,7 +54,7 @@ impl Physics {
                     .links(root)
                     .chain(carried.flat_map(|joint| lumps.links(lumps.root[joint.child])))
                     .collect();
-                if let Some(handle) = self.insert_body(model, &members, world_from_model, is_robot) {
+                if let Some(handle) = self.insert_body(model, root, &members, world_from_model, is_robot) {
                     self.place_links(model, index, &lumps, root, handle, None, &mut links);
                 }
             }
@@ -64,41 +66,16 @@ impl Physics {
                     self.place_links(model, index, &lumps, root, handle, carrier, &mut links);
                 }
             }
-            joints.extend(model.joints.iter().enumerate().map(|(number, joint)| {
-                let sides =
-                    [joint.parent, joint.child].map(|link| (links[link].body, links[link].body_from_link));
-                let [(Some(parent), parent_from_link), (Some(child), child_from_link)] = sides else {
-                    return None;
-                };
-                if parent == child {
-                    return None;
-                }
-                let child_from_joint = Pose::new(DVec3::ZERO, MovingJoint::x_onto(joint.axis));
-                let body_from_joint = [
-                    parent_from_link * joint.parent_from_child * child_from_joint,
-                    child_from_link * child_from_joint,
-                ];
-                let (constraint, axis) = MovingJoint::constraint(joint, &body_from_joint)?;
-                let bodies = [parent, child];
-                let state = JointState::default();
-                if rolled.contains(&number) {
-                    let motion = Motion::Rolled { rate: 0.0, effort: 0.0 };
-                    return Some(MovingJoint {
-                        motion,
-                        bodies,
-                        body_from_joint,
-                        axis,
-                        previous: state,
-                        current: state,
-                    });
-                }
-                let [first, second] = bodies.map(|body| self.bodies[body].handle);
-                let motion = Motion::Forces(self.rapier.insert_impulse_joint(first, second, constraint));
-                Some(MovingJoint { motion, bodies, body_from_joint, axis, previous: state, current: state })
-            }));
+            for number in joints_in(&order, model) {
+                let joint = &model.joints[number];
+                joints[number] = self.join(joint, &links, rolled.contains(&number));
+            }
+            leading = root_above(model, 0).and_then(|root| links[root].body).or_else(|| {
+                (first_body..self.bodies.len()).find(|body| self.bodies[*body].carrier.is_none())
+            });
         }
-        for (link, placed) in links.iter_mut().enumerate() {
-            self.add_colliders(model, index, link, placed);
+        for link in order {
+            self.add_colliders(model, index, link, &mut links[link]);
         }
         self.models.push(PlacedModel {
             world_from_model: *world_from_model,
@@ -106,21 +83,59 @@ impl Physics {
             joints,
             first_body,
             end_body: self.bodies.len(),
+            leading,
         });
     }
 
-    /// Makes the body of some links, the first of which gives it its frame; none if it cannot move.
+    /// Makes what holds or drives two bodies; none if nothing moves.
+    fn join(&mut self, joint: &Joint, links: &[PlacedLink], is_rolled: bool) -> Option<MovingJoint> {
+        let sides = [joint.parent, joint.child].map(|link| (links[link].body, links[link].body_from_link));
+        let [(Some(parent), parent_from_link), (Some(child), child_from_link)] = sides else {
+            return None;
+        };
+        let bodies = [parent, child];
+        if parent == child || bodies.iter().all(|body| self.bodies[*body].is_fixed) {
+            return None;
+        }
+        let child_from_joint = Pose::new(joint.pivot, MovingJoint::x_onto(joint.axis));
+        let body_from_joint = [
+            parent_from_link * joint.parent_from_child * child_from_joint,
+            child_from_link * child_from_joint,
+        ];
+        let (constraint, axis, wide_limits) = MovingJoint::constraint(joint, &body_from_joint)?;
+        let motion = if is_rolled {
+            Motion::Rolled { rate: 0.0, effort: 0.0 }
+        } else {
+            let [first, second] = bodies.map(|body| self.bodies[body].handle);
+            Motion::Forces(self.rapier.insert_impulse_joint(first, second, constraint))
+        };
+        let state = JointState::default();
+        Some(MovingJoint {
+            motion,
+            bodies,
+            body_from_joint,
+            axis,
+            wide_limits,
+            previous: state,
+            current: state,
+        })
+    }
+
+    /// Makes the body of some links, in the frame of its root; none if there is nothing to move.
     fn insert_body(
         &mut self,
         model: &Model,
+        root: LinkIndex,
         members: &[LinkIndex],
         world_from_model: &Pose,
         is_robot: bool,
     ) -> Option<RigidBodyHandle> {
         let links = || members.iter().map(|link| &model.links[*link]);
         let collisions = || links().flat_map(|link| &link.collisions);
-        let root = links().next()?;
-        if let Some(plane) = collisions().find(|shape| matches!(shape.geometry, Geometry::Plane { .. })) {
+        let root = &model.links[root];
+        let pose = to_rapier(&(*world_from_model * root.model_from_link));
+        let plane = collisions().find(|shape| matches!(shape.geometry, Geometry::Plane { .. }));
+        if let Some(plane) = plane {
             self.notes.push(Problem {
                 severity: Severity::Note,
                 source: plane.source.clone(),
@@ -130,7 +145,9 @@ impl Physics {
                 ),
                 remedy: "write <static>true</static>, or use a box".into(),
             });
-            return None;
+        }
+        if plane.is_some() || links().any(|link| link.is_static) {
+            return Some(self.rapier.insert_body(RigidBodyBuilder::fixed().pose(pose)));
         }
         let body_from_model = root.model_from_link.inverse();
         let masses: Vec<(Pose, Inertial, bool)> = links()
@@ -142,7 +159,7 @@ impl Physics {
         let properties =
             MassProperties::with_inertia_matrix(vector(mass.centre), mass.mass_kg as f32, narrow(&mass));
         let body = RigidBodyBuilder::dynamic()
-            .pose(to_rapier(&(*world_from_model * root.model_from_link)))
+            .pose(pose)
             .additional_mass_properties(properties)
             .gravity_scale(mass.gravity_share as f32)
             // A sleeping robot would ignore its motors; things in the world may rest.
@@ -164,10 +181,13 @@ impl Physics {
     ) {
         let model_from_body = model.links[root].model_from_link;
         let body = self.bodies.len();
+        let is_fixed = self.rapier.bodies[handle].is_fixed();
         for link in lumps.links(root) {
             let body_from_link = model_from_body.inverse() * model.links[link].model_from_link;
             (links[link].body, links[link].body_from_link) = (Some(body), body_from_link);
-            self.moving.push(MovingLink { model: index, link, body, body_from_link });
+            if !is_fixed {
+                self.moving.push(MovingLink { model: index, link, body, body_from_link });
+            }
         }
         let current = match carrier {
             None => from_rapier(self.rapier.bodies[handle].position()),
@@ -179,6 +199,7 @@ impl Physics {
         self.bodies.push(Body {
             handle,
             carrier,
+            is_fixed,
             model_at_rest: model_from_body,
             previous: current,
             current,
@@ -187,8 +208,8 @@ impl Physics {
 
     fn add_colliders(&mut self, model: &Model, index: ModelIndex, link: LinkIndex, placed: &mut PlacedLink) {
         for collision in &model.links[link].collisions {
-            let (shape, collision_from_shape) = match shape::shape(&collision.geometry, placed.body.is_some())
-            {
+            let moves = placed.body.is_some_and(|body| !self.bodies[body].is_fixed);
+            let (shape, collision_from_shape) = match shape::shape(&collision.geometry, moves) {
                 Ok(shape) => shape,
                 Err(why) => {
                     self.notes.push(Problem {
@@ -231,15 +252,11 @@ impl Physics {
     }
 }
 
-/// The inertia in single precision, with at least that of a ball of 1 cm of the same mass: a body without
-/// inertia would count as one that cannot turn at all.
+/// The inertia in single precision, with at least that of a ball of 1 cm of the same mass about every axis: a body
+/// without inertia would count as one that cannot turn at all.
 fn narrow(mass: &BodyMass) -> Matrix {
     const BALL_INERTIA_PER_KG: f64 = 0.4 * 0.01 * 0.01;
-    let least = mass.mass_kg * BALL_INERTIA_PER_KG;
-    let mut inertia = mass.inertia;
-    for axis in 0..3 {
-        let moment = &mut inertia.col_mut(axis)[axis];
-        *moment = moment.max(least);
-    }
-    inertia.as_mat3()
+    let least = DMat3::from_diagonal(DVec3::splat(mass.mass_kg * BALL_INERTIA_PER_KG));
+    let is_enough = is_positive_definite(mass.inertia - least);
+    (if is_enough { mass.inertia } else { mass.inertia + least }).as_mat3()
 }

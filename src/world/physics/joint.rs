@@ -45,6 +45,8 @@ pub(super) struct MovingJoint {
     /// The joint's frame in each of them; it moves along or about its x.
     pub(super) body_from_joint: [Pose; 2],
     pub(super) axis: JointAxis,
+    /// Limits of an angle that are farther apart than half a turn either way: rapier is told those that are near.
+    pub(super) wide_limits: Option<[f64; 2]>,
     /// State after the last step but one, and after the last.
     pub(super) previous: JointState,
     pub(super) current: JointState,
@@ -66,18 +68,16 @@ impl MovingJoint {
         DQuat::from_xyzw(cross.x, cross.y, cross.z, 1.0 + axis.x).normalize()
     }
 
-    /// rapier's joint for `joint`, or none for a kind that constrains nothing.
+    /// rapier's joint for `joint`, its free axis and limits that have to follow it; none for a kind that constrains
+    /// nothing.
     pub(super) fn constraint(
         joint: &Joint,
         body_from_joint: &[Pose; 2],
-    ) -> Option<(GenericJoint, JointAxis)> {
+    ) -> Option<(GenericJoint, JointAxis, Option<[f64; 2]>)> {
         let (axis, limits) = match joint.kind {
             JointKind::Fixed | JointKind::Floating => return None,
             JointKind::Continuous => (JointAxis::AngX, None),
-            JointKind::Revolute { lower, upper } => {
-                // rapier knows an angle only within one turn: a wider range is no limit to it.
-                (JointAxis::AngX, (upper - lower < TAU).then_some([lower, upper]))
-            }
+            JointKind::Revolute { lower, upper } => (JointAxis::AngX, Some([lower, upper])),
             JointKind::Prismatic { lower, upper } => (JointAxis::LinX, Some([lower, upper])),
         };
         let free = JointAxesMask::from(axis);
@@ -85,10 +85,11 @@ impl MovingJoint {
             .local_frame1(to_rapier(&body_from_joint[0]))
             .local_frame2(to_rapier(&body_from_joint[1]))
             .contacts_enabled(false);
-        if let Some([lower, upper]) = limits.filter(|[lower, upper]| lower.is_finite() && upper.is_finite()) {
-            builder = builder.limits(axis, [lower as f32, upper as f32]);
+        if let Some([lower, upper]) = limits {
+            builder = builder.limits(axis, near(axis, [lower, upper], 0.0));
         }
-        Some((builder.build(), axis))
+        let wide = limits.filter(|limits| axis == JointAxis::AngX && is_wide(*limits));
+        Some((builder.build(), axis, wide))
     }
 
     /// Sets what the motor aims at: a velocity in rad/s or m/s, with at most `max_effort` N·m or N.
@@ -117,6 +118,15 @@ impl MovingJoint {
         }
     }
 
+    /// Tells rapier of the wide limits that are near the position now.
+    pub(super) fn follow_limits(&self, joints: &mut ImpulseJointSet) {
+        if let (Some(limits), Motion::Forces(handle)) = (self.wide_limits, &self.motion)
+            && let Some(joint) = joints.get_mut(*handle, false)
+        {
+            joint.data.set_limits(self.axis, near(self.axis, limits, self.current.position));
+        }
+    }
+
     /// Pose of the second body of a rolled joint, from that of the first.
     pub(super) fn carried(&self, world_from_first: Pose) -> Pose {
         let (sin, cos) = libm::sincos(0.5 * self.current.position);
@@ -130,7 +140,7 @@ impl MovingJoint {
         world_from_body: [Pose; 2],
         handles: [rapier3d::dynamics::RigidBodyHandle; 2],
         bodies: &RigidBodySet,
-        joints: &ImpulseJointSet,
+        joints: &mut ImpulseJointSet,
         step_s: f64,
     ) {
         self.previous = self.current;
@@ -147,6 +157,7 @@ impl MovingJoint {
             JointAxis::AngX => self.previous.position + wrap(position - self.previous.position),
             _ => position,
         };
+        self.follow_limits(joints);
         let world_from_joint = world_from_body[0] * self.body_from_joint[0];
         let axis_in_world = world_from_joint.transform_vector(DVec3::X);
         let [first, second] = handles.map(|handle| &bodies[handle]);
@@ -163,6 +174,29 @@ impl MovingJoint {
             .map_or(0.0, |motor| motor.impulse);
         self.current.effort = f64::from(impulse) * SUBSTEPS as f64 / step_s;
     }
+}
+
+/// The angle in rad around a joint's position that limits are told for: rapier knows an angle only within one turn.
+const HORIZON_RAD: f64 = 3.0;
+
+/// Beyond this a length in m is no limit.
+const FAR_M: f64 = 1e30;
+
+fn is_wide([lower, upper]: [f64; 2]) -> bool {
+    upper - lower > 2.0 * HORIZON_RAD
+}
+
+/// Those of two limits that are near a position, in the form that rapier takes.
+fn near(axis: JointAxis, [lower, upper]: [f64; 2], position: f64) -> [f32; 2] {
+    if axis != JointAxis::AngX {
+        return [lower.max(-FAR_M) as f32, upper.min(FAR_M) as f32];
+    }
+    if !is_wide([lower, upper]) {
+        return [lower as f32, upper as f32];
+    }
+    // A position beyond a limit, as at the start, keeps that limit in sight.
+    let within = position.max(lower).min(upper);
+    [lower.max(within - HORIZON_RAD) as f32, upper.min(within + HORIZON_RAD) as f32]
 }
 
 /// An angle brought into (−π, π].

@@ -2,6 +2,7 @@
 
 use super::JointIndex;
 use crate::description::diagnostics::{Problem, Severity};
+use crate::description::inertia::{of_a_body, tensor};
 use crate::description::model::{Inertial, JointKind, LinkIndex, Model};
 use belvedere_sensors::Pose;
 use glam::{DMat3, DVec3};
@@ -10,22 +11,89 @@ use glam::{DMat3, DVec3};
 pub(super) struct Lumps {
     /// For each link the link that stands for its body: the body's frame is that link's frame.
     pub(super) root: Vec<LinkIndex>,
+    /// The links in the order of [`tree_order`].
+    order: Vec<LinkIndex>,
+}
+
+/// All links, parents before their children and otherwise by name: the same whatever the order of the file. Links in a
+/// loop come at the end.
+pub(super) fn tree_order(model: &Model) -> Vec<LinkIndex> {
+    let mut children = vec![Vec::new(); model.links.len()];
+    let mut is_child = vec![false; model.links.len()];
+    for joint in &model.joints {
+        children[joint.parent].push(joint.child);
+        is_child[joint.child] = true;
+    }
+    // The last is taken first.
+    let by_name = |links: &mut Vec<LinkIndex>| {
+        links.sort_by(|one, other| model.links[*other].name.cmp(&model.links[*one].name));
+    };
+    children.iter_mut().for_each(by_name);
+    let mut loops: Vec<LinkIndex> = (0..model.links.len()).collect();
+    by_name(&mut loops);
+    let mut open: Vec<LinkIndex> = loops.iter().copied().filter(|link| !is_child[*link]).collect();
+    loops.append(&mut open);
+    let (mut order, mut seen) = (Vec::with_capacity(model.links.len()), vec![false; model.links.len()]);
+    while let Some(link) = loops.pop() {
+        open.push(link);
+        while let Some(link) = open.pop() {
+            if !std::mem::replace(&mut seen[link], true) {
+                order.push(link);
+                open.extend(&children[link]);
+            }
+        }
+    }
+    order
+}
+
+/// All joints in the order of their children, and by name where a child has several.
+pub(super) fn joints_in(order: &[LinkIndex], model: &Model) -> Vec<JointIndex> {
+    let mut place = vec![0; order.len()];
+    for (number, link) in order.iter().enumerate() {
+        place[*link] = number;
+    }
+    let mut joints: Vec<JointIndex> = (0..model.joints.len()).collect();
+    joints.sort_by_key(|joint| (place[model.joints[*joint].child], &model.joints[*joint].name));
+    joints
+}
+
+/// The link that a link hangs on in the end; none in a model without links.
+pub(super) fn root_above(model: &Model, link: LinkIndex) -> Option<LinkIndex> {
+    let mut at = (link < model.links.len()).then_some(link)?;
+    // More steps up than there are links go around in a loop.
+    for _ in 0..model.links.len() {
+        let Some(joint) = model.joint_above(at) else { break };
+        at = joint.parent;
+    }
+    Some(at)
 }
 
 impl Lumps {
     /// Joins links over fixed joints, and over joints whose child has no mass and thus could not be moved by
     /// any force; of the latter a note is made. `rolled` joints are left alone: their wheels are carried along.
-    pub(super) fn of(model: &Model, rolled: &[JointIndex], notes: &mut Vec<Problem>) -> Self {
-        let mut lumps = Self { root: (0..model.links.len()).collect() };
-        for joint in model.joints.iter().filter(|joint| joint.kind == JointKind::Fixed) {
-            lumps.weld(joint.parent, joint.child);
+    pub(super) fn of(
+        model: &Model,
+        order: &[LinkIndex],
+        rolled: &[JointIndex],
+        notes: &mut Vec<Problem>,
+    ) -> Self {
+        let mut lumps = Self { root: (0..model.links.len()).collect(), order: order.to_vec() };
+        let joints = joints_in(order, model);
+        for joint in joints.iter().map(|joint| &model.joints[*joint]) {
+            if joint.kind == JointKind::Fixed {
+                lumps.weld(joint.parent, joint.child);
+            }
         }
-        for (index, joint) in model.joints.iter().enumerate() {
+        for index in joints {
+            let joint = &model.joints[index];
             if joint.kind == JointKind::Fixed || rolled.contains(&index) {
                 continue;
             }
             let root = lumps.root[joint.child];
-            if root != lumps.root[joint.parent] && lumps.mass_kg(model, root) <= 0.0 {
+            if root != lumps.root[joint.parent]
+                && lumps.mass_kg(model, root) <= 0.0
+                && !lumps.links(root).any(|link| model.links[link].is_static)
+            {
                 notes.push(Problem {
                     severity: Severity::Note,
                     source: joint.source.clone(),
@@ -53,7 +121,7 @@ impl Lumps {
 
     /// The links of the body named after `root`.
     pub(super) fn links(&self, root: LinkIndex) -> impl Iterator<Item = LinkIndex> + '_ {
-        self.root.iter().enumerate().filter(move |(_, of)| **of == root).map(|(link, _)| link)
+        self.order.iter().copied().filter(move |link| self.root[*link] == root)
     }
 
     fn mass_kg(&self, model: &Model, root: LinkIndex) -> f64 {
@@ -91,8 +159,7 @@ impl BodyMass {
         for (body_from_link, inertial, _) in links {
             let body_from_inertial = body_from_link * inertial.link_from_inertial;
             let turn = body_from_inertial.rotation_matrix();
-            let [xx, yy, zz, xy, xz, yz] = inertial.inertia;
-            let own = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+            let own = of_a_body(tensor(inertial.inertia));
             let d = body_from_inertial.translation() - centre;
             let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
             inertia += turn * own * turn.transpose();

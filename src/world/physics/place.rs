@@ -9,27 +9,21 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 
 impl Physics {
-    /// The body that a model's frame goes along with; none if nothing of it moves.
-    fn leading_body(&self, model: ModelIndex) -> Option<usize> {
-        let placed = &self.models[model];
-        (placed.first_body..placed.end_body).find(|body| self.bodies[*body].carrier.is_none())
-    }
-
     /// Pose of a model's frame at a time between the last two steps.
     pub fn world_from_model_at(&self, model: ModelIndex, stamp_ns: u64) -> Pose {
-        self.leading_body(model).map_or(self.models[model].world_from_model, |body| {
+        self.models[model].leading.map_or(self.models[model].world_from_model, |body| {
             self.body_at(body, stamp_ns) * self.bodies[body].model_at_rest.inverse()
         })
     }
 
-    /// Pose of a model's frame now: that of its first body, as in Gazebo.
+    /// Pose of a model's frame now: it goes along with the root of its tree of links.
     pub fn world_from_model(&self, model: ModelIndex) -> Pose {
         self.world_from_model_at(model, self.time_ns)
     }
 
     /// Velocity of a model's origin in m/s and its rate of turn in rad/s, both in the world frame.
     pub fn model_velocity(&self, model: ModelIndex) -> (DVec3, DVec3) {
-        let Some(body) = self.leading_body(model) else { return (DVec3::ZERO, DVec3::ZERO) };
+        let Some(body) = self.models[model].leading else { return (DVec3::ZERO, DVec3::ZERO) };
         let origin = vector(self.world_from_model(model).translation());
         let rigid = &self.rapier.bodies[self.bodies[body].handle];
         (rigid.velocity_at_point(origin).as_dvec3(), rigid.angvel().as_dvec3())
@@ -56,6 +50,7 @@ impl Physics {
         for joint in placed.joints.iter_mut().flatten() {
             if matches!(joint.motion, Motion::Forces(_)) {
                 (joint.previous, joint.current) = (JointState::default(), JointState::default());
+                joint.follow_limits(&mut self.rapier.impulse_joints);
             }
         }
         for index in self.models[model].first_body..self.models[model].end_body {
@@ -144,6 +139,7 @@ impl Physics {
         for placed in &mut self.models {
             up(&mut placed.first_body);
             up(&mut placed.end_body);
+            placed.leading.iter_mut().for_each(up);
             placed.links.iter_mut().filter_map(|link| link.body.as_mut()).for_each(up);
             placed.joints.iter_mut().flatten().flat_map(|joint| &mut joint.bodies).for_each(up);
         }

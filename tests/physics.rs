@@ -119,6 +119,55 @@ fn fingers_with_inertia_about_one_axis_alone_do_not_blow_up() {
     assert!(fastest < 8.0, "{fastest} m/s");
 }
 
+#[test]
+fn links_of_a_model_touch_where_it_says_so_and_never_over_a_joint() {
+    // A drop of 1 m onto a plate of the same model, and a knob on a joint within that plate.
+    let fallen = |model: &str, link: &str| {
+        let content = format!(
+            "<model name='m'>{model}<link name='plate'><collision name='c'>{box}</collision></link>
+             <joint name='hold' type='fixed'><parent>world</parent><child>plate</child></joint>
+             <link name='drop'><pose>0 0 2 0 0 0</pose>{link}<collision name='c'>{box}</collision></link>
+             <link name='knob'><pose>0 0 0.3 0 0 0</pose>{link}<collision name='c'>{box}</collision></link>
+             <joint name='turn' type='revolute'><parent>plate</parent><child>knob</child><axis><xyz>0 0 1</xyz></axis></joint></model>",
+            box = sdf::BOX
+        );
+        let (world, _) = Folder::new().load("1.6", &content, false);
+        let world = world.unwrap();
+        let mut physics = Physics::new(&world, &[]).unwrap();
+        (0..1500).for_each(|_| physics.step());
+        let at = |name: &str| {
+            let link = world.models[0].link_named(name).unwrap();
+            physics.world_from_link(0, link).translation()
+        };
+        (at("drop").z, at("knob").distance(DVec3::Z * 0.3))
+    };
+    let own = "<self_collide>true</self_collide>";
+    // On the knob, whose top is at 0.8.
+    for (drop, knob) in [fallen(own, ""), fallen("", own)] {
+        assert!((drop - 1.3).abs() < 0.02 && knob < 1e-3, "{drop} {knob}");
+    }
+    let (drop, knob) = fallen("", "");
+    assert!(drop < -5.0 && knob < 1e-3, "{drop} {knob}");
+}
+
+#[test]
+fn a_ball_swings_about_its_pivot_in_all_directions() {
+    let content = "<model name='m'><link name='bob'><pose>0.3 0.4 1 0 0 0</pose></link>
+         <joint name='j' type='ball'><pose>-0.3 -0.4 1 0 0 0</pose><parent>world</parent><child>bob</child></joint></model>";
+    let world = good("1.6", content);
+    let mut physics = Physics::new(&world, &[]).unwrap();
+    let bob = world.models[0].link_named("bob").unwrap();
+    let mut lowest = DVec3::MAX;
+    for _ in 0..3000 {
+        physics.step();
+        let at = physics.world_from_link(0, bob).translation();
+        assert!((at.distance(DVec3::Z * 2.0) - 1.25_f64.sqrt()).abs() < 0.01, "{at}");
+        lowest = if at.z < lowest.z { at } else { lowest };
+    }
+    // It comes through the bottom, under the pivot, as it swings.
+    assert!((lowest.z - (2.0 - 1.25_f64.sqrt())).abs() < 0.01, "{lowest}");
+}
+
 /// A Kobuki that stands on its casters alone, pushed: what friction leaves of 0.5 m/s after half a second.
 fn glides(friction: Option<f64>) -> f64 {
     let mut robot = kobuki();

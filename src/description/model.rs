@@ -113,6 +113,8 @@ pub struct Link {
     pub collisions: Vec<Collision>,
     /// False for `<turnGravityOff>true`.
     pub gravity: bool,
+    /// Touches other links of its model that it is not joined to; two links do if one of them says so.
+    pub self_collide: bool,
     /// Stands still in a model that moves: of a static model inside it, or fixed to the world. So does what is fixed
     /// to this link.
     pub is_static: bool,
@@ -173,6 +175,8 @@ pub enum JointKind {
         /// Upper limit.
         upper: f64,
     },
+    /// Turns about all axes through its pivot.
+    Ball,
     /// All six degrees of freedom.
     Floating,
 }

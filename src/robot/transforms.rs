@@ -59,8 +59,8 @@ pub struct Transforms {
 }
 
 impl Transforms {
-    /// Sorts the joints of a model into fixed transforms and moving ones. A floating joint gives neither: no
-    /// joint state describes it.
+    /// Sorts the joints of a model into fixed transforms and moving ones. A ball or floating joint gives neither:
+    /// no joint state describes it.
     pub fn of(model: &Model) -> Self {
         let names: Vec<Arc<str>> = model.links.iter().map(|link| link.name.as_str().into()).collect();
         let (mut fixed, mut moving) = (Vec::new(), Vec::new());
@@ -75,7 +75,7 @@ impl Transforms {
                     fixed.push(rest);
                     continue;
                 }
-                JointKind::Floating => continue,
+                JointKind::Ball | JointKind::Floating => continue,
                 JointKind::Prismatic { .. } => true,
                 JointKind::Continuous | JointKind::Revolute { .. } => false,
             };

@@ -3,7 +3,8 @@
 //! - A static model is a set of fixed shapes. In any other model the links joined by fixed joints are one body
 //!   (Gazebo lumps them likewise), and the other joints constrain or drive the bodies. Bodies come in an order that
 //!   the names of links tell, not their places in the file: its order changes no bit.
-//! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false).
+//! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false). Where one says that it
+//!   does, those that a joint connects still do not.
 //! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
 //! - The wheels of a Kobuki are part of its base's body and only shown turning: see [`crate::robot::kobuki`].
 //! - Time is counted in whole nanoseconds, so it never drifts. Between the last two steps every pose can be
@@ -30,7 +31,7 @@ use glam::DVec3;
 use history::History;
 use joint::{Motion, MovingJoint};
 use rapier3d::dynamics::{FrictionModel, RigidBodyHandle};
-use rapier3d::geometry::{ColliderHandle, SolverFlags};
+use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
 use rapier3d::pipeline::{PairFilterContext, PhysicsHooks, PhysicsWorld};
 
 /// Index of a model: those of the world file first, in its order, then the robots.
@@ -106,13 +107,35 @@ struct MovingLink {
     body_from_link: Pose,
 }
 
-/// Keeps the links of one model from touching each other: colliders carry the model's index.
-struct NoSelfCollision;
+/// Whose a collider is, as it carries it.
+#[derive(Debug, Clone, Copy)]
+struct Owner {
+    model: ModelIndex,
+    /// Whether its link touches others of its model.
+    self_collide: bool,
+}
 
-impl PhysicsHooks for NoSelfCollision {
+impl Owner {
+    fn into_data(self) -> u128 {
+        (self.model as u128) << 1 | u128::from(self.self_collide)
+    }
+
+    fn of(collider: &Collider) -> Self {
+        Self { model: (collider.user_data >> 1) as ModelIndex, self_collide: collider.user_data & 1 == 1 }
+    }
+}
+
+/// Keeps the links of one model from touching each other, unless one of them says that it does.
+struct SelfCollision;
+
+impl PhysicsHooks for SelfCollision {
     fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
-        let model = |collider| context.colliders.get(collider).map(|collider| collider.user_data);
-        (model(context.collider1) != model(context.collider2)).then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
+        let owner = |collider| context.colliders.get(collider).map(Owner::of);
+        let touch = match (owner(context.collider1), owner(context.collider2)) {
+            (Some(one), Some(other)) => one.model != other.model || one.self_collide || other.self_collide,
+            _ => true,
+        };
+        touch.then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
     }
 }
 
@@ -211,7 +234,7 @@ impl Physics {
 
     /// Advances by one step.
     pub fn step(&mut self) {
-        self.rapier.step_with_events(&NoSelfCollision, &());
+        self.rapier.step_with_events(&SelfCollision, &());
         self.time_ns += self.step_ns;
         for body in &mut self.bodies {
             body.previous = body.current;

@@ -24,6 +24,7 @@ pub(crate) fn link(name: &str, model_from_link: Pose) -> Link {
         visuals: Vec::new(),
         collisions: Vec::new(),
         gravity: true,
+        self_collide: false,
         is_static: false,
         source: source(),
     }

@@ -63,6 +63,7 @@ pub(super) fn joint_kind(joint: &Joint) -> String {
     let axis = || vector(joint.axis);
     match joint.kind {
         JointKind::Fixed => "fixed".into(),
+        JointKind::Ball => format!("ball at {}", vector(joint.pivot)),
         JointKind::Floating => "floating".into(),
         JointKind::Continuous => format!("continuous about {}", axis()),
         JointKind::Revolute { lower, upper } => {

@@ -25,6 +25,7 @@ fn world_link(source: &Source) -> Link {
         visuals: Vec::new(),
         collisions: Vec::new(),
         gravity: true,
+        self_collide: false,
         is_static: true,
         source: source.clone(),
     }
@@ -111,12 +112,13 @@ impl Loader<'_> {
             "continuous" => Some(JointKind::Continuous),
             "revolute" if lower == f64::NEG_INFINITY && upper == f64::INFINITY => Some(JointKind::Continuous),
             "revolute" => Some(JointKind::Revolute { lower, upper }),
+            "ball" => Some(JointKind::Ball),
             "prismatic" => Some(JointKind::Prismatic { lower, upper }),
             other => {
                 self.missing(
                     &element.source,
                     format!("joints of type '{other}' are not simulated"),
-                    "use fixed, revolute, continuous or prismatic",
+                    "use fixed, revolute, continuous, prismatic or ball",
                 );
                 // With --gazebo-compat the link stays where it is.
                 self.rules.gazebo_compat.then_some(JointKind::Fixed)

@@ -51,6 +51,7 @@ impl Loader<'_> {
             visuals: Vec::new(),
             collisions: Vec::new(),
             gravity: child_bool(element, "gravity", self.diagnostics).unwrap_or(true),
+            self_collide: child_bool(element, "self_collide", self.diagnostics).unwrap_or(false),
             is_static: false,
             source: element.source.clone(),
         };

@@ -79,6 +79,9 @@ impl Loader<'_> {
         for child in element.elements_named("link") {
             self.link(child, scope, &frames, is_static, &mut parts);
         }
+        if child_bool(element, "self_collide", self.diagnostics) == Some(true) {
+            parts.links.iter_mut().for_each(|link| link.self_collide = true);
+        }
         for inner in nested {
             self.dissolve(inner, &frames, &mut parts);
         }

@@ -1,7 +1,7 @@
 //! `<gazebo>`: sensors, and what Gazebo overrides of a link.
 //!
-//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff` and the plugin `Label`; for the
-//! whole robot: `static` and `Label`. The rest is accepted: contact parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
+//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide` and the plugin `Label`;
+//! for the whole robot: `static`, `self_collide` and `Label`. The rest is accepted: contact parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
 //! another physics engine does not have, plugins of the robot, extensions of joints.
 
 use super::{Loader, nearest_link};
@@ -33,6 +33,9 @@ impl Loader<'_> {
                     if let Some(is_static) = child_bool(element, "static", self.diagnostics) {
                         model.is_static = is_static;
                     }
+                    if child_bool(element, "self_collide", self.diagnostics) == Some(true) {
+                        model.links.iter_mut().for_each(|link| link.self_collide = true);
+                    }
                     of_robot = label(element, self.diagnostics).or(of_robot);
                 }
                 Some(name) => match model.link_named(name) {
@@ -63,6 +66,10 @@ impl Loader<'_> {
         // As libsdformat: whatever does not say no says yes.
         if let Some(off) = element.child("turnGravityOff").map(setting) {
             link.gravity = matches!(off.to_ascii_lowercase().as_str(), "false" | "no" | "0");
+        }
+        // As libsdformat: only these say yes.
+        if let Some(collides) = element.child("selfCollide").map(setting) {
+            link.self_collide = matches!(collides.to_ascii_lowercase().as_str(), "true" | "yes" | "1");
         }
         if let Some(retro) = number_of(element, "laserRetro", self.diagnostics) {
             for collision in &mut link.collisions {

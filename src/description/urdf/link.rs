@@ -26,6 +26,7 @@ impl Loader<'_> {
                 visuals,
                 collisions,
                 gravity: true,
+                self_collide: false,
                 is_static: false,
                 source: element.source.clone(),
             });

@@ -3,10 +3,10 @@
 use super::convert::{from_rapier, to_rapier, vector};
 use super::joint::{JointState, Motion, MovingJoint};
 use super::lump::{BodyMass, Lumps, joints_in, root_above, tree_order};
-use super::{Body, JointIndex, ModelIndex, MovingLink, Physics, PlacedLink, PlacedModel, shape};
+use super::{Body, JointIndex, ModelIndex, MovingLink, Owner, Physics, PlacedLink, PlacedModel, shape};
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::inertia::is_positive_definite;
-use crate::description::model::{Geometry, Inertial, Joint, LinkIndex, Model};
+use crate::description::model::{Geometry, Inertial, Joint, JointKind, LinkIndex, Model};
 use crate::robot::kobuki::Wheels;
 use belvedere_sensors::Pose;
 use glam::{DMat3, DVec3};
@@ -87,7 +87,7 @@ impl Physics {
         });
     }
 
-    /// Makes what holds or drives two bodies; none if nothing moves.
+    /// Makes what holds or drives two bodies; none if nothing moves, or nothing that has a position.
     fn join(&mut self, joint: &Joint, links: &[PlacedLink], is_rolled: bool) -> Option<MovingJoint> {
         let sides = [joint.parent, joint.child].map(|link| (links[link].body, links[link].body_from_link));
         let [(Some(parent), parent_from_link), (Some(child), child_from_link)] = sides else {
@@ -102,12 +102,16 @@ impl Physics {
             parent_from_link * joint.parent_from_child * child_from_joint,
             child_from_link * child_from_joint,
         ];
+        let handles = bodies.map(|body| self.bodies[body].handle);
+        if joint.kind == JointKind::Ball {
+            self.rapier.insert_impulse_joint(handles[0], handles[1], MovingJoint::ball(&body_from_joint));
+            return None;
+        }
         let (constraint, axis, wide_limits) = MovingJoint::constraint(joint, &body_from_joint)?;
         let motion = if is_rolled {
             Motion::Rolled { rate: 0.0, effort: 0.0 }
         } else {
-            let [first, second] = bodies.map(|body| self.bodies[body].handle);
-            Motion::Forces(self.rapier.insert_impulse_joint(first, second, constraint))
+            Motion::Forces(self.rapier.insert_impulse_joint(handles[0], handles[1], constraint))
         };
         let state = JointState::default();
         Some(MovingJoint {
@@ -239,7 +243,7 @@ impl Physics {
                 .density(0.0)
                 .friction(collision.friction.unwrap_or(DEFAULT_FRICTION) as f32)
                 .friction_combine_rule(CoefficientCombineRule::Min)
-                .user_data(index as u128)
+                .user_data(Owner { model: index, self_collide: model.links[link].self_collide }.into_data())
                 .active_hooks(if placed.body.is_some() {
                     ActiveHooks::FILTER_CONTACT_PAIRS
                 } else {

@@ -75,7 +75,7 @@ impl MovingJoint {
         body_from_joint: &[Pose; 2],
     ) -> Option<(GenericJoint, JointAxis, Option<[f64; 2]>)> {
         let (axis, limits) = match joint.kind {
-            JointKind::Fixed | JointKind::Floating => return None,
+            JointKind::Fixed | JointKind::Ball | JointKind::Floating => return None,
             JointKind::Continuous => (JointAxis::AngX, None),
             JointKind::Revolute { lower, upper } => (JointAxis::AngX, Some([lower, upper])),
             JointKind::Prismatic { lower, upper } => (JointAxis::LinX, Some([lower, upper])),
@@ -90,6 +90,15 @@ impl MovingJoint {
         }
         let wide = limits.filter(|limits| axis == JointAxis::AngX && is_wide(*limits));
         Some((builder.build(), axis, wide))
+    }
+
+    /// rapier's joint for one that turns about all axes.
+    pub(super) fn ball(body_from_joint: &[Pose; 2]) -> GenericJoint {
+        GenericJointBuilder::new(JointAxesMask::LIN_AXES)
+            .local_frame1(to_rapier(&body_from_joint[0]))
+            .local_frame2(to_rapier(&body_from_joint[1]))
+            .contacts_enabled(false)
+            .build()
     }
 
     /// Sets what the motor aims at: a velocity in rad/s or m/s, with at most `max_effort` N·m or N.

@@ -1,7 +1,7 @@
 //! What sensors of touch and nearness ask of the physics: where a link touches, and what a ray meets.
 
 use super::convert::{from_rapier, vector};
-use super::{ModelIndex, Physics};
+use super::{ModelIndex, Owner, Physics};
 use crate::description::model::LinkIndex;
 use glam::DVec3;
 use rapier3d::geometry::{Collider, Ray};
@@ -28,7 +28,13 @@ impl Physics {
         colliders.flat_map(move |own| {
             let world_from_own =
                 self.rapier.colliders.get(own).map(|collider| from_rapier(collider.position()));
+            let is_other = move |collider| {
+                self.rapier.colliders.get(collider).is_some_and(|collider| Owner::of(collider).model != model)
+            };
             let pairs = self.rapier.narrow_phase.contact_pairs_with(own);
+            let pairs = pairs.filter(move |pair| {
+                is_other(if pair.collider1 == own { pair.collider2 } else { pair.collider1 })
+            });
             pairs.filter_map(move |pair| Some((pair, pair.rigid()?, world_from_own?))).flat_map(
                 move |(pair, contacts, world_from_own)| {
                     let is_first = pair.collider1 == own;
@@ -57,7 +63,7 @@ impl Physics {
         max_m: f64,
         ignored: ModelIndex,
     ) -> Option<f64> {
-        let is_other = |_, collider: &Collider| collider.user_data != ignored as u128;
+        let is_other = |_, collider: &Collider| Owner::of(collider).model != ignored;
         let filter = QueryFilter { predicate: Some(&is_other), ..QueryFilter::default() };
         let ray = Ray::new(vector(origin), vector(direction));
         self.rapier.cast_ray(&ray, max_m as f32, true, filter).map(|(_, way)| f64::from(way))

@@ -12,7 +12,7 @@ mod tag_room;
 
 use belvedere::world::scene::WorldScene;
 use belvedere_sensors::camera::{Camera, Picture};
-use belvedere_sensors::noise::{Stream, fill_standard_normal_with};
+use belvedere_sensors::noise::{Stream, fill_standard_normal};
 use belvedere_sensors::simd::{Level, best_level};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Sensor};
@@ -105,7 +105,7 @@ fn trace_s1_r5((built, mut caster): (Built, Caster)) -> (Built, Caster) {
 #[library_benchmark(config = limit("noise"), setup = zeros)]
 fn noise(mut normals: Vec<f32>) -> Vec<f32> {
     let stream = Stream { seed: 1, sensor: 2, frame: 3, channel: 4 };
-    fill_standard_normal_with(simd(), black_box(&stream), 0, &mut normals);
+    fill_standard_normal(simd(), black_box(&stream), 0, &mut normals);
     normals
 }
 

@@ -5,20 +5,25 @@
 //! | [`description`] | robot and world files (xacro, URDF, SDF) as one typed model, every problem with file and line |
 //! | [`world`] | the running world: physics, and the scene that the sensors see |
 //! | [`robot`] | the Kobuki base: drive, odometry, transforms, joint states |
-//! | [`rig`] | the sensors on their schedule, rendered straight into shared memory |
-//! | [`control`] | how other processes control it: pause, step, reset, move, spawn, delete |
-//! | [`simulation`] | all of it, advanced from frame to frame |
-//! | [`picture`] | frames as pictures for people |
-//! | [`cli`] | the `belvedere` command |
+//! | [`entities`] | who is in the world, by name |
+//! | [`rig`] | the sensors on their schedule, rendered straight into a sink's memory |
+//! | [`simulation`] | all of it, stepped and rendered by a caller: the library |
+//! | [`server`] | the same for other processes: shared memory, commands |
+//! | `picture` | frames as pictures for people (feature `cli`) |
+//! | `cli` | the `belvedere` command (feature `cli`) |
 //!
-//! The sensors themselves are the crate [`belvedere_sensors`], the shared memory is [`belvedere_bridge`].
+//! Each uses only those above it. The sensors themselves are the crate [`belvedere_sensors`], the shared memory is
+//! [`belvedere_bridge`].
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "cli")]
 pub mod cli;
-pub mod control;
 pub mod description;
+pub mod entities;
+#[cfg(feature = "cli")]
 pub mod picture;
 pub mod rig;
 pub mod robot;
+pub mod server;
 pub mod simulation;
 pub mod world;

@@ -28,7 +28,6 @@ fn the_command_line_says_what_was_done_and_why_not() {
         (&["states", "--links"], 0, "crate::body"),
         (&["spawn", file, "--name", "crate"], 1, "spawn was refused: there is a model 'crate' already"),
         (&["delete", "crate"], 0, "delete: done"),
-        (&["delete", ROBOT], 1, "is the robot"),
         (&["move", "nobody", "0", "0", "0"], 1, "no model 'nobody'"),
         (&["spawn", "no_such.sdf"], 1, "cannot read no_such.sdf"),
         (&["spawn", file, "--pose", "1,2"], 2, "three or four numbers"),

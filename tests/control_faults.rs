@@ -29,19 +29,21 @@ fn what_cannot_be_done_is_refused_in_words() {
     say(&mut control, &nan, "", &["position"]);
     let nowhere = SimulationCommand { reference: Text::new("nowhere").unwrap(), ..robot };
     say(&mut control, &nowhere, "", &["no reference frame 'nowhere'"]);
-    say(&mut control, &named(Operation::Delete, ROBOT), "", &["is the robot"]);
     say(&mut control, &named(Operation::Delete, "ghost"), "", &["no model 'ghost'"]);
     let spawn = named(Operation::Spawn, "thing");
     say(&mut control, &spawn, "", &["broken XML"]);
     say(&mut control, &spawn, "<sdf version='1.6'>\n<model>", &["thing:", "broken XML"]);
     say(&mut control, &spawn, "<gltf/>", &["<gltf>"]);
     say(&mut control, &named(Operation::Spawn, ROBOT), BOX, &["a model 'turtlebot' already"]);
-    say(&mut control, &named(Operation::Spawn, "world"), BOX, &["a model 'world' already"]);
+    say(&mut control, &named(Operation::Spawn, "world"), BOX, &["'world' is the world itself"]);
+    // Its stream would have the name of another's.
     let sensing = BOX.replace(
         "</link>",
-        "<sensor name='eye' type='camera'><camera><horizontal_fov>1</horizontal_fov></camera></sensor></link>",
+        "<sensor name='eye' type='camera'><camera><horizontal_fov>1</horizontal_fov></camera>
+         <plugin name='p' filename='libgazebo_ros_camera.so'><imageTopicName>/image_raw</imageTopicName>
+         <cameraInfoTopicName>/eye_info</cameraInfoTopicName></plugin></sensor></link>",
     );
-    say(&mut control, &spawn, &sensing, &["thing:5", "sensor 'eye'", "remove"]);
+    say(&mut control, &spawn, &sensing, &["/image_raw", "'thing'", "namespace"]);
     let missing =
         BOX.replace("<box><size>0.4 0.4 1</size></box>", "<mesh><uri>model://no/such.dae</uri></mesh>");
     say(&mut control, &spawn, &missing, &["no/such.dae"]);
@@ -55,6 +57,9 @@ fn what_cannot_be_done_is_refused_in_words() {
     assert_eq!(states(&mut models).len(), 3);
 }
 
+/// Bytes of a command without its text.
+const COMMAND: usize = size_of::<SimulationCommand>();
+
 /// A sender that does not keep to the rules: what can be answered is, the rest is dropped.
 #[test]
 fn broken_commands_harm_nobody() {
@@ -66,11 +71,12 @@ fn broken_commands_harm_nobody() {
     results.take().unwrap();
     let sender = node.publisher(&StreamSpec::simulation_command(1024)).unwrap();
     let mut send = |command: SimulationCommand, tail: &[u8]| {
-        let mut frame = sender.loan(256 + tail.len()).unwrap();
-        frame.payload_mut()[..256].copy_from_slice(bytemuck::bytes_of(&command));
-        frame.payload_mut()[256..].copy_from_slice(tail);
+        let mut frame = sender.loan(COMMAND + tail.len()).unwrap();
+        frame.payload_mut()[..COMMAND].copy_from_slice(bytemuck::bytes_of(&command));
+        frame.payload_mut()[COMMAND..].copy_from_slice(tail);
         let header = frame.header_mut();
-        (header.width, header.height, header.elem_stride, header.row_stride) = (1, 1, 256, 256);
+        (header.width, header.height, header.elem_stride, header.row_stride) =
+            (1, 1, COMMAND as u32, COMMAND as u32);
         frame.send().unwrap();
         let result: SimulationResult = next_frame(&mut results).message().unwrap();
         assert_eq!((result.id, result.done), (command.id, 0));

@@ -8,7 +8,7 @@ use belvedere::description::model::{Geometry, Model};
 use belvedere::robot::contact::{CLIFF_M, Contact, cliff_reading};
 use belvedere::robot::kobuki::Report;
 use belvedere::robot::odometry::GYRO_STEP_RAD_S;
-use belvedere::robot::{Command, Robot};
+use belvedere::robot::{Command, Robot, placement};
 use belvedere::world::physics::Physics;
 use belvedere_bridge::payload::{
     CoreSensors, Imu, Message, MotorPower, Odometry, ResetOdometry, RobotEvent, VelocityCommand,
@@ -45,9 +45,9 @@ impl Bench {
             belvedere::description::model::JointKind::Fixed,
             gyro,
         );
-        let mut physics = Physics::new(&world(step_s, models), &[(model.clone(), Pose::IDENTITY)]).unwrap();
-        let index = physics.robot(0);
-        let robot = Robot::new(&model, index, &mut physics).0;
+        let mut physics = Physics::new(&world(step_s, models)).unwrap();
+        let index = physics.insert_model(&placement(&model, Pose::IDENTITY)).unwrap();
+        let robot = Robot::new(&model, "", index, &mut physics).0;
         Self { physics, robot }
     }
 

@@ -5,7 +5,7 @@ mod sdf;
 
 use belvedere::description::Severity;
 use belvedere::description::model::{Geometry, JointKind, Mesh, Model, World};
-use belvedere::robot::Robot;
+use belvedere::robot::{Robot, placement};
 use belvedere::world::physics::Physics;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -30,7 +30,7 @@ fn limited(kind: &str, limits: &str) -> World {
 
 /// Where a joint comes to when its motor turns it for so long at 4 rad/s or m/s.
 fn driven(world: &World, velocity: f64, seconds: f64) -> f64 {
-    let mut physics = Physics::new(world, &[]).unwrap();
+    let mut physics = Physics::new(world).unwrap();
     let joint = world.models[0].joints.iter().position(|joint| joint.kind != JointKind::Fixed).unwrap();
     physics.drive_joint(0, joint, velocity, 20.0);
     (0..(seconds * 1000.0) as usize).for_each(|_| physics.step());
@@ -62,7 +62,7 @@ fn an_inertia_that_no_body_has_is_told_and_harmless() {
         );
         let (world, problems) = Folder::new().load("1.6", &content, false);
         let world = world.unwrap();
-        let mut physics = Physics::new(&world, &[]).unwrap();
+        let mut physics = Physics::new(&world).unwrap();
         physics.move_model(0, &Pose::IDENTITY, DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0));
         (0..2000).for_each(|_| physics.step());
         (problems, physics.model_velocity(0).1.length())
@@ -108,7 +108,7 @@ fn fingers_with_inertia_about_one_axis_alone_do_not_blow_up() {
     assert!(problems.len() == 2 && problems[0].severity == Severity::Note, "{problems:#?}");
     let world = world.unwrap();
     let model = &world.models[0];
-    let mut physics = Physics::new(&world, &[]).unwrap();
+    let mut physics = Physics::new(&world).unwrap();
     let lower = model.link_named("lower").unwrap();
     let mut fastest: f64 = 0.0;
     for _ in 0..3000 {
@@ -133,7 +133,7 @@ fn links_of_a_model_touch_where_it_says_so_and_never_over_a_joint() {
         );
         let (world, _) = Folder::new().load("1.6", &content, false);
         let world = world.unwrap();
-        let mut physics = Physics::new(&world, &[]).unwrap();
+        let mut physics = Physics::new(&world).unwrap();
         (0..1500).for_each(|_| physics.step());
         let at = |name: &str| {
             let link = world.models[0].link_named(name).unwrap();
@@ -155,7 +155,7 @@ fn a_ball_swings_about_its_pivot_in_all_directions() {
     let content = "<model name='m'><link name='bob'><pose>0.3 0.4 1 0 0 0</pose></link>
          <joint name='j' type='ball'><pose>-0.3 -0.4 1 0 0 0</pose><parent>world</parent><child>bob</child></joint></model>";
     let world = good("1.6", content);
-    let mut physics = Physics::new(&world, &[]).unwrap();
+    let mut physics = Physics::new(&world).unwrap();
     let bob = world.models[0].link_named("bob").unwrap();
     let mut lowest = DVec3::MAX;
     for _ in 0..3000 {
@@ -181,9 +181,9 @@ fn glides(friction: Option<f64>) -> f64 {
             robot.links[parent].model_from_link.inverse() * robot.links[child].model_from_link;
     }
     let start = xyz(0.0, 0.0, 0.03);
-    let mut physics = Physics::new(&world(0.001, vec![ground()]), &[(robot.clone(), start)]).unwrap();
-    let index = physics.robot(0);
-    let mut base = Robot::new(&robot, index, &mut physics).0;
+    let mut physics = Physics::new(&world(0.001, vec![ground()])).unwrap();
+    let index = physics.insert_model(&placement(&robot, start)).unwrap();
+    let mut base = Robot::new(&robot, "", index, &mut physics).0;
     let mut run = |steps: usize, physics: &mut Physics| {
         for _ in 0..steps {
             base.control(physics);
@@ -235,10 +235,9 @@ fn a_wheel_of_triangles_has_their_radius() {
     };
     for radius in [0.034, 0.06] {
         let robot = with_wheels(radius);
-        let mut physics =
-            Physics::new(&world(0.001, vec![ground()]), &[(robot.clone(), xyz(0.0, 0.0, 0.1))]).unwrap();
-        let index = physics.robot(0);
-        let base = Robot::new(&robot, index, &mut physics).0;
+        let mut physics = Physics::new(&world(0.001, vec![ground()])).unwrap();
+        let index = physics.insert_model(&placement(&robot, xyz(0.0, 0.0, 0.1))).unwrap();
+        let base = Robot::new(&robot, "", index, &mut physics).0;
         let found = base.base().unwrap().radius_m();
         assert!((found - f64::from(radius)).abs() < 1e-6, "{found}");
     }

@@ -7,6 +7,7 @@ use belvedere::description::Diagnostics;
 use belvedere::description::model::{Model, World};
 use belvedere::description::package::PackagePath;
 use belvedere::description::robot::{LoadOptions, load_robot};
+use belvedere::robot::placement;
 use belvedere::world::physics::Physics;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -95,7 +96,7 @@ fn places(physics: &Physics, index: usize, model: &Model) -> BTreeMap<String, Po
 
 /// Where the links of a world's only model are after so many steps.
 fn after(world: &World, steps: usize) -> BTreeMap<String, DVec3> {
-    let mut physics = Physics::new(world, &[]).unwrap();
+    let mut physics = Physics::new(world).unwrap();
     (0..steps).for_each(|_| physics.step());
     let at = places(&physics, 0, &world.models[0]);
     at.into_iter().map(|(name, pose)| (name, pose.translation())).collect()
@@ -108,8 +109,8 @@ fn links_stand_where_their_joints_say_and_the_order_of_the_file_changes_no_bit()
     let mut first = None;
     for order in orders(PARTS.len(), 10) {
         let robot = robot(&robot_in(&order));
-        let mut physics = Physics::new(&world, &[(robot.clone(), start)]).unwrap();
-        let index = physics.robot(0);
+        let mut physics = Physics::new(&world).unwrap();
+        let index = physics.insert_model(&placement(&robot, start)).unwrap();
         let at_first = places(&physics, index, &robot);
         let offsets = [
             ("base_footprint", DVec3::ZERO),

@@ -3,7 +3,7 @@
 mod robot_models;
 
 use belvedere::description::model::{Geometry, Model};
-use belvedere::robot::{Command, Drive, Robot};
+use belvedere::robot::{Autopilot, Command, Robot, placement};
 use belvedere::world::physics::Physics;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -29,10 +29,9 @@ impl Bench {
     fn new(step_s: f64, mut models: Vec<Model>, start: Pose) -> Self {
         models.insert(0, ground());
         let robot = kobuki();
-        let mut physics =
-            Physics::new(&world(step_s, models), &[(robot.clone(), start)]).expect("a good world");
-        let index = physics.robot(0);
-        let (robot, problem) = Robot::new(&robot, index, &mut physics);
+        let mut physics = Physics::new(&world(step_s, models)).expect("a good world");
+        let index = physics.insert_model(&placement(&robot, start)).unwrap();
+        let (robot, problem) = Robot::new(&robot, "", index, &mut physics);
         assert_eq!(problem, None);
         let mut bench =
             Self { physics, robot, turned_rad: 0.0, yaw_rad: 0.0, lowest_m: f64::MAX, highest_m: f64::MIN };
@@ -154,12 +153,12 @@ fn stops_without_commands() {
 #[test]
 fn follows_the_loop() {
     for step_s in STEPS_S {
-        let path = belvedere::robot::drive::LoopPath::DEFAULT;
-        let mut bench = Bench::new(step_s, vec![], Drive::Loop.start_pose());
+        let path = belvedere::robot::autopilot::LoopPath::DEFAULT;
+        let mut bench = Bench::new(step_s, vec![], Autopilot::Loop.start_pose());
         let mut worst_m: f64 = 0.0;
         while bench.physics.time_ns() < 40_000_000_000 {
             let base = bench.base();
-            bench.robot.command(Drive::Loop.command(&base), bench.physics.time_ns());
+            bench.robot.command(Autopilot::Loop.command(&base), bench.physics.time_ns());
             bench.step();
             worst_m = worst_m.max(path.nearest(bench.base().translation().truncate()).1);
         }
@@ -171,9 +170,9 @@ fn follows_the_loop() {
 #[test]
 fn a_box_is_a_passive_robot() {
     let crate_model = empty_model("crate");
-    let mut physics = Physics::new(&world(0.01, vec![]), &[(crate_model.clone(), Pose::IDENTITY)]).unwrap();
-    let index = physics.robot(0);
-    let (robot, problem) = Robot::new(&crate_model, index, &mut physics);
+    let mut physics = Physics::new(&world(0.01, vec![])).unwrap();
+    let index = physics.insert_model(&placement(&crate_model, Pose::IDENTITY)).unwrap();
+    let (robot, problem) = Robot::new(&crate_model, "", index, &mut physics);
     assert!(robot.base().is_none());
     assert!(problem.unwrap().to_string().contains("it has no joint 'wheel_left_joint'"));
 }
@@ -183,9 +182,9 @@ fn stands_and_climbs_on_a_slope() {
     // 10 degrees about y, nose up; friction 1 holds up to 45.
     let slope = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::new(0.0, -10.0_f64.to_radians(), 0.0));
     let plane = static_model("slope", slope, Geometry::Plane { normal: DVec3::Z, size: [100.0; 2] });
-    let mut physics = Physics::new(&world(0.004, vec![plane]), &[(kobuki(), slope)]).expect("a good world");
-    let index = physics.robot(0);
-    let mut robot = Robot::new(&kobuki(), index, &mut physics).0;
+    let mut physics = Physics::new(&world(0.004, vec![plane])).expect("a good world");
+    let index = physics.insert_model(&placement(&kobuki(), slope)).unwrap();
+    let mut robot = Robot::new(&kobuki(), "", index, &mut physics).0;
     let mut run = |seconds: f64, linear_m_s: f64| {
         for _ in 0..(seconds / 0.004) as usize {
             robot.command(Command { linear_m_s, angular_rad_s: 0.0 }, physics.time_ns());
@@ -264,8 +263,8 @@ fn a_motor_tells_its_effort() {
     let mut inertial = robot_models::inertial(2.0, [0.01; 3]);
     inertial.link_from_inertial = xyz(0.5, 0.0, 0.0);
     arm.links[rod].inertial = Some(inertial);
-    let mut physics = Physics::new(&world(0.001, vec![]), &[(arm, Pose::IDENTITY)]).expect("a good world");
-    let index = physics.robot(0);
+    let mut physics = Physics::new(&world(0.001, vec![])).expect("a good world");
+    let index = physics.insert_model(&placement(&arm, Pose::IDENTITY)).unwrap();
     physics.drive_joint(index, 0, 0.0, 100.0);
     for _ in 0..200 {
         physics.step();
@@ -287,7 +286,7 @@ fn a_motor_tells_its_effort() {
 #[test]
 fn a_bad_step_is_refused() {
     for step_s in [0.0, -0.001, f64::NAN, 1e-7, 0.2, f64::INFINITY] {
-        let problem = Physics::new(&world(step_s, vec![]), &[]).err().expect("refused").to_string();
+        let problem = Physics::new(&world(step_s, vec![])).err().expect("refused").to_string();
         assert!(problem.contains("<max_step_size> is") && problem.contains("0.001"), "{problem}");
     }
 }

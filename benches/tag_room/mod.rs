@@ -30,8 +30,8 @@ pub fn room() -> World {
 
 /// What sensors see of it.
 pub fn scene(world: &World) -> WorldScene {
-    let physics = Physics::new(world, &[]).expect("our own world runs");
-    WorldScene::new(world, &[], &physics).expect("our own world shows")
+    let physics = Physics::new(world).expect("our own world runs");
+    WorldScene::new(world, &physics).expect("our own world shows")
 }
 
 /// The robot's camera, with noise of so much of a colour value.

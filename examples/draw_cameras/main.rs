@@ -104,8 +104,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut diagnostics = Diagnostics::default();
     let world = load_world("tag_ceiling", &PackagePath::new([], None), Rules::default(), &mut diagnostics)
         .ok_or("the room cannot be loaded")?;
-    let physics = Physics::new(&world, &[])?;
-    let scene = WorldScene::new(&world, &[], &physics).map_err(|problem| format!("{problem:?}"))?;
+    let physics = Physics::new(&world)?;
+    let scene = WorldScene::new(&world, &physics).map_err(|problem| format!("{problem:?}"))?;
     let mut studio = Studio { scene, folder: folder.into(), memory: WorkspaceBuf::default() };
 
     for (name, picture) in light::pictures()? {

@@ -173,23 +173,9 @@ fn frames_sensors_and_neighbours_are_independent() {
 }
 
 #[test]
-fn a_run_goes_on_where_indices_end() {
-    use belvedere_sensors::noise::{Stream, fill_standard_normal, normals16};
-    let stream = Stream { seed: 9, sensor: 1, frame: 2, channel: 77 };
-    let mut run = [0.0; 40];
-    fill_standard_normal(&stream, u32::MAX - 7, &mut run);
-    assert_eq!(run[..8], normals16(&stream, u32::MAX / 16)[8..]);
-    assert_eq!(run[8..24], normals16(&stream, 1 << 28));
-    assert_eq!(run[24..], normals16(&stream, (1 << 28) + 1));
-    // Blocks repeat after 2³⁰, when the counters are used up, and not before.
-    assert_ne!(normals16(&stream, 1 << 28), normals16(&stream, 0));
-    assert_ne!(normals16(&stream, (1 << 30) - 1), normals16(&stream, 0));
-    assert_eq!(normals16(&stream, 1 << 30), normals16(&stream, 0));
-}
-
-#[test]
 fn sensors_draw_from_the_channels_that_are_taken() {
     use belvedere_sensors::noise::{Stream, fill_standard_normal};
+    use belvedere_sensors::simd::best_level;
     let seed_and_sensor = |channel| Stream { seed: LIDAR.seed, sensor: 5, frame: 3, channel };
     // 64 beams, whose normals come one after the other.
     let beams = Beams { samples: 64, min_angle_rad: -1.0, max_angle_rad: 1.0 };
@@ -197,7 +183,7 @@ fn sensors_draw_from_the_channels_that_are_taken() {
     let config = config.vertical(Beams::ONE);
     let (ranges, _) = scan_frame(&ball(), config, Pose::IDENTITY, 3);
     let mut normals = [0.0; 64];
-    fill_standard_normal(&seed_and_sensor(Stream::RANGE), 0, &mut normals);
+    fill_standard_normal(best_level(), &seed_and_sensor(Stream::RANGE), 0, &mut normals);
     for (range, normal) in ranges.iter().zip(normals) {
         assert!((range - (5.0 + 0.01 * normal)).abs() < 1e-5, "{range}, {normal}");
     }
@@ -205,21 +191,21 @@ fn sensors_draw_from_the_channels_that_are_taken() {
     let camera = common::camera_of([16, 4], 1.2).sensor(5);
     let noise = gaussian(0.0, 0.01);
     let depths = depth_frame(&wall(0.5), depth_camera().camera(camera).noise(noise), Pose::IDENTITY, 3);
-    fill_standard_normal(&seed_and_sensor(Stream::DEPTH), 0, &mut normals);
+    fill_standard_normal(best_level(), &seed_and_sensor(Stream::DEPTH), 0, &mut normals);
     for (depth, normal) in depths.iter().zip(normals) {
         assert!((depth - (2.0 + 0.01 * normal)).abs() < 1e-5, "{depth}, {normal}");
     }
     let camera = camera.noise(gaussian(0.0, 0.05)).format(PixelFormat::Rgb8);
     let pixels = picture_with(&wall(0.5), camera, Pose::IDENTITY, 3, belvedere_sensors::Execution::default());
-    fill_standard_normal(&seed_and_sensor(Stream::COLOUR), 0, &mut normals);
+    fill_standard_normal(best_level(), &seed_and_sensor(Stream::COLOUR), 0, &mut normals);
     for (pixel, normal) in pixels.as_chunks::<3>().0.iter().zip(normals) {
         assert!((f32::from(pixel[0]) - 255.0 * (0.5 + 0.05 * normal)).abs() < 0.51, "{pixel:?}, {normal}");
     }
     // The bias of a noise that is nothing else.
     let bias = GaussianNoise::new(0.0, 0.0, 0.0, 1.0, 0.0).unwrap().bias(LIDAR.seed, 5, 0);
     let stream = Stream { frame: 0, ..seed_and_sensor(Stream::BIAS) };
-    fill_standard_normal(&stream, 0, &mut normals);
+    fill_standard_normal(best_level(), &stream, 0, &mut normals);
     let flipped = Stream { channel: Stream::BIAS_SIGN, ..stream }.word(0) >> 31 == 1;
     assert_eq!(bias, if flipped { -normals[0] } else { normals[0] });
-    assert_eq!(Stream::TAKEN, [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 0xFFF0, 0xFFF1]);
+    assert_eq!(Stream::TAKEN, [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 0xFFF0, 0xFFF1]);
 }

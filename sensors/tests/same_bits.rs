@@ -136,15 +136,15 @@ fn fnv(bytes: &[u8]) -> u64 {
 #[test]
 fn every_machine() {
     let expected: [(&str, u64); 9] = [
-        ("rgb8", 0xfec5_f269_d2c3_fc1e),
-        ("mono8", 0xb026_71ad_ee52_ca9b),
-        ("32fc1", 0x1392_fca0_f3d9_1261),
-        ("16uc1", 0xea66_caf5_39b9_3c24),
-        ("points", 0x66d4_d1c6_801f_096f),
-        ("ranges", 0xc9ca_a20a_a236_3cb1),
-        ("bayer_gbrg16", 0x6215_9310_a363_6205),
-        ("rgba8 of sRGB", 0x3e10_324d_d2d9_7e78),
-        ("rgb8 of gloss and glass", 0x936a_0a27_e3c0_5650),
+        ("rgb8", 0xe27f_c2a5_80e6_90f1),
+        ("mono8", 0xbf0b_140d_d77e_a4a0),
+        ("32fc1", 0xbffd_71f0_3bfb_bc79),
+        ("16uc1", 0xbc3f_3d55_accd_1eab),
+        ("points", 0x24cd_1139_23b9_13ef),
+        ("ranges", 0x9814_84f6_b4ad_3848),
+        ("bayer_gbrg16", 0x7aca_656c_7299_b256),
+        ("rgba8 of sRGB", 0x7375_06ee_4fcd_8bef),
+        ("rgb8 of gloss and glass", 0xd2ca_211b_5c9a_334c),
     ];
     let found: Vec<_> =
         sense_all(Execution::default()).into_iter().map(|(name, bytes)| (name, fnv(&bytes))).collect();

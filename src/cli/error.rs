@@ -7,6 +7,7 @@ use belvedere_bridge::Domain;
 use crate::description::Problem;
 use crate::picture::PictureError;
 use crate::rig::RigError;
+use crate::simulation::SimulationError;
 
 /// Why a command did not do what was asked.
 #[derive(Debug, thiserror::Error)]
@@ -21,6 +22,9 @@ pub enum CliError {
     /// The sensors cannot be started.
     #[error(transparent)]
     Rig(RigError),
+    /// The simulation cannot be made.
+    #[error(transparent)]
+    Simulation(SimulationError),
     /// The system gives no thread.
     #[error("the system gives no thread that sends frames: {0}; end other programs, or raise `ulimit -u`")]
     NoThread(std::io::Error),
@@ -132,7 +136,17 @@ impl From<RigError> for CliError {
         match error {
             RigError::Bridge(error) => Self::Bridge(error),
             RigError::Description(problem) => Self::Description(vec![problem]),
-            RigError::Name { .. } => Self::Rig(error),
+            error => Self::Rig(error),
+        }
+    }
+}
+
+impl From<SimulationError> for CliError {
+    fn from(error: SimulationError) -> Self {
+        match error {
+            SimulationError::Description(problem) => Self::Description(vec![problem]),
+            SimulationError::Rig(error) => error.into(),
+            error => Self::Simulation(error),
         }
     }
 }

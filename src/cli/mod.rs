@@ -10,6 +10,7 @@ pub mod list;
 pub mod log;
 pub mod message;
 mod pacer;
+pub mod robots;
 pub mod run;
 pub mod snapshot;
 pub mod statistics;

@@ -1,8 +1,8 @@
 //! Keeping simulated time to the clock on the wall.
 
 use super::follow::{NAP, stop_wanted};
-use crate::rig::post::Post;
-use crate::simulation::Simulation;
+use crate::server::Server;
+use crate::server::post::Post;
 use std::time::{Duration, Instant};
 
 /// Lag beyond which lost time is given up instead of being caught up with in a burst.
@@ -24,19 +24,19 @@ pub(super) struct Pacer<'a> {
 }
 
 impl<'a> Pacer<'a> {
-    pub(super) fn new(simulation: &Simulation, post: Option<&'a Post>) -> Self {
-        Self { epoch: simulation.epoch(), at: Instant::now(), time_ns: simulation.time_ns(), post }
+    pub(super) fn new(server: &Server<'_>, post: Option<&'a Post>) -> Self {
+        Self { epoch: server.epoch(), at: Instant::now(), time_ns: server.time_ns(), post }
     }
 
     /// Waits until it is time to make what is next; false when the user wants to stop.
-    pub(super) fn wait_for_next(&mut self, simulation: &Simulation) -> bool {
-        if self.epoch != simulation.epoch() {
-            *self = Self::new(simulation, self.post);
+    pub(super) fn wait_for_next(&mut self, server: &Server<'_>) -> bool {
+        if self.epoch != server.epoch() {
+            *self = Self::new(server, self.post);
         }
-        let due = self.at + Duration::from_nanos(simulation.next_ns().saturating_sub(self.time_ns));
+        let due = self.at + Duration::from_nanos(server.next_ns().saturating_sub(self.time_ns));
         let lead = self.post.map_or(Duration::ZERO, |post| {
             post.set_due(due);
-            simulation.cost().saturating_add(MARGIN).min(LONGEST_LEAD)
+            server.cost().saturating_add(MARGIN).min(LONGEST_LEAD)
         });
         loop {
             if stop_wanted() {

@@ -3,22 +3,21 @@
 use super::error::CliError;
 use super::follow::{NAP, listen_for_stop, print_line, seconds, stop_wanted};
 use super::pacer::Pacer;
+use super::robots::RobotArgs;
 use super::status::Status;
-use crate::control::SpawnOptions;
-use crate::control::roster::model_name;
 use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
-use crate::description::robot::{LoadOptions, default_robot_name, load_robot, xacro_argument};
 use crate::description::world::{default_world, load_world};
 use crate::description::{Diagnostics, Rules, Severity};
-use crate::rig::attendance::{Attendance, Awaited};
-use crate::rig::post::Post;
-use crate::rig::{Rig, RigOptions};
-use crate::robot::Drive;
-use crate::simulation::Simulation;
+use crate::entities::Origin;
+use crate::rig::Rig;
+use crate::robot::Autopilot;
+use crate::server::attendance::{Attendance, Awaited};
+use crate::server::post::Post;
+use crate::server::{ModelFiles, Server, ServerOptions, SharedMemory};
+use crate::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Domain, Lossless, Node};
-use belvedere_sensors::Execution;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -37,16 +36,8 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run --rate max --wait-for recorder=3 --patience 30")]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RunArgs {
-    /// The robot: a .urdf or .xacro file, or the name of one in turtlebot_description/robots
-    /// [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]
-    #[arg(long, value_name = "FILE|NAME")]
-    robot: Option<String>,
-    /// Arguments of the robot's xacro, for its $(arg NAME)
-    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
-    xacro_args: Vec<(String, String)>,
-    /// What the robot is called in the world [default: as its description has it]
-    #[arg(long, value_name = "NAME", value_parser = model_name)]
-    name: Option<String>,
+    #[command(flatten)]
+    robots: RobotArgs,
     /// The world: an SDF file, or the name of one of ours
     /// [default: tag_ceiling, or TURTLEBOT_GAZEBO_WORLD_FILE]
     #[arg(long, value_name = "FILE|NAME")]
@@ -66,9 +57,10 @@ pub struct RunArgs {
     /// Begin with simulated time standing, until `belvedere control resume` or `step`
     #[arg(long)]
     paused: bool,
-    /// What the robot does when nobody sends velocity commands
-    #[arg(long, value_enum, default_value_t)]
-    drive: Drive,
+    /// What robots do when nobody sends them velocity commands [default: loop, round the room of our own robot in our
+    /// own world; still, with a robot or a world of yours]
+    #[arg(long, value_enum)]
+    drive: Option<Autopilot>,
     /// Behave as Gazebo classic where it differs from what is right: its principal point, NaN for depths out of
     /// range, ranges that begin at the minimum, sensors on missing links left out
     #[arg(long)]
@@ -118,49 +110,71 @@ pub enum Pace {
 /// What is wrong with the files, the sensors or the domain.
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     render_on_this_thread();
-    let (world, robot) = load(args)?;
+    let packages = packages(args);
+    let (world, robots) = load(args, &packages)?;
     listen_for_stop()?;
     let node = Node::open(&args.domain, "belvedere")?;
+    let mut simulation =
+        Simulation::builder(world).seed(args.seed).gazebo_compat(args.gazebo_compat).build()?;
+    let drive = args.drive();
+    for (model, options) in robots {
+        let start = drive.start_pose();
+        let options = SpawnOptions { world_from_model: options.world_from_model * start, ..options };
+        let id = simulation.spawn(&model, options)?;
+        // A robot without a base stays where it is; a note says so.
+        let _ = simulation.set_autopilot(id, drive);
+    }
     // Who is waited for sets the pace himself.
     let holds_frames = args.rate == Pace::Realtime && args.wait_for.is_empty();
     let post = holds_frames.then(Post::open).transpose().map_err(CliError::NoThread)?.map(Arc::new);
-    let options = RigOptions {
-        seed: args.seed,
-        gazebo_compat: args.gazebo_compat,
-        truth: args.truth,
-        hashed: args.hash,
+    let sink = SharedMemory {
+        node: node.clone(),
         lossless: (!args.wait_for.is_empty()).then(|| Lossless {
             consumers: args.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),
             patience: args.patience,
         }),
         post: post.clone(),
-        execution: Execution::parallel(),
     };
-    let mut notes = Vec::new();
-    let packages = packages(args);
-    let mut simulation = Simulation::new(&world, &robot, args.drive, &node, &options, &mut notes)?;
-    simulation.set_spawn_options(SpawnOptions { packages, rules: args.rules() });
-    if args.paused {
-        simulation.pause();
-    }
-    for note in &notes {
+    let files = ModelFiles { packages, rules: args.rules() };
+    let options = ServerOptions { truth: args.truth, hashed: args.hash, files };
+    for note in simulation.notes() {
         tracing::info!("{note}");
     }
-    tracing::info!(
-        "robot {} in world {}, domain {}; a second terminal: belvedere list, belvedere hz TOPIC",
-        robot.name,
-        world.name,
-        args.domain
-    );
-    let mut status = Status::new(simulation.rig());
-    let ended = run_loop(&mut simulation, args, &node, &mut status, post.as_deref());
+    tracing::info!("{}", headline(&simulation, args));
+    let mut server = Server::attach_to(&mut simulation, sink, options)?;
+    if args.paused {
+        server.pause();
+    }
+    let mut status = Status::new(server.rig());
+    let ended = run_loop(&mut server, args, &node, &mut status, post.as_deref());
     if let Some(post) = &post {
         post.flush();
     }
-    let table = status.finish(simulation.rig(), simulation.simulated_ns());
+    let table = status.finish(server.rig(), server.simulated_ns());
     eprint!("{table}");
     ended?;
-    if args.hash { print_hashes(simulation.rig()) } else { Ok(()) }
+    if args.hash { print_hashes(server.rig()) } else { Ok(()) }
+}
+
+/// Who runs where.
+fn headline(simulation: &Simulation, args: &RunArgs) -> String {
+    let robots = simulation.entities().iter().filter(|(_, entity)| entity.origin == Origin::Start);
+    let robots: Vec<&str> = robots.map(|(_, entity)| entity.name.as_str()).collect();
+    format!(
+        "{} {} in world {}, domain {}; a second terminal: belvedere list, belvedere hz TOPIC",
+        if robots.len() == 1 { "robot" } else { "robots" },
+        robots.join(", "),
+        simulation.world_name(),
+        args.domain
+    )
+}
+
+impl RunArgs {
+    /// Only our own robot in our own world drives by itself.
+    fn drive(&self) -> Autopilot {
+        let is_ours = self.world.is_none() && self.robots.are_ours();
+        self.drive.unwrap_or(if is_ours { Autopilot::Loop } else { Autopilot::Still })
+    }
 }
 
 /// Makes this thread one of those that render. Beside a pool of its own it would be one more to wake, before and after
@@ -176,25 +190,12 @@ fn packages(args: &RunArgs) -> PackagePath {
     PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref())
 }
 
-fn load(args: &RunArgs) -> Result<(World, Model), CliError> {
+fn load(args: &RunArgs, packages: &PackagePath) -> Result<(World, Vec<(Model, SpawnOptions)>), CliError> {
     let mut diagnostics = Diagnostics::default();
-    let packages = packages(args);
     let world = args.world.clone().unwrap_or_else(default_world);
-    let world = load_world(&world, &packages, args.rules(), &mut diagnostics);
-    let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
-    let robot = args.robot.clone().unwrap_or_else(default_robot_name);
-    let mut robot = load_robot(&robot, &options, &mut diagnostics);
-    if let (Some(robot), Some(name)) = (&mut robot, &args.name) {
-        robot.name.clone_from(name);
-        let models = world.iter().flat_map(|world| &world.models);
-        for model in models.filter(|model| model.name == *name) {
-            diagnostics.error(
-                &model.source,
-                format!("a model of the world is called '{name}'"),
-                "give the robot another --name",
-            );
-        }
-    }
+    let world = load_world(&world, packages, args.rules(), &mut diagnostics);
+    let taken = world.iter().flat_map(|world| &world.models).map(|model| model.name.as_str());
+    let robots = args.robots.load(packages, args.rules(), &taken.collect(), &mut diagnostics);
     for problem in diagnostics.problems() {
         match problem.severity {
             Severity::Error => {}
@@ -202,14 +203,14 @@ fn load(args: &RunArgs) -> Result<(World, Model), CliError> {
             Severity::Note => tracing::debug!("{problem}"),
         }
     }
-    match (world, robot) {
-        (Some(world), Some(robot)) if !diagnostics.has_errors() => Ok((world, robot)),
+    match world {
+        Some(world) if !diagnostics.has_errors() => Ok((world, robots)),
         _ => Err(CliError::Description(diagnostics.errors().cloned().collect())),
     }
 }
 
 fn run_loop(
-    simulation: &mut Simulation,
+    server: &mut Server<'_>,
     args: &RunArgs,
     node: &Node,
     status: &mut Status,
@@ -218,31 +219,31 @@ fn run_loop(
     let end_ns =
         args.duration.map_or(u64::MAX, |duration| u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX));
     let mut attendance = Attendance::new(&args.wait_for);
-    gather(&mut attendance, simulation, node, None)?;
-    let mut pacer = Pacer::new(simulation, post);
+    gather(&mut attendance, server, node, None)?;
+    let mut pacer = Pacer::new(server, post);
     while !stop_wanted() {
-        if simulation.is_paused() {
-            simulation.idle(NAP);
-            status.refresh(simulation.rig(), simulation.simulated_ns());
+        if server.is_paused() {
+            server.idle(NAP);
+            status.refresh(server.rig(), server.simulated_ns());
             continue;
         }
         let keeps_time = args.rate == Pace::Realtime;
-        if simulation.next_simulated_ns() >= end_ns || keeps_time && !pacer.wait_for_next(simulation) {
+        if server.next_simulated_ns() >= end_ns || keeps_time && !pacer.wait_for_next(server) {
             break;
         }
-        gather(&mut attendance, simulation, node, Some(args.patience))?;
-        let epoch = simulation.epoch();
-        simulation.serve();
-        if simulation.is_paused() || simulation.epoch() != epoch {
+        gather(&mut attendance, server, node, Some(args.patience))?;
+        let epoch = server.epoch();
+        server.serve();
+        if server.is_paused() || server.epoch() != epoch {
             continue;
         }
-        simulation.advance();
+        server.advance();
         if !args.wait_for.is_empty()
-            && let Some(error) = simulation.rig().held_up()
+            && let Some(error) = server.rig().held_up()
         {
-            return Err(CliError::HeldUp { error: error.to_string(), time_ns: simulation.time_ns() });
+            return Err(CliError::HeldUp { error: error.to_string(), time_ns: server.time_ns() });
         }
-        status.refresh(simulation.rig(), simulation.simulated_ns());
+        status.refresh(server.rig(), server.simulated_ns());
     }
     Ok(())
 }
@@ -250,14 +251,14 @@ fn run_loop(
 /// Lets simulated time stand until all that are waited for are there; at the start for as long as it takes.
 fn gather(
     attendance: &mut Attendance,
-    simulation: &mut Simulation,
+    server: &mut Server<'_>,
     node: &Node,
     patience: Option<Duration>,
 ) -> Result<(), CliError> {
     let since = Instant::now();
     let mut told = String::new();
     loop {
-        let missing = attendance.missing(simulation.rig());
+        let missing = attendance.missing(server.rig());
         if missing.is_empty() {
             if !told.is_empty() {
                 tracing::info!("all consumers that are waited for are there");
@@ -277,7 +278,7 @@ fn gather(
         }
         // One that was killed leaves its place only by this.
         node.clean_up_dead();
-        simulation.idle(NAP);
+        server.idle(NAP);
     }
 }
 

@@ -92,8 +92,8 @@ impl Status {
 }
 
 fn table(outlets: &[&Outlet], before: &Sample, now: &Sample) -> String {
-    let topics: Vec<String> = outlets.iter().map(|outlet| outlet.topic()).collect();
-    let width = topics.iter().map(String::len).max().unwrap_or(0).max(5);
+    let topics: Vec<&str> = outlets.iter().map(|outlet| outlet.topic()).collect();
+    let width = topics.iter().map(|topic| topic.len()).max().unwrap_or(0).max(5);
     let seconds = (now.at - before.at).as_secs_f64().max(1e-9);
     let mut text = format!(
         "{:width$} {:>9} {:>9} {:>11} {:>8} {:>10}\n",

@@ -10,6 +10,7 @@ pub mod mesh;
 pub mod model;
 pub mod ogre_material;
 pub mod package;
+pub mod read;
 pub mod robot;
 pub mod rules;
 mod sdf;

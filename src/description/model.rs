@@ -47,6 +47,24 @@ pub struct World {
     pub source: Source,
 }
 
+impl World {
+    /// Nothing but gravity and light from everywhere: what a world file says that says nothing (sdf/1.6).
+    pub fn empty() -> Self {
+        Self {
+            name: "empty".into(),
+            models: Vec::new(),
+            lights: Vec::new(),
+            ambient: [0.4; 3],
+            background: [0.7; 3],
+            shadows: true,
+            linear_light: false,
+            gravity: DVec3::new(0.0, 0.0, -9.8),
+            max_step_size_s: 0.001,
+            source: Source::new("", 0),
+        }
+    }
+}
+
 /// A robot or a thing in the world: links joined into trees.
 #[derive(Debug, Clone)]
 pub struct Model {

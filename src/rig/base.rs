@@ -3,13 +3,13 @@
 
 use super::outlet::Outlet;
 use super::{RigContext, RigError, Setting};
+use crate::entities::EntityId;
 use crate::robot::Robot;
 use crate::robot::contact::Contact;
 use crate::robot::imu::{Imu as ImuUnit, ImuReading};
 use crate::robot::kobuki::Report;
-use crate::world::physics::Physics;
-use belvedere_bridge::payload::{CoreSensors, Imu, Message, MotorPower, ResetOdometry, RobotEvent};
-use belvedere_bridge::{Error as BridgeError, Kind, Node, StreamSpec, Subscriber};
+use belvedere_bridge::payload::{CoreSensors, Imu, RobotEvent};
+use belvedere_bridge::{Kind, StreamSpec};
 
 /// Inertial measurements.
 pub const IMU_TOPIC: &str = "/mobile_base/sensors/imu_data";
@@ -21,17 +21,13 @@ pub const BUMPER_TOPIC: &str = "/mobile_base/events/bumper";
 pub const CLIFF_TOPIC: &str = "/mobile_base/events/cliff";
 /// Wheels that hang.
 pub const WHEEL_DROP_TOPIC: &str = "/mobile_base/events/wheel_drop";
-/// Odometry is to begin at zero.
-pub const RESET_ODOMETRY_TOPIC: &str = "/mobile_base/commands/reset_odometry";
-/// Whether the motors follow commands.
-pub const MOTOR_POWER_TOPIC: &str = "/mobile_base/commands/motor_power";
 
 /// A full battery in tenths of a volt: the 16.5 V that Kobuki's driver takes as full.
 const BATTERY_FULL: u8 = 165;
 
 /// The streams of the base. Its reports come at this channel's rate, so that no change escapes it.
 pub(super) struct BaseChannel {
-    robot: usize,
+    id: EntityId,
     imu: Outlet,
     core: Outlet,
     bumper: Outlet,
@@ -44,10 +40,11 @@ pub(super) struct BaseChannel {
 impl BaseChannel {
     pub(super) fn open(setting: &Setting<'_>) -> Result<Self, RigError> {
         let rate = setting.rate.hz();
-        let frame = &setting.model.links[ImuUnit::mount(setting.model)].name;
+        let model = &setting.entity.model;
+        let frame = &model.links[ImuUnit::mount(model)].name;
         let event = |topic| setting.open(&StreamSpec::structs(topic, Kind::RobotEvent, 1));
         Ok(Self {
-            robot: setting.robot,
+            id: setting.id,
             imu: setting.open(&StreamSpec::structs(IMU_TOPIC, Kind::Imu, 1).rate_hz(rate).frame_id(frame))?,
             core: setting.open(&StreamSpec::structs(CORE_TOPIC, Kind::CoreSensors, 1).rate_hz(rate))?,
             bumper: event(BUMPER_TOPIC)?,
@@ -58,7 +55,7 @@ impl BaseChannel {
     }
 
     pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {
-        let Some(base) = context.robots[self.robot].base() else { return };
+        let Some(base) = context.entities.robot(self.id).and_then(Robot::base) else { return };
         let report = base.report_at(context.stamp_ns);
         let stamp_ns = report.odometry.stamp_ns;
         self.imu.send_structs(stamp_ns, &[imu(&report.imu)]);
@@ -133,48 +130,4 @@ fn core_sensors(report: &Report) -> CoreSensors {
         battery: BATTERY_FULL,
         bottom: [right, centre, left],
     }
-}
-
-/// The receiving side of what a base is told besides velocities.
-pub struct BaseCommands {
-    reset_odometry: Subscriber,
-    motor_power: Subscriber,
-}
-
-impl BaseCommands {
-    /// Opens the streams.
-    ///
-    /// # Errors
-    /// When the bridge cannot open them.
-    pub fn open(node: &Node) -> Result<Self, BridgeError> {
-        let subscriber = |topic, kind| node.command_subscriber(&StreamSpec::command(topic, kind));
-        Ok(Self {
-            reset_odometry: subscriber(RESET_ODOMETRY_TOPIC, Kind::ResetOdometry)?,
-            motor_power: subscriber(MOTOR_POWER_TOPIC, Kind::MotorPower)?,
-        })
-    }
-
-    /// Hands what has come since to the robot, the newest of each.
-    pub fn apply(&mut self, robot: &mut Robot, physics: &Physics) {
-        if let Some(MotorPower { state }) = newest(&mut self.motor_power) {
-            robot.set_motor_power(state != 0);
-        }
-        if newest::<ResetOdometry>(&mut self.reset_odometry).is_some() {
-            robot.reset_odometry(physics);
-        }
-    }
-}
-
-fn newest<T: Message>(commands: &mut Subscriber) -> Option<T> {
-    let frame = match commands.take_newest() {
-        Ok(frame) => frame?,
-        Err(error) => {
-            tracing::warn!(topic = commands.topic(), %error, "commands cannot be read");
-            return None;
-        }
-    };
-    frame
-        .message()
-        .inspect_err(|error| tracing::warn!(topic = commands.topic(), %error, "a command was refused"))
-        .ok()
 }

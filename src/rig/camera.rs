@@ -5,11 +5,12 @@ use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Told, encoding};
+use super::sink::Frame;
 use super::truth::TruthOutlets;
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraPlugin, CameraSensor, Sensor};
 use belvedere_bridge::payload::CameraInfo;
-use belvedere_bridge::{Intrinsics, Kind, LoanedFrame, StreamSpec};
+use belvedere_bridge::{Intrinsics, Kind, StreamSpec};
 use belvedere_sensors::Shutter;
 use belvedere_sensors::camera::Picture;
 use std::time::Instant;
@@ -78,7 +79,7 @@ impl CameraChannel {
             Mount::write(&world_from_sensor, header);
         }
         let mut picture = Picture::new();
-        picture.colour = frame.as_mut().map(LoanedFrame::payload_mut);
+        picture.colour = frame.as_mut().map(Frame::payload_mut);
         picture.truth = truth.truth();
         if self.eye.is_automatic() && picture.colour.is_none() {
             self.unseen.resize(camera.frame_len(), 0);
@@ -91,7 +92,7 @@ impl CameraChannel {
         let at = shutter(&slices).unwrap_or(Shutter::Global(context.scene.moment(world_from_sensor)));
         let before = self.truth.before();
         let taken = is_wanted && context.take(&camera, &capture(frame_number, at, &before), picture);
-        let picture = frame.as_ref().map_or(&self.unseen[..], LoanedFrame::payload);
+        let picture = frame.as_ref().map_or(&self.unseen[..], Frame::payload);
         let seen = if taken { self.eye.meter(picture) } else { None };
         let outcome = self.image.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);

@@ -6,43 +6,51 @@ use super::camera::CameraChannel;
 use super::depth::DepthChannel;
 use super::lidar::LidarChannel;
 use super::outlet::Outlet;
-use super::post::Post;
 use super::range::RangeChannel;
 use super::rate::Rate;
 use super::settings::Settings;
+use super::sink::Sink;
 use super::state::{ClockChannel, StateChannel};
-use crate::description::model::{Model, Plugin, Sensor as DescribedSensor, SensorKind};
-use crate::robot::Robot;
-use crate::world::physics::{ModelIndex, Physics};
+use crate::description::model::{Plugin, Sensor as DescribedSensor, SensorKind};
+use crate::entities::{Entities, Entity, EntityId};
+use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
-use belvedere_bridge::{Lossless, Node, StreamSpec};
+use belvedere_bridge::StreamSpec;
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Sensor};
-use std::sync::Arc;
+use std::cell::RefCell;
+use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 /// What a channel needs to open.
 pub(super) struct Setting<'a> {
-    pub(super) node: &'a Node,
+    pub(super) sink: &'a dyn Sink,
     pub(super) physics: &'a Physics,
-    pub(super) model: &'a Model,
-    pub(super) model_index: ModelIndex,
-    pub(super) robot: usize,
+    pub(super) entity: &'a Entity,
+    pub(super) id: EntityId,
     pub(super) rate: Rate,
     pub(super) seed: u64,
+    /// Number of the sensor, by which its noise differs from others'.
     pub(super) sensor: u32,
     pub(super) gazebo_compat: bool,
     /// Whether sensors tell the truth, too.
     pub(super) truth: bool,
     pub(super) hashed: bool,
-    pub(super) lossless: Option<&'a Lossless>,
-    pub(super) post: Option<&'a Arc<Post>>,
+    /// Topics of streams that are open.
+    pub(super) taken: &'a RefCell<HashSet<String>>,
 }
 
 impl Setting<'_> {
-    /// A stream of small messages, which are sent whether or not anybody follows: late consumers get the last one.
+    /// A stream of small messages, which are sent whether or not anybody follows: late consumers get the last one. Its
+    /// topic and its frame are in the namespace of the entity.
     pub(super) fn open(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
-        Ok(Outlet::open(self.node, spec, self.hashed, self.lossless, self.post)?)
+        let topic = self.entity.topic(&spec.topic);
+        let frame_id = self.entity.frame(&spec.frame_id);
+        let spec = StreamSpec { topic, frame_id, ..spec.clone() };
+        if !self.taken.borrow_mut().insert(format!("/{}", spec.name()?)) {
+            return Err(RigError::TopicTaken { topic: spec.topic, model: self.entity.name.clone() });
+        }
+        Ok(Outlet::open(self.sink, &spec, self.hashed)?)
     }
 
     /// A stream that is rendered while somebody follows it. It keeps no frame for late consumers: the last one may be
@@ -53,7 +61,7 @@ impl Setting<'_> {
 
     /// The frame that a sensor's messages name: the plugin's, or its link.
     pub(super) fn frame_id(&self, sensor: &DescribedSensor, frame_name: &str) -> String {
-        let link = &self.model.links[sensor.link].name;
+        let link = &self.entity.model.links[sensor.link].name;
         if frame_name.is_empty() { link.clone() } else { frame_name.to_owned() }
     }
 }
@@ -62,7 +70,7 @@ impl Setting<'_> {
 pub(super) struct RigContext<'a> {
     pub(super) stamp_ns: u64,
     pub(super) physics: &'a Physics,
-    pub(super) robots: &'a [Robot],
+    pub(super) entities: &'a Entities,
     pub(super) scene: &'a WorldScene,
     pub(super) workspace: &'a mut WorkspaceBuf,
     /// Time spent on rendering.

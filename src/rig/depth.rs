@@ -5,11 +5,12 @@ use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Told, encoding};
+use super::sink::Frame;
 use super::truth::TruthOutlets;
 use super::{RigContext, RigError, Setting, Settings};
 use crate::description::model::{CameraSensor, DepthCameraPlugin, Sensor};
 use belvedere_bridge::payload::CameraInfo;
-use belvedere_bridge::{Encoding, Intrinsics, Kind, LoanedFrame, StreamSpec};
+use belvedere_bridge::{Encoding, Intrinsics, Kind, StreamSpec};
 use belvedere_sensors::Shutter;
 use belvedere_sensors::camera::CameraError;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
@@ -135,13 +136,13 @@ impl DepthChannel {
         if is_wanted || is_metered {
             let mut output = DepthFrame::new();
             output.truth = known;
-            output.colour = colour.as_mut().map(LoanedFrame::payload_mut);
-            output.points = points.as_mut().map(LoanedFrame::payload_mut);
+            output.colour = colour.as_mut().map(Frame::payload_mut);
+            output.points = points.as_mut().map(Frame::payload_mut);
             if is_metered && output.colour.is_none() {
                 self.unseen.resize(camera.camera().frame_len(), 0);
                 output.colour = Some(&mut self.unseen);
             }
-            let depths = depth.as_mut().map(LoanedFrame::payload_mut);
+            let depths = depth.as_mut().map(Frame::payload_mut);
             if self.in_millimetres {
                 output.depth_16uc1 = depths.map(bytemuck::cast_slice_mut);
             } else {
@@ -150,7 +151,7 @@ impl DepthChannel {
             let before = self.truth.before();
             taken = context.take(&camera, &capture(frame_number, at, &before), output);
             if taken {
-                let picture = colour.as_ref().map_or(&self.unseen[..], LoanedFrame::payload);
+                let picture = colour.as_ref().map_or(&self.unseen[..], Frame::payload);
                 seen = self.eye.meter(picture);
             } else {
                 (colour, depth, points) = (None, None, None);

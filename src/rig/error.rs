@@ -21,6 +21,24 @@ pub enum RigError {
         /// What is wrong with it.
         reason: String,
     },
+    /// Two streams of one topic.
+    #[error(
+        "two streams of the simulation are called {topic}, the second of them in model '{model}'; give its sensor or plugin another topic, or its model a namespace"
+    )]
+    TopicTaken {
+        /// In the model's namespace.
+        topic: String,
+        /// The model that has the second.
+        model: String,
+    },
+    /// The stream of the settings of sensors has no room.
+    #[error(
+        "there are more than {most} sensors, which the simulation has no room for; delete robots that are not needed, or start with all of them"
+    )]
+    TooManySensors {
+        /// How many there may be.
+        most: usize,
+    },
 }
 
 impl RigError {

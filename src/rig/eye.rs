@@ -197,6 +197,7 @@ fn lens_model(lens: &Lens) -> Result<Option<Box<dyn optics::Lens>>, LensError> {
 ///
 /// # Errors
 /// When a parameter of the lens is out of range.
+#[cfg(feature = "cli")]
 pub(crate) fn mapped_share(camera: &CameraSensor, lens: &Lens) -> Result<f64, LensError> {
     let Some(model) = lens_model(lens)? else { return Ok(1.0) };
     let pixels = (0..camera.height).flat_map(|row| (0..camera.width).map(move |column| [column, row]));

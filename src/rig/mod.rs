@@ -1,10 +1,9 @@
 //! The sensors of the robots on their schedule: each sensor with its streams is a *channel*, and each channel has
 //! its own exact rate.
 //!
-//! A frame is rendered straight into the shared memory that subscribers read: the bridge lends it, the sensor
-//! fills it, the bridge sends it. What nobody follows is not rendered, unless a camera's exposure depends on it.
+//! A frame is rendered straight into the memory where it is read: the [sink](sink::Sink) lends it, the sensor fills it,
+//! the sink takes it. What nobody follows is not rendered, unless a camera's exposure depends on it.
 
-pub mod attendance;
 pub mod base;
 mod camera;
 mod channel;
@@ -17,11 +16,11 @@ mod moments;
 mod mount;
 mod outlet;
 pub mod pictures;
-pub mod post;
 mod range;
 pub mod rate;
 pub mod schedule;
 pub mod settings;
+pub mod sink;
 mod state;
 mod truth;
 mod tuning;
@@ -31,21 +30,22 @@ pub use outlet::{Outlet, Tally};
 pub use rate::Rate;
 pub use schedule::Schedule;
 pub use settings::Settings;
+pub use sink::{FrameBuf, Sink};
 
 use crate::description::housing::{CollisionIndex, housings};
-use crate::description::model::{Model, Sensor, SensorKind};
-use crate::robot::Robot;
-use crate::world::physics::{ModelIndex, Physics};
+use crate::description::model::{Sensor, SensorKind};
+use crate::entities::{Entities, EntityId};
+use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
 use base::BaseChannel;
-use belvedere_bridge::{Error as BridgeError, Lossless, Node, StreamSpec};
+use belvedere_bridge::{Error as BridgeError, StreamSpec};
 use belvedere_sensors::Execution;
 use belvedere_sensors::trace::WorkspaceBuf;
 use channel::{Channel, RigContext, Setting};
 use cost::Cost;
-use post::Post;
 use state::{ClockChannel, StateChannel};
-use std::sync::Arc;
+use std::cell::RefCell;
+use std::collections::HashSet;
 use std::time::Duration;
 use tuning::Tuning;
 
@@ -54,8 +54,11 @@ const CLOCK_HZ: f64 = 100.0;
 /// Rate of odometry, transforms, joint states and of the base's sensors: a Kobuki's own.
 const STATE_HZ: f64 = 50.0;
 
+/// Sensors that may come while it runs, beside those of the start.
+const MORE_SENSORS: usize = 64;
+
 /// How the rig is to run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct RigOptions {
     /// Seed of all noise.
     pub seed: u64,
@@ -65,16 +68,23 @@ pub struct RigOptions {
     pub truth: bool,
     /// Hash every byte that is published.
     pub hashed: bool,
-    /// Whom every stream waits for, if for anybody.
-    pub lossless: Option<Lossless>,
-    /// By what frames go that are made ahead of their time, if they are.
-    pub post: Option<Arc<Post>>,
     /// SIMD level and threads of the sensors.
     pub execution: Execution,
 }
 
+/// What there is to be sensed.
+#[derive(Clone, Copy)]
+pub struct Stage<'a> {
+    /// Everybody who is there.
+    pub entities: &'a Entities,
+    /// Where they are.
+    pub physics: &'a Physics,
+}
+
 /// A channel and when it is due.
 struct Scheduled {
+    /// Whose it is; the clock's is nobody's.
+    entity: Option<EntityId>,
     /// As described.
     rate: Rate,
     schedule: Schedule,
@@ -83,96 +93,135 @@ struct Scheduled {
     tuning: Option<Tuning>,
     /// Of rendering a frame.
     cost: Cost,
-    /// What its sensor looks through: shapes of a model.
-    housing: (ModelIndex, Vec<CollisionIndex>),
-}
-
-impl Scheduled {
-    fn new(rate: Rate, channel: Channel) -> Self {
-        let schedule = Schedule::new(rate);
-        Self { rate, schedule, channel, tuning: None, cost: Cost::default(), housing: (0, Vec::new()) }
-    }
+    /// What its sensor looks through: shapes of its own model.
+    housing: Vec<CollisionIndex>,
 }
 
 /// All channels of a simulation.
 pub struct Rig {
+    options: RigOptions,
     channels: Vec<Scheduled>,
-    /// The stream of the settings of sensors.
+    /// The stream of the settings of sensors, and how many it has room for.
     settings: Outlet,
+    most_sensors: usize,
     workspace: WorkspaceBuf,
 }
 
 impl Rig {
-    /// Opens every stream of the robots. `models` and `robots` belong together, in the order in which physics
-    /// has them.
+    /// Opens the streams that are nobody's own (the clock, the settings of sensors), then all streams of everybody who is
+    /// there.
     ///
     /// # Errors
-    /// When the bridge cannot open a stream, or a sensor's description cannot be used.
-    pub fn open(
-        node: &Node,
-        models: &[Model],
-        robots: &[Robot],
-        physics: &Physics,
-        options: &RigOptions,
-    ) -> Result<Self, RigError> {
+    /// When the sink cannot open a stream, or a sensor's description cannot be used.
+    pub fn open(sink: &dyn Sink, stage: Stage<'_>, options: RigOptions) -> Result<Self, RigError> {
         let mut workspace = WorkspaceBuf::default();
         workspace.execution = options.execution;
-        let sensors = models.iter().map(|model| model.sensors.len()).sum();
-        let settings = StreamSpec::sensor_settings(sensors);
-        let settings =
-            Outlet::open(node, &settings, options.hashed, options.lossless.as_ref(), options.post.as_ref())?;
-        let mut rig = Self { channels: Vec::new(), settings, workspace };
-        let mut sensor_number = 0;
-        for (robot, (model, running)) in models.iter().zip(robots).enumerate() {
-            let setting = |rate, sensor| Setting {
-                node,
-                physics,
-                model,
-                model_index: running.model(),
-                robot,
-                rate,
-                seed: options.seed,
-                sensor,
-                gazebo_compat: options.gazebo_compat,
-                truth: options.truth,
-                hashed: options.hashed,
-                lossless: options.lossless.as_ref(),
-                post: options.post.as_ref(),
-            };
-            let fixed = |hz| Rate::from_hz(hz).unwrap_or(Rate::from_period_ns(physics.step_ns()));
-            if robot == 0 {
-                let clock = ClockChannel::open(&setting(fixed(CLOCK_HZ), 0))?;
-                rig.add(fixed(CLOCK_HZ), Channel::Clock(clock.into()));
-            }
-            let state = StateChannel::open(running, &setting(fixed(STATE_HZ), 0))?;
-            rig.add(fixed(STATE_HZ), Channel::State(state.into()));
-            if running.base().is_some() {
-                let base = BaseChannel::open(&setting(fixed(STATE_HZ), 0))?;
-                rig.add(fixed(STATE_HZ), Channel::Base(base.into()));
-            }
-            for sensor in &model.sensors {
-                let rate = sensor_rate(sensor, physics);
-                if let Some(channel) = Channel::of_sensor(sensor, &setting(rate, sensor_number))? {
-                    let described = Settings::described(sensor, rate.hz());
-                    let tuning = Tuning { sensor: sensor.name.clone(), described, now: described };
-                    let looks_through = matches!(sensor.kind, SensorKind::Ray(_)) && !options.gazebo_compat;
-                    let housing =
-                        looks_through.then(|| housings(model, sensor.link, &sensor.link_from_sensor));
-                    rig.channels.push(Scheduled {
-                        tuning: Some(tuning),
-                        housing: (running.model(), housing.unwrap_or_default()),
-                        ..Scheduled::new(rate, channel)
-                    });
-                }
-                sensor_number += 1;
-            }
+        let sensors = stage.entities.iter().map(|(_, entity)| entity.sensors().len());
+        let most_sensors = sensors.sum::<usize>() + MORE_SENSORS;
+        let settings = Outlet::open(sink, &StreamSpec::sensor_settings(most_sensors), options.hashed)?;
+        let clock = Outlet::open(sink, &ClockChannel::spec(CLOCK_HZ), options.hashed)?;
+        let rate = fixed_rate(CLOCK_HZ, stage.physics);
+        let clock = Scheduled {
+            entity: None,
+            rate,
+            schedule: Schedule::new(rate),
+            channel: Channel::Clock(ClockChannel::new(clock).into()),
+            tuning: None,
+            cost: Cost::default(),
+            housing: Vec::new(),
+        };
+        let mut rig = Self { options, channels: vec![clock], settings, most_sensors, workspace };
+        for (id, _) in stage.entities.iter() {
+            rig.open_channels(sink, stage, id)?;
         }
-        rig.tell_settings(physics.time_ns());
+        rig.tell_settings(stage.physics.time_ns());
         Ok(rig)
     }
 
-    fn add(&mut self, rate: Rate, channel: Channel) {
-        self.channels.push(Scheduled::new(rate, channel));
+    /// Opens all streams of one who has come, which send from now on: all or none.
+    ///
+    /// # Errors
+    /// As [`Rig::open`].
+    pub fn mount(&mut self, sink: &dyn Sink, stage: Stage<'_>, id: EntityId) -> Result<(), RigError> {
+        let before = self.channels.len();
+        let mounted = self.open_channels(sink, stage, id);
+        if mounted.is_err() {
+            self.channels.truncate(before);
+        } else if self.channels[before..].iter().any(|channel| channel.tuning.is_some()) {
+            self.tell_settings(stage.physics.time_ns());
+        }
+        mounted
+    }
+
+    /// Closes all streams of one who goes.
+    pub fn unmount(&mut self, id: EntityId, now_ns: u64) {
+        let before = self.channels.len();
+        self.channels.retain(|channel| channel.entity != Some(id));
+        if self.channels.len() < before {
+            self.tell_settings(now_ns);
+        }
+    }
+
+    fn open_channels(&mut self, sink: &dyn Sink, stage: Stage<'_>, id: EntityId) -> Result<(), RigError> {
+        let Some(entity) = stage.entities.get(id) else { return Ok(()) };
+        let physics = stage.physics;
+        let options = self.options;
+        let taken = self.outlets().into_iter().map(|outlet| outlet.topic().to_owned());
+        let taken = RefCell::new(taken.collect::<HashSet<_>>());
+        let setting = |rate, sensor| Setting {
+            sink,
+            physics,
+            entity,
+            id,
+            rate,
+            seed: options.seed,
+            sensor,
+            gazebo_compat: options.gazebo_compat,
+            truth: options.truth,
+            hashed: options.hashed,
+            taken: &taken,
+        };
+        let mut add = |rate, channel, tuning, housing| {
+            let schedule = Schedule::starting(rate, physics.time_ns());
+            let cost = Cost::default();
+            self.channels.push(Scheduled {
+                entity: Some(id),
+                rate,
+                schedule,
+                channel,
+                tuning,
+                cost,
+                housing,
+            });
+        };
+        if let Some(robot) = &entity.robot {
+            let rate = fixed_rate(STATE_HZ, physics);
+            let state = StateChannel::open(robot, &setting(rate, 0))?;
+            add(rate, Channel::State(state.into()), None, Vec::new());
+            if robot.base().is_some() {
+                let base = BaseChannel::open(&setting(rate, 0))?;
+                add(rate, Channel::Base(base.into()), None, Vec::new());
+            }
+        }
+        let first_number = noise_number(entity.noise_name());
+        for (index, sensor) in entity.sensors().iter().enumerate() {
+            let rate = sensor_rate(sensor, physics);
+            let number = first_number.wrapping_add(index as u32);
+            if let Some(channel) = Channel::of_sensor(sensor, &setting(rate, number))? {
+                let described = Settings::described(sensor, rate.hz());
+                let name = entity.scoped(&sensor.name);
+                let looks_through = matches!(sensor.kind, SensorKind::Ray(_)) && !options.gazebo_compat;
+                let housing =
+                    looks_through.then(|| housings(&entity.model, sensor.link, &sensor.link_from_sensor));
+                let tuning = Tuning { sensor: name, described, now: described };
+                add(rate, channel, Some(tuning), housing.unwrap_or_default());
+            }
+        }
+        let sensors = self.channels.iter().filter(|channel| channel.tuning.is_some()).count();
+        if sensors > self.most_sensors {
+            return Err(RigError::TooManySensors { most: self.most_sensors });
+        }
+        Ok(())
     }
 
     /// Stamp in ns of the frame that is due next.
@@ -191,29 +240,30 @@ impl Rig {
     }
 
     /// Publishes every frame that is due at `stamp_ns`, for which physics must have arrived there.
-    pub fn publish(&mut self, stamp_ns: u64, physics: &Physics, robots: &[Robot], scene: &mut WorldScene) {
+    pub fn publish(&mut self, stamp_ns: u64, stage: Stage<'_>, scene: &mut WorldScene) {
         for scheduled in &mut self.channels {
             if scheduled.schedule.next_ns() != stamp_ns {
                 continue;
             }
-            if scheduled.channel.is_rendered() {
-                scene.move_to(physics, stamp_ns);
-            }
-            let (model, housing) = &scheduled.housing;
-            scene.hide(*model, housing, true);
-            let workspace = &mut self.workspace;
-            let rendering = Duration::ZERO;
-            let mut context = RigContext { stamp_ns, physics, robots, scene, workspace, rendering };
-            let frame = scheduled.schedule.next();
-            scheduled.channel.publish(&mut context, frame);
-            scheduled.cost.add(context.rendering);
-            scene.hide(*model, housing, false);
+            scheduled.take(stamp_ns, stage, scene, &mut self.workspace);
             if let Channel::Clock(_) = scheduled.channel {
                 // Whoever has come since the last change gets the settings now.
                 self.settings.update();
             }
-            scheduled.schedule.advance();
         }
+    }
+
+    /// Takes the next frame of the channel that has a stream of this topic now, whenever it is due; false if there is none.
+    pub fn take(&mut self, topic: &str, stage: Stage<'_>, scene: &mut WorldScene) -> bool {
+        let has_topic = |scheduled: &&mut Scheduled| {
+            scheduled.channel.outlets().iter().any(|outlet| outlet.topic() == topic)
+        };
+        let found = self.channels.iter_mut().find(has_topic);
+        if let Some(scheduled) = found {
+            scheduled.take(stage.physics.time_ns(), stage, scene, &mut self.workspace);
+            return true;
+        }
+        false
     }
 
     /// Begins every channel's schedule again at time 0, with the noise of its first frame and the settings of its
@@ -248,6 +298,48 @@ impl Rig {
         let of_channels = self.channels.iter().flat_map(|scheduled| scheduled.channel.outlets());
         of_channels.chain([&self.settings]).collect()
     }
+}
+
+impl Scheduled {
+    /// Takes its next frame, stamped so.
+    fn take(
+        &mut self,
+        stamp_ns: u64,
+        stage: Stage<'_>,
+        scene: &mut WorldScene,
+        workspace: &mut WorkspaceBuf,
+    ) {
+        if self.channel.is_rendered() {
+            scene.move_to(stage.physics, stamp_ns);
+        }
+        let Stage { entities, physics } = stage;
+        let model = self.entity.map(EntityId::index);
+        if let Some(model) = model {
+            scene.hide(model, &self.housing, true);
+        }
+        let rendering = Duration::ZERO;
+        let mut context = RigContext { stamp_ns, physics, entities, scene, workspace, rendering };
+        self.channel.publish(&mut context, self.schedule.next());
+        self.cost.add(context.rendering);
+        if let Some(model) = model {
+            scene.hide(model, &self.housing, false);
+        }
+        self.schedule.advance();
+    }
+}
+
+/// A fixed rate; each step of physics if it is none.
+fn fixed_rate(hz: f64, physics: &Physics) -> Rate {
+    Rate::from_hz(hz).unwrap_or(Rate::from_period_ns(physics.step_ns()))
+}
+
+/// Number of a model's first sensor, by which its noise is another one than others'. It comes from a name (FNV-1a), so that
+/// it does not depend on who else is there; without one it is 0.
+fn noise_number(name: &str) -> u32 {
+    if name.is_empty() {
+        return 0;
+    }
+    name.bytes().fold(0x811c_9dc5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 /// The lower of the sensor's rate and its plugin's; every physics step if neither gives one.

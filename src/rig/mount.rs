@@ -21,11 +21,11 @@ impl Mount {
     /// Kinect is off by (31, 12.5, 16) mm there, and stays so with `gazebo_compat`.
     pub(super) fn new(sensor: &Sensor, setting: &Setting<'_>, frame: &str) -> Self {
         let own =
-            Self { model: setting.model_index, link: sensor.link, link_from_sensor: sensor.link_from_sensor };
+            Self { model: setting.id.index(), link: sensor.link, link_from_sensor: sensor.link_from_sensor };
         if setting.gazebo_compat || matches!(sensor.kind, SensorKind::Ray(_)) {
             return own;
         }
-        let moved = optical_mount(sensor, setting.model, frame)
+        let moved = optical_mount(sensor, &setting.entity.model, frame)
             .map(|link_from_sensor| Self { link_from_sensor, ..own });
         if let Some(moved) = &moved {
             let offset = moved.link_from_sensor.translation() - own.link_from_sensor.translation();

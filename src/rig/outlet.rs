@@ -1,20 +1,17 @@
-//! One published stream: its publisher, what it has cost, and a hash of what went through it.
+//! One stream: where its frames go, what they have cost, and a hash of what went through it.
 
-use super::post::{Post, Sender};
+use super::sink::{Frame, Port, Sink};
 use belvedere_bridge::payload::Message;
-use belvedere_bridge::{Consumer, Error, LoanedFrame, Lossless, Node, Publisher, StreamSpec};
+use belvedere_bridge::{Consumer, Error, StreamSpec};
 use std::cell::{Cell, OnceCell};
-use std::sync::Arc;
 use std::time::Duration;
 use xxhash_rust::xxh3::Xxh3;
 
 /// A stream of the rig.
 pub struct Outlet {
-    publisher: Publisher,
-    /// By what frames go that are made ahead of their time; without it they are sent when they are made.
-    post: Option<Arc<Post>>,
-    sender: Arc<Sender>,
-    loaned: usize,
+    port: Box<dyn Port>,
+    /// With a leading slash.
+    topic: String,
     rate_hz: Cell<Option<f64>>,
     hash: Option<Xxh3>,
     tally: Tally,
@@ -36,24 +33,14 @@ pub struct Tally {
 }
 
 impl Outlet {
-    /// Opens the stream; with `hashed`, every byte sent is hashed; with `lossless`, it waits for consumers; with `post`,
-    /// its frames go by that.
+    /// Opens the stream; with `hashed`, every byte sent is hashed.
     ///
     /// # Errors
-    /// When the bridge cannot open it.
-    pub fn open(
-        node: &Node,
-        spec: &StreamSpec,
-        hashed: bool,
-        lossless: Option<&Lossless>,
-        post: Option<&Arc<Post>>,
-    ) -> Result<Self, Error> {
-        let spec = StreamSpec { lossless: lossless.cloned(), ..spec.clone() };
+    /// When the sink cannot.
+    pub fn open(sink: &dyn Sink, spec: &StreamSpec, hashed: bool) -> Result<Self, Error> {
         Ok(Self {
-            publisher: node.publisher(&spec)?,
-            post: post.cloned(),
-            sender: Arc::default(),
-            loaned: spec.loaned,
+            port: sink.open(spec)?,
+            topic: format!("/{}", spec.name()?),
             rate_hz: Cell::new(spec.rate_hz),
             hash: hashed.then(Xxh3::new),
             tally: Tally::default(),
@@ -63,8 +50,8 @@ impl Outlet {
     }
 
     /// Topic with its leading slash.
-    pub fn topic(&self) -> String {
-        format!("/{}", self.publisher.topic())
+    pub fn topic(&self) -> &str {
+        &self.topic
     }
 
     /// The rate that was asked for.
@@ -79,12 +66,12 @@ impl Outlet {
 
     /// Subscribers now.
     pub fn subscribers(&self) -> usize {
-        self.publisher.subscribers()
+        self.port.subscribers()
     }
 
     /// Who follows it now; slower than their number.
     pub fn consumers(&self) -> Vec<Consumer> {
-        self.publisher.consumers()
+        self.port.consumers()
     }
 
     /// The first time that a consumer was waited for in vain, if there was one.
@@ -94,7 +81,7 @@ impl Outlet {
 
     /// What it has done so far.
     pub fn tally(&self) -> Tally {
-        Tally { dropped: self.tally.dropped + self.sender.failed(), ..self.tally }
+        Tally { dropped: self.tally.dropped + self.port.failed(), ..self.tally }
     }
 
     /// Hash of everything sent so far, if it is hashed.
@@ -104,39 +91,27 @@ impl Outlet {
 
     /// Whether somebody follows the stream, so that its next frame has to be made.
     pub fn is_wanted(&self) -> bool {
-        self.hash.is_some() || self.publisher.subscribers() > 0
+        self.hash.is_some() || self.port.is_wanted()
     }
 
-    /// Shared memory for the next frame; none when nobody wants it, or there is no free piece.
-    pub fn loan(&self, len: usize) -> Option<LoanedFrame> {
+    /// Memory for the next frame; none when nobody wants it, or there is no free piece.
+    pub fn loan(&self, len: usize) -> Option<Frame> {
         self.unwanted.set(!self.is_wanted());
         if self.unwanted.get() {
             return None;
         }
-        self.wait_for_room();
-        self.publisher.loan(len).map_err(|error| self.report(&error)).ok()
+        self.port.loan(len).map_err(|error| self.report(&error)).ok()
     }
 
     /// Sends a frame loaned from here. [`Outlet::record`] the outcome.
-    pub fn send(&self, frame: Option<LoanedFrame>) -> Outcome {
+    pub fn send(&self, frame: Option<Frame>) -> Outcome {
         let Some(frame) = frame else {
             return if self.unwanted.get() { Outcome::Unwanted } else { Outcome::Dropped };
         };
         let hash = self.hash.is_some().then(|| frame_hash(frame.header().stamp_ns, frame.payload()));
-        if let Some(post) = &self.post {
-            post.send(frame, &self.sender);
-            return Outcome::Sent(hash);
-        }
-        match frame.send() {
-            Ok(_) => Outcome::Sent(hash),
+        match self.port.send(frame) {
+            Ok(()) => Outcome::Sent(hash),
             Err(error) => self.failed(error),
-        }
-    }
-
-    /// A frame is on loan until it is sent: those that wait for their time leave room for the next.
-    fn wait_for_room(&self) {
-        if let Some(post) = &self.post {
-            post.wait_for_room(&self.sender, self.loaned);
         }
     }
 
@@ -157,9 +132,14 @@ impl Outlet {
 
     /// Sends structs that belong to `stamp_ns`, and counts them.
     pub fn send_structs<T: Message>(&mut self, stamp_ns: u64, structs: &[T]) {
-        self.wait_for_room();
-        let outcome = match self.publisher.loan_structs(stamp_ns, structs) {
-            Ok(frame) => self.send(Some(frame)),
+        if !self.is_wanted() && !self.port.keeps_messages() {
+            return;
+        }
+        let outcome = match self.port.loan(size_of_val(structs)) {
+            Ok(mut frame) => {
+                frame.fill(stamp_ns, structs);
+                self.send(Some(frame))
+            }
             Err(error) => self.failed(error),
         };
         self.record(outcome, Duration::ZERO);
@@ -167,7 +147,7 @@ impl Outlet {
 
     /// Gives the last frame to subscribers that have come since.
     pub fn update(&self) {
-        if let Err(error) = self.publisher.update() {
+        if let Err(error) = self.port.update() {
             self.report(&error);
         }
     }
@@ -181,7 +161,7 @@ impl Outlet {
     }
 
     fn report(&self, error: &Error) {
-        tracing::warn!(topic = self.publisher.topic(), %error, "frame dropped");
+        tracing::warn!(topic = self.topic, %error, "frame dropped");
     }
 }
 

@@ -8,7 +8,7 @@ use crate::description::model::{Noise, Radiation, RangePlugin, RaySensor, Sensor
 use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, StreamSpec};
 use belvedere_sensors::lidar::{Lidar, Scan};
-use belvedere_sensors::noise::{GaussianNoise, Stream, normals16};
+use belvedere_sensors::noise::{GaussianNoise, Stream, standard_normal};
 use belvedere_sensors::{Capture, Shutter};
 
 /// Noise channel of the range; that of the ranges of a lidar, which draws none here.
@@ -88,7 +88,7 @@ impl RangeChannel {
         let (seed, sensor) = (config.seed, config.sensor);
         let stream = Stream { seed, sensor, frame, channel: RANGE_CHANNEL };
         let bias = self.noise.bias(seed, sensor, 0);
-        self.noise.apply(nearest, bias, normals16(&stream, 0)[0]).clamp(min_range, max_range)
+        self.noise.apply(nearest, bias, standard_normal(&stream, 0)).clamp(min_range, max_range)
     }
 
     /// Takes other settings from its next frame on.

@@ -16,7 +16,12 @@ pub struct Schedule {
 impl Schedule {
     /// From time 0 on.
     pub fn new(rate: Rate) -> Self {
-        Self { rate, from_ns: 0, from_frame: 0, next: 0, last_ns: None }
+        Self::starting(rate, 0)
+    }
+
+    /// From a time on.
+    pub fn starting(rate: Rate, from_ns: u64) -> Self {
+        Self { rate, from_ns, from_frame: 0, next: 0, last_ns: None }
     }
 
     /// Number of the frame that is due next.

@@ -2,6 +2,7 @@
 
 use super::outlet::Outlet;
 use super::{RigContext, RigError, Setting};
+use crate::entities::EntityId;
 use crate::robot::odometry::Odometry as OdometryReport;
 use crate::robot::transforms::Transform as RobotTransform;
 use crate::robot::{Robot, RobotState};
@@ -11,7 +12,7 @@ use glam::DVec3;
 
 /// The robot's own streams.
 pub(super) struct StateChannel {
-    robot: usize,
+    id: EntityId,
     odometry: Option<Outlet>,
     transforms: Outlet,
     static_transforms: Outlet,
@@ -35,7 +36,7 @@ impl StateChannel {
             })
             .transpose()?;
         let mut channel = Self {
-            robot: setting.robot,
+            id: setting.id,
             odometry,
             transforms: setting.open(&array("/tf", Kind::Transforms, state.transforms.len()))?,
             static_transforms: setting.open(&StreamSpec::structs(
@@ -61,7 +62,7 @@ impl StateChannel {
     }
 
     pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {
-        let robot = &context.robots[self.robot];
+        let Some(robot) = context.entities.robot(self.id) else { return };
         robot.state_into(context.physics, context.stamp_ns, &mut self.state);
         if let (Some(outlet), Some(report)) = (&mut self.odometry, &self.state.odometry) {
             let child = self.state.transforms.first().map_or("", |odom| &*odom.child);
@@ -117,9 +118,12 @@ pub(super) struct ClockChannel {
 }
 
 impl ClockChannel {
-    pub(super) fn open(setting: &Setting<'_>) -> Result<Self, RigError> {
-        let spec = StreamSpec::structs("/clock", Kind::Clock, 1).rate_hz(setting.rate.hz());
-        Ok(Self { clock: setting.open(&spec)? })
+    pub(super) fn spec(rate_hz: f64) -> StreamSpec {
+        StreamSpec::structs("/clock", Kind::Clock, 1).rate_hz(rate_hz)
+    }
+
+    pub(super) fn new(clock: Outlet) -> Self {
+        Self { clock }
     }
 
     pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {

@@ -3,9 +3,10 @@
 use super::moments::{Moments, shutter};
 use super::mount::Mount;
 use super::outlet::{Outcome, Outlet};
+use super::sink::Frame;
 use super::{RigContext, RigError, Setting};
 use crate::world::scene::WorldScene;
-use belvedere_bridge::{Encoding, FrameHeader, Kind, LoanedFrame, StreamSpec};
+use belvedere_bridge::{Encoding, FrameHeader, Kind, StreamSpec};
 use belvedere_sensors::trace::Truth;
 use belvedere_sensors::{Capture, Pose, Sensor, Shutter, Slice};
 use std::time::{Duration, Instant};
@@ -204,7 +205,7 @@ impl TruthOutlets {
 }
 
 /// Frames on loan, in the order of the channels.
-pub(super) struct TruthFrames(Vec<Option<LoanedFrame>>);
+pub(super) struct TruthFrames(Vec<Option<Frame>>);
 
 impl TruthFrames {
     /// The memory of the frames that are wanted; none if none is.

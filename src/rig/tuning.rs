@@ -1,6 +1,6 @@
 //! Changing a sensor's settings while it runs, and telling what they are.
 
-use super::{Outlet, Rate, Rig, Scheduled, Settings};
+use super::{Rate, Rig, Scheduled, Settings};
 use crate::description::values::nearest;
 
 /// A sensor's settings, described and as they are.
@@ -26,7 +26,7 @@ impl Scheduled {
     }
 
     fn topics(&self) -> Vec<String> {
-        self.channel.outlets().into_iter().map(Outlet::topic).collect()
+        self.channel.outlets().into_iter().map(|outlet| outlet.topic().to_owned()).collect()
     }
 }
 

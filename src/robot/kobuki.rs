@@ -15,8 +15,8 @@
 //! Commands are followed with [`MAX_ACCELERATION_M_S2`] and [`MAX_ANGULAR_ACCELERATION_RAD_S2`], as the base's own
 //! controller and the velocity smoothers in front of it do; the plugin lets the torque alone limit it.
 
+use super::command::Command;
 use super::contact::{Contact, ContactSensors};
-use super::drive::Command;
 use super::imu::{Imu, ImuReading};
 use super::odometry::{ODOMETRY_PERIOD_NS, Odometer, Odometry, encoder_count, gyro_reading};
 use super::transforms::base_link;

@@ -4,23 +4,36 @@
 //! A [`Robot`] goes along with a model in [`Physics`]: call [`Robot::control`] before each step and
 //! [`Robot::observe`] after it, then [`Robot::state_at`] for any stamp between the last two steps.
 
+pub mod autopilot;
+mod command;
 pub mod contact;
-pub mod drive;
 pub mod imu;
 pub mod kobuki;
 pub mod odometry;
 pub mod state;
 pub mod transforms;
 
-pub use drive::{Command, Drive};
+pub use autopilot::Autopilot;
+pub use command::Command;
 pub use kobuki::Kobuki;
 pub use state::RobotState;
 
 use crate::description::diagnostics::Problem;
 use crate::description::model::{LinkIndex, Model};
-use crate::world::physics::{ModelIndex, Physics};
+use crate::world::physics::{ModelIndex, Physics, Placement};
 use belvedere_sensors::Pose;
 use transforms::{Transform, Transforms};
+
+/// Whether a model has a base that drives.
+pub fn has_base(model: &Model) -> bool {
+    kobuki::Wheels::of(model).is_ok()
+}
+
+/// How a robot takes part in physics, its model's frame at a pose: the wheels of its base are carried, and it stays awake.
+pub fn placement(model: &Model, world_from_model: Pose) -> Placement<'_> {
+    let wheels = kobuki::Wheels::of(model).map(|wheels| wheels.joints().to_vec());
+    Placement { model, world_from_model, carried: wheels.unwrap_or_default(), stays_awake: true }
+}
 
 /// A robot in the world, with or without a base that drives.
 #[derive(Debug)]
@@ -29,25 +42,45 @@ pub struct Robot {
     base_link: LinkIndex,
     transforms: Transforms,
     base: Option<Kobuki>,
+    autopilot: Option<Autopilot>,
+    /// When the last command came.
+    commanded_ns: Option<u64>,
 }
 
 impl Robot {
     /// Takes the model of that index as a robot. Of a model without the wheels of a Kobuki it makes a passive
-    /// one, which senses but does not drive; the problem says why.
-    pub fn new(model: &Model, index: ModelIndex, physics: &mut Physics) -> (Self, Option<Problem>) {
+    /// one, which senses but does not drive; the problem says why. Its frames are in the namespace, if there is one.
+    pub fn new(
+        model: &Model,
+        namespace: &str,
+        index: ModelIndex,
+        physics: &mut Physics,
+    ) -> (Self, Option<Problem>) {
         let (base, problem) = match Kobuki::new(model, index, physics) {
             Ok(base) => (Some(base), None),
             Err(problem) => (None, Some(problem)),
         };
-        let transforms = Transforms::of(model);
-        (Self { model: index, base_link: transforms::base_link(model), transforms, base }, problem)
+        let transforms = Transforms::of(model, namespace);
+        let base_link = transforms::base_link(model);
+        (Self { model: index, base_link, transforms, base, autopilot: None, commanded_ns: None }, problem)
     }
 
     /// Gives a velocity command; a passive robot ignores it. It holds for [`kobuki::COMMAND_TIMEOUT_NS`].
     pub fn command(&mut self, command: Command, stamp_ns: u64) {
+        self.commanded_ns = Some(stamp_ns);
         if let Some(base) = &mut self.base {
             base.command(command, stamp_ns);
         }
+    }
+
+    /// Lets an autopilot drive it while it gets no commands.
+    pub fn set_autopilot(&mut self, autopilot: Option<Autopilot>) {
+        self.autopilot = autopilot;
+    }
+
+    /// What drives it while it gets no commands.
+    pub fn autopilot(&self) -> Option<Autopilot> {
+        self.autopilot
     }
 
     /// Turns the motors' power on or off; see [`Kobuki::set_motor_power`].
@@ -66,7 +99,14 @@ impl Robot {
 
     /// Sets the motors for the step to come.
     pub fn control(&mut self, physics: &mut Physics) {
+        let now_ns = physics.time_ns();
+        let is_commanded = self.commanded_ns.is_some_and(|at_ns| now_ns < at_ns + kobuki::COMMAND_TIMEOUT_NS);
+        let driver = self.autopilot.filter(|autopilot| *autopilot != Autopilot::Still && !is_commanded);
+        let command = driver.map(|autopilot| autopilot.command(&self.world_from_base(physics)));
         if let Some(base) = &mut self.base {
+            if let Some(command) = command {
+                base.command(command, now_ns);
+            }
             base.control(physics);
         }
     }

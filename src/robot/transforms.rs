@@ -59,10 +59,13 @@ pub struct Transforms {
 }
 
 impl Transforms {
-    /// Sorts the joints of a model into fixed transforms and moving ones. A ball or floating joint gives neither:
-    /// no joint state describes it.
-    pub fn of(model: &Model) -> Self {
-        let names: Vec<Arc<str>> = model.links.iter().map(|link| link.name.as_str().into()).collect();
+    /// Sorts the joints of a model into fixed transforms and moving ones. A ball or floating joint gives
+    /// neither: no joint state describes it. Names are in the namespace, if there is one.
+    pub fn of(model: &Model, namespace: &str) -> Self {
+        let name = |name: &str| -> Arc<str> {
+            if namespace.is_empty() { name.into() } else { format!("{namespace}/{name}").into() }
+        };
+        let names: Vec<Arc<str>> = model.links.iter().map(|link| name(&link.name)).collect();
         let (mut fixed, mut moving) = (Vec::new(), Vec::new());
         for (index, joint) in model.joints.iter().enumerate() {
             let rest = Transform {
@@ -88,8 +91,8 @@ impl Transforms {
                 slides,
             });
         }
-        let base = names.get(base_link(model)).cloned().unwrap_or_else(|| "base_footprint".into());
-        Self { fixed, moving, odom: ODOM_FRAME.into(), base }
+        let base = names.get(base_link(model)).cloned().unwrap_or_else(|| name("base_footprint"));
+        Self { fixed, moving, odom: name(ODOM_FRAME), base }
     }
 
     /// Those that never change.

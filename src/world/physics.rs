@@ -6,7 +6,7 @@
 //! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false). Where one says that it
 //!   does, those that a joint connects still do not.
 //! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
-//! - The wheels of a Kobuki are part of its base's body and only shown turning: see [`crate::robot::kobuki`].
+//! - The wheels of a Kobuki are part of its base's body and only shown turning: see the base's own file.
 //! - Time is counted in whole nanoseconds, so it never drifts. Between the last two steps every pose can be
 //!   asked for at any stamp.
 //! - The same calls give the same bits: rapier's `enhanced-determinism`, one thread, single precision inside.
@@ -56,7 +56,8 @@ pub struct Physics {
     models: Vec<PlacedModel>,
     moving: Vec<MovingLink>,
     history: History,
-    first_robot: ModelIndex,
+    /// Indices of models that were taken out.
+    free: Vec<ModelIndex>,
     notes: Vec<Problem>,
 }
 
@@ -72,6 +73,26 @@ struct Body {
     /// World poses after the last step but one, and after the last.
     previous: Pose,
     current: Pose,
+}
+
+/// A model that is to take part, and how.
+#[derive(Debug, Clone)]
+pub struct Placement<'a> {
+    /// What it is.
+    pub model: &'a Model,
+    /// Where its frame is to be.
+    pub world_from_model: Pose,
+    /// Joints of wheels that are part of the body that carries them: something else than physics turns them.
+    pub carried: Vec<JointIndex>,
+    /// Whether its bodies never sleep: who sleeps feels no force that is set on him each step.
+    pub stays_awake: bool,
+}
+
+impl<'a> Placement<'a> {
+    /// Of a thing that nothing drives.
+    pub fn of_thing(model: &'a Model, world_from_model: Pose) -> Self {
+        Self { model, world_from_model, carried: Vec::new(), stays_awake: false }
+    }
 }
 
 /// Where a model's links and joints are found; empty for one that was taken out.
@@ -140,24 +161,22 @@ impl PhysicsHooks for SelfCollision {
 }
 
 impl Physics {
-    /// Builds the bodies of a world and of robots, each robot's model frame at the pose given with it. Time is 0.
+    /// Builds the bodies of a world, each model at its own index. Time is 0.
     ///
     /// # Errors
     /// If the world's step is not a time from 1 µs to 0.1 s, or a pose or gravity is not finite.
-    pub fn new(world: &World, robots: &[(Model, Pose)]) -> Result<Self, Problem> {
-        let models = world.models.iter().map(|model| (model, model.world_from_model, false));
-        let robots = robots.iter().map(|(model, pose)| (model, *pose, true));
-        Self::with_models(world, models.chain(robots).map(Some))
+    pub fn new(world: &World) -> Result<Self, Problem> {
+        let models = world.models.iter().map(|model| Placement::of_thing(model, model.world_from_model));
+        Self::with_models(world, models.map(Some))
     }
 
-    /// The same of any models with their poses, the world's own included, and whether each is a robot; `None` leaves
-    /// an index empty.
+    /// The same of these models and no others; `None` leaves an index empty.
     ///
     /// # Errors
     /// As [`Physics::new`].
     pub fn with_models<'a>(
         world: &World,
-        models: impl Iterator<Item = Option<(&'a Model, Pose, bool)>>,
+        models: impl Iterator<Item = Option<Placement<'a>>>,
     ) -> Result<Self, Problem> {
         let step_ns = (world.max_step_size_s * 1e9).round();
         if !(MIN_STEP_NS as f64..=MAX_STEP_NS as f64).contains(&step_ns) {
@@ -192,14 +211,14 @@ impl Physics {
             models: Vec::new(),
             moving: Vec::new(),
             history: History::default(),
-            first_robot: world.models.len(),
+            free: Vec::new(),
             notes: Vec::new(),
         };
         for model in models {
             match model {
-                Some((model, world_from_model, is_robot)) => {
-                    place::check_poses(model, &world_from_model)?;
-                    physics.add(model, &world_from_model, is_robot);
+                Some(placement) => {
+                    place::check_poses(placement.model, &placement.world_from_model)?;
+                    physics.add(physics.models.len(), &placement);
                 }
                 None => physics.skip(),
             }
@@ -207,14 +226,9 @@ impl Physics {
         Ok(physics)
     }
 
-    /// What was decided for the user, and what is ignored.
-    pub fn notes(&self) -> &[Problem] {
-        &self.notes
-    }
-
-    /// Index of the robot that was given as number `robot`.
-    pub fn robot(&self, robot: usize) -> ModelIndex {
-        self.first_robot + robot
+    /// What was decided for the user, and what is ignored, since this was asked last.
+    pub fn take_notes(&mut self) -> Vec<Problem> {
+        std::mem::take(&mut self.notes)
     }
 
     /// Length of a step in ns.

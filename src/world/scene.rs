@@ -30,19 +30,18 @@ pub struct WorldScene {
 }
 
 impl WorldScene {
-    /// Builds the scene of a world and its robots, whose links stand where `physics` has them now.
+    /// Builds the scene of a world, whose links stand where `physics` has them now.
     ///
     /// # Errors
     /// A texture that cannot be read, or a shape that cannot be traced; the problem names its place in the file.
-    pub fn new(world: &World, robots: &[Model], physics: &Physics) -> Result<Self, Problem> {
+    pub fn new(world: &World, physics: &Physics) -> Result<Self, Problem> {
         let mut assembly = Assembly::default();
         assembly
             .builder
             .set_environment(Environment { ambient: world.ambient, background: world.background });
         let space = if world.linear_light { ColourSpace::Srgb } else { ColourSpace::AsGiven };
         assembly.builder.set_colour_space(space);
-        let first_robot = (0..robots.len()).map(|robot| physics.robot(robot));
-        for (index, model) in world.models.iter().enumerate().chain(first_robot.zip(robots)) {
+        for (index, model) in world.models.iter().enumerate() {
             for (link_index, link) in model.links.iter().enumerate() {
                 let world_from_link = physics.world_from_link(index, link_index);
                 assembly.add_link((index, link_index), link, &world_from_link)?;

@@ -212,7 +212,7 @@ enum bv_operation
     BV_OPERATION_RESET_SIMULATION = 5,
     // Move a model: name, reference, position, orientation, linear, angular.
     BV_OPERATION_SET_MODEL_STATE = 6,
-    // Put the model of the text into the world: name, reference, position, orientation.
+    // Put the model of the text into the world: name, reference, position, orientation, robot_namespace.
     BV_OPERATION_SPAWN = 7,
     // Take a model out: name.
     BV_OPERATION_DELETE = 8,
@@ -419,6 +419,8 @@ typedef struct bv_simulation_command {
     double orientation[4];
     double linear[3];
     double angular[3];
+    // of what is spawned: stands before its topics and frames; empty for none
+    char robot_namespace[64];
 } bv_simulation_command;
 
 // What became of a command.

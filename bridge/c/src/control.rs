@@ -125,6 +125,7 @@ fn wire_command(command: &SimulationCommand) -> payload::SimulationCommand {
         orientation: command.orientation,
         linear: command.linear,
         angular: command.angular,
+        robot_namespace: name(&command.robot_namespace),
         ..wire
     }
 }

@@ -81,7 +81,7 @@ pub enum Operation {
     ResetSimulation = 5,
     /// Move a model: name, reference, position, orientation, linear, angular.
     SetModelState = 6,
-    /// Put the model of the text into the world: name, reference, position, orientation.
+    /// Put the model of the text into the world: name, reference, position, orientation, robot_namespace.
     Spawn = 7,
     /// Take a model out: name.
     Delete = 8,
@@ -442,6 +442,8 @@ pub struct SimulationCommand {
     pub orientation: [f64; 4],
     pub linear: [f64; 3],
     pub angular: [f64; 3],
+    /// of what is spawned: stands before its topics and frames; empty for none
+    pub robot_namespace: [c_char; 64],
 }
 
 /// What became of a command.
@@ -505,7 +507,7 @@ same_layout!(Range, payload::Range, radiation_type field_of_view min_range max_r
 same_layout!(Setting, payload::Setting, value min max);
 same_layout!(SensorSettings, payload::SensorSettings, name topics update_rate noise_mean noise_stddev exposure);
 same_layout!(SimulationCommand, payload::SimulationCommand, id operation reserved text_len steps name reference
-    position orientation linear angular);
+    position orientation linear angular robot_namespace);
 same_layout!(SimulationResult, payload::SimulationResult, id time_ns done operation reserved reason);
 same_layout!(ModelState, payload::ModelState, name position orientation linear angular);
 

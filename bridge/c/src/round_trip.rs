@@ -208,7 +208,7 @@ fn a_simulation_is_controlled() {
         let frame = commands.take().unwrap().unwrap();
         let command: payload::SimulationCommand = frame.message().unwrap();
         assert!(command.id != 0 && command.text_len == 5 && command.position == [1.0, 2.0, 3.0]);
-        let text = std::str::from_utf8(&frame.payload()[256..]).unwrap();
+        let text = std::str::from_utf8(&frame.payload()[size_of::<payload::SimulationCommand>()..]).unwrap();
         let result = payload::SimulationResult {
             id: command.id,
             time_ns: 7,

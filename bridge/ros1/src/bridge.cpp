@@ -13,6 +13,16 @@ constexpr double kDiagnosticPeriod = 1.0;
 // What share of its rate a stream must reach.
 constexpr double kEnough = 0.9;
 
+/// What stands before the name of a stream that a robot is told by: "robot1/" of robot1/cmd_vel, nothing of cmd_vel.
+std::string namespace_of(const bv_stream_info& stream) {
+    const std::string name = stream.topic;
+    for (const std::string own : {"cmd_vel", "mobile_base/commands/reset_odometry", "mobile_base/commands/motor_power"}) {
+        if (name.size() > own.size() && name.compare(name.size() - own.size(), own.size(), own) == 0)
+            return name.substr(0, name.size() - own.size());
+    }
+    return "";
+}
+
 }  // namespace
 
 Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
@@ -35,8 +45,10 @@ void Bridge::serve(const bv_stream_info& stream) {
     try {
         const auto others = parameters_.command_topics.find(stream.kind);
         if (others != parameters_.command_topics.end()) {
-            std::set<std::string> topics(others->second.begin(), others->second.end());
-            topics.insert(name);
+            // In the namespace of the robot that is told.
+            const std::string space = namespace_of(stream);
+            std::set<std::string> topics{name};
+            for (const std::string& other : others->second) topics.insert(space + other);
             if (commands_.count(name) == 0) commands_[name] = Commands::to(stream, domain_, nh_, topics);
             return;
         }

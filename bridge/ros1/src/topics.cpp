@@ -20,6 +20,7 @@
 #include "convert/robot_event.hpp"
 #include "convert/scan_cloud.hpp"
 #include "convert/transforms.hpp"
+#include "static_transforms.hpp"
 
 namespace belvedere_ros {
 
@@ -28,22 +29,6 @@ namespace {
 // Large messages wait for a slow subscriber by two at most, as in Gazebo's camera plugin; small ones a second or so.
 constexpr std::uint32_t kLarge = 2;
 constexpr std::uint32_t kSmall = 50;
-
-/// Drops a message that says the same as the one before: what is latched is sent once.
-Convert<tf2_msgs::TFMessage> only_changes(Convert<tf2_msgs::TFMessage> convert) {
-    auto last = std::make_shared<std::map<std::string, geometry_msgs::TransformStamped>>();
-    return [last, convert = std::move(convert)](const Sample& sample) -> tf2_msgs::TFMessagePtr {
-        auto message = convert(sample);
-        const bool same = std::all_of(message->transforms.begin(), message->transforms.end(), [&](const auto& transform) {
-            const auto known = last->find(transform.child_frame_id);
-            return known != last->end() && known->second.header.frame_id == transform.header.frame_id &&
-                   known->second.transform == transform.transform;
-        });
-        if (same) return nullptr;
-        for (const auto& transform : message->transforms) (*last)[transform.child_frame_id] = transform;
-        return message;
-    };
-}
 
 /// Converts a scan as its parameters want it. An offset may put it before time began, where there are no stamps.
 template <class Message>
@@ -100,8 +85,8 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         }
         case BV_KIND_STATIC_TRANSFORMS: {
             if (parameters_.transforms != Parameters::Transforms::all) return nullptr;
-            const auto convert = [](const Sample& sample) { return to_transforms(sample); };
-            return serve(only_changes(convert), "/tf_static", kSmall, true);
+            const auto known = static_transforms_;
+            return serve([known](const Sample& sample) { return known->with(to_transforms(sample)); }, "/tf_static", kSmall, true);
         }
         case BV_KIND_CLOCK:
             if (!parameters_.publish_clock) return nullptr;

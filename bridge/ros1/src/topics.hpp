@@ -13,6 +13,8 @@
 
 namespace belvedere_ros {
 
+class StaticTransforms;
+
 /// Makes relays. Topics are named as the streams, relative to the node's namespace; tf, tf_static and clock are global.
 class Topics {
 public:
@@ -31,6 +33,7 @@ private:
 
     ros::NodeHandle nh_, private_nh_;
     Parameters parameters_;
+    std::shared_ptr<StaticTransforms> static_transforms_ = std::make_shared<StaticTransforms>();
 };
 
 }  // namespace belvedere_ros

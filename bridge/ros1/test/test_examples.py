@@ -41,6 +41,10 @@ class Examples(unittest.TestCase):
         except OSError:
             return set()
 
+    def subscribed(self):
+        """Topics that have a subscriber now."""
+        return {topic for topic, _ in self.master.getSystemState("/test")[2][1]}
+
     def run_example(self, *command, timeout=90):
         done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
@@ -119,14 +123,20 @@ class Examples(unittest.TestCase):
 
     def test_two_robots(self):
         with self.roslaunch(EXAMPLES / "two_robots.launch") as launch:
-            topics = "image_raw", "odom", "tf", "tf_static", "gazebo/model_states"
-            wanted = {f"/robot{n}/{topic}" for n in (1, 2) for topic in topics} | {"/clock"}
+            topics = "image_raw", "odom", "joint_states"
+            wanted = {f"/robot{n}/{topic}" for n in (1, 2) for topic in topics}
+            wanted |= {"/clock", "/tf", "/tf_static", "/gazebo/model_states"}
             self.assertTrue(eventually(lambda: wanted <= self.topics(), 20), launch.output())
-            self.assertNotIn("/tf", self.topics())
             self.flows("/robot1/image_raw")
             self.flows("/robot2/odom")
-            self.flows("/robot1/gazebo/model_states")
-            self.run_example("rosservice", "call", "/robot2/gazebo/pause_physics", timeout=20)
+            # Who comes late knows the frames of both; they stand side by side, as they were put.
+            for n in (1, 2):
+                said = self.run_example(EXAMPLES / "where.py", f"robot{n}/base_footprint", f"robot{n}/base_link", "1")
+                self.assertIn(": ", said)
+            commands = {f"/robot{n}/{topic}" for n in (1, 2) for topic in ("cmd_vel", "mobile_base/commands/velocity")}
+            self.assertLessEqual(commands, self.subscribed())
+            self.assertNotIn("/mobile_base/commands/velocity", self.subscribed())
+            self.run_example("rosservice", "call", "/gazebo/pause_physics", timeout=20)
 
     def test_programs(self):
         with roscore(self.port), simulator(self.domain), bridge(self.domain) as node:

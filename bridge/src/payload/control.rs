@@ -34,6 +34,8 @@ pub struct SimulationCommand {
     pub linear: [f64; 3],
     /// About the axes of the reference, radians per second.
     pub angular: [f64; 3],
+    /// Of what is spawned: it stands before its topics and frames; nothing for none.
+    pub robot_namespace: Text<64>,
 }
 
 impl SimulationCommand {
@@ -95,7 +97,7 @@ impl Message for ModelState {
 
 // The wire format, as in `payload.rs`.
 const _: () = {
-    assert!(size_of::<SimulationCommand>() == 256);
+    assert!(size_of::<SimulationCommand>() == 320);
     assert!(offset_of!(SimulationCommand, id) == 0);
     assert!(offset_of!(SimulationCommand, operation) == 8);
     assert!(offset_of!(SimulationCommand, reserved) == 10);
@@ -107,6 +109,7 @@ const _: () = {
     assert!(offset_of!(SimulationCommand, orientation) == 176);
     assert!(offset_of!(SimulationCommand, linear) == 208);
     assert!(offset_of!(SimulationCommand, angular) == 232);
+    assert!(offset_of!(SimulationCommand, robot_namespace) == 256);
 
     assert!(size_of::<SimulationResult>() == 512);
     assert!(offset_of!(SimulationResult, id) == 0);

@@ -1,6 +1,6 @@
 //! What a stream is made with.
 
-use crate::{Encoding, Error, FrameHeader, Kind, Lossless, Text};
+use crate::{Encoding, Error, FrameHeader, Kind, Lossless, Text, domain::canonical_topic};
 use iceoryx2::port::backpressure_strategy::BackpressureStrategy;
 
 /// What a stream is made with.
@@ -149,8 +149,19 @@ impl StreamSpec {
         (self.max_subscribers * (self.buffer + self.borrowed) + self.history + self.loaned) as u64
     }
 
+    /// The topic without a leading slash, which is the stream's name.
+    ///
+    /// # Errors
+    /// [`Error::InvalidTopic`].
+    pub fn name(&self) -> Result<&str, Error> {
+        canonical_topic(&self.topic)
+    }
+
     /// The header that every frame of the stream begins with.
-    pub(crate) fn header(&self) -> Result<FrameHeader, Error> {
+    ///
+    /// # Errors
+    /// When the name of the frame is too long for it.
+    pub fn header(&self) -> Result<FrameHeader, Error> {
         Ok(FrameHeader { frame_id: Text::new(&self.frame_id)?, ..FrameHeader::new(self.kind, self.encoding) })
     }
 

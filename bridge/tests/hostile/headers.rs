@@ -175,7 +175,7 @@ pub(crate) fn is_acceptable(case: &Case) -> bool {
             Some(Kind::CoreSensors | Kind::Range) => 20,
             Some(Kind::SensorSettings) => 1696,
             Some(Kind::MotorPower) => 4,
-            Some(Kind::SimulationCommand) => 256,
+            Some(Kind::SimulationCommand) => 320,
             Some(Kind::SimulationResult) => 512,
             Some(Kind::ModelStates) => 232,
             _ => 1,

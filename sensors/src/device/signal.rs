@@ -6,7 +6,7 @@
 //! ```
 
 use super::poisson::{MANY, few, many, many_with_reading, round};
-use crate::noise::{Stream, normal_pairs64, normals64_at};
+use crate::noise::{Stream, normals64};
 use crate::simd::{LANES, Lanes};
 use crate::trace::tiling::BLOCKS;
 use fearless_simd::Simd;
@@ -47,13 +47,17 @@ impl Signal {
             *self;
 
         // Step 1: fixed patterns.
-        let mut offset = [0.0; LANES];
-        if prnu != 0.0 || dsnu_e != 0.0 {
-            let pattern = Stream { frame: 0, ..of(Stream::PATTERN) };
-            let (response, dark) = normal_pairs64(&pattern, samples);
+        if prnu != 0.0 {
+            let response = normals64(simd, &Stream { frame: 0, ..of(Stream::RESPONSE) }, samples);
             for lane in 0..LANES {
                 let factor = 1.0 + prnu * response[lane];
                 electrons[lane] *= if factor > 0.0 { factor } else { 0.0 };
+            }
+        }
+        let mut offset = [0.0; LANES];
+        if dsnu_e != 0.0 {
+            let dark = normals64(simd, &Stream { frame: 0, ..of(Stream::DARK) }, samples);
+            for lane in 0..LANES {
                 offset[lane] = dsnu_e * dark[lane];
             }
         }
@@ -72,7 +76,7 @@ impl Signal {
         let is_one = variance >= WHOLE_ELECTRONS;
         let mut shot = [0.0; LANES];
         if is_one || any_many != 0 {
-            shot = normals64_at(&of(Stream::SHOT), samples);
+            shot = normals64(simd, &of(Stream::SHOT), samples);
         }
         let mut counts = [0.0; LANES];
         let mut reading = [0.0; LANES];
@@ -85,7 +89,7 @@ impl Signal {
             }
         } else {
             if read_e != 0.0 {
-                reading = normals64_at(&of(Stream::READ), samples);
+                reading = normals64(simd, &of(Stream::READ), samples);
             }
             for lane in 0..LANES {
                 counts[lane] = many(electrons[lane], shot[lane]) + read_e * reading[lane];
@@ -95,7 +99,7 @@ impl Signal {
             // Of no electrons none is counted.
             let mut small = [0.0; LANES];
             if any_few != 0 {
-                small = few(simd, electrons, &of(Stream::COUNT).words64(samples));
+                small = few(simd, electrons, &of(Stream::COUNT).words64(simd, samples));
             }
             for lane in 0..LANES {
                 let few = small[lane] + read_e * reading[lane];

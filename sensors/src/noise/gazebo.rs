@@ -3,7 +3,8 @@
 //! out = in + bias + N(mean, stddev); with a precision other than 0, out = round(out / precision) · precision.
 //! The bias is drawn once per run from N(bias mean, bias stddev), and its sign is flipped with probability ½.
 
-use super::{Stream, normals16};
+use super::{Stream, standard_normal};
+use fearless_simd::{Simd, SimdBase, f32x16};
 
 /// Additive Gaussian noise with a constant bias and an optional rounding, in the unit of the measured value.
 ///
@@ -117,20 +118,37 @@ impl GaussianNoise {
     /// (the axes of an IMU); it is 0 where there is but one.
     pub fn bias(&self, seed: u64, sensor: u32, component: u32) -> f32 {
         let stream = Stream { seed, sensor, frame: 0, channel: Stream::BIAS };
-        let z = normals16(&stream, component / 16)[component as usize % 16];
+        let z = standard_normal(&stream, component);
         let flipped = Stream { channel: Stream::BIAS_SIGN, ..stream }.word(component) >> 31 == 1;
         let bias = self.bias_mean + self.bias_stddev * z;
         if flipped { -bias } else { bias }
     }
 
     /// The noisy value of a true one, from the sensor's [`bias`](GaussianNoise::bias) and a standard normal `z`
-    /// ([`normals16`]). Infinities and NaN stay what they are.
+    /// ([`standard_normal`]). Infinities and NaN stay what they are.
     #[must_use]
     #[allow(clippy::inline_always, reason = "called per sample inside vectorised kernels")]
     #[inline(always)]
     pub fn apply(&self, value: f32, bias: f32, z: f32) -> f32 {
-        let noisy = (value + bias) + (self.mean + self.stddev * z);
+        let noisy = value + ((bias + self.mean) + self.stddev * z);
         if self.precision == 0.0 { noisy } else { round(noisy / self.precision) * self.precision }
+    }
+
+    /// [`GaussianNoise::apply`] to sixteen values.
+    #[inline(always)]
+    pub(crate) fn apply_vector<S: Simd>(
+        &self,
+        simd: S,
+        values: f32x16<S>,
+        bias: f32,
+        normals: f32x16<S>,
+    ) -> f32x16<S> {
+        if self.precision == 0.0 {
+            return values + (normals * self.stddev + (bias + self.mean));
+        }
+        let mut noisy = values.into();
+        self.apply_all(&mut noisy, bias, &normals.into());
+        f32x16::load_array(simd, noisy)
     }
 
     /// [`GaussianNoise::apply`] to many values, each with the normal of its place.
@@ -139,7 +157,7 @@ impl GaussianNoise {
         // A loop that asks each time would divide and round each time, and then choose.
         if self.precision == 0.0 {
             for lane in 0..N {
-                values[lane] = (values[lane] + bias) + (self.mean + self.stddev * normals[lane]);
+                values[lane] += (bias + self.mean) + self.stddev * normals[lane];
             }
         } else {
             for lane in 0..N {

@@ -15,8 +15,8 @@ pub mod gazebo;
 pub mod philox;
 pub mod stream;
 
-pub use gaussian::{fill_standard_normal, fill_standard_normal_with, normals16, normals64};
-pub(crate) use gaussian::{normal_columns64_at, normal_pairs64, normals64_at};
+pub use gaussian::{fill_standard_normal, standard_normal};
+pub(crate) use gaussian::{normal_columns, normal_lines, normals64};
 pub use gazebo::{GaussianNoise, GaussianNoiseError};
 pub use philox::philox4x32;
 pub use stream::Stream;

@@ -5,6 +5,8 @@
 //! ten are the authors' recommendation for those who want a margin. The number of rounds is a parameter of the
 //! functions here.
 
+use fearless_simd::{Bytes, Simd, SimdBase, u32x16, u64x8};
+
 /// The multipliers of words 0 and 2 (Salmon 2011, table 2).
 const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 /// What is added to the key after each round: the golden ratio and √3 − 1 in 32 bits.
@@ -21,53 +23,81 @@ const KEY_STEPS: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 #[must_use]
 #[inline]
 pub fn philox4x32<const ROUNDS: usize>(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
-    philox4x32_lanes::<ROUNDS, 1>(counter.map(|word| [word]), key).map(|[word]| word)
-}
-
-/// `LANES` blocks at once under one key: lane i of the four results is the block of lane i of the four
-/// counter words. Called inside a `vectorize` context it compiles to that context's vector instructions.
-#[must_use]
-#[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
-#[inline(always)]
-pub fn philox4x32_lanes<const ROUNDS: usize, const LANES: usize>(
-    counter: [[u32; LANES]; 4],
-    key: [u32; 2],
-) -> [[u32; LANES]; 4] {
-    // Each 32-bit word lives in a 64-bit lane and only its low half counts: the low half is what a widening
-    // multiplication reads, so products need neither packing nor masking between rounds.
-    // Plain loops, not `map`, which is a function that may stay outside the caller's target features.
-    let [mut c0, mut c1, mut c2, mut c3] = [[0; LANES]; 4];
-    for lane in 0..LANES {
-        c0[lane] = u64::from(counter[0][lane]);
-        c1[lane] = u64::from(counter[1][lane]);
-        c2[lane] = u64::from(counter[2][lane]);
-        c3[lane] = u64::from(counter[3][lane]);
-    }
-    let [mut key0, mut key1] = key;
+    let ([mut c0, mut c1, mut c2, mut c3], [mut key0, mut key1]) = (counter, key);
     for _ in 0..ROUNDS {
-        for lane in 0..LANES {
-            let product0 = low(c0[lane]) * u64::from(MULTIPLIERS[0]);
-            let product1 = low(c2[lane]) * u64::from(MULTIPLIERS[1]);
-            c0[lane] = (product1 >> 32) ^ c1[lane] ^ u64::from(key0);
-            c1[lane] = product1;
-            c2[lane] = (product0 >> 32) ^ c3[lane] ^ u64::from(key1);
-            c3[lane] = product0;
-        }
+        let product0 = u64::from(c0) * u64::from(MULTIPLIERS[0]);
+        let product1 = u64::from(c2) * u64::from(MULTIPLIERS[1]);
+        c0 = (product1 >> 32) as u32 ^ c1 ^ key0;
+        c1 = product1 as u32;
+        c2 = (product0 >> 32) as u32 ^ c3 ^ key1;
+        c3 = product0 as u32;
         key0 = key0.wrapping_add(KEY_STEPS[0]);
         key1 = key1.wrapping_add(KEY_STEPS[1]);
     }
-    let mut words = [[0; LANES]; 4];
-    for lane in 0..LANES {
-        words[0][lane] = c0[lane] as u32;
-        words[1][lane] = c1[lane] as u32;
-        words[2][lane] = c2[lane] as u32;
-        words[3][lane] = c3[lane] as u32;
-    }
-    words
+    [c0, c1, c2, c3]
 }
 
-#[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+/// The blocks of eight counters whose first words are given and whose others, as the key, are the same. Of the block of
+/// counter i, words 1 and 0 are lanes 2i and 2i + 1 of the first result, words 3 and 2 those of the second.
+///
+/// Each word has a lane of 64 bits, of which only the low half counts: the low half is what a widening multiplication
+/// reads, so products need neither packing nor masking between rounds. The last round leaves words in both halves.
 #[inline(always)]
-const fn low(word: u64) -> u64 {
-    word & 0xFFFF_FFFF
+pub(super) fn philox4x32_of_eight<S: Simd, const ROUNDS: usize>(
+    simd: S,
+    first_words: u64x8<S>,
+    [c1, c2, c3]: [u32; 3],
+    [mut key0, mut key1]: [u32; 2],
+) -> [u32x16<S>; 2] {
+    let mut c0 = first_words;
+    let [mut c1, mut c2, mut c3] = [word(simd, c1), word(simd, c2), word(simd, c3)];
+    for _ in 1..ROUNDS {
+        let (product0, product1) = (times(simd, c0, MULTIPLIERS[0]), times(simd, c2, MULTIPLIERS[1]));
+        c0 = (product1 >> 32) ^ (c1 ^ word(simd, key0));
+        c1 = product1;
+        c2 = (product0 >> 32) ^ (c3 ^ word(simd, key1));
+        c3 = product0;
+        key0 = key0.wrapping_add(KEY_STEPS[0]);
+        key1 = key1.wrapping_add(KEY_STEPS[1]);
+    }
+    let (product0, product1) = (times(simd, c0, MULTIPLIERS[0]), times(simd, c2, MULTIPLIERS[1]));
+    let (upper1, upper3) = (c1 ^ word(simd, key0), c3 ^ word(simd, key1));
+    [(product1 ^ (upper1 << 32)).bitcast(), (product0 ^ (upper3 << 32)).bitcast()]
+}
+
+/// A word in each lane.
+#[inline(always)]
+fn word<S: Simd>(simd: S, word: u32) -> u64x8<S> {
+    u64x8::splat(simd, u64::from(word))
+}
+
+/// The products of the low halves.
+#[inline(always)]
+fn times<S: Simd>(simd: S, words: u64x8<S>, multiplier: u32) -> u64x8<S> {
+    (words & word(simd, u32::MAX)) * word(simd, multiplier)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::best_level;
+    use fearless_simd::dispatch;
+
+    #[test]
+    fn eight_at_once() {
+        let (firsts, rest, key) =
+            ([0, 1, 2, 77, u32::MAX, 1 << 31, 12345, 4], [6, 7, u32::MAX], [8, u32::MAX]);
+        let words: [[u32; 16]; 2] = dispatch!(best_level(), simd => {
+            let firsts = u64x8::load_array(simd, firsts.map(u64::from));
+            philox4x32_of_eight::<_, 7>(simd, firsts, rest, key).map(<[u32; 16]>::from)
+        });
+        for (i, first) in firsts.into_iter().enumerate() {
+            let block = philox4x32::<7>([first, rest[0], rest[1], rest[2]], key);
+            let lanes = 2 * i..2 * i + 2;
+            assert_eq!(
+                [&words[0][lanes.clone()], &words[1][lanes]],
+                [[block[1], block[0]], [block[3], block[2]]]
+            );
+        }
+    }
 }

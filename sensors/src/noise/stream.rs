@@ -5,18 +5,22 @@
 //!
 //! | input | bits 0–15 | bits 16–31 |
 //! |---|---|---|
-//! | counter 0 | index / 4, in the order below | |
+//! | counter 0 | which four words, in the order below | |
 //! | counter 1 | frame 0–31 | |
 //! | counter 2 | channel | seed 32–47 |
 //! | counter 3 | frame 32–47 | seed 48–63 |
 //! | key 0 | seed 0–31 | |
 //! | key 1 | sensor | |
 //!
-//! Every block of 16 samples takes four counters of four words. Sample 16·b + 4·w + c is word w of counter
-//! 4·b + c: the words of one kind lie side by side, as vectors want them. There are 2³⁰ blocks, of which the indices of
-//! samples reach the first quarter.
+//! Uniform words: sample 16·b + 4·w + c is word w of counter 4·b + c, so that a block of 16 samples takes four counters.
+//!
+//! Normals, of which a word makes two, z⁰ and z¹: a block of 16 takes the two counters 2·b and 2·b + 1, whose words 1 and
+//! 0 are lanes 0 and 1, 2 and 3, of one vector, and whose words 3 and 2 those of another. Sample 16·b + c is z⁰ of lane c
+//! of the first, 16·b + 4 + c its z¹, and the last eight are those of the second: normals of one kind lie side by
+//! side, as vectors want them.
 
-use super::philox::{philox4x32, philox4x32_lanes};
+use super::philox::{philox4x32, philox4x32_of_eight};
+use fearless_simd::{Simd, SimdBase, u32x16, u64x8};
 
 /// Rounds of Philox behind every sample: the fewest that pass `BigCrush`, and a third less work than ten.
 const ROUNDS: usize = 7;
@@ -48,15 +52,17 @@ impl Stream {
     pub const COUNT: u16 = 6;
     /// The channels of the noise of reading in a camera's device, where it is drawn apart, as [`Stream::SHOT`].
     pub const READ: u16 = 9;
-    /// The channels of a device's fixed patterns, which are those of frame 0, as [`Stream::SHOT`].
-    pub const PATTERN: u16 = 12;
+    /// The channels of the pattern of a device's response, which is that of frame 0, as [`Stream::SHOT`].
+    pub const RESPONSE: u16 = 12;
+    /// The channels of the pattern of a device's dark signal, which is that of frame 0, as [`Stream::SHOT`].
+    pub const DARK: u16 = 15;
     /// The channel of biases, which are drawn once per sensor, in frame 0.
     pub const BIAS: u16 = 0xFFF0;
     /// The channel of the signs of the biases.
     pub const BIAS_SIGN: u16 = 0xFFF1;
     /// The channels that this crate's sensors and noise models draw from.
-    pub const TAKEN: [u16; 17] =
-        [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, Self::BIAS, Self::BIAS_SIGN];
+    pub const TAKEN: [u16; 20] =
+        [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, Self::BIAS, Self::BIAS_SIGN];
 
     /// The random word of sample `index`, uniform on all of `u32`.
     #[must_use]
@@ -74,52 +80,43 @@ impl Stream {
         ((self.word(index) >> 9) as f32 + 0.5) * (1.0 / (1_u32 << 23) as f32)
     }
 
-    /// The words of `LANES` consecutive counters from `first_counter` on: `[w][c]` is word w of counter
-    /// `first_counter` + c, where 0 follows 2³² − 1. `LANES` is a multiple of 4 and `first_counter` four times a block
-    /// number.
-    #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+    /// The words of the normals of four blocks: lane 4·b + c is lane c of `blocks[b]`. Block 2³¹ is block 0 again.
     #[inline(always)]
-    pub(crate) fn words<const LANES: usize>(&self, first_counter: u32) -> [[u32; LANES]; 4] {
-        let mut c0 = [first_counter; LANES];
-        for (lane, counter) in c0.iter_mut().enumerate() {
-            *counter = counter.wrapping_add(lane as u32);
-        }
-        self.words_at(c0)
-    }
-
-    /// The words of four blocks: `[w][4·b + c]` is sample 4·w + c of `blocks[b]`.
-    #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
-    #[inline(always)]
-    pub(super) fn words_of_blocks(&self, blocks: [u32; 4]) -> [[u32; 16]; 4] {
-        let mut c0 = [0; 16];
+    pub(super) fn words_of_blocks<S: Simd>(&self, simd: S, blocks: [u32; 4]) -> [u32x16<S>; 2] {
+        let mut counters = [0; 8];
         for (b, block) in blocks.into_iter().enumerate() {
-            for c in 0..4 {
-                c0[4 * b + c] = block.wrapping_mul(4).wrapping_add(c as u32);
-            }
+            let first = block << 1;
+            counters[2 * b] = u64::from(first);
+            counters[2 * b + 1] = u64::from(first | 1);
         }
-        self.words_at(c0)
+        self.words_at(simd, counters)
     }
 
-    /// The words of the samples of four blocks, in the order of the samples.
-    #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
+    /// The uniform words of the samples of four blocks, in the order of the samples.
     #[inline(always)]
-    pub(crate) fn words64(&self, blocks: [u32; 4]) -> [u32; 64] {
-        let words = self.words_of_blocks(blocks);
+    pub(crate) fn words64<S: Simd>(&self, simd: S, blocks: [u32; 4]) -> [u32; 64] {
         let mut ordered = [0; 64];
-        for block in 0..4 {
-            for w in 0..4 {
-                let to = 16 * block + 4 * w;
-                ordered[to..to + 4].copy_from_slice(&words[w][4 * block..4 * block + 4]);
+        for (half, blocks) in blocks.as_chunks::<2>().0.iter().enumerate() {
+            let mut counters = [0; 8];
+            for (i, counter) in counters.iter_mut().enumerate() {
+                *counter = u64::from((blocks[i / 4] << 2) + i as u32 % 4);
+            }
+            let [first, second] = self.words_at(simd, counters);
+            let words: [[u32; 16]; 2] = [first.into(), second.into()];
+            for i in 0..8 {
+                for w in 0..4 {
+                    ordered[32 * half + 16 * (i / 4) + 4 * w + i % 4] = words[w / 2][2 * i + 1 - w % 2];
+                }
             }
         }
         ordered
     }
 
-    #[allow(clippy::inline_always, reason = "target features reach only what is inlined")]
     #[inline(always)]
-    fn words_at<const LANES: usize>(&self, c0: [u32; LANES]) -> [[u32; LANES]; 4] {
+    fn words_at<S: Simd>(&self, simd: S, counters: [u64; 8]) -> [u32x16<S>; 2] {
         let [_, c1, c2, c3] = self.counter(0);
-        philox4x32_lanes::<ROUNDS, LANES>([c0, [c1; LANES], [c2; LANES], [c3; LANES]], self.key())
+        let counters = u64x8::load_array(simd, counters);
+        philox4x32_of_eight::<S, ROUNDS>(simd, counters, [c1, c2, c3], self.key())
     }
 
     #[inline]

@@ -12,7 +12,7 @@ pub use crate::device::{Mosaic, PixelFormat};
 use crate::execution::SplitRows;
 use crate::memory::lines;
 use crate::moment::{Capture, Shutter};
-use crate::noise::{Stream, normals64_at};
+use crate::noise::{Stream, normals64};
 use crate::optics::Optics;
 use crate::scene::{ColourSpace, Scene, visibility};
 use crate::shade::Colours;
@@ -169,7 +169,8 @@ impl<'a> Camera<'a> {
         }
         if !noise.is_none() {
             let stream = Stream { seed, sensor, frame, channel: Stream::COLOUR };
-            pixel::add_noise(colours, noise, self.bias, &normals64_at(&stream, view.samples));
+            let normals = normals64(simd, &stream, view.samples);
+            pixel::add_noise(colours, noise, self.bias, &normals);
         }
         if self.device.is_none() {
             blacken(colours, missing);

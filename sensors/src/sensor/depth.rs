@@ -11,7 +11,7 @@ use rows::{Retouched, Rows};
 use crate::execution::SplitRows;
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
-use crate::noise::{GaussianNoise, Stream, normal_columns64_at, normals64_at};
+use crate::noise::{GaussianNoise, Stream, normal_columns, normal_lines};
 use crate::scene::{Scene, visibility};
 use crate::simd::{LANES, Lanes, WIDTH};
 pub use crate::trace::TooNear;
@@ -123,6 +123,8 @@ pub struct DepthCamera<'a> {
     config: DepthCameraConfig<'a>,
     camera: Camera<'a>,
     bias: f32,
+    /// Depths at or below the first are too near, at or above the second too far.
+    limits: [f32; 2],
 }
 
 impl<'a> DepthCamera<'a> {
@@ -136,7 +138,8 @@ impl<'a> DepthCamera<'a> {
             return Err(CameraError::Cutoff { min_m, max_m });
         }
         let camera = Camera::new(config.camera)?;
-        Ok(Self { config, camera, bias: config.noise.bias(config.camera.seed, config.camera.sensor, 1) })
+        let bias = config.noise.bias(config.camera.seed, config.camera.sensor, 1);
+        Ok(Self { config, camera, bias, limits: [min_m as f32, max_m as f32] })
     }
 
     /// What it was made from.
@@ -154,38 +157,32 @@ impl<'a> DepthCamera<'a> {
         self.camera.size().into_iter().product()
     }
 
-    /// The random numbers of the depths of a tile, block by block; none if there is no noise.
+    /// The random numbers of the depths of a tile, block by block.
     #[inline(always)]
-    fn normals(&self, tiling: Tiling, frame: u64, samples: [u32; BLOCKS]) -> Option<[[f32; WIDTH]; BLOCKS]> {
-        if self.config.noise.is_none() {
-            return None;
-        }
+    fn normals<S: Simd>(
+        &self,
+        simd: S,
+        tiling: Tiling,
+        frame: u64,
+        samples: [u32; BLOCKS],
+    ) -> [f32x16<S>; BLOCKS] {
         let CameraConfig { seed, sensor, .. } = self.config.camera;
         let stream = Stream { seed, sensor, frame, channel: Stream::DEPTH };
-        Some(match tiling {
+        match tiling {
             // The four samples of each line that lie in the same block lie in the same column.
-            Tiling::Square => normal_columns64_at(&stream, samples),
-            Tiling::Rows => bytemuck::cast(normals64_at(&stream, samples)),
-        })
+            Tiling::Square => normal_columns(simd, &stream, samples),
+            Tiling::Rows => normal_lines(simd, &stream, samples),
+        }
     }
 
-    /// Measured depths in metres: REP-117 values where there is none. What noise takes out of the valid range is out of
-    /// it, as what was there before.
+    /// Measured depths in metres, from true and noisy ones: REP-117 values where there is none. What noise takes out of
+    /// the valid range is out of it, as what was there before.
     #[inline(always)]
-    fn depths<S: Simd>(&self, simd: S, truth: f32x16<S>, normals: Option<&[f32; WIDTH]>) -> f32x16<S> {
-        let config = &self.config;
-        let mut noisy = truth;
-        if let Some(normals) = normals {
-            let mut values = truth.into();
-            config.noise.apply_all(&mut values, self.bias, normals);
-            noisy = f32x16::load_array(simd, values);
-        }
-        let (min, max) = (config.min_depth_m as f32, config.max_depth_m as f32);
+    fn limited<S: Simd>(&self, simd: S, truth: f32x16<S>, noisy: f32x16<S>) -> f32x16<S> {
+        let [min, max] = self.limits;
         let (near, far) = (f32x16::splat(simd, f32::NEG_INFINITY), f32x16::splat(simd, f32::INFINITY));
-        let measured = noisy.simd_le(min).select(near, noisy);
-        let measured = noisy.simd_ge(max).select(far, measured);
-        let measured = truth.simd_le(min).select(near, measured);
-        truth.simd_ge(max).select(far, measured)
+        let measured = noisy.min(truth).simd_le(min).select(near, noisy);
+        noisy.max(truth).simd_ge(max).select(far, measured)
     }
 }
 
@@ -279,7 +276,12 @@ impl Measurer<'_> {
         let fan = band.rays.fan();
         let (tiling, across, first) = (Tiling::of(fan), fan.blocks_across(), column * BLOCKS);
         let samples = tiling.samples(fan.width as usize, [column, row]);
-        let normals = self.camera.normals(tiling, self.capture.frame, samples);
+        let has_noise = !self.camera.config.noise.is_none();
+        let mut normals = [f32x16::splat(simd, 0.0); BLOCKS];
+        if has_noise {
+            normals = self.camera.normals(simd, tiling, self.capture.frame, samples);
+        }
+        let mut place = Place::new(fan, band, first, row);
         let mut of_tile = [f32::INFINITY; LANES];
         for part in 0..BLOCKS.min(across - first) {
             let block = [first + part, row];
@@ -288,8 +290,13 @@ impl Measurer<'_> {
                 let blocked = simd.from_bitmask_mask32x16(u64::from(lanes));
                 truth = blocked.select(f32x16::splat(simd, f32::NEG_INFINITY), truth);
             }
-            let depths = self.camera.depths(simd, truth, normals.as_ref().map(|normals| &normals[part]));
-            output.write_depths(simd, self.camera, depths, &Place::new(fan, band, block[0], block[1]));
+            let mut noisy = truth;
+            if has_noise {
+                noisy = self.camera.config.noise.apply_vector(simd, truth, self.camera.bias, normals[part]);
+            }
+            let depths = self.camera.limited(simd, truth, noisy);
+            output.write_depths(simd, self.camera, depths, &place);
+            place.step();
             if output.points.is_some() {
                 let depths: [f32; WIDTH] = depths.into();
                 for lane in 0..WIDTH {

@@ -107,24 +107,24 @@ impl Lidar {
 
     /// Turns true ranges of whole scan lines, from one on, into measured ones.
     #[inline(always)]
-    fn measure_lines(&self, frame: u64, first_line: usize, ranges: &mut [f32]) {
+    fn measure_lines<S: Simd>(&self, simd: S, frame: u64, first_line: usize, ranges: &mut [f32]) {
         let samples = self.config.horizontal.samples as usize;
         let blocks = samples.div_ceil(LANES);
         for (line, ranges) in ranges.chunks_mut(samples).enumerate() {
             for (block, ranges) in ranges.chunks_mut(LANES).enumerate() {
-                self.measure(frame, ((first_line + line) * blocks + block) as u32, ranges);
+                self.measure(simd, frame, ((first_line + line) * blocks + block) as u32, ranges);
             }
         }
     }
 
     /// Turns true ranges of up to 64 beams into measured ones. Noise is counted by 64 beams along each line.
     #[inline(always)]
-    fn measure(&self, frame: u64, block: u32, ranges: &mut [f32]) {
+    fn measure<S: Simd>(&self, simd: S, frame: u64, block: u32, ranges: &mut [f32]) {
         let config = &self.config;
         let mut normals = [0.0; LANES];
         if !config.noise.is_none() {
             let stream = Stream { seed: config.seed, sensor: config.sensor, frame, channel: Stream::RANGE };
-            normals = normals64(&stream, 4 * block);
+            normals = normals64(simd, &stream, [4 * block, 4 * block + 1, 4 * block + 2, 4 * block + 3]);
         }
         let (min, max) = (config.range_min_m as f32, config.range_max_m as f32);
         for (lane, range) in ranges.iter_mut().enumerate() {
@@ -274,7 +274,7 @@ impl BandWork<Lines<'_>> for Scanner<'_> {
             let [first, last] = band.rows.map(|row| row as usize);
             let from = first - band.first_row as usize;
             let ranges = &mut ranges[from * *samples..][..(last - first + 1) * *samples];
-            self.lidar.measure_lines(self.capture.frame, first, ranges);
+            self.lidar.measure_lines(simd, self.capture.frame, first, ranges);
         }
     }
 }

@@ -4,7 +4,7 @@ use super::grid::Band;
 use super::hit_point::block_index;
 use super::image::NO_HIT;
 use super::recent::Recent;
-use super::resolve::{Resolver, hit_lanes};
+use super::resolve::{Met, Resolver};
 use super::view::View;
 use crate::moment::{Moment, Shutter};
 use crate::optics::Intrinsics;
@@ -62,6 +62,29 @@ impl PixelMotion {
         let rows = (pixel * (motion.turn * direction)).transpose();
         Self { rows: rows.as_mat3().to_cols_array_2d(), shift: (pixel * motion.shift).as_vec3().to_array() }
     }
+
+    /// The flow of the rays of a block; NaN where the point is behind the sensor then.
+    #[inline(always)]
+    fn flow<S: Simd>(
+        &self,
+        simd: S,
+        band: &Band<'_>,
+        rays: &PinholeFan,
+        block: [usize; 2],
+    ) -> [f32x16<S>; 2] {
+        let inverse = f32x16::load_array_ref(simd, &band.target.inverse[block_index(band, block)]);
+        let [columns, rows] = rays.pixels(simd, block[0], block[1]);
+        let mut moved = [inverse; 3];
+        for axis in 0..3 {
+            let [column, row, one] = self.rows[axis];
+            moved[axis] = ((columns * column + rows * row) + one) + inverse * self.shift[axis];
+        }
+        let [ahead, across, down] = moved;
+        let (per_ahead, none) = (f32x16::splat(simd, 1.0) / ahead, f32x16::splat(simd, f32::NAN));
+        let seen = ahead.simd_gt(f32x16::splat(simd, 0.0));
+        let flow = [across * per_ahead - columns, down * per_ahead - rows];
+        [seen.select(flow[0], none), seen.select(flow[1], none)]
+    }
 }
 
 /// Works out the flow of the blocks of a band.
@@ -88,9 +111,10 @@ impl<'a> Flow<'a> {
         band: &Band<'_>,
         resolver: &mut Resolver<'_>,
         block: [usize; 2],
+        met: &Met<'_>,
     ) -> [f32x16<S>; 2] {
         if let (Rays::Pinhole(rays), Shutter::Global(moment)) = (&band.rays, self.other) {
-            return self.pinhole(simd, band, rays, moment, resolver, block);
+            return self.pinhole(simd, band, (rays, moment), resolver, block, met);
         }
         let [right, down] = self.ray_by_ray(band, resolver, block);
         [f32x16::load_array(simd, right), f32x16::load_array(simd, down)]
@@ -102,37 +126,42 @@ impl<'a> Flow<'a> {
         &mut self,
         simd: S,
         band: &Band<'_>,
-        rays: &PinholeFan,
-        moment: &Moment<'_>,
+        (rays, moment): (&PinholeFan, &Moment<'_>),
         resolver: &mut Resolver<'_>,
         block: [usize; 2],
+        met: &Met<'_>,
     ) -> [f32x16<S>; 2] {
-        let index = block_index(band, block);
-        let slots = &band.target.slot[index];
-        let inverse = f32x16::load_array_ref(simd, &band.target.inverse[index]);
-        let [columns, rows] = rays.pixels(simd, block[0], block[1]);
         let mut flow = [f32x16::splat(simd, f32::NAN); 2];
-        let mut rest = hit_lanes(simd, slots);
+        let mut rest = match met {
+            Met::Nothing => return flow,
+            Met::One(hit) => {
+                let motion = self.pixel_motion(band, rays, moment, hit.instance.instance);
+                return motion.flow(simd, band, rays, block);
+            }
+            Met::Several(lanes) => *lanes,
+        };
+        let slots = &band.target.slot[block_index(band, block)];
         while rest != 0 {
             let (hit, own) = resolver.first_of(simd, slots, rest);
             rest &= !own;
-            let instance = hit.instance.instance;
-            let motion = self.pixels.get(instance, || {
-                PixelMotion::new(&Motion::new(band.view, instance, moment), rays.intrinsics())
-            });
-            let mut moved = [inverse; 3];
-            for axis in 0..3 {
-                let [column, row, one] = motion.rows[axis];
-                moved[axis] = ((columns * column + rows * row) + one) + inverse * motion.shift[axis];
-            }
-            let [ahead, across, down] = moved;
+            let motion = self.pixel_motion(band, rays, moment, hit.instance.instance);
+            let found = motion.flow(simd, band, rays, block);
             let own = simd.from_bitmask_mask32x16(u64::from(own));
-            let seen = own & ahead.simd_gt(f32x16::splat(simd, 0.0));
-            let per_ahead = f32x16::splat(simd, 1.0) / ahead;
-            flow[0] = seen.select(across * per_ahead - columns, flow[0]);
-            flow[1] = seen.select(down * per_ahead - rows, flow[1]);
+            flow = [own.select(found[0], flow[0]), own.select(found[1], flow[1])];
         }
         flow
+    }
+
+    #[inline(always)]
+    fn pixel_motion(
+        &mut self,
+        band: &Band<'_>,
+        rays: &PinholeFan,
+        moment: &Moment<'_>,
+        instance: u32,
+    ) -> &PixelMotion {
+        self.pixels
+            .get(instance, || PixelMotion::new(&Motion::new(band.view, instance, moment), rays.intrinsics()))
     }
 
     /// Through any lens and shutter.

@@ -7,7 +7,7 @@ use super::grid::Band;
 use super::hit_point::block_index;
 use super::packet::Faces;
 use super::recent::Recent;
-use super::resolve::{Resolver, hit_lanes};
+use super::resolve::{Hit, Met, Resolver};
 use super::shapes::solid_normal;
 use super::view::{Placed, View};
 use crate::optics::rays::Points;
@@ -151,35 +151,60 @@ impl NormalFinder {
         resolver: &mut Resolver<'_>,
         block: [usize; 2],
     ) -> (Normals<S>, u16) {
+        let met = resolver.met(simd, &band.target.slot[block_index(band, block)]);
+        (self.of(simd, band, resolver, block, &met), met.lanes())
+    }
+
+    /// The normals of a block that has met that.
+    #[inline(always)]
+    pub(crate) fn of<S: Simd>(
+        &mut self,
+        simd: S,
+        band: &Band<'_>,
+        resolver: &mut Resolver<'_>,
+        block: [usize; 2],
+        met: &Met<'_>,
+    ) -> Normals<S> {
+        let mut rest = match met {
+            Met::Nothing => return Normals::Same([0.0; 3]),
+            Met::One(hit) => return self.of_instance(simd, band, resolver, block, (hit, u16::MAX)),
+            Met::Several(lanes) => *lanes,
+        };
         let slots = &band.target.slot[block_index(band, block)];
-        let hits = hit_lanes(simd, slots);
-        let mut rest = hits;
-        let mut all = Normals::Same([0.0; 3]);
+        let mut mixed = [f32x16::splat(simd, 0.0); 3];
         while rest != 0 {
             let (hit, own) = resolver.first_of(simd, slots, rest);
             rest &= !own;
-            let found = match hit.instance.kind() {
-                Kind::Triangles(_) => triangles(simd, resolver, slots, own),
-                Kind::Solid(solid) => {
-                    let make = || Seen::new(band.view, solid, hit.placed, self.faces);
-                    match self.solids.get(hit.placed, make) {
-                        Seen::Flat(faces, 1) => Normals::Same(faces[0].normal),
-                        Seen::Flat(faces, count) => flat(simd, &points(simd, band, block), &faces[..*count]),
-                        Seen::Curved(solid) => solid.normals(simd, &points(simd, band, block)),
-                    }
-                }
-            };
-            if own == u16::MAX {
-                return (found, hits);
-            }
+            let found = self.of_instance(simd, band, resolver, block, (&hit, own)).points(simd);
             let own = simd.from_bitmask_mask32x16(u64::from(own));
-            let (mut mixed, found) = (all.points(simd), found.points(simd));
             for axis in 0..3 {
                 mixed[axis] = own.select(found[axis], mixed[axis]);
             }
-            all = Normals::Each(mixed);
         }
-        (all, hits)
+        Normals::Each(mixed)
+    }
+
+    /// The normals of the lanes of a block that have hit an instance.
+    #[inline(always)]
+    fn of_instance<S: Simd>(
+        &mut self,
+        simd: S,
+        band: &Band<'_>,
+        resolver: &mut Resolver<'_>,
+        block: [usize; 2],
+        (hit, own): (&Hit<'_>, u16),
+    ) -> Normals<S> {
+        match hit.instance.kind() {
+            Kind::Triangles(_) => triangles(simd, resolver, &band.target.slot[block_index(band, block)], own),
+            Kind::Solid(solid) => {
+                let make = || Seen::new(band.view, solid, hit.placed, self.faces);
+                match self.solids.get(hit.placed, make) {
+                    Seen::Flat(faces, 1) => Normals::Same(faces[0].normal),
+                    Seen::Flat(faces, count) => flat(simd, &points(simd, band, block), &faces[..*count]),
+                    Seen::Curved(solid) => solid.normals(simd, &points(simd, band, block)),
+                }
+            }
+        }
     }
 
     /// Angles between the rays of a block, backwards, and the normals of what they hit; NaN elsewhere.

@@ -13,8 +13,10 @@ pub(crate) fn for_each_block(band: &Band<'_>, mut work: impl FnMut(&Place, [usiz
         if ((row << fan.shift_y) as i32) < band.fresh_from {
             continue;
         }
+        let mut place = Place::new(fan, band, 0, row);
         for column in 0..fan.blocks_across() {
-            work(&Place::new(fan, band, column, row), [column, row]);
+            work(&place, [column, row]);
+            place.step();
         }
     }
 }
@@ -25,10 +27,9 @@ pub(crate) struct Place {
     pub(crate) block: usize,
     /// Rays across the grid.
     width: usize,
-    /// First ray, in the grid and in the output.
-    column: usize,
-    row: usize,
-    first_row: usize,
+    /// Index of the first ray in the band's output, and rays from it to the end of its row.
+    first: usize,
+    left: usize,
     /// Rays of the block that are in the grid.
     across: usize,
     down: usize,
@@ -42,32 +43,42 @@ impl Place {
     pub(crate) fn new(fan: &Fan, band: &Band<'_>, block_column: usize, block_row: usize) -> Self {
         let rows = band.rows;
         let (column, row) = (block_column << fan.shift_x, block_row << fan.shift_y);
-        let across = (1 << fan.shift_x).min(fan.width as usize - column);
-        let down = (1 << fan.shift_y).min(rows[1] as usize + 1 - row);
-        Self {
+        let width = fan.width as usize;
+        let mut place = Self {
             block: (block_row - (rows[0] >> fan.shift_y) as usize) * fan.blocks_across() + block_column,
-            width: fan.width as usize,
-            column,
-            row,
-            first_row: band.first_row as usize,
-            across,
-            down,
+            width,
+            first: (row - band.first_row as usize) * width + column,
+            left: width - column,
+            across: 0,
+            down: (1 << fan.shift_y).min(rows[1] as usize + 1 - row),
             shift_x: fan.shift_x,
-            is_square: across == 4 && down == 4,
-        }
+            is_square: false,
+        };
+        place.measure();
+        place
     }
 
-    /// Column and row of a lane's ray in the grid; none if it lies outside.
+    /// How much of the block is in the grid.
     #[inline(always)]
-    fn ray(&self, lane: usize) -> Option<[usize; 2]> {
+    fn measure(&mut self) {
+        self.across = (1 << self.shift_x).min(self.left);
+        self.is_square = self.across == 4 && self.down == 4;
+    }
+
+    /// To the next block of the row, if there is one.
+    #[inline(always)]
+    pub(crate) fn step(&mut self) {
+        self.block += 1;
+        self.first += self.across;
+        self.left -= self.across;
+        self.measure();
+    }
+
+    /// Index of a lane's ray in the band's output; none if it lies outside the grid.
+    #[inline(always)]
+    fn ray(&self, lane: usize) -> Option<usize> {
         let (x, y) = (lane & ((1 << self.shift_x) - 1), lane >> self.shift_x);
-        (x < self.across && y < self.down).then_some([self.column + x, self.row + y])
-    }
-
-    /// Index of the first ray of a line of the block in the band's output.
-    #[inline(always)]
-    fn index(&self, line: usize) -> usize {
-        (self.row - self.first_row + line) * self.width + self.column
+        (x < self.across && y < self.down).then_some(self.first + y * self.width + x)
     }
 
     /// Writes a value for each ray of the block.
@@ -164,7 +175,7 @@ impl Place {
     /// Writes the lines of a square block.
     #[inline(always)]
     fn write_four<T, V>(&self, output: &mut [T], lines: [V; 4], store: impl Fn(V, &mut [T; 4])) {
-        let first = self.index(0);
+        let first = self.first;
         for (line, values) in lines.into_iter().enumerate() {
             if let Some(output) = output[first + line * self.width..].first_chunk_mut() {
                 store(values, output);
@@ -181,7 +192,7 @@ impl Place {
         four: impl Fn(usize, &mut [T; 4]),
         some: impl Fn(usize, &mut [T]),
     ) {
-        let first = self.index(0);
+        let first = self.first;
         if self.is_square {
             for line in 0..4 {
                 if let Some(output) = output[first + line * self.width..].first_chunk_mut() {
@@ -198,8 +209,8 @@ impl Place {
     /// Writes some of the lanes.
     pub(crate) fn write_where<T: Copy>(&self, values: &[T; WIDTH], lanes: u16, output: &mut [T]) {
         for lane in 0..WIDTH {
-            if let (true, Some([column, row])) = (lanes >> lane & 1 == 1, self.ray(lane)) {
-                output[(row - self.first_row) * self.width + column] = values[lane];
+            if let (true, Some(ray)) = (lanes >> lane & 1 == 1, self.ray(lane)) {
+                output[ray] = values[lane];
             }
         }
     }

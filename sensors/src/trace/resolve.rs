@@ -46,6 +46,28 @@ impl Hit<'_> {
     }
 }
 
+/// What the rays of a block have hit.
+#[derive(Clone, Copy)]
+pub(crate) enum Met<'a> {
+    Nothing,
+    /// All rays the same instance.
+    One(Hit<'a>),
+    /// These lanes, anything.
+    Several(u16),
+}
+
+impl Met<'_> {
+    /// The lanes that have hit anything, a bit each.
+    #[inline(always)]
+    pub(crate) fn lanes(&self) -> u16 {
+        match self {
+            Self::Nothing => 0,
+            Self::One(_) => u16::MAX,
+            Self::Several(lanes) => *lanes,
+        }
+    }
+}
+
 impl<'a> Resolver<'a> {
     pub(crate) fn new(view: &'a View<'a>) -> Self {
         Self { view, placed: 0, slots: 0..0 }
@@ -60,6 +82,22 @@ impl<'a> Resolver<'a> {
         }
         let instance = &self.view.placed[self.placed as usize];
         Hit { placed: self.placed, instance, local: slot - instance.first_slot }
+    }
+
+    /// What the rays of a block have hit.
+    #[inline(always)]
+    pub(crate) fn met<S: Simd>(&mut self, simd: S, slots: &[u32; WIDTH]) -> Met<'a> {
+        let lanes = hit_lanes(simd, slots);
+        if lanes == 0 {
+            return Met::Nothing;
+        }
+        if lanes == u16::MAX {
+            let hit = self.hit(slots[0]);
+            if self.are_of_last(simd, slots) {
+                return Met::One(hit);
+            }
+        }
+        Met::Several(lanes)
     }
 
     /// The slots of the instance found last.

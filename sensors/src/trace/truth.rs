@@ -6,7 +6,7 @@ use super::grid::{Band, Sight, check_shutter};
 use super::measure::Measure;
 use super::normals::{NormalFinder, Normals};
 use super::place::{Place, for_each_block};
-use super::resolve::{Resolver, hit_lanes};
+use super::resolve::{Met, Resolver};
 use crate::execution::split_at;
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
@@ -162,7 +162,7 @@ impl<'a> Truth<'a> {
         );
     }
 
-    /// Channel by channel: short loops keep what they need in registers.
+    /// Block by block, so that what the rays of a block have met is found once for all channels.
     #[inline(always)]
     fn write_channels<S: Simd>(&mut self, simd: S, band: &Band<'_>, sight: &Sight, capture: &Capture<'_>) {
         let mut resolver = Resolver::new(band.view);
@@ -185,24 +185,7 @@ impl<'a> Truth<'a> {
                 },
             );
         }
-        if self.instance.is_some() || self.class.is_some() {
-            for_each_block(
-                band,
-                #[inline(always)]
-                |place, _| self.write_identities(simd, band, &mut resolver, place),
-            );
-        }
         let mut finder = NormalFinder::new(sight.faces);
-        if let Some(normal) = self.normal.as_deref_mut() {
-            for_each_block(
-                band,
-                #[inline(always)]
-                |place, block| match finder.block(simd, band, &mut resolver, block).0 {
-                    Normals::Same(same) => place.write_normal(simd, same, normal),
-                    Normals::Each(each) => place.write_normals(simd, each, normal),
-                },
-            );
-        }
         if let Some(incidence) = self.incidence.as_deref_mut() {
             let axes = band.view.world_from_sensor.rotation_matrix();
             for_each_block(
@@ -213,44 +196,77 @@ impl<'a> Truth<'a> {
                 },
             );
         }
-        for (output, other) in [(&mut self.flow, &capture.after), (&mut self.flow_back, &capture.before)] {
-            let (Some(output), Some(other)) = (output, other) else { continue };
-            let mut flow = Flow::new(other);
-            for_each_block(
-                band,
-                #[inline(always)]
-                |place, block| {
-                    place.write_pairs(simd, flow.block(simd, band, &mut resolver, block), output);
-                },
-            );
+        let Self { normal, instance, class, flow, flow_back, .. } = self;
+        let (mut after, mut before) =
+            (capture.after.as_ref().map(Flow::new), capture.before.as_ref().map(Flow::new));
+        if normal.is_none() && instance.is_none() && class.is_none() && flow.is_none() && flow_back.is_none()
+        {
+            return;
         }
+        for_each_block(
+            band,
+            #[inline(always)]
+            |place, block| {
+                let slots = &band.target.slot[place.block];
+                let met = resolver.met(simd, slots);
+                if instance.is_some() || class.is_some() {
+                    let outputs = [instance.as_deref_mut(), class.as_deref_mut()];
+                    write_identities(simd, band, &mut resolver, place, &met, outputs);
+                }
+                if let Some(normal) = normal.as_deref_mut() {
+                    match finder.of(simd, band, &mut resolver, block, &met) {
+                        Normals::Same(same) => place.write_normal(simd, same, normal),
+                        Normals::Each(each) => place.write_normals(simd, each, normal),
+                    }
+                }
+                if let (Some(output), Some(flow)) = (flow.as_deref_mut(), &mut after) {
+                    place.write_pairs(simd, flow.block(simd, band, &mut resolver, block, &met), output);
+                }
+                if let (Some(output), Some(flow)) = (flow_back.as_deref_mut(), &mut before) {
+                    place.write_pairs(simd, flow.block(simd, band, &mut resolver, block, &met), output);
+                }
+            },
+        );
     }
+}
 
-    /// Writes what the rays of a block have hit: instances and their classes.
-    #[inline(always)]
-    fn write_identities<S: Simd>(
-        &mut self,
-        simd: S,
-        band: &Band<'_>,
-        resolver: &mut Resolver<'_>,
-        place: &Place,
-    ) {
-        let slots = &band.target.slot[place.block];
-        let mut rest = hit_lanes(simd, slots);
-        let (mut instances, mut classes) = (u32x16::splat(simd, u32::MAX), u32x16::splat(simd, 0));
-        while rest != 0 {
-            let (hit, own) = resolver.first_of(simd, slots, rest);
-            rest &= !own;
-            let own = simd.from_bitmask_mask32x16(u64::from(own));
+/// Writes what the rays of a block have hit: instances and their classes.
+#[inline(always)]
+fn write_identities<S: Simd>(
+    simd: S,
+    band: &Band<'_>,
+    resolver: &mut Resolver<'_>,
+    place: &Place,
+    met: &Met<'_>,
+    outputs: [Option<&mut [u32]>; 2],
+) {
+    let known = band.view.scene.instances();
+    let mut rest = match met {
+        Met::Nothing => 0,
+        Met::One(hit) => {
             let index = hit.instance.instance;
-            instances = own.select(u32x16::splat(simd, index), instances);
-            let class = band.view.scene.instances()[index as usize].class;
-            classes = own.select(u32x16::splat(simd, class), classes);
-        }
-        for (output, values) in [(&mut self.instance, instances), (&mut self.class, classes)] {
-            if let Some(output) = output.as_deref_mut() {
-                place.write_u32(simd, values, output);
+            for (output, value) in outputs.into_iter().zip([index, known[index as usize].class]) {
+                if let Some(output) = output {
+                    place.fill(value, output);
+                }
             }
+            return;
+        }
+        Met::Several(lanes) => *lanes,
+    };
+    let slots = &band.target.slot[place.block];
+    let (mut instances, mut classes) = (u32x16::splat(simd, u32::MAX), u32x16::splat(simd, 0));
+    while rest != 0 {
+        let (hit, own) = resolver.first_of(simd, slots, rest);
+        rest &= !own;
+        let own = simd.from_bitmask_mask32x16(u64::from(own));
+        let index = hit.instance.instance;
+        instances = own.select(u32x16::splat(simd, index), instances);
+        classes = own.select(u32x16::splat(simd, known[index as usize].class), classes);
+    }
+    for (output, values) in outputs.into_iter().zip([instances, classes]) {
+        if let Some(output) = output {
+            place.write_u32(simd, values, output);
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::description::model::{Joint, JointKind, LinkIndex, Model};
 use crate::rig::base;
 use crate::robot::imu::Imu;
 use crate::robot::kobuki::Wheels;
+use crate::server::commands;
 
 pub(super) fn report(robot: &Model, gazebo_compat: bool) -> Vec<String> {
     let mut lines = vec![format!("robot {} ({})", robot.name, robot.source)];
@@ -35,7 +36,7 @@ fn base_report(robot: &Model) -> Vec<String> {
     say("", format!("{}, {}", base::BUMPER_TOPIC, base::CLIFF_TOPIC));
     say("", base::WHEEL_DROP_TOPIC.into());
     say("commands", "/cmd_vel".into());
-    say("", format!("{}, {}", base::RESET_ODOMETRY_TOPIC, base::MOTOR_POWER_TOPIC));
+    say("", format!("{}, {}", commands::RESET_ODOMETRY_TOPIC, commands::MOTOR_POWER_TOPIC));
     say("IMU frame", robot.links[Imu::mount(robot)].name.clone());
     lines
 }

@@ -52,6 +52,9 @@ pub(super) enum Order {
         /// What it is to be called [default: its own name]
         #[arg(long, value_name = "NAME")]
         name: Option<String>,
+        /// Stands before its topics and frames, as in /NAMESPACE/scan [default: none]
+        #[arg(long, value_name = "NAMESPACE")]
+        namespace: Option<String>,
         /// Where, in metres and degrees
         #[arg(long, value_name = "X,Y,Z[,YAW]", value_parser = place, allow_hyphen_values = true, default_value = "0,0,0")]
         pose: Place,
@@ -117,10 +120,11 @@ impl Order {
                 command.reference = self.name(relative_to)?;
                 (command.position, command.orientation) = ([*x, *y, *z], turned(*yaw));
             }
-            Self::Spawn { file, name, pose, relative_to } => {
+            Self::Spawn { file, name, namespace, pose, relative_to } => {
                 text = std::fs::read_to_string(file)
                     .map_err(|source| CliError::Input { path: file.clone(), source })?;
                 command.name = self.name(name.as_deref().unwrap_or_default())?;
+                command.robot_namespace = self.name(namespace.as_deref().unwrap_or_default())?;
                 command.reference = self.name(relative_to)?;
                 (command.position, command.orientation) = (pose.position, turned(pose.yaw_deg));
             }

@@ -8,31 +8,12 @@ use crate::description::values::{child_bool, child_number, nearest, numbers};
 use crate::description::xml::Element;
 use glam::DVec3;
 
-/// `<scene><ambient>` where none is given (sdf/1.6).
-const DEFAULT_AMBIENT: [f32; 3] = [0.4; 3];
-/// `<scene><background>` where none is given.
-const DEFAULT_BACKGROUND: [f32; 3] = [0.7; 3];
-/// `<physics><max_step_size>` where none is given.
-const DEFAULT_STEP_S: f64 = 0.001;
-/// `<gravity>` where none is given.
-const DEFAULT_GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.8);
 /// A physics step beyond this is a mistake: contacts of a robot at walking speed are missed altogether.
 const MAX_STEP_S: f64 = 0.1;
 
 impl Loader<'_> {
     pub(super) fn world(&mut self, element: &Element, scope: Scope<'_>) -> World {
-        let mut world = World {
-            name: name_of(element),
-            models: Vec::new(),
-            lights: Vec::new(),
-            ambient: DEFAULT_AMBIENT,
-            background: DEFAULT_BACKGROUND,
-            shadows: true,
-            linear_light: false,
-            gravity: DEFAULT_GRAVITY,
-            max_step_size_s: DEFAULT_STEP_S,
-            source: element.source.clone(),
-        };
+        let mut world = World { name: name_of(element), source: element.source.clone(), ..World::empty() };
         self.scene(element, &mut world);
         self.physics(element, &mut world);
 

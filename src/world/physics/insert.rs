@@ -3,11 +3,12 @@
 use super::convert::{from_rapier, to_rapier, vector};
 use super::joint::{JointState, Motion, MovingJoint};
 use super::lump::{BodyMass, Lumps, joints_in, root_above, tree_order};
-use super::{Body, JointIndex, ModelIndex, MovingLink, Owner, Physics, PlacedLink, PlacedModel, shape};
+use super::{
+    Body, JointIndex, ModelIndex, MovingLink, Owner, Physics, PlacedLink, PlacedModel, Placement, shape,
+};
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::inertia::is_positive_definite;
 use crate::description::model::{Geometry, Inertial, Joint, JointKind, LinkIndex, Model};
-use crate::robot::kobuki::Wheels;
 use belvedere_sensors::Pose;
 use glam::{DMat3, DVec3};
 use rapier3d::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBuilder, RigidBodyHandle};
@@ -19,9 +20,9 @@ use rapier3d::pipeline::ActiveHooks;
 const DEFAULT_FRICTION: f64 = 1.0;
 
 impl Physics {
-    /// Adds a model's bodies, joints and shapes.
-    pub(super) fn add(&mut self, model: &Model, world_from_model: &Pose, is_robot: bool) {
-        let index = self.models.len();
+    /// Adds a model's bodies, joints and shapes, at the index of one that was taken out or the next one.
+    pub(super) fn add(&mut self, index: ModelIndex, placement: &Placement<'_>) {
+        let Placement { model, ref world_from_model, ref carried, stays_awake } = *placement;
         let order = tree_order(model);
         let rest = model.rest_poses();
         let (first_body, mut joints) = (self.bodies.len(), Vec::new());
@@ -38,23 +39,20 @@ impl Physics {
             })
             .collect();
         if !model.is_static {
-            let rolled: Vec<JointIndex> =
-                if is_robot { Wheels::of(model).map(|wheels| wheels.joints()).ok() } else { None }
-                    .map_or_else(Vec::new, Vec::from);
-            let lumps = Lumps::of(model, &order, &rolled, &mut self.notes);
+            let lumps = Lumps::of(model, &order, carried, &mut self.notes);
             let wheel_of = |root: LinkIndex| {
-                rolled.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
+                carried.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
             };
             let roots: Vec<LinkIndex> =
                 order.iter().copied().filter(|link| lumps.root[*link] == *link).collect();
             for root in roots.iter().copied().filter(|root| wheel_of(*root).is_none()) {
-                let carried = rolled.iter().map(|joint| &model.joints[*joint]);
-                let carried = carried.filter(|joint| lumps.root[joint.parent] == root);
+                let wheels = carried.iter().map(|joint| &model.joints[*joint]);
+                let wheels = wheels.filter(|joint| lumps.root[joint.parent] == root);
                 let members: Vec<LinkIndex> = lumps
                     .links(root)
-                    .chain(carried.flat_map(|joint| lumps.links(lumps.root[joint.child])))
+                    .chain(wheels.flat_map(|joint| lumps.links(lumps.root[joint.child])))
                     .collect();
-                if let Some(handle) = self.insert_body(model, root, &members, world_from_model, is_robot) {
+                if let Some(handle) = self.insert_body(model, root, &members, world_from_model, stays_awake) {
                     self.place_links(model, index, &lumps, root, handle, None, &mut links);
                 }
             }
@@ -68,7 +66,7 @@ impl Physics {
             }
             for number in joints_in(&order, model) {
                 let joint = &model.joints[number];
-                joints[number] = self.join(joint, &links, rolled.contains(&number));
+                joints[number] = self.join(joint, &links, carried.contains(&number));
             }
             leading = root_above(model, 0).and_then(|root| links[root].body).or_else(|| {
                 (first_body..self.bodies.len()).find(|body| self.bodies[*body].carrier.is_none())
@@ -77,14 +75,18 @@ impl Physics {
         for link in order {
             self.add_colliders(model, index, link, &mut links[link]);
         }
-        self.models.push(PlacedModel {
+        let placed = PlacedModel {
             world_from_model: *world_from_model,
             links,
             joints,
             first_body,
             end_body: self.bodies.len(),
             leading,
-        });
+        };
+        match self.models.get_mut(index) {
+            Some(place) => *place = placed,
+            None => self.models.push(placed),
+        }
     }
 
     /// Makes what holds or drives two bodies; none if nothing moves, or nothing that has a position.
@@ -132,7 +134,7 @@ impl Physics {
         root: LinkIndex,
         members: &[LinkIndex],
         world_from_model: &Pose,
-        is_robot: bool,
+        stays_awake: bool,
     ) -> Option<RigidBodyHandle> {
         let links = || members.iter().map(|link| &model.links[*link]);
         let collisions = || links().flat_map(|link| &link.collisions);
@@ -167,7 +169,7 @@ impl Physics {
             .additional_mass_properties(properties)
             .gravity_scale(mass.gravity_share as f32)
             // A sleeping robot would ignore its motors; things in the world may rest.
-            .can_sleep(!is_robot);
+            .can_sleep(!stays_awake);
         Some(self.rapier.insert_body(body))
     }
 

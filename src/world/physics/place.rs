@@ -2,7 +2,7 @@
 
 use super::convert::{from_rapier, to_rapier, vector};
 use super::joint::{JointState, Motion};
-use super::{ModelIndex, Physics, PlacedModel};
+use super::{ModelIndex, Physics, PlacedModel, Placement};
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::model::Model;
 use belvedere_sensors::Pose;
@@ -97,20 +97,22 @@ impl Physics {
     }
 
     /// Adds a model to the running world, its frame at `world_from_model`. What was decided for the user is added to
-    /// [`Physics::notes`].
+    /// [`Physics::take_notes`].
     ///
     /// # Errors
     /// If a pose is not finite.
-    pub fn insert_model(&mut self, model: &Model, world_from_model: &Pose) -> Result<ModelIndex, Problem> {
-        check_poses(model, world_from_model)?;
-        let index = self.models.len();
-        self.add(model, world_from_model, false);
+    pub fn insert_model(&mut self, placement: &Placement<'_>) -> Result<ModelIndex, Problem> {
+        check_poses(placement.model, &placement.world_from_model)?;
+        let index = self.free.pop().unwrap_or(self.models.len());
+        self.add(index, placement);
         self.rapier.wake_up_all(true);
         Ok(index)
     }
 
-    /// Takes a model out of the running world. Its index stays empty, those of the others stay as they are.
+    /// Takes a model out of the running world. Its index is given to the next that comes; those of the others stay as
+    /// they are.
     pub fn remove_model(&mut self, model: ModelIndex) {
+        self.free.push(model);
         let removed = std::mem::take(&mut self.models[model]);
         for link in removed.links.iter().filter(|link| link.body.is_none()) {
             for collider in &link.colliders {
@@ -148,6 +150,7 @@ impl Physics {
 
     /// Leaves an index empty, as [`Physics::remove_model`] does.
     pub(super) fn skip(&mut self) {
+        self.free.push(self.models.len());
         self.models.push(PlacedModel::default());
     }
 }

@@ -95,10 +95,20 @@ class SimulationControl(Closing):
         orientation: Sequence[float] = _UPRIGHT,
         *,
         reference: str = "",
+        namespace: str = "",
     ) -> int:
-        """Put the model of a text, URDF or SDF, into the world under a name, or its own; without sensors."""
+        """Put the model of a text, URDF or SDF, into the world under a name, or its own.
+
+        Its base and its sensors come along; their topics are ``/namespace/...`` and their frames ``namespace/...``.
+        """
         return self._call(
-            Operation.SPAWN, text, name=name, reference=reference, position=position, orientation=orientation
+            Operation.SPAWN,
+            text,
+            name=name,
+            reference=reference,
+            robot_namespace=namespace,
+            position=position,
+            orientation=orientation,
         )
 
     def delete(self, model: str) -> int:

@@ -204,7 +204,7 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
         [
             *(("id", "<u8"), ("operation", "<u2"), ("reserved", "<u2"), ("text_len", "<u4"), ("steps", "<u8")),
             *(("name", "S64"), ("reference", "S64"), ("position", "<f8", 3), ("orientation", "<f8", 4)),
-            *(("linear", "<f8", 3), ("angular", "<f8", 3)),
+            *(("linear", "<f8", 3), ("angular", "<f8", 3), ("robot_namespace", "S64")),
         ]
     ),
     Kind.SIMULATION_RESULT: np.dtype(

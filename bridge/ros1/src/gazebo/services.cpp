@@ -171,6 +171,7 @@ void Services::spawn_model(const gazebo_msgs::SpawnModelRequest& request, gazebo
     bv_simulation_command command = command_of(BV_OPERATION_SPAWN);
     set_name(command.name, request.model_name);
     set_name(command.reference, request.reference_frame);
+    set_name(command.robot_namespace, request.robot_namespace);
     set_pose(command, request.initial_pose);
     simulator_.command(command, to_xml(request.model_xml));
     response.status_message = "SpawnModel: Successfully spawned entity";

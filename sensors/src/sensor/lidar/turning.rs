@@ -12,6 +12,7 @@ use crate::scene::{Scene, visibility};
 use crate::trace::Truth;
 use crate::trace::grid::Frame;
 use core::ops::Range;
+use fearless_simd::{Simd, dispatch};
 
 /// Pieces that slices are dealt out in, at the most: each needs memory of its own for a view. Nothing else depends on it.
 const MOST_PIECES: usize = 16;
@@ -134,7 +135,10 @@ pub(super) fn sense(
     });
     gather(&plan, &traced, &mut output);
     if let Some(ranges) = output.ranges {
-        lidar.measure_lines(capture.frame, 0, ranges);
+        dispatch!(execution.level, simd => simd.vectorize(
+            #[inline(always)]
+            || lidar.measure_lines(simd, capture.frame, 0, ranges),
+        ));
     }
 }
 

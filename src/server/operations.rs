@@ -1,21 +1,19 @@
 //! What commands from other processes do to a simulation.
 
-use super::{Simulation, Steps};
-use crate::control::roster::MAX_NAME_BYTES;
-use crate::control::states::{MAX_SPAWNED_LINKS, MAX_SPAWNED_MODELS};
-use crate::control::{Request, Resident, Role, values};
+use super::inbox::Request;
+use super::states::{MAX_SPAWNED_LINKS, MAX_SPAWNED_MODELS};
+use super::{Server, Steps, values};
 use crate::description::model::Model;
-use crate::robot::Robot;
-use crate::world::physics::Physics;
+use crate::entities::Origin;
+use crate::simulation::SpawnOptions;
 use belvedere_bridge::Operation;
 use belvedere_bridge::payload::SimulationCommand;
-use belvedere_sensors::Pose;
 use std::time::Duration;
 
 /// Commands applied between two frames.
 const COMMANDS_AT_ONCE: usize = 16;
 
-impl Simulation {
+impl Server<'_> {
     /// Whether simulated time stands.
     pub fn is_paused(&self) -> bool {
         self.paused && self.steps.is_none()
@@ -46,13 +44,13 @@ impl Simulation {
         self.take_commands();
         self.rig.update();
         if self.is_paused() {
-            self.states.repeat(&self.roster, &self.physics);
+            self.states.repeat(self.simulation.entities(), self.simulation.physics());
         }
     }
 
     fn apply(&mut self, request: &Request) {
         let command = &request.command;
-        let time_ns = self.physics.time_ns();
+        let time_ns = self.simulation.time_ns();
         let outcome = match request.operation() {
             None => Err(format!(
                 "operation {} is not known to this simulator; it knows {}",
@@ -80,16 +78,20 @@ impl Simulation {
                 tracing::debug!(time_ns, id = command.id, model = %command.name, "{name} refused: {reason}");
             }
         }
-        self.answer(command, self.physics.time_ns(), &outcome);
+        self.answer(command, self.simulation.time_ns(), &outcome);
         if self.is_paused() {
-            self.states.send(self.physics.time_ns(), &self.roster, &self.physics);
+            self.states.send(
+                self.simulation.time_ns(),
+                self.simulation.entities(),
+                self.simulation.physics(),
+            );
         }
     }
 
     /// Answers a command. What was published before it is out before the answer: who has that knows that what comes next
     /// is of the time after the command.
     fn answer(&self, command: &SimulationCommand, time_ns: u64, outcome: &Result<(), String>) {
-        if let Some(post) = &self.post {
+        if let Some(post) = &self.sink.post {
             post.flush();
         }
         self.inbox.answer(command, time_ns, outcome);
@@ -109,11 +111,7 @@ impl Simulation {
             }
             Operation::Step => {}
             Operation::ResetWorld => {
-                let before = self.bases();
-                for (index, resident) in self.roster.iter() {
-                    self.physics.place_model(index, &resident.start);
-                }
-                self.carried(&before);
+                self.simulation.replace();
             }
             Operation::ResetSimulation => self.restart()?,
             Operation::SetModelState => self.set_model_state(command)?,
@@ -121,7 +119,7 @@ impl Simulation {
             Operation::Delete => self.delete(command.name.as_str())?,
             Operation::Configure => {
                 let text = request.text.as_deref().map_err(Clone::clone)?;
-                self.rig.configure(command.name.as_str(), text, self.physics.time_ns())?;
+                self.rig.configure(command.name.as_str(), text, self.simulation.time_ns())?;
             }
         }
         Ok(())
@@ -129,13 +127,13 @@ impl Simulation {
 
     /// Begins to run some steps, after which time stands.
     fn step_for(&mut self, command: &SimulationCommand) -> Result<(), String> {
-        let length_ns = command.steps.checked_mul(self.physics.step_ns());
-        let until_ns = length_ns.and_then(|length_ns| self.physics.time_ns().checked_add(length_ns));
+        let length_ns = command.steps.checked_mul(self.simulation.physics().step_ns());
+        let until_ns = length_ns.and_then(|length_ns| self.simulation.time_ns().checked_add(length_ns));
         let until_ns = until_ns.filter(|_| command.steps > 0).ok_or_else(|| {
             format!(
                 "{} steps cannot be run; ask for 1 or more, each is {} ns",
                 command.steps,
-                self.physics.step_ns()
+                self.simulation.physics().step_ns()
             )
         })?;
         self.end_steps("was ended by another step command");
@@ -148,8 +146,8 @@ impl Simulation {
     /// Answers a step command that does not come to its end.
     fn end_steps(&mut self, why: &str) {
         if let Some(Steps { command, until_ns }) = self.steps.take() {
-            let time_ns = self.physics.time_ns();
-            let left = until_ns.saturating_sub(time_ns) / self.physics.step_ns();
+            let time_ns = self.simulation.time_ns();
+            let left = until_ns.saturating_sub(time_ns) / self.simulation.physics().step_ns();
             let reason = format!("it {why}, {left} of {} steps before its end", command.steps);
             self.answer(&command, time_ns, &Err(reason));
         }
@@ -157,86 +155,66 @@ impl Simulation {
 
     /// Answers a step command that is done.
     pub(super) fn finish_steps(&mut self) {
-        if let Some(steps) = self.steps.take_if(|steps| self.physics.time_ns() >= steps.until_ns) {
-            self.answer(&steps.command, self.physics.time_ns(), &Ok(()));
-            self.states.send(self.physics.time_ns(), &self.roster, &self.physics);
+        if let Some(steps) = self.steps.take_if(|steps| self.simulation.time_ns() >= steps.until_ns) {
+            self.answer(&steps.command, self.simulation.time_ns(), &Ok(()));
+            self.states.send(
+                self.simulation.time_ns(),
+                self.simulation.entities(),
+                self.simulation.physics(),
+            );
         }
     }
 
-    /// Begins again at time 0, with everybody who is there now in the place where each was at first. What is built is
-    /// what a fresh start builds, so that the same bytes follow.
+    /// Begins again at time 0.
     fn restart(&mut self) -> Result<(), String> {
-        let mut physics =
-            Physics::with_models(&self.world, self.roster.places()).map_err(|problem| problem.to_string())?;
-        let robots = self.roster.iter().filter(|(_, resident)| resident.role == Role::Robot);
-        self.robots = robots.map(|(index, robot)| Robot::new(&robot.model, index, &mut physics).0).collect();
         self.end_steps("was ended by a reset");
-        self.before_resets_ns += self.physics.time_ns();
-        self.physics = physics;
-        self.physics.remember(self.rig.window_ns());
-        self.scene.replace(&self.physics);
+        self.simulation.reset().map_err(|error| error.to_string())?;
         self.rig.restart()?;
         self.states.restart();
-        self.commanded_ns = None;
         self.epoch += 1;
         Ok(())
     }
 
     fn set_model_state(&mut self, command: &SimulationCommand) -> Result<(), String> {
-        let (index, _) = self.roster.find(command.name.as_str())?;
-        let world_from_reference = self.roster.world_from_frame(command.reference.as_str(), &self.physics)?;
-        let pose = values::pose(command)?;
+        let (entities, physics) = (self.simulation.entities(), self.simulation.physics());
+        let (id, _) = entities.find(command.name.as_str())?;
+        let world_from_reference = entities.world_from_frame(command.reference.as_str(), physics)?;
+        let pose = world_from_reference * values::pose(command)?;
         let (linear, angular) = values::twist(command)?;
         let [linear, angular] = [linear, angular].map(|vector| world_from_reference.transform_vector(vector));
-        let before = self.bases();
-        self.physics.move_model(index, &(world_from_reference * pose), linear, angular);
-        self.carried(&before);
-        Ok(())
-    }
-
-    /// Where the robots' bases are.
-    fn bases(&self) -> Vec<Pose> {
-        self.robots.iter().map(|robot| robot.world_from_base(&self.physics)).collect()
-    }
-
-    /// Tells everybody of a move by hand, before which the bases were there.
-    fn carried(&mut self, before: &[Pose]) {
-        for (robot, world_from_before) in self.robots.iter_mut().zip(before) {
-            robot.carried(&self.physics, world_from_before);
-        }
-        self.scene.replace(&self.physics);
+        self.simulation.place(id, &pose, linear, angular).map_err(|error| error.to_string())
     }
 
     fn spawn(&mut self, command: &SimulationCommand, text: &str) -> Result<(), String> {
         let name = command.name.as_str();
-        let model = self.spawn_options.load(text, name)?;
-        let name = if name.is_empty() { model.name.clone() } else { name.to_owned() };
-        if name.len() > MAX_NAME_BYTES {
-            return Err(format!("the name '{name}' has more than {MAX_NAME_BYTES} bytes; give it another"));
-        }
-        if self.roster.is_taken(&name) {
-            return Err(format!(
-                "there is a model '{name}' already; give it another name, or delete that one first"
-            ));
-        }
+        let model = self.files.load(text, name)?;
         self.check_room(&model)?;
-        let world_from_reference = self.roster.world_from_frame(command.reference.as_str(), &self.physics)?;
-        let start: Pose = world_from_reference * values::pose(command)? * model.world_from_model;
-        let model = Model { name: name.clone(), ..model };
-        let index = self.physics.insert_model(&model, &start).map_err(|problem| problem.to_string())?;
-        if let Err(problem) = self.scene.add_model(index, &model, &start) {
-            self.physics.remove_model(index);
-            self.roster.add_nobody();
-            return Err(problem.to_string());
+        let (entities, physics) = (self.simulation.entities(), self.simulation.physics());
+        let world_from_reference = entities.world_from_frame(command.reference.as_str(), physics)?;
+        let options = SpawnOptions {
+            name: name.to_owned(),
+            namespace: command.robot_namespace.as_str().to_owned(),
+            world_from_model: world_from_reference * values::pose(command)?,
+            ..SpawnOptions::default()
+        };
+        let noted = self.simulation.notes().len();
+        let spawned = self.simulation.spawn_as(&model, options, Origin::Spawned);
+        let id = spawned.map_err(|error| error.to_string())?;
+        if let Err(error) = self.mount(id) {
+            // It came a moment ago.
+            let _ = self.simulation.delete(id);
+            return Err(error.to_string());
         }
-        self.roster.add(Resident { name, model, start, role: Role::Spawned });
+        for note in &self.simulation.notes()[noted..] {
+            tracing::info!("{note}");
+        }
         Ok(())
     }
 
     /// Refuses what the streams of states have no room for.
     fn check_room(&self, model: &Model) -> Result<(), String> {
-        let models = self.roster.spawned().count();
-        let links: usize = self.roster.spawned().map(|resident| resident.model.links.len()).sum();
+        let models = self.simulation.entities().spawned().count();
+        let links: usize = self.simulation.entities().spawned().map(|entity| entity.model.links.len()).sum();
         if models >= MAX_SPAWNED_MODELS || links + model.links.len() > MAX_SPAWNED_LINKS {
             return Err(format!(
                 "at most {MAX_SPAWNED_MODELS} models with {MAX_SPAWNED_LINKS} links together may be spawned, \
@@ -247,16 +225,8 @@ impl Simulation {
     }
 
     fn delete(&mut self, name: &str) -> Result<(), String> {
-        let (index, resident) = self.roster.find(name)?;
-        if resident.role == Role::Robot {
-            return Err(format!(
-                "'{name}' is the robot that this simulation is of: its sensors and streams cannot go; \
-                 stop the simulator instead, or move it away"
-            ));
-        }
-        self.physics.remove_model(index);
-        self.scene.remove_model(index);
-        self.roster.remove(index);
-        Ok(())
+        let (id, _) = self.simulation.entities().find(name)?;
+        self.unmount(id);
+        self.simulation.delete(id).map_err(|error| error.to_string())
     }
 }

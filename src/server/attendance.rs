@@ -1,6 +1,6 @@
 //! Consumers that the simulation waits for: at the start, and whenever one of them is gone.
 
-use super::Rig;
+use crate::rig::Rig;
 use std::collections::HashMap;
 use std::fmt;
 use std::str::FromStr;

@@ -1,42 +1,14 @@
-//! Velocity commands, and drives that give them without a user.
+//! Drivers of a robot that nobody else drives.
 
+use super::Command;
 use belvedere_sensors::Pose;
-use clap::ValueEnum;
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
-use std::str::FromStr;
 
-/// What a base is to do (`geometry_msgs/Twist`, of which a differential drive can follow two parts).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Command {
-    /// Speed along the base's x in m/s.
-    pub linear_m_s: f64,
-    /// Rate of turn about the base's z in rad/s, positive to the left.
-    pub angular_rad_s: f64,
-}
-
-impl Command {
-    /// Stand still.
-    pub const STOP: Self = Self { linear_m_s: 0.0, angular_rad_s: 0.0 };
-
-    /// The command within the limits of a base. If a wheel would have to be faster than `max_speed_m_s`, speed
-    /// and turn are both scaled down, so that the path stays the same. A command that is not finite is a stop.
-    #[must_use]
-    pub fn limited(self, max_speed_m_s: f64, max_turn_rad_s: f64, separation_m: f64) -> Self {
-        if !(self.linear_m_s.is_finite() && self.angular_rad_s.is_finite()) {
-            return Self::STOP;
-        }
-        let linear_m_s = self.linear_m_s.clamp(-max_speed_m_s, max_speed_m_s);
-        let angular_rad_s = self.angular_rad_s.clamp(-max_turn_rad_s, max_turn_rad_s);
-        let fastest_wheel = linear_m_s.abs() + 0.5 * separation_m * angular_rad_s.abs();
-        let scale = if fastest_wheel > max_speed_m_s { max_speed_m_s / fastest_wheel } else { 1.0 };
-        Self { linear_m_s: linear_m_s * scale, angular_rad_s: angular_rad_s * scale }
-    }
-}
-
-/// A built-in drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum Drive {
+/// What drives a robot while nobody commands it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Autopilot {
     /// Round and round a rounded rectangle of 4.0 m × 2.4 m about the world's origin.
     #[default]
     Loop,
@@ -46,11 +18,11 @@ pub enum Drive {
     Still,
 }
 
-/// Rate of [`Drive::Spin`] in rad/s.
+/// Rate of [`Autopilot::Spin`] in rad/s.
 pub const SPIN_RAD_S: f64 = 0.6;
 
-impl Drive {
-    /// Where a robot is to start: on the path of [`Drive::Loop`], else at the origin, looking along x.
+impl Autopilot {
+    /// Where a robot is to start: on the path of [`Autopilot::Loop`], else at the origin, looking along x.
     pub fn start_pose(self) -> Pose {
         match self {
             Self::Loop => LoopPath::DEFAULT.start_pose(),
@@ -65,15 +37,6 @@ impl Drive {
             Self::Spin => Command { linear_m_s: 0.0, angular_rad_s: SPIN_RAD_S },
             Self::Still => Command::STOP,
         }
-    }
-}
-
-impl FromStr for Drive {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        <Self as ValueEnum>::from_str(text, true)
-            .map_err(|_| format!("'{text}' is not a drive; write loop, spin or still"))
     }
 }
 
@@ -93,7 +56,7 @@ pub struct LoopPath {
 }
 
 impl LoopPath {
-    /// The path of [`Drive::Loop`].
+    /// The path of [`Autopilot::Loop`].
     pub const DEFAULT: Self = Self {
         centre: DVec2::ZERO,
         size: DVec2::new(4.0, 2.4),
@@ -234,22 +197,5 @@ mod tests {
         let path = LoopPath::DEFAULT;
         let command = path.pursue(&path.start_pose());
         assert_eq!(command, Command { linear_m_s: path.speed_m_s, angular_rad_s: 0.0 });
-    }
-
-    #[test]
-    fn limits_keep_the_curvature() {
-        let command = Command { linear_m_s: 0.7, angular_rad_s: 3.0 }.limited(0.7, 3.2, 0.23);
-        assert!((command.linear_m_s / command.angular_rad_s - 0.7 / 3.0).abs() < 1e-12);
-        assert!((command.linear_m_s + 0.115 * command.angular_rad_s - 0.7).abs() < 1e-12);
-        assert_eq!(
-            Command { linear_m_s: f64::NAN, angular_rad_s: 0.0 }.limited(0.7, 3.2, 0.23),
-            Command::STOP
-        );
-    }
-
-    #[test]
-    fn drives_have_names() {
-        assert_eq!("Loop".parse::<Drive>(), Ok(Drive::Loop));
-        assert!("fly".parse::<Drive>().unwrap_err().contains("loop, spin or still"));
     }
 }

@@ -1,27 +1,26 @@
 //! The streams of the poses and velocities of all models and links, filled while somebody follows them.
 
-use super::roster::Roster;
-use crate::rig::post::Post;
+use super::shared_memory::SharedMemory;
+use crate::entities::Entities;
 use crate::rig::{Outlet, Rate};
 use crate::world::physics::Physics;
 use belvedere_bridge::payload::ModelState;
-use belvedere_bridge::{Error, Kind, Node, StreamSpec, Text};
+use belvedere_bridge::{Error, Kind, StreamSpec, Text};
 use belvedere_sensors::Pose;
 use glam::DVec3;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Rate in Hz: that of the robot's own state.
 const RATE_HZ: f64 = 50.0;
 /// Models that may be spawned beside those of the start.
-pub const MAX_SPAWNED_MODELS: usize = 64;
+pub(super) const MAX_SPAWNED_MODELS: usize = 64;
 /// Links that these may have together.
-pub const MAX_SPAWNED_LINKS: usize = 256;
+pub(super) const MAX_SPAWNED_LINKS: usize = 256;
 /// Time between two looks for new followers while simulated time stands.
 const PAUSED_PERIOD: Duration = Duration::from_millis(100);
 
 /// The two streams.
-pub struct StateStreams {
+pub(super) struct StateStreams {
     models: Outlet,
     links: Outlet,
     rate: Rate,
@@ -35,13 +34,10 @@ impl StateStreams {
     ///
     /// # Errors
     /// When the bridge cannot.
-    pub fn open(
-        node: &Node,
-        roster: &Roster,
-        physics: &Physics,
-        post: Option<&Arc<Post>>,
-    ) -> Result<Self, Error> {
-        let links: usize = roster.iter().map(|(_, resident)| resident.model.links.len()).sum();
+    pub(super) fn open(sink: &SharedMemory, entities: &Entities, physics: &Physics) -> Result<Self, Error> {
+        // They wait for nobody.
+        let sink = SharedMemory { lossless: None, ..sink.clone() };
+        let links: usize = entities.iter().map(|(_, entity)| entity.model.links.len()).sum();
         let publisher = |topic, count| {
             // Sent while it is followed: the last one may be of long ago.
             let spec = StreamSpec {
@@ -49,10 +45,10 @@ impl StateStreams {
                 history: 0,
                 ..StreamSpec::structs(topic, Kind::ModelStates, count).frame_id("world").rate_hz(RATE_HZ)
             };
-            Outlet::open(node, &spec, false, None, post)
+            Outlet::open(&sink, &spec, false)
         };
         Ok(Self {
-            models: publisher(StreamSpec::MODEL_STATES, roster.iter().count() + MAX_SPAWNED_MODELS)?,
+            models: publisher(StreamSpec::MODEL_STATES, entities.iter().count() + MAX_SPAWNED_MODELS)?,
             links: publisher(StreamSpec::LINK_STATES, links + MAX_SPAWNED_LINKS)?,
             rate: Rate::from_hz(RATE_HZ).unwrap_or(Rate::from_period_ns(physics.step_ns())),
             next: 0,
@@ -62,45 +58,45 @@ impl StateStreams {
     }
 
     /// Begins the schedule again.
-    pub fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         self.next = 0;
     }
 
     /// Sends what is due at a stamp between the last two steps.
-    pub fn publish(&mut self, stamp_ns: u64, roster: &Roster, physics: &Physics) {
+    pub(super) fn publish(&mut self, stamp_ns: u64, entities: &Entities, physics: &Physics) {
         if self.rate.stamp_ns(self.next) <= stamp_ns {
             while self.rate.stamp_ns(self.next) <= stamp_ns {
                 self.next += 1;
             }
-            self.send(stamp_ns, roster, physics);
+            self.send(stamp_ns, entities, physics);
         }
     }
 
     /// Sends the same again now and then, while simulated time stands: to those who have come since.
-    pub fn repeat(&mut self, roster: &Roster, physics: &Physics) {
+    pub(super) fn repeat(&mut self, entities: &Entities, physics: &Physics) {
         if self.sent.elapsed() >= PAUSED_PERIOD {
-            self.send(physics.time_ns(), roster, physics);
+            self.send(physics.time_ns(), entities, physics);
         }
     }
 
     /// Sends what is now.
-    pub fn send(&mut self, stamp_ns: u64, roster: &Roster, physics: &Physics) {
+    pub(super) fn send(&mut self, stamp_ns: u64, entities: &Entities, physics: &Physics) {
         self.sent = Instant::now();
         if self.models.is_wanted() {
             self.messages.clear();
-            self.messages.extend(roster.iter().map(|(index, resident)| {
-                let pose = physics.world_from_model_at(index, stamp_ns);
-                state(&resident.name, &pose, physics.model_velocity(index))
+            self.messages.extend(entities.iter().map(|(id, entity)| {
+                let pose = physics.world_from_model_at(id.index(), stamp_ns);
+                state(&entity.name, &pose, physics.model_velocity(id.index()))
             }));
             self.models.send_structs(stamp_ns, &self.messages);
         }
         if self.links.is_wanted() {
             self.messages.clear();
-            for (index, resident) in roster.iter() {
-                self.messages.extend(resident.model.links.iter().enumerate().map(|(number, link)| {
-                    let name = format!("{}::{}", resident.name, link.name);
-                    let pose = physics.world_from_link_at(index, number, stamp_ns);
-                    state(&name, &pose, physics.link_velocity(index, number))
+            for (id, entity) in entities.iter() {
+                self.messages.extend(entity.model.links.iter().enumerate().map(|(number, link)| {
+                    let name = format!("{}::{}", entity.name, link.name);
+                    let pose = physics.world_from_link_at(id.index(), number, stamp_ns);
+                    state(&name, &pose, physics.link_velocity(id.index(), number))
                 }));
             }
             self.links.send_structs(stamp_ns, &self.messages);

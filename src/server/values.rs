@@ -15,7 +15,7 @@ const FASTEST: f64 = 1e4;
 ///
 /// # Errors
 /// In words, if it is not finite, too far, or no rotation.
-pub fn pose(command: &SimulationCommand) -> Result<Pose, String> {
+pub(super) fn pose(command: &SimulationCommand) -> Result<Pose, String> {
     let position = vector(command.position, FARTHEST_M, "position")?;
     let rotation = DQuat::from_array(command.orientation);
     let length = rotation.length();
@@ -32,7 +32,7 @@ pub fn pose(command: &SimulationCommand) -> Result<Pose, String> {
 ///
 /// # Errors
 /// In words, if they are not finite or absurd.
-pub fn twist(command: &SimulationCommand) -> Result<(DVec3, DVec3), String> {
+pub(super) fn twist(command: &SimulationCommand) -> Result<(DVec3, DVec3), String> {
     Ok((
         vector(command.linear, FASTEST, "linear velocity")?,
         vector(command.angular, FASTEST, "angular velocity")?,

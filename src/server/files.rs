@@ -1,4 +1,4 @@
-//! A model out of a command's text.
+//! Models out of commands' texts.
 
 use crate::description::model::Model;
 use crate::description::package::PackagePath;
@@ -7,25 +7,25 @@ use crate::description::{Diagnostics, Rules};
 
 /// Where the files are that spawned models name, and how these are read.
 #[derive(Debug, Clone)]
-pub struct SpawnOptions {
+pub struct ModelFiles {
     /// Where packages and `model://` files are found.
     pub packages: PackagePath,
     /// As for the world's own models.
     pub rules: Rules,
 }
 
-impl Default for SpawnOptions {
+impl Default for ModelFiles {
     /// Our own models alone.
     fn default() -> Self {
         Self { packages: PackagePath::new([], None), rules: Rules::default() }
     }
 }
 
-impl SpawnOptions {
+impl ModelFiles {
     /// Reads a model to be spawned.
     ///
     /// # Errors
-    /// In words: what is wrong with the text, with its lines, or that it has sensors.
+    /// In words: what is wrong with the text, with its lines.
     pub fn load(&self, text: &str, name: &str) -> Result<Model, String> {
         let name = if name.is_empty() { "text" } else { name };
         let mut diagnostics = Diagnostics::default();
@@ -37,12 +37,6 @@ impl SpawnOptions {
             tracing::info!("{problem}");
         }
         let model = model.ok_or("there is no model in its text")?;
-        if let Some(sensor) = model.sensors.first() {
-            return Err(format!(
-                "{}: sensor '{}' cannot be added to a running simulation; remove its <sensor>, or give it to the robot",
-                sensor.source, sensor.name
-            ));
-        }
         Ok(model)
     }
 }

@@ -1,0 +1,153 @@
+//! Which robots run: `--robot`, `--name`, `--pose`.
+
+use crate::description::diagnostics::Source;
+use crate::description::model::Model;
+use crate::description::package::PackagePath;
+use crate::description::robot::{LoadOptions, default_robot_name, load_robot, xacro_argument};
+use crate::description::{Diagnostics, Rules};
+use crate::entities::model_name;
+use crate::simulation::SpawnOptions;
+use belvedere_sensors::Pose;
+use glam::DVec3;
+use std::collections::{HashMap, HashSet};
+use std::str::FromStr;
+
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
+/// The robots of a run.
+#[derive(Clone, Debug, clap::Args)]
+pub struct RobotArgs {
+    /// The robot: a .urdf or .xacro file, or the name of one in turtlebot_description/robots; may be repeated, for
+    /// several robots [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]
+    #[arg(long, value_name = "FILE|NAME")]
+    robot: Vec<String>,
+    /// Arguments of the robots' xacro, for its $(arg NAME)
+    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+    xacro_args: Vec<(String, String)>,
+    /// What the robot is called in the world, one for each --robot in their order; of several, its topics are
+    /// /NAME/... and its frames NAME/... [default: as its description has it, numbered if several are called so]
+    #[arg(long, value_name = "NAME", value_parser = model_name)]
+    name: Vec<String>,
+    /// Where it stands in metres, and its heading in degrees, one for each --robot in their order
+    /// [default: the origin; several stand in a row, 1 m apart]
+    #[arg(long, value_name = "X,Y[,YAW]", allow_hyphen_values = true)]
+    pose: Vec<PlanarPose>,
+}
+
+/// A place on the floor and a heading.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlanarPose {
+    x_m: f64,
+    y_m: f64,
+    yaw_deg: f64,
+}
+
+/// `X,Y` or `X,Y,YAW`.
+impl FromStr for PlanarPose {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong =
+            || format!("'{text}' is no pose; write X,Y or X,Y,YAW in metres and degrees, as 1,0.5,90");
+        let numbers = text.split(',').map(|number| number.trim().parse().map_err(|_| wrong()));
+        let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
+        let (x_m, y_m, yaw_deg) = match numbers[..] {
+            [x, y] => (x, y, 0.0),
+            [x, y, yaw] => (x, y, yaw),
+            _ => return Err(wrong()),
+        };
+        if [x_m, y_m, yaw_deg].iter().all(|value| value.abs() <= 1e6) {
+            Ok(Self { x_m, y_m, yaw_deg })
+        } else {
+            Err(wrong())
+        }
+    }
+}
+
+impl PlanarPose {
+    fn pose(self) -> Pose {
+        Pose::new(
+            DVec3::new(self.x_m, self.y_m, 0.0),
+            Pose::from_xyz_rpy(DVec3::ZERO, DVec3::Z * self.yaw_deg.to_radians()).rotation(),
+        )
+    }
+}
+
+impl RobotArgs {
+    /// Whether our own robot runs, because none was asked for.
+    pub(super) fn are_ours(&self) -> bool {
+        self.robot.is_empty()
+    }
+
+    /// Loads them, in the order of their names, so that a run does not depend on the order in which they were given.
+    /// `taken` are the names of the world's models.
+    pub(super) fn load(
+        &self,
+        packages: &PackagePath,
+        rules: Rules,
+        taken: &HashSet<&str>,
+        diagnostics: &mut Diagnostics,
+    ) -> Vec<(Model, SpawnOptions)> {
+        let files = if self.robot.is_empty() { vec![default_robot_name()] } else { self.robot.clone() };
+        for (option, count) in [("--name", self.name.len()), ("--pose", self.pose.len())] {
+            if count > files.len() {
+                diagnostics.error(
+                    &Source::new("the command line", 0),
+                    format!("{count} {option} for {} robots", files.len()),
+                    format!("give {option} once for each --robot, in their order"),
+                );
+            }
+        }
+        let options = LoadOptions { packages: packages.clone(), rules, xacro_args: self.xacro_args.clone() };
+        let mut models: Vec<(Model, Pose)> = Vec::new();
+        for (index, file) in files.iter().enumerate() {
+            let Some(mut model) = load_robot(file, &options, diagnostics) else { continue };
+            if let Some(name) = self.name.get(index) {
+                model.name.clone_from(name);
+            }
+            let row = PlanarPose { y_m: index as f64, ..PlanarPose::default() };
+            models.push((model, self.pose.get(index).copied().unwrap_or(row).pose()));
+        }
+        self.tell_apart(&mut models, taken, diagnostics);
+        let is_one = files.len() == 1;
+        let mut robots: Vec<_> = models
+            .into_iter()
+            .map(|(model, world_from_model)| {
+                let namespace = if is_one { String::new() } else { model.name.clone() };
+                let name = model.name.clone();
+                (model, SpawnOptions { name, namespace, world_from_model, is_robot: Some(true) })
+            })
+            .collect();
+        robots.sort_by(|(_, one), (_, other)| one.name.cmp(&other.name));
+        robots
+    }
+
+    /// Numbers robots that are called alike by their files; refuses names that were given and are taken.
+    fn tell_apart(&self, models: &mut [(Model, Pose)], taken: &HashSet<&str>, diagnostics: &mut Diagnostics) {
+        let mut count: HashMap<String, usize> = HashMap::new();
+        for (model, _) in &*models {
+            *count.entry(model.name.clone()).or_default() += 1;
+        }
+        let mut number: HashMap<String, usize> = HashMap::new();
+        for (index, (model, _)) in models.iter_mut().enumerate() {
+            let (is_given, name) = (index < self.name.len(), model.name.clone());
+            if count[&name] > 1 && is_given {
+                diagnostics.error(
+                    &model.source,
+                    format!("two robots are called '{name}'"),
+                    "give each its own --name",
+                );
+            } else if count[&name] > 1 {
+                let number = number.entry(name.clone()).or_default();
+                *number += 1;
+                model.name = format!("{name}_{number}");
+            }
+            if taken.contains(model.name.as_str()) {
+                diagnostics.error(
+                    &model.source,
+                    format!("a model of the world is called '{}'", model.name),
+                    "give the robot another --name",
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Worlds, robots and models in one call, for programs that need no more than that: packages are looked for in
+//! `ROS_PACKAGE_PATH` and then among our own, what is ignored is logged, what is wrong is the error.
+
+use super::diagnostics::{Diagnostics, Problem, Severity};
+use super::model::{Model, World};
+use super::package::PackagePath;
+use super::robot::{LoadOptions, load_robot};
+use super::rules::Rules;
+use super::single::load_model_text;
+use super::world::load_world;
+use std::fmt;
+
+/// What makes a description useless, all of it, one line each.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Errors(pub Vec<Problem>);
+
+impl fmt::Display for Errors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lines: Vec<String> = self.0.iter().map(ToString::to_string).collect();
+        f.write_str(&lines.join("\n"))
+    }
+}
+
+impl std::error::Error for Errors {}
+
+/// A world from an SDF file, or one of ours by its name.
+///
+/// ```
+/// let world = belvedere::description::read::world("corridor")?;
+/// assert_eq!(world.name, "corridor");
+/// assert!(belvedere::description::read::world("no_such").unwrap_err().to_string().contains("corridor"));
+/// # Ok::<(), belvedere::description::read::Errors>(())
+/// ```
+///
+/// # Errors
+/// Whatever is wrong with it.
+pub fn world(file_or_name: &str) -> Result<World, Errors> {
+    finish(|diagnostics| load_world(file_or_name, &packages(), Rules::default(), diagnostics))
+}
+
+/// A robot from a URDF or xacro file, or one of ours by its name.
+///
+/// # Errors
+/// Whatever is wrong with it.
+pub fn robot(file_or_name: &str) -> Result<Model, Errors> {
+    let options = LoadOptions { packages: packages(), rules: Rules::default(), xacro_args: Vec::new() };
+    finish(|diagnostics| load_robot(file_or_name, &options, diagnostics))
+}
+
+/// A model from the text of a URDF or SDF file.
+///
+/// # Errors
+/// Whatever is wrong with it.
+pub fn model(text: &str) -> Result<Model, Errors> {
+    finish(|diagnostics| load_model_text(text, "text", &packages(), Rules::default(), diagnostics))
+}
+
+fn packages() -> PackagePath {
+    PackagePath::new([], std::env::var_os("ROS_PACKAGE_PATH").as_deref())
+}
+
+fn finish<T>(load: impl FnOnce(&mut Diagnostics) -> Option<T>) -> Result<T, Errors> {
+    let mut diagnostics = Diagnostics::default();
+    let loaded = load(&mut diagnostics);
+    for problem in diagnostics.problems().iter().filter(|problem| problem.severity == Severity::Warning) {
+        tracing::warn!("{problem}");
+    }
+    let errors: Vec<Problem> = diagnostics.errors().cloned().collect();
+    loaded.filter(|_| errors.is_empty()).ok_or(Errors(errors))
+}

@@ -1,0 +1,78 @@
+//! What a robot is told: velocities, and what a Kobuki's driver takes besides.
+
+use crate::entities::{Entity, EntityId};
+use crate::robot::{Command, Robot};
+use crate::world::physics::Physics;
+use belvedere_bridge::payload::{Message, MotorPower, ResetOdometry, VelocityCommand};
+use belvedere_bridge::{Error, Kind, Node, StreamSpec, Subscriber};
+
+/// Velocities.
+pub const VELOCITY_TOPIC: &str = "/cmd_vel";
+/// Odometry is to begin at zero.
+pub const RESET_ODOMETRY_TOPIC: &str = "/mobile_base/commands/reset_odometry";
+/// Whether the motors follow commands.
+pub const MOTOR_POWER_TOPIC: &str = "/mobile_base/commands/motor_power";
+
+/// The receiving side of what a robot is told.
+pub(super) struct RobotCommands {
+    id: EntityId,
+    velocity: Subscriber,
+    base: Option<BaseCommands>,
+}
+
+/// That of what a base is told besides velocities.
+struct BaseCommands {
+    reset_odometry: Subscriber,
+    motor_power: Subscriber,
+}
+
+impl RobotCommands {
+    /// Opens the streams of a robot, in its namespace.
+    pub(super) fn open(node: &Node, id: EntityId, entity: &Entity) -> Result<Self, Error> {
+        let velocity = StreamSpec::velocity_command(entity.topic(VELOCITY_TOPIC));
+        let command = |topic, kind| node.command_subscriber(&StreamSpec::command(entity.topic(topic), kind));
+        let has_base = entity.robot.as_ref().is_some_and(|robot| robot.base().is_some());
+        let base = has_base.then(|| -> Result<_, Error> {
+            Ok(BaseCommands {
+                reset_odometry: command(RESET_ODOMETRY_TOPIC, Kind::ResetOdometry)?,
+                motor_power: command(MOTOR_POWER_TOPIC, Kind::MotorPower)?,
+            })
+        });
+        Ok(Self { id, velocity: node.command_subscriber(&velocity)?, base: base.transpose()? })
+    }
+
+    /// Who is told.
+    pub(super) fn id(&self) -> EntityId {
+        self.id
+    }
+
+    /// Hands what has come since to the robot, the newest of each.
+    pub(super) fn apply(&mut self, robot: &mut Robot, physics: &Physics) {
+        if let Some(base) = &mut self.base {
+            if let Some(MotorPower { state }) = newest(&mut base.motor_power) {
+                robot.set_motor_power(state != 0);
+            }
+            if newest::<ResetOdometry>(&mut base.reset_odometry).is_some() {
+                robot.reset_odometry(physics);
+            }
+        }
+        if let Some(VelocityCommand { linear, angular, .. }) = newest(&mut self.velocity) {
+            let command = Command { linear_m_s: linear[0], angular_rad_s: angular[2] };
+            robot.command(command, physics.time_ns());
+        }
+    }
+}
+
+fn newest<T: Message>(commands: &mut Subscriber) -> Option<T> {
+    let frame = match commands.take_newest() {
+        Ok(frame) => frame?,
+        Err(error) => {
+            tracing::warn!(topic = commands.topic(), %error, "commands cannot be read");
+            return None;
+        }
+    };
+    frame
+        .message()
+        .inspect_err(|error| tracing::warn!(topic = commands.topic(), %error, "a command was refused"))
+        .ok()
+}

@@ -1,0 +1,233 @@
+//! A simulation for other processes: what it publishes, how it is controlled.
+//!
+//! | file | is |
+//! |---|---|
+//! | `shared_memory` | the sink of all streams |
+//! | `post` | frames that are made ahead of their time, sent when they are due |
+//! | `commands` | what robots are told |
+//! | `inbox` | the streams of commands to the simulation, and of their results |
+//! | `operations` | what these commands do |
+//! | `files` | models out of commands' texts |
+//! | `states` | the streams of the poses and velocities of all models and links |
+//! | `values` | poses and velocities of commands, checked |
+//! | `attendance` | consumers that are waited for |
+//!
+//! Commands are applied between two frames, at the next boundary, so that the same commands at the same simulated times
+//! give the same bytes.
+
+pub mod attendance;
+pub mod commands;
+mod files;
+mod inbox;
+mod operations;
+pub mod post;
+mod shared_memory;
+mod states;
+mod values;
+
+pub use files::ModelFiles;
+pub use shared_memory::SharedMemory;
+
+use crate::entities::EntityId;
+use crate::rig::cost::Cost;
+use crate::rig::{Rig, RigError, RigOptions};
+use crate::simulation::Simulation;
+use belvedere_bridge::Node;
+use belvedere_bridge::payload::SimulationCommand;
+use commands::RobotCommands;
+use inbox::Inbox;
+use states::StateStreams;
+use std::time::{Duration, Instant};
+
+/// How a simulation is served.
+#[derive(Debug, Clone, Default)]
+pub struct ServerOptions {
+    /// Publish what is true of every pixel and beam, too, in streams of its own.
+    pub truth: bool,
+    /// Hash every byte that is published.
+    pub hashed: bool,
+    /// Where the files are that models name which other processes spawn.
+    pub files: ModelFiles,
+}
+
+/// What publishes a simulation and lets other processes control it, as `belvedere run` does.
+pub struct Server<'a> {
+    simulation: &'a mut Simulation,
+    sink: SharedMemory,
+    rig: Rig,
+    commands: Vec<RobotCommands>,
+    inbox: Inbox,
+    states: StateStreams,
+    files: ModelFiles,
+    paused: bool,
+    steps: Option<Steps>,
+    /// Of a physics step.
+    step_cost: Cost,
+    epoch: u64,
+}
+
+/// A step command that is being followed.
+struct Steps {
+    command: SimulationCommand,
+    until_ns: u64,
+}
+
+impl<'a> Server<'a> {
+    /// Opens all streams of everybody who is in the simulation, and those by which it is controlled. Whoever is spawned by
+    /// a command comes with streams of its own, and goes with them.
+    ///
+    /// ```
+    /// use belvedere::{description::model::World, server::{Server, ServerOptions}, simulation::Simulation};
+    /// use belvedere_bridge::{Domain, Node};
+    /// let mut simulation = Simulation::builder(World::empty()).build()?;
+    /// let domain = Domain::new(&format!("doc-{}", std::process::id()))?;
+    /// let node = Node::open(&domain, "belvedere")?;
+    /// let mut server = Server::attach(&mut simulation, &node, ServerOptions::default())?;
+    /// server.advance();
+    /// assert_eq!(server.next_stamp_ns(), 10_000_000); // the clock ticks at 100 Hz
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When a stream cannot be opened, or a sensor cannot be made.
+    pub fn attach(
+        simulation: &'a mut Simulation,
+        node: &Node,
+        options: ServerOptions,
+    ) -> Result<Self, RigError> {
+        Self::attach_to(simulation, SharedMemory { node: node.clone(), lossless: None, post: None }, options)
+    }
+
+    /// The same with a sink that waits for consumers, or has a post.
+    ///
+    /// # Errors
+    /// As [`Server::attach`].
+    pub fn attach_to(
+        simulation: &'a mut Simulation,
+        sink: SharedMemory,
+        options: ServerOptions,
+    ) -> Result<Self, RigError> {
+        let ServerOptions { truth, hashed, files } = options;
+        let options = RigOptions { truth, hashed, ..simulation.options() };
+        let ids: Vec<_> = simulation.entities().iter().map(|(id, _)| id).collect();
+        let mut commands = Vec::new();
+        for id in ids {
+            commands.extend(robot_commands(simulation, &sink.node, id)?);
+        }
+        let rig = Rig::open(&sink, simulation.stage().0, options)?;
+        simulation.remember(rig.window_ns());
+        Ok(Self {
+            inbox: Inbox::open(&sink.node)?,
+            states: StateStreams::open(&sink, simulation.entities(), simulation.physics())?,
+            simulation,
+            sink,
+            rig,
+            commands,
+            files,
+            paused: false,
+            steps: None,
+            step_cost: Cost::default(),
+            epoch: 0,
+        })
+    }
+
+    /// The simulation.
+    pub fn simulation(&self) -> &Simulation {
+        self.simulation
+    }
+
+    /// Opens the streams of one who has come.
+    fn mount(&mut self, id: EntityId) -> Result<(), RigError> {
+        let commands = robot_commands(self.simulation, &self.sink.node, id)?;
+        self.rig.mount(&self.sink, self.simulation.stage().0, id)?;
+        self.commands.extend(commands);
+        self.simulation.remember(self.rig.window_ns());
+        Ok(())
+    }
+
+    /// Closes the streams of one who goes.
+    fn unmount(&mut self, id: EntityId) {
+        // What is on its way belongs to streams that are closed now.
+        if let Some(post) = &self.sink.post {
+            post.flush();
+        }
+        self.commands.retain(|commands| commands.id() != id);
+        self.rig.unmount(id, self.simulation.time_ns());
+    }
+
+    /// Stamp in ns of the frame that is due next.
+    pub fn next_stamp_ns(&self) -> u64 {
+        self.rig.next_stamp_ns()
+    }
+
+    /// Simulated time in ns to which [`Server::advance`] goes: that frame's stamp, or the end of a step command.
+    pub fn next_ns(&self) -> u64 {
+        self.next_stamp_ns().min(self.steps.as_ref().map_or(u64::MAX, |steps| steps.until_ns))
+    }
+
+    /// How long it may take to make a frame of each sensor, and to bring physics there from the frame before, by what
+    /// that took before.
+    pub fn cost(&self) -> Duration {
+        let physics = self.simulation.physics();
+        let steps = self.next_ns().saturating_sub(physics.time_ns()).div_ceil(physics.step_ns());
+        let physics = self.step_cost.expected().saturating_mul(u32::try_from(steps).unwrap_or(u32::MAX));
+        physics.saturating_add(self.rig.cost())
+    }
+
+    /// Brings physics to the next frame's stamp and publishes all that is due then; stops before it where a step
+    /// command ends.
+    pub fn advance(&mut self) {
+        let (stamp_ns, until_ns) = (self.next_stamp_ns(), self.next_ns());
+        self.take_commands();
+        let started = Instant::now();
+        let steps = self.simulation.run_until(until_ns);
+        if steps > 0 {
+            self.step_cost.add(started.elapsed() / steps);
+        }
+        if stamp_ns == until_ns {
+            let (stage, scene) = self.simulation.stage();
+            self.rig.publish(stamp_ns, stage, scene);
+            self.states.publish(stamp_ns, stage.entities, stage.physics);
+        }
+        if self.next_stamp_ns() > self.simulation.time_ns() {
+            self.finish_steps();
+        }
+    }
+
+    /// Hands the newest commands from outside to the robots.
+    fn take_commands(&mut self) {
+        for commands in &mut self.commands {
+            self.simulation.with_robot(commands.id(), |robot, physics| commands.apply(robot, physics));
+        }
+    }
+
+    /// The sensors and their streams.
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// Simulated time in ns that physics has reached.
+    pub fn time_ns(&self) -> u64 {
+        self.simulation.time_ns()
+    }
+
+    /// Simulated time in ns since the start at which the next frame is due, not set back by resets.
+    pub fn next_simulated_ns(&self) -> u64 {
+        let before_resets_ns = self.simulated_ns() - self.time_ns();
+        before_resets_ns.saturating_add(self.next_stamp_ns())
+    }
+
+    /// Simulated time in ns since the start, not set back by resets.
+    pub fn simulated_ns(&self) -> u64 {
+        self.simulation.simulated_ns()
+    }
+}
+
+fn robot_commands(
+    simulation: &Simulation,
+    node: &Node,
+    id: EntityId,
+) -> Result<Option<RobotCommands>, belvedere_bridge::Error> {
+    let entity = simulation.entities().get(id).filter(|entity| entity.robot.is_some());
+    entity.map(|entity| RobotCommands::open(node, id, entity)).transpose()
+}

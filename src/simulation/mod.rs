@@ -1,0 +1,312 @@
+//! A world and who is in it, advanced step by step, looked at by its sensors whenever somebody asks.
+//!
+//! It needs no shared memory, no clock and no command line: a test or a training loop makes one, spawns a robot, steps it,
+//! and renders what its sensors see into memory of its own. What `belvedere run` does besides is a
+//! [`Server`](crate::server::Server) that is attached to one.
+//!
+//! ```
+//! use belvedere::description::model::World;
+//! use belvedere::simulation::Simulation;
+//! let mut simulation = Simulation::builder(World::empty()).build()?;
+//! simulation.run_for(std::time::Duration::from_millis(20));
+//! assert_eq!(simulation.time_ns(), 20_000_000);
+//! # Ok::<(), belvedere::simulation::SimulationError>(())
+//! ```
+
+mod error;
+mod render;
+mod spawn;
+
+pub use error::SimulationError;
+pub use spawn::SpawnOptions;
+
+use crate::description::Problem;
+use crate::description::model::World;
+use crate::entities::{Entities, Entity, EntityId, Origin};
+use crate::rig::{RigOptions, Stage};
+use crate::robot::{Autopilot, Command, Robot};
+use crate::world::physics::Physics;
+use crate::world::scene::WorldScene;
+use belvedere_sensors::{Execution, Pose};
+use glam::DVec3;
+use render::Studio;
+use std::time::Duration;
+
+/// A running world.
+pub struct Simulation {
+    world: World,
+    entities: Entities,
+    physics: Physics,
+    scene: WorldScene,
+    options: RigOptions,
+    /// What renders on demand.
+    studio: Option<Studio>,
+    notes: Vec<Problem>,
+    /// Simulated time before the last return to 0.
+    before_resets_ns: u64,
+    /// How far back physics remembers.
+    window_ns: u64,
+}
+
+/// How a simulation is to be.
+#[derive(Debug, Clone)]
+pub struct SimulationBuilder {
+    world: World,
+    seed: u64,
+    gazebo_compat: bool,
+    execution: Execution,
+}
+
+impl SimulationBuilder {
+    /// Seed of all noise, 1 if none is given: same seed, same bytes.
+    #[must_use]
+    pub fn seed(self, seed: u64) -> Self {
+        Self { seed, ..self }
+    }
+
+    /// Gazebo's measured habits instead of what is right; off if it is not said.
+    #[must_use]
+    pub fn gazebo_compat(self, gazebo_compat: bool) -> Self {
+        Self { gazebo_compat, ..self }
+    }
+
+    /// Threads and SIMD level of the sensors; all that there are if nothing is said. The bytes are always the same.
+    #[must_use]
+    pub fn execution(self, execution: Execution) -> Self {
+        Self { execution, ..self }
+    }
+
+    /// Builds it, at time 0.
+    ///
+    /// # Errors
+    /// A world that cannot run, a texture that cannot be read, a shape that cannot be traced; with its line.
+    pub fn build(self) -> Result<Simulation, SimulationError> {
+        let Self { world, seed, gazebo_compat, execution } = self;
+        let mut entities = Entities::default();
+        for (index, model) in world.models.iter().enumerate() {
+            let entity = Entity {
+                name: model.name.clone(),
+                namespace: String::new(),
+                model: model.clone(),
+                start: model.world_from_model,
+                origin: Origin::World,
+                robot: None,
+            };
+            entities.add(index, entity);
+        }
+        let mut physics = Physics::new(&world)?;
+        let scene = WorldScene::new(&world, &physics)?;
+        let notes = physics.take_notes();
+        let options = RigOptions { seed, gazebo_compat, truth: false, hashed: false, execution };
+        Ok(Simulation {
+            world,
+            entities,
+            physics,
+            scene,
+            options,
+            studio: None,
+            notes,
+            before_resets_ns: 0,
+            window_ns: 0,
+        })
+    }
+}
+
+impl Simulation {
+    /// Of this world.
+    pub fn builder(world: World) -> SimulationBuilder {
+        SimulationBuilder { world, seed: 1, gazebo_compat: false, execution: Execution::parallel() }
+    }
+
+    /// What was decided for the user so far, and what is ignored.
+    pub fn notes(&self) -> &[Problem] {
+        &self.notes
+    }
+
+    /// Seed of all noise, Gazebo's habits, execution.
+    pub fn options(&self) -> RigOptions {
+        self.options
+    }
+
+    /// What the world is called.
+    pub fn world_name(&self) -> &str {
+        &self.world.name
+    }
+
+    /// Everybody who is there.
+    pub fn entities(&self) -> &Entities {
+        &self.entities
+    }
+
+    /// The model of this name.
+    ///
+    /// # Errors
+    /// When there is none: with the names that there are.
+    pub fn find(&self, name: &str) -> Result<EntityId, SimulationError> {
+        self.entities.find(name).map(|(id, _)| id).map_err(SimulationError::Refused)
+    }
+
+    /// Where everything is.
+    pub fn physics(&self) -> &Physics {
+        &self.physics
+    }
+
+    /// Simulated time in ns that physics has reached.
+    pub fn time_ns(&self) -> u64 {
+        self.physics.time_ns()
+    }
+
+    /// Simulated time in ns since the start, not set back by resets.
+    pub fn simulated_ns(&self) -> u64 {
+        self.before_resets_ns + self.physics.time_ns()
+    }
+
+    /// Pose of a model's frame in the world: position in metres, x forward, z up.
+    ///
+    /// # Errors
+    /// When it was deleted.
+    pub fn pose(&self, id: EntityId) -> Result<Pose, SimulationError> {
+        self.get(id)?;
+        Ok(self.physics.world_from_model(id.index()))
+    }
+
+    /// Puts a model somewhere, moving at a velocity in m/s and a rate of turn in rad/s, both along the world's axes.
+    ///
+    /// # Errors
+    /// When it was deleted, or a number is not finite.
+    pub fn place(
+        &mut self,
+        id: EntityId,
+        world_from_model: &Pose,
+        linear: DVec3,
+        angular: DVec3,
+    ) -> Result<(), SimulationError> {
+        self.get(id)?;
+        if !(world_from_model.is_finite() && linear.is_finite() && angular.is_finite()) {
+            return Err(SimulationError::Refused("a pose or velocity is not finite".into()));
+        }
+        let before = self.bases();
+        self.physics.move_model(id.index(), world_from_model, linear, angular);
+        self.carried(&before);
+        Ok(())
+    }
+
+    /// Where the robots' bases are.
+    fn bases(&self) -> Vec<Pose> {
+        let robots = self.entities.iter().filter_map(|(_, entity)| entity.robot.as_ref());
+        robots.map(|robot| robot.world_from_base(&self.physics)).collect()
+    }
+
+    /// Tells everybody of a move by hand, before which the bases were there.
+    fn carried(&mut self, before: &[Pose]) {
+        for (robot, world_from_before) in self.entities.robots_mut().zip(before) {
+            robot.carried(&self.physics, world_from_before);
+        }
+        self.scene.replace(&self.physics);
+    }
+
+    /// Gives a robot's base a velocity command, which it follows for [0.6 s](crate::robot::kobuki::COMMAND_TIMEOUT_NS).
+    ///
+    /// # Errors
+    /// When it was deleted, or has no base that drives.
+    pub fn command(&mut self, id: EntityId, command: Command) -> Result<(), SimulationError> {
+        let now_ns = self.physics.time_ns();
+        self.driver(id)?.command(command, now_ns);
+        Ok(())
+    }
+
+    /// Lets an autopilot drive a robot while it gets no commands.
+    ///
+    /// # Errors
+    /// When it was deleted, or has no base that drives.
+    pub fn set_autopilot(&mut self, id: EntityId, autopilot: Autopilot) -> Result<(), SimulationError> {
+        self.driver(id)?.set_autopilot(Some(autopilot));
+        Ok(())
+    }
+
+    fn get(&self, id: EntityId) -> Result<&Entity, SimulationError> {
+        self.entities.get(id).ok_or(SimulationError::Gone)
+    }
+
+    fn driver(&mut self, id: EntityId) -> Result<&mut Robot, SimulationError> {
+        let entity = self.entities.get_mut(id).ok_or(SimulationError::Gone)?;
+        let name = &entity.name;
+        let robot = entity.robot.as_mut().filter(|robot| robot.base().is_some());
+        robot.ok_or_else(|| SimulationError::NoBase { name: name.clone() })
+    }
+
+    /// One step of physics, as long as the world says.
+    pub fn step(&mut self) {
+        for robot in self.entities.robots_mut() {
+            robot.control(&mut self.physics);
+        }
+        self.physics.step();
+        for robot in self.entities.robots_mut() {
+            robot.observe(&self.physics);
+        }
+    }
+
+    /// Steps until this time is reached; gives the number of steps.
+    pub fn run_until(&mut self, time_ns: u64) -> u32 {
+        let mut steps = 0;
+        while self.physics.time_ns() < time_ns {
+            self.step();
+            steps += 1;
+        }
+        steps
+    }
+
+    /// Steps until so much time has passed.
+    pub fn run_for(&mut self, time: Duration) {
+        let time_ns = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
+        self.run_until(self.physics.time_ns().saturating_add(time_ns));
+    }
+
+    /// Puts everybody where each was at the start; time goes on.
+    pub fn replace(&mut self) {
+        let before = self.bases();
+        for (id, entity) in self.entities.iter() {
+            self.physics.place_model(id.index(), &entity.start);
+        }
+        self.carried(&before);
+    }
+
+    /// Begins again at time 0, with everybody who is there now in the place where each was at first. What is built is
+    /// what a fresh start builds, so that the same bytes follow.
+    ///
+    /// # Errors
+    /// Never in practice: the same world ran before.
+    pub fn reset(&mut self) -> Result<(), SimulationError> {
+        let mut physics = Physics::with_models(&self.world, self.entities.placements())?;
+        for entity in self.entities.iter_mut() {
+            let (id, Entity { robot: Some(robot), model, namespace, .. }) = entity else { continue };
+            let autopilot = robot.autopilot();
+            *robot = Robot::new(model, namespace, id.index(), &mut physics).0;
+            robot.set_autopilot(autopilot);
+        }
+        self.before_resets_ns += self.physics.time_ns();
+        self.physics = physics;
+        self.physics.remember(self.window_ns);
+        self.scene.replace(&self.physics);
+        self.studio = None;
+        Ok(())
+    }
+
+    /// From now on physics remembers where things were so long ago: sensors look back.
+    pub(crate) fn remember(&mut self, window_ns: u64) {
+        self.window_ns = self.window_ns.max(window_ns);
+        self.physics.remember(self.window_ns);
+    }
+
+    /// Does something with a robot, if it is there.
+    pub(crate) fn with_robot(&mut self, id: EntityId, act: impl FnOnce(&mut Robot, &Physics)) {
+        if let Some(robot) = self.entities.get_mut(id).and_then(|entity| entity.robot.as_mut()) {
+            act(robot, &self.physics);
+        }
+    }
+
+    /// What a rig needs to publish.
+    pub(crate) fn stage(&mut self) -> (Stage<'_>, &mut WorldScene) {
+        (Stage { entities: &self.entities, physics: &self.physics }, &mut self.scene)
+    }
+}

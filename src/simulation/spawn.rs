@@ -1,0 +1,100 @@
+//! Models that come and go.
+
+use super::{Simulation, SimulationError};
+use crate::description::Severity;
+use crate::description::model::Model;
+use crate::entities::{Entity, EntityId, Origin, model_name, namespace};
+use crate::robot::{self, Robot, has_base};
+use crate::world::physics::Placement;
+use belvedere_sensors::Pose;
+
+/// How a model is to come.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpawnOptions {
+    /// What it is called; as its file has it if this is empty.
+    pub name: String,
+    /// What stands before its topics and frames, as in `/NAMESPACE/scan`; nothing if this is empty.
+    pub namespace: String,
+    /// Where its frame is to be.
+    pub world_from_model: Pose,
+    /// Whether it tells of itself as a robot does, by transforms and joint states; if it is not said, whatever has a base
+    /// that drives does.
+    pub is_robot: Option<bool>,
+}
+
+impl Default for SpawnOptions {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            namespace: String::new(),
+            world_from_model: Pose::IDENTITY,
+            is_robot: None,
+        }
+    }
+}
+
+impl Simulation {
+    /// Brings a model into the world, with its base and its sensors, at the start or while it runs.
+    ///
+    /// # Errors
+    /// When the name is taken or is none, the namespace is none in ROS, or something in the model cannot be used. Nothing
+    /// of it is there then.
+    pub fn spawn(&mut self, model: &Model, options: SpawnOptions) -> Result<EntityId, SimulationError> {
+        self.spawn_as(model, options, Origin::Start)
+    }
+
+    pub(crate) fn spawn_as(
+        &mut self,
+        model: &Model,
+        options: SpawnOptions,
+        origin: Origin,
+    ) -> Result<EntityId, SimulationError> {
+        let SpawnOptions { name, namespace: given, world_from_model, is_robot } = options;
+        let name = if name.is_empty() { model.name.clone() } else { name };
+        model_name(&name).map_err(|why| {
+            SimulationError::Refused(format!("'{name}' cannot be a model's name: {why}; give it another"))
+        })?;
+        if self.entities.is_taken(&name) {
+            return Err(SimulationError::Refused(format!(
+                "there is a model '{name}' already; give it another name, or delete that one first"
+            )));
+        }
+        let namespace = namespace(&given).map_err(SimulationError::Refused)?;
+        let start = world_from_model * model.world_from_model;
+        let model = Model { name: name.clone(), ..model.clone() };
+        let is_robot = is_robot.unwrap_or_else(|| has_base(&model));
+        let mut placement = robot::placement(&model, start);
+        if !is_robot {
+            placement = Placement::of_thing(&model, start);
+        }
+        let index = self.physics.insert_model(&placement)?;
+        if let Err(problem) = self.scene.add_model(index, &model, &start) {
+            self.physics.remove_model(index);
+            return Err(problem.into());
+        }
+        let mut notes = self.physics.take_notes();
+        let robot = is_robot.then(|| {
+            let (robot, problem) = Robot::new(&model, &namespace, index, &mut self.physics);
+            notes.extend(problem.filter(|problem| problem.severity < Severity::Error));
+            robot
+        });
+        // Each is said once, however often the same model comes.
+        notes.retain(|note| !self.notes.contains(note));
+        self.notes.extend(notes);
+        self.studio = None;
+        Ok(self.entities.add(index, Entity { name, namespace, model, start, origin, robot }))
+    }
+
+    /// Takes a model out of the world. What was rendered of it is not changed.
+    ///
+    /// # Errors
+    /// When it is gone already.
+    pub fn delete(&mut self, id: EntityId) -> Result<(), SimulationError> {
+        self.get(id)?;
+        self.physics.remove_model(id.index());
+        self.scene.remove_model(id.index());
+        self.entities.remove(id);
+        self.studio = None;
+        Ok(())
+    }
+}

@@ -1,0 +1,162 @@
+//! The library without a simulator's process: a robot is stepped and what it senses is rendered into the test's own memory.
+
+use belvedere::description::read;
+use belvedere::rig::FrameBuf;
+use belvedere::robot::{Autopilot, Command};
+use belvedere::server::{Server, ServerOptions};
+use belvedere::simulation::{Simulation, SimulationError, SpawnOptions};
+use belvedere_bridge::payload::Odometry;
+use belvedere_bridge::{Domain, Node};
+use belvedere_sensors::Pose;
+use glam::DVec3;
+use std::time::{Duration, Instant};
+
+const LIDAR: &str = "kobuki_nostack_rplidar";
+
+fn empty() -> Simulation {
+    Simulation::builder(read::world("empty").unwrap()).seed(7).build().unwrap()
+}
+
+fn named(name: &str, x: f64) -> SpawnOptions {
+    SpawnOptions {
+        name: name.into(),
+        namespace: name.into(),
+        world_from_model: Pose::from_translation(DVec3::new(x, 0.0, 0.0)),
+        is_robot: None,
+    }
+}
+
+fn ranges(frame: &FrameBuf) -> Vec<f32> {
+    let view = frame.view();
+    view.numbers(view.rows()).collect()
+}
+
+/// What a user's own test does; it is to cost no more than 0.2 s of it.
+#[test]
+fn a_world_a_robot_and_ten_steps_take_no_shared_memory() {
+    // The first use of the models' files and of the sensors' threads is not counted.
+    drop(empty());
+    let started = Instant::now();
+    let mut simulation = empty();
+    let robot = simulation.spawn(&read::robot(LIDAR).unwrap(), SpawnOptions::default()).unwrap();
+    (0..10).for_each(|_| simulation.step());
+    let mut scan = FrameBuf::default();
+    simulation.render("scan", &mut scan).unwrap();
+    let took = started.elapsed();
+    assert_eq!(simulation.time_ns(), 10 * simulation.physics().step_ns());
+    assert_eq!(scan.header().stamp_ns, simulation.time_ns());
+    assert!(ranges(&scan).iter().all(|range| *range == f32::INFINITY), "there is nothing to be seen");
+    assert!(simulation.pose(robot).unwrap().translation().length() < 0.01);
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
+    assert!(!maps.contains("/dev/shm"), "shared memory was mapped");
+    println!("a world, a robot, ten steps, a scan: {took:?}");
+    assert!(took < Duration::from_millis(200), "{took:?}");
+}
+
+/// Robots of one file, each in its namespace; frames, topics and noise are its own; the one behind sees the other.
+#[test]
+fn two_robots_share_a_world() {
+    let mut simulation = empty();
+    let wall = "<sdf version='1.6'><model name='wall'><pose>0 3 1 0 0 0</pose><static>true</static><link name='l'>
+        <collision name='c'><geometry><box><size>60 0.2 2</size></box></geometry></collision></link></model></sdf>";
+    simulation.spawn(&read::model(wall).unwrap(), SpawnOptions::default()).unwrap();
+    let model = read::robot("kobuki_hexagons_KinectHokuyo").unwrap();
+    let first = simulation.spawn(&model, named("first", 0.0)).unwrap();
+    let second = simulation.spawn(&model, named("second", 2.0)).unwrap();
+    let (mut one, mut other) = (FrameBuf::default(), FrameBuf::default());
+    // They stand before the wall alike: what differs is noise.
+    simulation.render("/first/rrbot/laser/scan", &mut one).unwrap();
+    simulation.render("/second/rrbot/laser/scan", &mut other).unwrap();
+    let both = ranges(&one).into_iter().zip(ranges(&other));
+    let apart: Vec<f32> =
+        both.map(|(one, other)| (one - other).abs()).filter(|apart| apart.is_finite()).collect();
+    let differ = apart.iter().filter(|apart| **apart > 0.0).count();
+    assert!(differ > 100 && apart.iter().all(|apart| *apart < 0.1), "{differ} of {apart:?}");
+    assert!(one.header().frame_id.as_str().starts_with("first/"), "{}", one.header().frame_id);
+    let mut nearest = |simulation: &mut Simulation| {
+        simulation.render("/first/camera/depth/image_raw", &mut one).unwrap();
+        // The lower half sees the floor.
+        let upper = one.header().height as usize / 2;
+        one.view().numbers(one.view().rows().take(upper)).fold(f32::INFINITY, f32::min)
+    };
+    let seen = nearest(&mut simulation);
+    assert!((1.5..2.0).contains(&seen), "{seen}");
+    simulation.set_autopilot(second, Autopilot::Still).unwrap();
+    for _ in 0..20 {
+        simulation.command(first, Command { linear_m_s: 0.3, angular_rad_s: 0.0 }).unwrap();
+        simulation.run_for(Duration::from_millis(100));
+    }
+    let mut odometry = FrameBuf::default();
+    simulation.render("/first/odom", &mut odometry).unwrap();
+    let driven = odometry.view().message::<Odometry>().unwrap();
+    assert_eq!(
+        (driven.child_frame_id.as_str(), odometry.header().frame_id.as_str()),
+        ("first/base_footprint", "first/odom")
+    );
+    let nearer = nearest(&mut simulation);
+    assert!((f64::from(seen - nearer) - driven.position[0]).abs() < 0.05, "{seen} {nearer} {driven:?}");
+    assert!(simulation.pose(second).unwrap().translation().x > 1.99, "nobody drove the second");
+}
+
+/// What the library renders is what a server of the same simulation publishes, to the byte.
+#[test]
+fn a_server_publishes_what_the_library_renders() {
+    let build = || {
+        let mut simulation = empty();
+        simulation.spawn(&read::robot("kobuki_hexagons_kinect").unwrap(), SpawnOptions::default()).unwrap();
+        simulation
+    };
+    let topics = ["/camera/depth/image_raw", "/camera/rgb/image_raw", "/camera/depth/points"];
+    let mut served = build();
+    let domain = Domain::new(&format!("library-{}", std::process::id())).unwrap();
+    let (node, reader) = (Node::open(&domain, "belvedere").unwrap(), Node::open(&domain, "reader").unwrap());
+    let mut server = Server::attach(&mut served, &node, ServerOptions::default()).unwrap();
+    let mut subscribers = topics.map(|topic| reader.subscriber(topic).unwrap());
+    // It looks for its stream when it is asked; the first frames of all are due at 0.
+    for subscriber in &mut subscribers {
+        assert!(subscriber.take().unwrap().is_none());
+    }
+    server.advance();
+    for (topic, subscriber) in topics.into_iter().zip(&mut subscribers) {
+        assert!(subscriber.wait(Duration::from_secs(5)).unwrap(), "{topic} sends nothing");
+        let published = subscriber.take().unwrap().expect("a frame");
+        // A simulation of its own for each: the next frame of a sensor has other noise.
+        let mut frame = FrameBuf::default();
+        build().render(topic, &mut frame).unwrap();
+        assert_eq!(frame.header().stamp_ns, published.header().stamp_ns);
+        assert_eq!(frame.header().block, published.header().block, "{topic}");
+        assert_eq!(frame.header().position, published.header().position, "{topic}");
+        assert!(frame.payload() == published.payload(), "{topic} differs");
+    }
+}
+
+/// One clear error each.
+#[test]
+fn what_cannot_be_is_refused() {
+    let mut simulation = empty();
+    let model = read::robot(LIDAR).unwrap();
+    let wall = read::model(
+        "<sdf version='1.6'><model name='wall'><static>true</static><link name='l'/></model></sdf>",
+    );
+    let wall = simulation.spawn(&wall.unwrap(), SpawnOptions::default()).unwrap();
+    simulation.spawn(&model, SpawnOptions::default()).unwrap();
+    let said = |result: Result<_, SimulationError>| result.expect_err("refused").to_string();
+    let twice = said(simulation.spawn(&model, SpawnOptions::default()).map(|_| ()));
+    assert!(twice.contains("already") && twice.contains("another name"), "{twice}");
+    for namespace in ["1st", "a b", "a//b", "ä"] {
+        let options =
+            SpawnOptions { name: "other".into(), namespace: namespace.into(), ..SpawnOptions::default() };
+        let error = said(simulation.spawn(&model, options).map(|_| ()));
+        assert!(error.contains(namespace) && error.contains("robot_1"), "{error}");
+    }
+    let command = Command { linear_m_s: 1.0, angular_rad_s: 0.0 };
+    assert!(said(simulation.command(wall, command)).contains("'wall' has no base"));
+    let mut frame = FrameBuf::default();
+    let topic = said(simulation.render("/scam", &mut frame));
+    assert!(topic.contains("did you mean /scan?"), "{topic}");
+    // Two robots whose streams are called alike.
+    let options = SpawnOptions { name: "other".into(), ..SpawnOptions::default() };
+    simulation.spawn(&model, options).unwrap();
+    let both = said(simulation.render("/scan", &mut frame));
+    assert!(both.contains("two streams") && both.contains("namespace"), "{both}");
+}

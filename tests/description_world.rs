@@ -7,6 +7,7 @@ use belvedere::description::model::{Geometry, JointKind, LightKind};
 use belvedere::description::package::PackagePath;
 use belvedere::description::world::{load_world, world_names};
 use belvedere::description::{Diagnostics, Rules};
+use belvedere_sensors::Pose;
 use belvedere_sensors::scene::TextureAlpha;
 use glam::DVec3;
 use sdf::*;
@@ -22,6 +23,25 @@ fn every_world_of_ours_loads_without_a_word() {
         assert!(problems.is_empty(), "{name}: {problems:#?}");
         assert_eq!(world.unwrap().name, name);
     }
+}
+
+#[test]
+fn tags_of_a_visual_and_of_the_ceiling() {
+    let tag = "<fiducial><family>tag36h11</family><id>3</id><size>0.16</size>\
+               <pose>0 0.1 0.5 0 0 1.5707963267948966</pose></fiducial>";
+    let world = good(
+        "1.6",
+        &box_visual(&format!("{tag}<fiducial><family>qr</family><id>0</id><size>1</size></fiducial>")),
+    );
+    let [first, second] = &world.models[0].links[0].visuals[0].fiducials[..] else { panic!("two tags") };
+    assert_eq!((first.family.as_str(), first.id, first.size_m), ("tag36h11", 3, 0.16));
+    close(first.visual_from_fiducial.transform_point(DVec3::X), DVec3::new(0.0, 1.1, 0.5));
+    assert_eq!((second.family.as_str(), second.id, second.visual_from_fiducial), ("qr", 0, Pose::IDENTITY));
+    let ceiling = load("tag_ceiling", false).0.unwrap();
+    let visuals = || ceiling.models.iter().flat_map(|model| &model.links).flat_map(|link| &link.visuals);
+    let count =
+        |family| visuals().flat_map(|visual| &visual.fiducials).filter(|tag| tag.family == family).count();
+    assert_eq!((count("tag36h11"), count("qr")), (32, 31));
 }
 
 #[test]

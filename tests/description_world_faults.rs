@@ -48,6 +48,24 @@ fn bad_numbers() {
     ] {
         assert_bad("1.6", &look(element), 2, &[words]);
     }
+    let tag = |parts: &str| box_visual(&format!("<fiducial>{parts}</fiducial>"));
+    let [family, id, size] = ["<family>tag36h11</family>", "<id>3</id>", "<size>0.16</size>"];
+    for (parts, words) in [
+        (format!("{id}{size}"), "a <fiducial> has no <family>"),
+        (format!("{family}{size}"), "a <fiducial> has no <id>"),
+        (format!("{family}{id}"), "a <fiducial> has no <size>"),
+        (format!("<family> </family>{id}{size}"), "<family> of a <fiducial> is ''"),
+        (format!("<family>{}</family>{id}{size}", "f".repeat(32)), "1 to 31 bytes"),
+        (format!("{family}<id>-1</id>{size}"), "<id> of a <fiducial> is -1; write a whole number"),
+        (format!("{family}<id>1.5</id>{size}"), "<id> of a <fiducial> is 1.5"),
+        (format!("{family}<id>x</id>{size}"), "<id> is 'x'"),
+        (format!("{family}{id}<size>0</size>"), "<size> of a <fiducial> is 0; write metres above 0"),
+        (format!("{family}{id}<size>-0.1</size>"), "<size> of a <fiducial> is -0.1"),
+        (format!("{family}{id}{size}<pose>0 0 0</pose>"), "<pose> is '0 0 0': too few numbers"),
+        (format!("{family}{id}{size}<pose degrees='1'>0 0 0 0 0 0</pose>"), "has attributes"),
+    ] {
+        assert_bad("1.6", &tag(&parts), 3, &[words]);
+    }
     assert_bad("1.6", &shape("<sphere><radius>0</radius></sphere>"), 2, &["<radius> of a sphere is '0'"]);
     assert_bad("1.6", &shape("<cylinder><radius>1</radius><length>nan</length></cylinder>"), 2, &["'nan'"]);
     assert_bad("1.6", &shape("<plane><normal>0 0 0</normal></plane>"), 2, &["<normal>"]);

@@ -1,8 +1,9 @@
 //! What a stream carries, and how its bytes are coded.
 
 use crate::payload::{
-    CameraInfo, Clock, CoreSensors, Imu, JointState, ModelState, MotorPower, Odometry, Range, ResetOdometry,
-    RobotEvent, SensorSettings, SimulationCommand, SimulationResult, Transform, VelocityCommand,
+    BoundingBox, CameraInfo, Clock, CoreSensors, Imu, JointState, ModelState, MotorPower, Odometry, Range,
+    ResetOdometry, RobotEvent, SensorSettings, SimulationCommand, SimulationResult, TagDetection, Transform,
+    VelocityCommand,
 };
 
 macro_rules! wire_enum {
@@ -91,6 +92,10 @@ wire_enum! {
         Range = 20 "range",
         /// An array of [`SensorSettings`]: of every sensor that can be changed, as they are from the stamp on.
         SensorSettings = 21 "sensor_settings",
+        /// An array of [`BoundingBox`]: of everything that a picture shows.
+        BoundingBoxes = 22 "bounding_boxes",
+        /// An array of [`TagDetection`]: of the tags that a picture shows.
+        TagDetections = 23 "tag_detections",
     }
 }
 
@@ -145,6 +150,8 @@ impl Kind {
             Self::ModelStates => size_of::<ModelState>(),
             Self::Range => size_of::<Range>(),
             Self::SensorSettings => size_of::<SensorSettings>(),
+            Self::BoundingBoxes => size_of::<BoundingBox>(),
+            Self::TagDetections => size_of::<TagDetection>(),
         })
     }
 }

@@ -5,10 +5,12 @@
 mod control;
 mod range;
 mod settings;
+mod truth;
 
 pub use control::{ModelState, SimulationCommand, SimulationResult};
 pub use range::Range;
 pub use settings::{SensorSettings, Setting};
+pub use truth::{BoundingBox, TagDetection};
 
 use std::mem::{offset_of, size_of};
 

@@ -49,11 +49,13 @@ fn model(codes: &[Code]) -> String {
         let Code { name, center: [x, y], yaw, .. } = code;
         let z = PLATE_M / 2.0 - DROP_M;
         let shape = sdf::cuboid([plate(code), plate(code), PLATE_M]);
+        let fiducial = fiducial(code);
         let _ = write!(
             content,
             "      <visual name=\"{name}\">\n\
              \x20       <pose>{x} {y} {z} 0 0 {yaw}</pose>\n\
              \x20       <geometry>{shape}</geometry>\n\
+             \x20       {fiducial}\n\
              \x20       <material>\n\
              \x20         <script>\n\
              \x20           <uri>model://tag_ceiling/materials/scripts</uri>\n\
@@ -67,6 +69,21 @@ fn model(codes: &[Code]) -> String {
         );
     }
     sdf::model("tag_ceiling", "ceiling", &content)
+}
+
+/// What the simulator is told of a code: its middle is that of the plate's lower face, read from below, where right is +x
+/// and up is −y. Half a turn about x, to the last digit.
+fn fiducial(code: &Code) -> String {
+    let (family, id) = match code.kind {
+        Kind::AprilTag { id } => ("tag36h11", id),
+        Kind::Qr { number, .. } => ("qr", number),
+    };
+    format!(
+        "<fiducial><family>{family}</family><id>{id}</id><size>{}</size><pose>0 0 {} {} 0 0</pose></fiducial>",
+        crate::codes::round(code.edge_m()),
+        -PLATE_M / 2.0,
+        std::f64::consts::PI,
+    )
 }
 
 /// The plate's edge as written, without the last digits of a product.
@@ -110,7 +127,7 @@ fn list(codes: &[Code]) -> String {
         .map(|code| {
             let (family, content): (&str, (&str, Value)) = match &code.kind {
                 Kind::AprilTag { id } => ("tag36h11", ("id", json!(id))),
-                Kind::Qr { text } => ("qr", ("text", json!(text))),
+                Kind::Qr { text, .. } => ("qr", ("text", json!(text))),
             };
             let corners = corners(code).map(|corner| corner.to_array().map(micrometres));
             format!(

@@ -58,7 +58,7 @@ const SMALL_TURNS_DEG: [f64; 9] = [0.0, 8.0, -13.0, 0.0, 21.0, -5.0, 0.0, 34.0, 
 #[derive(Clone)]
 pub(crate) enum Kind {
     AprilTag { id: usize },
-    Qr { text: String },
+    Qr { number: usize, text: String },
 }
 
 /// A code and its place.
@@ -164,7 +164,7 @@ fn qr(number: usize) -> Result<Code, QrError> {
     let qr = QrCode::with_version(&text, Version::Normal(1), EcLevel::H)?;
     Ok(Code {
         name: format!("qr_{number:03}"),
-        kind: Kind::Qr { text },
+        kind: Kind::Qr { number, text },
         center: [0.0; 2],
         yaw: 0.0,
         module_m: 0.0265,

@@ -5,6 +5,7 @@ mod robot;
 mod sensors;
 mod simulation;
 mod tree;
+mod truth;
 
 pub(super) use simulation::sensor_settings;
 pub use tree::Tree;
@@ -41,6 +42,8 @@ pub fn decode(frame: &FrameView<'_>, limit: usize) -> Tree {
         Some(Kind::ModelStates) => each(frame, "states", limit, simulation::model_state),
         Some(Kind::Range) => one(frame, sensors::range),
         Some(Kind::SensorSettings) => each(frame, "sensors", limit, simulation::sensor_settings),
+        Some(Kind::BoundingBoxes) => each(frame, "boxes", limit, truth::bounding_box),
+        Some(Kind::TagDetections) => each(frame, "tags", limit, truth::tag_detection),
         None => None,
     };
     let entries = entries.unwrap_or_else(|| unknown(frame, limit));

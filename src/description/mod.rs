@@ -2,6 +2,7 @@
 
 mod budget;
 pub mod diagnostics;
+mod fiducial;
 pub mod gazebo_materials;
 pub mod housing;
 pub(crate) mod inertia;

@@ -13,7 +13,7 @@ pub use device::{AutoExposed, CameraDevice};
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
 pub use plugin::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Plugin, Radiation, RangePlugin};
 pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis, Sensor, SensorKind};
-pub use shape::{Collision, Geometry, Material, Mesh, Visual};
+pub use shape::{Collision, Fiducial, Geometry, Material, Mesh, Visual};
 
 use super::diagnostics::Source;
 use belvedere_sensors::Pose;

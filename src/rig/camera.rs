@@ -1,5 +1,6 @@
 //! A colour camera and its two streams.
 
+use super::annotations::Annotations;
 use super::eye::{Eye, drawn_lens};
 use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
@@ -24,6 +25,7 @@ pub(super) struct CameraChannel {
     info_message: CameraInfo,
     intrinsics: Intrinsics,
     truth: TruthOutlets,
+    annotations: Annotations,
     moments: Moments,
     /// A picture that is only metered.
     unseen: Vec<u8>,
@@ -49,12 +51,14 @@ impl CameraChannel {
         let info = StreamSpec::structs(&plugin.camera_info_topic, Kind::CameraInfo, 1)
             .frame_id(&frame)
             .rate_hz(rate);
+        let size = [camera.width, camera.height];
         Ok(Self {
             image: setting.open_rendered(image)?,
             info: setting.open(&info)?,
             info_message: told.camera_info(camera.width, camera.height).map_err(|error| refused(&error))?,
             intrinsics: told.intrinsics(camera.near_m, camera.far_m),
-            truth: TruthOutlets::open(&plugin.image_topic, &frame, [camera.width, camera.height], setting)?,
+            truth: TruthOutlets::open(&plugin.image_topic, &frame, size, setting)?,
+            annotations: Annotations::open(&plugin.image_topic, &frame, size, setting)?,
             mount: Mount::new(sensor, setting, &frame),
             moments: Moments::default(),
             unseen: Vec::new(),
@@ -80,13 +84,15 @@ impl CameraChannel {
         }
         let mut picture = Picture::new();
         picture.colour = frame.as_mut().map(Frame::payload_mut);
+        let is_annotated = self.annotations.is_wanted();
         picture.truth = truth.truth();
+        self.annotations.ask(&mut picture.truth);
         if self.eye.is_automatic() && picture.colour.is_none() {
             self.unseen.resize(camera.frame_len(), 0);
             picture.colour = Some(&mut self.unseen);
         }
         let is_wanted = picture.colour.is_some() || picture.truth.is_some();
-        let device = self.eye.shutter().filter(|_| is_wanted || self.truth.wants_flow());
+        let device = self.eye.shutter().filter(|_| is_wanted || is_annotated || self.truth.wants_flow());
         self.moments.fill(device, camera.size()[1], context, &self.mount);
         let slices = self.moments.slices();
         let at = shutter(&slices).unwrap_or(Shutter::Global(context.scene.moment(world_from_sensor)));
@@ -95,6 +101,8 @@ impl CameraChannel {
         let picture = frame.as_ref().map_or(&self.unseen[..], Frame::payload);
         let seen = if taken { self.eye.meter(picture) } else { None };
         let outcome = self.image.send(frame.filter(|_| taken));
+        let known = (taken, truth.instance());
+        self.annotations.send(context, &camera, &at, &world_from_sensor, known);
         let truths = truth.send(&self.truth, taken);
         self.image.record(outcome, started.elapsed());
         self.truth.record(truths, started.elapsed());
@@ -126,6 +134,7 @@ impl CameraChannel {
     }
 
     pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
-        [&self.image, &self.info].into_iter().chain(self.truth.outlets())
+        let own = [&self.image, &self.info].into_iter();
+        own.chain(self.truth.outlets()).chain(self.annotations.outlets())
     }
 }

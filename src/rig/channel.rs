@@ -1,6 +1,7 @@
 //! A channel: a sensor, or what a robot says of itself, with its streams. What all kinds of them have in common.
 
 use super::RigError;
+use super::annotations::Census;
 use super::base::BaseChannel;
 use super::camera::CameraChannel;
 use super::depth::DepthChannel;
@@ -35,6 +36,8 @@ pub(super) struct Setting<'a> {
     pub(super) gazebo_compat: bool,
     /// Whether sensors tell the truth, too.
     pub(super) truth: bool,
+    /// How much of it there may be.
+    pub(super) census: Census,
     pub(super) hashed: bool,
     /// Topics of streams that are open.
     pub(super) taken: &'a RefCell<HashSet<String>>,

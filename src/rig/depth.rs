@@ -1,5 +1,6 @@
 //! A Kinect: depth, colour and cloud from one look, and the infos.
 
+use super::annotations::Annotations;
 use super::eye::{Eye, drawn_lens};
 use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
@@ -31,6 +32,7 @@ pub(super) struct DepthChannel {
     colour_intrinsics: Intrinsics,
     depth_intrinsics: Intrinsics,
     truth: TruthOutlets,
+    annotations: Annotations,
     moments: Moments,
     /// A picture that is only metered.
     unseen: Vec<u8>,
@@ -65,6 +67,7 @@ impl DepthChannel {
             if plugin.depth_16uc1 { (Encoding::U16C1, 2) } else { (Encoding::F32C1, 4) };
         let names = &plugin.camera;
         let (near, far) = (plugin.cutoff_m, plugin.cutoff_max_m);
+        let size = [camera.width, camera.height];
         Ok(Self {
             colour: open(StreamSpec::new(
                 &names.image_topic,
@@ -90,7 +93,8 @@ impl DepthChannel {
             info_message: told.camera_info(camera.width, camera.height).map_err(|error| refused(&error))?,
             colour_intrinsics: told.intrinsics(camera.near_m, camera.far_m),
             depth_intrinsics: told.intrinsics(near, far),
-            truth: TruthOutlets::open(&names.image_topic, &frame, [camera.width, camera.height], setting)?,
+            truth: TruthOutlets::open(&names.image_topic, &frame, size, setting)?,
+            annotations: Annotations::open(&names.image_topic, &frame, size, setting)?,
             mount: Mount::new(sensor, setting, &frame),
             moments: Moments::default(),
             unseen: Vec::new(),
@@ -124,10 +128,12 @@ impl DepthChannel {
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |header| {
             header.set_intrinsics(&self.colour_intrinsics);
         });
-        let known = truth.truth();
+        let is_annotated = self.annotations.is_wanted();
+        let mut known = truth.truth();
+        self.annotations.ask(&mut known);
         let is_wanted = colour.is_some() || depth.is_some() || points.is_some() || known.is_some();
         let is_metered = self.eye.is_automatic();
-        let is_timed = is_wanted || is_metered || self.truth.wants_flow();
+        let is_timed = is_wanted || is_metered || is_annotated || self.truth.wants_flow();
         let device = self.eye.shutter().filter(|_| is_timed);
         self.moments.fill(device, camera.camera().size()[1], context, &self.mount);
         let slices = self.moments.slices();
@@ -157,6 +163,8 @@ impl DepthChannel {
                 (colour, depth, points) = (None, None, None);
             }
         }
+        let known = (taken, truth.instance());
+        self.annotations.send(context, camera.camera(), &at, &world_from_sensor, known);
         let truths = truth.send(&self.truth, taken);
         let outcomes = [self.colour.send(colour), self.depth.send(depth), self.points.send(points)];
         let busy = started.elapsed();
@@ -196,7 +204,7 @@ impl DepthChannel {
 
     pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
         let own = [&self.colour, &self.colour_info, &self.depth, &self.depth_info, &self.points];
-        own.into_iter().chain(self.truth.outlets())
+        own.into_iter().chain(self.truth.outlets()).chain(self.annotations.outlets())
     }
 }
 

@@ -4,6 +4,7 @@
 //! A frame is rendered straight into the memory where it is read: the [sink](sink::Sink) lends it, the sensor fills it,
 //! the sink takes it. What nobody follows is not rendered, unless a camera's exposure depends on it.
 
+mod annotations;
 pub mod base;
 mod camera;
 mod channel;
@@ -37,6 +38,7 @@ use crate::description::model::{Sensor, SensorKind};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
+use annotations::Census;
 use base::BaseChannel;
 use belvedere_bridge::{Error as BridgeError, StreamSpec};
 use belvedere_sensors::Execution;
@@ -178,6 +180,7 @@ impl Rig {
             sensor,
             gazebo_compat: options.gazebo_compat,
             truth: options.truth,
+            census: Census::of(stage.entities),
             hashed: options.hashed,
             taken: &taken,
         };

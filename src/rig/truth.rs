@@ -231,6 +231,12 @@ impl TruthFrames {
         Some(truth)
     }
 
+    /// The picture of instances, if it is wanted.
+    pub(super) fn instance(&self) -> Option<&[u32]> {
+        let frame = self.0.get(Channel::Instance as usize)?.as_ref()?;
+        Some(bytemuck::cast_slice(frame.payload()))
+    }
+
     /// Sends them, if they were taken.
     pub(super) fn send(self, outlets: &TruthOutlets, taken: bool) -> Vec<Outcome> {
         let frames = self.0.into_iter().zip(&outlets.outlets);

@@ -119,6 +119,7 @@ impl WorldScene {
             .extract_if(|(model, _), _| *model == index)
             .flat_map(|(_, shapes)| shapes)
             .collect();
+        assembly.fiducials.retain(|tag| gone.iter().all(|placed| placed.instance.0 != tag.instance));
         // A map has no order; the same commands are to give the same scene.
         gone.sort_unstable_by_key(|placed| std::cmp::Reverse(placed.instance.0));
         for placed in &gone {
@@ -165,10 +166,30 @@ impl WorldScene {
         }
     }
 
+    /// The tags that there are, in the order in which they were added.
+    pub fn fiducials(&self) -> &[PlacedFiducial] {
+        &self.assembly.fiducials
+    }
+
     /// What there is to see.
     pub fn scene(&self) -> Scene<'_> {
         self.assembly.builder.scene()
     }
+}
+
+/// A tag of a visual that is seen.
+#[derive(Debug, Clone)]
+pub struct PlacedFiducial {
+    /// Index of the instance that bears it.
+    pub instance: u32,
+    /// Pose of its middle in the instance: x to the right and y up as one reads it, z towards the reader.
+    pub instance_from_fiducial: Pose,
+    /// As the file says: `tag36h11`, `qr`.
+    pub family: String,
+    /// Its number in the family.
+    pub id: u32,
+    /// Edge of its square without the white margin.
+    pub size_m: f64,
 }
 
 /// An instance, where it is in its link, and what it is made of.
@@ -192,6 +213,7 @@ struct Assembly {
     /// By address: only for as long as the models that they are of are borrowed.
     meshes: HashMap<*const Mesh, MeshId>,
     placed: HashMap<(ModelIndex, LinkIndex), Vec<Placed>>,
+    fiducials: Vec<PlacedFiducial>,
     bare: Option<MaterialId>,
 }
 
@@ -208,20 +230,23 @@ impl Assembly {
             let material = self.material(&visual.material, &visual.source)?;
             let (shape, shape_pose) = self.shape(&visual.geometry, false, &visual.source)?;
             let link_from_shape = visual.link_from_visual * shape_pose;
-            self.place(
-                (key, None),
-                world_from_link,
-                link_from_shape,
-                &visual.source,
-                |world_from_instance| InstanceConfig {
-                    shape,
-                    world_from_instance,
-                    material,
-                    visibility: visibility::VISUAL,
-                    class: visual.label.unwrap_or(class),
-                    ..Default::default()
-                },
-            )?;
+            let config = |world_from_instance| InstanceConfig {
+                shape,
+                world_from_instance,
+                material,
+                visibility: visibility::VISUAL,
+                class: visual.label.unwrap_or(class),
+                ..Default::default()
+            };
+            let instance =
+                self.place((key, None), world_from_link, link_from_shape, &visual.source, config)?;
+            self.fiducials.extend(visual.fiducials.iter().map(|tag| PlacedFiducial {
+                instance: instance.0,
+                instance_from_fiducial: shape_pose.inverse() * tag.visual_from_fiducial,
+                family: tag.family.clone(),
+                id: tag.id,
+                size_m: tag.size_m,
+            }));
         }
         for (number, collision) in link.collisions.iter().enumerate() {
             let material = match self.bare {
@@ -254,7 +279,7 @@ impl Assembly {
         link_from_shape: Pose,
         source: &Source,
         config: impl FnOnce(Pose) -> InstanceConfig,
-    ) -> Result<(), Problem> {
+    ) -> Result<InstanceId, Problem> {
         let config = config(*world_from_link * link_from_shape);
         let instance = self.builder.add_instance(&config).map_err(|error| refused(error, source))?;
         let InstanceConfig { shape, material, .. } = config;
@@ -265,7 +290,7 @@ impl Assembly {
             material,
             collision,
         });
-        Ok(())
+        Ok(instance)
     }
 
     fn set_pose(&mut self, key: (ModelIndex, LinkIndex), world_from_link: &Pose) {

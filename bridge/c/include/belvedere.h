@@ -128,6 +128,10 @@ enum bv_kind
     BV_KIND_RANGE = 20,
     // An array of bv_sensor_settings.
     BV_KIND_SENSOR_SETTINGS = 21,
+    // An array of bv_bounding_box.
+    BV_KIND_BOUNDING_BOXES = 22,
+    // An array of bv_tag_detection.
+    BV_KIND_TAG_DETECTIONS = 23,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -592,6 +596,45 @@ typedef struct bv_model_state {
     double linear[3];
     double angular[3];
 } bv_model_state;
+
+// What is seen of a thing, and where all of it is in the optical frame of the sensor: x right, y down, z forward.
+typedef struct bv_bounding_box {
+    // its number, as in the picture of instances
+    uint32_t instance;
+    // its class, as in the picture of classes
+    uint32_t label;
+    // how many pixels show it
+    uint32_t pixels;
+    // first column and row
+    uint32_t min[2];
+    // last column and row
+    uint32_t max[2];
+    uint32_t reserved;
+    // middle of the box that holds the whole of it, metres
+    double position[3];
+    // x y z w
+    double orientation[4];
+    // edges of that box, metres
+    double size[3];
+} bv_bounding_box;
+
+// Where a tag is seen, and its pose in the optical frame of the sensor: its own x right, y up, z towards the reader.
+typedef struct bv_tag_detection {
+    // as the file says: tag36h11, qr
+    char family[32];
+    // its number in the family
+    uint32_t id;
+    // for each corner 1 if it is in the picture and nothing hides it, else 0
+    uint8_t visible[4];
+    // edge of its square without the white margin, metres
+    double size;
+    // column and row of top left, top right, bottom right, bottom left as one reads it; NaN where the lens has no pixel
+    double corners[4][2];
+    // its middle, metres
+    double position[3];
+    // x y z w
+    double orientation[4];
+} bv_tag_detection;
 
 #ifdef __cplusplus
 extern "C" {

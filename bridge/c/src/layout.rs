@@ -62,6 +62,10 @@ pub enum Kind {
     Range = 20,
     /// An array of bv_sensor_settings.
     SensorSettings = 21,
+    /// An array of bv_bounding_box.
+    BoundingBoxes = 22,
+    /// An array of bv_tag_detection.
+    TagDetections = 23,
 }
 
 /// What a simulator is told to do (bv_simulation_command.operation), and the fields that it looks at.
@@ -474,6 +478,47 @@ pub struct ModelState {
     pub angular: [f64; 3],
 }
 
+/// What is seen of a thing, and where all of it is in the optical frame of the sensor: x right, y down, z forward.
+#[repr(C)]
+pub struct BoundingBox {
+    /// its number, as in the picture of instances
+    pub instance: u32,
+    /// its class, as in the picture of classes
+    pub label: u32,
+    /// how many pixels show it
+    pub pixels: u32,
+    /// first column and row
+    pub min: [u32; 2],
+    /// last column and row
+    pub max: [u32; 2],
+    pub reserved: u32,
+    /// middle of the box that holds the whole of it, metres
+    pub position: [f64; 3],
+    /// x y z w
+    pub orientation: [f64; 4],
+    /// edges of that box, metres
+    pub size: [f64; 3],
+}
+
+/// Where a tag is seen, and its pose in the optical frame of the sensor: its own x right, y up, z towards the reader.
+#[repr(C)]
+pub struct TagDetection {
+    /// as the file says: tag36h11, qr
+    pub family: [c_char; 32],
+    /// its number in the family
+    pub id: u32,
+    /// for each corner 1 if it is in the picture and nothing hides it, else 0
+    pub visible: [u8; 4],
+    /// edge of its square without the white margin, metres
+    pub size: f64,
+    /// column and row of top left, top right, bottom right, bottom left as one reads it; NaN where the lens has no pixel
+    pub corners: [[f64; 2]; 4],
+    /// its middle, metres
+    pub position: [f64; 3],
+    /// x y z w
+    pub orientation: [f64; 4],
+}
+
 macro_rules! same_layout {
     ($here:ty, $there:ty, $($field:ident)*) => {
         const _: () = {
@@ -510,6 +555,8 @@ same_layout!(SimulationCommand, payload::SimulationCommand, id operation reserve
     position orientation linear angular robot_namespace);
 same_layout!(SimulationResult, payload::SimulationResult, id time_ns done operation reserved reason);
 same_layout!(ModelState, payload::ModelState, name position orientation linear angular);
+same_layout!(BoundingBox, payload::BoundingBox, instance label pixels min max reserved position orientation size);
+same_layout!(TagDetection, payload::TagDetection, family id visible size corners position orientation);
 
 const _: () = {
     assert!(BV_MAGIC == wire::FrameHeader::MAGIC);
@@ -517,7 +564,7 @@ const _: () = {
     assert!(BV_HAS_INTENSITIES == wire::FrameHeader::HAS_INTENSITIES);
     assert!(size_of::<Block>() == 208);
     // A kind, encoding or operation that is added there is missing here until this compiles again.
-    assert!(wire::Kind::ALL.len() == 21 && Kind::SensorSettings as u16 == 21);
+    assert!(wire::Kind::ALL.len() == 23 && Kind::TagDetections as u16 == 23);
     assert!(wire::Encoding::ALL.len() == 21 && Encoding::I32C1 as u16 == 21);
     assert!(wire::DistortionModel::ALL.len() == 8 && DistortionModel::WideAngle as u16 == 8);
     assert!(wire::Operation::ALL.len() == 9 && Operation::Configure as u16 == 9);

@@ -66,6 +66,8 @@ def test_every_offset_is_that_of_wire_md() -> None:
         "SimulationCommand": Kind.SIMULATION_COMMAND,
         "SimulationResult": Kind.SIMULATION_RESULT,
         "ModelState": Kind.MODEL_STATES,
+        "BoundingBox": Kind.BOUNDING_BOXES,
+        "TagDetection": Kind.TAG_DETECTIONS,
     }
     for name, kind in sizes.items():
         found = re.search(rf"\*\*{name}\*\*, (\d+) bytes: (.*?)(?:\n\n|\Z)", text, re.DOTALL)

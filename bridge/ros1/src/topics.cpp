@@ -101,6 +101,9 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         // Not for ROS: the services of Gazebo are in their place.
         case BV_KIND_SIMULATION_COMMAND:
         case BV_KIND_SIMULATION_RESULT:
+        // No message of ROS's own fits: whoever wants them follows the stream itself.
+        case BV_KIND_BOUNDING_BOXES:
+        case BV_KIND_TAG_DETECTIONS:
         // By dynamic_reconfigure: see settings.hpp.
         case BV_KIND_SENSOR_SETTINGS: return nullptr;
         default: throw Unrepresentable("its kind, " + std::to_string(stream.kind) + ", is not known here");

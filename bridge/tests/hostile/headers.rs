@@ -178,6 +178,8 @@ pub(crate) fn is_acceptable(case: &Case) -> bool {
             Some(Kind::SimulationCommand) => 320,
             Some(Kind::SimulationResult) => 512,
             Some(Kind::ModelStates) => 232,
+            Some(Kind::BoundingBoxes) => 112,
+            Some(Kind::TagDetections) => 168,
             _ => 1,
         },
         _ => 1,

@@ -5,8 +5,8 @@ use std::{fmt::Write as _, hint::black_box};
 use belvedere_bridge::{
     FrameHeader, FrameView,
     payload::{
-        CameraInfo, Clock, JointState, Message, ModelState, Odometry, SimulationCommand, SimulationResult,
-        Transform, VelocityCommand,
+        BoundingBox, CameraInfo, Clock, JointState, Message, ModelState, Odometry, SimulationCommand,
+        SimulationResult, TagDetection, Transform, VelocityCommand,
     },
 };
 use bytemuck::Pod;
@@ -35,6 +35,8 @@ pub(crate) fn read_all(view: &FrameView<'_>) -> u64 {
     read_structs::<SimulationCommand>(view);
     read_structs::<SimulationResult>(view);
     read_structs::<ModelState>(view);
+    read_structs::<BoundingBox>(view);
+    read_structs::<TagDetection>(view);
     black_box(sum)
 }
 

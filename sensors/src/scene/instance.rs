@@ -173,6 +173,11 @@ impl Instance {
         Ok(instance)
     }
 
+    /// Its [class](InstanceConfig::class).
+    pub const fn class(&self) -> u32 {
+        self.class
+    }
+
     /// What its surface is.
     #[inline(always)]
     pub(crate) fn kind(&self) -> Kind {

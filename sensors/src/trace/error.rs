@@ -49,6 +49,13 @@ pub enum SenseError {
     },
     /// The sensor's pose is NaN or infinite.
     Pose,
+    /// A landmark is on an instance that the scene does not have.
+    Instance {
+        /// Its index.
+        value: u32,
+        /// How many there are.
+        instances: usize,
+    },
     /// A flow is wanted, and the capture has no such moment.
     OtherMoment {
         /// Which: `before` or `after`.
@@ -86,6 +93,9 @@ impl core::fmt::Display for SenseError {
                 "a moment must have one pose for each instance of the scene: it has {value}, and there are {need}"
             ),
             Self::Pose => f.write_str("the sensor's pose must be finite numbers"),
+            Self::Instance { value, instances } => {
+                write!(f, "a landmark is on instance {value}; the scene has {instances}, counted from 0")
+            }
             Self::OtherMoment { parameter } => {
                 write!(f, "flow wants a moment to flow to: give the capture `{parameter}`")
             }

@@ -196,31 +196,44 @@ impl<'a> Flow<'a> {
 
     /// Where a point, in the axes of the sensor, is seen at the other moment.
     fn find(&mut self, band: &Band<'_>, instance: u32, point: DVec3, from: [f64; 2]) -> Option<[f64; 2]> {
-        let slices = match self.other {
-            Shutter::Global(moment) => {
-                let &Motion { turn, shift } =
-                    self.motions.get(instance, || Motion::new(band.view, instance, moment));
-                return project(&band.rays, turn * point + shift, [self.guess, from]);
-            }
-            Shutter::Slices(slices) => *slices,
-        };
-        // The moment depends on the row, and the row on the moment.
-        let last_row = band.rays.fan().height - 1;
-        let mut row = from[1];
-        let mut seen = None;
-        for _ in 0..MOST_STEPS {
-            let line = (libm::floor(row + 0.5).clamp(0.0, f64::from(last_row))) as u32;
-            let slice = self.other.covering(line..line + 1).start;
-            let Motion { turn, shift } = Motion::new(band.view, instance, &slices[slice].at);
-            let to = project(&band.rays, turn * point + shift, [self.guess, from])?;
-            let is_settled = slices[slice].lines.contains(&((libm::floor(to[1] + 0.5)).max(0.0) as u32));
-            (row, seen) = (to[1], Some(to));
-            if is_settled {
-                break;
-            }
+        let other = self.other;
+        if let Shutter::Global(moment) = other {
+            let &Motion { turn, shift } =
+                self.motions.get(instance, || Motion::new(band.view, instance, moment));
+            return project(&band.rays, turn * point + shift, [self.guess, from]);
         }
-        seen
+        let seen = at_its_line(other, band.rays.fan().height as u32, from[1], |moment| {
+            let Motion { turn, shift } = Motion::new(band.view, instance, moment);
+            project(&band.rays, turn * point + shift, [self.guess, from])
+        });
+        seen.map(|(to, _)| to)
     }
+}
+
+/// The pixel of a point when its line is taken, and the slice of that line: the moment depends on the row, and the row on
+/// the moment. The row is one to begin with; `pixel` is where the point is seen at a moment.
+pub(super) fn at_its_line(
+    shutter: &Shutter<'_>,
+    height: u32,
+    mut row: f64,
+    mut pixel: impl FnMut(&Moment<'_>) -> Option<[f64; 2]>,
+) -> Option<([f64; 2], usize)> {
+    let slices = match shutter {
+        Shutter::Global(moment) => return pixel(moment).map(|to| (to, 0)),
+        Shutter::Slices(slices) => *slices,
+    };
+    let mut seen = None;
+    for _ in 0..MOST_STEPS {
+        let line = (libm::floor(row + 0.5).clamp(0.0, f64::from(height - 1))) as u32;
+        let slice = shutter.covering(line..line + 1).start;
+        let to = pixel(&slices[slice].at)?;
+        let is_settled = slices[slice].lines.contains(&((libm::floor(to[1] + 0.5)).max(0.0) as u32));
+        (row, seen) = (to[1], Some((to, slice)));
+        if is_settled {
+            break;
+        }
+    }
+    seen
 }
 
 /// The pixel that sees a point; each of the guesses is tried.

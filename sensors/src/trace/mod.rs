@@ -13,6 +13,7 @@ mod flow;
 pub(crate) mod grid;
 pub(crate) mod hit_point;
 pub(crate) mod image;
+mod landmarks;
 pub(crate) mod measure;
 pub(crate) mod memory;
 mod near;
@@ -35,6 +36,7 @@ pub use crate::memory::CacheLine;
 pub use boxes::{SeenBox, seen_boxes};
 pub use cast::{Hits, cast_grid, grid_workspace_len};
 pub use error::SenseError;
+pub use landmarks::{Landmark, Sighting, landmarks_workspace_len, see_landmarks};
 pub use memory::Workspace;
 #[cfg(feature = "alloc")]
 pub use memory::WorkspaceBuf;

@@ -3,7 +3,7 @@
 use super::robot::joint_kind;
 use super::sensor;
 use super::text::{angle, number, pose, vector};
-use crate::description::model::{Geometry, Light, LightKind, World};
+use crate::description::model::{Geometry, Light, LightKind, Model, World};
 
 pub(super) fn report(world: &World, gazebo_compat: bool) -> Vec<String> {
     let mut lines = vec![format!("world {} ({})", world.name, world.source)];
@@ -18,6 +18,7 @@ pub(super) fn report(world: &World, gazebo_compat: bool) -> Vec<String> {
     for model in &world.models {
         let fixed = if model.is_static { "static" } else { "moving" };
         lines.push(format!("model {} {fixed} {}", model.name, pose(&model.world_from_model)));
+        lines.extend(fiducials(model).map(|line| format!("  fiducials: {line}")));
         for link in &model.links {
             let shapes: Vec<_> = link.visuals.iter().map(|visual| shape(&visual.geometry)).collect();
             let shown = if shapes.is_empty() { "nothing to see".into() } else { counted(&shapes) };
@@ -72,6 +73,14 @@ fn shape(geometry: &Geometry) -> String {
         Geometry::Plane { size: [x, y], .. } => format!("plane {} {}", number(*x), number(*y)),
         Geometry::Mesh(mesh) => format!("mesh {} of {} triangles", mesh.path.display(), mesh.triangles.len()),
     }
+}
+
+/// How many fiducials of each family a model has, if it has any.
+fn fiducials(model: &Model) -> Option<String> {
+    let visuals = model.links.iter().flat_map(|link| &link.visuals);
+    let families: Vec<_> =
+        visuals.flat_map(|visual| &visual.fiducials).map(|tag| tag.family.clone()).collect();
+    (!families.is_empty()).then(|| counted(&families))
 }
 
 /// Shapes in order, those alike counted where the first of them stands.

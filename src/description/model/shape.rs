@@ -20,8 +20,23 @@ pub struct Visual {
     pub material: Material,
     /// Its class, if the file labels it or its model.
     pub label: Option<u32>,
+    /// The tags that it shows.
+    pub fiducials: Vec<Fiducial>,
     /// Where it stands.
     pub source: Source,
+}
+
+/// A tag on a surface: `<fiducial>` of a `<visual>`, which is ours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fiducial {
+    /// What its kind is called: `tag36h11`, `qr`.
+    pub family: String,
+    /// Its number in the family.
+    pub id: u32,
+    /// Edge of its square without the white margin: of an AprilTag's black border, of a QR code's modules.
+    pub size_m: f64,
+    /// Pose of its middle in the frame of the visual: x to the right and y up as one reads it, z towards the reader.
+    pub visual_from_fiducial: Pose,
 }
 
 /// A shape that touches and that lidars hit.

@@ -3,6 +3,7 @@
 use super::frames::Frames;
 use super::model::Parts;
 use super::{Loader, Scope, name_of};
+use crate::description::fiducial::fiducials;
 use crate::description::inertia;
 use crate::description::label::label;
 use crate::description::model::{Collision, Inertial, Link, Visual};
@@ -133,7 +134,8 @@ impl Loader<'_> {
         let opacity = 1.0 - self.within(element, "transparency", 1.0).unwrap_or(0.0);
         let material = self.material(element, scope);
         let label = label(element, self.diagnostics);
-        // A mesh whose triangles have several materials becomes one visual for each.
+        let mut fiducials = fiducials(element, self.diagnostics);
+        // A mesh whose triangles have several materials becomes one visual for each; the first has the tags.
         for geometry in self.visual_geometry(element, scope) {
             let own = geometry.own_material();
             let mut material = material.clone().or(own).unwrap_or_default();
@@ -143,6 +145,7 @@ impl Loader<'_> {
                 link_from_visual,
                 material,
                 label,
+                fiducials: std::mem::take(&mut fiducials),
                 geometry,
                 source: element.source.clone(),
             });

@@ -1,11 +1,13 @@
 //! `<gazebo>`: sensors, and what Gazebo overrides of a link.
 //!
-//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide` and the plugin `Label`;
-//! for the whole robot: `static`, `self_collide` and `Label`. The rest is accepted: contact parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
+//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, the plugin `Label` and
+//! our own `<visual><fiducial>`; for the whole robot: `static`, `self_collide` and `Label`. The rest is accepted: contact
+//! parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
 //! another physics engine does not have, plugins of the robot, extensions of joints.
 
 use super::{Loader, nearest_link};
 use crate::description::diagnostics::Diagnostics;
+use crate::description::fiducial::fiducials;
 use crate::description::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::description::label::label;
 use crate::description::model::{LinkIndex, Model};
@@ -61,6 +63,22 @@ impl Loader<'_> {
         for element in std::iter::once(element).chain(element.elements_named("visual")) {
             if let Some(label) = label(element, self.diagnostics) {
                 link.visuals.iter_mut().for_each(|visual| visual.label = Some(label));
+            }
+        }
+        for element in element.elements_named("visual") {
+            let tags = fiducials(element, self.diagnostics);
+            // Those of a mesh of several materials are one.
+            let mut places = link.visuals.iter().map(|visual| visual.link_from_visual);
+            let first = places.next();
+            let is_one = first.is_some() && places.all(|place| Some(place) == first);
+            if is_one {
+                link.visuals[0].fiducials.extend(tags);
+            } else if !tags.is_empty() {
+                self.diagnostics.error(
+                    &element.source,
+                    format!("a <fiducial> is on the link '{}', which has not one visual", link.name),
+                    "give the tag a link of its own, with one <visual>",
+                );
             }
         }
         // As libsdformat: whatever does not say no says yes.

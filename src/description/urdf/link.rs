@@ -92,6 +92,7 @@ impl Loader<'_> {
             geometry,
             material: material.clone().or(own_material).unwrap_or_default(),
             label: None,
+            fiducials: Vec::new(),
             source: element.source.clone(),
         };
         self.visual_geometry(element).into_iter().map(visual).collect()

@@ -264,3 +264,21 @@ fn labels_are_the_links_own_or_the_robots() {
         robot("<gazebo reference='head'><plugin filename='gz-sim-label-system' name='l'/></gazebo>");
     assert!(problems.len() == 1 && problems[0].contains("the plugin Label has no <label>"), "{problems:?}");
 }
+
+#[test]
+fn tags_belong_to_a_link_of_one_visual() {
+    let tag = "<visual><fiducial><family>tag36h11</family><id>4</id><size>0.1</size></fiducial></visual>";
+    let robot = |link: &str| {
+        let shapes = "<link name='base'><visual><geometry><box size='1 1 1'/></geometry></visual></link>\
+                      <link name='head'><visual><geometry><sphere radius='1'/></geometry></visual>\
+                      <visual><origin xyz='1 0 0'/><geometry><sphere radius='2'/></geometry></visual></link>";
+        let neck = joint("neck", "base", "head");
+        load_as(&format!("{shapes}{neck}\n<gazebo reference='{link}'>{tag}</gazebo>"), false)
+    };
+    let (model, problems) = robot("base");
+    assert!(problems.is_empty(), "{problems:?}");
+    assert_eq!(model.unwrap().links[0].visuals[0].fiducials[0].id, 4);
+    let (_, problems) = robot("head");
+    assert!(problems.len() == 1 && problems[0].starts_with("r.urdf:2: error: "), "{problems:?}");
+    assert!(problems[0].contains("the link 'head', which has not one visual"), "{problems:?}");
+}

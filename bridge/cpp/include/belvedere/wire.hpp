@@ -134,6 +134,21 @@ BELVEDERE_AT(bv_model_state, position, 128);
 BELVEDERE_AT(bv_model_state, orientation, 152);
 BELVEDERE_AT(bv_model_state, linear, 184);
 BELVEDERE_AT(bv_model_state, angular, 208);
+static_assert(sizeof(bv_bounding_box) == 112, "wire format");
+BELVEDERE_AT(bv_bounding_box, label, 4);
+BELVEDERE_AT(bv_bounding_box, pixels, 8);
+BELVEDERE_AT(bv_bounding_box, min, 12);
+BELVEDERE_AT(bv_bounding_box, max, 20);
+BELVEDERE_AT(bv_bounding_box, position, 32);
+BELVEDERE_AT(bv_bounding_box, orientation, 56);
+BELVEDERE_AT(bv_bounding_box, size, 88);
+static_assert(sizeof(bv_tag_detection) == 168, "wire format");
+BELVEDERE_AT(bv_tag_detection, id, 32);
+BELVEDERE_AT(bv_tag_detection, visible, 36);
+BELVEDERE_AT(bv_tag_detection, size, 40);
+BELVEDERE_AT(bv_tag_detection, corners, 48);
+BELVEDERE_AT(bv_tag_detection, position, 112);
+BELVEDERE_AT(bv_tag_detection, orientation, 136);
 #undef BELVEDERE_AT
 
 #endif  // BELVEDERE_WIRE_HPP

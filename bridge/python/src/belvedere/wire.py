@@ -42,6 +42,8 @@ class Kind(IntEnum):
     MOTOR_POWER = 19
     RANGE = 20
     SENSOR_SETTINGS = 21
+    BOUNDING_BOXES = 22
+    TAG_DETECTIONS = 23
 
 
 class Encoding(IntEnum):
@@ -217,6 +219,18 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
         [
             *(("name", "S128"), ("position", "<f8", 3), ("orientation", "<f8", 4)),
             *(("linear", "<f8", 3), ("angular", "<f8", 3)),
+        ]
+    ),
+    Kind.BOUNDING_BOXES: np.dtype(
+        [
+            *(("instance", "<u4"), ("label", "<u4"), ("pixels", "<u4"), ("min", "<u4", 2), ("max", "<u4", 2)),
+            *(("reserved", "<u4"), ("position", "<f8", 3), ("orientation", "<f8", 4), ("size", "<f8", 3)),
+        ]
+    ),
+    Kind.TAG_DETECTIONS: np.dtype(
+        [
+            *(("family", "S32"), ("id", "<u4"), ("visible", "u1", 4), ("size", "<f8"), ("corners", "<f8", (4, 2))),
+            *(("position", "<f8", 3), ("orientation", "<f8", 4)),
         ]
     ),
 }

@@ -153,13 +153,7 @@ impl<'a> Frame<'a> {
         work: &W,
     ) {
         let fan = self.fan;
-        let rays = match self.optics {
-            Optics::Pinhole(lens) => Rays::Pinhole(PinholeFan::new(lens, fan)),
-            Optics::Spherical(grid) => {
-                Rays::Spherical(spherical(grid, (fan, self.first_column), self.execution, memory))
-            }
-            Optics::Table(table) => Rays::Table(TableFan::new(table)),
-        };
+        let rays = rays_of(self.optics, (fan, self.first_column), self.execution, memory);
         let bands = Bands::new(&fan);
         let (instances, views) = match &self.when {
             When::Once(_) => (0, None),
@@ -258,12 +252,30 @@ fn fan_of_columns(optics: &Optics<'_>, columns: &core::ops::Range<u32>) -> Fan {
 /// Cache lines that tracing a grid takes, which begins with a column of the optics'.
 fn traced_len(optics: &Optics<'_>, fan: &Fan, first_column: u32) -> usize {
     let bands = Bands::new(fan);
-    let tables = match optics {
+    // 1/t and slots take a line a block each.
+    rays_len(optics, fan, first_column) + 2 * bands.blocks + lines(bands.farthest_len(fan) * size_of::<f32>())
+}
+
+/// The rays of a grid, which begins with a column of the optics'.
+pub(crate) fn rays_of<'a, 'm: 'a>(
+    optics: &Optics<'a>,
+    (fan, first_column): (Fan, u32),
+    execution: Execution,
+    memory: &mut Cutter<'m>,
+) -> Rays<'a> {
+    match optics {
+        Optics::Pinhole(lens) => Rays::Pinhole(PinholeFan::new(lens, fan)),
+        Optics::Spherical(grid) => Rays::Spherical(spherical(grid, (fan, first_column), execution, memory)),
+        Optics::Table(table) => Rays::Table(TableFan::new(table)),
+    }
+}
+
+/// Cache lines that these take.
+pub(crate) fn rays_len(optics: &Optics<'_>, fan: &Fan, first_column: u32) -> usize {
+    match optics {
         Optics::Spherical(_) => SphericalFan::table_len(fan, first_column),
         Optics::Pinhole(_) | Optics::Table(_) => 0,
-    };
-    // 1/t and slots take a line a block each.
-    tables + 2 * bands.blocks + lines(bands.farthest_len(fan) * size_of::<f32>())
+    }
 }
 
 /// The angles of a spinning lidar, with their tables.

@@ -6,7 +6,7 @@ mod bundle;
 mod cast;
 mod describe;
 mod node;
-mod ray;
+pub(crate) mod ray;
 pub(crate) mod scene;
 mod settle;
 mod walk;

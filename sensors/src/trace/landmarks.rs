@@ -1,0 +1,249 @@
+//! Where known points of things are seen: corners of tags, keypoints.
+
+use super::error::{SenseError, check_output};
+use super::flow::at_its_line;
+use super::grid::{check_shutter, rays_len, rays_of};
+use super::memory::{Workspace, view_lines};
+use super::packet::Faces;
+use super::rays::scene::{Stacks, hit_in_view};
+use super::view::View;
+use crate::moment::{Moment, Shutter};
+use crate::optics::Optics;
+use crate::optics::rays::Rays;
+use crate::scene::tree::NONE;
+use crate::scene::{Scene, visibility};
+use crate::trace::rays::ray::FrameRay;
+use fearless_simd::dispatch;
+use glam::DVec3;
+
+/// So many rays across and down are compared with the direction of a point, to begin the search for its pixel.
+const COARSE: i32 = 24;
+/// What is nearer than a point by this share of its distance, or by less, does not hide it: rays are of single precision.
+const TOUCHING: f64 = 1e-5;
+/// The same of the thing that bears the point, whose surface may be drawn a hair above it.
+const BEARING: f64 = 1e-3;
+
+/// A point of a thing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Landmark {
+    /// Index of the instance that bears it.
+    pub instance: u32,
+    /// Metres, in the frame of the instance's pose.
+    pub point: DVec3,
+    /// Of the surface that bears it, outwards, in the same frame and of any length: it is seen from that side only. 0 for
+    /// a point that is seen from everywhere.
+    pub normal: DVec3,
+}
+
+/// How a [`Landmark`] is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sighting {
+    /// Column and row; centres of pixels are integers. NaN where the optics have no pixel for it: behind a pinhole, and
+    /// beyond the pixels of other optics.
+    pub pixel: [f64; 2],
+    /// Metres along the optical axis, when the point's line is taken.
+    pub depth: f64,
+    /// Which slice of the shutter has the point's line; 0 if all is taken at one moment.
+    pub slice: usize,
+    /// Whether it lies in the picture, within the range, on the side that faces the sensor, and behind nothing.
+    pub visible: bool,
+}
+
+impl Sighting {
+    /// Of nothing.
+    pub const NONE: Self = Self { pixel: [f64::NAN; 2], depth: f64::NAN, slice: 0, visible: false };
+}
+
+/// Cache lines of a [`Workspace`] that [`see_landmarks`] takes.
+pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize {
+    view_lines(scene.instances().len(), 1) + rays_len(optics, &optics.fan(), 0)
+}
+
+/// Finds where a camera sees points of things: through any lens, and each when its row is taken, as the picture shows
+/// it. `range` is that of the camera, least and greatest distance in metres; for a pinhole, depth. What hides a point is
+/// what cameras see, visuals from their front. One ray is cast to each point; what it touches there does not hide it.
+///
+/// Of a shutter whose slices overlap it is the first of the line that counts. A point that a turning camera has in several
+/// rows is told of in one of them.
+///
+/// ```
+/// use belvedere_sensors::optics::{Intrinsics, Optics, Pinhole, PinholeGrid};
+/// use belvedere_sensors::{Pose, Shutter, scene::*, trace::*};
+/// use glam::DVec3;
+/// let mut builder = SceneBuilder::new();
+/// let material = builder.add_material(&MaterialConfig::default())?;
+/// let plate = builder.add_instance(&InstanceConfig {
+///     shape: Shape::Box { size: [0.01, 1.0, 1.0] },
+///     world_from_instance: Pose::from_translation(DVec3::X * 4.0),
+///     material,
+///     ..Default::default()
+/// })?;
+/// // A corner of its face, and the same of its back.
+/// let corner = |x| Landmark { instance: plate.0, point: DVec3::new(x, 0.5, 0.5), normal: DVec3::X * x };
+/// let lens = Pinhole::new(Intrinsics { fx: 399.5, fy: 399.5, cx: 319.5, cy: 239.5, skew: 0.0 })?;
+/// let optics = Optics::from(PinholeGrid::new(640, 480, lens)?);
+///
+/// let (scene, mut memory) = (builder.scene(), WorkspaceBuf::default());
+/// let workspace = &mut memory.lend(landmarks_workspace_len(&scene, &optics));
+/// let shutter = Shutter::Global(builder.moment(Pose::IDENTITY));
+/// let mut seen = [Sighting::NONE; 2];
+/// see_landmarks(&scene, &shutter, &optics, [0.1, 10.0], workspace, &[corner(-0.005), corner(0.005)], &mut seen)?;
+/// // 0.5 m to the left and up at a depth of 3.995 m: 50 pixels.
+/// assert!((seen[0].pixel[0] - 269.5).abs() < 1e-9 && (seen[0].pixel[1] - 189.5).abs() < 1e-9);
+/// assert_eq!((seen[0].depth, seen[0].visible), (3.995, true));
+/// assert!(!seen[1].visible);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// A [`SenseError`] that names what cannot be: optics, range, moments, an instance that is not there, outputs that are not
+/// one a landmark, or a workspace of less than [`landmarks_workspace_len`]. Nothing is written then.
+pub fn see_landmarks(
+    scene: &Scene<'_>,
+    shutter: &Shutter<'_>,
+    optics: &Optics<'_>,
+    range: [f64; 2],
+    workspace: &mut Workspace<'_>,
+    landmarks: &[Landmark],
+    seen: &mut [Sighting],
+) -> Result<(), SenseError> {
+    optics.check()?;
+    let [least, most] = range;
+    if !(least >= 0.0 && least < most) {
+        return Err(SenseError::Range { least, most });
+    }
+    check_output("seen", Some(seen.len()), landmarks.len())?;
+    let (fan, execution, instances) = (optics.fan(), workspace.execution, scene.instances().len());
+    check_shutter(scene, shutter, fan.height as u32)?;
+    if let Some(&Landmark { instance, .. }) = landmarks.iter().find(|at| at.instance as usize >= instances) {
+        return Err(SenseError::Instance { value: instance, instances });
+    }
+    let mut memory = workspace.cut(landmarks_workspace_len(scene, optics))?;
+    let rays = rays_of(optics, (fan, 0), execution, &mut memory);
+    for (landmark, seen) in landmarks.iter().zip(seen.iter_mut()) {
+        *seen = find(&rays, shutter, landmark);
+        // Until a ray says otherwise.
+        seen.visible = in_picture(&rays, seen.pixel);
+    }
+    // Slice by slice, as each has its own view of the scene; most have nothing to look at.
+    let mut views = memory.views(instances, 1);
+    let visible_in = |seen: &[Sighting], from: usize| {
+        seen.iter().filter(|seen| seen.visible && seen.slice >= from).map(|seen| seen.slice).min()
+    };
+    let mut next = visible_in(seen, 0);
+    while let Some(slice) = next {
+        let moment = moment_of(shutter, slice);
+        let view = View::new(scene, moment, visibility::VISUAL, views.reborrow());
+        let here = |seen: &&mut Sighting| seen.visible && seen.slice == slice;
+        for (seen, landmark) in seen.iter_mut().zip(landmarks).filter(|(seen, _)| here(seen)) {
+            let point = towards(moment, landmark);
+            let per_t = if matches!(optics, Optics::Pinhole(_)) { seen.depth } else { point.length() };
+            seen.visible = (least..=most).contains(&per_t)
+                && faces(moment, landmark, point)
+                && dispatch!(execution.level, simd => {
+                    let ray = FrameRay {
+                        origin: [0.0; 3],
+                        direction: point.as_vec3().to_array(),
+                        range: [(least / per_t) as f32, 1.0],
+                    };
+                    let hit = hit_in_view::<false, _>(simd, &view, &ray, Faces::Front, &mut Stacks::new());
+                    let nearer = 1.0 - hit.t;
+                    let is_bearer = |placed: u32| view.placed[placed as usize].instance == landmark.instance;
+                    hit.placed == NONE || nearer <= if is_bearer(hit.placed) { BEARING } else { TOUCHING }
+                });
+        }
+        next = visible_in(seen, slice + 1);
+    }
+    Ok(())
+}
+
+fn moment_of<'a>(shutter: &'a Shutter<'_>, slice: usize) -> &'a Moment<'a> {
+    match shutter {
+        Shutter::Global(moment) => moment,
+        Shutter::Slices(slices) => &slices[slice].at,
+    }
+}
+
+/// From the sensor to a landmark, along the axes of the world. Differences first: what is far from the world's origin
+/// keeps its digits.
+fn towards(moment: &Moment<'_>, landmark: &Landmark) -> DVec3 {
+    let pose = &moment.world_from_instance[landmark.instance as usize];
+    let between = pose.translation() - moment.world_from_sensor.translation();
+    pose.rotation_matrix() * landmark.point + between
+}
+
+/// Whether the surface that bears a landmark shows it to the sensor.
+fn faces(moment: &Moment<'_>, landmark: &Landmark, towards: DVec3) -> bool {
+    let pose = &moment.world_from_instance[landmark.instance as usize];
+    landmark.normal == DVec3::ZERO || (pose.rotation_matrix() * landmark.normal).dot(towards) < 0.0
+}
+
+/// The pixel of a landmark when its line is taken, whatever hides it.
+fn find(rays: &Rays<'_>, shutter: &Shutter<'_>, landmark: &Landmark) -> Sighting {
+    let height = rays.fan().height as u32;
+    let in_sensor = |moment: &Moment<'_>| {
+        moment.world_from_sensor.rotation_matrix().transpose() * towards(moment, landmark)
+    };
+    // What one row does not see, another may.
+    let rows = [0.5 * f64::from(height - 1), 0.0, f64::from(height - 1)];
+    let found = rows
+        .into_iter()
+        .find_map(|row| at_its_line(shutter, height, row, |moment| project(rays, in_sensor(moment))));
+    let Some((pixel, slice)) = found else { return Sighting::NONE };
+    Sighting { pixel, depth: in_sensor(moment_of(shutter, slice)).x, slice, visible: false }
+}
+
+/// Whether there is a ray at a pixel.
+fn in_picture(rays: &Rays<'_>, pixel: [f64; 2]) -> bool {
+    let fan = rays.fan();
+    let [column, row] = pixel.map(|at| libm::floor(at + 0.5));
+    let inside = (0.0..f64::from(fan.width)).contains(&column) && (0.0..f64::from(fan.height)).contains(&row);
+    inside && rays.has(column as i32, row as i32)
+}
+
+/// Column and row whose ray goes through a point; none where there is no such ray.
+fn project(rays: &Rays<'_>, point: DVec3) -> Option<[f64; 2]> {
+    if let Rays::Pinhole(_) = rays {
+        return rays.project(point, [0.0; 2]); // which takes no guess
+    }
+    // Within the cells around the nearest ray: beside them there may be none.
+    let [column, row] = nearest(rays, point).map(f64::from);
+    let middles = [[0.5, 0.5], [-0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]];
+    middles.into_iter().find_map(|[x, y]| rays.project(point, [column + x, row + y]))
+}
+
+/// The pixel whose ray goes nearest to a point: the best of some all over the picture, then of their neighbours, ever
+/// nearer ones.
+fn nearest(rays: &Rays<'_>, point: DVec3) -> [i32; 2] {
+    let fan = rays.fan();
+    let mut best = (f64::NEG_INFINITY, [0; 2]);
+    let mut consider = |[column, row]: [i32; 2]| {
+        let [column, row] = [column.clamp(0, fan.width - 1), row.clamp(0, fan.height - 1)];
+        // All directions are of length 1.
+        let along = rays.direction(column, row).dot(point);
+        if along > best.0 && rays.has(column, row) {
+            best = (along, [column, row]);
+        }
+        best.1
+    };
+    let mut at = [0; 2];
+    let of = |index: i32, size: i32| (index * (size - 1) + COARSE / 2) / COARSE;
+    for row in 0..=COARSE {
+        for column in 0..=COARSE {
+            at = consider([of(column, fan.width), of(row, fan.height)]);
+        }
+    }
+    let mut step = (fan.width.max(fan.height) / COARSE).max(1);
+    loop {
+        let [column, row] = at;
+        for (x, y) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+            at = consider([column + x * step, row + y * step]);
+        }
+        if at == [column, row] {
+            if step == 1 {
+                return at;
+            }
+            step /= 2;
+        }
+    }
+}

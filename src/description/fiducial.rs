@@ -1,0 +1,75 @@
+//! `<fiducial>` of a `<visual>`, which is ours: a tag that the visual bears, so that the simulator can tell where its corners
+//! are seen.
+
+use super::diagnostics::Diagnostics;
+use super::model::Fiducial;
+use super::values::{child_number, child_pose, child_text};
+use super::xml::Element;
+
+/// What a fiducial has.
+const CHILDREN: [&str; 4] = ["family", "id", "size", "pose"];
+/// Longest name of a family in bytes, as many as a message has room for.
+const LONGEST_FAMILY: usize = 31;
+
+/// Those of a visual; one that cannot be is left out, with an error.
+pub(super) fn fiducials(visual: &Element, diagnostics: &mut Diagnostics) -> Vec<Fiducial> {
+    visual.elements_named("fiducial").filter_map(|element| fiducial(element, diagnostics)).collect()
+}
+
+fn fiducial(element: &Element, diagnostics: &mut Diagnostics) -> Option<Fiducial> {
+    for child in element.elements().filter(|child| !CHILDREN.contains(&child.name.as_str())) {
+        let what = format!("<{}> of a <fiducial> is left out", child.name);
+        let remedy = format!("take it out: a fiducial has {}", CHILDREN.join(", "));
+        diagnostics.warning(&child.source, what, remedy);
+    }
+    let mut missing = |name: &str, remedy: &str| {
+        if element.child(name).is_none() {
+            diagnostics.error(&element.source, format!("a <fiducial> has no <{name}>"), remedy);
+        }
+    };
+    missing("family", "write <family>tag36h11</family>, or what its kind is called");
+    missing("id", "write <id>7</id>: its number in the family");
+    missing("size", "write <size>0.16</size>: the edge of its square in metres, without the white margin");
+    let family = family(element, diagnostics);
+    let id = child_number(element, "id", diagnostics).filter(|&id| {
+        let is_valid = id.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&id);
+        check(is_valid, element, "id", id, "write a whole number from 0 to 4294967295", diagnostics)
+    });
+    let size_m = child_number(element, "size", diagnostics)
+        .filter(|&size| check(size > 0.0, element, "size", size, "write metres above 0", diagnostics));
+    if let Some(pose) = element.child("pose")
+        && !pose.attributes.is_empty()
+    {
+        let what = "<pose> of a <fiducial> has attributes";
+        diagnostics.error(&pose.source, what, "write x y z roll pitch yaw in the visual's frame, in radians");
+    }
+    let visual_from_fiducial = child_pose(element, diagnostics);
+    Some(Fiducial { family: family?, id: id? as u32, size_m: size_m?, visual_from_fiducial })
+}
+
+fn family(element: &Element, diagnostics: &mut Diagnostics) -> Option<String> {
+    let child = element.child("family")?;
+    let family = child_text(element, "family").unwrap_or_default();
+    if (1..=LONGEST_FAMILY).contains(&family.len()) {
+        return Some(family);
+    }
+    let remedy = format!("write a name of 1 to {LONGEST_FAMILY} bytes, such as tag36h11 or qr");
+    diagnostics.error(&child.source, format!("<family> of a <fiducial> is '{family}'"), remedy);
+    None
+}
+
+/// Whether a value is valid; an error if it is not.
+fn check(
+    is_valid: bool,
+    element: &Element,
+    name: &str,
+    value: f64,
+    remedy: &str,
+    diagnostics: &mut Diagnostics,
+) -> bool {
+    if !is_valid {
+        let source = element.child(name).map_or(&element.source, |child| &child.source);
+        diagnostics.error(source, format!("<{name}> of a <fiducial> is {value}"), remedy);
+    }
+    is_valid
+}

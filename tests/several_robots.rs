@@ -136,7 +136,7 @@ fn robots_that_cannot_run_together_are_refused() {
     assert!(many.contains("2 --name for 1 robot"), "{many}");
 }
 
-/// Ten TurtleBots with a lidar each in one room: as fast as the clock, on two cores.
+/// Ten `TurtleBot`s with a lidar each in one room: as fast as the clock, on two cores.
 #[test]
 fn ten_robots_run_in_real_time() {
     let names: Vec<String> = (0..10).map(|number| format!("robot_{number}")).collect();

@@ -12,7 +12,6 @@ use belvedere_sensors::optics::{
     self, AngleFunction as Function, BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics,
     KannalaBrandt, LensError, Mapping, Mei, Optics, Pinhole, PinholeGrid, RayTableBuf, WideAngle,
 };
-use glam::DVec2;
 use std::error::Error;
 
 /// A camera's optics and settings.
@@ -201,7 +200,7 @@ fn lens_model(lens: &Lens) -> Result<Option<Box<dyn optics::Lens>>, LensError> {
 pub(crate) fn mapped_share(camera: &CameraSensor, lens: &Lens) -> Result<f64, LensError> {
     let Some(model) = lens_model(lens)? else { return Ok(1.0) };
     let pixels = (0..camera.height).flat_map(|row| (0..camera.width).map(move |column| [column, row]));
-    let mapped = pixels.filter(|pixel| model.unproject(DVec2::from_array(pixel.map(f64::from))).is_some());
+    let mapped = pixels.filter(|pixel| model.unproject(glam::DVec2::from_array(pixel.map(f64::from))).is_some());
     Ok(mapped.count() as f64 / (f64::from(camera.width) * f64::from(camera.height)))
 }
 

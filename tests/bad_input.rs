@@ -122,9 +122,9 @@ const CASES: &[Case] = &[
         says: &["near", "far"],
     },
     Case {
-        name: "angles the wrong way round",
+        name: "an angle that is no number",
         find: "<min_angle>-1</min_angle>",
-        replace: "<min_angle>2</min_angle>",
+        replace: "<min_angle>left</min_angle>",
         line: 16,
         says: &["angle"],
     },

@@ -2,7 +2,7 @@
 
 mod sdf;
 
-use belvedere::description::mesh::{load_mesh, load_mesh_parts};
+use belvedere::description::mesh::{UpAxis, load_mesh, load_mesh_parts};
 use belvedere::description::model::Mesh;
 use belvedere::description::{Diagnostics, Severity, Source};
 use glam::DVec3;
@@ -88,7 +88,7 @@ fn instance(material: &str) -> String {
 fn mesh(folder: &Folder, name: &str, content: impl AsRef<[u8]>, scale: DVec3) -> Mesh {
     let path = folder.write(name, content);
     let mut diagnostics = Diagnostics::default();
-    let mesh = load_mesh(&path, scale, &Source::new("test.world", 1), &mut diagnostics);
+    let mesh = load_mesh(&path, scale, UpAxis::Ignored, &Source::new("test.world", 1), &mut diagnostics);
     assert!(diagnostics.problems().is_empty(), "{name}: {:#?}", diagnostics.problems());
     std::sync::Arc::unwrap_or_clone(mesh.unwrap())
 }
@@ -140,10 +140,22 @@ fn collada_units_axes_and_nodes() {
     let material = plain.material.unwrap();
     assert!(material.texture.unwrap().ends_with("paint.png") && material.diffuse == [1.0; 3]);
     assert_box(&load("", ""), [0.0; 3], [1.0, 2.0, 3.0], 6.0);
-    // Centimetres, y up: y becomes z, z becomes −y.
-    let centimetres = load("<unit meter='0.01'/><up_axis>Y_UP</up_axis>", "");
-    assert_box(&centimetres, [0.0, -0.03, 0.0], [0.01, 0.0, 0.02], 6e-6);
-    assert_box(&load("<up_axis>X_UP</up_axis>", ""), [-2.0, -3.0, 0.0], [0.0, 0.0, 1.0], 6.0);
+    // Centimetres. As in Gazebo, an up axis turns nothing unless that is asked for.
+    let y_up = "<unit meter='0.01'/><up_axis>Y_UP</up_axis>";
+    assert_box(&load(y_up, ""), [0.0; 3], [0.01, 0.02, 0.03], 6e-6);
+    let turned = |asset: &str| {
+        let path = folder.write("up.dae", dae(asset, &instance("red"), |p| p));
+        let mut diagnostics = Diagnostics::default();
+        let source = Source::new("w", 1);
+        let mesh = load_mesh(&path, DVec3::ONE, UpAxis::Applied, &source, &mut diagnostics);
+        std::sync::Arc::unwrap_or_clone(mesh.unwrap())
+    };
+    // y becomes z, z becomes −y.
+    assert_box(&turned(y_up), [0.0, -0.03, 0.0], [0.01, 0.0, 0.02], 6e-6);
+    assert_box(&turned("<up_axis>X_UP</up_axis>"), [-2.0, -3.0, 0.0], [0.0, 0.0, 1.0], 6.0);
+    // From (8, 0, 0) towards the origin with z up: x goes to y, y to z, and z to x.
+    let seen = load("", "<lookat>8 0 0 0 0 0 0 0 1</lookat>");
+    assert_box(&seen, [8.0, 0.0, 0.0], [11.0, 1.0, 2.0], 6.0);
     // The first transform is the outermost.
     let moved = load("", "<translate>10 0 0</translate><rotate>0 0 1 90</rotate><scale>2 1 1</scale>");
     assert_box(&moved, [8.0, 0.0, 0.0], [10.0, 2.0, 3.0], 12.0);
@@ -160,7 +172,8 @@ fn collada_instances_and_materials() {
     let node = format!("{}<node><translate>5 0 0</translate>{}</node>", instance("mat"), instance("red"));
     let path = folder.write("b.dae", dae("", &node, |p| p));
     let mut diagnostics = Diagnostics::default();
-    let parts = load_mesh_parts(&path, DVec3::ONE, &Source::new("w", 1), &mut diagnostics).unwrap();
+    let parts =
+        load_mesh_parts(&path, DVec3::ONE, UpAxis::Ignored, &Source::new("w", 1), &mut diagnostics).unwrap();
     let [textured, red] = &parts[..] else { panic!("{}", parts.len()) };
     assert!(textured.material.as_ref().unwrap().texture.is_some());
     let look = red.material.as_ref().unwrap();
@@ -176,6 +189,97 @@ fn collada_instances_and_materials() {
     let link = &world.unwrap().models[0].links[0];
     assert_eq!((link.visuals.len(), link.collisions.len()), (2, 1));
     assert_eq!(link.visuals[1].material.diffuse, [1.0, 0.0, 0.0]);
+}
+
+/// What a file says beside its triangles may be wrong, and costs at most a warning.
+#[test]
+fn details_do_not_cost_the_mesh() {
+    let folder = Folder::new();
+    folder.write("paint.png", b"");
+    let plain = || dae("", &instance("mat"), |p| p);
+    let camera = "<node id='eye'><matrix>nan nan nan 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix><instance_camera url='#c'/></node>";
+    for (name, content, words) in [
+        ("camera.dae", plain().replace("<node id='n'>", &format!("{camera}<node id='n'>")), ""),
+        ("lookat.dae", plain().replace(camera, "<node><lookat>1</lookat></node>"), ""),
+        ("material.dae", plain().replace("target='#mat'", "target='#mud'"), "nothing with the id '#mud'"),
+        ("effect.dae", plain().replace("url='#fx'", "url='#fog'"), "nothing with the id '#fog'"),
+        ("color.dae", dae("", &instance("red"), |p| p).replace(">1 0 0 1<", ">1 0<"), "three finite numbers"),
+        ("skew.dae", dae("", &format!("<skew>1 2 3 4 5 6 7</skew>{}", instance("mat")), |p| p), "<skew>"),
+        ("picture.dae", plain().replace("paint.png", "gone.png"), "no texture gone.png"),
+    ] {
+        let path = folder.write(name, content);
+        let mut diagnostics = Diagnostics::default();
+        let source = Source::new("test.world", 7);
+        let mesh = load_mesh(&path, DVec3::ONE, UpAxis::Ignored, &source, &mut diagnostics).unwrap();
+        assert_box(&mesh, [0.0; 3], [1.0, 2.0, 3.0], 6.0);
+        assert!(
+            mesh.material
+                .as_ref()
+                .is_none_or(|material| { material.texture.as_ref().is_none_or(|texture| texture.is_file()) })
+        );
+        let problems: Vec<String> = diagnostics.problems().iter().map(ToString::to_string).collect();
+        assert!(!diagnostics.has_errors(), "{name}: {problems:?}");
+        assert_eq!(problems.len(), usize::from(!words.is_empty()), "{name}: {problems:?}");
+        assert!(
+            problems.iter().all(|problem| problem.contains(words) && problem.contains(name)),
+            "{problems:?}"
+        );
+    }
+}
+
+#[test]
+fn pictures_are_found_in_the_model() {
+    let folder = Folder::new();
+    let texture = folder.write("bin/materials/textures/bin.png", b"");
+    let look = |path: &Path| {
+        let mut diagnostics = Diagnostics::default();
+        let mesh = load_mesh(path, DVec3::ONE, UpAxis::Ignored, &Source::new("w", 1), &mut diagnostics);
+        assert!(diagnostics.problems().is_empty(), "{:#?}", diagnostics.problems());
+        mesh.unwrap().material.clone().unwrap()
+    };
+    for name in ["bin.png", "../materials/textures/bin.png", "C:\\maps\\bin.png", "file:///tmp/maps/bin.png"]
+    {
+        let content = dae("", &instance("mat"), |p| p).replace("paint.png", name);
+        let found = look(&folder.write("bin/meshes/bin.dae", content)).texture.unwrap();
+        assert_eq!(found.canonicalize().unwrap(), texture.canonicalize().unwrap(), "{name}");
+    }
+    // An OBJ and its .mtl, indented as exporters do.
+    folder.write(
+        "bin/meshes/bin.mtl",
+        "newmtl tin\n\tNs nan\n\tKd 0.5 0.25 1\n  d 0.5\nnewmtl foil\n\tmap_Kd bin.png\n",
+    );
+    let obj = |material: &str| {
+        let content = format!("mtllib bin.mtl\n  usemtl {material}\n{}", obj().replace('v', " v"));
+        look(&folder.write("bin/meshes/bin.obj", content))
+    };
+    let tin = obj("tin");
+    assert_eq!((tin.diffuse, tin.alpha, tin.texture), ([0.5, 0.25, 1.0], 0.5, None));
+    assert_eq!(obj("foil").texture.unwrap().canonicalize().unwrap(), texture.canonicalize().unwrap());
+}
+
+#[test]
+fn instances_of_instances_come_to_an_end() {
+    let folder = Folder::new();
+    folder.write("paint.png", b"");
+    // Each node holds the next one twice: 2^40 boxes.
+    let nodes: Vec<String> = (0..40)
+        .map(|i| {
+            format!("<node id='n{i}'><instance_node url='#n{0}'/><instance_node url='#n{0}'/></node>", i + 1)
+        })
+        .collect();
+    let nodes = nodes.concat();
+    let library = format!("<library_nodes>{nodes}<node id='n40'>{}</node></library_nodes>", instance("mat"));
+    let content = dae("", "<instance_node url='#n0'/>", |p| p)
+        .replace("<library_visual_scenes>", &format!("{library}<library_visual_scenes>"));
+    let path = folder.write("many.dae", content);
+    let mut diagnostics = Diagnostics::default();
+    let source = Source::new("w", 1);
+    assert!(load_mesh(&path, DVec3::ONE, UpAxis::Ignored, &source, &mut diagnostics).is_none());
+    let problem = diagnostics.problems()[0].to_string();
+    assert!(
+        problem.contains("more than 500000 elements") || problem.contains("more than 256 MB"),
+        "{problem}"
+    );
 }
 
 #[test]
@@ -202,15 +306,14 @@ fn bad_meshes() {
         (
             "loop.dae",
             plain().replace("<node id='n'>", "<node id='n'><instance_node url='#n'/>").into(),
-            "without end",
+            "more than 300 deep",
         ),
-        ("picture.dae", plain().replace("paint.png", "gone.png").into(), "gone.png"),
         ("part.ply", b"ply".to_vec(), "stl, obj, dae"),
     ];
     for (name, content, words) in cases {
         let path = folder.write(name, content);
         let mut diagnostics = Diagnostics::default();
-        load_mesh(&path, DVec3::ONE, &Source::new("test.world", 7), &mut diagnostics);
+        load_mesh(&path, DVec3::ONE, UpAxis::Applied, &Source::new("test.world", 7), &mut diagnostics);
         let [problem] = diagnostics.problems() else { panic!("{name}: {:#?}", diagnostics.problems()) };
         let text = problem.to_string();
         assert_eq!(problem.severity, Severity::Error);
@@ -218,6 +321,6 @@ fn bad_meshes() {
         assert!(!problem.remedy.is_empty(), "{text}");
     }
     let mut diagnostics = Diagnostics::default();
-    load_mesh(Path::new("x.stl"), DVec3::ZERO, &Source::new("w", 1), &mut diagnostics);
+    load_mesh(Path::new("x.stl"), DVec3::ZERO, UpAxis::Ignored, &Source::new("w", 1), &mut diagnostics);
     assert!(diagnostics.problems()[0].what.contains("scale"));
 }

@@ -3,8 +3,8 @@
 
 use belvedere::description::model::{JointKind, Model, Plugin, Sensor, SensorKind};
 use belvedere::description::package::PackagePath;
-use belvedere::description::robot::{LoadOptions, load_robot, robot_names};
-use belvedere::description::{Diagnostics, Problem, Severity};
+use belvedere::description::robot::{LoadOptions, load_robot, robot_names, xacro_argument};
+use belvedere::description::{Diagnostics, Problem, Rules, Severity};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_3;
 use std::path::PathBuf;
@@ -14,7 +14,8 @@ use tempfile::TempDir;
 const POSE_TOLERANCE_M: f64 = 1e-7;
 
 fn load_from(packages: PackagePath, name: &str, gazebo_compat: bool) -> (Option<Model>, Vec<Problem>) {
-    let options = LoadOptions { packages, gazebo_compat, xacro_args: Vec::new() };
+    let options =
+        LoadOptions { packages, rules: Rules { gazebo_compat, ..Rules::default() }, xacro_args: Vec::new() };
     let mut diagnostics = Diagnostics::default();
     let robot = load_robot(name, &options, &mut diagnostics);
     (robot, diagnostics.problems().to_vec())
@@ -62,6 +63,49 @@ fn all_our_robots_load_without_a_word() {
         let robot = ours(name);
         assert!(!robot.sensors.is_empty(), "{name}");
         assert!(robot.sensors.iter().all(|sensor| sensor.plugin.is_some()), "{name}");
+    }
+}
+
+/// As ROS's own packages write their robots: limits in a YAML file, a switch on the command line.
+#[test]
+fn xacro_reads_yaml_and_takes_arguments() {
+    let folder = TempDir::new().unwrap();
+    let package = folder.path().join("src/vendor/arm");
+    std::fs::create_dir_all(package.join("config")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(package.join(name), text).unwrap();
+    write("package.xml", "<package><name>arm_description</name></package>");
+    write(
+        "config/limits.yaml",
+        "joint_limits:\n  lift: {max_position: !degrees 90.0, has_limits: true}\n  turn:\n    max_position: 2.5\n",
+    );
+    write(
+        "arm.xacro",
+        "<robot name='arm' xmlns:xacro='http://x'><xacro:arg name='length' default='1'/>
+        <xacro:property name='file' value='$(find arm_description)/config/limits.yaml'/>
+        <xacro:property name='limits' value=\"${xacro.load_yaml(file)['joint_limits']}\"/>
+        <xacro:property name='near' value=\"${load_yaml('config/limits.yaml')}\"/>
+        <xacro:macro name='joint_of' params='name limits length'><link name='${name}_link'/>
+          <joint name='${name}' type='revolute'><parent link='base_link'/><child link='${name}_link'/><origin xyz='${length} 0 0'/>
+          <limit lower='0' upper=\"${limits[name]['max_position']}\" effort='1' velocity='1'/></joint></xacro:macro>
+        <link name='base_link'/>
+        <xacro:joint_of name='lift' limits='${limits}' length='$(arg length)'/>
+        <xacro:if value=\"${'turn' in near.joint_limits and near['joint_limits'].lift.has_limits}\">
+          <xacro:joint_of name='turn' limits='${near.joint_limits}' length='0'/></xacro:if></robot>",
+    );
+    let packages = PackagePath::new([folder.path().join("src")], None);
+    let xacro_args = vec![xacro_argument("length:=3").unwrap()];
+    let options = LoadOptions { packages, rules: Rules::default(), xacro_args };
+    let mut diagnostics = Diagnostics::default();
+    let robot = load_robot(package.join("arm.xacro").to_str().unwrap(), &options, &mut diagnostics).unwrap();
+    assert!(diagnostics.problems().is_empty(), "{:#?}", diagnostics.problems());
+    let upper = |name: &str| match robot.joints.iter().find(|joint| joint.name == name).unwrap().kind {
+        JointKind::Revolute { upper, .. } => upper,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!((upper("lift"), upper("turn")), (std::f64::consts::FRAC_PI_2, 2.5));
+    assert_place(&robot, "lift_link", [3.0, 0.0, 0.0]);
+    for text in ["length", ":=3", "a b:=3"] {
+        assert!(xacro_argument(text).unwrap_err().contains("name:=value"));
     }
 }
 
@@ -296,7 +340,7 @@ fn each_fault_is_one_error_with_its_place_and_a_remedy() {
         ("<horizontal_fov>1.0<", "<horizontal_fov>7<", 6, &["<horizontal_fov>", "7"]),
         ("<near>0.1</near>", "<near>11</near>", 8, &["near", "far", "11"]),
         ("<samples>8</samples>", "<samples>-8</samples>", 10, &["<samples>", "'l'", "-8"]),
-        ("<min_angle>-1<", "<min_angle>2<", 10, &["min_angle", "max_angle"]),
+        ("<min_angle>-1<", "<min_angle>left<", 10, &["min_angle", "'left'"]),
         ("<max>5</max>", "<max>nan</max>", 11, &["<max>", "nan"]),
         ("<min>0.1</min>", "<min>-0.1</min>", 11, &["<min>", "-0.1"]),
         ("<min>0.1</min>", "<min>6</min>", 11, &["<min> 6", "<max> 5"]),

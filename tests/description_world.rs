@@ -2,11 +2,11 @@
 
 mod sdf;
 
-use belvedere::description::Diagnostics;
 use belvedere::description::Severity;
 use belvedere::description::model::{Geometry, JointKind, LightKind};
 use belvedere::description::package::PackagePath;
 use belvedere::description::world::{load_world, world_names};
+use belvedere::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::TextureAlpha;
 use glam::DVec3;
@@ -107,9 +107,9 @@ fn names_are_found_in_the_users_turtlebot_gazebo_first() {
     let packages = PackagePath::new([folder.path("")], None);
     let mut diagnostics = Diagnostics::default();
     for name in ["playground", "playground.world"] {
-        assert_eq!(load_world(name, &packages, false, &mut diagnostics).unwrap().name, "mine");
+        assert_eq!(load_world(name, &packages, Rules::default(), &mut diagnostics).unwrap().name, "mine");
     }
-    assert!(load_world("corridor", &packages, false, &mut diagnostics).is_some());
+    assert!(load_world("corridor", &packages, Rules::default(), &mut diagnostics).is_some());
     assert!(diagnostics.problems().is_empty());
 }
 
@@ -402,4 +402,17 @@ fn what_is_ignored_is_said() {
         );
     }
     good("1.6", "<gui><camera name='c'/></gui><audio/><wind/><spherical_coordinates/>");
+}
+
+/// libsdformat looks for a name without a folder, and for `file://NAME`, among the models too.
+#[test]
+fn models_are_found_by_their_names_alone() {
+    let folder = Folder::new();
+    let text = "<sdf version='1.6'><model name='crate'><link name='l'/></model></sdf>";
+    folder.write("models/crate/model.sdf", text);
+    for uri in ["crate", "file://crate", "model:///crate", "model://crate"] {
+        let (world, problems) = folder.load("1.6", &format!("<include><uri>{uri}</uri></include>"), false);
+        assert!(problems.is_empty(), "{uri}: {problems:#?}");
+        assert_eq!(world.unwrap().models[0].name, "crate");
+    }
 }

@@ -3,6 +3,8 @@
 mod sdf;
 
 use belvedere::description::Severity;
+use belvedere::description::model::Geometry;
+use glam::DVec3;
 use sdf::*;
 
 #[test]
@@ -64,7 +66,6 @@ fn bad_numbers() {
     ] {
         assert_bad("1.6", &tag(&parts), 3, &[words]);
     }
-    assert_bad("1.6", &shape("<box/>"), 2, &["no <size>"]);
     assert_bad("1.6", &shape("<sphere><radius>0</radius></sphere>"), 2, &["<radius> of a sphere is '0'"]);
     assert_bad("1.6", &shape("<cylinder><radius>1</radius><length>nan</length></cylinder>"), 2, &["'nan'"]);
     assert_bad("1.6", &shape("<plane><normal>0 0 0</normal></plane>"), 2, &["<normal>"]);
@@ -105,6 +106,39 @@ fn bad_numbers() {
         &["no length"],
     );
     assert_bad("1.6", "<model name='m'><static>maybe</static><link name='l'/></model>", 1, &["'maybe'"]);
+}
+
+#[test]
+fn what_gazebo_goes_on_with_is_a_warning() {
+    let link = |inside: &str, words: &str| {
+        let (world, problems) = Folder::new().load(
+            "1.6",
+            &format!("<model name='m'><link name='l'>{inside}</link></model>"),
+            false,
+        );
+        assert!(problems.len() == 1 && problems[0].severity == Severity::Warning, "{problems:#?}");
+        assert!(problems[0].what.contains(words), "{}", problems[0]);
+        world.unwrap().models.remove(0).links.remove(0)
+    };
+    let inertial =
+        |inside: &str, words| link(&format!("<inertial>{inside}</inertial>"), words).inertial.unwrap();
+    assert_eq!(inertial("<mass>0</mass>", "is 0 kg").mass_kg, 1.0);
+    let shape = |shape: &str, words| {
+        let visual = format!("<visual name='v'><geometry>{shape}</geometry></visual>");
+        link(&visual, words).visuals.remove(0).geometry
+    };
+    assert!(matches!(
+        shape("<box/>", "<box> has no <size>: it is 1 1 1"),
+        Geometry::Box { size: DVec3::ONE }
+    ));
+    assert!(matches!(
+        shape("<sphere/>", "<sphere> has no <radius>: it is 1"),
+        Geometry::Sphere { radius: 1.0 }
+    ));
+    let geometry = "<geometry><box><size>1 1 1</size></box></geometry>";
+    let surface = "<surface><friction><ode><mu>-1</mu></ode></friction></surface>";
+    let l = link(&format!("<collision name='c'>{geometry}{surface}</collision>"), "<mu> is -1");
+    assert!(l.collisions[0].friction.unwrap() >= 1e6);
 }
 
 #[test]

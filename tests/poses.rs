@@ -76,7 +76,8 @@ fn robot(text: &str) -> Model {
     let folder = Folder::new();
     let path = folder.write("robot.urdf", text);
     let packages = PackagePath::new([], None);
-    let options = LoadOptions { packages, gazebo_compat: false, xacro_args: Vec::new() };
+    let options =
+        LoadOptions { packages, rules: belvedere::description::Rules::default(), xacro_args: Vec::new() };
     let mut diagnostics = Diagnostics::default();
     let robot = load_robot(path.to_str().unwrap(), &options, &mut diagnostics);
     assert!(!diagnostics.has_errors(), "{:#?}", diagnostics.problems());

@@ -19,10 +19,10 @@ mod sdf;
 
 mod eyes;
 
-use belvedere::description::Diagnostics;
 use belvedere::description::model::{Geometry, Model, World};
 use belvedere::description::package::PackagePath;
 use belvedere::description::world::load_world;
+use belvedere::description::{Diagnostics, Rules};
 use eyes::{april_tags, listed, qr_codes};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ fn models() -> PathBuf {
 
 fn tag_ceiling() -> World {
     let mut diagnostics = Diagnostics::default();
-    let world = load_world("tag_ceiling", &PackagePath::new([], None), false, &mut diagnostics);
+    let world = load_world("tag_ceiling", &PackagePath::new([], None), Rules::default(), &mut diagnostics);
     assert!(diagnostics.problems().is_empty(), "{:#?}", diagnostics.problems());
     world.unwrap()
 }

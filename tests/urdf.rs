@@ -2,11 +2,11 @@
 
 mod live;
 
-use belvedere::description::Diagnostics;
 use belvedere::description::model::Model;
 use belvedere::description::package::PackagePath;
 use belvedere::description::robot::{LoadOptions, load_robot, robot_names};
 use belvedere::description::xml::Element;
+use belvedere::description::{Diagnostics, Rules};
 use live::belvedere;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,11 @@ const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 
 /// As Gazebo does: one of the articles' robots has a sensor on a link that it lacks.
 fn load(name: &str, packages: PackagePath) -> Model {
-    let options = LoadOptions { packages, gazebo_compat: true, xacro_args: Vec::new() };
+    let options = LoadOptions {
+        packages,
+        rules: Rules { gazebo_compat: true, ..Rules::default() },
+        xacro_args: Vec::new(),
+    };
     let mut diagnostics = Diagnostics::default();
     let robot = load_robot(name, &options, &mut diagnostics);
     assert!(!diagnostics.has_errors(), "{:#?}", diagnostics.problems());

@@ -3,10 +3,10 @@
 #![allow(dead_code, reason = "each target that includes this module uses a part of it")]
 #![allow(unreachable_pub, reason = "a module of several targets, none of which exports it")]
 
-use belvedere::description::Diagnostics;
 use belvedere::description::model::{Geometry, World};
 use belvedere::description::package::PackagePath;
 use belvedere::description::world::load_world;
+use belvedere::description::{Diagnostics, Rules};
 use belvedere::world::physics::Physics;
 use belvedere::world::scene::WorldScene;
 use belvedere_sensors::Pose;
@@ -24,7 +24,7 @@ use std::f64::consts::FRAC_PI_2;
 /// The world's description.
 pub fn room() -> World {
     let mut diagnostics = Diagnostics::default();
-    load_world("tag_ceiling", &PackagePath::new([], None), false, &mut diagnostics)
+    load_world("tag_ceiling", &PackagePath::new([], None), Rules::default(), &mut diagnostics)
         .expect("our own world loads")
 }
 

@@ -7,11 +7,12 @@ mod world;
 
 use super::error::CliError;
 use super::follow::print_line;
+use crate::description::mesh::UpAxis;
 use crate::description::package::PackagePath;
-use crate::description::robot::{LoadOptions, default_robot_name, load_robot, robot_names};
+use crate::description::robot::{LoadOptions, default_robot_name, load_robot, robot_names, xacro_argument};
 use crate::description::world::{load_world, world_names};
 use crate::description::xml::Element;
-use crate::description::{Diagnostics, Severity};
+use crate::description::{Diagnostics, Rules, Severity};
 use crate::robot::kobuki::Wheels;
 use std::path::{Path, PathBuf};
 
@@ -26,18 +27,32 @@ use std::path::{Path, PathBuf};
   belvedere check
   belvedere check kobuki_hexagons_kinect
   belvedere check my_robot.urdf.xacro --package-path ~/catkin_ws/src
+  belvedere check my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
   belvedere check my.world")]
 pub struct CheckArgs {
     /// A .urdf, .xacro, .world or .sdf file, or the name of a robot or world of ours
     /// [default: the robot that `belvedere run` takes]
     #[arg(value_name = "FILE|NAME")]
     pub file: Option<String>,
+    /// Arguments of the robot's xacro, for its $(arg NAME)
+    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+    pub xacro_args: Vec<(String, String)>,
     /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
     #[arg(long, value_name = "FOLDER")]
     pub package_path: Vec<PathBuf>,
     /// Go on as Gazebo classic does where something is missing, with a warning in place of the error
     #[arg(long)]
     pub gazebo_compat: bool,
+    /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
+    #[arg(long)]
+    pub apply_up_axis: bool,
+}
+
+impl CheckArgs {
+    fn rules(&self) -> Rules {
+        let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
+        Rules { gazebo_compat: self.gazebo_compat, up_axis }
+    }
 }
 
 /// Runs the command.
@@ -50,10 +65,10 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     let file = args.file.clone().unwrap_or_else(default_robot_name);
     let mut diagnostics = Diagnostics::default();
     let report = if is_world(&file, &packages) {
-        load_world(&file, &packages, args.gazebo_compat, &mut diagnostics)
+        load_world(&file, &packages, args.rules(), &mut diagnostics)
             .map(|world| world::report(&world, args.gazebo_compat))
     } else {
-        let options = LoadOptions { packages, gazebo_compat: args.gazebo_compat, xacro_args: Vec::new() };
+        let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
         load_robot(&file, &options, &mut diagnostics).map(|robot| {
             if let Err(problem) = Wheels::of(&robot) {
                 diagnostics.add(problem);

@@ -1,10 +1,10 @@
 //! Which robots run: `--robot`, `--name`, `--pose`.
 
-use crate::description::Diagnostics;
 use crate::description::diagnostics::Source;
 use crate::description::model::Model;
 use crate::description::package::PackagePath;
-use crate::description::robot::{LoadOptions, default_robot_name, load_robot};
+use crate::description::robot::{LoadOptions, default_robot_name, load_robot, xacro_argument};
+use crate::description::{Diagnostics, Rules};
 use crate::entities::model_name;
 use crate::simulation::SpawnOptions;
 use belvedere_sensors::Pose;
@@ -20,6 +20,9 @@ pub struct RobotArgs {
     /// several robots [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]
     #[arg(long, value_name = "FILE|NAME")]
     robot: Vec<String>,
+    /// Arguments of the robots' xacro, for its $(arg NAME)
+    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+    xacro_args: Vec<(String, String)>,
     /// What the robot is called in the world, one for each --robot in their order; of several, its topics are
     /// /NAME/... and its frames NAME/... [default: as its description has it, numbered if several are called so]
     #[arg(long, value_name = "NAME", value_parser = model_name)]
@@ -80,7 +83,7 @@ impl RobotArgs {
     pub(super) fn load(
         &self,
         packages: &PackagePath,
-        gazebo_compat: bool,
+        rules: Rules,
         taken: &HashSet<&str>,
         diagnostics: &mut Diagnostics,
     ) -> Vec<(Model, SpawnOptions)> {
@@ -94,7 +97,7 @@ impl RobotArgs {
                 );
             }
         }
-        let options = LoadOptions { packages: packages.clone(), gazebo_compat, xacro_args: Vec::new() };
+        let options = LoadOptions { packages: packages.clone(), rules, xacro_args: self.xacro_args.clone() };
         let mut models: Vec<(Model, Pose)> = Vec::new();
         for (index, file) in files.iter().enumerate() {
             let Some(mut model) = load_robot(file, &options, diagnostics) else { continue };

@@ -5,10 +5,11 @@ use super::follow::{NAP, listen_for_stop, print_line, seconds, stop_wanted};
 use super::pacer::Pacer;
 use super::robots::RobotArgs;
 use super::status::Status;
+use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::world::{default_world, load_world};
-use crate::description::{Diagnostics, Severity};
+use crate::description::{Diagnostics, Rules, Severity};
 use crate::entities::Origin;
 use crate::rig::Rig;
 use crate::robot::Autopilot;
@@ -29,6 +30,7 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run
   belvedere run --robot kobuki_hexagons_kinect --world playground --drive spin
   belvedere run --robot my_robot.urdf.xacro --package-path ~/catkin_ws/src --domain lab
+  belvedere run --robot my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
   belvedere run --truth
   belvedere run --rate max --duration 10 --hash
   belvedere run --rate max --wait-for recorder=3 --patience 30")]
@@ -63,6 +65,9 @@ pub struct RunArgs {
     /// range, ranges that begin at the minimum, sensors on missing links left out
     #[arg(long)]
     gazebo_compat: bool,
+    /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
+    #[arg(long)]
+    apply_up_axis: bool,
     /// Publish what is true of every pixel and beam as well: TOPIC/truth/depth, range, normal, instance, class,
     /// incidence, flow_back, flow_forward
     #[arg(long)]
@@ -80,6 +85,13 @@ pub struct RunArgs {
     /// How long it waits for one of them before it ends with a report of who held it up
     #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "wait_for", default_value = "10")]
     patience: Duration,
+}
+
+impl RunArgs {
+    fn rules(&self) -> Rules {
+        let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
+        Rules { gazebo_compat: self.gazebo_compat, up_axis }
+    }
 }
 
 /// How simulated time runs.
@@ -123,7 +135,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         }),
         post: post.clone(),
     };
-    let files = ModelFiles { packages, gazebo_compat: args.gazebo_compat };
+    let files = ModelFiles { packages, rules: args.rules() };
     let options = ServerOptions { truth: args.truth, hashed: args.hash, files };
     for note in simulation.notes() {
         tracing::info!("{note}");
@@ -181,9 +193,9 @@ fn packages(args: &RunArgs) -> PackagePath {
 fn load(args: &RunArgs, packages: &PackagePath) -> Result<(World, Vec<(Model, SpawnOptions)>), CliError> {
     let mut diagnostics = Diagnostics::default();
     let world = args.world.clone().unwrap_or_else(default_world);
-    let world = load_world(&world, packages, args.gazebo_compat, &mut diagnostics);
+    let world = load_world(&world, packages, args.rules(), &mut diagnostics);
     let taken = world.iter().flat_map(|world| &world.models).map(|model| model.name.as_str());
-    let robots = args.robots.load(packages, args.gazebo_compat, &taken.collect(), &mut diagnostics);
+    let robots = args.robots.load(packages, args.rules(), &taken.collect(), &mut diagnostics);
     for problem in diagnostics.problems() {
         match problem.severity {
             Severity::Error => {}

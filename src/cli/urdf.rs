@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::follow::print_line;
 use crate::description::package::PackagePath;
-use crate::description::robot::{default_robot_name, expand_robot};
+use crate::description::robot::{default_robot_name, expand_robot, xacro_argument};
 use crate::description::{Diagnostics, Severity};
 use std::path::PathBuf;
 
@@ -22,6 +22,9 @@ pub struct UrdfArgs {
     /// [default: the robot that `belvedere run` takes]
     #[arg(value_name = "FILE|NAME")]
     pub file: Option<String>,
+    /// Arguments of the robot's xacro, for its $(arg NAME)
+    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+    pub xacro_args: Vec<(String, String)>,
     /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
     #[arg(long, value_name = "FOLDER")]
     pub package_path: Vec<PathBuf>,
@@ -36,7 +39,7 @@ pub fn run(args: &UrdfArgs) -> Result<(), CliError> {
     let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
     let file = args.file.clone().unwrap_or_else(default_robot_name);
     let mut diagnostics = Diagnostics::default();
-    let robot = expand_robot(&file, &packages, &[], &mut diagnostics);
+    let robot = expand_robot(&file, &packages, &args.xacro_args, &mut diagnostics);
     for problem in diagnostics.problems().iter().filter(|problem| problem.severity == Severity::Warning) {
         tracing::warn!("{problem}");
     }

@@ -1,10 +1,11 @@
 //! Triangle meshes from files: STL, Wavefront OBJ and Collada.
 //!
 //! STL and OBJ are read by the crate `mesh-loader`, and taken as they are: metres, z up. Collada says its unit and its
-//! up axis, and is read by the module `collada`: `mesh-loader` passes over `<up_axis>`, keeps one instance of each
-//! geometry, and panics on an index out of range.
+//! up axis, and is read by the module `collada`: `mesh-loader` keeps one instance of each geometry, and panics on an
+//! index out of range.
 
 mod collada;
+mod obj;
 
 use super::diagnostics::{Diagnostics, Source};
 use super::model::{Material, Mesh};
@@ -15,6 +16,16 @@ use std::sync::Arc;
 
 /// The formats that are read, for error messages.
 pub const MESH_FORMATS: &str = "stl, obj, dae (Collada)";
+
+/// What becomes of Collada's `<up_axis>`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum UpAxis {
+    /// Nothing: the numbers are taken as they stand, as Gazebo and rviz do, and as their models are made for.
+    #[default]
+    Ignored,
+    /// The mesh is turned so that the file's up is z, as the standard says.
+    Applied,
+}
 
 /// Triangles of one material as a file gives them.
 #[derive(Debug, Default)]
@@ -28,7 +39,7 @@ struct Part {
     material: Option<Material>,
 }
 
-/// Loads a mesh (STL, Collada, OBJ) and applies `scale`. `source` is where the description asks for it.
+/// Loads a mesh (STL, Collada, OBJ) and applies `up_axis` and `scale`. `source` is where the description asks for it.
 ///
 /// If the file has several materials, that of most triangles stands for all: see [`load_mesh_parts`].
 ///
@@ -37,10 +48,11 @@ struct Part {
 pub fn load_mesh(
     path: &Path,
     scale: DVec3,
+    up_axis: UpAxis,
     source: &Source,
     diagnostics: &mut Diagnostics,
 ) -> Option<Arc<Mesh>> {
-    merge_parts(&load_mesh_parts(path, scale, source, diagnostics)?)
+    merge_parts(&load_mesh_parts(path, scale, up_axis, source, diagnostics)?)
 }
 
 /// Like [`load_mesh`], with a mesh for each material.
@@ -50,6 +62,7 @@ pub fn load_mesh(
 pub fn load_mesh_parts(
     path: &Path,
     scale: DVec3,
+    up_axis: UpAxis,
     source: &Source,
     diagnostics: &mut Diagnostics,
 ) -> Option<Vec<Arc<Mesh>>> {
@@ -63,8 +76,8 @@ pub fn load_mesh_parts(
     }
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let parts = match extension.to_ascii_lowercase().as_str() {
-        "dae" => collada::load(path, diagnostics)?,
-        "stl" | "obj" => match mesh_loader::Loader::default().load(path) {
+        "dae" => collada::load(path, up_axis, diagnostics)?,
+        "stl" | "obj" => match mesh_loader::Loader::default().load_with_reader(path, obj_or_stl) {
             Ok(scene) => scene.meshes.into_iter().zip(scene.materials).map(from_scene).collect(),
             Err(error) => {
                 diagnostics.error(
@@ -85,8 +98,8 @@ pub fn load_mesh_parts(
         }
     };
     let mut meshes: Vec<Mesh> = Vec::new();
-    for part in parts {
-        check_texture(&part, path, source, diagnostics);
+    for mut part in parts {
+        check_texture(&mut part, path, source, diagnostics);
         let mesh = finish(part, path, scale, source, diagnostics)?;
         if mesh.triangles.is_empty() {
             continue;
@@ -194,16 +207,40 @@ impl Look {
     }
 }
 
-/// Says so if the picture that a mesh names is not there.
-fn check_texture(part: &Part, path: &Path, source: &Source, diagnostics: &mut Diagnostics) {
-    if let Some(texture) = part.material.as_ref().and_then(|material| material.texture.as_ref())
-        && !texture.is_file()
-    {
-        diagnostics.error(
-            source,
-            format!("there is no texture {}, which the mesh {} names", texture.display(), path.display()),
-            "put it there, or correct the mesh file",
-        );
+/// Reads a file for `mesh-loader`.
+fn obj_or_stl(path: &Path) -> std::io::Result<Vec<u8>> {
+    let is_stl = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("stl"));
+    if is_stl { std::fs::read(path) } else { obj::read(path) }
+}
+
+/// The picture that a mesh in `folder` names: there, or in the `materials/textures` of its model, where Gazebo looks
+/// too. Folders of the machine that the mesh was made on are left off.
+fn find_texture(name: &str, folder: &Path) -> Option<PathBuf> {
+    let name = name.replace('\\', "/");
+    let file = name.rsplit('/').next().filter(|file| !file.is_empty())?;
+    let model = folder.ancestors().take(4).map(|above| above.join("materials/textures"));
+    let places: Vec<PathBuf> = std::iter::once(folder.to_path_buf()).chain(model).collect();
+    let found = |name: &str| places.iter().map(|place| place.join(name)).find(|path| path.is_file());
+    found(&name).or_else(|| found(file))
+}
+
+/// Finds the picture that a mesh names. Without it the mesh is drawn in its colour, as in Gazebo.
+fn check_texture(part: &mut Part, path: &Path, source: &Source, diagnostics: &mut Diagnostics) {
+    let Some(texture) = part.material.as_mut().and_then(|material| material.texture.as_mut()) else { return };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if let Some(found) = find_texture(&texture.to_string_lossy(), folder) {
+        *texture = found;
+        return;
+    }
+    let what = format!(
+        "there is no texture {}, which the mesh {} names: it is drawn in one colour",
+        texture.display(),
+        path.display()
+    );
+    let remedy = "put it beside the mesh, or into materials/textures of its model";
+    diagnostics.warning(source, what, remedy);
+    if let Some(material) = &mut part.material {
+        material.texture = None;
     }
 }
 

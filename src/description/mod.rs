@@ -1,5 +1,6 @@
 //! Robot and world files: text in, one typed model out, every problem with its file and line.
 
+mod budget;
 pub mod diagnostics;
 mod fiducial;
 pub mod gazebo_materials;
@@ -12,6 +13,7 @@ pub mod ogre_material;
 pub mod package;
 pub mod read;
 pub mod robot;
+pub mod rules;
 mod sdf;
 pub mod sensor;
 pub mod single;
@@ -22,3 +24,4 @@ pub mod xacro;
 pub mod xml;
 
 pub use diagnostics::{Diagnostics, Problem, Severity, Source};
+pub use rules::Rules;

@@ -269,7 +269,7 @@ fn cut_out(statement: &Statement, path: &Path) -> Result<Option<TextureAlpha>, P
 /// `scale u v` as repeats.
 fn repeat(statement: &Statement, path: &Path) -> Result<[f32; 2], Problem> {
     match values(statement, path)?[..] {
-        [u, v] if u != 0.0 && v != 0.0 => Ok([1.0 / u, 1.0 / v]),
+        [u, v, ..] if u != 0.0 && v != 0.0 => Ok([1.0 / u, 1.0 / v]),
         _ => Err(problem(
             path,
             statement.line,
@@ -282,6 +282,12 @@ fn repeat(statement: &Statement, path: &Path) -> Result<[f32; 2], Problem> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_scale_may_have_a_third_number() {
+        let script = "material M { technique { pass { texture_unit { texture a.png\n scale 0.5 2 1 } } } }";
+        assert_eq!(parse(script, Path::new("m.material")).unwrap()[0].texture_repeat, Some([2.0, 0.5]));
+    }
 
     const SCRIPT: &str = "
         // tags

@@ -5,6 +5,7 @@ use super::diagnostics::{Diagnostics, Problem, Severity};
 use super::model::{Model, World};
 use super::package::PackagePath;
 use super::robot::{LoadOptions, load_robot};
+use super::rules::Rules;
 use super::single::load_model_text;
 use super::world::load_world;
 use std::fmt;
@@ -34,7 +35,7 @@ impl std::error::Error for Errors {}
 /// # Errors
 /// Whatever is wrong with it.
 pub fn world(file_or_name: &str) -> Result<World, Errors> {
-    finish(|diagnostics| load_world(file_or_name, &packages(), false, diagnostics))
+    finish(|diagnostics| load_world(file_or_name, &packages(), Rules::default(), diagnostics))
 }
 
 /// A robot from a URDF or xacro file, or one of ours by its name.
@@ -42,7 +43,7 @@ pub fn world(file_or_name: &str) -> Result<World, Errors> {
 /// # Errors
 /// Whatever is wrong with it.
 pub fn robot(file_or_name: &str) -> Result<Model, Errors> {
-    let options = LoadOptions { packages: packages(), gazebo_compat: false, xacro_args: Vec::new() };
+    let options = LoadOptions { packages: packages(), rules: Rules::default(), xacro_args: Vec::new() };
     finish(|diagnostics| load_robot(file_or_name, &options, diagnostics))
 }
 
@@ -51,7 +52,7 @@ pub fn robot(file_or_name: &str) -> Result<Model, Errors> {
 /// # Errors
 /// Whatever is wrong with it.
 pub fn model(text: &str) -> Result<Model, Errors> {
-    finish(|diagnostics| load_model_text(text, "text", &packages(), false, diagnostics))
+    finish(|diagnostics| load_model_text(text, "text", &packages(), Rules::default(), diagnostics))
 }
 
 fn packages() -> PackagePath {

@@ -3,6 +3,7 @@
 use super::diagnostics::{Diagnostics, Source};
 use super::model::Model;
 use super::package::PackagePath;
+use super::rules::Rules;
 use super::values::nearest;
 use super::xml::Element;
 use super::{urdf, xacro};
@@ -22,11 +23,23 @@ const DEFAULT_ROBOT: &str = "kobuki_nostack_camera";
 pub struct LoadOptions {
     /// Where packages are found.
     pub packages: PackagePath,
-    /// Go on as Gazebo does: a sensor on a link that does not exist is left out, with a warning in place of the
-    /// error.
-    pub gazebo_compat: bool,
+    /// How they are read.
+    pub rules: Rules,
     /// What `$(arg name)` gives in the robot's xacro, as (name, value).
     pub xacro_args: Vec<(String, String)>,
+}
+
+/// An argument of xacro as roslaunch writes it: `name:=value`.
+///
+/// # Errors
+/// In words: what it should look like.
+pub fn xacro_argument(text: &str) -> Result<(String, String), String> {
+    match text.split_once(":=") {
+        Some((name, value)) if !name.is_empty() && !name.contains(char::is_whitespace) => {
+            Ok((name.to_owned(), value.to_owned()))
+        }
+        _ => Err("an argument of the robot's xacro is written name:=value".into()),
+    }
 }
 
 /// The robot that is loaded if none is asked for, as in the articles: `TURTLEBOT_BASE`, `TURTLEBOT_STACKS` and
@@ -58,7 +71,7 @@ fn chosen_name(variable: impl Fn(&str) -> Option<String>) -> String {
 pub fn load_robot(file_or_name: &str, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Model> {
     let path = find_robot(file_or_name, &options.packages, diagnostics)?;
     match xacro::expand(&path, &options.packages, &options.xacro_args, diagnostics) {
-        Ok(robot) => urdf::load_urdf(&robot, &options.packages, options.gazebo_compat, diagnostics),
+        Ok(robot) => urdf::load_urdf(&robot, &options.packages, options.rules, diagnostics),
         Err(problem) => {
             diagnostics.add(problem);
             None
@@ -127,6 +140,7 @@ pub fn robot_names(packages: &PackagePath) -> Vec<String> {
     let mut names: Vec<String> = packages
         .folders()
         .map(|folder| if folder.ends_with(PACKAGE) { folder.to_path_buf() } else { folder.join(PACKAGE) })
+        .chain(packages.find_package(PACKAGE))
         .filter_map(|package| std::fs::read_dir(package.join("robots")).ok())
         .flatten()
         .filter_map(|entry| entry.ok()?.file_name().to_str()?.strip_suffix(EXTENSION).map(str::to_owned))
@@ -161,7 +175,7 @@ mod tests {
         fs::write(&file, "<robot name='m'><link name=\"${'a' + 'b'}\"/></robot>").unwrap();
         let options = LoadOptions {
             packages: PackagePath::new([folder.path().to_path_buf()], None),
-            gazebo_compat: false,
+            rules: Rules::default(),
             xacro_args: Vec::new(),
         };
         let mut diagnostics = Diagnostics::default();
@@ -179,7 +193,7 @@ mod tests {
     fn a_path_without_a_file_is_one_error() {
         let options = LoadOptions {
             packages: PackagePath::new([], None),
-            gazebo_compat: false,
+            rules: Rules::default(),
             xacro_args: Vec::new(),
         };
         for path in ["no/such/robot.urdf", "no_such.urdf"] {

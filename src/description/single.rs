@@ -3,6 +3,7 @@
 use super::diagnostics::Diagnostics;
 use super::model::Model;
 use super::package::PackagePath;
+use super::rules::Rules;
 use super::xml::Element;
 use super::{sdf, urdf};
 use std::path::Path;
@@ -18,12 +19,12 @@ pub fn load_model_text(
     text: &str,
     name: &str,
     packages: &PackagePath,
-    gazebo_compat: bool,
+    rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<Model> {
     match Element::parse(text, Path::new(name)) {
-        Ok(root) if root.name == "robot" => urdf::load_urdf(&root, packages, gazebo_compat, diagnostics),
-        Ok(root) => sdf::load_model(&root, packages, gazebo_compat, diagnostics),
+        Ok(root) if root.name == "robot" => urdf::load_urdf(&root, packages, rules, diagnostics),
+        Ok(root) => sdf::load_model(&root, packages, rules, diagnostics),
         Err(problem) => {
             diagnostics.add(problem);
             None
@@ -37,7 +38,8 @@ mod tests {
 
     fn load(text: &str) -> (Option<Model>, String) {
         let mut diagnostics = Diagnostics::default();
-        let model = load_model_text(text, "crate", &PackagePath::new([], None), false, &mut diagnostics);
+        let model =
+            load_model_text(text, "crate", &PackagePath::new([], None), Rules::default(), &mut diagnostics);
         let errors: Vec<String> = diagnostics.errors().map(ToString::to_string).collect();
         (model, errors.join("\n"))
     }

@@ -29,6 +29,7 @@ use super::diagnostics::{Diagnostics, Source};
 use super::housing;
 use super::model::{Link, Material, Mesh, Model};
 use super::package::PackagePath;
+use super::rules::Rules;
 use super::values::nearest;
 use super::xml::Element;
 use belvedere_sensors::Pose;
@@ -42,7 +43,7 @@ type MeshCache = HashMap<(PathBuf, [u64; 3]), Option<Vec<Arc<Mesh>>>>;
 /// State of one load.
 struct Loader<'a> {
     packages: &'a PackagePath,
-    gazebo_compat: bool,
+    rules: Rules,
     diagnostics: &'a mut Diagnostics,
     /// Materials that have a name, wherever in the file they are defined.
     materials: HashMap<String, Material>,
@@ -54,14 +55,14 @@ struct Loader<'a> {
 pub(super) fn load_urdf(
     robot: &Element,
     packages: &PackagePath,
-    gazebo_compat: bool,
+    rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<Model> {
     if !is_robot(robot, diagnostics) {
         return None;
     }
     let mut loader =
-        Loader { packages, gazebo_compat, diagnostics, materials: HashMap::new(), meshes: HashMap::new() };
+        Loader { packages, rules, diagnostics, materials: HashMap::new(), meshes: HashMap::new() };
     loader.define_materials(robot);
     let mut model = Model {
         name: robot.attribute("name").unwrap_or("robot").to_owned(),
@@ -77,7 +78,7 @@ pub(super) fn load_urdf(
     let is_tree = loader.build_tree(robot, &mut model);
     loader.extensions(robot, &mut model);
     if is_tree {
-        housing::report(&model, gazebo_compat, loader.diagnostics);
+        housing::report(&model, rules.gazebo_compat, loader.diagnostics);
     }
     is_tree.then_some(model)
 }
@@ -97,7 +98,7 @@ pub(super) fn is_robot(root: &Element, diagnostics: &mut Diagnostics) -> bool {
 impl Loader<'_> {
     /// A thing that cannot be had: an error, or a warning where Gazebo goes on without it.
     fn missing(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
-        if self.gazebo_compat {
+        if self.rules.gazebo_compat {
             self.diagnostics.warning(source, what, remedy);
         } else {
             self.diagnostics.error(source, what, remedy);

@@ -104,6 +104,19 @@ pub fn child_origin(parent: &Element, diagnostics: &mut Diagnostics) -> Pose {
     xyz.zip(rpy).map_or(Pose::IDENTITY, |(xyz, rpy)| Pose::from_xyz_rpy(xyz, rpy))
 }
 
+/// Friction that is stronger than any force in a simulation.
+const UNLIMITED_FRICTION: f64 = 1e6;
+
+/// A coefficient of friction. One below 0 is unlimited, as in Gazebo, with a warning.
+pub fn friction_coefficient(mu: f64, what: &str, source: &Source, diagnostics: &mut Diagnostics) -> f64 {
+    if mu >= 0.0 {
+        return mu;
+    }
+    let what = format!("{what} is {mu}: friction without limit, as in Gazebo");
+    diagnostics.warning(source, what, "write 0 or more");
+    UNLIMITED_FRICTION
+}
+
 /// The name in `candidates` that is nearest to `name` by edit distance, for "did you mean".
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates

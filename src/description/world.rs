@@ -3,6 +3,7 @@
 use super::diagnostics::{Diagnostics, Source};
 use super::model::World;
 use super::package::PackagePath;
+use super::rules::Rules;
 use super::sdf;
 use super::values::nearest;
 use std::path::{Path, PathBuf};
@@ -27,8 +28,7 @@ pub fn default_world() -> String {
 /// A name has neither a path separator nor an extension: `playground` is `worlds/playground.world` of a
 /// `turtlebot_gazebo` package on the package path, else of our own `models/`.
 ///
-/// `gazebo_compat` goes on as Gazebo does where a model, mesh, texture or material is missing, with a warning
-/// in place of the error.
+/// With `gazebo_compat` it goes on as Gazebo does where a model, mesh, texture or material is missing.
 ///
 /// # Errors
 /// Whatever is wrong is added to `diagnostics`. None is returned when there is no world at all; a world that is
@@ -36,11 +36,11 @@ pub fn default_world() -> String {
 pub fn load_world(
     file_or_name: &str,
     packages: &PackagePath,
-    gazebo_compat: bool,
+    rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<World> {
     let path = find_world(file_or_name, packages, diagnostics)?;
-    sdf::load_world_file(&path, packages, gazebo_compat, diagnostics)
+    sdf::load_world_file(&path, packages, rules, diagnostics)
 }
 
 fn find_world(file_or_name: &str, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {

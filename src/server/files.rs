@@ -1,9 +1,9 @@
 //! Models out of commands' texts.
 
-use crate::description::Diagnostics;
 use crate::description::model::Model;
 use crate::description::package::PackagePath;
 use crate::description::single::load_model_text;
+use crate::description::{Diagnostics, Rules};
 
 /// Where the files are that spawned models name, and how these are read.
 #[derive(Debug, Clone)]
@@ -11,13 +11,13 @@ pub struct ModelFiles {
     /// Where packages and `model://` files are found.
     pub packages: PackagePath,
     /// As for the world's own models.
-    pub gazebo_compat: bool,
+    pub rules: Rules,
 }
 
 impl Default for ModelFiles {
     /// Our own models alone.
     fn default() -> Self {
-        Self { packages: PackagePath::new([], None), gazebo_compat: false }
+        Self { packages: PackagePath::new([], None), rules: Rules::default() }
     }
 }
 
@@ -29,7 +29,7 @@ impl ModelFiles {
     pub fn load(&self, text: &str, name: &str) -> Result<Model, String> {
         let name = if name.is_empty() { "text" } else { name };
         let mut diagnostics = Diagnostics::default();
-        let model = load_model_text(text, name, &self.packages, self.gazebo_compat, &mut diagnostics);
+        let model = load_model_text(text, name, &self.packages, self.rules, &mut diagnostics);
         if let Some(error) = diagnostics.errors().next() {
             return Err(error.to_string());
         }

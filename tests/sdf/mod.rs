@@ -1,10 +1,10 @@
 //! World files written by a test, and what loading them says.
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
-use belvedere::description::Diagnostics;
 use belvedere::description::model::World;
 use belvedere::description::package::PackagePath;
 use belvedere::description::world::load_world;
+use belvedere::description::{Diagnostics, Rules};
 use belvedere::description::{Problem, Severity};
 use glam::DVec3;
 use std::path::PathBuf;
@@ -44,7 +44,12 @@ impl Folder {
 
 pub(crate) fn load(file_or_name: &str, gazebo_compat: bool) -> (Option<World>, Vec<Problem>) {
     let mut diagnostics = Diagnostics::default();
-    let world = load_world(file_or_name, &PackagePath::new([], None), gazebo_compat, &mut diagnostics);
+    let world = load_world(
+        file_or_name,
+        &PackagePath::new([], None),
+        Rules { gazebo_compat, ..Rules::default() },
+        &mut diagnostics,
+    );
     (world, diagnostics.problems().to_vec())
 }
 

@@ -20,7 +20,6 @@
 #include "convert/robot_event.hpp"
 #include "convert/scan_cloud.hpp"
 #include "convert/transforms.hpp"
-#include "static_transforms.hpp"
 
 namespace belvedere_ros {
 

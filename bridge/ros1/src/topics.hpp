@@ -10,10 +10,9 @@
 #include "output.hpp"
 #include "parameters.hpp"
 #include "relay.hpp"
+#include "static_transforms.hpp"
 
 namespace belvedere_ros {
-
-class StaticTransforms;
 
 /// Makes relays. Topics are named as the streams, relative to the node's namespace; tf, tf_static and clock are global.
 class Topics {

@@ -1,24 +1,23 @@
-//! Collada 1.4 and 1.5 (`.dae`): the triangles of the visual scene in metres with z up, and their colours.
+//! Collada 1.4 and 1.5 (`.dae`): the triangles of the visual scene in metres, and their colours.
 //!
-//! Read: units and up axis, nodes with all their transforms and instances, `triangles`, `polylist`, `polygons`,
+//! Read: units and, if wanted, the up axis, nodes with all their transforms and instances, `triangles`, `polylist`, `polygons`,
 //! `trifans`, `tristrips`, diffuse as colour or picture, emission, specular, shininess, and what is
 //! transparent if it says how (`opaque="…"`), as in Gazebo. Passed over: lines, splines, skins,
-//! animation, lights and cameras. A file without `<up_axis>` is taken as z up, as Gazebo takes it.
+//! animation, lights and cameras, with the nodes that hold nothing else. Materials and looks that are missing or wrong
+//! cost a warning, not the mesh.
 
 mod numbers;
 
-use super::{Look, Part};
+use super::{Look, Part, UpAxis};
+use crate::description::budget::Budget;
 use crate::description::diagnostics::{Diagnostics, Source};
 use crate::description::model::Material;
 use crate::description::xml::Element;
 use belvedere_sensors::scene::TextureAlpha;
 use glam::{DAffine3, DMat3, DVec3};
 use numbers::{Values, list, offset, polygons, transform, values};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
-
-/// Nodes deeper than this are a circle of `<instance_node>`.
-const MAX_DEPTH: usize = 64;
 
 /// Where in the file it is wrong, and what.
 struct Wrong(Source, String);
@@ -30,7 +29,7 @@ fn wrong<T>(element: &Element, what: impl Into<String>) -> Outcome<T> {
 }
 
 /// Reads the file; none after an error, which then stands in `diagnostics`.
-pub(super) fn load(path: &Path, diagnostics: &mut Diagnostics) -> Option<Vec<Part>> {
+pub(super) fn load(path: &Path, up_axis: UpAxis, diagnostics: &mut Diagnostics) -> Option<Vec<Part>> {
     let root = match Element::parse_file(path) {
         Ok(root) => root,
         Err(problem) => {
@@ -38,8 +37,12 @@ pub(super) fn load(path: &Path, diagnostics: &mut Diagnostics) -> Option<Vec<Par
             return None;
         }
     };
-    let document = Document::new(&root, path.parent().unwrap_or(Path::new("")));
-    match document.parts() {
+    let mut document = Document::new(&root, up_axis);
+    let parts = document.parts();
+    for Wrong(source, what) in document.left_out {
+        diagnostics.warning(&source, format!("{what}: it is left out"), "export the mesh again");
+    }
+    match parts {
         Ok(parts) => Some(parts),
         Err(Wrong(source, what)) => {
             diagnostics.error(&source, format!("broken Collada: {what}"), "export the mesh again");
@@ -50,8 +53,13 @@ pub(super) fn load(path: &Path, diagnostics: &mut Diagnostics) -> Option<Vec<Par
 
 struct Document<'a> {
     root: &'a Element,
-    folder: &'a Path,
+    up_axis: UpAxis,
     by_id: HashMap<&'a str, &'a Element>,
+    budget: Budget,
+    /// Geometries that were taken once: from then on they are copies.
+    taken: HashSet<*const Element>,
+    /// What is wrong, and can be done without.
+    left_out: Vec<Wrong>,
 }
 
 /// An `<input>` of a primitive.
@@ -61,7 +69,7 @@ struct Input<'a> {
 }
 
 impl<'a> Document<'a> {
-    fn new(root: &'a Element, folder: &'a Path) -> Self {
+    fn new(root: &'a Element, up_axis: UpAxis) -> Self {
         fn collect<'a>(element: &'a Element, by_id: &mut HashMap<&'a str, &'a Element>) {
             if let Some(id) = element.attribute("id") {
                 by_id.entry(id).or_insert(element);
@@ -72,10 +80,11 @@ impl<'a> Document<'a> {
         }
         let mut by_id = HashMap::new();
         collect(root, &mut by_id);
-        Self { root, folder, by_id }
+        let (budget, taken, left_out) = (Budget::default(), HashSet::new(), Vec::new());
+        Self { root, up_axis, by_id, budget, taken, left_out }
     }
 
-    fn parts(&self) -> Outcome<Vec<Part>> {
+    fn parts(&mut self) -> Outcome<Vec<Part>> {
         if self.root.name != "COLLADA" {
             return wrong(self.root, format!("the root element is <{}>", self.root.name));
         }
@@ -85,7 +94,7 @@ impl<'a> Document<'a> {
         if let Some(instance) = scene {
             let scene = self.referenced(instance, "url")?;
             for node in scene.elements_named("node") {
-                self.node(node, world_from_file, 0, &mut parts)?;
+                self.node(node, world_from_file, &mut parts)?;
             }
         } else {
             let geometries = self.root.elements_named("library_geometries");
@@ -96,7 +105,7 @@ impl<'a> Document<'a> {
         Ok(parts)
     }
 
-    /// From the file's unit and up axis to metres and z up.
+    /// From the file's unit and, if wanted, up axis to metres and z up.
     fn world_from_file(&self) -> Outcome<DAffine3> {
         let asset = self.root.child("asset");
         let unit = asset.and_then(|asset| asset.child("unit"));
@@ -108,6 +117,7 @@ impl<'a> Document<'a> {
             },
         };
         let axis = asset.and_then(|asset| asset.child("up_axis"));
+        let axis = axis.filter(|_| self.up_axis == UpAxis::Applied);
         let turn = match axis.map(Element::text).as_deref() {
             // Columns: where the file's x, y and z go.
             None | Some("Z_UP") => DMat3::IDENTITY,
@@ -129,52 +139,57 @@ impl<'a> Document<'a> {
         }
     }
 
-    fn node(
-        &self,
-        node: &Element,
-        world_from_parent: DAffine3,
-        depth: usize,
-        parts: &mut Vec<Part>,
-    ) -> Outcome<()> {
-        if depth > MAX_DEPTH {
-            return wrong(node, "nodes contain one another without end");
+    fn node(&mut self, node: &'a Element, world_from_parent: DAffine3, parts: &mut Vec<Part>) -> Outcome<()> {
+        // What stands on a camera's or lamp's node moves no triangle.
+        let holds = |name: &str| matches!(name, "node" | "instance_node" | "instance_geometry");
+        if !node.elements().any(|child| holds(&child.name)) {
+            return Ok(());
+        }
+        if let Err(spent) = self.budget.take(1, 0).and_then(|()| self.budget.enter(1)) {
+            return wrong(node, spent.to_string());
         }
         let mut world_from_node = world_from_parent;
         for child in node.elements() {
-            if let Some(transform) = transform(child)? {
+            if child.name == "skew" {
+                self.left_out.push(Wrong(child.source.clone(), "<skew> is not read".into()));
+            } else if let Some(transform) = transform(child)? {
                 world_from_node *= transform;
             }
         }
         for child in node.elements() {
             match child.name.as_str() {
-                "node" => self.node(child, world_from_node, depth + 1, parts)?,
-                "instance_node" => {
-                    self.node(self.referenced(child, "url")?, world_from_node, depth + 1, parts)?;
-                }
+                "node" => self.node(child, world_from_node, parts)?,
+                "instance_node" => self.node(self.referenced(child, "url")?, world_from_node, parts)?,
                 "instance_geometry" => {
-                    let materials = self.bound_materials(child)?;
+                    let materials = self.bound_materials(child);
                     self.geometry(self.referenced(child, "url")?, world_from_node, &materials, parts)?;
                 }
                 _ => {}
             }
         }
+        self.budget.leave(1);
         Ok(())
     }
 
     /// The materials that an instance gives to the symbols of its primitives.
-    fn bound_materials(&self, instance: &'a Element) -> Outcome<HashMap<&'a str, Material>> {
+    fn bound_materials(&mut self, instance: &'a Element) -> HashMap<&'a str, Material> {
         let mut materials = HashMap::new();
         let technique = instance.child("bind_material").and_then(|binding| binding.child("technique_common"));
         for bound in technique.iter().flat_map(|technique| technique.elements_named("instance_material")) {
-            let material = self.referenced(bound, "target")?;
-            let Some(effect) = material.child("instance_effect") else { continue };
-            if let (Some(symbol), Some(look)) =
-                (bound.attribute("symbol"), self.effect(self.referenced(effect, "url")?)?)
-            {
-                materials.insert(symbol, look);
+            match self.look_of(bound) {
+                Ok(look) => materials.extend(bound.attribute("symbol").zip(look)),
+                Err(wrong) => self.left_out.push(wrong),
             }
         }
-        Ok(materials)
+        materials
+    }
+
+    fn look_of(&self, bound: &Element) -> Outcome<Option<Material>> {
+        let material = self.referenced(bound, "target")?;
+        match material.child("instance_effect") {
+            Some(effect) => self.effect(self.referenced(effect, "url")?),
+            None => Ok(None),
+        }
     }
 
     fn effect(&self, effect: &Element) -> Outcome<Option<Material>> {
@@ -220,17 +235,18 @@ impl<'a> Document<'a> {
         let init = self.by_id.get(id)?.child("init_from")?;
         let file = init.child("ref").unwrap_or(init).text();
         let file = file.trim_start_matches("file://").replace('\\', "/").replace("%20", " ");
-        (!file.is_empty()).then(|| self.folder.join(file))
+        (!file.is_empty()).then(|| file.into())
     }
 
     fn geometry(
-        &self,
+        &mut self,
         geometry: &'a Element,
         world_from_geometry: DAffine3,
         materials: &HashMap<&str, Material>,
         parts: &mut Vec<Part>,
     ) -> Outcome<()> {
         let Some(mesh) = geometry.child("mesh") else { return Ok(()) };
+        let mut copied = 0;
         for primitive in mesh.elements() {
             let polygons = match primitive.name.as_str() {
                 "triangles" | "polylist" | "polygons" | "trifans" | "tristrips" => polygons(primitive)?,
@@ -243,7 +259,13 @@ impl<'a> Document<'a> {
                 ..Part::default()
             };
             self.triangulate(primitive, &polygons, world_from_geometry, &mut part)?;
+            copied += size_of_val(&part.positions[..]) + size_of_val(&part.uvs[..]);
             parts.push(part);
+        }
+        if !self.taken.insert(std::ptr::from_ref(geometry))
+            && let Err(spent) = self.budget.take(0, copied)
+        {
+            return wrong(geometry, spent.to_string());
         }
         Ok(())
     }
@@ -306,6 +328,7 @@ impl<'a> Document<'a> {
         Ok(())
     }
 }
+
 /// The colour of an element's text; opaque if it does not say.
 fn rgba(element: &Element) -> Outcome<[f32; 4]> {
     match list::<f32>(element)?[..] {

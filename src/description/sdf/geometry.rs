@@ -4,7 +4,7 @@ use super::resources::Resolved;
 use super::{Loader, Scope, resources};
 use crate::description::mesh::{MESH_FORMATS, load_mesh_parts, merge_parts};
 use crate::description::model::{Geometry, Material, Mesh};
-use crate::description::values::{child_number, child_text, numbers};
+use crate::description::values::{child_text, numbers};
 use crate::description::xml::Element;
 use glam::DVec3;
 use std::path::Path;
@@ -108,7 +108,7 @@ impl Loader<'_> {
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();
         }
-        let parts = load_mesh_parts(&path, scale, &shape.source, self.diagnostics);
+        let parts = load_mesh_parts(&path, scale, self.rules.up_axis, &shape.source, self.diagnostics);
         self.meshes.insert(key, parts.clone());
         parts
     }
@@ -151,26 +151,18 @@ impl Loader<'_> {
     }
 
     fn length(&mut self, shape: &Element, name: &str) -> Option<f64> {
-        if shape.child(name).is_none() {
-            self.diagnostics.error(
-                &shape.source,
-                format!("<{}> has no <{name}>", shape.name),
-                format!("write <{name}>…</{name}> in metres"),
-            );
-            return None;
-        }
-        let value = child_number(shape, name, self.diagnostics)?;
-        self.positive(shape, name, [value]).map(|[value]| value)
+        self.lengths(shape, name).map(|[length]| length)
     }
 
+    /// Lengths above 0. Those that are not there are 1, as the format has it.
     fn lengths<const N: usize>(&mut self, shape: &Element, name: &str) -> Option<[f64; N]> {
         let Some(child) = shape.child(name) else {
-            self.diagnostics.error(
+            self.diagnostics.warning(
                 &shape.source,
-                format!("<{}> has no <{name}>", shape.name),
-                format!("write <{name}> with {N} lengths in metres"),
+                format!("<{}> has no <{name}>: it is {}", shape.name, ["1"; N].join(" ")),
+                format!("write <{name}> in metres"),
             );
-            return None;
+            return Some([1.0; N]);
         };
         let values = numbers(&child.text(), &format!("<{name}>"), &child.source, self.diagnostics)?;
         self.positive(shape, name, values)

@@ -121,7 +121,7 @@ impl Loader<'_> {
                     "use fixed, revolute, continuous, prismatic or ball",
                 );
                 // With --gazebo-compat the link stays where it is.
-                self.gazebo_compat.then_some(JointKind::Fixed)
+                self.rules.gazebo_compat.then_some(JointKind::Fixed)
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::description::inertia;
 use crate::description::label::label;
 use crate::description::model::{Collision, Inertial, Link, Visual};
 use crate::description::sensor::parse_sensor;
-use crate::description::values::{child_bool, child_number, child_text};
+use crate::description::values::{child_bool, child_number, child_text, friction_coefficient};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -95,8 +95,19 @@ impl Loader<'_> {
         let element = link.child("inertial")?;
         let link_from_inertial = self.pose_in_link(element, scope.version, link_name, frames);
         let mass_kg = child_number(element, "mass", self.diagnostics).unwrap_or(DEFAULT_INERTIAL.mass_kg);
-        if mass_kg <= 0.0 {
-            let source = element.child("mass").map_or(&element.source, |mass| &mass.source);
+        let source = element.child("mass").map_or(&element.source, |mass| &mass.source);
+        if mass_kg == 0.0 {
+            self.diagnostics.warning(
+                source,
+                format!(
+                    "<mass> of the link '{link_name}' is 0 kg: it counts as {} kg",
+                    DEFAULT_INERTIAL.mass_kg
+                ),
+                "write a mass above 0",
+            );
+            return Some(Inertial { link_from_inertial, ..DEFAULT_INERTIAL });
+        }
+        if mass_kg < 0.0 {
             self.diagnostics.error(
                 source,
                 format!("<mass> of the link '{link_name}' is {mass_kg} kg"),
@@ -147,11 +158,9 @@ impl Loader<'_> {
             .child("surface")
             .and_then(|surface| surface.child("friction"))
             .and_then(|friction| friction.child("ode"));
-        let mu = friction.and_then(|ode| child_number(ode, "mu", self.diagnostics));
-        if let (Some(value), Some(child)) = (mu, friction.and_then(|ode| ode.child("mu")))
-            && value < 0.0
-        {
-            self.diagnostics.error(&child.source, format!("<mu> is {value}"), "write 0 or more");
+        let mut mu = friction.and_then(|ode| child_number(ode, "mu", self.diagnostics));
+        if let (Some(value), Some(child)) = (mu, friction.and_then(|ode| ode.child("mu"))) {
+            mu = Some(friction_coefficient(value, "<mu>", &child.source, self.diagnostics));
         }
         let laser_retro = child_number(element, "laser_retro", self.diagnostics).unwrap_or(0.0) as f32;
         if let Some(geometry) = self.collision_geometry(element, scope) {

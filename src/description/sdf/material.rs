@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Picture formats that are decoded.
-const PICTURES: [&str; 5] = ["png", "jpg", "jpeg", "tga", "bmp"];
+const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "tga", "bmp", "dds"];
 
 /// What the alpha of an albedo map means to gz-sim.
 const PBR_ALPHA: TextureAlpha = TextureAlpha::CutOut { least: 0.5 };

@@ -23,10 +23,12 @@ mod model;
 mod resources;
 mod world;
 
+use super::budget::{Budget, Spent};
 use super::diagnostics::{Diagnostics, Source};
 use super::model::{Mesh, Model, World};
 use super::ogre_material::OgreMaterial;
 use super::package::PackagePath;
+use super::rules::Rules;
 use super::values::{child_number, numbers};
 use super::xml::Element;
 use resources::Resources;
@@ -46,8 +48,10 @@ type MeshCache = HashMap<(PathBuf, [u64; 3]), Option<Vec<Arc<Mesh>>>>;
 /// State of one load.
 struct Loader<'a> {
     resources: Resources<'a>,
-    gazebo_compat: bool,
+    rules: Rules,
     diagnostics: &'a mut Diagnostics,
+    /// What included files have come to.
+    budget: Budget,
     /// Files being read, outermost first: a file in here that is included again is a cycle.
     open_files: Vec<PathBuf>,
     meshes: MeshCache,
@@ -66,10 +70,10 @@ struct Scope<'a> {
 pub(super) fn load_world_file(
     path: &Path,
     packages: &PackagePath,
-    gazebo_compat: bool,
+    rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<World> {
-    let mut loader = Loader::new(path, packages, gazebo_compat, diagnostics);
+    let mut loader = Loader::new(path, packages, rules, diagnostics);
     let (root, version) = loader.read_root(path)?;
     let Some(world) = root.child("world") else {
         loader.diagnostics.error(
@@ -90,11 +94,11 @@ pub(super) fn load_world_file(
 pub(super) fn load_model(
     root: &Element,
     packages: &PackagePath,
-    gazebo_compat: bool,
+    rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<Model> {
     let path = root.source.file.clone();
-    let mut loader = Loader::new(&path, packages, gazebo_compat, diagnostics);
+    let mut loader = Loader::new(&path, packages, rules, diagnostics);
     let version = loader.version(root)?;
     let models: Vec<&Element> = root.elements_named("model").collect();
     let [element] = models[..] else {
@@ -117,16 +121,12 @@ pub(super) fn load_model(
 }
 
 impl<'a> Loader<'a> {
-    fn new(
-        path: &Path,
-        packages: &'a PackagePath,
-        gazebo_compat: bool,
-        diagnostics: &'a mut Diagnostics,
-    ) -> Self {
+    fn new(path: &Path, packages: &'a PackagePath, rules: Rules, diagnostics: &'a mut Diagnostics) -> Self {
         Self {
             resources: Resources::new(packages, path),
-            gazebo_compat,
+            rules,
             diagnostics,
+            budget: Budget::default(),
             open_files: vec![canonical(path)],
             meshes: HashMap::new(),
             material_scripts: HashMap::new(),
@@ -183,9 +183,14 @@ impl Loader<'_> {
         Some(version)
     }
 
+    /// An error if more was included than the budget has.
+    fn afford(&mut self, spent: Result<(), Spent>, source: &Source) -> Option<()> {
+        spent.map_err(|spent| self.diagnostics.error(source, spent.to_string(), Spent::REMEDY)).ok()
+    }
+
     /// What Gazebo goes on without: an error here, a warning with `--gazebo-compat`.
     fn missing(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
-        if self.gazebo_compat {
+        if self.rules.gazebo_compat {
             self.diagnostics.warning(source, what, remedy);
         } else {
             self.diagnostics.error(source, what, remedy);

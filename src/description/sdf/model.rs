@@ -8,7 +8,7 @@ use crate::description::diagnostics::Source;
 use crate::description::label::{is_label, label};
 use crate::description::model::{Joint, JointKind, Light, Link, Model, Sensor};
 use crate::description::values::{child_bool, child_text, nearest};
-use crate::description::xml::Element;
+use crate::description::xml::{Element, Weight};
 use belvedere_sensors::Pose;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -29,6 +29,9 @@ pub(super) struct Included {
     pub(super) lights: Vec<(Light, WrittenPose)>,
 }
 
+/// Opening a file takes as long as so many elements.
+const A_FILE: usize = 20;
+
 /// The parts of a model while it is put together.
 #[derive(Default)]
 pub(super) struct Parts {
@@ -40,6 +43,14 @@ pub(super) struct Parts {
 
 impl Loader<'_> {
     pub(super) fn model(&mut self, element: &Element, scope: Scope<'_>) -> Option<ParsedModel> {
+        let spent = self.budget.enter(1);
+        self.afford(spent, &element.source)?;
+        let parsed = self.model_inside(element, scope);
+        self.budget.leave(1);
+        parsed
+    }
+
+    fn model_inside(&mut self, element: &Element, scope: Scope<'_>) -> Option<ParsedModel> {
         let name = name_of(element);
         if name.is_empty() {
             self.diagnostics.error(&element.source, "<model> has no name", "write <model name=\"…\">");
@@ -203,6 +214,8 @@ impl Loader<'_> {
 
     /// `<include>`: the models and lights of another file, with name, pose and static overridden.
     pub(super) fn include(&mut self, element: &Element, scope: Scope<'_>) -> Option<Included> {
+        let spent = self.budget.take(1, 0);
+        self.afford(spent, &element.source)?;
         let Some(uri) = child_text(element, "uri") else {
             self.diagnostics.error(
                 &element.source,
@@ -223,14 +236,20 @@ impl Loader<'_> {
             );
             return None;
         }
+        let spent = self.budget.enter(1);
+        self.afford(spent, &element.source)?;
         self.open_files.push(key);
         let included = self.read_included(element, &path, scope);
         self.open_files.pop();
+        self.budget.leave(1);
         included
     }
 
     fn read_included(&mut self, element: &Element, path: &Path, outer: Scope<'_>) -> Option<Included> {
         let (root, version) = self.read_root(path)?;
+        let Weight { elements, bytes, .. } = root.weight();
+        let spent = self.budget.take(elements + A_FILE, bytes);
+        self.afford(spent, &element.source)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let scope = Scope { folder, version };
         let name = child_text(element, "name");

@@ -1,6 +1,7 @@
 //! Where the URIs of a world point to.
 
 use crate::description::package::PackagePath;
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
 /// Environment variables with folders of models: Gazebo classic's, then those of its successors.
@@ -14,6 +15,8 @@ pub(super) struct Resources<'a> {
     model_folders: Vec<PathBuf>,
     /// Folders that `file://media/…` may lie in.
     media_folders: Vec<PathBuf>,
+    /// What packages export: models, then media. Looked for when nothing else helps.
+    exported: OnceCell<[Vec<PathBuf>; 2]>,
 }
 
 /// What a URI resolves to.
@@ -49,13 +52,18 @@ impl<'a> Resources<'a> {
             .chain(downloads)
             .chain([ours.to_path_buf()])
             .collect();
-        Self { packages, model_folders, media_folders: variable("GAZEBO_RESOURCE_PATH") }
+        Self {
+            packages,
+            model_folders,
+            media_folders: variable("GAZEBO_RESOURCE_PATH"),
+            exported: OnceCell::new(),
+        }
     }
 
     /// Looks a URI up; `folder` is that of the file it stands in.
     pub(super) fn resolve(&self, uri: &str, folder: &Path) -> Resolved {
         let candidates: Vec<PathBuf> = match uri.split_once("://") {
-            Some(("model", rest)) => self.model_folders.iter().map(|models| models.join(rest)).collect(),
+            Some(("model", rest)) => self.in_models(rest.trim_start_matches('/')).collect(),
             Some(("package", rest)) => {
                 let (package, relative) = rest.split_once('/').unwrap_or((rest, ""));
                 match self.packages.find_file(package, relative) {
@@ -71,10 +79,36 @@ impl<'a> Resources<'a> {
             Some((scheme, _)) => return Resolved::UnknownScheme(scheme.to_owned()),
             None => vec![folder.join(uri)],
         };
-        match candidates.iter().find(|candidate| candidate.exists()) {
-            Some(found) => Resolved::Found(std::path::absolute(found).unwrap_or_else(|_| found.clone())),
+        let found = candidates.iter().find(|candidate| candidate.exists()).cloned();
+        match found.or_else(|| self.among_models(uri)).or_else(|| self.exported(uri)) {
+            Some(found) => Resolved::Found(std::path::absolute(&found).unwrap_or(found)),
             None => Resolved::NotFound(candidates),
         }
+    }
+
+    /// The places of a relative name among the models.
+    fn in_models(&self, name: &str) -> impl Iterator<Item = PathBuf> {
+        let is_relative = Path::new(name).is_relative() && !name.is_empty();
+        let folders = self.model_folders.iter().filter(move |_| is_relative);
+        folders.map(move |models| models.join(name))
+    }
+
+    /// As libsdformat has it, a name that is not in its own folder may be one among the models.
+    fn among_models(&self, uri: &str) -> Option<PathBuf> {
+        let name = uri.strip_prefix("file://").unwrap_or(uri);
+        self.in_models(name).find(|place| place.exists())
+    }
+
+    /// What a URI means in the folders that the user's packages export to Gazebo.
+    fn exported(&self, uri: &str) -> Option<PathBuf> {
+        let (kind, rest) = match uri.split_once("://")? {
+            ("model", rest) => (0, rest),
+            ("file", rest) => (1, rest),
+            _ => return None,
+        };
+        let keys = ["gazebo_model_path", "gazebo_media_path"];
+        let exported = self.exported.get_or_init(|| keys.map(|key| self.packages.exported(key)));
+        exported[kind].iter().map(|folder| folder.join(rest)).find(|place| place.exists())
     }
 
     /// Names of the models that `model://` can reach, for "did you mean".

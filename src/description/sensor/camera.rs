@@ -23,8 +23,8 @@ impl Reader<'_> {
         let image = camera.and_then(|camera| camera.child("image"));
         let clip = camera.and_then(|camera| camera.child("clip"));
 
-        let width = self.count(image, "width", 320, MAX_IMAGE_SIZE);
-        let height = self.count(image, "height", 240, MAX_IMAGE_SIZE);
+        let width = self.truncated(image, "width", 320, MAX_IMAGE_SIZE);
+        let height = self.truncated(image, "height", 240, MAX_IMAGE_SIZE);
         let format = self.format(image);
         let anti_aliasing = self.anti_aliasing(image);
         let distances = self.clip(clip, sensor, far_m);
@@ -74,22 +74,24 @@ impl Reader<'_> {
             return Some(PixelFormat::Rgb8);
         };
         match text.as_str() {
-            "R8G8B8" | "RGB_INT8" => Some(PixelFormat::Rgb8),
-            "B8G8R8" | "BGR_INT8" => Some(PixelFormat::Bgr8),
-            "L8" | "L_INT8" => Some(PixelFormat::Mono8),
-            "L16" | "L_INT16" => Some(PixelFormat::Mono16),
+            "R8G8B8" | "RGB_INT8" | "RGB8" => Some(PixelFormat::Rgb8),
+            "B8G8R8" | "BGR_INT8" | "BGR8" => Some(PixelFormat::Bgr8),
+            "L8" | "L_INT8" | "MONO8" => Some(PixelFormat::Mono8),
+            "L16" | "L_INT16" | "L_UINT16" | "MONO16" => Some(PixelFormat::Mono16),
             "R8G8B8A8" | "RGBA_INT8" => Some(PixelFormat::Rgba8),
             text if mosaic(text).is_some() => mosaic(text),
+            // Depths are floats in any case; what colours a depth camera has are bytes.
+            "R_FLOAT32" | "R_FLOAT16" => Some(PixelFormat::Rgb8),
             _ => {
                 let what = self.what("format");
                 if let Some(child) = image.and_then(|image| image.child("format")) {
-                    self.diagnostics.error(
+                    self.diagnostics.warning(
                         &child.source,
-                        format!("{what} is '{text}', which is not simulated"),
+                        format!("{what} is '{text}', which is not known: R8G8B8 is sent, as in Gazebo"),
                         "write R8G8B8, B8G8R8, R8G8B8A8, L8, L16, or BAYER_ with RGGB, BGGR, GBRG or GRBG and 8 or 16",
                     );
                 }
-                None
+                Some(PixelFormat::Rgb8)
             }
         }
     }

@@ -44,22 +44,22 @@ impl Reader<'_> {
 
     fn axis(&mut self, scan: Option<&Element>, name: &str, default_samples: u32) -> Option<ScanAxis> {
         let axis = scan.and_then(|scan| scan.child(name));
-        let samples = self.count(axis, "samples", default_samples, MAX_SAMPLES);
+        let samples = self.truncated(axis, "samples", default_samples, MAX_SAMPLES);
         let min = self.number(axis, "min_angle", 0.0);
         let max = self.number(axis, "max_angle", 0.0);
         let (samples, min_angle_rad, max_angle_rad) = (samples?, min?, max?);
         if min_angle_rad > max_angle_rad {
             if let Some(axis) = axis {
-                self.diagnostics.error(
+                self.diagnostics.warning(
                     Self::place(Some(axis), "min_angle", axis),
                     format!(
-                        "{} is {min_angle_rad} and <max_angle> is {max_angle_rad} (<{name}>)",
+                        "{} is {min_angle_rad} and <max_angle> is {max_angle_rad} (<{name}>): they are exchanged",
                         self.what("min_angle")
                     ),
                     "write <min_angle> not above <max_angle>",
                 );
             }
-            return None;
+            return Some(ScanAxis { samples, min_angle_rad: max_angle_rad, max_angle_rad: min_angle_rad });
         }
         Some(ScanAxis { samples, min_angle_rad, max_angle_rad })
     }

@@ -4,6 +4,11 @@ use crate::description::diagnostics::{Diagnostics, Source};
 use crate::description::values::number;
 use crate::description::xml::Element;
 
+/// Least rate that stamps are counted by: once in twelve days.
+const MIN_RATE_HZ: f64 = 1e-6;
+/// Greatest: beyond it no physics steps.
+const MAX_RATE_HZ: f64 = 1e6;
+
 /// Reads values of one sensor; its errors name the sensor.
 ///
 /// A value that is absent, or whose parent is, gives its default; one that is wrong gives none and an error.
@@ -56,12 +61,45 @@ impl Reader<'_> {
         self.checked(parent, name, f64::from(default), is_valid, &remedy).map(|value| value as u32)
     }
 
+    /// As [`Reader::count`], without its fraction if it has one, as in Gazebo.
+    pub(super) fn truncated(
+        &mut self,
+        parent: Option<&Element>,
+        name: &str,
+        default: u32,
+        max: u32,
+    ) -> Option<u32> {
+        let is_valid = |value: f64| (1.0..=f64::from(max)).contains(&value);
+        let remedy = format!("write a whole number from 1 to {max}");
+        let value = self.checked(parent, name, f64::from(default), is_valid, &remedy)?;
+        if value.fract() != 0.0
+            && let Some(child) = parent.and_then(|parent| parent.child(name))
+        {
+            let what = format!("{} is {value}: its fraction is dropped, as in Gazebo", self.what(name));
+            self.diagnostics.warning(&child.source, what, &remedy);
+        }
+        Some(value as u32)
+    }
+
     /// A rate in hertz; the inner none means "as often as it can", written as 0.
     #[expect(clippy::option_option, reason = "outer: readable; inner: limited")]
     pub(super) fn rate(&mut self, parent: &Element, name: &str) -> Option<Option<f64>> {
         let remedy = "write a rate in hertz, or 0 for every step";
-        self.checked(Some(parent), name, 0.0, |rate| rate >= 0.0, remedy)
-            .map(|rate| (rate > 0.0).then_some(rate))
+        let rate = self.checked(Some(parent), name, 0.0, |rate| rate >= 0.0, remedy)?;
+        if rate == 0.0 {
+            return Some(None);
+        }
+        let kept = rate.clamp(MIN_RATE_HZ, MAX_RATE_HZ);
+        if kept != rate {
+            let what = if rate > kept {
+                format!("{} is {rate} Hz: it measures at every step", self.what(name))
+            } else {
+                format!("{} is {rate} Hz: it measures every {} s", self.what(name), 1.0 / kept)
+            };
+            let remedy = format!("write a rate from {MIN_RATE_HZ} to {MAX_RATE_HZ} Hz, or 0 for every step");
+            self.diagnostics.warning(Self::place(Some(parent), name, parent), what, remedy);
+        }
+        Some((rate <= MAX_RATE_HZ).then_some(kept))
     }
 
     /// A warning for each child of an element that is not looked at.

@@ -8,7 +8,7 @@ use super::parse_sensor;
 use crate::description::diagnostics::{Diagnostics, Severity};
 use crate::description::model::{
     AngleFunction, AngleMap, AutoExposed, CameraDevice, CameraSensor, LensIntrinsics, LensModel,
-    LensProjection, Noise, PixelFormat, Plugin, Radiation, Sensor, SensorKind,
+    LensProjection, Mosaic, Noise, PixelFormat, Plugin, Radiation, ScanAxis, Sensor, SensorKind,
 };
 use crate::description::xml::Element;
 use std::f64::consts::PI;
@@ -157,9 +157,7 @@ fn every_wrong_value_gives_one_error_that_names_it() {
     let scan = |axis: &str| ray(&format!("<scan><horizontal>{axis}</horizontal></scan>"));
     let cases = [
         (camera("<image><width>0</width></image>"), "<width> of sensor 'c' is 0"),
-        (camera("<image><width>32.5</width></image>"), "<width> of sensor 'c' is 32.5"),
         (camera("<image><height>16385</height></image>"), "<height> of sensor 'c' is 16385"),
-        (camera("<image><format>BAYER_RGGB9</format></image>"), "'BAYER_RGGB9'"),
         (camera("<horizontal_fov>3.2</horizontal_fov>"), "<horizontal_fov> of sensor 'c' is 3.2"),
         (camera("<clip><near>0</near></clip>"), "<near> of sensor 'c' is 0"),
         (camera("<clip><near>9</near><far>8</far></clip>"), "<near> of sensor 'c' is 9 and <far> is 8"),
@@ -173,7 +171,6 @@ fn every_wrong_value_gives_one_error_that_names_it() {
         ),
         (scan("<samples>0</samples>"), "<samples> of sensor 'r' is 0"),
         (scan("<samples>32768</samples>"), "<samples> of sensor 'r' is 32768"),
-        (scan("<min_angle>1</min_angle><max_angle>-1</max_angle>"), "is 1 and <max_angle> is -1"),
         ("<sensor name='r' type='ray'/>".into(), "<min> 0 and <max> 0"),
         (
             ray(
@@ -193,6 +190,46 @@ fn every_wrong_value_gives_one_error_that_names_it() {
         );
         assert!(problems[0].contains("; "), "no remedy: {problems:?}");
     }
+}
+
+#[test]
+fn what_gazebo_goes_on_with_is_a_warning() {
+    let camera = |inside: &str, words: &str| {
+        let (sensor, problems) = parse(&format!("<sensor name='c' type='camera'>{inside}</sensor>"));
+        assert!(problems.len() == usize::from(!words.is_empty()), "{inside}: {problems:?}");
+        assert!(
+            problems.iter().all(|problem| problem.contains("warning: ") && problem.contains(words)),
+            "{problems:?}"
+        );
+        let sensor = sensor.unwrap();
+        let SensorKind::Camera(camera) = sensor.kind else { panic!() };
+        (sensor.update_rate_hz, camera.width, camera.format)
+    };
+    let image = |inside: &str| format!("<camera><image>{inside}</image></camera>");
+    assert_eq!(camera(&image("<width>32.5</width>"), "<width> of sensor 'c' is 32.5").1, 32);
+    let odd = camera(&image("<format>BAYER_RGGB9</format>"), "'BAYER_RGGB9'");
+    assert_eq!(odd.2, PixelFormat::Rgb8);
+    for (name, format) in [
+        ("RGB8", PixelFormat::Rgb8),
+        ("BGR8", PixelFormat::Bgr8),
+        ("R_FLOAT32", PixelFormat::Rgb8),
+        ("L16", PixelFormat::Mono16),
+        ("BAYER_GRBG8", PixelFormat::Bayer8(Mosaic::Grbg)),
+    ] {
+        assert_eq!(camera(&image(&format!("<format>{name}</format>")), "").2, format, "{name}");
+    }
+    let rate = |text: &str, words: &str| camera(&format!("<update_rate>{text}</update_rate>"), words).0;
+    assert_eq!(rate("1e6", ""), Some(1e6));
+    assert_eq!(rate("2e6", "<update_rate> of sensor 'c' is 2000000 Hz: it measures at every step"), None);
+    assert_eq!(rate("1e-7", "is 0.0000001 Hz: it measures every 1000000 s"), Some(1e-6));
+    let (sensor, problems) = parse(
+        "<sensor name='r' type='ray'><ray><range><max>5</max></range><scan><horizontal><samples>20.9</samples>\
+         <min_angle>1</min_angle><max_angle>-2</max_angle></horizontal></scan></ray></sensor>",
+    );
+    let SensorKind::Ray(ray) = sensor.unwrap().kind else { panic!() };
+    let ScanAxis { samples, min_angle_rad, max_angle_rad } = ray.horizontal;
+    assert_eq!((samples, min_angle_rad, max_angle_rad), (20, -2.0, 1.0));
+    assert!(problems.len() == 2 && problems[1].contains("is 1 and <max_angle> is -2"), "{problems:?}");
 }
 
 #[test]

@@ -6,13 +6,25 @@
 //! another physics engine does not have, plugins of the robot, extensions of joints.
 
 use super::{Loader, nearest_link};
+use crate::description::diagnostics::Diagnostics;
 use crate::description::fiducial::fiducials;
 use crate::description::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::description::label::label;
 use crate::description::model::{LinkIndex, Model};
 use crate::description::sensor::parse_sensor;
-use crate::description::values::{child_bool, child_number, child_text, nearest};
+use crate::description::values::{child_bool, child_text, friction_coefficient, nearest, number};
 use crate::description::xml::Element;
+
+/// What an extension is set to: its attribute `value`, or else its text, as libsdformat reads it.
+fn setting(extension: &Element) -> String {
+    extension.attribute("value").map_or_else(|| extension.text(), |value| value.trim().to_owned())
+}
+
+/// The number that an extension is set to, if it is there.
+fn number_of(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -> Option<f64> {
+    let child = parent.child(name)?;
+    number(&setting(child), &format!("<{name}>"), &child.source, diagnostics)
+}
 
 impl Loader<'_> {
     pub(super) fn extensions(&mut self, robot: &Element, model: &mut Model) {
@@ -69,27 +81,24 @@ impl Loader<'_> {
                 );
             }
         }
-        if let Some(off) = child_bool(element, "turnGravityOff", self.diagnostics) {
-            link.gravity = !off;
+        // As libsdformat: whatever does not say no says yes.
+        if let Some(off) = element.child("turnGravityOff").map(setting) {
+            link.gravity = matches!(off.to_ascii_lowercase().as_str(), "false" | "no" | "0");
         }
-        if let Some(collides) = child_bool(element, "selfCollide", self.diagnostics) {
-            link.self_collide = collides;
+        // As libsdformat: only these say yes.
+        if let Some(collides) = element.child("selfCollide").map(setting) {
+            link.self_collide = matches!(collides.to_ascii_lowercase().as_str(), "true" | "yes" | "1");
         }
-        if let Some(retro) = child_number(element, "laserRetro", self.diagnostics) {
+        if let Some(retro) = number_of(element, "laserRetro", self.diagnostics) {
             for collision in &mut link.collisions {
                 collision.laser_retro = retro as f32;
             }
         }
         if let (Some(friction), Some(child)) =
-            (child_number(element, "mu1", self.diagnostics), element.child("mu1"))
+            (number_of(element, "mu1", self.diagnostics), element.child("mu1"))
         {
-            if friction < 0.0 {
-                self.diagnostics.error(
-                    &child.source,
-                    format!("<mu1> of link '{}' is {friction}", link.name),
-                    "write 0 or more",
-                );
-            }
+            let what = format!("<mu1> of link '{}'", link.name);
+            let friction = friction_coefficient(friction, &what, &child.source, self.diagnostics);
             for collision in &mut link.collisions {
                 collision.friction = Some(friction);
             }
@@ -98,7 +107,7 @@ impl Loader<'_> {
             let name = material
                 .child("script")
                 .and_then(|script| child_text(script, "name"))
-                .unwrap_or_else(|| material.text());
+                .unwrap_or_else(|| setting(material));
             if let Some(look) = gazebo_material(&name) {
                 for visual in &mut link.visuals {
                     visual.material = look.clone();
@@ -125,7 +134,7 @@ impl Loader<'_> {
                 "the sensor '{}' is on the link '{name}', which does not exist",
                 sensor.attribute("name").unwrap_or_default()
             );
-            if self.gazebo_compat {
+            if self.rules.gazebo_compat {
                 self.diagnostics.warning(
                     &element.source,
                     format!("{what}: it is left out, as in Gazebo"),

@@ -1,6 +1,7 @@
 //! Robots in a few lines: what is read, and one error for each mistake.
 
 use super::load_urdf;
+use crate::description::Rules;
 use crate::description::diagnostics::Diagnostics;
 use crate::description::model::{Geometry, JointKind, Model};
 use crate::description::package::PackagePath;
@@ -13,7 +14,8 @@ fn load_as(inside: &str, gazebo_compat: bool) -> (Option<Model>, Vec<String>) {
     let text = format!("<robot name='r'>{inside}</robot>");
     let robot = Element::parse(&text, Path::new("r.urdf")).unwrap();
     let mut diagnostics = Diagnostics::default();
-    let model = load_urdf(&robot, &PackagePath::new([], None), gazebo_compat, &mut diagnostics);
+    let rules = Rules { gazebo_compat, ..Rules::default() };
+    let model = load_urdf(&robot, &PackagePath::new([], None), rules, &mut diagnostics);
     (model, diagnostics.problems().iter().map(ToString::to_string).collect())
 }
 
@@ -166,7 +168,6 @@ fn every_mistake_is_one_error_that_names_it() {
             "<material name='m'><color rgba='2 0 0 1'/></material><link name='a'/>".into(),
             "'rgba' of <color> is '2 0 0 1'",
         ),
-        ("<link name='a'/><gazebo reference='a'><mu1>-1</mu1></gazebo>".into(), "<mu1> of link 'a' is -1"),
     ];
     for (robot, expected) in cases {
         let (_, problems) = load_as(&robot, false);
@@ -177,6 +178,30 @@ fn every_mistake_is_one_error_that_names_it() {
         );
         assert!(problems[0].contains("; "), "no remedy: {problems:?}");
     }
+}
+
+#[test]
+fn extensions_are_set_by_text_or_attribute() {
+    let link = |inside: &str| {
+        let (model, problems) = load_as(
+            &format!(
+                "<link name='a'><visual><geometry><box size='1 1 1'/></geometry></visual><collision><geometry>\
+                 <box size='1 1 1'/></geometry></collision></link><gazebo reference='a'>{inside}</gazebo>"
+            ),
+            false,
+        );
+        (model.unwrap().links.remove(0), problems)
+    };
+    let (a, problems) = link(
+        "<mu1 value='0.25'/><laserRetro value=' 7 '/><turnGravityOff value='True'/><material value='Gazebo/Red'/>",
+    );
+    assert!(problems.is_empty(), "{problems:?}");
+    assert_eq!((a.collisions[0].friction, a.collisions[0].laser_retro, a.gravity), (Some(0.25), 7.0, false));
+    assert_eq!(a.visuals[0].material.diffuse, [1.0, 0.0, 0.0]);
+    assert!(link("<turnGravityOff>no</turnGravityOff>").0.gravity);
+    let (a, problems) = link("<mu1>-1</mu1>");
+    assert!(a.collisions[0].friction.unwrap() >= 1e6);
+    assert!(problems.len() == 1 && problems[0].contains("warning: <mu1> of link 'a' is -1"), "{problems:?}");
 }
 
 #[test]

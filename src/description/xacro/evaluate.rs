@@ -4,6 +4,7 @@ use super::expression::{Arithmetic, Comparison, Expression};
 use super::fault::Fault;
 use super::functions;
 use super::value::Value;
+use crate::description::values::nearest;
 
 /// Where an expression finds its names.
 pub(super) trait Names {
@@ -21,7 +22,10 @@ pub(super) fn evaluate(expression: &Expression, names: &mut dyn Names) -> Result
         Expression::Literal(value) => value.clone(),
         Expression::Name(name) => match names.get(name)? {
             Some(value) => value,
-            None => functions::constant(name).ok_or_else(|| names.undefined(name))?,
+            None => match functions::constant(name) {
+                Some(constant) => constant,
+                None => attribute(name, names)?,
+            },
         },
         Expression::List(items) => Value::List(all(items, names)?),
         Expression::Negate(operand) => match evaluate(operand, names)? {
@@ -85,7 +89,10 @@ pub(super) fn evaluate(expression: &Expression, names: &mut dyn Names) -> Result
             // `words.split()`: the name ends in a method of what stands before it.
             match name.rsplit_once('.') {
                 Some((object, method)) => {
-                    let object = names.get(object)?.ok_or_else(|| names.undefined(object))?;
+                    let object = match names.get(object)? {
+                        Some(object) => object,
+                        None => attribute(object, names)?,
+                    };
                     functions::method(&object, method, &arguments)?
                 }
                 None => return Err(functions::unknown(name)),
@@ -99,7 +106,38 @@ pub(super) fn evaluate(expression: &Expression, names: &mut dyn Names) -> Result
 }
 
 fn all(expressions: &[Expression], names: &mut dyn Names) -> Result<Vec<Value>, Fault> {
-    expressions.iter().map(|expression| evaluate(expression, names)).collect()
+    let mut size = 0;
+    let value = |expression| {
+        let value = evaluate(expression, names)?;
+        size = sized(size + value.size())?;
+        Ok(value)
+    };
+    expressions.iter().map(value).collect()
+}
+
+/// `config.joint.lower`: an entry of a dictionary, its key written behind a dot.
+fn attribute(name: &str, names: &mut dyn Names) -> Result<Value, Fault> {
+    let Some((object, key)) = name.rsplit_once('.') else { return Err(names.undefined(name)) };
+    let object = match names.get(object)? {
+        Some(object) => object,
+        None => attribute(object, names).map_err(|_| names.undefined(name))?,
+    };
+    match &object {
+        Value::Map(_) => item(&object, &Value::Text(key.to_owned())),
+        _ => Err(names.undefined(name)),
+    }
+}
+
+/// Bytes of one value.
+const MAX_SIZE: usize = 4_000_000;
+
+/// Passes on the size of a value that is to be made, unless it is too large.
+pub(super) fn sized(size: usize) -> Result<usize, Fault> {
+    if size > MAX_SIZE {
+        let what = format!("a text or list grows beyond {MAX_SIZE} bytes");
+        return Err(Fault::new(what, "look for a property that joins or repeats others too often"));
+    }
+    Ok(size)
 }
 
 fn operand_fault(operator: &str, value: &Value) -> Fault {
@@ -116,8 +154,12 @@ pub(super) fn too_large() -> Fault {
 fn arithmetic(operator: Arithmetic, left: &Value, right: &Value) -> Result<Value, Fault> {
     // Texts and lists know + and *.
     match (operator, left, right) {
-        (Arithmetic::Add, Value::Text(a), Value::Text(b)) => return Ok(Value::Text(format!("{a}{b}"))),
+        (Arithmetic::Add, Value::Text(a), Value::Text(b)) => {
+            sized(a.len() + b.len())?;
+            return Ok(Value::Text(format!("{a}{b}")));
+        }
         (Arithmetic::Add, Value::List(a), Value::List(b)) => {
+            sized(left.size() + right.size())?;
             return Ok(Value::List(a.iter().chain(b).cloned().collect()));
         }
         (Arithmetic::Multiply, Value::Text(text), count)
@@ -131,7 +173,7 @@ fn arithmetic(operator: Arithmetic, left: &Value, right: &Value) -> Result<Value
         | (Arithmetic::Multiply, count, Value::List(list))
             if count.integer().is_some() =>
         {
-            let count = repetitions(count, list.len())?;
+            let count = repetitions(count, list.iter().map(Value::size).sum())?;
             return Ok(Value::List(std::iter::repeat_n(list, count).flatten().cloned().collect()));
         }
         _ => {}
@@ -186,10 +228,7 @@ fn arithmetic(operator: Arithmetic, left: &Value, right: &Value) -> Result<Value
 
 fn repetitions(count: &Value, length: usize) -> Result<usize, Fault> {
     let count = usize::try_from(count.integer().unwrap_or(0).max(0)).unwrap_or(usize::MAX);
-    if count.saturating_mul(length) > 1_000_000 {
-        return Err(Fault::new(format!("a text or list repeated {count} times"), "repeat it less often"));
-    }
-    Ok(count)
+    sized(count.saturating_mul(length)).map(|_| count)
 }
 
 /// None where integers give a float: `/`, and negative powers.
@@ -239,6 +278,7 @@ fn compare(comparison: Comparison, left: &Value, right: &Value) -> Result<bool, 
 fn contains(container: &Value, value: &Value) -> Result<bool, Fault> {
     match (container, value) {
         (Value::List(items), _) => Ok(items.iter().any(|item| item.equals(value))),
+        (Value::Map(_), _) => Ok(container.entry(value).is_some()),
         (Value::Text(text), Value::Text(part)) => Ok(text.contains(part.as_str())),
         _ => Err(Fault::new(
             format!("'{value}' in '{container}': {} has no members of that kind", container.kind()),
@@ -253,6 +293,14 @@ fn position(index: i64, length: usize) -> i64 {
 }
 
 fn item(operand: &Value, index: &Value) -> Result<Value, Fault> {
+    if let Value::Map(entries) = operand {
+        return operand.entry(index).cloned().ok_or_else(|| {
+            let known: Vec<String> = entries.iter().map(|(key, _)| key.to_string()).collect();
+            let near = nearest(&index.to_string(), known.iter().map(String::as_str));
+            let remedy = near.map_or_else(String::new, |near| format!("did you mean '{near}'?"));
+            Fault::new(format!("the dictionary has no '{index}'"), remedy)
+        });
+    }
     let at = index.integer().ok_or_else(|| operand_fault("[ ]", index))?;
     let found = match operand {
         Value::List(items) => {
@@ -269,11 +317,13 @@ fn item(operand: &Value, index: &Value) -> Result<Value, Fault> {
 
 fn slice(operand: &Value, start: Option<&Value>, end: Option<&Value>) -> Result<Value, Fault> {
     let range = |length: usize| -> Result<(usize, usize), Fault> {
-        let bound = |value: Option<&Value>, default: usize| match value {
-            None => Ok(default),
-            Some(value) => {
-                let at = value.integer().ok_or_else(|| operand_fault("[:]", value))?;
-                Ok(position(at, length).clamp(0, length as i64) as usize)
+        let bound = |value: Option<&Value>, default: usize| -> Result<usize, Fault> {
+            match value {
+                None => Ok(default),
+                Some(value) => {
+                    let at = value.integer().ok_or_else(|| operand_fault("[:]", value))?;
+                    Ok(position(at, length).clamp(0, length as i64) as usize)
+                }
             }
         };
         let start = bound(start, 0)?;

@@ -9,18 +9,14 @@ use super::macros::Macro;
 use super::names::{TOP_LEVEL, is_own};
 use super::scope::Scope;
 use super::value::Value;
+use crate::description::budget::Budget;
 use crate::description::diagnostics::{Diagnostics, Problem, Source};
 use crate::description::package::{Found, PackagePath};
 use crate::description::values::nearest;
-use crate::description::xml::{Element, Node};
+use crate::description::xml::{Element, Node, Weight};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-
-/// Macros that call macros. Far more than files have, few enough for any stack.
-const MAX_CALLS: usize = 64;
-/// Elements of the result: far more than robots have, so that a macro that doubles itself ends.
-const MAX_ELEMENTS: usize = 500_000;
 
 /// Reads a file and expands it. `arguments` are what `$(arg name)` gives, before the defaults of `<xacro:arg>`.
 ///
@@ -41,8 +37,7 @@ pub fn expand(
         diagnostics,
         arguments: arguments.iter().cloned().collect(),
         scopes: vec![Scope::default()],
-        depth: 0,
-        elements: 0,
+        budget: Budget::default(),
         calls: Vec::new(),
         files: vec![path.to_path_buf()],
         parsed: HashMap::new(),
@@ -60,13 +55,11 @@ pub(super) struct Expander<'a> {
     pub(super) arguments: HashMap<String, String>,
     /// The file's scope first, then one for each macro call that is being expanded.
     pub(super) scopes: Vec<Scope>,
-    /// How deep the present text is nested in others.
-    pub(super) depth: usize,
-    elements: usize,
+    pub(super) budget: Budget,
     /// Macros that are being expanded: name and place of the call.
     calls: Vec<(String, Source)>,
     /// Files that are being expanded, each included by the one before.
-    files: Vec<PathBuf>,
+    pub(super) files: Vec<PathBuf>,
     parsed: HashMap<PathBuf, Rc<Element>>,
     /// Files taken from our packages that were told of.
     borrowed: HashSet<PathBuf>,
@@ -123,7 +116,11 @@ impl Expander<'_> {
     ) -> Result<(), Problem> {
         for node in nodes {
             match node {
-                Node::Text(text) if !text.contains('$') => output.children.push(node.clone()),
+                Node::Text(text) if !text.contains('$') => {
+                    let spent = self.budget.take(0, text.len());
+                    spent.map_err(|spent| self.problem(spent.into(), source))?;
+                    output.children.push(node.clone());
+                }
                 Node::Text(text) => {
                     let text = self.string(text, source).map_err(|fault| self.problem(fault, source))?;
                     output.children.push(Node::Text(text));
@@ -135,14 +132,15 @@ impl Expander<'_> {
     }
 
     fn element(&mut self, element: &Element, at_top: bool, output: &mut Output) -> Result<(), Problem> {
-        self.elements += 1;
-        if self.elements > MAX_ELEMENTS {
-            let fault = Fault::new(
-                format!("more than {MAX_ELEMENTS} elements"),
-                "look for a macro that calls itself or others too often",
-            );
-            return Err(self.problem(fault, &element.source));
-        }
+        let attributes: usize = element.attributes.iter().map(|(name, value)| name.len() + value.len()).sum();
+        let spent = self.budget.take(1, element.name.len() + attributes).and_then(|()| self.budget.enter(1));
+        spent.map_err(|spent| self.problem(spent.into(), &element.source))?;
+        let result = self.entered(element, at_top, output);
+        self.budget.leave(1);
+        result
+    }
+
+    fn entered(&mut self, element: &Element, at_top: bool, output: &mut Output) -> Result<(), Problem> {
         let role = self.role(element, at_top).map_err(|fault| self.problem(fault, &element.source))?;
         match role {
             Role::Directive(directive) => self.directive(directive, element, at_top, output),
@@ -214,6 +212,7 @@ impl Expander<'_> {
             "include" => self.include(element, at_top, output),
             "property" => self.define_property(element).map_err(|fault| self.problem(fault, source)),
             "macro" => {
+                self.copied(element).map_err(|fault| self.problem(fault, source))?;
                 let definition = Macro::parse(element).map_err(|fault| self.problem(fault, source))?;
                 self.top().macros.insert(definition.name.clone(), Rc::new(definition));
                 Ok(())
@@ -331,14 +330,22 @@ impl Expander<'_> {
             return Err(self.problem(fault, &element.source));
         };
         if block.expanded {
+            let Weight { elements, bytes, depth } = block.weight;
+            let spent = self.budget.take(elements, bytes).and_then(|()| self.budget.has_room_below(depth));
+            spent.map_err(|spent| self.problem(spent.into(), &element.source))?;
             output.children.extend(block.nodes.iter().cloned());
             return Ok(());
         }
-        // A block that inserts itself has no end.
-        self.enter(&format!("block {name}"), &element.source)?;
+        self.calls.push((format!("block {name}"), element.source.clone()));
         let result = self.nodes(&block.nodes, &element.source, at_top, output);
         self.calls.pop();
         result
+    }
+
+    /// Counts a copy of what an element contains.
+    pub(super) fn copied(&mut self, element: &Element) -> Result<(), Fault> {
+        let Weight { elements, bytes, .. } = element.weight();
+        Ok(self.budget.take(elements, bytes)?)
     }
 
     fn top(&mut self) -> &mut Scope {

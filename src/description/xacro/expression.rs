@@ -40,6 +40,28 @@ pub(super) enum Expression {
     Method(Box<Expression>, String, Vec<Expression>),
 }
 
+impl Expression {
+    /// How deep it is nested.
+    pub(super) fn levels(&self) -> usize {
+        let deepest = |all: &[Self]| all.iter().map(Self::levels).max().unwrap_or(0);
+        let bound = |bound: &Option<Box<Self>>| bound.as_ref().map_or(0, |bound| bound.levels());
+        1 + match self {
+            Self::Literal(_) | Self::Name(_) => 0,
+            Self::List(items) | Self::Call(_, items) => deepest(items),
+            Self::Negate(inner) | Self::Plus(inner) | Self::Not(inner) => inner.levels(),
+            Self::And(a, b) | Self::Or(a, b) | Self::Arithmetic(_, a, b) | Self::Index(a, b) => {
+                a.levels().max(b.levels())
+            }
+            Self::Compare(first, others) => {
+                others.iter().map(|(_, other)| other.levels()).fold(first.levels(), usize::max)
+            }
+            Self::Ternary { condition, yes, no } => condition.levels().max(yes.levels()).max(no.levels()),
+            Self::Slice(operand, start, end) => operand.levels().max(bound(start)).max(bound(end)),
+            Self::Method(object, _, items) => object.levels().max(deepest(items)),
+        }
+    }
+}
+
 /// Arithmetic of two operands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Arithmetic {
@@ -284,9 +306,13 @@ impl Parser<'_> {
                 self.next += 1;
                 operand = match operand {
                     Expression::Name(before) => Expression::Name(format!("{before}.{name}")),
-                    other => {
-                        self.expect("(")?;
+                    other if self.take_symbol("(") => {
                         Expression::Method(Box::new(other), name, self.items(")")?)
+                    }
+                    // A key of a dictionary.
+                    other => {
+                        let key = Expression::Literal(Value::Text(name));
+                        Expression::Index(Box::new(other), Box::new(key))
                     }
                 };
             } else {

@@ -1,5 +1,6 @@
 //! What goes wrong inside a text or an expression, before its place in the file is known.
 
+use crate::description::budget::Spent;
 use crate::description::diagnostics::{Problem, Severity, Source};
 
 /// A problem that may not know its place yet.
@@ -9,6 +10,12 @@ pub(super) struct Fault {
     pub(super) source: Option<Source>,
     pub(super) what: String,
     pub(super) remedy: String,
+}
+
+impl From<Spent> for Fault {
+    fn from(spent: Spent) -> Self {
+        Self::new(spent.to_string(), Spent::REMEDY)
+    }
 }
 
 impl Fault {

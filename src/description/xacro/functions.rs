@@ -2,7 +2,7 @@
 //!
 //! Transcendental functions are libm's, so that a robot has the same bits on every machine.
 
-use super::evaluate::too_large;
+use super::evaluate::{sized, too_large};
 use super::fault::Fault;
 use super::value::Value;
 use crate::description::values::nearest;
@@ -72,9 +72,6 @@ const FUNCTIONS: [&str; 47] = [
 
 /// The fault for a function that does not exist.
 pub(super) fn unknown(name: &str) -> Fault {
-    if name.ends_with("load_yaml") {
-        return Fault::new("load_yaml is not supported", "write the values as properties");
-    }
     let near = nearest(name, FUNCTIONS).unwrap_or("abs");
     Fault::new(format!("unknown function '{name}'"), format!("did you mean '{near}'?"))
 }
@@ -171,6 +168,7 @@ fn builtin(name: &str, arguments: &[Value]) -> Option<Result<Value, Fault>> {
         ("bool", [x]) => Value::Bool(x.truth()),
         ("len", [Value::Text(text)]) => Value::Int(text.chars().count() as i64),
         ("len", [Value::List(items)]) => Value::Int(items.len() as i64),
+        ("len", [Value::Map(entries)]) => Value::Int(entries.len() as i64),
         ("round", [x, digits]) => {
             let digits = usize::try_from(digits.integer()?).ok().filter(|digits| *digits <= 300)?;
             match x {
@@ -205,6 +203,7 @@ fn builtin(name: &str, arguments: &[Value]) -> Option<Result<Value, Fault>> {
 fn members(value: &Value) -> Option<Vec<Value>> {
     match value {
         Value::List(items) => Some(items.clone()),
+        Value::Map(entries) => Some(entries.iter().map(|(key, _)| key.clone()).collect()),
         Value::Text(text) => Some(text.chars().map(|c| Value::Text(c.to_string())).collect()),
         _ => None,
     }
@@ -261,6 +260,7 @@ pub(super) fn method(object: &Value, name: &str, arguments: &[Value]) -> Result<
         }
         (Value::Text(text), "join", [Value::List(items)]) => {
             let items: Vec<_> = items.iter().map(ToString::to_string).collect();
+            sized(items.iter().map(|item| item.len() + text.len()).sum())?;
             Value::Text(items.join(text))
         }
         (Value::Text(text), "upper", []) => Value::Text(text.to_uppercase()),
@@ -271,8 +271,21 @@ pub(super) fn method(object: &Value, name: &str, arguments: &[Value]) -> Result<
         }
         (Value::Text(text), "endswith", [Value::Text(part)]) => Value::Bool(text.ends_with(part.as_str())),
         (Value::Text(text), "replace", [Value::Text(old), Value::Text(new)]) => {
+            sized(text.len() + (text.matches(old.as_str()).count() * new.len()))?;
             Value::Text(text.replace(old.as_str(), new))
         }
+        (Value::Map(entries), "keys", []) => {
+            Value::List(entries.iter().map(|(key, _)| key.clone()).collect())
+        }
+        (Value::Map(entries), "values", []) => {
+            Value::List(entries.iter().map(|(_, value)| value.clone()).collect())
+        }
+        (Value::Map(entries), "items", []) => {
+            let pair = |(key, value): &(Value, Value)| Value::List(vec![key.clone(), value.clone()]);
+            Value::List(entries.iter().map(pair).collect())
+        }
+        (Value::Map(_), "get", [key]) => object.entry(key).cloned().unwrap_or(Value::None),
+        (Value::Map(_), "get", [key, default]) => object.entry(key).unwrap_or(default).clone(),
         (Value::List(items), "index", [item]) => {
             let at = items.iter().position(|other| other.equals(item));
             Value::Int(at.ok_or_else(|| misuse("index", arguments))? as i64)
@@ -280,7 +293,7 @@ pub(super) fn method(object: &Value, name: &str, arguments: &[Value]) -> Result<
         _ => {
             return Err(Fault::new(
                 format!("{} has no method '{name}' for that", object.kind()),
-                "texts have split, join, upper, lower, strip, startswith, endswith and replace; lists have index",
+                "texts have split, join, upper, lower, strip, startswith, endswith and replace; lists have index; dictionaries have keys, values, items and get",
             ));
         }
     })

@@ -11,14 +11,15 @@
 //! macros called without it. An element without prefix is a macro call if such a macro exists and the name is
 //! not one of URDF's or SDF's own (a macro `camera` does not capture `<camera>` inside a `<sensor>`).
 //!
-//! Not understood, each with a clear error: `load_yaml`, `$(anon …)`, dictionaries and comprehensions in
-//! expressions, wildcards in file names.
+//! Not understood, each with a clear error: `$(anon …)`, comprehensions and dictionaries written in expressions
+//! (those of YAML files are), wildcards in file names.
 //!
 //! | file | |
 //! |---|---|
 //! | `expand` | walks the tree: directives, macro calls, includes |
 //! | `substitute` | `${…}` and `$(…)` in texts and attributes |
 //! | `scope`, `macros` | what is defined where |
+//! | `yaml` | files that `load_yaml` reads |
 //! | `text`, `expression`, `evaluate`, `functions`, `value` | the expression language, bottom up |
 
 mod evaluate;
@@ -32,5 +33,6 @@ mod scope;
 mod substitute;
 mod text;
 mod value;
+mod yaml;
 
 pub use expand::expand;

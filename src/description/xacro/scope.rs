@@ -7,7 +7,7 @@ use super::fault::Fault;
 use super::macros::Macro;
 use super::value::Value;
 use crate::description::diagnostics::Source;
-use crate::description::xml::Node;
+use crate::description::xml::{Node, Weight};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -30,6 +30,8 @@ pub(super) enum Property {
 #[derive(Debug, Clone)]
 pub(super) struct Block {
     pub(super) nodes: Rc<[Node]>,
+    /// What each insertion takes of the budget.
+    pub(super) weight: Weight,
     /// A macro's argument was expanded where the macro was called; a property block is expanded where it is
     /// inserted.
     pub(super) expanded: bool,

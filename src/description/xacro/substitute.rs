@@ -7,12 +7,13 @@ use super::fault::Fault;
 use super::scope::Property;
 use super::text::{Piece, pieces};
 use super::value::Value;
+use super::yaml;
 use crate::description::diagnostics::Source;
 use crate::description::values::nearest;
 use std::path::Path;
 
-/// Properties that use properties, and expressions within expressions.
-const MAX_DEPTH: usize = 60;
+/// Expressions in expressions take less of the stack than elements in elements.
+const EXPRESSIONS_A_LEVEL: usize = 8;
 
 /// What `$(find package)` gives. A package path may be relative to where the program runs, while a relative name
 /// in a file counts from that file: so it is made absolute, as ROS gives it.
@@ -55,15 +56,12 @@ impl Expander<'_> {
         scope: usize,
         source: &Source,
     ) -> Result<Substituted, Fault> {
-        if self.depth >= MAX_DEPTH {
-            return Err(Fault::new(
-                format!("'{text}' is nested more than {MAX_DEPTH} deep"),
-                "use fewer properties that refer to each other",
-            ));
-        }
-        self.depth += 1;
-        let result = self.substitute_pieces(text, scope, source);
-        self.depth -= 1;
+        self.budget.enter(1).map_err(|spent| Fault::from(spent).at(source))?;
+        let result = self.substitute_pieces(text, scope, source).and_then(|substituted| {
+            self.budget.take(0, substituted.value.size())?;
+            Ok(substituted)
+        });
+        self.budget.leave(1);
         result.map_err(|fault| fault.at(source))
     }
 
@@ -78,7 +76,12 @@ impl Expander<'_> {
                 Piece::Expression(inside) => {
                     let inside = self.value_in(inside, scope, source)?.to_string();
                     let expression = parse(&inside)?;
-                    evaluate(&expression, &mut Properties { expander: self, scope, text: &inside })?
+                    let levels = expression.levels() / EXPRESSIONS_A_LEVEL;
+                    self.budget.enter(levels)?;
+                    let value =
+                        evaluate(&expression, &mut Properties { expander: self, scope, text: &inside });
+                    self.budget.leave(levels);
+                    value?
                 }
                 Piece::Extension(inside) => {
                     let inside = self.value_in(inside, scope, source)?.to_string();
@@ -246,6 +249,11 @@ impl Names for Properties<'_, '_> {
     fn call(&mut self, function: &str, arguments: &[Value]) -> Option<Result<Value, Fault>> {
         match (function, arguments) {
             ("xacro.arg", [Value::Text(name)]) => Some(self.expander.argument(name)),
+            ("xacro.load_yaml" | "load_yaml", [Value::Text(file)]) => {
+                // A relative name counts from the file that is being expanded.
+                let folder = self.expander.files.last().and_then(|file| file.parent());
+                Some(yaml::load(&folder.unwrap_or(Path::new("")).join(file.trim())))
+            }
             _ => None,
         }
     }

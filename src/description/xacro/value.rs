@@ -12,6 +12,8 @@ pub(super) enum Value {
     Text(String),
     /// Lists and tuples alike.
     List(Vec<Value>),
+    /// A dictionary in the order of its file, its keys unlike one another.
+    Map(Vec<(Value, Value)>),
 }
 
 impl Value {
@@ -43,6 +45,17 @@ impl Value {
         }
     }
 
+    /// Bytes, roughly.
+    pub(super) fn size(&self) -> usize {
+        let inside = match self {
+            Self::Text(text) => text.len(),
+            Self::List(items) => items.iter().map(Self::size).sum(),
+            Self::Map(entries) => entries.iter().map(|(key, value)| key.size() + value.size()).sum(),
+            _ => 0,
+        };
+        size_of::<Self>() + inside
+    }
+
     /// Python's truth: zero and empty are false.
     pub(super) fn truth(&self) -> bool {
         match self {
@@ -52,6 +65,7 @@ impl Value {
             Self::Float(value) => *value != 0.0,
             Self::Text(value) => !value.is_empty(),
             Self::List(value) => !value.is_empty(),
+            Self::Map(value) => !value.is_empty(),
         }
     }
 
@@ -83,6 +97,12 @@ impl Value {
         }
     }
 
+    /// What a dictionary has under a key.
+    pub(super) fn entry(&self, key: &Self) -> Option<&Self> {
+        let Self::Map(entries) = self else { return None };
+        entries.iter().find(|(known, _)| known.equals(key)).map(|(_, value)| value)
+    }
+
     /// What it is, for error messages.
     pub(super) fn kind(&self) -> &'static str {
         match self {
@@ -91,6 +111,7 @@ impl Value {
             Self::Int(_) | Self::Float(_) => "a number",
             Self::Text(_) => "a text",
             Self::List(_) => "a list",
+            Self::Map(_) => "a dictionary",
         }
     }
 }
@@ -111,14 +132,31 @@ impl fmt::Display for Value {
                     if index > 0 {
                         f.write_str(", ")?;
                     }
-                    match value {
-                        Self::Text(text) => write!(f, "'{text}'")?,
-                        other => write!(f, "{other}")?,
-                    }
+                    inside(value, f)?;
                 }
                 f.write_str("]")
             }
+            Self::Map(entries) => {
+                f.write_str("{")?;
+                for (index, (key, value)) in entries.iter().enumerate() {
+                    if index > 0 {
+                        f.write_str(", ")?;
+                    }
+                    inside(key, f)?;
+                    f.write_str(": ")?;
+                    inside(value, f)?;
+                }
+                f.write_str("}")
+            }
         }
+    }
+}
+
+/// A value within another: texts in quotes.
+fn inside(value: &Value, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match value {
+        Value::Text(text) => write!(f, "'{text}'"),
+        other => write!(f, "{other}"),
     }
 }
 

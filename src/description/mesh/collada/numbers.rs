@@ -2,7 +2,7 @@
 
 use super::{Outcome, wrong};
 use crate::description::xml::Element;
-use glam::{DAffine3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use std::str::FromStr;
 
 /// A corner with more indices than this is a mistake.
@@ -107,7 +107,7 @@ pub(super) fn offset(input: &Element) -> Outcome<usize> {
 
 /// The transform that an element of a node stands for, if it does.
 pub(super) fn transform(element: &Element) -> Outcome<Option<DAffine3>> {
-    if !matches!(element.name.as_str(), "matrix" | "translate" | "rotate" | "scale" | "lookat" | "skew") {
+    if !matches!(element.name.as_str(), "matrix" | "translate" | "rotate" | "scale" | "lookat") {
         return Ok(None);
     }
     let numbers = list::<f64>(element)?;
@@ -132,7 +132,16 @@ pub(super) fn transform(element: &Element) -> Outcome<Option<DAffine3>> {
             }
             None => DAffine3::IDENTITY,
         },
-        ("lookat" | "skew", _) => return wrong(element, format!("<{}> is not read", element.name)),
+        // Where the eye is, what it looks at along its −z, and where its y points as far as it may.
+        ("lookat", &[ex, ey, ez, x, y, z, ux, uy, uz]) => {
+            let eye = DVec3::new(ex, ey, ez);
+            let back = (eye - DVec3::new(x, y, z)).normalize_or_zero();
+            let right = DVec3::new(ux, uy, uz).cross(back).normalize_or_zero();
+            if right == DVec3::ZERO {
+                return wrong(element, "<lookat> has no direction, or looks along its up");
+            }
+            DAffine3::from_mat3_translation(DMat3::from_cols(right, back.cross(right), back), eye)
+        }
         _ => return wrong(element, format!("<{}> has {} numbers", element.name, numbers.len())),
     };
     if !transform.is_finite() {

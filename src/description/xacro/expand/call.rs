@@ -4,10 +4,10 @@ use super::super::fault::Fault;
 use super::super::macros::{Macro, Parameter};
 use super::super::scope::{Block, Property, Scope};
 use super::super::value::Value;
-use super::{Expander, MAX_CALLS, Output};
-use crate::description::diagnostics::{Problem, Source};
+use super::{Expander, Output};
+use crate::description::diagnostics::Problem;
 use crate::description::values::nearest;
-use crate::description::xml::{Element, Node};
+use crate::description::xml::{Element, Node, Weight};
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
@@ -52,7 +52,7 @@ impl Expander<'_> {
         at_top: bool,
         output: &mut Output,
     ) -> Result<(), Problem> {
-        self.enter(&definition.name, &element.source)?;
+        self.calls.push((definition.name.clone(), element.source.clone()));
         let scope = self.bind(element, definition)?;
         let below = self.scopes.len();
         self.scopes.extend(home.map(|home| Scope::clone(&home)));
@@ -61,19 +61,6 @@ impl Expander<'_> {
         self.scopes.truncate(below);
         self.calls.pop();
         result
-    }
-
-    pub(super) fn enter(&mut self, name: &str, source: &Source) -> Result<(), Problem> {
-        self.calls.push((name.to_owned(), source.clone()));
-        if self.calls.len() <= MAX_CALLS {
-            return Ok(());
-        }
-        self.calls.clear();
-        let fault = Fault::new(
-            format!("macro '{name}' is called more than {MAX_CALLS} deep"),
-            "end its recursion with <xacro:if>",
-        );
-        Err(self.problem(fault, source))
     }
 
     /// The scope of a call: attributes, blocks and defaults bound to the macro's parameters.
@@ -117,7 +104,8 @@ impl Expander<'_> {
                     };
                     let nodes =
                         if name.starts_with("**") { block.children } else { vec![Node::Element(block)] };
-                    scope.blocks.insert(name.clone(), Block { nodes: nodes.into(), expanded: true });
+                    let weight = Weight::of(&nodes);
+                    scope.blocks.insert(name.clone(), Block { nodes: nodes.into(), weight, expanded: true });
                 }
                 Parameter::Value { name, .. } if scope.properties.contains_key(name) => {}
                 Parameter::Value { name, forward, default } => {

@@ -3,7 +3,7 @@
 use super::super::fault::Fault;
 use super::super::scope::{Block, Property};
 use super::Expander;
-use crate::description::xml::Element;
+use crate::description::xml::{Element, Weight};
 
 impl Expander<'_> {
     pub(super) fn define_property(&mut self, element: &Element) -> Result<(), Fault> {
@@ -32,7 +32,12 @@ impl Expander<'_> {
                 default
             }
             (None, None) => {
-                let block = Block { nodes: element.children.clone().into(), expanded: false };
+                self.copied(element)?;
+                let block = Block {
+                    weight: Weight::of(&element.children),
+                    nodes: element.children.clone().into(),
+                    expanded: false,
+                };
                 self.top().blocks.insert(format!("**{name}"), block);
                 return Ok(());
             }
@@ -41,12 +46,10 @@ impl Expander<'_> {
         let target = match element.attribute("scope") {
             Some("global") => 0,
             Some("parent") => top.saturating_sub(1),
-            None => top,
-            Some(other) => {
-                return Err(Fault::new(format!("scope='{other}'"), "write scope=\"parent\" or \"global\""));
-            }
+            // `local`, which files write: as in xacro, whatever is none of the two is the scope here.
+            _ => top,
         };
-        let lazy = element.attribute("scope").is_none()
+        let lazy = !matches!(element.attribute("scope"), Some("global" | "parent"))
             && (element.attribute("lazy_eval").is_none() || self.condition(element, "lazy_eval")?);
         let property = if lazy && text.contains('$') {
             Property::Lazy { text: text.to_owned(), source: source.clone() }

@@ -1,0 +1,12 @@
+//! By which rules a file is read where readers differ.
+
+use super::mesh::UpAxis;
+
+/// What loading goes by, besides the files.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Rules {
+    /// Go on as Gazebo classic does where something is missing, with a warning in place of the error.
+    pub gazebo_compat: bool,
+    /// Collada's `<up_axis>`.
+    pub up_axis: UpAxis,
+}

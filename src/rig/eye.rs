@@ -200,7 +200,8 @@ fn lens_model(lens: &Lens) -> Result<Option<Box<dyn optics::Lens>>, LensError> {
 pub(crate) fn mapped_share(camera: &CameraSensor, lens: &Lens) -> Result<f64, LensError> {
     let Some(model) = lens_model(lens)? else { return Ok(1.0) };
     let pixels = (0..camera.height).flat_map(|row| (0..camera.width).map(move |column| [column, row]));
-    let mapped = pixels.filter(|pixel| model.unproject(glam::DVec2::from_array(pixel.map(f64::from))).is_some());
+    let mapped =
+        pixels.filter(|pixel| model.unproject(glam::DVec2::from_array(pixel.map(f64::from))).is_some());
     Ok(mapped.count() as f64 / (f64::from(camera.width) * f64::from(camera.height)))
 }
 

@@ -264,6 +264,11 @@ fn wrong_options_are_explained() {
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(says), "{said}");
     }
+    // No command and no argument of xacro either.
+    let said = output(&["snapshto"]);
+    assert_eq!(said.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&said.stderr);
+    assert!(said.contains("did you mean the command 'snapshot'?"), "{said}");
 }
 
 #[test]

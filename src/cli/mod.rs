@@ -64,6 +64,11 @@ enum Command {
     },
 }
 
+/// What the commands are called.
+fn command_names() -> impl Iterator<Item = &'static str> {
+    ["run", "list", "hz", "echo", "snapshot", "check", "urdf", "control", "completions"].into_iter()
+}
+
 /// Runs the command line of this process and gives its exit code: 0, 1 when something went wrong, 2 when the
 /// arguments are wrong.
 pub fn main() -> ExitCode {
@@ -109,5 +114,8 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+        let command = Cli::command();
+        let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+        assert_eq!(command_names().collect::<Vec<_>>(), names);
     }
 }

@@ -4,6 +4,7 @@ use crate::description::diagnostics::Source;
 use crate::description::model::Model;
 use crate::description::package::PackagePath;
 use crate::description::robot::{LoadOptions, default_robot_name, load_robot, xacro_argument};
+use crate::description::values::nearest;
 use crate::description::{Diagnostics, Rules};
 use crate::entities::model_name;
 use crate::simulation::SpawnOptions;
@@ -21,7 +22,7 @@ pub struct RobotArgs {
     #[arg(long, value_name = "FILE|NAME")]
     robot: Vec<String>,
     /// Arguments of the robots' xacro, for its $(arg NAME)
-    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+    #[arg(value_name = "NAME:=VALUE", value_parser = argument)]
     xacro_args: Vec<(String, String)>,
     /// What the robot is called in the world, one for each --robot in their order; of several, its topics are
     /// /NAME/... and its frames NAME/... [default: as its description has it, numbered if several are called so]
@@ -31,6 +32,15 @@ pub struct RobotArgs {
     /// [default: the origin; several stand in a row, 1 m apart]
     #[arg(long, value_name = "X,Y[,YAW]", allow_hyphen_values = true)]
     pose: Vec<PlanarPose>,
+}
+
+/// An argument of xacro; what is none may be a command that was misspelt.
+fn argument(text: &str) -> Result<(String, String), String> {
+    xacro_argument(text).map_err(|why| {
+        let near = nearest(text, super::command_names());
+        let near = near.map(|near| format!("did you mean the command '{near}'? ")).unwrap_or_default();
+        format!("{near}{why}")
+    })
 }
 
 /// A place on the floor and a heading.

@@ -71,19 +71,6 @@ pub(crate) const ALPHA_IGNORED: u32 = 0;
 pub(crate) const ALPHA_CUT_OUT: u32 = 1;
 pub(crate) const ALPHA_BLENDED: u32 = 2;
 
-/// What the colours of materials and textures, and of the background, are. Lamps and ambient light are factors of these in
-/// either case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ColourSpace {
-    /// Light itself, to be shown as it comes: Gazebo classic's habit, where a surface in half the light has half the
-    /// number.
-    #[default]
-    AsGiven,
-    /// sRGB, as pictures in files are. Light is worked out in linear numbers, and pictures without a
-    /// [device](crate::device) are sRGB again; a device has a tone of its own. Colours are clamped to [0, 1].
-    Srgb,
-}
-
 /// Greatest [`MaterialConfig::shininess`].
 pub const MAX_SHININESS: f32 = 1e4;
 

@@ -51,14 +51,16 @@ pub use instance::{
 pub(crate) use kind::{Kind, Solid, Triangles};
 pub(crate) use material::{ALPHA_CUT_OUT, Form, NO_TEXTURE};
 pub use material::{
-    ColourSpace, Environment, Light, LightConfig, LightId, LightKind, MAX_FALLOFF, MAX_SHININESS, Material,
+    Environment, Light, LightConfig, LightId, LightKind, MAX_FALLOFF, MAX_SHININESS, Material,
     MaterialConfig, TextureAlpha,
 };
 pub use mesh_slices::MeshSlices;
 pub use meshes::{MeshMemory, MeshStore, Meshes};
 pub use single::MeshScene;
 pub use slices::SceneSlices;
-pub use texture::{Texture, TextureId, fill_mip_levels, fill_srgb_mip_levels, mip_levels, mip_texels};
+pub use texture::{
+    ColourSpace, Texture, TextureId, fill_mip_levels, fill_srgb_mip_levels, mip_levels, mip_texels,
+};
 
 pub use validate::{TreeFault, validate_scratch_len, validate_tree};
 pub use vertices::MAX_COORDINATE;

@@ -1,8 +1,20 @@
 //! Textures with mip levels (Williams 1983, "Pyramidal parametrics").
 
-use super::material::ColourSpace;
 use crate::srgb;
 use bytemuck::{Pod, Zeroable};
+
+/// What the colours of materials and textures, and of the background, are. Lamps and ambient light are factors of these in
+/// either case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ColourSpace {
+    /// Light itself, to be shown as it comes: Gazebo classic's habit, where a surface in half the light has half the
+    /// number.
+    #[default]
+    AsGiven,
+    /// sRGB, as pictures in files are. Light is worked out in linear numbers, and pictures without a
+    /// [device](crate::device) are sRGB again; a device has a tone of its own. Colours are clamped to [0, 1].
+    Srgb,
+}
 
 /// Index of a texture in its scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

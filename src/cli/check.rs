@@ -13,7 +13,7 @@ use crate::description::robot::{LoadOptions, default_robot_name, load_robot, rob
 use crate::description::world::{load_world, world_names};
 use crate::description::xml::Element;
 use crate::description::{Diagnostics, Rules, Severity};
-use crate::robot::kobuki::Wheels;
+use crate::robot::base;
 use std::path::{Path, PathBuf};
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
@@ -70,7 +70,7 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     } else {
         let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
         load_robot(&file, &options, &mut diagnostics).map(|robot| {
-            if let Err(problem) = Wheels::of(&robot) {
+            if let Err(problem) = base::check(&robot) {
                 diagnostics.add(problem);
             }
             robot::report(&robot, args.gazebo_compat)

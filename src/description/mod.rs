@@ -11,6 +11,7 @@ pub mod mesh;
 pub mod model;
 pub mod ogre_material;
 pub mod package;
+mod plugin;
 pub mod read;
 pub mod robot;
 pub mod rules;

@@ -1,9 +1,9 @@
 //! `<gazebo>`: sensors, and what Gazebo overrides of a link.
 //!
 //! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, the plugin `Label` and
-//! our own `<visual><fiducial>`; for the whole robot: `static`, `self_collide` and `Label`. The rest is accepted: contact
-//! parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
-//! another physics engine does not have, plugins of the robot, extensions of joints.
+//! our own `<visual><fiducial>`; for the whole robot: `static`, `self_collide` and its plugins. The rest is accepted: contact
+//! parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which another physics engine does not have, extensions
+//! of joints.
 
 use super::{Loader, nearest_link};
 use crate::description::diagnostics::Diagnostics;
@@ -11,6 +11,7 @@ use crate::description::fiducial::fiducials;
 use crate::description::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::description::label::label;
 use crate::description::model::{LinkIndex, Model};
+use crate::description::plugin;
 use crate::description::sensor::parse_sensor;
 use crate::description::values::{child_bool, child_text, friction_coefficient, nearest, number};
 use crate::description::xml::Element;
@@ -39,6 +40,7 @@ impl Loader<'_> {
                         model.links.iter_mut().for_each(|link| link.self_collide = true);
                     }
                     of_robot = label(element, self.diagnostics).or(of_robot);
+                    plugin::read(element, model, self.rules, self.diagnostics);
                 }
                 Some(name) => match model.link_named(name) {
                     Some(link) => self.extend_link(element, link, model),

@@ -26,7 +26,7 @@ pub struct StreamInfo {
     /// How it is coded, likewise.
     pub encoding: Option<Encoding>,
     /// Frames per second that were intended when it was made; the rate of a sensor may have been changed since, see
-    /// [`StreamSpec::SENSOR_SETTINGS`].
+    /// [`StreamSpec::SENSOR_SETTINGS`](crate::StreamSpec::SENSOR_SETTINGS).
     pub rate_hz: Option<f64>,
     /// Layers of a lidar, if its maker said so.
     pub layers: Option<u32>,

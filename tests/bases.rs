@@ -508,3 +508,57 @@ fn what_stands_in_a_world_drives() {
     simulation.run_for(Duration::from_secs(2));
     assert_eq!(simulation.pose(robot).unwrap().translation(), place, "again the same");
 }
+
+/// gz-sim's sensors have a topic and no plugin; a robot's file may be SDF.
+#[test]
+fn an_sdf_robot_with_gz_sims_sensors_publishes_them() {
+    let sensors = "<sensor name='lidar' type='gpu_lidar'><topic>front/scan</topic><gz_frame_id>mast</gz_frame_id>
+         <update_rate>10</update_rate><lidar><scan><horizontal><samples>8</samples><min_angle>-1</min_angle>
+         <max_angle>1</max_angle></horizontal></scan><range><min>0.1</min><max>9</max></range></lidar></sensor>
+       <sensor name='eye' type='camera'><topic>/eye/image_raw</topic><update_rate>10</update_rate><camera>
+         <optical_frame_id>eye_optical</optical_frame_id><image><width>32</width><height>16</height></image></camera></sensor>
+       <sensor name='kinect' type='rgbd_camera'><topic>kinect</topic><camera><image><width>32</width><height>16</height>
+         </image></camera></sensor>";
+    let text = format!(
+        "<sdf version='1.9'><model name='bot'><pose>1 0 0 0 0 0</pose><link name='mast'><inertial><mass>1</mass></inertial>
+         {sensors}</link></model></sdf>"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("model.sdf");
+    std::fs::write(&file, text).unwrap();
+    let robot = read::robot(file.to_str().unwrap()).unwrap();
+    let mut simulation = Simulation::builder(read::world("empty").unwrap()).seed(7).build().unwrap();
+    let id = simulation.spawn(&robot, SpawnOptions::default()).unwrap();
+    assert_eq!(simulation.pose(id).unwrap().translation().x, 1.0);
+    let topics = simulation.topics().unwrap();
+    for (topic, frame_id) in [
+        ("/front/scan", "mast"),
+        ("/eye/image_raw", "eye_optical"),
+        ("/eye/camera_info", "eye_optical"),
+        ("/kinect/image", "mast"),
+        ("/kinect/depth_image", "mast"),
+        ("/kinect/points", "mast"),
+    ] {
+        assert!(topics.iter().any(|known| known == topic), "{topic}: {topics:?}");
+        let mut frame = FrameBuf::default();
+        simulation.render(topic, &mut frame).unwrap();
+        assert_eq!(frame.header().frame_id.as_str(), frame_id, "{topic}");
+    }
+}
+
+/// The article's lidar is on a link that its robot has not: a lidar's link is proposed, not one that is spelt more alike.
+#[test]
+fn a_lidars_missing_link_is_that_of_a_lidar() {
+    let links = ["base_footprint", "gyro_link", "base_laser_link", "camera_rgb_frame"];
+    let links: String = links.iter().map(|name| format!("<link name='{name}'/>")).collect();
+    let joints: String = ["gyro_link", "base_laser_link", "camera_rgb_frame"]
+        .iter()
+        .map(|child| {
+            format!("<joint name='{child}_j' type='fixed'><parent link='base_footprint'/><child link='{child}'/></joint>")
+        })
+        .collect();
+    let sensor = "<gazebo reference='hokuyo_link'><sensor type='ray' name='head'/></gazebo>";
+    let error =
+        read::model(&format!("<robot name='r'>{links}{joints}{sensor}</robot>")).unwrap_err().to_string();
+    assert!(error.contains("did you mean 'base_laser_link'?"), "{error}");
+}

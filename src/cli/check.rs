@@ -99,7 +99,8 @@ fn is_world(file: &str, packages: &PackagePath) -> bool {
     let path = Path::new(file);
     if path.is_file() {
         return match Element::parse_file(path) {
-            Ok(root) => root.name == "sdf" || root.name == "gazebo",
+            // An SDF file of one model is a robot, or a thing.
+            Ok(root) => root.name == "sdf" && root.child("model").is_none() || root.name == "gazebo",
             Err(_) => path.extension().is_some_and(|extension| extension == "world" || extension == "sdf"),
         };
     }

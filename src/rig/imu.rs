@@ -18,7 +18,8 @@ pub(super) struct ImuChannel {
     id: EntityId,
     /// Which of its model's units it is.
     number: usize,
-    stddev: f64,
+    /// Of rates of turn and of accelerations.
+    stddev: [f64; 2],
     seed: u64,
     sensor: u32,
     imu: Outlet,
@@ -34,7 +35,7 @@ impl ImuChannel {
         Ok(Self {
             id: setting.id,
             number,
-            stddev: plugin.stddev,
+            stddev: [plugin.turn_stddev, plugin.acceleration_stddev],
             seed: setting.seed,
             sensor: setting.sensor,
             imu: setting.open(&spec.frame_id(&plugin.frame).rate_hz(setting.rate.hz()))?,
@@ -55,21 +56,23 @@ impl ImuChannel {
         let world_from_unit = unit.world_from_unit_at(physics, stamp_ns);
         let force = world_from_unit.inverse().transform_vector(acceleration - physics.gravity());
         let stream = Stream { seed: self.seed, sensor: self.sensor, frame, channel: IMU_CHANNEL };
-        let noise = |first: u32| {
-            let axes = [0, 1, 2].map(|axis| f64::from(standard_normal(&stream, first + axis)));
-            DVec3::from_array(axes) * self.stddev
+        let noise = |kind: u32| {
+            let axes = [0, 1, 2].map(|axis| f64::from(standard_normal(&stream, 3 * kind + axis)));
+            DVec3::from_array(axes) * self.stddev[kind as usize]
         };
-        let variance = self.stddev * self.stddev;
-        let covariance = [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance];
+        let covariance = self.stddev.map(|stddev| {
+            let variance = stddev * stddev;
+            [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance]
+        });
         self.imu.send_structs(
             stamp_ns,
             &[Imu {
                 orientation: world_from_unit.rotation().to_array(),
                 angular_velocity: (unit.turn_at(physics, stamp_ns) + noise(0)).to_array(),
-                linear_acceleration: (force + noise(3)).to_array(),
+                linear_acceleration: (force + noise(1)).to_array(),
                 orientation_covariance: [0.0; 9],
-                angular_velocity_covariance: covariance,
-                linear_acceleration_covariance: covariance,
+                angular_velocity_covariance: covariance[0],
+                linear_acceleration_covariance: covariance[1],
             }],
         );
     }

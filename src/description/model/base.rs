@@ -9,7 +9,7 @@ use belvedere_sensors::Pose;
 pub enum ModelPlugin {
     /// Drives the model.
     Base(BasePlugin),
-    /// `libgazebo_ros_imu.so`: inertial measurements at a link.
+    /// `libgazebo_ros_imu.so`, `libhector_gazebo_ros_imu.so`: inertial measurements at a link.
     Imu(ImuPlugin),
     /// `libgazebo_ros_p3d.so`: the true pose and velocity of a link.
     Pose(PosePlugin),
@@ -58,7 +58,7 @@ pub enum Drive {
     Kobuki(Wheels),
     /// Wheels on the left turn alike, and those on the right.
     Differential(DifferentialDrive),
-    /// `libgazebo_ros_planar_move.so`: any velocity in the plane, as if by hand.
+    /// `libgazebo_ros_planar_move.so`, `libgazebo_ros_force_based_move.so`: any velocity in the plane, as if by hand.
     Planar,
     /// Front wheels that steer.
     Ackermann(AckermannDrive),
@@ -190,8 +190,10 @@ pub struct ImuPlugin {
     pub frame: String,
     /// Rate; none for each step.
     pub rate_hz: Option<f64>,
-    /// Standard deviation of rates of turn in rad/s and of accelerations in m/s².
-    pub stddev: f64,
+    /// Standard deviation of rates of turn in rad/s.
+    pub turn_stddev: f64,
+    /// That of accelerations in m/s².
+    pub acceleration_stddev: f64,
 }
 
 /// True pose and velocity.

@@ -1,9 +1,21 @@
-//! `libgazebo_ros_joint_state_publisher.so`.
+//! `libgazebo_ros_joint_state_publisher.so`, and gz-sim's `JointStatePublisher`.
 
 use super::parameters::Parameters;
 use crate::description::model::{JointStatesPlugin, ModelPlugin};
 
 pub(super) fn joint_states(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
+    let topic = given.topic(&[], "joint_states");
+    reporter(given, topic)
+}
+
+/// gz-sim's, whose topic is under the name of the model; that it puts the world's before it is left out.
+pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
+    let name = given.model.name.clone();
+    let topic = given.topic(&["topic"], &format!("model/{name}/joint_state"));
+    reporter(given, topic)
+}
+
+fn reporter(given: &mut Parameters<'_>, topic: String) -> Option<ModelPlugin> {
     // One element with names between commas, or one element for each.
     given.element(&["jointName", "joint_name"]);
     let is_name = |name: &str| name == "jointName" || name == "joint_name";
@@ -22,7 +34,6 @@ pub(super) fn joint_states(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
         }
     }
     let rate_hz = given.rate(&["updateRate", "update_rate"], 100.0)?;
-    let topic = given.topic(&[], "joint_states");
     given.left_out();
     Some(ModelPlugin::JointStates(JointStatesPlugin { topic, joints: texts, rate_hz }))
 }

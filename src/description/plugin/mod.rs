@@ -18,8 +18,8 @@ use parameters::Parameters;
 
 /// What is understood, for messages.
 const SUPPORTED: &str = "libgazebo_ros_kobuki.so, libgazebo_ros_create.so, libgazebo_ros_diff_drive.so, \
-    libgazebo_ros_skid_steer_drive.so, libgazebo_ros_planar_move.so, libgazebo_ros_ackermann_drive.so, gz-sim's DiffDrive \
-    and AckermannSteering, libgazebo_ros_imu.so, libgazebo_ros_p3d.so and libgazebo_ros_joint_state_publisher.so";
+    libgazebo_ros_skid_steer_drive.so, libgazebo_ros_planar_move.so, libgazebo_ros_force_based_move.so, libgazebo_ros_ackermann_drive.so, gz-sim's DiffDrive, \
+    AckermannSteering and JointStatePublisher, libgazebo_ros_imu.so, libhector_gazebo_ros_imu.so, libgazebo_ros_p3d.so and libgazebo_ros_joint_state_publisher.so";
 
 /// The plugin of that file name as it is written, `lib` and `.so` taken off, gz-sim's old names brought to its new one.
 fn plain_name(file: &str) -> String {
@@ -40,11 +40,14 @@ pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostic
             "gazebo_ros_diff_drive" => differential::differential(&mut given),
             "gazebo_ros_skid_steer_drive" => differential::skid_steer(&mut given),
             "gz-sim-diff-drive" => differential::gz(&mut given),
+            "gazebo_ros_force_based_move" => planar::force_based(&mut given),
             "gazebo_ros_planar_move" => planar::planar(&mut given),
             "gazebo_ros_ackermann_drive" => ackermann::ackermann(&mut given),
             "gz-sim-ackermann-steering" => ackermann::gz(&mut given),
             "gazebo_ros_imu" => imu::imu(&mut given),
+            "hector_gazebo_ros_imu" => imu::hector(&mut given),
             "gazebo_ros_p3d" => pose::pose(&mut given),
+            "gz-sim-joint-state-publisher" => joint_states::gz(&mut given),
             "gazebo_ros_joint_state_publisher" => joint_states::joint_states(&mut given),
             _ => {
                 diagnostics.warning(

@@ -249,7 +249,10 @@ impl<'a> Parameters<'a> {
             link,
             rate_hz,
             origin,
-            is_transform: self.flag(&["publishOdomTF", "publishTf", "publish_odom_tf", "broadcastTF"], true),
+            is_transform: self.flag(
+                &["publishOdomTF", "publishTf", "publish_odom_tf", "broadcastTF", "publishOdometryTf"],
+                true,
+            ),
             pose_variance,
         }
     }

@@ -1,7 +1,20 @@
-//! `libgazebo_ros_planar_move.so`.
+//! `libgazebo_ros_planar_move.so`, and `libgazebo_ros_force_based_move.so`, which does the same by forces.
 
 use super::parameters::Parameters;
 use crate::description::model::{BasePlugin, Drive, ModelPlugin, OdometryOrigin};
+
+/// Its gains are those of another engine's forces.
+pub(super) fn force_based(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
+    given.element(&[
+        "yaw_velocity_p_gain",
+        "x_velocity_p_gain",
+        "y_velocity_p_gain",
+        "max_x_velocity",
+        "max_y_velocity",
+        "max_yaw_velocity",
+    ]);
+    planar(given)
+}
 
 pub(super) fn planar(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let rate_hz = given.rate(&["odometryRate", "publish_rate"], 20.0)?;

@@ -132,6 +132,7 @@ impl Loader<'_> {
         let mut has_sensor = false;
         for sensor in element.elements_named("sensor") {
             has_sensor = true;
+            let near = mount_for(sensor, name, model).unwrap_or_else(|| near.clone());
             let what = format!(
                 "the sensor '{}' is on the link '{name}', which does not exist",
                 sensor.attribute("name").unwrap_or_default()
@@ -140,7 +141,7 @@ impl Loader<'_> {
                 self.diagnostics.warning(
                     &element.source,
                     format!("{what}: it is left out, as in Gazebo"),
-                    near.clone(),
+                    near,
                 );
             } else {
                 let remedy = format!(
@@ -157,4 +158,17 @@ impl Loader<'_> {
             );
         }
     }
+}
+
+/// "did you mean …" for a sensor: the likeliest of the links that are called as what carries such a sensor is.
+fn mount_for(sensor: &Element, name: &str, model: &Model) -> Option<String> {
+    let words: &[&str] = match sensor.attribute("type").unwrap_or_default() {
+        "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => &["laser", "lidar", "scan", "hokuyo", "velodyne"],
+        "camera" | "wideanglecamera" | "depth" | "depth_camera" => &["camera", "rgb", "depth", "optical"],
+        "imu" => &["imu", "gyro"],
+        _ => return None,
+    };
+    let links = model.links.iter().map(|link| link.name.as_str());
+    let mounts = links.filter(|link| words.iter().any(|word| link.contains(word)));
+    nearest(name, mounts).map(|near| format!("did you mean '{near}'?"))
 }

@@ -1,60 +1,258 @@
-//! The arrows of ARCHITECTURE.md: each folder uses only those before it.
+//! The arrows of ARCHITECTURE.md: each layer uses only those before it, and no two files use each other.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Of the simulator, bottom up.
-const SIMULATOR: [&str; 9] =
-    ["description", "world", "robot", "entities", "rig", "simulation", "server", "picture", "cli"];
+const SIMULATOR: &[&str] =
+    &["description", "world", "robot", "entities", "rig", "simulation", "server", "picture", "cli"];
 
-fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            rust_files(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            found.push(path);
-        }
+/// Of the bridge.
+const BRIDGE: &[&str] = &[
+    "clock",
+    "session",
+    "wire",
+    "consumer",
+    "error",
+    "domain",
+    "node",
+    "stream",
+    "publisher",
+    "subscriber",
+    "synchronizer",
+    "control",
+];
+
+/// Of the sensors.
+const SENSORS: &[&str] = &[
+    "simd",
+    "pose",
+    "pose_convert",
+    "memory",
+    "srgb",
+    "execution",
+    "noise",
+    "moment",
+    "scene",
+    "optics",
+    "trace",
+    "shade",
+    "device",
+    "sensor",
+    "parry",
+    "rapier",
+];
+
+/// A path of modules, without `crate`.
+type Module = Vec<String>;
+
+/// The modules of a crate, by their paths, and what each file holds, without comments and its tests.
+struct Crate {
+    texts: BTreeMap<Module, String>,
+}
+
+impl Crate {
+    fn read(source: &Path) -> Self {
+        let mut texts = BTreeMap::new();
+        read_folder(source, &[], &mut texts);
+        Self { texts }
     }
-}
 
-/// The folder or file right below `src` that a file belongs to.
-fn layer(source: &Path, file: &Path) -> String {
-    let first = file.strip_prefix(source).unwrap().components().next().unwrap();
-    first.as_os_str().to_str().unwrap().trim_end_matches(".rs").to_owned()
-}
-
-#[test]
-fn each_layer_uses_only_those_below_it() {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    rust_files(&source, &mut files);
-    let mut uses: BTreeMap<(usize, usize), String> = BTreeMap::new();
-    for file in &files {
-        let own = layer(&source, file);
-        let Some(own_place) = SIMULATOR.iter().position(|name| *name == own) else {
-            assert!(["lib", "main"].contains(&own.as_str()), "src/{own} is in no layer: give it one here");
-            continue;
-        };
-        for (number, line) in fs::read_to_string(file).unwrap().lines().enumerate() {
-            // Tests of a file may use what they like.
-            if line.trim_start().starts_with("#[cfg(test)]") {
-                break;
-            }
-            if line.trim_start().starts_with("//") {
+    /// The module that a path leads to from one module, by way of what the modules in between export.
+    fn resolve(&self, from: &[String], path: &[String], hops: usize) -> Module {
+        let mut at = from.to_vec();
+        for (place, name) in path.iter().enumerate() {
+            let inner = [&at[..], std::slice::from_ref(name)].concat();
+            if self.texts.contains_key(&inner) {
+                at = inner;
                 continue;
             }
-            for part in line.split("crate::").skip(1) {
-                let used = part.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or("");
-                if let Some(used_place) = SIMULATOR.iter().position(|name| *name == used) {
-                    let at = || format!("{}:{}: {}", file.display(), number + 1, line.trim());
-                    uses.entry((own_place, used_place)).or_insert_with(at);
+            // An item: of this module, or of one that it exports it from.
+            let exported = self.texts.get(&at).into_iter().flat_map(|text| exports(text));
+            let via = exported.into_iter().find(|export| export.last() == Some(name));
+            return match via {
+                Some(via) if hops > 0 && via.len() > 1 => {
+                    let rest = [&via[..], &path[place + 1..]].concat();
+                    self.resolve(&at, &rest, hops - 1)
+                }
+                _ => at,
+            };
+        }
+        at
+    }
+
+    /// Which module uses which, and one path by which it does. A module and its own parts do not count.
+    fn uses(&self) -> BTreeMap<(Module, Module), String> {
+        let mut uses = BTreeMap::new();
+        for (own, text) in &self.texts {
+            for (root, path) in paths(text) {
+                let from: &[String] = match root {
+                    "crate" => &[],
+                    _ => &own[..own.len().saturating_sub(1)],
+                };
+                let used = self.resolve(from, &path, 4);
+                let is_own = used.starts_with(own) || own.starts_with(&used);
+                if !is_own {
+                    uses.entry((own.clone(), used)).or_insert_with(|| format!("{root}::{}", path.join("::")));
                 }
             }
         }
+        uses
     }
-    assert!(uses.len() > 15, "nearly nothing was found: is the form of `use` another one? {uses:?}");
-    let upward: Vec<&String> = uses.iter().filter(|((own, used), _)| used > own).map(|(_, at)| at).collect();
-    assert!(upward.is_empty(), "used from below:\n{upward:#?}");
+}
+
+fn read_folder(folder: &Path, module: &[String], texts: &mut BTreeMap<Module, String>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let inner = [module, &[name.clone()]].concat();
+        if path.is_dir() {
+            read_folder(&path, &inner, texts);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let text = fs::read_to_string(&path).unwrap();
+            // Tests of a file may use what they like.
+            let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+            let lines = code.lines().map(|line| line.split("//").next().unwrap_or_default());
+            let own = if ["lib", "main", "mod"].contains(&name.as_str()) { module.to_vec() } else { inner };
+            *texts.entry(own).or_default() += &lines.collect::<Vec<_>>().join("\n");
+        }
+    }
+}
+
+/// What a module exports from its parts.
+fn exports(text: &str) -> Vec<Module> {
+    ["pub use ", "pub(crate) use ", "pub(super) use "]
+        .iter()
+        .flat_map(|words| text.split(words).skip(1))
+        .flat_map(|rest| tree(rest).0)
+        .collect()
+}
+
+/// The paths from the crate or the parent.
+fn paths(text: &str) -> Vec<(&'static str, Module)> {
+    let mut found = Vec::new();
+    for root in ["crate", "super"] {
+        let begin = format!("{root}::");
+        for (at, _) in text.match_indices(&begin) {
+            // `$crate`, or the end of a longer name.
+            let before = text[..at].chars().next_back();
+            if before.is_none_or(|c| !c.is_alphanumeric() && !"_$:".contains(c)) {
+                found.extend(tree(&text[at + begin.len()..]).0.into_iter().map(|path| (root, path)));
+            }
+        }
+    }
+    found
+}
+
+/// The paths of a tree `a::{b, c::d}`, and how much of the text it is.
+fn tree(text: &str) -> (Vec<Module>, usize) {
+    let mut at = text.len() - text.trim_start().len();
+    if text[at..].starts_with('{') {
+        let mut paths = Vec::new();
+        at += 1;
+        loop {
+            let rest = &text[at..];
+            at += rest.len() - rest.trim_start_matches(|c: char| c.is_whitespace() || c == ',').len();
+            if at >= text.len() || text[at..].starts_with('}') {
+                return (paths, at + 1);
+            }
+            let (inner, len) = tree(&text[at..]);
+            paths.extend(inner);
+            at += len.max(1);
+        }
+    }
+    let rest = &text[at..];
+    let name = &rest[..rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len())];
+    at += name.len();
+    if name.is_empty() || !text[at..].starts_with("::") {
+        let last = if ["", "self"].contains(&name) { Vec::new() } else { vec![name.to_owned()] };
+        return (vec![last], at);
+    }
+    let (inner, len) = tree(&text[at + 2..]);
+    let paths = inner.into_iter().map(|path| [&[name.to_owned()], &path[..]].concat()).collect();
+    (paths, at + 2 + len)
+}
+
+/// The modules from which one comes back to where one started.
+fn circles(uses: &BTreeMap<(Module, Module), String>) -> BTreeSet<String> {
+    let mut next: BTreeMap<&Module, Vec<&Module>> = BTreeMap::new();
+    for (own, used) in uses.keys() {
+        next.entry(own).or_default().push(used);
+    }
+    let comes_back = |start: &Module| {
+        let (mut seen, mut open) = (BTreeSet::new(), vec![start]);
+        while let Some(module) = open.pop() {
+            for &used in next.get(module).into_iter().flatten() {
+                if used == start {
+                    return true;
+                }
+                if seen.insert(used) {
+                    open.push(used);
+                }
+            }
+        }
+        false
+    };
+    next.keys().filter(|start| comes_back(start)).map(|start| start.join("::")).collect()
+}
+
+/// Which of the layers use one above them.
+fn upward(layers: &[&str], uses: &BTreeMap<(Module, Module), String>) -> Vec<String> {
+    let place =
+        |module: &Module| module.first().and_then(|name| layers.iter().position(|layer| layer == name));
+    let is_upward = |(own, used): &(Module, Module)| match (place(own), place(used)) {
+        (Some(own), Some(used)) => used > own,
+        _ => false,
+    };
+    let upward = uses.iter().filter(|(ends, _)| is_upward(ends));
+    upward.map(|((own, _), path)| format!("{}: {path}", own.join("::"))).collect()
+}
+
+fn check_layers(folder: &str, layers: &[&str]) -> BTreeMap<(Module, Module), String> {
+    let read = Crate::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder));
+    let missing: BTreeSet<&String> = read.texts.keys().filter_map(|module| module.first()).collect();
+    let missing: Vec<_> = missing.into_iter().filter(|name| !layers.contains(&name.as_str())).collect();
+    assert!(missing.is_empty(), "{folder}: in no layer, give it one here: {missing:?}");
+    let uses = read.uses();
+    assert!(uses.len() > 50, "nearly nothing was found: is the form of `use` another one? {uses:#?}");
+    let upward = upward(layers, &uses);
+    assert!(upward.is_empty(), "{folder}: used from below:\n{upward:#?}");
+    uses
+}
+
+#[test]
+fn each_layer_of_the_simulator_uses_only_those_below_it() {
+    check_layers("src", SIMULATOR);
+}
+
+#[test]
+fn each_layer_of_the_sensors_uses_only_those_below_it() {
+    check_layers("sensors/src", SENSORS);
+}
+
+#[test]
+fn each_layer_of_the_bridge_uses_only_those_below_it_and_no_two_files_use_each_other() {
+    let uses = check_layers("bridge/src", BRIDGE);
+    assert_eq!(circles(&uses), BTreeSet::new(), "{uses:#?}");
+}
+
+#[test]
+fn a_circle_is_found() {
+    let texts = [
+        ("a", "use crate::{b::{c, D}, e};"),
+        ("b", "pub use c::D;"),
+        ("b::c", "super::super::x();"),
+        ("e", ""),
+    ];
+    let module = |path: &str| path.split("::").map(str::to_owned).collect::<Module>();
+    let mut texts: BTreeMap<_, _> = texts.map(|(path, text)| (module(path), text.to_owned())).into();
+    let uses = Crate { texts: texts.clone() }.uses();
+    let found: Vec<String> =
+        uses.keys().map(|(own, used)| format!("{}>{}", own.join("."), used.join("."))).collect();
+    assert_eq!(found, ["a>b.c", "a>e"]);
+    assert_eq!((circles(&uses), upward(&["a", "b", "e"], &uses).len()), (BTreeSet::new(), 2));
+    texts.insert(module("e"), "fn f() { crate::a::g(); }".to_owned());
+    let uses = Crate { texts }.uses();
+    assert_eq!(circles(&uses), ["a", "e"].map(str::to_owned).into());
 }

@@ -1,23 +1,11 @@
 //! [`Consumer`]: who follows a stream.
 
-use std::{
-    collections::{HashMap, HashSet},
-    fmt,
-};
-
-use iceoryx2::{
-    identifiers::UniqueNodeId,
-    node::{Node as IoxNode, NodeState, NodeView as _},
-    prelude::CallbackProgression,
-    service::port_factory::PortFactory as _,
-};
-
-use crate::{Node, node::Ipc, remnants, stream::Frames};
+use std::fmt;
 
 /// A process that follows a stream, by the name that it opened its node with.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Consumer {
-    /// The node's name: what it passed to [`Node::open`].
+    /// The node's name: what it passed to [`Node::open`](crate::Node::open).
     pub name: String,
     /// Its process; 0 when that is not known.
     pub pid: u32,
@@ -27,103 +15,4 @@ impl fmt::Display for Consumer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "\"{}\" (process {})", self.name, self.pid)
     }
-}
-
-/// The identities of a stream's subscribers: a read of shared memory.
-pub(crate) fn ports(frames: &Frames) -> Vec<u128> {
-    let mut ports = Vec::new();
-    frames.dynamic_config().list_subscribers(|subscriber| {
-        ports.push(subscriber.subscriber_id.value());
-        CallbackProgression::Continue
-    });
-    ports
-}
-
-/// A number that is another when the subscribers are others.
-pub(crate) fn sum_of_ports(frames: &Frames) -> u64 {
-    let mut sum = 0_u64;
-    frames.dynamic_config().list_subscribers(|subscriber| {
-        let port = subscriber.subscriber_id.value();
-        sum = sum.wrapping_add((port ^ (port >> 64)) as u64);
-        CallbackProgression::Continue
-    });
-    sum
-}
-
-/// The subscribers of a stream: the identity of each one's port, and whose it is.
-///
-/// Reads some files for each node of the domain: for when the subscribers have changed, not for every frame.
-pub(crate) fn consumers(node: &Node, frames: &Frames) -> Vec<(u128, Consumer)> {
-    let mut ports = Vec::new();
-    frames.dynamic_config().list_subscribers(|subscriber| {
-        ports.push((subscriber.subscriber_id.value(), subscriber.node_id));
-        CallbackProgression::Continue
-    });
-    if ports.is_empty() {
-        return Vec::new();
-    }
-    let names = node_names(node);
-    ports.into_iter().map(|(port, id)| (port, named(&names, id))).collect()
-}
-
-/// Who publishes a stream; nobody's name when nobody does.
-pub(crate) fn publisher(node: &Node, frames: &Frames) -> Consumer {
-    let mut holder = Consumer { name: String::new(), pid: 0 };
-    let names = node_names(node);
-    frames.dynamic_config().list_publishers(|publisher| {
-        holder = named(&names, publisher.node_id);
-        CallbackProgression::Stop
-    });
-    holder
-}
-
-/// Whether a place of the stream is that of a process that is no more: it will soon be free, since somebody is just
-/// cleaning up after it, or since it is raised here to be cleaned up after.
-pub(crate) fn place_of_the_dead(node: &Node, frames: &Frames) -> bool {
-    let (mut living, mut dead) = (HashSet::new(), HashSet::new());
-    let listed = IoxNode::<Ipc>::list(node.config(), |state| {
-        let nodes = if matches!(state, NodeState::Dead(_)) { &mut dead } else { &mut living };
-        nodes.insert(state.node_id().value());
-        CallbackProgression::Continue
-    });
-    let mut ports: HashMap<u128, Vec<u128>> = HashMap::new();
-    frames.dynamic_config().list_publishers(|publisher| {
-        ports.entry(publisher.node_id.value()).or_default().push(publisher.publisher_id.value());
-        CallbackProgression::Continue
-    });
-    frames.dynamic_config().list_subscribers(|subscriber| {
-        ports.entry(subscriber.node_id.value()).or_default().push(subscriber.subscriber_id.value());
-        CallbackProgression::Continue
-    });
-    ports.retain(|id, _| !living.contains(id));
-    if listed.is_ok() {
-        for (id, ports) in ports.iter().filter(|(id, _)| !dead.contains(id)) {
-            let own = node.iox().id().value();
-            let _ = remnants::raise(node.places(), own, frames.service_hash().as_str(), *id, ports);
-        }
-    }
-    !ports.is_empty()
-}
-
-fn named(names: &HashMap<u128, String>, id: UniqueNodeId) -> Consumer {
-    Consumer {
-        name: names.get(&id.value()).cloned().unwrap_or_default(),
-        pid: id.pid::<Ipc>().map_or(0, |pid| pid.value().cast_unsigned()),
-    }
-}
-
-fn node_names(node: &Node) -> HashMap<u128, String> {
-    let mut names = HashMap::new();
-    let _ = IoxNode::<Ipc>::list(node.config(), |state| {
-        let details = match &state {
-            NodeState::Alive(alive) => alive.details().clone(),
-            NodeState::Dead(dead) => dead.details().clone(),
-            NodeState::Inaccessible(_) | NodeState::Undefined(_) => None,
-        };
-        if let Some(details) = details {
-            names.insert(state.node_id().value(), details.name().to_string());
-        }
-        CallbackProgression::Continue
-    });
-    names
 }

@@ -1,199 +1,24 @@
-//! Names: the domain that keeps simulations apart, and topics.
+//! A domain: its name, and what of it lies on disk.
+//!
+//! [`Keeper`] is the one way in. Below it: [`places`] knows what is there and whose it is, [`living`] who lives,
+//! [`remnants`] and [`remains`] what is dead and how it goes, [`sharing`] opens files to a group, [`unborn`] ends waits
+//! for what will never be complete, [`room`] asks for space.
 
-use std::{fmt, str::FromStr, time::Duration};
+mod group;
+mod keeper;
+mod living;
+mod name;
+mod places;
+mod remains;
+mod remnants;
+pub(crate) mod room;
+mod sharing;
+mod topic;
+mod unborn;
 
-use iceoryx2::prelude::{Config, FileName, Path, SemanticString, ServiceName};
+pub use group::Group;
+pub use name::Domain;
 
-use crate::{Error, Group};
-
-/// What every service name begins with.
-const SERVICE_ROOT: &str = "belvedere/";
-
-/// One simulation's name for everything it shares; several run side by side under different ones.
-///
-/// A domain is an iceoryx2 prefix `blvd.<name>.`: its processes see each other and nobody else. The dot, which a
-/// name cannot hold, keeps one domain's prefix from being the beginning of another's.
-///
-/// Only the user who runs its processes can reach it, unless it is [shared with a group](Self::shared_with): that is
-/// then another domain of the same name, `blvd.<name>@<group id>.`, with a directory of its own.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Domain {
-    name: String,
-    group: Option<Group>,
-}
-
-impl Domain {
-    /// The domain when none is named.
-    pub const DEFAULT: &str = "default";
-    /// Longest name: prefix, identifiers and suffix must fit into the 108 bytes of a socket's path.
-    pub const MAX_LEN: usize = 24;
-
-    /// # Errors
-    /// [`Error::InvalidDomain`] unless it is 1 to 24 of `a-z A-Z 0-9 _ -`.
-    pub fn new(name: &str) -> Result<Self, Error> {
-        let usable = (1..=Self::MAX_LEN).contains(&name.len())
-            && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
-        if usable {
-            Ok(Self { name: name.to_owned(), group: None })
-        } else {
-            Err(Error::InvalidDomain(name.to_owned()))
-        }
-    }
-
-    /// The domain that the environment variable `BELVEDERE_DOMAIN` names, else the default one.
-    ///
-    /// # Errors
-    /// [`Error::InvalidDomain`] when the variable holds what cannot be one.
-    pub fn from_env() -> Result<Self, Error> {
-        match std::env::var_os("BELVEDERE_DOMAIN") {
-            Some(name) if !name.is_empty() => Self::new(&name.to_string_lossy()),
-            _ => Ok(Self::default()),
-        }
-    }
-
-    /// The same, open to the users of a group: they can read all streams and send commands. Every process of the
-    /// domain must name the group, or run with it in the environment variable `BELVEDERE_GROUP`, which
-    /// [`Node::open`](crate::Node::open) follows when no group is named here.
-    #[must_use]
-    pub fn shared_with(self, group: Group) -> Self {
-        Self { group: Some(group), ..self }
-    }
-
-    /// The group that it is shared with.
-    #[must_use]
-    pub fn group(&self) -> Option<&Group> {
-        self.group.as_ref()
-    }
-
-    pub(crate) fn or_shared_as_env_says(self) -> Result<Self, Error> {
-        match self.group {
-            Some(_) => Ok(self),
-            None => Ok(Self { group: Group::from_env()?, ..self }),
-        }
-    }
-
-    /// Its name.
-    #[must_use]
-    pub fn as_str(&self) -> &str {
-        &self.name
-    }
-
-    /// What the names of this domain's files begin with.
-    #[must_use]
-    pub fn prefix(&self) -> String {
-        match &self.group {
-            // No group's prefix begins with that of a domain without one.
-            Some(group) => format!("blvd.{}@{}.", self.name, group.gid()),
-            None => format!("blvd.{}.", self.name),
-        }
-    }
-
-    /// The configuration that peers must share; built here and not read from a file, so that no
-    /// `config/iceoryx2.toml` in the working directory parts two of them.
-    pub(crate) fn config(&self) -> Result<Config, Error> {
-        let mut config = Config::default();
-        // How long to wait for what another process is just making: it is a kill in the middle of it that lasts. A
-        // publisher waits so for the connection of a consumer, and everybody for a stream.
-        config.global.creation_timeout = Duration::from_millis(200);
-        config.global.prefix = FileName::new(self.prefix().as_bytes())
-            .map_err(|error| Error::transport("setting the domain's prefix", error))?;
-        if let Some(group) = &self.group {
-            // Not in the directory of iceoryx2's other programs, which is its owner's alone. By number: a socket's
-            // path must not get longer than 107 bytes.
-            let root = format!("/tmp/blvd-{}", group.gid());
-            let root = Path::new(root.as_bytes())
-                .map_err(|error| Error::transport("setting the group's directory", error))?;
-            config.global.set_root_path(&root);
-            // How long to wait for what another process is just making, and for what it has yet to open to the group.
-            config.global.creation_timeout = Duration::from_millis(500);
-            // Each user's processes clean up after that user's: see `remains`.
-            config.global.node.cleanup_dead_nodes_on_creation = false;
-            config.global.node.cleanup_dead_nodes_on_destruction = false;
-            config.global.service.cleanup_dead_nodes_on_open = false;
-        }
-        Ok(config)
-    }
-}
-
-impl Default for Domain {
-    fn default() -> Self {
-        Self { name: Self::DEFAULT.to_owned(), group: None }
-    }
-}
-
-impl fmt::Display for Domain {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(&self.name)
-    }
-}
-
-impl FromStr for Domain {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        Self::new(name)
-    }
-}
-
-/// The topic without its leading slash, checked.
-pub(crate) fn canonical_topic(topic: &str) -> Result<&str, Error> {
-    let bare = topic.strip_prefix('/').unwrap_or(topic);
-    let invalid = |reason| Err(Error::InvalidTopic { topic: topic.to_owned(), reason });
-    if bare.is_empty() {
-        return invalid("it is empty");
-    }
-    if bare.len() > 200 {
-        return invalid("it is longer than 200 characters");
-    }
-    if !bare.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_/-.~".contains(&byte)) {
-        return invalid("only a-z A-Z 0-9 _ - . ~ and / are allowed");
-    }
-    if bare.starts_with('/') || bare.ends_with('/') || bare.contains("//") {
-        return invalid("a part between slashes is empty");
-    }
-    Ok(bare)
-}
-
-/// The service of a canonical topic.
-pub(crate) fn service_name(topic: &str) -> Result<ServiceName, Error> {
-    ServiceName::new(&format!("{SERVICE_ROOT}{topic}"))
-        .map_err(|error| Error::transport(format!("naming {topic}"), error))
-}
-
-/// The topic of a service, if it is one of ours.
-pub(crate) fn topic_of_service(service: &str) -> Option<&str> {
-    service.strip_prefix(SERVICE_ROOT)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn domain_names() {
-        for good in ["a", "default", "robot_2-B", &"x".repeat(24)] {
-            assert_eq!(Domain::new(good).unwrap().as_str(), good);
-        }
-        for bad in ["", "a b", "a/b", "a.b", "ä", &"x".repeat(25)] {
-            assert!(Domain::new(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn no_prefix_begins_another() {
-        let (short, long) = (Domain::new("a").unwrap(), Domain::new("a_b").unwrap());
-        assert!(!long.prefix().starts_with(&short.prefix()));
-        let shared = short.clone().shared_with(Group::find("0").unwrap());
-        assert!(!shared.prefix().starts_with(&short.prefix()));
-        assert!(!short.prefix().starts_with(&shared.prefix()));
-    }
-
-    #[test]
-    fn topics_lose_their_leading_slash_only() {
-        assert_eq!(canonical_topic("/camera/rgb/image_raw").unwrap(), "camera/rgb/image_raw");
-        assert_eq!(canonical_topic("scan").unwrap(), "scan");
-        for bad in ["", "/", "a//b", "a/", "a b", "//a"] {
-            assert!(canonical_topic(bad).is_err(), "{bad}");
-        }
-    }
-}
+pub(crate) use keeper::Keeper;
+pub(crate) use name::Ipc;
+pub(crate) use topic::{canonical_topic, service_name, topic_of_service};

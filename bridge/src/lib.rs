@@ -79,49 +79,29 @@
 //! simulator. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
 #![deny(unsafe_code)]
 
-mod busy_poll;
 pub mod clock;
-mod connection;
 mod consumer;
 mod control;
 mod domain;
 mod error;
-mod frame;
-mod group;
-mod header;
-mod kind;
-mod loan;
-mod lossless;
-mod memory;
 mod node;
-pub mod payload;
-mod places;
 mod publisher;
-mod readiness;
-mod remains;
-mod remnants;
-mod sharing;
+mod session;
 mod stream;
 mod subscriber;
 mod synchronizer;
-mod text;
-mod unborn;
-mod versions;
-mod view;
+mod wire;
 
 pub use consumer::Consumer;
 pub use control::SimulationControl;
-pub use domain::Domain;
-pub use error::{Error, FrameError, ICEORYX2_VERSION};
-pub use frame::Frame;
-pub use group::Group;
-pub use header::{FrameHeader, Intrinsics, ScanGeometry};
-pub use kind::{DistortionModel, Encoding, Kind, MAX_DISTORTION, Operation};
-pub use lossless::Lossless;
+pub use domain::{Domain, Group};
+pub use error::{Error, ICEORYX2_VERSION};
 pub use node::Node;
 pub use publisher::{LoanedFrame, Publisher};
-pub use stream::{StreamInfo, StreamSpec};
-pub use subscriber::Subscriber;
+pub use stream::{Lossless, StreamInfo, StreamSpec};
+pub use subscriber::{Frame, Subscriber};
 pub use synchronizer::Synchronizer;
-pub use text::{Text, TextError};
-pub use view::FrameView;
+pub use wire::{
+    DistortionModel, Encoding, FrameError, FrameHeader, FrameView, Intrinsics, Kind, MAX_DISTORTION,
+    Operation, ScanGeometry, Text, TextError, payload,
+};

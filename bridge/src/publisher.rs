@@ -1,5 +1,9 @@
 //! [`Publisher`]: the writing end of a stream.
 
+mod loan;
+mod pool;
+mod queue;
+
 use std::{
     fmt,
     sync::{
@@ -21,15 +25,14 @@ use iceoryx2::{
 };
 
 use crate::{
-    Consumer, Error, FrameHeader, Node, StreamSpec, clock, consumer,
-    domain::canonical_topic,
-    loan,
-    lossless::Queue,
-    memory::{self, Booking, Pool},
-    node::Ipc,
+    Consumer, Error, FrameHeader, Node, StreamSpec, clock,
+    domain::{Ipc, canonical_topic},
     payload::Message,
-    stream::{self, Events, Frames},
+    session,
+    stream::{self, Events, Frames, ports},
 };
+use pool::{Booking, Pool};
+use queue::Queue;
 
 /// The writing end of a stream.
 ///
@@ -61,12 +64,23 @@ struct Ports {
     queue: Option<Arc<Queue>>,
 }
 
+impl Node {
+    /// Opens a stream for writing.
+    ///
+    /// # Errors
+    /// [`Error::DomainInUse`] when the stream has its publisher already, [`Error::SharedMemoryTooSmall`] when its
+    /// pool would not fit into `/dev/shm`, [`Error::Incompatible`] and [`Error::Permission`].
+    pub fn publisher(&self, spec: &StreamSpec) -> Result<Publisher, Error> {
+        Publisher::open(self, spec)
+    }
+}
+
 impl Publisher {
-    pub(crate) fn open(node: &Node, spec: &StreamSpec) -> Result<Self, Error> {
+    fn open(node: &Node, spec: &StreamSpec) -> Result<Self, Error> {
         let topic = canonical_topic(&spec.topic)?.to_owned();
-        let session = random_session();
+        let session = session::random();
         let template = FrameHeader { session, ..spec.header()? };
-        let booking = memory::book(node, &topic, spec.pool_bytes())?;
+        let booking = pool::book(node, &topic, spec.pool_bytes())?;
         let (frames, events) = stream::open_or_create(node, spec)?;
         let queue = spec.lossless.clone().map(|lossless| Arc::new(Queue::new(lossless, node.clone())));
         let mut tried_again = false;
@@ -85,7 +99,7 @@ impl Publisher {
                 // The place may be that of a publisher that was killed, and another process be cleaning up after it.
                 Err(PublisherCreateError::ExceedsMaxSupportedPublishers)
                     if !tried_again
-                        || (Instant::now() < deadline && consumer::place_of_the_dead(node, &frames)) =>
+                        || (Instant::now() < deadline && ports::place_of_the_dead(node, &frames)) =>
                 {
                     if tried_again {
                         std::thread::sleep(Duration::from_millis(5));
@@ -94,18 +108,20 @@ impl Publisher {
                     node.clean_up_dead();
                 }
                 Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
-                    let holder = consumer::publisher(node, &frames);
+                    let holder = ports::publisher(node, &frames);
                     return Err(Error::DomainInUse { topic, domain: node.domain().to_string(), holder });
                 }
-                Err(error) => return Err(node.failed(format!("opening {topic} for writing"), error)),
+                Err(error) => {
+                    return Err(node.keeper().failed(format!("opening {topic} for writing"), error));
+                }
             }
         };
         let pool = Pool::take(node, spec, &topic, port.id().value())?;
         let notifier = events
             .notifier_builder()
             .create()
-            .map_err(|error| node.failed(format!("opening the events of {topic}"), error))?;
-        node.settle();
+            .map_err(|error| node.keeper().failed(format!("opening the events of {topic}"), error))?;
+        node.keeper().settle();
         let publisher = Self(Arc::new(Ports {
             port,
             notifier,
@@ -159,7 +175,7 @@ impl Publisher {
     /// Who follows the stream now. Reads some files for each process of the domain.
     #[must_use]
     pub fn consumers(&self) -> Vec<Consumer> {
-        consumer::consumers(&self.0.node, &self.0.frames).into_iter().map(|(_, consumer)| consumer).collect()
+        ports::consumers(&self.0.node, &self.0.frames).into_iter().map(|(_, consumer)| consumer).collect()
     }
 
     /// Gives subscribers that have come since the last frame the newest one (the stream's history) without
@@ -177,7 +193,7 @@ impl Publisher {
             .port
             .update_connections()
             .map_err(|error| Error::transport(format!("connecting subscribers of {}", ports.topic), error))?;
-        let present = consumer::sum_of_ports(&ports.frames);
+        let present = ports::sum_of_ports(&ports.frames);
         if ports.last_present.swap(present, Ordering::Relaxed) != present {
             ports.notify();
         }
@@ -328,13 +344,4 @@ impl fmt::Debug for LoanedFrame {
             .field("header", self.header())
             .finish_non_exhaustive()
     }
-}
-
-/// A number that no publisher before has had; never 0.
-pub(crate) fn random_session() -> u64 {
-    use std::hash::{BuildHasher, Hasher, RandomState};
-    // Seeded by the system's random numbers for each process, by a counter within it.
-    let mut hasher = RandomState::new().build_hasher();
-    hasher.write_u64(clock::mono_ns());
-    hasher.finish().max(1)
 }

@@ -1,16 +1,20 @@
 //! Streams: what one is made with, and what a domain has.
 
+mod attributes;
 mod info;
+mod lossless;
 mod opening;
+pub(crate) mod ports;
 mod spec;
+mod versions;
 
 pub use info::StreamInfo;
+pub use lossless::Lossless;
 pub use spec::StreamSpec;
 
-pub(crate) use info::list;
 pub(crate) use opening::{Opened, open, open_or_create};
 
-use crate::{FrameHeader, node::Ipc};
+use crate::{FrameHeader, domain::Ipc};
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 
 /// The frames of a stream.

@@ -1,5 +1,12 @@
 //! [`Subscriber`]: the reading end of a stream, through all that happens to its publisher.
 
+mod busy_poll;
+mod connection;
+mod frame;
+mod readiness;
+
+pub use frame::Frame;
+
 use std::{
     fmt,
     os::fd::{AsFd as _, BorrowedFd},
@@ -8,14 +15,11 @@ use std::{
 
 use iceoryx2::{port::ReceiveError, service::port_factory::PortFactory as _};
 
-use crate::{
-    Error, Frame, FrameHeader, Node, StreamSpec,
-    busy_poll::BusyPoll,
-    connection::Connection,
-    domain::canonical_topic,
-    frame::{Sample, checked_header},
-    readiness::{self, Readiness},
-};
+use crate::{Error, FrameHeader, Node, StreamSpec, domain::canonical_topic};
+use busy_poll::BusyPoll;
+use connection::Connection;
+use frame::{Sample, checked_header};
+use readiness::Readiness;
 
 /// How often a stream that is not there is looked for.
 const SEARCH_INTERVAL: Duration = Duration::from_millis(20);
@@ -59,8 +63,27 @@ struct FrameId {
     seq: u64,
 }
 
+impl Node {
+    /// Follows a stream, whether it exists already or not: see [`Subscriber`].
+    ///
+    /// # Errors
+    /// [`Error::InvalidTopic`].
+    pub fn subscriber(&self, topic: &str) -> Result<Subscriber, Error> {
+        Ok(Subscriber::watching(self, canonical_topic(topic)?))
+    }
+
+    /// The receiving side of a command stream: makes the stream, so that commands have a place to go before
+    /// anyone sends one, and keeps it while senders come and go.
+    ///
+    /// # Errors
+    /// [`Error::Incompatible`] and [`Error::Permission`].
+    pub fn command_subscriber(&self, spec: &StreamSpec) -> Result<Subscriber, Error> {
+        Subscriber::owning(self, spec)
+    }
+}
+
 impl Subscriber {
-    pub(crate) fn watching(node: &Node, topic: &str) -> Self {
+    fn watching(node: &Node, topic: &str) -> Self {
         let now = Instant::now();
         Self {
             connection: None,
@@ -76,7 +99,7 @@ impl Subscriber {
         }
     }
 
-    pub(crate) fn owning(node: &Node, spec: &StreamSpec) -> Result<Self, Error> {
+    fn owning(node: &Node, spec: &StreamSpec) -> Result<Self, Error> {
         let topic = canonical_topic(&spec.topic)?;
         let mut subscriber = Self { owned: Some(spec.clone()), ..Self::watching(node, topic) };
         subscriber.connect()?;
@@ -370,7 +393,7 @@ impl Subscriber {
         }
         let silence = self.last_sign_of_life.elapsed();
         if silence > SUSPICIOUS_SILENCE {
-            self.node.clean_up_dead_every((silence / 2).clamp(SUSPICIOUS_SILENCE, LEAST_SUSPICION));
+            self.node.keeper().clean_up_dead_every((silence / 2).clamp(SUSPICIOUS_SILENCE, LEAST_SUSPICION));
         }
         // In this order: a publisher's last frame is there before it is gone.
         if connection.publishers() == 0 && !connection.port.has_samples().unwrap_or(false) {

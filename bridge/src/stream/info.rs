@@ -1,22 +1,20 @@
-//! What a stream tells of itself to whoever finds it, in attributes that its maker gives it.
+//! [`StreamInfo`]: the streams of a domain.
 
-use super::{Frames, Opened, StreamSpec, open};
-use crate::{Encoding, Error, Kind, Node, domain::topic_of_service, node::Ipc};
+use super::{
+    Frames,
+    attributes::{ENCODING, FRAME_ID, KIND, LAYERS, RATE, attribute},
+    opening::{Opened, open},
+};
+use crate::{
+    Encoding, Error, Kind, Node,
+    domain::{Ipc, topic_of_service},
+};
 use iceoryx2::{
-    prelude::{AttributeSpecifier, CallbackProgression},
+    prelude::CallbackProgression,
     service::{
-        Service as _,
-        attribute::{AttributeKey, AttributeSet, AttributeValue},
-        port_factory::PortFactory as _,
-        static_config::messaging_pattern::MessagingPattern,
+        Service as _, port_factory::PortFactory as _, static_config::messaging_pattern::MessagingPattern,
     },
 };
-
-const KIND: &str = "kind";
-const ENCODING: &str = "encoding";
-const RATE: &str = "rate_hz";
-const FRAME_ID: &str = "frame_id";
-const LAYERS: &str = "layers";
 
 /// A stream that exists.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +26,7 @@ pub struct StreamInfo {
     /// How it is coded, likewise.
     pub encoding: Option<Encoding>,
     /// Frames per second that were intended when it was made; the rate of a sensor may have been changed since, see
-    /// [`StreamSpec::SENSOR_SETTINGS`].
+    /// [`StreamSpec::SENSOR_SETTINGS`](crate::StreamSpec::SENSOR_SETTINGS).
     pub rate_hz: Option<f64>,
     /// Layers of a lidar, if its maker said so.
     pub layers: Option<u32>,
@@ -42,39 +40,19 @@ pub struct StreamInfo {
     pub max_payload_len: usize,
 }
 
-/// What a stream of this specification tells.
-pub(super) fn attributes(spec: &StreamSpec) -> Result<AttributeSpecifier, Error> {
-    let pairs = [
-        Some((KIND, spec.kind.to_string())),
-        Some((ENCODING, spec.encoding.to_string())),
-        spec.rate_hz.map(|rate| (RATE, rate.to_string())),
-        spec.layers.map(|layers| (LAYERS, layers.to_string())),
-        (!spec.frame_id.is_empty()).then(|| (FRAME_ID, spec.frame_id.clone())),
-    ];
-    let mut attributes = AttributeSpecifier::new();
-    for (key, value) in pairs.into_iter().flatten() {
-        let failed = |error| Error::transport(format!("describing {}", spec.topic), error);
-        let key = AttributeKey::try_from(key).map_err(|error| failed(format!("{error:?}")))?;
-        let value = AttributeValue::try_from(value.as_str()).map_err(|error| failed(format!("{error:?}")))?;
-        attributes = attributes.define(&key, &value).map_err(|error| failed(format!("{error:?}")))?;
+impl Node {
+    /// What is published in the domain, by topic.
+    ///
+    /// # Errors
+    /// [`Error::Transport`] when the services cannot be listed.
+    pub fn streams(&self) -> Result<Vec<StreamInfo>, Error> {
+        list(self)
     }
-    Ok(attributes)
 }
 
-fn attribute(attributes: &AttributeSet, key: &str) -> Option<String> {
-    let key = AttributeKey::try_from(key).ok()?;
-    attributes.key_value(&key, 0).map(ToString::to_string)
-}
-
-/// The kind that its maker told, known to this version or not.
-pub(super) fn kind_told(frames: &Frames) -> Option<String> {
-    attribute(frames.attributes(), KIND)
-}
-
-/// Every stream of a node's domain, by topic.
-pub(crate) fn list(node: &Node) -> Result<Vec<StreamInfo>, Error> {
+fn list(node: &Node) -> Result<Vec<StreamInfo>, Error> {
     let mut topics = Vec::new();
-    Ipc::list(node.config(), |details| {
+    Ipc::list(node.keeper().config(), |details| {
         let details = details.static_details;
         if matches!(details.messaging_pattern(), MessagingPattern::PublishSubscribe(_))
             && let Some(topic) = topic_of_service(details.name().as_str())
@@ -83,7 +61,7 @@ pub(crate) fn list(node: &Node) -> Result<Vec<StreamInfo>, Error> {
         }
         CallbackProgression::Continue
     })
-    .map_err(|error| node.failed(format!("listing domain \"{}\"", node.domain()), error))?;
+    .map_err(|error| node.keeper().failed(format!("listing domain \"{}\"", node.domain()), error))?;
     topics.sort_unstable();
     let mut streams = Vec::with_capacity(topics.len());
     for topic in topics {

@@ -1,11 +1,13 @@
 //! Opening a stream that exists, or making it.
 
-use super::info::{attributes, kind_told};
-use super::{Events, Frames, StreamSpec};
+use super::{
+    Events, Frames, StreamSpec,
+    attributes::{attributes, kind_told},
+    versions,
+};
 use crate::{
     Error, FrameHeader, Node,
     domain::{canonical_topic, service_name},
-    versions,
 };
 use iceoryx2::service::{
     builder::{
@@ -28,7 +30,7 @@ pub(crate) enum Opened {
 
 /// Opens a stream that somebody else has made.
 pub(crate) fn open(node: &Node, topic: &str) -> Result<Opened, Error> {
-    let deadline = Instant::now() + node.patience();
+    let deadline = Instant::now() + node.keeper().patience();
     loop {
         match try_open(node, topic) {
             Err(Error::Permission { .. }) if Instant::now() < deadline => {
@@ -52,7 +54,7 @@ fn try_open(node: &Node, topic: &str) -> Result<Opened, Error> {
         Err(E::DoesNotExist | E::IsMarkedForDestruction | E::HangsInCreation | E::Interrupt) => {
             Ok(Opened::NotThere)
         }
-        Err(E::InsufficientPermissions) => Err(node.refused(&format!("opening {topic}"))),
+        Err(E::InsufficientPermissions) => Err(node.keeper().refused(&format!("opening {topic}"))),
         Err(E::ExceedsMaxNumberOfNodes) => {
             Err(Error::TooManySubscribers { topic: topic.to_owned(), max: MAX_NODES })
         }
@@ -64,7 +66,7 @@ fn try_open(node: &Node, topic: &str) -> Result<Opened, Error> {
             | E::UnableToAcquireTypeDefinition
             | E::InvalidTypeDefinition),
         ) => Err(versions::incompatible(node, topic, error)),
-        Err(error) => Err(node.failed(format!("opening {topic}"), error)),
+        Err(error) => Err(node.keeper().failed(format!("opening {topic}"), error)),
     }
 }
 
@@ -102,15 +104,17 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
             match created {
                 Ok(frames) => {
                     if let Some(events) = events(node, topic)? {
-                        node.settle();
+                        node.keeper().settle();
                         return Ok((frames, events));
                     }
                     if Instant::now() >= deadline {
                         let detail = "another process hangs while it makes them";
-                        return Err(node.failed(format!("making the events of {topic}"), detail));
+                        return Err(node.keeper().failed(format!("making the events of {topic}"), detail));
                     }
                 }
-                Err(E::InsufficientPermissions) => return Err(node.refused(&format!("making {topic}"))),
+                Err(E::InsufficientPermissions) => {
+                    return Err(node.keeper().refused(&format!("making {topic}")));
+                }
                 // Somebody was quicker, or another is just taking it down.
                 Err(
                     E::AlreadyExists
@@ -119,7 +123,7 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
                     | E::ServiceInCorruptedState
                     | E::Interrupt,
                 ) if Instant::now() < deadline => {}
-                Err(error) => return Err(node.failed(format!("making {topic}"), error)),
+                Err(error) => return Err(node.keeper().failed(format!("making {topic}"), error)),
             }
         }
         match problem {
@@ -138,7 +142,7 @@ fn events(node: &Node, topic: &str) -> Result<Option<Events>, Error> {
     use EventOpenError as O;
     use EventOpenOrCreateError as E;
     let name = service_name(topic)?;
-    let deadline = Instant::now() + node.patience().max(Duration::from_millis(50));
+    let deadline = Instant::now() + node.keeper().patience().max(Duration::from_millis(50));
     loop {
         match node.iox().service_builder(&name).event().open_or_create() {
             Ok(events) => return Ok(Some(events)),
@@ -162,7 +166,7 @@ fn events(node: &Node, topic: &str) -> Result<Option<Events>, Error> {
                 node.clean_up_dead();
                 return Ok(None);
             }
-            Err(error) => return Err(node.failed(format!("opening the events of {topic}"), error)),
+            Err(error) => return Err(node.keeper().failed(format!("opening the events of {topic}"), error)),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What a stream is made with.
 
-use crate::{Encoding, Error, FrameHeader, Kind, Lossless, Text, domain::canonical_topic};
+use super::Lossless;
+use crate::{Encoding, Error, FrameHeader, Kind, Text, domain::canonical_topic};
 use iceoryx2::port::backpressure_strategy::BackpressureStrategy;
 
 /// What a stream is made with.

@@ -14,14 +14,15 @@ use std::{
 };
 
 use iceoryx2::{
-    node::{DeadNodeView, Node as IoxNode, NodeState, NodeView as _},
+    node::{Node as IoxNode, NodeState, NodeView as _},
     prelude::{CallbackProgression, Config},
     service::Service as _,
 };
 
-use crate::{
-    node::Ipc,
-    places::{Places, SHM, entries},
+use super::{
+    Ipc,
+    living::{anybody_lives, dead_nodes, maker_runs},
+    places::Places,
     remnants,
 };
 
@@ -52,39 +53,6 @@ pub(crate) fn clear_if_deserted(config: &Config, places: &Places) {
         // Only when it is empty.
         let _ = fs::remove_dir(directory);
     }
-}
-
-/// Whether a node of the domain is alive, or may be.
-fn anybody_lives(config: &Config) -> bool {
-    let mut lives = false;
-    let listed = IoxNode::<Ipc>::list(config, |state| {
-        lives |= match state {
-            NodeState::Alive(_) | NodeState::Inaccessible(_) => true,
-            NodeState::Dead(_) => false,
-            // Its monitor has been spoilt: only its process can tell.
-            NodeState::Undefined(id) => runs(id.value()),
-        };
-        CallbackProgression::Continue
-    });
-    lives || listed.is_err()
-}
-
-/// Whether the process that made an identity runs. The third quarter of its bits is the process's number.
-pub(crate) fn runs(id: u128) -> bool {
-    Path::new(&format!("/proc/{}", (id >> 64) as u32)).exists()
-}
-
-/// Whether a process runs whose identities are in the name of a file, or of the directory that it is in.
-fn maker_runs(file: &Path) -> bool {
-    let names = [file.file_name(), file.parent().and_then(Path::file_name)];
-    names.into_iter().flatten().filter_map(|name| name.to_str()).flat_map(identities).any(runs)
-}
-
-/// The identities in a file's name.
-pub(crate) fn identities(name: &str) -> impl Iterator<Item = u128> {
-    let numbers = name.split(|letter: char| !letter.is_ascii_digit());
-    // Shorter ones are a domain's, a version's or part of a hash.
-    numbers.filter(|digits| digits.len() > 20).filter_map(|digits| digits.parse().ok())
 }
 
 fn remove_settled(file: &Path) {
@@ -118,17 +86,6 @@ pub(crate) fn clean_up_dead(node: &IoxNode<Ipc>, places: &Places, is_shared: boo
     remnants::remove(node.config(), places);
 }
 
-pub(crate) fn dead_nodes(config: &Config) -> Vec<DeadNodeView<Ipc>> {
-    let mut dead = Vec::new();
-    let _ = IoxNode::<Ipc>::list(config, |state| {
-        if let NodeState::Dead(node) = state {
-            dead.push(node);
-        }
-        CallbackProgression::Continue
-    });
-    dead
-}
-
 fn is_own(path: &Path) -> bool {
     let own = rustix::process::geteuid();
     own.is_root() || fs::symlink_metadata(path).is_ok_and(|metadata| metadata.uid() == own.as_raw())
@@ -156,7 +113,7 @@ fn remove_deserted_services(config: &Config, places: &Places) {
 /// go of them could not remove.
 pub(crate) fn remove_orphans(config: &Config, places: &Places) {
     // In this order: what is made meanwhile is not in the first list.
-    let files: Vec<PathBuf> = entries(Path::new(SHM)).filter(|path| places.has_prefix(path)).collect();
+    let files: Vec<PathBuf> = places.in_shared_memory().collect();
     let mut known = places.tagged_ports();
     let listed = Ipc::list(config, |service| {
         known.insert(service.static_details.unique_service_id().value().to_string());
@@ -179,8 +136,9 @@ pub(crate) fn remove_orphans(config: &Config, places: &Places) {
 /// Removes this user's connections of which an end is no more, in a domain that a group shares: who lets go last would
 /// remove them, but cannot remove another user's. Who still has one mapped keeps it; nobody opens it again.
 pub(crate) fn remove_own_connections(places: &Places) {
-    let files: Vec<PathBuf> = entries(Path::new(SHM))
-        .filter(|path| places.has_prefix(path) && path.extension().is_some_and(|kind| kind == "connection"))
+    let files: Vec<PathBuf> = places
+        .in_shared_memory()
+        .filter(|path| path.extension().is_some_and(|kind| kind == "connection"))
         .collect();
     let tagged = places.tagged_ports();
     for file in files.iter().filter(|file| is_own(file)) {
@@ -204,8 +162,8 @@ pub(crate) fn remove_traces(config: &Config, places: &Places) -> std::io::Result
     if others || listed.is_err() {
         return Ok(());
     }
-    for path in entries(Path::new(SHM)) {
-        if places.has_prefix(&path) && path.extension().is_some_and(|kind| kind == "global_mgmt") {
+    for path in places.in_shared_memory() {
+        if path.extension().is_some_and(|kind| kind == "global_mgmt") {
             fs::remove_file(path)?;
         }
     }

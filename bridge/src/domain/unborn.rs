@@ -26,9 +26,9 @@ use rustix::{
     fs::inotify::{CreateFlags, ReadFlags, Reader, WatchFlags, add_watch, init},
 };
 
-use crate::{
-    places::{Places, SHM, entries},
-    remains::{identities, runs},
+use super::{
+    living::{identities, runs},
+    places::{Places, SHM},
 };
 
 /// From one look at an empty file to the next.
@@ -124,7 +124,7 @@ impl Looks {
     /// When to look again, if it need be.
     fn look(&mut self) -> Option<Instant> {
         let mut empty = HashMap::new();
-        for path in entries(Path::new(SHM)).filter(|path| self.places.has_prefix(path)) {
+        for path in self.places.in_shared_memory() {
             let Ok(found) = fs::symlink_metadata(&path) else { continue };
             if !found.is_file() || found.len() > 0 {
                 continue;

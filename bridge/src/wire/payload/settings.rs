@@ -5,7 +5,7 @@ use std::mem::{offset_of, size_of};
 use bytemuck::{Pod, Zeroable};
 
 use super::Message;
-use crate::{Kind, Text};
+use crate::wire::{Kind, Text};
 
 /// A number that can be set; all three are NaN where a sensor has no such setting.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

@@ -1,11 +1,5 @@
 //! What a stream carries, and how its bytes are coded.
 
-use crate::payload::{
-    BoundingBox, CameraInfo, Clock, CoreSensors, Imu, JointState, ModelState, MotorPower, Odometry, Range,
-    ResetOdometry, RobotEvent, SensorSettings, SimulationCommand, SimulationResult, TagDetection, Transform,
-    VelocityCommand,
-};
-
 macro_rules! wire_enum {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $number:literal $text:literal,)+ }) => {
         $(#[$doc])*
@@ -54,47 +48,47 @@ wire_enum! {
         Image = 1 "image",
         /// Depth along the optical axis; the header carries its intrinsics.
         DepthImage = 2 "depth_image",
-        /// One [`CameraInfo`].
+        /// One [`CameraInfo`](crate::payload::CameraInfo).
         CameraInfo = 3 "camera_info",
         /// Ranges of a planar or multi-layer lidar; the header carries its angles.
         LaserScan = 4 "laser_scan",
         /// Points in the sensor's frame; organised (an image of points) when the height is more than 1.
         PointCloud = 5 "point_cloud",
-        /// One [`Odometry`].
+        /// One [`Odometry`](crate::payload::Odometry).
         Odometry = 6 "odometry",
-        /// An array of [`Transform`] that hold at the stamp.
+        /// An array of [`Transform`](crate::payload::Transform) that hold at the stamp.
         Transforms = 7 "transforms",
-        /// An array of [`Transform`] that hold always.
+        /// An array of [`Transform`](crate::payload::Transform) that hold always.
         StaticTransforms = 8 "static_transforms",
-        /// An array of [`JointState`].
+        /// An array of [`JointState`](crate::payload::JointState).
         JointStates = 9 "joint_states",
-        /// One [`Clock`]: the simulation's time.
+        /// One [`Clock`](crate::payload::Clock): the simulation's time.
         Clock = 10 "clock",
-        /// One [`VelocityCommand`], towards the robot.
+        /// One [`VelocityCommand`](crate::payload::VelocityCommand), towards the robot.
         VelocityCommand = 11 "velocity_command",
-        /// One [`Imu`].
+        /// One [`Imu`](crate::payload::Imu).
         Imu = 12 "imu",
-        /// One [`RobotEvent`], sent when it happens.
+        /// One [`RobotEvent`](crate::payload::RobotEvent), sent when it happens.
         RobotEvent = 13 "robot_event",
-        /// One [`SimulationCommand`], towards the simulator; a text may follow it in the payload.
+        /// One [`SimulationCommand`](crate::payload::SimulationCommand), towards the simulator; a text may follow it in the payload.
         SimulationCommand = 14 "simulation_command",
-        /// One [`SimulationResult`]: the answer to a command.
+        /// One [`SimulationResult`](crate::payload::SimulationResult): the answer to a command.
         SimulationResult = 15 "simulation_result",
-        /// An array of [`ModelState`].
+        /// An array of [`ModelState`](crate::payload::ModelState).
         ModelStates = 16 "model_states",
-        /// One [`CoreSensors`].
+        /// One [`CoreSensors`](crate::payload::CoreSensors).
         CoreSensors = 17 "core_sensors",
-        /// One [`ResetOdometry`], towards the robot.
+        /// One [`ResetOdometry`](crate::payload::ResetOdometry), towards the robot.
         ResetOdometry = 18 "reset_odometry",
-        /// One [`MotorPower`], towards the robot.
+        /// One [`MotorPower`](crate::payload::MotorPower), towards the robot.
         MotorPower = 19 "motor_power",
-        /// One [`Range`].
+        /// One [`Range`](crate::payload::Range).
         Range = 20 "range",
-        /// An array of [`SensorSettings`]: of every sensor that can be changed, as they are from the stamp on.
+        /// An array of [`SensorSettings`](crate::payload::SensorSettings): of every sensor that can be changed, as they are from the stamp on.
         SensorSettings = 21 "sensor_settings",
-        /// An array of [`BoundingBox`]: of everything that a picture shows.
+        /// An array of [`BoundingBox`](crate::payload::BoundingBox): of everything that a picture shows.
         BoundingBoxes = 22 "bounding_boxes",
-        /// An array of [`TagDetection`]: of the tags that a picture shows.
+        /// An array of [`TagDetection`](crate::payload::TagDetection): of the tags that a picture shows.
         TagDetections = 23 "tag_detections",
     }
 }
@@ -124,35 +118,6 @@ wire_enum! {
         /// SDF's: c1 c2 c3 f fun cutoff. The radius is c1·f·fun(θ/c2 + c3), f in pixels, fun 0 sin, 1 tan, 2 the angle
         /// itself; beyond the angle cutoff nothing is seen. K is its scale in the middle.
         WideAngle = 8 "wide_angle",
-    }
-}
-
-impl Kind {
-    /// Size in bytes of one element of a kind whose payload is a fixed struct or an array of them; `None` for
-    /// pictures, scans and clouds.
-    #[must_use]
-    pub const fn struct_size(self) -> Option<usize> {
-        Some(match self {
-            Self::Image | Self::DepthImage | Self::LaserScan | Self::PointCloud => return None,
-            Self::CameraInfo => size_of::<CameraInfo>(),
-            Self::Odometry => size_of::<Odometry>(),
-            Self::Transforms | Self::StaticTransforms => size_of::<Transform>(),
-            Self::JointStates => size_of::<JointState>(),
-            Self::Clock => size_of::<Clock>(),
-            Self::VelocityCommand => size_of::<VelocityCommand>(),
-            Self::Imu => size_of::<Imu>(),
-            Self::RobotEvent => size_of::<RobotEvent>(),
-            Self::CoreSensors => size_of::<CoreSensors>(),
-            Self::ResetOdometry => size_of::<ResetOdometry>(),
-            Self::MotorPower => size_of::<MotorPower>(),
-            Self::SimulationCommand => size_of::<SimulationCommand>(),
-            Self::SimulationResult => size_of::<SimulationResult>(),
-            Self::ModelStates => size_of::<ModelState>(),
-            Self::Range => size_of::<Range>(),
-            Self::SensorSettings => size_of::<SensorSettings>(),
-            Self::BoundingBoxes => size_of::<BoundingBox>(),
-            Self::TagDetections => size_of::<TagDetection>(),
-        })
     }
 }
 

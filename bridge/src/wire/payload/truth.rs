@@ -5,7 +5,7 @@ use std::mem::{offset_of, size_of};
 use bytemuck::{Pod, Zeroable};
 
 use super::Message;
-use crate::{Kind, Text};
+use crate::wire::{Kind, Text};
 
 /// What is seen of a thing, and where all of it is. Its pose is in the optical frame of the sensor (x right, y down, z
 /// forward) at the header's stamp.

@@ -1,6 +1,6 @@
 //! Who made what does not fit: the versions on both sides, for the wording of errors.
 
-use std::{fs::File, io::Read as _, path::Path};
+use std::{fs::File, io::Read as _};
 
 use iceoryx2::service::{
     Service as _,
@@ -13,14 +13,12 @@ use iceoryx2::service::{
 
 use crate::{
     Error, FrameHeader, ICEORYX2_VERSION, Node,
-    domain::service_name,
-    node::Ipc,
-    places::{Places, SHM, entries},
+    domain::{Ipc, Keeper, service_name},
 };
 
 /// What is known about a stream that cannot be opened, beside `error`.
 pub(crate) fn incompatible(node: &Node, topic: &str, error: impl std::fmt::Debug) -> Error {
-    let detail = match other_iceoryx2(node.places()) {
+    let detail = match other_iceoryx2(node.keeper()) {
         Some(version) => format!(
             "it was made by iceoryx2 {version}, which cannot be mixed with {ICEORYX2_VERSION}: end the process that uses {version}, or change its version"
         ),
@@ -33,10 +31,10 @@ pub(crate) fn incompatible(node: &Node, topic: &str, error: impl std::fmt::Debug
 ///
 /// Every file of shared memory begins with the version of its maker, 16 bits each for patch, minor and major. Only the
 /// bytes are read: nothing of another version is mapped.
-fn other_iceoryx2(places: &Places) -> Option<String> {
+fn other_iceoryx2(keeper: &Keeper) -> Option<String> {
     const KINDS: [&str; 5] = ["connection", "data", "dynamic", "event_mgmt", "global_mgmt"];
-    entries(Path::new(SHM))
-        .filter(|path| places.has_prefix(path))
+    keeper
+        .in_shared_memory()
         .filter(|path| path.extension().is_some_and(|kind| KINDS.iter().any(|known| kind == *known)))
         .find_map(|path| {
             let mut bytes = [0; 8];
@@ -53,7 +51,7 @@ fn other_iceoryx2(places: &Places) -> Option<String> {
 /// The types of a stream that are not ours, beside ours.
 fn header_of(node: &Node, topic: &str) -> Option<String> {
     let name = service_name(topic).ok()?;
-    let found = Ipc::details(&name, node.config(), Pattern::PublishSubscribe).ok()??;
+    let found = Ipc::details(&name, node.keeper().config(), Pattern::PublishSubscribe).ok()??;
     let MessagingPattern::PublishSubscribe(stream) = found.static_details.messaging_pattern() else {
         return None;
     };

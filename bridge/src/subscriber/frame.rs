@@ -2,7 +2,7 @@
 
 use std::{fmt, sync::Arc};
 
-use crate::{FrameError, FrameHeader, FrameView, Node, clock, node::Ipc, payload::Message};
+use crate::{FrameError, FrameHeader, FrameView, Node, clock, domain::Ipc, payload::Message};
 
 /// The end of a stream that samples come through.
 pub(crate) type FramePort = iceoryx2::port::subscriber::Subscriber<Ipc, [u8], FrameHeader>;

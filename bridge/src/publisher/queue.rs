@@ -1,4 +1,4 @@
-//! [`Lossless`]: publishers that wait for their consumers.
+//! [`Queue`]: how a publisher of a [lossless](Lossless) stream waits for its consumers.
 
 use std::{
     fmt,
@@ -8,35 +8,13 @@ use std::{
 
 use iceoryx2::port::{BackpressureAction, BackpressureInfo};
 
-use crate::{Consumer, Node, consumer, stream::Frames};
+use crate::{
+    Consumer, Lossless, Node,
+    stream::{Frames, ports},
+};
 
 /// How often, while a consumer is waited for, it is asked whether it still lives.
 const CHECK_INTERVAL: Duration = Duration::from_millis(200);
-
-/// Whom a publisher waits for when there is no room for its frame, so that they lose none.
-///
-/// Sending then takes as long as the slowest of them: a simulator that sends slows its own time. Other consumers
-/// slow nobody, but lose the newest frame when they have no room, where they would otherwise lose the oldest.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Lossless {
-    /// Names of the nodes that are waited for; all when it is empty.
-    pub consumers: Vec<String>,
-    /// How long one frame waits for one of them. After that it is lost to it, and [`send`](crate::LoanedFrame::send)
-    /// says who it was.
-    pub patience: Duration,
-}
-
-impl Lossless {
-    /// Patience when none is named: long enough for a consumer that loads a model at its first frame.
-    pub const PATIENCE: Duration = Duration::from_secs(10);
-}
-
-/// For all consumers, with [`Lossless::PATIENCE`].
-impl Default for Lossless {
-    fn default() -> Self {
-        Self { consumers: Vec::new(), patience: Self::PATIENCE }
-    }
-}
 
 /// What one publisher knows while it waits.
 pub(crate) struct Queue {
@@ -70,13 +48,13 @@ impl Queue {
     /// Learns who the subscribers are, if they are others than at the frame before. One that comes later cannot be
     /// in the way of this frame: it has an empty buffer.
     pub(crate) fn look_at(&self, frames: &Frames) {
-        let ports = consumer::ports(frames);
+        let ports = ports::of_subscribers(frames);
         let mut state = self.state();
         if state.subscribers_seen == ports {
             return;
         }
         let all = self.lossless.consumers.is_empty();
-        let mut consumers = consumer::consumers(&self.node, frames);
+        let mut consumers = ports::consumers(&self.node, frames);
         consumers.retain(|(_, consumer)| all || self.lossless.consumers.contains(&consumer.name));
         state.waited_for = consumers;
         state.subscribers_seen = ports;

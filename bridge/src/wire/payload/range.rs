@@ -5,7 +5,7 @@ use std::mem::{offset_of, size_of};
 use bytemuck::{Pod, Zeroable};
 
 use super::Message;
-use crate::Kind;
+use crate::wire::Kind;
 
 /// One distance, as `sensor_msgs/Range` has it: to the nearest thing within the field of view.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

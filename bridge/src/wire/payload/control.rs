@@ -5,7 +5,10 @@ use std::mem::{offset_of, size_of};
 use bytemuck::{Pod, Zeroable};
 
 use super::Message;
-use crate::{Kind, Operation, Text};
+use crate::{
+    session,
+    wire::{Kind, Operation, Text},
+};
 
 /// What a simulator is to do. A text of `text_len` bytes follows it in the payload.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -43,7 +46,7 @@ impl SimulationCommand {
     #[must_use]
     pub fn new(operation: Operation) -> Self {
         Self {
-            id: crate::publisher::random_session(),
+            id: session::random(),
             operation: operation.to_wire(),
             orientation: [0.0, 0.0, 0.0, 1.0],
             ..Self::zeroed()

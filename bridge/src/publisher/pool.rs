@@ -7,7 +7,6 @@
 use std::{
     fs::File,
     os::unix::fs::MetadataExt as _,
-    path::Path,
     sync::atomic::{AtomicU64, Ordering},
 };
 
@@ -15,38 +14,8 @@ use rustix::fs::FallocateFlags;
 
 use crate::{
     Error, Node, StreamSpec,
-    places::{SHM, entries},
+    domain::room::{BOOKS, free, too_small},
 };
-
-const MIB: u64 = 1 << 20;
-/// What connections, queues and books take beside the pools, generously.
-const BOOKS: u64 = MIB;
-
-/// Free bytes of `/dev/shm`.
-fn free() -> Result<u64, Error> {
-    let stat = rustix::fs::statvfs(SHM)
-        .map_err(|error| Error::transport(format!("asking {SHM} for its free space"), error))?;
-    Ok(stat.f_bavail * stat.f_frsize)
-}
-
-fn too_small(topic: &str, needed: u64, free: u64) -> Error {
-    Error::SharedMemoryTooSmall {
-        topic: topic.to_owned(),
-        needed_mib: needed.div_ceil(MIB),
-        free_mib: free / MIB,
-    }
-}
-
-/// Whether there is room for what a new port or connection writes.
-///
-/// # Errors
-/// [`Error::SharedMemoryTooSmall`].
-pub(crate) fn check_room_for_books(topic: &str) -> Result<(), Error> {
-    match free()? {
-        free if free < BOOKS => Err(too_small(topic, BOOKS, free)),
-        _ => Ok(()),
-    }
-}
 
 /// Books `bytes` of pool, if they and all pools before fit into what is free of `/dev/shm`.
 ///
@@ -102,11 +71,10 @@ impl Pool {
     pub(crate) fn take(node: &Node, spec: &StreamSpec, topic: &str, port: u128) -> Result<Self, Error> {
         let ending = format!("_{port}.data");
         let failed = |error| Error::transport(format!("reserving the pool of {topic}"), error);
-        let path = entries(Path::new(SHM))
-            .find(|path| {
-                node.places().has_prefix(path)
-                    && path.as_os_str().as_encoded_bytes().ends_with(ending.as_bytes())
-            })
+        let path = node
+            .keeper()
+            .in_shared_memory()
+            .find(|path| path.as_os_str().as_encoded_bytes().ends_with(ending.as_bytes()))
             .ok_or_else(|| failed(std::io::ErrorKind::NotFound.into()))?;
         let file = File::options().write(true).open(path).map_err(failed)?;
         let pool = Self {

@@ -25,14 +25,11 @@ use std::{
 
 use iceoryx2::{node::NodeView as _, prelude::Config};
 
-use crate::{
-    clock,
+use super::{
+    living::{born_long_ago, dead_nodes},
     places::{Places, SHM, entries},
-    remains::dead_nodes,
 };
 
-/// Longer than it takes any living process to make a node, a socket or a segment complete.
-const MAKING_NS: u64 = 1_000_000_000;
 /// The permissions of a monitor's context until the monitor is complete, in iceoryx2 0.10.
 const MONITOR_IN_THE_MAKING: u32 = 0o200;
 
@@ -145,15 +142,6 @@ impl Places {
             .filter_map(|name| Some(name.strip_prefix(&self.prefix)?.strip_suffix(".port_tag")?.to_owned()))
             .collect()
     }
-}
-
-/// Whether an identifier of iceoryx2 0.10 was made more than [`MAKING_NS`] ago: its lowest 32 bits are the seconds of
-/// `CLOCK_MONOTONIC` then, the next 32 the nanoseconds.
-fn born_long_ago(id: &str) -> bool {
-    let Ok(id) = id.parse::<u128>() else { return false };
-    let born_ns = u64::from(id as u32) * 1_000_000_000 + u64::from((id >> 32) as u32);
-    // Either way: a process in another time namespace was not born in this one's future.
-    clock::mono_ns().abs_diff(born_ns) > MAKING_NS
 }
 
 fn names(directory: &Path) -> impl Iterator<Item = String> + use<> {

@@ -29,11 +29,12 @@ use rustix::{
     process::{Gid, geteuid},
 };
 
-use crate::{
-    Domain, Error, Group,
+use super::{
+    Domain, Group,
     group::user,
     places::{Places, SHM, entries},
 };
+use crate::Error;
 
 /// Directories of a group: all members make and remove files there, which are the group's at once.
 const DIRECTORY: u32 = 0o2770;

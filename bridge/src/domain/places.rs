@@ -10,7 +10,8 @@ use std::{
 use iceoryx2::prelude::Config;
 use rustix::fs::{FlockOperation, Mode, OFlags};
 
-use crate::{Domain, Error, Group, group::user};
+use super::{Domain, Group, group::user};
+use crate::Error;
 
 /// Where pools, connections and the books of streams lie: POSIX shared memory, as Linux shows it.
 pub(crate) const SHM: &str = "/dev/shm";
@@ -40,10 +41,15 @@ impl Places {
         }
     }
 
+    /// The domain's files in shared memory.
+    pub(crate) fn in_shared_memory(&self) -> impl Iterator<Item = PathBuf> {
+        entries(Path::new(SHM)).filter(|path| self.has_prefix(path))
+    }
+
     /// Every file of the domain, with those of its nodes' directories.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
-        let mut files = Vec::new();
-        for directory in [Path::new(SHM), &self.root, &self.services, &self.nodes] {
+        let mut files: Vec<PathBuf> = self.in_shared_memory().collect();
+        for directory in [&self.root, &self.services, &self.nodes] {
             files.extend(entries(directory).filter(|path| self.has_prefix(path)));
         }
         for directory in entries(&self.nodes) {
@@ -114,8 +120,8 @@ impl Places {
     /// Closes the one file that iceoryx2 makes open to all: who can write it could cut it under a process that is
     /// just counting in it.
     pub(crate) fn close_to_others(&self) {
-        for path in entries(Path::new(SHM)) {
-            if self.has_prefix(&path) && path.extension().is_some_and(|kind| kind == "global_mgmt") {
+        for path in self.in_shared_memory() {
+            if path.extension().is_some_and(|kind| kind == "global_mgmt") {
                 // Not through a link: others can make files there.
                 let flags = OFlags::RDWR | OFlags::NOFOLLOW | OFlags::CLOEXEC;
                 if let Ok(file) = rustix::fs::open(&path, flags, Mode::empty()) {
@@ -204,8 +210,16 @@ pub(crate) fn refused(domain: &Domain, places: &Places, what: &str) -> Error {
     }
 }
 
+/// A failure of iceoryx2, or what is behind it: another user's file.
+pub(crate) fn failed(domain: &Domain, places: &Places, what: String, detail: impl std::fmt::Debug) -> Error {
+    match places.foreign(domain.group()) {
+        Some((path, uid)) => foreign(domain, places, path, uid),
+        None => Error::transport(what, detail),
+    }
+}
+
 /// The error for a file of another user.
-pub(crate) fn foreign(domain: &Domain, places: &Places, path: PathBuf, uid: u32) -> Error {
+fn foreign(domain: &Domain, places: &Places, path: PathBuf, uid: u32) -> Error {
     let owner = user(uid);
     let remove = if path.is_dir() { "sudo rm -r" } else { "sudo rm" };
     let other_domain =

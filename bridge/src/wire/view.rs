@@ -2,7 +2,7 @@
 
 use bytemuck::Pod;
 
-use crate::{Encoding, FrameError, FrameHeader, Kind, payload::Message};
+use super::{Encoding, FrameError, FrameHeader, Kind, payload::Message};
 
 /// A header that was checked, and its payload: rows and structs where they lie.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use std::mem::{align_of, offset_of, size_of};
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
-use crate::{DistortionModel, Encoding, FrameError, Kind, MAX_DISTORTION, Text};
+use super::{DistortionModel, Encoding, FrameError, Kind, MAX_DISTORTION, Text};
 
 /// The 384 bytes that describe a payload: what it is, when and from where it was taken, how it lies in memory.
 ///
@@ -208,7 +208,7 @@ impl FrameHeader {
     /// "BLVD" in memory order.
     pub const MAGIC: u32 = u32::from_le_bytes(*b"BLVD");
     /// The version of this layout and of the payloads.
-    pub const SCHEMA: u16 = 2;
+    pub const SCHEMA: u16 = super::SCHEMA;
     /// Flag: a plane of intensities follows the ranges.
     pub const HAS_INTENSITIES: u32 = 1;
 

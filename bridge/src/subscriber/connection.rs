@@ -7,12 +7,11 @@ use iceoryx2::{
     service::port_factory::PortFactory as _,
 };
 
+use super::frame::FramePort;
 use crate::{
-    Error, Node, StreamSpec, clock, consumer,
-    frame::FramePort,
-    memory,
-    node::Ipc,
-    stream::{self, Events, Frames, Opened},
+    Error, Node, StreamSpec, clock,
+    domain::{Ipc, room},
+    stream::{self, Events, Frames, Opened, ports},
 };
 
 /// Ports before their services: fields are dropped in this order.
@@ -28,7 +27,7 @@ pub(crate) struct Connection {
 impl Connection {
     /// Connects to a stream, which is made when `owned` says how; `None` while there is none to connect to.
     pub(crate) fn open(node: &Node, topic: &str, owned: Option<&StreamSpec>) -> Result<Option<Self>, Error> {
-        memory::check_room_for_books(topic)?;
+        room::check_room_for_books(topic)?;
         let (frames, events) = match owned {
             Some(spec) => stream::open_or_create(node, spec)?,
             None => match stream::open(node, topic)? {
@@ -43,10 +42,10 @@ impl Connection {
         let listener = events
             .listener_builder()
             .create()
-            .map_err(|error| node.failed(format!("opening the events of {topic}"), error))?;
-        if node.is_shared() {
+            .map_err(|error| node.keeper().failed(format!("opening the events of {topic}"), error))?;
+        if node.keeper().is_shared() {
             // A notifier that was quicker than the opening of the new socket tries again when the listeners change.
-            node.settle();
+            node.keeper().settle();
             drop(events.listener_builder().create());
         }
         let settings = frames.static_config();
@@ -63,7 +62,7 @@ impl Connection {
         let port = match port {
             // Another process is just cleaning up after one that was killed: its place is free at the next look.
             Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers)
-                if consumer::place_of_the_dead(node, &frames) =>
+                if ports::place_of_the_dead(node, &frames) =>
             {
                 return Ok(None);
             }
@@ -73,7 +72,7 @@ impl Connection {
             SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
                 Error::TooManySubscribers { topic: topic.to_owned(), max: settings.max_subscribers() }
             }
-            error => node.failed(format!("subscribing to {topic}"), error),
+            error => node.keeper().failed(format!("subscribing to {topic}"), error),
         })?;
         Ok(Some(Self {
             port: Arc::new(port),

@@ -16,12 +16,41 @@ use std::mem::{offset_of, size_of};
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::{Kind, MAX_DISTORTION, Text};
+use super::{Kind, MAX_DISTORTION, Text};
 
 /// A payload struct of the wire format.
 pub trait Message: Pod {
     /// The kinds of streams that carry it.
     const KINDS: &'static [Kind];
+}
+
+impl Kind {
+    /// Size in bytes of one element of a kind whose payload is a fixed struct or an array of them; `None` for
+    /// pictures, scans and clouds.
+    #[must_use]
+    pub const fn struct_size(self) -> Option<usize> {
+        Some(match self {
+            Self::Image | Self::DepthImage | Self::LaserScan | Self::PointCloud => return None,
+            Self::CameraInfo => size_of::<CameraInfo>(),
+            Self::Odometry => size_of::<Odometry>(),
+            Self::Transforms | Self::StaticTransforms => size_of::<Transform>(),
+            Self::JointStates => size_of::<JointState>(),
+            Self::Clock => size_of::<Clock>(),
+            Self::VelocityCommand => size_of::<VelocityCommand>(),
+            Self::Imu => size_of::<Imu>(),
+            Self::RobotEvent => size_of::<RobotEvent>(),
+            Self::CoreSensors => size_of::<CoreSensors>(),
+            Self::ResetOdometry => size_of::<ResetOdometry>(),
+            Self::MotorPower => size_of::<MotorPower>(),
+            Self::SimulationCommand => size_of::<SimulationCommand>(),
+            Self::SimulationResult => size_of::<SimulationResult>(),
+            Self::ModelStates => size_of::<ModelState>(),
+            Self::Range => size_of::<Range>(),
+            Self::SensorSettings => size_of::<SensorSettings>(),
+            Self::BoundingBoxes => size_of::<BoundingBox>(),
+            Self::TagDetections => size_of::<TagDetection>(),
+        })
+    }
 }
 
 /// How a camera maps directions to pixels, as `sensor_msgs/CameraInfo` has it.

@@ -6,7 +6,7 @@ use iceoryx2::{
     sample_mut::SampleMut,
 };
 
-use crate::{FrameHeader, node::Ipc};
+use crate::{FrameHeader, domain::Ipc};
 
 /// Loans `len` bytes of shared memory without filling them first: zeros, or what an earlier frame left there.
 ///

@@ -16,7 +16,7 @@ use rustix::{
     },
 };
 
-use crate::node::Ipc;
+use crate::domain::Ipc;
 
 /// Sleeps until the listener is notified, which it then takes note of, or the time has passed.
 ///

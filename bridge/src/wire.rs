@@ -1,0 +1,17 @@
+//! The bytes: headers, payloads, and the numbers of kinds and encodings.
+
+mod error;
+mod header;
+mod kind;
+pub mod payload;
+mod text;
+mod view;
+
+pub use error::FrameError;
+pub use header::{FrameHeader, Intrinsics, ScanGeometry};
+pub use kind::{DistortionModel, Encoding, Kind, MAX_DISTORTION, Operation};
+pub use text::{Text, TextError};
+pub use view::FrameView;
+
+/// The version of the layout of header and payloads.
+const SCHEMA: u16 = 2;

@@ -140,7 +140,7 @@ fn a_users_world_that_lacks_models_gives_way_to_ours_of_its_name() {
     // What is wrong with the file itself is told.
     folder.write(
         "turtlebot_gazebo/worlds/playground.world",
-        &world.replace("<visual name='v'>", "<visual name='v'><pose>a</pose>"),
+        world.replace("<visual name='v'>", "<visual name='v'><pose>a</pose>"),
     );
     assert!(load("playground", Rules::default()).1);
 }

@@ -30,7 +30,7 @@ pub fn default_world() -> String {
 ///
 /// With `gazebo_compat` or `skip_missing` it goes on as Gazebo does where a model, mesh, texture or material is missing.
 /// A world of the user's that is found by name and lacks some gives way to ours of that name, with a warning:
-/// turtlebot_gazebo's own need Gazebo's database of models.
+/// `turtlebot_gazebo`'s own need Gazebo's database of models.
 ///
 /// # Errors
 /// Whatever is wrong is added to `diagnostics`. None is returned when there is no world at all; a world that is

@@ -84,7 +84,8 @@ pub fn load_robot(file_or_name: &str, options: &LoadOptions, diagnostics: &mut D
 ///
 /// # Errors
 /// Whatever is wrong is added to `diagnostics`. None is returned when the file cannot be expanded; whether its content
-/// makes a robot is not looked at.
+/// makes a robot is not looked at. The frames that pictures are in
+/// come along, as [`optical_frames`](super::optical::optical_frames) has them.
 pub fn expand_robot(
     file_or_name: &str,
     packages: &PackagePath,
@@ -98,6 +99,7 @@ pub fn expand_robot(
                 return None;
             }
             urdf::make_plain(&mut robot, packages, diagnostics);
+            urdf::add_optical_frames(&mut robot, packages);
             Some(robot)
         }
         Err(problem) => {

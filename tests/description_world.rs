@@ -113,6 +113,38 @@ fn names_are_found_in_the_users_turtlebot_gazebo_first() {
     assert!(diagnostics.problems().is_empty());
 }
 
+/// `turtlebot_gazebo`'s own worlds name meshes that Gazebo's database of models has.
+#[test]
+fn a_users_world_that_lacks_models_gives_way_to_ours_of_its_name() {
+    let folder = Folder::new();
+    let model = "<model name='m'><link name='l'><visual name='v'><geometry><mesh><uri>model://dumpster/meshes/dumpster.dae</uri>
+        </mesh></geometry></visual></link></model>";
+    let world = format!("<sdf version='1.4'><world name='theirs'>{model}</world></sdf>");
+    folder.write("turtlebot_gazebo/worlds/playground.world", &world);
+    let packages = PackagePath::new([folder.path("")], None);
+    let load = |name: &str, rules| {
+        let mut diagnostics = Diagnostics::default();
+        let name = load_world(name, &packages, rules, &mut diagnostics).unwrap().name;
+        let problems: Vec<String> = diagnostics.problems().iter().map(ToString::to_string).collect();
+        (name, diagnostics.has_errors(), problems.join("\n"))
+    };
+    let (name, fails, said) = load("playground", Rules::default());
+    assert_eq!((name.as_str(), fails), ("playground", false), "{said}");
+    assert!(said.contains("our own world of its name takes its place"), "{said}");
+    let path = folder.path("turtlebot_gazebo/worlds/playground.world");
+    let path = path.to_str().unwrap();
+    assert!(load(path, Rules::default()).1, "who gives a path wants that file");
+    let (name, fails, said) = load(path, Rules { skip_missing: true, ..Rules::default() });
+    assert_eq!((name.as_str(), fails), ("theirs", false), "{said}");
+    assert!(said.contains("dumpster"), "{said}");
+    // What is wrong with the file itself is told.
+    folder.write(
+        "turtlebot_gazebo/worlds/playground.world",
+        world.replace("<visual name='v'>", "<visual name='v'><pose>a</pose>"),
+    );
+    assert!(load("playground", Rules::default()).1);
+}
+
 // ------------------------------------------------------------------------------------------- meaning of elements
 
 #[test]

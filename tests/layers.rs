@@ -106,7 +106,7 @@ fn read_folder(folder: &Path, module: &[String], texts: &mut BTreeMap<Module, St
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-        let inner = [module, &[name.clone()]].concat();
+        let inner = [module, std::slice::from_ref(&name)].concat();
         if path.is_dir() {
             read_folder(&path, &inner, texts);
         } else if path.extension().is_some_and(|extension| extension == "rs") {

@@ -12,7 +12,6 @@ fn camera_info(arguments: &[&str]) -> CameraInfo {
     let simulator = Simulator::start(arguments);
     let mut subscriber = simulator.subscribe("/camera_info");
     let frame = next_frame(&mut subscriber);
-    assert_eq!(frame.header().frame_id.as_str(), "base_camera_link");
     frame.message().unwrap()
 }
 

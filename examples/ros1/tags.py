@@ -18,8 +18,6 @@ EDGE_M = 0.28  # of the tags in tag_ceiling: see tag_ceiling.tags.json
 # Corners from the bottom left, as the library gives them; a tag's x points right, its y up, its z out of it.
 SQUARE = numpy.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * EDGE_M / 2
 IPPE_ORDER = [3, 2, 1, 0]  # OpenCV begins at the top left
-# The picture's frame, as Gazebo has it, looks along x; OpenCV looks along z, with x to the right and y down.
-FRAME_FROM_OPTICAL = numpy.array([[0, 0, 1], [-1, 0, 0], [0, -1, 0]])
 
 
 def quaternion(turn):
@@ -41,8 +39,9 @@ def look(image, info):
         frame = TransformStamped()
         frame.header, frame.child_frame_id = image.header, f"tag_{tag['id']}"
         to, by = frame.transform.translation, frame.transform.rotation
-        to.x, to.y, to.z = FRAME_FROM_OPTICAL @ place[:, 0]
-        by.x, by.y, by.z, by.w = quaternion(FRAME_FROM_OPTICAL @ cv2.Rodrigues(turn)[0])
+        # The picture's frame is OpenCV's: x to the right, y down, z forward.
+        to.x, to.y, to.z = place[:, 0]
+        by.x, by.y, by.z, by.w = quaternion(cv2.Rodrigues(turn)[0])
         frames.append(frame)
     broadcaster.sendTransform(frames)
     print(" ".join(frame.child_frame_id for frame in frames), flush=True)

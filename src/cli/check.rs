@@ -51,7 +51,7 @@ pub struct CheckArgs {
 impl CheckArgs {
     fn rules(&self) -> Rules {
         let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
-        Rules { gazebo_compat: self.gazebo_compat, up_axis }
+        Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis }
     }
 }
 

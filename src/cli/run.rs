@@ -65,6 +65,9 @@ pub struct RunArgs {
     /// range, ranges that begin at the minimum, sensors on missing links left out
     #[arg(long)]
     gazebo_compat: bool,
+    /// Leave out models, meshes and textures that the world names and nobody has, with a warning for each, as Gazebo does
+    #[arg(long)]
+    skip_missing: bool,
     /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
     #[arg(long)]
     apply_up_axis: bool,
@@ -90,7 +93,7 @@ pub struct RunArgs {
 impl RunArgs {
     fn rules(&self) -> Rules {
         let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
-        Rules { gazebo_compat: self.gazebo_compat, up_axis }
+        Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis }
     }
 }
 
@@ -193,7 +196,8 @@ fn packages(args: &RunArgs) -> PackagePath {
 fn load(args: &RunArgs, packages: &PackagePath) -> Result<(World, Vec<(Model, SpawnOptions)>), CliError> {
     let mut diagnostics = Diagnostics::default();
     let world = args.world.clone().unwrap_or_else(default_world);
-    let world = load_world(&world, packages, args.rules(), &mut diagnostics);
+    let rules = Rules { skip_missing: args.skip_missing, ..args.rules() };
+    let world = load_world(&world, packages, rules, &mut diagnostics);
     let taken = world.iter().flat_map(|world| &world.models).map(|model| model.name.as_str());
     let robots = args.robots.load(packages, args.rules(), &taken.collect(), &mut diagnostics);
     for problem in diagnostics.problems() {

@@ -10,6 +10,7 @@ mod label;
 pub mod mesh;
 pub mod model;
 pub mod ogre_material;
+pub mod optical;
 pub mod package;
 mod plugin;
 pub mod read;

@@ -98,7 +98,8 @@ fn load_sdf(path: &Path, options: &LoadOptions, diagnostics: &mut Diagnostics) -
 ///
 /// # Errors
 /// Whatever is wrong is added to `diagnostics`. None is returned when the file cannot be expanded; whether its content
-/// makes a robot is not looked at.
+/// makes a robot is not looked at. The frames that pictures are in
+/// come along, as [`optical_frames`](super::optical::optical_frames) has them.
 pub fn expand_robot(
     file_or_name: &str,
     packages: &PackagePath,
@@ -112,6 +113,7 @@ pub fn expand_robot(
                 return None;
             }
             urdf::make_plain(&mut robot, packages, diagnostics);
+            urdf::add_optical_frames(&mut robot, packages);
             Some(robot)
         }
         Err(problem) => {

@@ -7,6 +7,8 @@ use super::mesh::UpAxis;
 pub struct Rules {
     /// Go on as Gazebo classic does where something is missing, with a warning in place of the error.
     pub gazebo_compat: bool,
+    /// Leave out what a world names and nobody has, with a warning in place of the error.
+    pub skip_missing: bool,
     /// Collada's `<up_axis>`.
     pub up_axis: UpAxis,
 }

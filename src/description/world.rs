@@ -28,7 +28,9 @@ pub fn default_world() -> String {
 /// A name has neither a path separator nor an extension: `playground` is `worlds/playground.world` of a
 /// `turtlebot_gazebo` package on the package path, else of our own `models/`.
 ///
-/// With `gazebo_compat` it goes on as Gazebo does where a model, mesh, texture or material is missing.
+/// With `gazebo_compat` or `skip_missing` it goes on as Gazebo does where a model, mesh, texture or material is missing.
+/// A world of the user's that is found by name and lacks some gives way to ours of that name, with a warning:
+/// `turtlebot_gazebo`'s own need Gazebo's database of models.
 ///
 /// # Errors
 /// Whatever is wrong is added to `diagnostics`. None is returned when there is no world at all; a world that is
@@ -40,13 +42,42 @@ pub fn load_world(
     diagnostics: &mut Diagnostics,
 ) -> Option<World> {
     let path = find_world(file_or_name, packages, diagnostics)?;
+    let ours = packages.ours().join("worlds").join(path.file_name()?);
+    let is_named = is_bare(file_or_name) && path != Path::new(file_or_name);
+    if is_named
+        && ours != path
+        && ours.is_file()
+        && !rules.gazebo_compat
+        && lacks_files(&path, packages, rules)
+    {
+        diagnostics.warning(
+            &Source::new(&path, 0),
+            "the world names models, meshes or textures that are not found: our own world of its name takes its place",
+            "add the folder that has them with --package-path, or give the path of the world's file",
+        );
+        return sdf::load_world_file(&ours, packages, rules, diagnostics);
+    }
     sdf::load_world_file(&path, packages, rules, diagnostics)
+}
+
+/// Whether nothing is wrong with a world but that files are missing which it names.
+fn lacks_files(path: &Path, packages: &PackagePath, rules: Rules) -> bool {
+    let has_errors = |skip_missing| {
+        let mut diagnostics = Diagnostics::default();
+        sdf::load_world_file(path, packages, Rules { skip_missing, ..rules }, &mut diagnostics);
+        diagnostics.has_errors()
+    };
+    has_errors(false) && !has_errors(true)
+}
+
+/// Whether it is a name, or a file right here.
+fn is_bare(file_or_name: &str) -> bool {
+    Path::new(file_or_name).components().count() == 1 && !file_or_name.contains(std::path::is_separator)
 }
 
 fn find_world(file_or_name: &str, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
     let path = Path::new(file_or_name);
-    let is_bare = path.components().count() == 1 && !file_or_name.contains(std::path::is_separator);
-    if !is_bare || path.exists() && path.extension().is_some() {
+    if !is_bare(file_or_name) || path.exists() && path.extension().is_some() {
         return Some(path.to_path_buf());
     }
     // `playground.world` is also taken as the name, if there is no such file here.

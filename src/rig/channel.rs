@@ -16,6 +16,7 @@ use super::sink::Sink;
 use super::state::{ClockChannel, StateChannel};
 use super::true_pose::TruePoseChannel;
 use crate::description::model::{Plugin, Sensor as DescribedSensor, SensorKind};
+use crate::description::optical::{OpticalFrame, optical_frames};
 use crate::entities::{Entities, Entity, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
@@ -69,8 +70,15 @@ impl Setting<'_> {
         self.open(&StreamSpec { history: 0, ..spec })
     }
 
-    /// The frame that a sensor's messages name: the plugin's, or its link.
+    /// The frame that a sensor's messages name: the plugin's, or its link; for pictures an optical one beside it, unless
+    /// Gazebo's habits are asked for.
     pub(super) fn frame_id(&self, sensor: &DescribedSensor, frame_name: &str) -> String {
+        let optical = optical_frames(&self.entity.model).into_iter();
+        let is_of_it =
+            |frame: &OpticalFrame| std::ptr::eq(&raw const self.entity.sensors()[frame.sensor], sensor);
+        if let Some(frame) = optical.filter(|_| !self.gazebo_compat).find(is_of_it) {
+            return frame.name;
+        }
         let link = &self.entity.model.links[sensor.link].name;
         if frame_name.is_empty() { link.clone() } else { frame_name.to_owned() }
     }

@@ -2,10 +2,10 @@
 
 use super::{RigContext, Setting};
 use crate::description::model::{LinkIndex, Model, Sensor, SensorKind};
+use crate::description::optical::optical_from_sensor;
 use crate::world::physics::{ModelIndex, Physics};
 use belvedere_bridge::FrameHeader;
 use belvedere_sensors::Pose;
-use glam::{DMat3, DQuat, DVec3};
 
 /// A place on a link.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,12 +59,9 @@ fn optical_mount(sensor: &Sensor, model: &Model, frame: &str) -> Option<Pose> {
     if named == sensor.link || model.rigid_root(named) != model.rigid_root(sensor.link) {
         return None;
     }
-    // Columns: the sensor's forward, left and up in the optical frame's right, down and forward.
-    let axes = DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y);
-    let optical_from_sensor = Pose::new(DVec3::ZERO, DQuat::from_mat3(&axes));
     let link_from_frame =
         model.links[sensor.link].model_from_link.inverse() * model.links[named].model_from_link;
-    let moved = link_from_frame * optical_from_sensor;
+    let moved = link_from_frame * optical_from_sensor();
     let looks_alike = moved.rotation().dot(sensor.link_from_sensor.rotation()).abs() > 1.0 - 1e-6;
     looks_alike.then(|| Pose::new(moved.translation(), sensor.link_from_sensor.rotation()))
 }

@@ -3,6 +3,7 @@
 use super::outlet::Outlet;
 use super::{RigContext, RigError, Setting};
 use crate::description::model::{ModelPlugin, OdometryPlugin};
+use crate::description::optical::{OpticalFrame, new_frames, optical_frames};
 use crate::entities::{EntityId, Origin};
 use crate::robot::odometry::Odometry as OdometryReport;
 use crate::robot::transforms::Transform as RobotTransform;
@@ -41,7 +42,8 @@ impl StateChannel {
     pub(super) fn open(robot: &Robot, setting: &Setting<'_>) -> Result<Self, RigError> {
         let rate = setting.rate.hz();
         let state = robot.state_at(setting.physics, setting.physics.time_ns());
-        let fixed = robot.static_transforms();
+        let fixed: Vec<RobotTransform> =
+            robot.static_transforms().iter().cloned().chain(optical_transforms(setting)).collect();
         let array = |topic, kind, count| StreamSpec::structs(topic, kind, count).rate_hz(rate);
         let model = &setting.entity.model;
         let base = model.base().filter(|_| robot.base().is_some());
@@ -134,6 +136,20 @@ impl OdometryOutlet {
             covariance,
         })
     }
+}
+
+/// Those of the frames that cameras' pictures are in, where the robot's file has none.
+fn optical_transforms(setting: &Setting<'_>) -> Vec<RobotTransform> {
+    if setting.gazebo_compat {
+        return Vec::new();
+    }
+    let entity = setting.entity;
+    let transform = |frame: &OpticalFrame| RobotTransform {
+        parent: entity.frame(&entity.model.links[frame.parent].name).into(),
+        child: entity.frame(&frame.name).into(),
+        parent_from_child: frame.parent_from_frame,
+    };
+    new_frames(&optical_frames(&entity.model)).map(transform).collect()
 }
 
 fn message(transform: &RobotTransform) -> Result<Transform, RigError> {

@@ -73,7 +73,7 @@ def test_an_image_is_a_view_of_shared_memory(node: belvedere.Node) -> None:
         image = frame.array
         assert (image.shape, image.dtype) == ((480, 640, 3), np.uint8)
         assert frame.encoding == Encoding.RGB8
-        assert frame.frame_id == "base_camera_link"
+        assert frame.frame_id == "base_camera_link_optical"
         assert frame.intrinsics.fx == pytest.approx(frame.intrinsics.fy)
         assert (frame.intrinsics.cx, frame.intrinsics.cy) == (319.5, 239.5)
         address = image.__array_interface__["data"][0]

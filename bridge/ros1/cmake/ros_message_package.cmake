@@ -1,12 +1,16 @@
 # Message packages of our own: C++ headers and Python modules by ROS's own generators, without catkin.
 
+include(CMakePackageConfigHelpers)
+
 # ros_message_package(<package> [DEPENDS <package>...])
 #
-# Makes the package in the folder of that name: its package.xml, msg/*.msg and srv/*.srv. DEPENDS names the packages whose
-# messages are fields of its own, and of these. Link with the library <package>_headers to include <package>/Message.h.
+# Makes the package in the folder of that name: its package.xml, msg/*.msg, srv/*.srv and action/*.action. DEPENDS names the
+# packages whose messages are fields of its own, and of these. Link with the library <package>_headers to include
+# <package>/Message.h.
 #
-# Installed are headers, Python modules, and the definitions, by which rosmsg and rossrv know them. In a catkin workspace a
-# package of that name which ROS or the workspace has already is used instead; else it is made in the devel space.
+# Installed are headers, Python modules, the definitions, by which rosmsg and rossrv know them, and what find_package and
+# catkin look for. In a catkin workspace a package of that name which ROS or the workspace has already is used instead; else
+# it is made in the devel space.
 function(ros_message_package package)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" DEPENDS)
   add_library(${package}_headers INTERFACE)
@@ -15,7 +19,8 @@ function(ros_message_package package)
   set(python "${Python3_EXECUTABLE}")
   if(COMMAND catkin_package)
     find_package(${package} QUIET)
-    if(${package}_FOUND)
+    # One of ours that lies under another prefix is for programs without a workspace.
+    if(${package}_FOUND AND NOT ${package}_IS_OF_BELVEDERE)
       target_include_directories(${package}_headers SYSTEM INTERFACE ${${package}_INCLUDE_DIRS})
       if(${package}_EXPORTED_TARGETS)
         add_dependencies(${package}_headers ${${package}_EXPORTED_TARGETS})
@@ -35,15 +40,35 @@ function(ros_message_package package)
   _ros_path(gencpp_scripts lib/gencpp gen_cpp.py ros-message-generation)
   _ros_path(genpy_scripts lib/genpy genmsg_py.py ros-message-generation)
   _ros_path(gencpp_share share gencpp/msg.h.template ros-message-generation)
-  set(includes "-I${package}:${CMAKE_CURRENT_SOURCE_DIR}/${package}/msg")
+  set(source "${CMAKE_CURRENT_SOURCE_DIR}/${package}")
+  set(includes "-I${package}:${source}/msg")
   foreach(dependency IN LISTS arg_DEPENDS)
     string(REPLACE "_" "-" debian "ros-${dependency}")
     _ros_path(${dependency}_share share ${dependency}/msg ${debian})
     list(APPEND includes "-I${dependency}:${${dependency}_share}/${dependency}/msg")
   endforeach()
 
-  set(source "${CMAKE_CURRENT_SOURCE_DIR}/${package}")
   file(GLOB definitions CONFIGURE_DEPENDS "${source}/msg/*.msg" "${source}/srv/*.srv")
+  # Seven messages of each action, made now: what is generated of them has to be known.
+  file(GLOB actions CONFIGURE_DEPENDS "${source}/action/*.action")
+  set(of_actions "${PROJECT_BINARY_DIR}/actions/${package}")
+  if(actions)
+    _ros_path(genaction_scripts lib/actionlib_msgs genaction.py libactionlib-msgs-dev)
+    list(APPEND includes "-I${package}:${of_actions}")
+    install(FILES ${actions} DESTINATION share/${package}/action)
+  endif()
+  foreach(action IN LISTS actions)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${action}")
+    execute_process(COMMAND "${python}" "${genaction_scripts}/genaction.py" "${action}" -o "${of_actions}"
+      OUTPUT_QUIET RESULT_VARIABLE failed)
+    if(failed)
+      message(FATAL_ERROR "genaction.py made no messages of ${action}")
+    endif()
+    get_filename_component(name "${action}" NAME_WE)
+    foreach(part Action ActionFeedback ActionGoal ActionResult Feedback Goal Result)
+      list(APPEND definitions "${of_actions}/${name}${part}.msg")
+    endforeach()
+  endforeach()
   set(generated)
   file(GENERATE OUTPUT "${out}/${python_dir}/${package}/__init__.py" CONTENT "")
   install(FILES "${out}/${python_dir}/${package}/__init__.py" DESTINATION "${python_dir}/${package}")
@@ -86,6 +111,24 @@ function(ros_message_package package)
   add_custom_target(${package}_generated ALL DEPENDS ${generated})
   add_dependencies(${package}_headers ${package}_generated)
   target_include_directories(${package}_headers SYSTEM INTERFACE "${out}/include")
+
+  # Where the definitions lie from the folder of the configuration, which other message packages ask.
+  file(STRINGS "${source}/package.xml" version REGEX "<version>")
+  string(REGEX REPLACE ".*<version>(.*)</version>.*" "\\1" version "${version}")
+  set(configuration "${PROJECT_BINARY_DIR}/configurations/${package}")
+  _message_package_configuration("${configuration}" "\${${package}_DIR}/../msg")
+  install(DIRECTORY "${configuration}/" DESTINATION share/${package}/cmake)
+  if(COMMAND catkin_package)
+    _message_package_configuration("${out}/share/${package}/cmake" "${source}/msg;${of_actions}")
+  endif()
+endfunction()
+
+# Writes what find_package(<package>) and genmsg read into a folder, for ros_message_package() and with its variables.
+function(_message_package_configuration folder message_dirs)
+  configure_file("${CMAKE_CURRENT_SOURCE_DIR}/cmake/message_package-config.cmake.in" "${folder}/${package}Config.cmake" @ONLY)
+  file(WRITE "${folder}/${package}-msg-paths.cmake"
+    "set(${package}_MSG_INCLUDE_DIRS \"${message_dirs}\")\nset(${package}_MSG_DEPENDENCIES ${arg_DEPENDS})\n")
+  write_basic_package_version_file("${folder}/${package}Config-version.cmake" VERSION "${version}" COMPATIBILITY AnyNewerVersion)
 endfunction()
 
 # Sets <variable> to the folder that has <file>: one named <suffix> under some prefix.

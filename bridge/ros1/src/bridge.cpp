@@ -50,6 +50,11 @@ void Bridge::serve(const bv_stream_info& stream) {
             std::set<std::string> topics{name};
             for (const std::string& other : others->second) topics.insert(space + other);
             if (commands_.count(name) == 0) commands_[name] = Commands::to(stream, domain_, nh_, topics);
+            // A base whose motors can be turned off is a Kobuki, or what takes its commands.
+            if (stream.kind == BV_KIND_MOTOR_POWER && accessories_.count(space) == 0) {
+                Accessories& its = *(accessories_[space] = std::make_unique<Accessories>(nh_, space));
+                diagnostics_.add(space + "mobile_base", [&its](auto& status) { its.diagnose(status); });
+            }
             return;
         }
         if (stream.kind == BV_KIND_SIMULATION_RESULT) {

@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 
+#include "accessories.hpp"
 #include "commands.hpp"
 #include "domain.hpp"
 #include "gazebo/namespace.hpp"
@@ -54,6 +55,8 @@ private:
     std::mutex serving_, mutex_;
     std::map<std::string, Serving> relays_;
     std::map<std::string, std::unique_ptr<Commands>> commands_;
+    /// By the robot's namespace.
+    std::map<std::string, std::unique_ptr<Accessories>> accessories_;
     std::set<std::string> skipped_;
     Settings settings_;
     gazebo::Namespace gazebo_;

@@ -1,5 +1,6 @@
 #include "parameter_readers.hpp"
 
+#include <cmath>
 #include <sstream>
 
 namespace belvedere_ros {
@@ -26,6 +27,14 @@ std::string to_text(Value& value) {
 bool to_bool(Value& value) {
     if (value.getType() != Value::TypeBoolean) throw BadParameter("true or false");
     return static_cast<bool>(value);
+}
+
+double to_number(Value& value) {
+    const double number = value.getType() == Value::TypeInt      ? static_cast<int>(value)
+                          : value.getType() == Value::TypeDouble ? static_cast<double>(value)
+                                                                 : std::nan("");
+    if (!std::isfinite(number)) throw BadParameter("a number");
+    return number;
 }
 
 void read_all(const ros::NodeHandle& nh, const Readers& readers) {

@@ -24,5 +24,7 @@ void read_all(const ros::NodeHandle& nh, const Readers& readers);
 
 std::string to_text(XmlRpc::XmlRpcValue& value);
 bool to_bool(XmlRpc::XmlRpcValue& value);
+/// Finite; whole or not.
+double to_number(XmlRpc::XmlRpcValue& value);
 
 }  // namespace belvedere_ros

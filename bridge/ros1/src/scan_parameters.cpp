@@ -8,15 +8,6 @@ namespace belvedere_ros {
 
 namespace {
 
-double to_number(XmlRpc::XmlRpcValue& value) {
-    using Value = XmlRpc::XmlRpcValue;
-    const double number = value.getType() == Value::TypeInt      ? static_cast<int>(value)
-                          : value.getType() == Value::TypeDouble ? static_cast<double>(value)
-                                                                 : std::nan("");
-    if (!std::isfinite(number)) throw BadParameter("a number");
-    return number;
-}
-
 std::string to_frame(XmlRpc::XmlRpcValue& value) {
     const std::string frame = to_text(value);
     if (frame.size() >= sizeof bv_frame_header::frame_id) throw BadParameter("a frame of at most 63 bytes");

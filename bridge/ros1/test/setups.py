@@ -77,7 +77,8 @@ ROBOT = {
 
 def ceiling_camera(compat):
     """The monocular camera that looks at the ceiling, with the lidar that its robot carries."""
-    frame = "base_camera_link"
+    # Gazebo stamps the pictures with the link, which looks along x.
+    frame = "base_camera_link" if compat else "base_camera_link_optical"
     return Setup(
         {"TURTLEBOT_STACKS": "nostack", "TURTLEBOT_3D_SENSOR": "camera"},
         {

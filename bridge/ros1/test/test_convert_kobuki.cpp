@@ -1,6 +1,31 @@
 // The converters of what a Kobuki says and is told, against known bytes; and that its messages are those of its driver.
 
 #include <gtest/gtest.h>
+#include <kobuki_msgs/AutoDockingAction.h>
+#include <kobuki_msgs/AutoDockingActionFeedback.h>
+#include <kobuki_msgs/AutoDockingActionGoal.h>
+#include <kobuki_msgs/AutoDockingActionResult.h>
+#include <kobuki_msgs/AutoDockingFeedback.h>
+#include <kobuki_msgs/AutoDockingGoal.h>
+#include <kobuki_msgs/AutoDockingResult.h>
+#include <kobuki_msgs/BumperEvent.h>
+#include <kobuki_msgs/ButtonEvent.h>
+#include <kobuki_msgs/CliffEvent.h>
+#include <kobuki_msgs/ControllerInfo.h>
+#include <kobuki_msgs/DigitalInputEvent.h>
+#include <kobuki_msgs/DigitalOutput.h>
+#include <kobuki_msgs/DockInfraRed.h>
+#include <kobuki_msgs/ExternalPower.h>
+#include <kobuki_msgs/KeyboardInput.h>
+#include <kobuki_msgs/Led.h>
+#include <kobuki_msgs/MotorPower.h>
+#include <kobuki_msgs/PowerSystemEvent.h>
+#include <kobuki_msgs/RobotStateEvent.h>
+#include <kobuki_msgs/ScanAngle.h>
+#include <kobuki_msgs/SensorState.h>
+#include <kobuki_msgs/Sound.h>
+#include <kobuki_msgs/VersionInfo.h>
+#include <kobuki_msgs/WheelDropEvent.h>
 
 #include <cmath>
 #include <string>
@@ -20,11 +45,31 @@ const char* sum() {
 
 // The sums that roscpp and rospy compare: those of the released kobuki_msgs.
 TEST(KobukiMessages, AreThoseOfItsDriver) {
+    EXPECT_STREQ(sum<kobuki_msgs::AutoDockingAction>(), "44be114f3afc06365a090db0a5e982b5");
+    EXPECT_STREQ(sum<kobuki_msgs::AutoDockingActionFeedback>(), "6f7132467beab5153587d9ebb8d8262d");
+    EXPECT_STREQ(sum<kobuki_msgs::AutoDockingActionGoal>(), "4b30be6cd12b9e72826df56b481f40e0");
+    EXPECT_STREQ(sum<kobuki_msgs::AutoDockingActionResult>(), "3fb2b9cd9cec6b4cb23b224521dd7679");
+    EXPECT_STREQ(sum<kobuki_msgs::AutoDockingFeedback>(), "03343b6aa0067ce6251bcc08bf318388");
+    EXPECT_STREQ(sum<kobuki_msgs::AutoDockingGoal>(), "d41d8cd98f00b204e9800998ecf8427e");
+    EXPECT_STREQ(sum<kobuki_msgs::AutoDockingResult>(), "74697ed3d931f6eede8bf3a8dfeca160");
     EXPECT_STREQ(sum<kobuki_msgs::BumperEvent>(), "ffe360cd50f14f9251d9844083e72ac5");
+    EXPECT_STREQ(sum<kobuki_msgs::ButtonEvent>(), "49eca512765dbdec759a79083ffcec8d");
     EXPECT_STREQ(sum<kobuki_msgs::CliffEvent>(), "c5b106efbb1427a94f517c5e05f06295");
-    EXPECT_STREQ(sum<kobuki_msgs::WheelDropEvent>(), "e102837d89384d67669a0df86b63f33b");
+    EXPECT_STREQ(sum<kobuki_msgs::ControllerInfo>(), "46af38e72f0640f41ed22174d43a2550");
+    EXPECT_STREQ(sum<kobuki_msgs::DigitalInputEvent>(), "93da823c8b121f8a3940ef3830c58e44");
+    EXPECT_STREQ(sum<kobuki_msgs::DigitalOutput>(), "1e97cd7f196a0270516b506e8bf29ca2");
+    EXPECT_STREQ(sum<kobuki_msgs::DockInfraRed>(), "a3d77f7d15e50579473dcc24e9b97b34");
+    EXPECT_STREQ(sum<kobuki_msgs::ExternalPower>(), "95149d524971a4c6d19e64c827307194");
+    EXPECT_STREQ(sum<kobuki_msgs::KeyboardInput>(), "9288b95cb32b48719d84d696be253401");
+    EXPECT_STREQ(sum<kobuki_msgs::Led>(), "4391183b0cf05f8f25d04220401b9f43");
     EXPECT_STREQ(sum<kobuki_msgs::MotorPower>(), "8f77c0161e0f2021493136bb5f3f0e51");
+    EXPECT_STREQ(sum<kobuki_msgs::PowerSystemEvent>(), "f6464657d6c911b00c7bc7b43a154bf8");
+    EXPECT_STREQ(sum<kobuki_msgs::RobotStateEvent>(), "c6eccd4cb1f95df95635b56d6226ea32");
+    EXPECT_STREQ(sum<kobuki_msgs::ScanAngle>(), "06e2c839dc5c7f5c13ac09a8b4ff0a6a");
     EXPECT_STREQ(sum<kobuki_msgs::SensorState>(), "430a4bfd78449c8740bfef32b26613a6");
+    EXPECT_STREQ(sum<kobuki_msgs::Sound>(), "dfeab0daae67749c426c1db741a4f420");
+    EXPECT_STREQ(sum<kobuki_msgs::VersionInfo>(), "3dc0ce6edd49be1fc86730f4a4a21861");
+    EXPECT_STREQ(sum<kobuki_msgs::WheelDropEvent>(), "e102837d89384d67669a0df86b63f33b");
 }
 
 Known event(std::uint32_t source, std::uint32_t index, std::uint32_t state, std::uint32_t value = 0) {

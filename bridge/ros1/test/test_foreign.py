@@ -26,6 +26,7 @@ from processes import SIMULATOR, Process, bridge, eventually, simulator
 from programs import program
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from std_srvs.srv import Empty
+from tf2_msgs.msg import TFMessage
 
 HERE = Path(__file__).resolve().parent
 TAGS = HERE.parents[2] / "models" / "worlds" / "tag_ceiling.tags.json"
@@ -79,6 +80,13 @@ def rotation(quaternion):
         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
     ])  # fmt: skip
+
+
+def turn_in(parent, child):
+    """How a frame is turned in its parent, by tf_static."""
+    fixed = rospy.wait_for_message("/tf_static", TFMessage, timeout=20).transforms
+    q = next(edge for edge in fixed if (edge.header.frame_id, edge.child_frame_id) == (parent, child)).transform.rotation
+    return rotation((q.x, q.y, q.z, q.w))
 
 
 class Running(unittest.TestCase):
@@ -201,9 +209,9 @@ class Ceiling(Running):
         listed = {code["id"]: code for code in json.loads(TAGS.read_text())["codes"] if code["family"] == "tag36h11"}
         seen = {tag: corners for tag, corners in seen.items() if tag in listed}
         self.assertGreaterEqual(len(seen), 3)
-        # The frame of the picture looks along x, ROS's optical frames and OpenCV along z.
-        position, quaternion = links[f"turtlebot::{info.header.frame_id}"]
-        world_from_optical = rotation(quaternion) @ numpy.array([[0, 0, 1], [-1, 0, 0], [0, -1, 0]])
+        # Where the picture's frame is on its link, tf says; it looks along z, as OpenCV does.
+        position, quaternion = links["turtlebot::base_camera_link"]
+        world_from_optical = rotation(quaternion) @ turn_in("base_camera_link", info.header.frame_id)
         for tag, corners in seen.items():
             half = listed[tag]["edge_m"] / 2
             square = numpy.array([[-half, half, 0], [half, half, 0], [half, -half, 0], [-half, -half, 0]])

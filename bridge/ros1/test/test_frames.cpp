@@ -74,7 +74,7 @@ TEST_F(Frames, AreWhatTheMessagesSay) {
     std::mutex mutex;
     const FrameSubscriber frames(nh_, kTopic, [&](const FrameViewConstPtr& view) {
         const auto payload = view->frame().payload();
-        EXPECT_EQ(view->header().frame_id, "base_camera_link");
+        EXPECT_EQ(view->header().frame_id, "base_camera_link_optical");
         const std::lock_guard<std::mutex> lock(mutex);
         bytes[view->header().stamp.toNSec()].assign(payload.begin(), payload.end());
     });

@@ -11,8 +11,20 @@ import unittest
 from pathlib import Path
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
-from kobuki_msgs.msg import BumperEvent, CliffEvent, MotorPower, SensorState, WheelDropEvent
+from kobuki_msgs.msg import (
+    BumperEvent,
+    ButtonEvent,
+    CliffEvent,
+    DigitalOutput,
+    ExternalPower,
+    Led,
+    MotorPower,
+    SensorState,
+    Sound,
+    WheelDropEvent,
+)
 from listener import Listener
 from nav_msgs.msg import Odometry
 from processes import SIMULATOR, bridge, eventually, simulator, subscribers_of_streams
@@ -149,6 +161,32 @@ class Kobuki(unittest.TestCase):
         self.assertEqual(after.time_stamp, after.header.stamp.to_nsec() // 1_000_000 % 65536)
         self.assertEqual((after.battery, after.charger, after.buttons), (165, SensorState.DISCHARGING, 0))
         self.assertEqual((len(after.bottom), len(after.current), len(after.analog_input)), (3, 2, 4))
+
+    def test_lamps_and_sounds_are_taken_and_told_of(self):
+        """Nothing shows them: diagnostics say what each was told."""
+        commands = {
+            "led1": (Led(Led.GREEN), ("led1", "green")),
+            "led2": (Led(Led.RED), ("led2", "red")),
+            "sound": (Sound(Sound.CLEANINGSTART), ("sound", "cleaning start")),
+            "digital_output": (DigitalOutput([True] * 4, [False, False, True, False]), ("digital_output 2", "on")),
+            "external_power": (ExternalPower(ExternalPower.PWR_5V1A, ExternalPower.OFF), ("external_power 5 V 1 A", "off")),
+        }
+        for topic, (message, _) in commands.items():
+            publisher(f"mobile_base/commands/{topic}", type(message)).publish(message)
+        told = {}
+
+        def keep(array):
+            for status in array.status:
+                if status.name.endswith(": mobile_base"):
+                    told.update((pair.key, pair.value) for pair in status.values)
+
+        expected = dict(words for _, words in commands.values())
+        listener = rospy.Subscriber("/diagnostics", DiagnosticArray, keep)
+        self.assertTrue(eventually(lambda: told == expected), told)
+        listener.unregister()
+        with Listener("mobile_base/events/button", ButtonEvent, most=None) as buttons:
+            self.assertTrue(eventually(buttons.connected), "somebody offers buttons, as the driver does")
+            self.assertEqual(buttons.all(), [])
 
     def test_odometry_begins_anew(self):
         for topic in ("commands/reset_odometry", "mobile_base/commands/reset_odometry"):

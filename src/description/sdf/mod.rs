@@ -189,9 +189,9 @@ impl Loader<'_> {
         spent.map_err(|spent| self.diagnostics.error(source, spent.to_string(), Spent::REMEDY)).ok()
     }
 
-    /// What Gazebo goes on without: an error here, a warning with `--gazebo-compat`.
+    /// What Gazebo goes on without: an error here, a warning with `--gazebo-compat` or `--skip-missing`.
     fn missing(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
-        if self.rules.gazebo_compat {
+        if self.rules.gazebo_compat || self.rules.skip_missing {
             self.diagnostics.warning(source, what, remedy);
         } else {
             self.diagnostics.error(source, what, remedy);

@@ -1,11 +1,15 @@
 //! An expanded robot in the form that ROS's own reader of URDF takes, which is stricter than this one.
 
 use super::files::name_files_absolutely;
+use super::load_urdf;
 use super::material::is_definition;
 use crate::description::diagnostics::Diagnostics;
 use crate::description::gazebo_materials::gazebo_material;
+use crate::description::optical::{new_frames, optical_frames};
 use crate::description::package::PackagePath;
+use crate::description::rules::Rules;
 use crate::description::xml::{Element, Node};
+use glam::{DVec3, EulerRot};
 use std::collections::HashSet;
 
 /// Rewrites what urdfdom, the reader of `robot_state_publisher` and rviz, refuses or cannot find: a robot without a name,
@@ -22,6 +26,35 @@ pub(in crate::description) fn make_plain(
     }
     define_materials_once(robot);
     name_files_absolutely(robot, packages, diagnostics);
+}
+
+/// Adds a link and a fixed joint for each frame that pictures are in and the robot has no link for.
+pub(in crate::description) fn add_optical_frames(robot: &mut Element, packages: &PackagePath) {
+    // What is wrong with it is not to be said here.
+    let Some(model) = load_urdf(robot, packages, Rules::default(), &mut Diagnostics::default()) else {
+        return;
+    };
+    for frame in new_frames(&optical_frames(&model)) {
+        let source = &model.sensors[frame.sensor].source;
+        let element = |name: &str, attributes: &[(&str, String)], children: Vec<Element>| Element {
+            name: name.into(),
+            attributes: attributes.iter().map(|(name, value)| ((*name).into(), value.clone())).collect(),
+            children: children.into_iter().map(Node::Element).collect(),
+            source: source.clone(),
+        };
+        let DVec3 { x, y, z } = frame.parent_from_frame.translation();
+        let (yaw, pitch, roll) = frame.parent_from_frame.rotation().to_euler(EulerRot::ZYX);
+        let place = [("xyz", format!("{x} {y} {z}")), ("rpy", format!("{roll} {pitch} {yaw}"))];
+        let joint = vec![
+            element("parent", &[("link", model.links[frame.parent].name.clone())], Vec::new()),
+            element("child", &[("link", frame.name.clone())], Vec::new()),
+            element("origin", &place, Vec::new()),
+        ];
+        let joint_name = format!("{}_joint", frame.name);
+        let is_fixed = [("name", joint_name), ("type", "fixed".into())];
+        robot.children.push(Node::Element(element("link", &[("name", frame.name.clone())], Vec::new())));
+        robot.children.push(Node::Element(element("joint", &is_fixed, joint)));
+    }
 }
 
 /// The first definition of a name holds for all.

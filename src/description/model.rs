@@ -103,7 +103,7 @@ impl Model {
     /// What drives it, if anything does.
     pub fn base(&self) -> Option<&BasePlugin> {
         self.plugins.iter().find_map(|plugin| match plugin {
-            ModelPlugin::Base(base) => Some(base),
+            ModelPlugin::Base(base) => Some(&**base),
             _ => None,
         })
     }

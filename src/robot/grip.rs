@@ -90,7 +90,9 @@ impl Axle {
         let mut centres = [sums[0] / wheels.left.len() as f64, sums[1] / wheels.right.len() as f64];
         if centres[0].y < centres[1].y {
             centres.swap(0, 1);
-            found.iter_mut().for_each(|wheel| wheel.side = 1 - wheel.side);
+            for wheel in &mut found {
+                wheel.side = 1 - wheel.side;
+            }
             // Left ones first.
             found.sort_by_key(|wheel| wheel.side);
         }

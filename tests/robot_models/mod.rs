@@ -121,7 +121,7 @@ pub(crate) fn kobuki() -> Model {
 /// Kobuki's plugin on the joints of the left and the right wheel.
 fn kobuki_plugin([left, right]: [usize; 2]) -> ModelPlugin {
     let wheels = Wheels { left: vec![left], right: vec![right], radius_m: None, torque_n_m: 1.0 };
-    ModelPlugin::Base(BasePlugin {
+    ModelPlugin::Base(Box::new(BasePlugin {
         drive: Drive::Kobuki(wheels),
         command_topic: "/cmd_vel".into(),
         command_timeout_s: Some(0.6),
@@ -136,7 +136,7 @@ fn kobuki_plugin([left, right]: [usize; 2]) -> ModelPlugin {
             pose_variance: [0.1, 0.1, 1e6, 1e6, 1e6, 0.05],
         },
         source: source(),
-    })
+    }))
 }
 
 pub(crate) fn static_model(name: &str, world_from_model: Pose, geometry: Geometry) -> Model {

@@ -8,7 +8,7 @@ use belvedere_sensors::Pose;
 #[derive(Debug, Clone, PartialEq)]
 pub enum ModelPlugin {
     /// Drives the model.
-    Base(BasePlugin),
+    Base(Box<BasePlugin>),
     /// `libgazebo_ros_imu.so`, `libhector_gazebo_ros_imu.so`: inertial measurements at a link.
     Imu(ImuPlugin),
     /// `libgazebo_ros_p3d.so`: the true pose and velocity of a link.
@@ -87,7 +87,7 @@ impl Drive {
             Self::Differential(drive) => drive.wheels.joints_mut().collect(),
             Self::Planar => Vec::new(),
             Self::Ackermann(drive) => {
-                let front = drive.front.iter_mut().flat_map(|wheels| wheels.joints_mut());
+                let front = drive.front.iter_mut().flat_map(Wheels::joints_mut);
                 drive.rear.joints_mut().chain(front).chain(&mut drive.steering).collect()
             }
         }

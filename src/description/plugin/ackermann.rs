@@ -41,7 +41,7 @@ pub(super) fn ackermann(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     given.left_out();
     let rear = given.wheels(rear_left?, rear_right?, None, f64::INFINITY)?;
     let front = given.wheels(front_left?, front_right?, None, 0.0)?;
-    Some(ModelPlugin::Base(BasePlugin {
+    Some(ModelPlugin::Base(Box::new(BasePlugin {
         drive: Drive::Ackermann(AckermannDrive {
             rear,
             front: Some(front),
@@ -56,7 +56,7 @@ pub(super) fn ackermann(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
         command_timeout_s: None,
         odometry,
         source: given.plugin.source.clone(),
-    }))
+    })))
 }
 
 pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
@@ -95,7 +95,7 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     }
     let front = given.wheels(front_left, front_right, radius_m, 0.0)?;
     let rear = given.wheels(rear_left, rear_right, radius_m, f64::INFINITY)?;
-    Some(ModelPlugin::Base(BasePlugin {
+    Some(ModelPlugin::Base(Box::new(BasePlugin {
         drive: Drive::Ackermann(AckermannDrive {
             rear,
             front: (!front.left.is_empty() && !front.right.is_empty()).then_some(front),
@@ -110,5 +110,5 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
         command_timeout_s: None,
         odometry,
         source: given.plugin.source.clone(),
-    }))
+    })))
 }

@@ -19,7 +19,7 @@ pub(super) fn differential(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let diameter_m = given.positive(&["wheelDiameter", "wheel_diameter"], 0.15);
     let torque_n_m = given.not_negative(&["wheelTorque", "max_wheel_torque"], 5.0);
     let acceleration = given.not_negative(&["wheelAcceleration", "max_wheel_acceleration"], 0.0);
-    let rate_hz = given.rate(&["updateRate", "update_rate"], 100.0);
+    let rate_hz = given.rate(&["updateRate", "update_rate"], 100.0)?;
     // The plugin's word is "world", and so is whatever is not "encoder".
     let origin = match given.text(&["odometrySource", "odometry_source"]).as_deref() {
         Some("encoder" | "ENCODER" | "0") => OdometryOrigin::Encoders,
@@ -43,7 +43,7 @@ pub(super) fn skid_steer(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let separation_m = given.positive(&["wheelSeparation"], 0.4);
     let diameter_m = given.positive(&["wheelDiameter"], 0.15);
     let torque_n_m = given.not_negative(&["torque"], 5.0);
-    let rate_hz = given.rate(&["updateRate"], 100.0);
+    let rate_hz = given.rate(&["updateRate"], 100.0)?;
     let mut variance = POSE_VARIANCE;
     let names = [("covariance_x", 0, 1e-4), ("covariance_y", 1, 1e-4), ("covariance_yaw", 5, 0.01)];
     for (name, axis, default) in names {
@@ -74,7 +74,7 @@ pub(super) fn create(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
         diameter_m,
         torque_n_m,
         acceleration,
-        rate_hz: Some(Some(50.0)),
+        rate_hz: Some(50.0),
         origin,
     };
     let mut plugin = base(given, wanted, false)?;
@@ -98,7 +98,7 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let command_topic = given.topic(&["topic"], &format!("model/{name}/cmd_vel"));
     let wheels = given.wheels(left?, right?, Some(0.5 * diameter_m?), f64::INFINITY)?;
     given.left_out();
-    Some(ModelPlugin::Base(BasePlugin {
+    Some(ModelPlugin::Base(Box::new(BasePlugin {
         drive: Drive::Differential(DifferentialDrive {
             wheels,
             separation_m: separation_m?,
@@ -109,7 +109,7 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
         command_timeout_s: None,
         odometry,
         source: given.plugin.source.clone(),
-    }))
+    })))
 }
 
 /// Odometry as gz-sim's bases tell it.
@@ -139,17 +139,18 @@ struct Wanted {
     diameter_m: Option<f64>,
     torque_n_m: Option<f64>,
     acceleration: Option<f64>,
-    rate_hz: Option<Option<f64>>,
+    /// None for each step.
+    rate_hz: Option<f64>,
     origin: OdometryOrigin,
 }
 
 fn base(given: &mut Parameters<'_>, wanted: Wanted, skids: bool) -> Option<ModelPlugin> {
-    let odometry = given.odometry(wanted.rate_hz?, wanted.origin, POSE_VARIANCE);
+    let odometry = given.odometry(wanted.rate_hz, wanted.origin, POSE_VARIANCE);
     let command_topic = given.topic(&["commandTopic", "command_topic"], "cmd_vel");
     given.left_out();
     let radius_m = Some(0.5 * wanted.diameter_m?);
     let wheels = given.wheels(wanted.left?, wanted.right?, radius_m, wanted.torque_n_m?)?;
-    Some(ModelPlugin::Base(BasePlugin {
+    Some(ModelPlugin::Base(Box::new(BasePlugin {
         drive: Drive::Differential(DifferentialDrive {
             wheels,
             separation_m: wanted.separation_m?,
@@ -160,5 +161,5 @@ fn base(given: &mut Parameters<'_>, wanted: Wanted, skids: bool) -> Option<Model
         command_timeout_s: None,
         odometry,
         source: given.plugin.source.clone(),
-    }))
+    })))
 }

@@ -30,7 +30,7 @@ pub(super) fn kobuki(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     given.left_out();
     let link = given.link(&[], "base_footprint");
     let wheels = given.wheels(left?, right?, None, torque_n_m?)?;
-    Some(ModelPlugin::Base(BasePlugin {
+    Some(ModelPlugin::Base(Box::new(BasePlugin {
         drive: Drive::Kobuki(wheels),
         command_topic: given.topic(&[], "cmd_vel"),
         command_timeout_s: Some(timeout_s?),
@@ -45,5 +45,5 @@ pub(super) fn kobuki(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
             pose_variance: [0.1, 0.1, UNKNOWN, UNKNOWN, UNKNOWN, 0.05],
         },
         source: given.plugin.source.clone(),
-    }))
+    })))
 }

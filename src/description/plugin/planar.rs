@@ -24,11 +24,11 @@ pub(super) fn planar(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let odometry = given.odometry(rate_hz, OdometryOrigin::World, [1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3]);
     let command_topic = given.topic(&["commandTopic", "command_topic"], "cmd_vel");
     given.left_out();
-    Some(ModelPlugin::Base(BasePlugin {
+    Some(ModelPlugin::Base(Box::new(BasePlugin {
         drive: Drive::Planar,
         command_topic,
         command_timeout_s: (timeout_s >= 0.0).then_some(timeout_s),
         odometry,
         source: given.plugin.source.clone(),
-    }))
+    })))
 }

@@ -103,5 +103,5 @@ pub use subscriber::{Frame, Subscriber};
 pub use synchronizer::Synchronizer;
 pub use wire::{
     DistortionModel, Encoding, FrameError, FrameHeader, FrameView, Intrinsics, Kind, MAX_DISTORTION,
-    Operation, ScanGeometry, Text, TextError, payload,
+    Operation, ScanGeometry, Text, TextError, payload, schema,
 };

@@ -3,7 +3,9 @@
 mod error;
 mod header;
 mod kind;
+mod layout;
 pub mod payload;
+pub mod schema;
 mod text;
 mod view;
 

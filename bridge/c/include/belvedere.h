@@ -1,6 +1,6 @@
 /* Belvedere's frames in shared memory, for C and C++. SPDX-License-Identifier: MIT OR Apache-2.0
  *
- * Made by cbindgen from bridge/c/src; do not edit. The layout of every byte is in bridge/WIRE.md.
+ * Made from bridge/src/wire and, by cbindgen, from bridge/c/src; do not edit. The layout of every byte is in bridge/WIRE.md.
  *
  *   bv_node *node;
  *   bv_subscriber *subscriber;
@@ -37,6 +37,593 @@
 
 // Flag: a plane of intensities of the same shape follows the ranges, at row_stride * height.
 #define BV_HAS_INTENSITIES 1
+
+// What the payload of a stream means (bv_frame_header.kind). Numbers are never reused.
+enum bv_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint16_t
+#endif
+ {
+    // A colour or grey picture; the header carries its intrinsics.
+    BV_KIND_IMAGE = 1,
+    // Depth along the optical axis; the header carries its intrinsics.
+    BV_KIND_DEPTH_IMAGE = 2,
+    // One bv_camera_info.
+    BV_KIND_CAMERA_INFO = 3,
+    // Ranges of a planar or multi-layer lidar; the header carries its angles.
+    BV_KIND_LASER_SCAN = 4,
+    // Points in the sensor's frame; organised (an image of points) when the height is more than 1.
+    BV_KIND_POINT_CLOUD = 5,
+    // One bv_odometry.
+    BV_KIND_ODOMETRY = 6,
+    // An array of bv_transform that hold at the stamp.
+    BV_KIND_TRANSFORMS = 7,
+    // An array of bv_transform that hold always.
+    BV_KIND_STATIC_TRANSFORMS = 8,
+    // An array of bv_joint_state.
+    BV_KIND_JOINT_STATES = 9,
+    // One bv_clock: the simulation's time.
+    BV_KIND_CLOCK = 10,
+    // One bv_velocity_command, towards the robot.
+    BV_KIND_VELOCITY_COMMAND = 11,
+    // One bv_imu.
+    BV_KIND_IMU = 12,
+    // One bv_robot_event, sent when it happens.
+    BV_KIND_ROBOT_EVENT = 13,
+    // One bv_simulation_command, towards the simulator; a text may follow it in the payload.
+    BV_KIND_SIMULATION_COMMAND = 14,
+    // One bv_simulation_result: the answer to a command.
+    BV_KIND_SIMULATION_RESULT = 15,
+    // An array of bv_model_state.
+    BV_KIND_MODEL_STATES = 16,
+    // One bv_core_sensors.
+    BV_KIND_CORE_SENSORS = 17,
+    // One bv_reset_odometry, towards the robot.
+    BV_KIND_RESET_ODOMETRY = 18,
+    // One bv_motor_power, towards the robot.
+    BV_KIND_MOTOR_POWER = 19,
+    // One bv_range.
+    BV_KIND_RANGE = 20,
+    // An array of bv_sensor_settings: of every sensor that can be changed, as they are from the stamp on.
+    BV_KIND_SENSOR_SETTINGS = 21,
+    // An array of bv_bounding_box: of everything that a picture shows.
+    BV_KIND_BOUNDING_BOXES = 22,
+    // An array of bv_tag_detection: of the tags that a picture shows.
+    BV_KIND_TAG_DETECTIONS = 23,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum bv_kind bv_kind;
+#else
+typedef uint16_t bv_kind;
+#endif
+#endif
+
+// How one element of the payload is coded (bv_frame_header.encoding).
+enum bv_encoding
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint16_t
+#endif
+ {
+    // Red, green, blue; 8 bit each.
+    BV_ENCODING_RGB8 = 1,
+    // Blue, green, red; 8 bit each.
+    BV_ENCODING_BGR8 = 2,
+    // Grey, 8 bit.
+    BV_ENCODING_MONO8 = 3,
+    // Depth in metres, as 32-bit floats: NaN invalid, −inf too near, +inf nothing there (REP-118).
+    BV_ENCODING_F32C1 = 4,
+    // Depth in millimetres, 16 bit: 0 invalid (REP-118).
+    BV_ENCODING_U16C1 = 5,
+    // A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are
+    // 0x00RRGGBB (PCL's rgb); the rest is padding. NaN coordinates: no point.
+    BV_ENCODING_XYZ_RGB_F32 = 6,
+    // Ranges in metres, 32-bit floats (REP-117): height layers of width rays. With
+    // BV_HAS_INTENSITIES a second plane of the same shape follows
+    // at height · row_stride.
+    BV_ENCODING_RANGES_F32 = 7,
+    // height fixed structs, elem_stride bytes apart; see payload.
+    BV_ENCODING_STRUCT = 8,
+    // Red, green, blue, and 255; 8 bit each.
+    BV_ENCODING_RGBA8 = 9,
+    // Grey, 16 bit.
+    BV_ENCODING_MONO16 = 10,
+    // A colour a pixel, 8 bit: the first row red and green, the second green and blue.
+    BV_ENCODING_BAYER_RGGB8 = 11,
+    // A colour a pixel, 8 bit: the first row blue and green, the second green and red.
+    BV_ENCODING_BAYER_BGGR8 = 12,
+    // A colour a pixel, 8 bit: the first row green and blue, the second red and green.
+    BV_ENCODING_BAYER_GBRG8 = 13,
+    // A colour a pixel, 8 bit: the first row green and red, the second blue and green.
+    BV_ENCODING_BAYER_GRBG8 = 14,
+    // A colour a pixel, 16 bit: the first row red and green, the second green and blue.
+    BV_ENCODING_BAYER_RGGB16 = 15,
+    // A colour a pixel, 16 bit: the first row blue and green, the second green and red.
+    BV_ENCODING_BAYER_BGGR16 = 16,
+    // A colour a pixel, 16 bit: the first row green and blue, the second red and green.
+    BV_ENCODING_BAYER_GBRG16 = 17,
+    // A colour a pixel, 16 bit: the first row green and red, the second blue and green.
+    BV_ENCODING_BAYER_GRBG16 = 18,
+    // Two 32-bit floats: flow in pixels, to the right and down; NaN where there is none.
+    BV_ENCODING_F32C2 = 19,
+    // Three 32-bit floats: unit normals in the axes of the world; 0 where nothing is seen.
+    BV_ENCODING_F32C3 = 20,
+    // A number of a thing or of a class, 32 bit and signed; of things, -1 where nothing is seen.
+    BV_ENCODING_I32C1 = 21,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum bv_encoding bv_encoding;
+#else
+typedef uint16_t bv_encoding;
+#endif
+#endif
+
+// How a lens maps directions to pixels, and the order of its parameters. Names are those of
+// sensor_msgs/CameraInfo where ROS has one. With K = (fx, fy, cx, cy) a direction (x, y, z) becomes the pixel (fx·u + cx, fy·v + cy).
+enum bv_distortion_model
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint16_t
+#endif
+ {
+    // Brown–Conrady: k1 k2 p1 p2 k3; all 0 for a pinhole. u, v are x/z, y/z, distorted.
+    BV_DISTORTION_MODEL_PLUMB_BOB = 1,
+    // OpenCV's longer forms of it: k1 k2 p1 p2 k3 k4 k5 k6, then s1 s2 s3 s4 of a thin prism, then the tilts τx τy;
+    // 8, 12 or 14 of them.
+    BV_DISTORTION_MODEL_RATIONAL_POLYNOMIAL = 2,
+    // Kannala–Brandt, OpenCV's fisheye: k1 k2 k3 k4 of θ + k1 θ³ + k2 θ⁵ + k3 θ⁷ + k4 θ⁹.
+    BV_DISTORTION_MODEL_EQUIDISTANT = 3,
+    // Extended unified camera model: alpha beta. ROS has no name for it, nor for those that follow.
+    BV_DISTORTION_MODEL_EUCM = 4,
+    // Double sphere: xi alpha.
+    BV_DISTORTION_MODEL_DOUBLE_SPHERE = 5,
+    // Mei's unified model: xi k1 k2 p1 p2.
+    BV_DISTORTION_MODEL_MEI = 6,
+    // Columns are angles about the camera's y, rows are elevations: u = atan2(x, z), v = atan2(y, √(x² + z²)).
+    BV_DISTORTION_MODEL_EQUIRECTANGULAR = 7,
+    // SDF's: c1 c2 c3 f fun cutoff. The radius is c1·f·fun(θ/c2 + c3), f in pixels, fun 0 sin, 1 tan, 2 the angle
+    // itself; beyond the angle cutoff nothing is seen. K is its scale in the middle.
+    BV_DISTORTION_MODEL_WIDE_ANGLE = 8,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum bv_distortion_model bv_distortion_model;
+#else
+typedef uint16_t bv_distortion_model;
+#endif
+#endif
+
+// What a simulator is told to do (bv_simulation_command.operation). Numbers are never reused; one that a simulator
+// does not know it refuses by number.
+enum bv_operation
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint16_t
+#endif
+ {
+    // Let simulated time stand.
+    BV_OPERATION_PAUSE = 1,
+    // Let it go on.
+    BV_OPERATION_RESUME = 2,
+    // Run steps steps of physics with all that is published on the way, then pause.
+    BV_OPERATION_STEP = 3,
+    // Put every model back to where it was at the start, at rest; time goes on.
+    BV_OPERATION_RESET_WORLD = 4,
+    // Begin again at time 0: what follows are the bytes of a fresh start.
+    BV_OPERATION_RESET_SIMULATION = 5,
+    // Give the model name a pose and a velocity, in the frame reference.
+    BV_OPERATION_SET_MODEL_STATE = 6,
+    // Put the model in the text (URDF or SDF) into the world as name, at a pose in the frame reference.
+    BV_OPERATION_SPAWN = 7,
+    // Take the model name out of the world.
+    BV_OPERATION_DELETE = 8,
+    // Change settings of the sensor name, or of the one that sends the topic name: key=value words in the text.
+    BV_OPERATION_CONFIGURE = 9,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum bv_operation bv_operation;
+#else
+typedef uint16_t bv_operation;
+#endif
+#endif
+
+// How an image's pixels map to directions; the block of images, depth images and organised clouds.
+typedef struct bv_intrinsics {
+    // Focal length along a row, pixels.
+    double fx;
+    // Focal length along a column, pixels.
+    double fy;
+    // Principal point; pixel centres are integers, so that of a centred image is (width − 1) / 2.
+    double cx;
+    // Principal point, rows.
+    double cy;
+    // K[1]: pixels along a row for each unit of y.
+    double skew;
+    // Parameters of the model, in the order that bv_distortion_model says; the first distortion_len hold.
+    double distortion[14];
+    // Nearest depth that is measured, metres.
+    float near;
+    // Farthest depth that is measured, metres.
+    float far;
+    // P[3] = −fx · baseline of a stereo partner, else 0.
+    float tx;
+    // A bv_distortion_model by its number; 0 for none.
+    uint16_t distortion_model;
+    // How many of distortion hold.
+    uint16_t distortion_len;
+    // 0.
+    uint64_t reserved[5];
+} bv_intrinsics;
+
+// Angles and limits of a lidar; the block of scans. Angles in radians: horizontal ones counter-clockwise about
+// +z from +x, vertical ones up.
+typedef struct bv_scan_geometry {
+    // Angle of the first ray of a layer.
+    double angle_min;
+    // From one ray to the next.
+    double angle_increment;
+    // Seconds from one ray to the next.
+    double time_increment;
+    // Seconds from one scan to the next.
+    double scan_time;
+    // Shortest range that is measured, metres.
+    float range_min;
+    // Longest range that is measured, metres.
+    float range_max;
+    // Elevation of the first layer.
+    double vertical_angle_min;
+    // From one layer to the next.
+    double vertical_angle_increment;
+    // 0.
+    uint64_t reserved[19];
+} bv_scan_geometry;
+
+// What only this kind has.
+typedef union bv_block {
+    // images, depth images, clouds
+    struct bv_intrinsics intrinsics;
+    // scans
+    struct bv_scan_geometry scan;
+    uint64_t raw[26];
+} bv_block;
+
+// The 384 bytes that describe a payload: what it is, when and from where it was taken, how it lies in memory.
+//
+// Aligned to 64 bytes, so that the payload behind it starts on a cache line and a SIMD register boundary.
+typedef struct bv_frame_header {
+    // BV_MAGIC.
+    uint32_t magic;
+    // 384.
+    uint16_t header_len;
+    // BV_SCHEMA.
+    uint16_t schema;
+    // A bv_kind by its number.
+    uint16_t kind;
+    // An bv_encoding by its number.
+    uint16_t encoding;
+    // BV_HAS_INTENSITIES; other bits are 0.
+    uint32_t flags;
+    // Counts the frames of one publisher's life from 0. Set by send.
+    uint64_t seq;
+    // Random per publisher life: a new one means that seq began again. Set by loan.
+    uint64_t session;
+    // Moment of capture in simulation time, nanoseconds since the simulation started.
+    uint64_t stamp_ns;
+    // CLOCK_MONOTONIC at the moment of sending, nanoseconds. Set by send.
+    uint64_t publish_mono_ns;
+    // Elements per row: pixels, rays, points; 1 for structs.
+    uint32_t width;
+    // Rows: image rows, lidar layers; the number of structs.
+    uint32_t height;
+    // Bytes from one row to the next.
+    uint32_t row_stride;
+    // Bytes from one element to the next.
+    uint32_t elem_stride;
+    // Bytes of payload that hold. Set by loan.
+    uint64_t payload_len;
+    // The frame that the data are given in.
+    char frame_id[64];
+    // world_from_sensor: the sensor's origin in the world at stamp_ns, metres.
+    double position[3];
+    // world_from_sensor: its orientation, x y z w.
+    float orientation[4];
+    // What only this kind has: bv_intrinsics or bv_scan_geometry.
+    union bv_block block;
+} bv_frame_header;
+
+// How a camera maps directions to pixels, as sensor_msgs/CameraInfo has it.
+typedef struct bv_camera_info {
+    // Pixels per row.
+    uint32_t width;
+    // Rows.
+    uint32_t height;
+    // A bv_distortion_model by its name, or nothing without distortion.
+    char distortion_model[32];
+    // Distortion parameters in the order of the model; the first d_len hold.
+    double d[14];
+    // How many of d hold.
+    uint32_t d_len;
+    // 0.
+    uint32_t reserved;
+    // Intrinsic matrix of the raw image, row by row.
+    double k[9];
+    // Rectification rotation, row by row.
+    double r[9];
+    // Projection matrix of the rectified image, 3 × 4, row by row.
+    double p[12];
+} bv_camera_info;
+
+// Pose and velocity of a body, as nav_msgs/Odometry has it: the pose is in the header's frame_id, the
+// velocity in child_frame_id.
+typedef struct bv_odometry {
+    // The body's frame.
+    char child_frame_id[64];
+    // Metres.
+    double position[3];
+    // x y z w.
+    double orientation[4];
+    // Metres per second.
+    double linear[3];
+    // Radians per second.
+    double angular[3];
+    // 6 × 6 row by row: x y z and rotations about x y z.
+    double pose_covariance[36];
+    // 6 × 6 row by row: linear x y z, angular x y z.
+    double twist_covariance[36];
+} bv_odometry;
+
+// point_in_parent = parent_from_child · point_in_child.
+typedef struct bv_transform {
+    // The frame that is the reference.
+    char parent[64];
+    // The frame whose pose is given.
+    char child[64];
+    // The child's origin in the parent, metres.
+    double translation[3];
+    // x y z w.
+    double rotation[4];
+} bv_transform;
+
+// State of one joint.
+typedef struct bv_joint_state {
+    // The joint's name in the robot description.
+    char name[64];
+    // Radians or metres.
+    double position;
+    // Radians or metres per second.
+    double velocity;
+    // Newton metres or newtons.
+    double effort;
+} bv_joint_state;
+
+// The simulation's time.
+typedef struct bv_clock {
+    // Nanoseconds since the simulation started.
+    uint64_t now_ns;
+} bv_clock;
+
+// A wanted velocity of the robot in its own frame, as geometry_msgs/Twist has it.
+typedef struct bv_velocity_command {
+    // x forward, y left, z up; metres per second.
+    double linear[3];
+    // About x, y, z; radians per second.
+    double angular[3];
+} bv_velocity_command;
+
+// What an inertial measurement unit measures, as sensor_msgs/Imu has it, in the header's frame_id. Covariances
+// are 3 × 3 row by row; one of zeros is not known, one that begins with −1 says that there is no measurement
+// (REP-145).
+typedef struct bv_imu {
+    // x y z w.
+    double orientation[4];
+    // Radians per second.
+    double angular_velocity[3];
+    // Metres per second²; +g upwards at rest.
+    double linear_acceleration[3];
+    // About x, y, z.
+    double orientation_covariance[9];
+    // About x, y, z.
+    double angular_velocity_covariance[9];
+    // Along x, y, z.
+    double linear_acceleration_covariance[9];
+} bv_imu;
+
+// A sensor of a base that has changed its state (kobuki_msgs/BumperEvent, CliffEvent, WheelDropEvent).
+typedef struct bv_robot_event {
+    // bv_robot_event.BUMPER, bv_robot_event.CLIFF or bv_robot_event.WHEEL_DROP.
+    uint32_t source;
+    // bv_robot_event.LEFT, bv_robot_event.CENTRE or bv_robot_event.RIGHT. (kobuki_msgs numbers the right wheel 1.)
+    uint32_t index;
+    // 0 released, floor, raised; 1 pressed, cliff, dropped.
+    uint32_t state;
+    // A cliff sensor's reading, as bv_core_sensors.bottom; else 0.
+    uint32_t value;
+} bv_robot_event;
+
+// What a base says of itself 50 times a second (kobuki_msgs/SensorState). In the bits of bumper and cliff 1 is
+// right, 2 is centre, 4 is left; in those of the wheels 1 is right, 2 is left.
+typedef struct bv_core_sensors {
+    // Milliseconds; wraps.
+    uint16_t time_stamp;
+    // Bits of what is pressed.
+    uint8_t bumper;
+    // Bits of the wheels that hang.
+    uint8_t wheel_drop;
+    // Bits of where there is no floor.
+    uint8_t cliff;
+    // Bits of what is pressed: 1, 2, 4.
+    uint8_t buttons;
+    // Ticks of the left wheel; wraps.
+    uint16_t left_encoder;
+    // Ticks of the right wheel; wraps.
+    uint16_t right_encoder;
+    // Duty of the left motor; 0, not simulated.
+    int8_t left_pwm;
+    // Duty of the right motor; 0, not simulated.
+    int8_t right_pwm;
+    // 0 discharging, 2 charged, 6 charging; 16 is added at an adapter.
+    uint8_t charger;
+    // Tenths of a volt.
+    uint8_t battery;
+    // Converted readings of the cliff sensors right, centre, left, of 12 bits; smaller is farther.
+    uint16_t bottom[3];
+} bv_core_sensors;
+
+// Odometry is to begin at zero here and now.
+typedef struct bv_reset_odometry {
+    // 0.
+    uint64_t reserved;
+} bv_reset_odometry;
+
+// Whether the motors follow commands (kobuki_msgs/MotorPower).
+typedef struct bv_motor_power {
+    // 0 off, else on.
+    uint32_t state;
+} bv_motor_power;
+
+// What a simulator is to do. A text of text_len bytes follows it in the payload.
+typedef struct bv_simulation_command {
+    // Chosen at random by the sender; the result names it.
+    uint64_t id;
+    // An bv_operation's number.
+    uint16_t operation;
+    // 0.
+    uint16_t reserved;
+    // Bytes of UTF-8 that follow this struct, without a NUL: the model to be spawned, the settings to
+    // be changed. 0 for other operations.
+    uint32_t text_len;
+    // Steps of physics to run.
+    uint64_t steps;
+    // The model that is meant; of a sensor's settings, the sensor, or a topic that it sends.
+    char name[64];
+    // The frame that pose and velocity are given in: a model, model::link, or nothing for the world.
+    char reference[64];
+    // Of the model's frame, metres.
+    double position[3];
+    // Of the model's frame, x y z w; four zeros are no rotation.
+    double orientation[4];
+    // Of the model's origin, along the axes of the reference, metres per second.
+    double linear[3];
+    // About the axes of the reference, radians per second.
+    double angular[3];
+    // Of what is spawned: it stands before its topics and frames; nothing for none.
+    char robot_namespace[64];
+} bv_simulation_command;
+
+// What became of a bv_simulation_command.
+typedef struct bv_simulation_result {
+    // The command's.
+    uint64_t id;
+    // Simulated time after it.
+    uint64_t time_ns;
+    // 1 when it was done, 0 when it was refused.
+    uint16_t done;
+    // The command's.
+    uint16_t operation;
+    // 0.
+    uint32_t reserved;
+    // Why it was refused; nothing when it was done.
+    char reason[488];
+} bv_simulation_result;
+
+// Where a model or a link is, and how it moves.
+typedef struct bv_model_state {
+    // The model's name; model::link for a link. Twice as long as other names since it is made of two.
+    char name[128];
+    // In the world, metres.
+    double position[3];
+    // In the world, x y z w.
+    double orientation[4];
+    // Of its origin, along the world's axes, metres per second.
+    double linear[3];
+    // About the world's axes, radians per second.
+    double angular[3];
+} bv_model_state;
+
+// One distance, as sensor_msgs/Range has it: to the nearest thing within the field of view.
+typedef struct bv_range {
+    // 0 ultrasound, 1 infrared.
+    uint32_t radiation_type;
+    // Full angle of the cone that is measured in, radians.
+    float field_of_view;
+    // Metres: nothing nearer is measured.
+    float min_range;
+    // Metres: nothing farther is measured.
+    float max_range;
+    // Metres; −inf too near, +inf nothing in range (REP-117), or as the simulator's description of it says.
+    float range;
+} bv_range;
+
+// A number that can be set; all three are NaN where a sensor has no such setting.
+typedef struct bv_setting {
+    // What it is.
+    double value;
+    // The least that it may be.
+    double min;
+    // The most that it may be.
+    double max;
+} bv_setting;
+
+// The settings of one sensor, under the names by which the operation Configure
+// changes them.
+typedef struct bv_sensor_settings {
+    // The sensor's name in the robot's description.
+    char name[64];
+    // The streams that it sends, without leading slashes; the rest is empty.
+    char topics[6][256];
+    // Frames per second.
+    struct bv_setting update_rate;
+    // Mean of the noise: of colours in [0, 1] for a camera, of ranges in metres for a lidar.
+    struct bv_setting noise_mean;
+    // Its standard deviation, in the same unit.
+    struct bv_setting noise_stddev;
+    // Exposure of a camera: the share of the light that its description gives it, 1 as described.
+    struct bv_setting exposure;
+} bv_sensor_settings;
+
+// What is seen of a thing, and where all of it is. Its pose is in the optical frame of the sensor (x right, y down, z
+// forward) at the header's stamp.
+typedef struct bv_bounding_box {
+    // Its number, as in the picture of instances.
+    uint32_t instance;
+    // Its class, as in the picture of classes.
+    uint32_t label;
+    // How many pixels show it.
+    uint32_t pixels;
+    // First column and row of these.
+    uint32_t min[2];
+    // Last column and row, themselves seen.
+    uint32_t max[2];
+    // 0.
+    uint32_t reserved;
+    // Middle of the box that holds the whole of it, along its own axes; metres.
+    double position[3];
+    // x y z w.
+    double orientation[4];
+    // Edges of that box; metres.
+    double size[3];
+} bv_bounding_box;
+
+// Where a tag is seen: one of which a corner is in the picture with nothing in front of it. Its pose is in the optical
+// frame of the sensor (x right, y down, z forward) at the header's stamp; the tag's own x is to the right and y up as one
+// reads it, z towards the reader, as in OpenCV's ArUco.
+typedef struct bv_tag_detection {
+    // As the file says: tag36h11, qr.
+    char family[32];
+    // Its number in the family.
+    uint32_t id;
+    // For each corner 1 if it is in the picture and nothing hides it, else 0.
+    uint8_t visible[4];
+    // Edge of its square without the white margin; metres.
+    double size;
+    // Column and row of each corner, centres of pixels at integers: top left, top right, bottom right, bottom left as one
+    // reads it (OpenCV's ArUco), when the row is taken. NaN where no pixel of the lens sees in that direction.
+    double corners[4][2];
+    // Its middle; metres.
+    double position[3];
+    // x y z w.
+    double orientation[4];
+} bv_tag_detection;
 
 // Most streams of a set.
 #define BV_SYNCHRONIZER_MAX 8
@@ -77,188 +664,6 @@ enum bv_status
 typedef enum bv_status bv_status;
 #else
 typedef int32_t bv_status;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// What the payload is (bv_frame_header.kind).
-enum bv_kind
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint16_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // A colour or grey picture; block: intrinsics.
-    BV_KIND_IMAGE = 1,
-    // Depth along the optical axis; block: intrinsics.
-    BV_KIND_DEPTH_IMAGE = 2,
-    // One bv_camera_info.
-    BV_KIND_CAMERA_INFO = 3,
-    // Ranges of a lidar; block: scan.
-    BV_KIND_LASER_SCAN = 4,
-    // Points; organised as an image when height > 1; block: intrinsics.
-    BV_KIND_POINT_CLOUD = 5,
-    // One bv_odometry.
-    BV_KIND_ODOMETRY = 6,
-    // An array of bv_transform that hold at the stamp.
-    BV_KIND_TRANSFORMS = 7,
-    // An array of bv_transform that hold always.
-    BV_KIND_STATIC_TRANSFORMS = 8,
-    // An array of bv_joint_state.
-    BV_KIND_JOINT_STATES = 9,
-    // One bv_clock.
-    BV_KIND_CLOCK = 10,
-    // One bv_velocity_command.
-    BV_KIND_VELOCITY_COMMAND = 11,
-    // One bv_imu.
-    BV_KIND_IMU = 12,
-    // One bv_robot_event.
-    BV_KIND_ROBOT_EVENT = 13,
-    // One bv_simulation_command, towards the simulator; a text may follow it.
-    BV_KIND_SIMULATION_COMMAND = 14,
-    // One bv_simulation_result.
-    BV_KIND_SIMULATION_RESULT = 15,
-    // An array of bv_model_state.
-    BV_KIND_MODEL_STATES = 16,
-    // One bv_core_sensors.
-    BV_KIND_CORE_SENSORS = 17,
-    // One bv_reset_odometry.
-    BV_KIND_RESET_ODOMETRY = 18,
-    // One bv_motor_power.
-    BV_KIND_MOTOR_POWER = 19,
-    // One bv_range.
-    BV_KIND_RANGE = 20,
-    // An array of bv_sensor_settings.
-    BV_KIND_SENSOR_SETTINGS = 21,
-    // An array of bv_bounding_box.
-    BV_KIND_BOUNDING_BOXES = 22,
-    // An array of bv_tag_detection.
-    BV_KIND_TAG_DETECTIONS = 23,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum bv_kind bv_kind;
-#else
-typedef uint16_t bv_kind;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// How an element is coded (bv_frame_header.encoding).
-enum bv_encoding
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint16_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // Red, green, blue; 8 bit each.
-    BV_ENCODING_RGB8 = 1,
-    // Blue, green, red; 8 bit each.
-    BV_ENCODING_BGR8 = 2,
-    // Grey, 8 bit.
-    BV_ENCODING_MONO8 = 3,
-    // float, metres: NaN invalid, -inf too near, +inf nothing there.
-    BV_ENCODING_F32C1 = 4,
-    // uint16_t, millimetres: 0 invalid.
-    BV_ENCODING_U16C1 = 5,
-    // 32 bytes: float x, y, z at 0, 4, 8; colour 0x00RRGGBB at 16.
-    BV_ENCODING_XYZ_RGB_F32 = 6,
-    // float, metres: height layers of width rays.
-    BV_ENCODING_RANGES_F32 = 7,
-    // height structs of the kind, row_stride bytes apart.
-    BV_ENCODING_STRUCT = 8,
-    // Red, green, blue, and 255; 8 bit each.
-    BV_ENCODING_RGBA8 = 9,
-    // Grey, uint16_t.
-    BV_ENCODING_MONO16 = 10,
-    // A colour a pixel, 8 bit: the first row red and green, the second green and blue.
-    BV_ENCODING_BAYER_RGGB8 = 11,
-    // A colour a pixel, 8 bit: the first row blue and green, the second green and red.
-    BV_ENCODING_BAYER_BGGR8 = 12,
-    // A colour a pixel, 8 bit: the first row green and blue, the second red and green.
-    BV_ENCODING_BAYER_GBRG8 = 13,
-    // A colour a pixel, 8 bit: the first row green and red, the second blue and green.
-    BV_ENCODING_BAYER_GRBG8 = 14,
-    // A colour a pixel, uint16_t: the first row red and green, the second green and blue.
-    BV_ENCODING_BAYER_RGGB16 = 15,
-    // A colour a pixel, uint16_t: the first row blue and green, the second green and red.
-    BV_ENCODING_BAYER_BGGR16 = 16,
-    // A colour a pixel, uint16_t: the first row green and blue, the second red and green.
-    BV_ENCODING_BAYER_GBRG16 = 17,
-    // A colour a pixel, uint16_t: the first row green and red, the second blue and green.
-    BV_ENCODING_BAYER_GRBG16 = 18,
-    // Two floats: flow in pixels, to the right and down; NaN where there is none.
-    BV_ENCODING_F32C2 = 19,
-    // Three floats: unit normals in the axes of the world; 0 where nothing is seen.
-    BV_ENCODING_F32C3 = 20,
-    // int32_t, a number of a thing or of a class; of things, -1 where nothing is seen.
-    BV_ENCODING_I32C1 = 21,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum bv_encoding bv_encoding;
-#else
-typedef uint16_t bv_encoding;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// What a simulator is told to do (bv_simulation_command.operation), and the fields that it looks at.
-enum bv_operation
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint16_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // Let simulated time stand.
-    BV_OPERATION_PAUSE = 1,
-    // Let it go on.
-    BV_OPERATION_RESUME = 2,
-    // Run steps of physics with all that is published on the way, then pause: steps.
-    BV_OPERATION_STEP = 3,
-    // Every model where it was at the start, at rest; time goes on.
-    BV_OPERATION_RESET_WORLD = 4,
-    // Begin again at time 0.
-    BV_OPERATION_RESET_SIMULATION = 5,
-    // Move a model: name, reference, position, orientation, linear, angular.
-    BV_OPERATION_SET_MODEL_STATE = 6,
-    // Put the model of the text into the world: name, reference, position, orientation, robot_namespace.
-    BV_OPERATION_SPAWN = 7,
-    // Take a model out: name.
-    BV_OPERATION_DELETE = 8,
-    // Change settings of the sensor, or of the one that sends the topic, name: `key=value` words in the text.
-    BV_OPERATION_CONFIGURE = 9,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum bv_operation bv_operation;
-#else
-typedef uint16_t bv_operation;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// How a lens maps directions to pixels, and its parameters (bv_intrinsics.distortion_model).
-enum bv_distortion_model
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint16_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // k1 k2 p1 p2 k3; all 0 for a pinhole.
-    BV_DISTORTION_MODEL_PLUMB_BOB = 1,
-    // k1 k2 p1 p2 k3 k4 k5 k6, then s1 s2 s3 s4, then tau_x tau_y: 8, 12 or 14.
-    BV_DISTORTION_MODEL_RATIONAL_POLYNOMIAL = 2,
-    // k1 k2 k3 k4 of Kannala and Brandt, OpenCV's fisheye.
-    BV_DISTORTION_MODEL_EQUIDISTANT = 3,
-    // alpha beta
-    BV_DISTORTION_MODEL_EUCM = 4,
-    // xi alpha
-    BV_DISTORTION_MODEL_DOUBLE_SPHERE = 5,
-    // xi k1 k2 p1 p2
-    BV_DISTORTION_MODEL_MEI = 6,
-    // none
-    BV_DISTORTION_MODEL_EQUIRECTANGULAR = 7,
-    // c1 c2 c3 f fun cutoff of SDF's lens; f in pixels, fun 0 sin, 1 tan, 2 the angle itself.
-    BV_DISTORTION_MODEL_WIDE_ANGLE = 8,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum bv_distortion_model bv_distortion_model;
-#else
-typedef uint16_t bv_distortion_model;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -309,332 +714,6 @@ typedef struct bv_stream_info {
     // layers of a lidar; 0 unknown
     uint32_t layers;
 } bv_stream_info;
-
-// How pixels map to directions.
-typedef struct bv_intrinsics {
-    double fx;
-    double fy;
-    double cx;
-    double cy;
-    // K[1]
-    double skew;
-    // parameters of the model, in its order
-    double distortion[14];
-    // metres
-    float near;
-    // metres
-    float far;
-    // P[3]
-    float tx;
-    // a bv_distortion_model; 0 none
-    uint16_t distortion_model;
-    // how many of distortion hold
-    uint16_t distortion_len;
-    uint64_t reserved[5];
-} bv_intrinsics;
-
-// Angles (radians) and limits (metres) of a lidar.
-typedef struct bv_scan_geometry {
-    double angle_min;
-    double angle_increment;
-    // seconds from ray to ray
-    double time_increment;
-    // seconds from scan to scan
-    double scan_time;
-    float range_min;
-    float range_max;
-    double vertical_angle_min;
-    double vertical_angle_increment;
-    uint64_t reserved[19];
-} bv_scan_geometry;
-
-// What only this kind has.
-typedef union bv_block {
-    // images, depth images, clouds
-    struct bv_intrinsics intrinsics;
-    // scans
-    struct bv_scan_geometry scan;
-    uint64_t raw[26];
-} bv_block;
-
-// The 384 bytes before every payload.
-typedef struct bv_frame_header {
-    // BV_MAGIC
-    uint32_t magic;
-    // 384
-    uint16_t header_len;
-    // BV_SCHEMA
-    uint16_t schema;
-    // a bv_kind
-    uint16_t kind;
-    // a bv_encoding
-    uint16_t encoding;
-    // BV_HAS_INTENSITIES
-    uint32_t flags;
-    // counts the frames of one session from 0
-    uint64_t seq;
-    // random per publisher life
-    uint64_t session;
-    // simulation time of capture
-    uint64_t stamp_ns;
-    // CLOCK_MONOTONIC of sending
-    uint64_t publish_mono_ns;
-    // elements per row
-    uint32_t width;
-    // rows
-    uint32_t height;
-    // bytes from row to row
-    uint32_t row_stride;
-    // bytes from element to element
-    uint32_t elem_stride;
-    uint64_t payload_len;
-    // NUL-terminated
-    char frame_id[64];
-    // of the sensor in the world, metres
-    double position[3];
-    // of the sensor in the world, x y z w
-    float orientation[4];
-    union bv_block block;
-} bv_frame_header;
-
-// As geometry_msgs/Twist: x forward, y left, z up; m/s and rad/s.
-typedef struct bv_velocity_command {
-    double linear[3];
-    double angular[3];
-} bv_velocity_command;
-
-// What a simulator is to do. A text of text_len bytes follows it in the payload.
-typedef struct bv_simulation_command {
-    // chosen at random by the sender; the result names it
-    uint64_t id;
-    // a bv_operation
-    uint16_t operation;
-    uint16_t reserved;
-    // bytes of UTF-8 that follow, without a NUL
-    uint32_t text_len;
-    // steps of physics
-    uint64_t steps;
-    // the model that is meant; for configure a sensor, or a topic that it sends
-    char name[64];
-    // the frame of what follows: a model, model::link, or nothing for the world
-    char reference[64];
-    double position[3];
-    // x y z w
-    double orientation[4];
-    double linear[3];
-    double angular[3];
-    // of what is spawned: stands before its topics and frames; empty for none
-    char robot_namespace[64];
-} bv_simulation_command;
-
-// What became of a command.
-typedef struct bv_simulation_result {
-    // the command's
-    uint64_t id;
-    // simulated time after it
-    uint64_t time_ns;
-    // 1 done, 0 refused
-    uint16_t done;
-    // the command's
-    uint16_t operation;
-    uint32_t reserved;
-    // why it was refused
-    char reason[488];
-} bv_simulation_result;
-
-// As sensor_msgs/CameraInfo.
-typedef struct bv_camera_info {
-    uint32_t width;
-    uint32_t height;
-    // the model's name: plumb_bob, rational_polynomial, equidistant, eucm, double_sphere, mei, equirectangular, wide_angle
-    char distortion_model[32];
-    // parameters of the model, in its order
-    double d[14];
-    // how many of d hold
-    uint32_t d_len;
-    uint32_t reserved;
-    double k[9];
-    double r[9];
-    double p[12];
-} bv_camera_info;
-
-// As nav_msgs/Odometry.
-typedef struct bv_odometry {
-    char child_frame_id[64];
-    double position[3];
-    // x y z w
-    double orientation[4];
-    double linear[3];
-    double angular[3];
-    double pose_covariance[36];
-    double twist_covariance[36];
-} bv_odometry;
-
-// point_in_parent = parent_from_child * point_in_child
-typedef struct bv_transform {
-    char parent[64];
-    char child[64];
-    double translation[3];
-    // x y z w
-    double rotation[4];
-} bv_transform;
-
-// State of one joint.
-typedef struct bv_joint_state {
-    char name[64];
-    double position;
-    double velocity;
-    double effort;
-} bv_joint_state;
-
-// The simulation's time.
-typedef struct bv_clock {
-    uint64_t now_ns;
-} bv_clock;
-
-// As sensor_msgs/Imu. A covariance of zeros is not known; one that begins with -1: not measured.
-typedef struct bv_imu {
-    // x y z w
-    double orientation[4];
-    // rad/s
-    double angular_velocity[3];
-    // m/s^2; +g upwards at rest
-    double linear_acceleration[3];
-    double orientation_covariance[9];
-    double angular_velocity_covariance[9];
-    double linear_acceleration_covariance[9];
-} bv_imu;
-
-// A sensor of a base that has changed its state.
-typedef struct bv_robot_event {
-    // 0 bumper, 1 cliff sensor, 2 wheel
-    uint32_t source;
-    // 0 left, 1 centre, 2 right
-    uint32_t index;
-    // 0 released, floor, raised; 1 pressed, cliff, dropped
-    uint32_t state;
-    // a cliff sensor's reading, else 0
-    uint32_t value;
-} bv_robot_event;
-
-// As kobuki_msgs/SensorState. Bits of bumper and cliff: 1 right, 2 centre, 4 left; of wheel_drop: 1 right, 2 left.
-typedef struct bv_core_sensors {
-    // milliseconds; wraps
-    uint16_t time_stamp;
-    uint8_t bumper;
-    uint8_t wheel_drop;
-    uint8_t cliff;
-    uint8_t buttons;
-    // ticks; wraps
-    uint16_t left_encoder;
-    // ticks; wraps
-    uint16_t right_encoder;
-    int8_t left_pwm;
-    int8_t right_pwm;
-    // 0 discharging, 2 charged, 6 charging
-    uint8_t charger;
-    // tenths of a volt
-    uint8_t battery;
-    // cliff readings right, centre, left
-    uint16_t bottom[3];
-} bv_core_sensors;
-
-// Odometry is to begin at zero here and now.
-typedef struct bv_reset_odometry {
-    uint64_t reserved;
-} bv_reset_odometry;
-
-// Whether the motors follow commands.
-typedef struct bv_motor_power {
-    // 0 off, else on
-    uint32_t state;
-} bv_motor_power;
-
-// As sensor_msgs/Range: distance to the nearest thing within a cone.
-typedef struct bv_range {
-    // 0 ultrasound, 1 infrared
-    uint32_t radiation_type;
-    // full angle of the cone, radians
-    float field_of_view;
-    // metres
-    float min_range;
-    // metres
-    float max_range;
-    // metres; -inf too near, +inf nothing in range
-    float range;
-} bv_range;
-
-// A number that can be set; all three are NaN where a sensor has no such setting.
-typedef struct bv_setting {
-    double value;
-    double min;
-    double max;
-} bv_setting;
-
-// What of a sensor can be changed, under the names by which the operation configure changes it.
-typedef struct bv_sensor_settings {
-    // the sensor's name in the robot's description
-    char name[64];
-    // the streams that it sends, without leading slashes; the rest is empty
-    char topics[6][256];
-    // frames per second
-    struct bv_setting update_rate;
-    // of colours in [0, 1] for a camera, of ranges in metres for a lidar
-    struct bv_setting noise_mean;
-    struct bv_setting noise_stddev;
-    // share of the light that a camera's description gives it, 1 as described
-    struct bv_setting exposure;
-} bv_sensor_settings;
-
-// Where a model or a link is in the world, and how it moves.
-typedef struct bv_model_state {
-    // model, or model::link
-    char name[128];
-    double position[3];
-    // x y z w
-    double orientation[4];
-    double linear[3];
-    double angular[3];
-} bv_model_state;
-
-// What is seen of a thing, and where all of it is in the optical frame of the sensor: x right, y down, z forward.
-typedef struct bv_bounding_box {
-    // its number, as in the picture of instances
-    uint32_t instance;
-    // its class, as in the picture of classes
-    uint32_t label;
-    // how many pixels show it
-    uint32_t pixels;
-    // first column and row
-    uint32_t min[2];
-    // last column and row
-    uint32_t max[2];
-    uint32_t reserved;
-    // middle of the box that holds the whole of it, metres
-    double position[3];
-    // x y z w
-    double orientation[4];
-    // edges of that box, metres
-    double size[3];
-} bv_bounding_box;
-
-// Where a tag is seen, and its pose in the optical frame of the sensor: its own x right, y up, z towards the reader.
-typedef struct bv_tag_detection {
-    // as the file says: tag36h11, qr
-    char family[32];
-    // its number in the family
-    uint32_t id;
-    // for each corner 1 if it is in the picture and nothing hides it, else 0
-    uint8_t visible[4];
-    // edge of its square without the white margin, metres
-    double size;
-    // column and row of top left, top right, bottom right, bottom left as one reads it; NaN where the lens has no pixel
-    double corners[4][2];
-    // its middle, metres
-    double position[3];
-    // x y z w
-    double orientation[4];
-} bv_tag_detection;
 
 #ifdef __cplusplus
 extern "C" {

@@ -4,11 +4,10 @@ use std::ffi::{c_char, c_void};
 
 use belvedere_bridge::{
     Kind, Publisher, StreamSpec,
-    payload::{self, Message},
+    payload::{self, Message, VelocityCommand},
 };
 
 use crate::{
-    layout::VelocityCommand,
     node::Node,
     status::{Failure, Status, close, give, guard, handle_arg, null, str_arg},
 };
@@ -150,8 +149,7 @@ pub unsafe extern "C" fn bv_velocity_send(
         let VelocityPublisher(publisher) = unsafe { handle_arg(publisher, "publisher") }?;
         // SAFETY: readable or null by this function's contract.
         let command = unsafe { command.as_ref() }.ok_or_else(|| null("command"))?;
-        let command = payload::VelocityCommand { linear: command.linear, angular: command.angular };
-        publisher.send(bytemuck::bytes_of(&command))
+        publisher.send(bytemuck::bytes_of(command))
     })
 }
 

@@ -2,10 +2,12 @@
 
 use std::{ffi::c_char, time::Duration};
 
-use belvedere_bridge::{SimulationControl, Text, payload};
+use belvedere_bridge::{
+    Operation, SimulationControl,
+    payload::{SimulationCommand, SimulationResult},
+};
 
 use crate::{
-    layout::{SimulationCommand, SimulationResult},
     node::Node,
     status::{Status, close, give, guard, handle_arg, null, str_arg},
 };
@@ -53,16 +55,8 @@ pub unsafe extern "C" fn bv_control_call(
             return Err(null("result"));
         }
         let timeout = Duration::from_millis(timeout_ms.into());
-        let Some(answer) = control.0.call(&wire_command(command), text, timeout)? else {
+        let Some(answer) = control.0.call(&with_id(command), text, timeout)? else {
             return Ok(Status::Nothing);
-        };
-        let answer = SimulationResult {
-            id: answer.id,
-            time_ns: answer.time_ns,
-            done: answer.done,
-            operation: answer.operation,
-            reserved: answer.reserved,
-            reason: bytemuck::cast::<_, [u8; 488]>(answer.reason).map(|byte| byte as c_char),
         };
         // SAFETY: it can be written by this function's contract.
         unsafe { result.write(answer) };
@@ -110,22 +104,9 @@ pub unsafe extern "C" fn bv_control_close(control: *mut Control) {
     unsafe { close(control) };
 }
 
-fn wire_command(command: &SimulationCommand) -> payload::SimulationCommand {
-    let name = |text: &[c_char; 64]| -> Text<64> { bytemuck::cast(text.map(|byte| byte as u8)) };
-    let mut wire = payload::SimulationCommand::new(belvedere_bridge::Operation::Pause);
-    if command.id != 0 {
-        wire.id = command.id;
-    }
-    payload::SimulationCommand {
-        operation: command.operation,
-        steps: command.steps,
-        name: name(&command.name),
-        reference: name(&command.reference),
-        position: command.position,
-        orientation: command.orientation,
-        linear: command.linear,
-        angular: command.angular,
-        robot_namespace: name(&command.robot_namespace),
-        ..wire
-    }
+/// What is sent: the command with an id, and nothing of which the rest is made here.
+fn with_id(command: &SimulationCommand) -> SimulationCommand {
+    let fresh = SimulationCommand::new(Operation::Pause);
+    let id = if command.id == 0 { fresh.id } else { command.id };
+    SimulationCommand { id, reserved: fresh.reserved, text_len: fresh.text_len, ..*command }
 }

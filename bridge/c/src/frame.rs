@@ -1,9 +1,8 @@
 //! A received frame.
 
-use crate::{
-    layout::FrameHeader,
-    status::{close, guard_value},
-};
+use belvedere_bridge::FrameHeader;
+
+use crate::status::{close, guard_value};
 
 /// A frame where it lies in shared memory; unchanged until it is released. Its header was checked: rows and structs
 /// lie within the payload.
@@ -17,8 +16,7 @@ pub struct Frame(pub(crate) belvedere_bridge::Frame);
 pub unsafe extern "C" fn bv_frame_get_header(frame: *const Frame) -> *const FrameHeader {
     // SAFETY: a held frame or null by this function's contract.
     let frame = unsafe { frame.as_ref() };
-    // `layout` asserts that both headers are the same bytes.
-    frame.map_or(std::ptr::null(), |frame| std::ptr::from_ref(frame.0.header()).cast())
+    frame.map_or(std::ptr::null(), |frame| std::ptr::from_ref(frame.0.header()))
 }
 
 /// Its payload of payload_len bytes, aligned to 64.

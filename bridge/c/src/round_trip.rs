@@ -1,11 +1,16 @@
 //! The C functions called as C calls them, against a publisher in Rust.
 
 use std::{
-    ffi::{CStr, CString, c_char},
+    ffi::{CStr, CString},
     ptr::{null, null_mut},
 };
 
-use belvedere_bridge::{Domain, Encoding, Kind, Publisher, StreamSpec, payload};
+use belvedere_bridge::{
+    Domain, Encoding, FrameHeader, Kind, Publisher, StreamSpec, Text,
+    payload::{
+        self, CameraInfo, MotorPower, ResetOdometry, SimulationCommand, SimulationResult, VelocityCommand,
+    },
+};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::{
@@ -15,9 +20,6 @@ use crate::{
     },
     control::{bv_control_call, bv_control_close, bv_control_open},
     frame::{bv_frame_get_header, bv_frame_get_payload, bv_frame_missed, bv_frame_release},
-    layout::{
-        BV_MAGIC, CameraInfo, MotorPower, ResetOdometry, SimulationCommand, SimulationResult, VelocityCommand,
-    },
     node::{bv_node_close, bv_node_open, bv_streams, bv_streams_free},
     status::{Status, bv_last_error, guard},
     subscriber::{
@@ -70,7 +72,7 @@ fn frames_and_commands_cross() {
         assert_eq!(bv_subscriber_wait(subscriber, 10_000), Status::Ok);
         assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Ok);
         let header = &*bv_frame_get_header(frame);
-        assert_eq!((header.magic, header.width, header.height, header.kind), (BV_MAGIC, 4, 3, 1));
+        assert_eq!((header.magic, header.width, header.height, header.kind), (FrameHeader::MAGIC, 4, 3, 1));
         let payload = std::slice::from_raw_parts(bv_frame_get_payload(frame), header.payload_len as usize);
         assert_eq!(payload, [9; 12]);
         assert_eq!(bv_frame_missed(frame), 0);
@@ -120,7 +122,7 @@ fn a_lens_crosses() {
             loaned.send().unwrap();
             assert_eq!(bv_subscriber_wait(subscriber, 10_000), Status::Ok);
             assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Ok);
-            let block = (*bv_frame_get_header(frame)).block.intrinsics;
+            let block = *(*bv_frame_get_header(frame)).intrinsics().unwrap();
             assert_eq!((block.fx, block.skew, block.distortion_model), (300.0, 0.5, 2));
             assert_eq!(block.distortion[..block.distortion_len.into()], parameters[..count]);
             assert_eq!(block.distortion[count..], [0.0; 14][count..]);
@@ -136,7 +138,7 @@ fn a_lens_crosses() {
         assert_eq!(bv_subscriber_wait(subscriber, 10_000), Status::Ok);
         assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Ok);
         let read = bv_frame_get_payload(frame).cast::<std::ffi::c_void>().cast::<CameraInfo>().read();
-        assert_eq!(CStr::from_ptr(read.distortion_model.as_ptr()), c"rational_polynomial");
+        assert_eq!(read.distortion_model.as_str(), "rational_polynomial");
         assert_eq!((read.d, read.d_len, read.p[11]), (parameters, 14, 7.0));
         bv_frame_release(frame);
         bv_subscriber_close(subscriber);
@@ -228,7 +230,8 @@ fn a_simulation_is_controlled() {
         assert_eq!(bv_control_open(node, &raw mut control), Status::Ok);
         let mut command: SimulationCommand = std::mem::zeroed();
         let mut result: SimulationResult = std::mem::zeroed();
-        (command.operation, command.position, command.name[0]) = (7, [1.0, 2.0, 3.0], b'n' as c_char);
+        (command.operation, command.position) = (7, [1.0, 2.0, 3.0]);
+        command.name = Text::new("n").unwrap();
         let (command, result) = (&raw const command, &raw mut result);
         assert_eq!(bv_control_call(control, command, c"model".as_ptr(), 20_000, result), Status::Ok);
         assert_eq!(((*result).done, (*result).operation, (*result).time_ns), (0, 7, 7));

@@ -55,8 +55,8 @@ fn a_moved_field_and_a_changed_signature_are_seen() {
     let now = interface(&header);
     for (what, with, says) in [
         (
-            "float near;\n    // metres\n    float far;",
-            "float far;\n    // metres\n    float near;",
+            "float near;\n    // Farthest depth that is measured, metres.\n    float far;",
+            "float far;\n    // Farthest depth that is measured, metres.\n    float near;",
             "near at 152",
         ),
         ("uint32_t timeout_ms", "uint64_t timeout_ms", "bv_subscriber_wait("),

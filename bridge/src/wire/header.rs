@@ -1,89 +1,116 @@
 //! [`FrameHeader`]: the 384 bytes before every payload.
 
-use std::mem::{align_of, offset_of, size_of};
-
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Zeroable as _;
 use iceoryx2::prelude::ZeroCopySend;
 
-use super::{DistortionModel, Encoding, FrameError, Kind, MAX_DISTORTION, Text};
+use super::{DistortionModel, Encoding, FrameError, Kind, MAX_DISTORTION, Text, layout::wire_structs};
 
-/// The 384 bytes that describe a payload: what it is, when and from where it was taken, how it lies in memory.
-///
-/// Aligned to 64 bytes, so that the payload behind it starts on a cache line and a SIMD register boundary.
-#[derive(Clone, Copy, Debug, Pod, Zeroable, ZeroCopySend)]
-#[repr(C)]
-#[repr(align(64))]
-#[type_name("belvedere.FrameHeader.v2")]
-pub struct FrameHeader {
-    /// [`FrameHeader::MAGIC`].
-    pub magic: u32,
-    /// 384.
-    pub header_len: u16,
-    /// [`FrameHeader::SCHEMA`].
-    pub schema: u16,
-    /// A [`Kind`] by its number.
-    pub kind: u16,
-    /// An [`Encoding`] by its number.
-    pub encoding: u16,
-    /// [`FrameHeader::HAS_INTENSITIES`]; other bits are 0.
-    pub flags: u32,
-    /// Counts the frames of one publisher's life from 0. Set by `send`.
-    pub seq: u64,
-    /// Random per publisher life: a new one means that `seq` began again. Set by `loan`.
-    pub session: u64,
-    /// Moment of capture in simulation time, nanoseconds since the simulation started.
-    pub stamp_ns: u64,
-    /// `CLOCK_MONOTONIC` at the moment of sending, nanoseconds. Set by `send`.
-    pub publish_mono_ns: u64,
-    /// Elements per row: pixels, rays, points; 1 for structs.
-    pub width: u32,
-    /// Rows: image rows, lidar layers; the number of structs.
-    pub height: u32,
-    /// Bytes from one row to the next.
-    pub row_stride: u32,
-    /// Bytes from one element to the next.
-    pub elem_stride: u32,
-    /// Bytes of payload that hold. Set by `loan`.
-    pub payload_len: u64,
-    /// The frame that the data are given in.
-    pub frame_id: Text<64>,
-    /// `world_from_sensor`: the sensor's origin in the world at `stamp_ns`, metres.
-    pub position: [f64; 3],
-    /// `world_from_sensor`: its orientation, x y z w.
-    pub orientation: [f32; 4],
-    /// What only this kind has: [`Intrinsics`] or [`ScanGeometry`].
-    pub block: [u64; 26],
+wire_structs! {
+    /// The 384 bytes that describe a payload: what it is, when and from where it was taken, how it lies in memory.
+    ///
+    /// Aligned to 64 bytes, so that the payload behind it starts on a cache line and a SIMD register boundary.
+    with #[derive(ZeroCopySend)]
+    with #[repr(align(64))]
+    with #[type_name("belvedere.FrameHeader.v2")]
+    pub struct FrameHeader, 384 bytes {
+        /// [`FrameHeader::MAGIC`].
+        pub magic: u32 = 0,
+        /// 384.
+        pub header_len: u16 = 4,
+        /// [`FrameHeader::SCHEMA`].
+        pub schema: u16 = 6,
+        /// A [`Kind`] by its number.
+        pub kind: u16 = 8,
+        /// An [`Encoding`] by its number.
+        pub encoding: u16 = 10,
+        /// [`FrameHeader::HAS_INTENSITIES`]; other bits are 0.
+        pub flags: u32 = 12,
+        /// Counts the frames of one publisher's life from 0. Set by `send`.
+        pub seq: u64 = 16,
+        /// Random per publisher life: a new one means that `seq` began again. Set by `loan`.
+        pub session: u64 = 24,
+        /// Moment of capture in simulation time, nanoseconds since the simulation started.
+        pub stamp_ns: u64 = 32,
+        /// `CLOCK_MONOTONIC` at the moment of sending, nanoseconds. Set by `send`.
+        pub publish_mono_ns: u64 = 40,
+        /// Elements per row: pixels, rays, points; 1 for structs.
+        pub width: u32 = 48,
+        /// Rows: image rows, lidar layers; the number of structs.
+        pub height: u32 = 52,
+        /// Bytes from one row to the next.
+        pub row_stride: u32 = 56,
+        /// Bytes from one element to the next.
+        pub elem_stride: u32 = 60,
+        /// Bytes of payload that hold. Set by `loan`.
+        pub payload_len: u64 = 64,
+        /// The frame that the data are given in.
+        pub frame_id: Text<64> = 72,
+        /// `world_from_sensor`: the sensor's origin in the world at `stamp_ns`, metres.
+        pub position: [f64; 3] = 136,
+        /// `world_from_sensor`: its orientation, x y z w.
+        pub orientation: [f32; 4] = 160,
+        /// What only this kind has: [`Intrinsics`] or [`ScanGeometry`].
+        pub block: [u64; 26] = 176,
+    }
+
+    /// How an image's pixels map to directions; the block of images, depth images and organised clouds.
+    with #[derive(Default, PartialEq)]
+    pub struct Intrinsics, 208 bytes {
+        /// Focal length along a row, pixels.
+        pub fx: f64 = 0,
+        /// Focal length along a column, pixels.
+        pub fy: f64 = 8,
+        /// Principal point; pixel centres are integers, so that of a centred image is (width − 1) / 2.
+        pub cx: f64 = 16,
+        /// Principal point, rows.
+        pub cy: f64 = 24,
+        /// K\[1\]: pixels along a row for each unit of y.
+        pub skew: f64 = 32,
+        /// Parameters of the model, in the order that [`DistortionModel`] says; the first `distortion_len` hold.
+        pub distortion: [f64; MAX_DISTORTION] = 40,
+        /// Nearest depth that is measured, metres.
+        pub near: f32 = 152,
+        /// Farthest depth that is measured, metres.
+        pub far: f32 = 156,
+        /// P\[3\] = −fx · baseline of a stereo partner, else 0.
+        pub tx: f32 = 160,
+        /// A [`DistortionModel`] by its number; 0 for none.
+        pub distortion_model: u16 = 164,
+        /// How many of `distortion` hold.
+        pub distortion_len: u16 = 166,
+        /// 0.
+        pub reserved: [u64; 5] = 168,
+    }
+
+    /// Angles and limits of a lidar; the block of scans. Angles in radians: horizontal ones counter-clockwise about
+    /// +z from +x, vertical ones up.
+    with #[derive(Default, PartialEq)]
+    pub struct ScanGeometry, 208 bytes {
+        /// Angle of the first ray of a layer.
+        pub angle_min: f64 = 0,
+        /// From one ray to the next.
+        pub angle_increment: f64 = 8,
+        /// Seconds from one ray to the next.
+        pub time_increment: f64 = 16,
+        /// Seconds from one scan to the next.
+        pub scan_time: f64 = 24,
+        /// Shortest range that is measured, metres.
+        pub range_min: f32 = 32,
+        /// Longest range that is measured, metres.
+        pub range_max: f32 = 36,
+        /// Elevation of the first layer.
+        pub vertical_angle_min: f64 = 40,
+        /// From one layer to the next.
+        pub vertical_angle_increment: f64 = 48,
+        /// 0.
+        pub reserved: [u64; 19] = 56,
+    }
 }
 
-/// How an image's pixels map to directions; the block of images, depth images and organised clouds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct Intrinsics {
-    /// Focal length along a row, pixels.
-    pub fx: f64,
-    /// Focal length along a column, pixels.
-    pub fy: f64,
-    /// Principal point; pixel centres are integers, so that of a centred image is (width − 1) / 2.
-    pub cx: f64,
-    /// Principal point, rows.
-    pub cy: f64,
-    /// K\[1\]: pixels along a row for each unit of y.
-    pub skew: f64,
-    /// Parameters of the model, in the order that [`DistortionModel`] says; the first `distortion_len` hold.
-    pub distortion: [f64; MAX_DISTORTION],
-    /// Nearest depth that is measured, metres.
-    pub near: f32,
-    /// Farthest depth that is measured, metres.
-    pub far: f32,
-    /// P\[3\] = −fx · baseline of a stereo partner, else 0.
-    pub tx: f32,
-    /// A [`DistortionModel`] by its number; 0 for none.
-    pub distortion_model: u16,
-    /// How many of `distortion` hold.
-    pub distortion_len: u16,
-    /// 0.
-    pub reserved: [u64; 5],
-}
+const _: () = {
+    assert!(cfg!(target_endian = "little"), "the wire format is little-endian");
+    assert!(align_of::<FrameHeader>() == 64);
+};
 
 impl Intrinsics {
     /// Sets the model and its parameters; those beyond [`MAX_DISTORTION`] are left out.
@@ -108,31 +135,6 @@ impl Intrinsics {
     }
 }
 
-/// Angles and limits of a lidar; the block of scans. Angles in radians: horizontal ones counter-clockwise about
-/// +z from +x, vertical ones up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct ScanGeometry {
-    /// Angle of the first ray of a layer.
-    pub angle_min: f64,
-    /// From one ray to the next.
-    pub angle_increment: f64,
-    /// Seconds from one ray to the next.
-    pub time_increment: f64,
-    /// Seconds from one scan to the next.
-    pub scan_time: f64,
-    /// Shortest range that is measured, metres.
-    pub range_min: f32,
-    /// Longest range that is measured, metres.
-    pub range_max: f32,
-    /// Elevation of the first layer.
-    pub vertical_angle_min: f64,
-    /// From one layer to the next.
-    pub vertical_angle_increment: f64,
-    /// 0.
-    pub reserved: [u64; 19],
-}
-
 impl ScanGeometry {
     /// Angle of the last of `width` rays.
     #[must_use]
@@ -140,57 +142,6 @@ impl ScanGeometry {
         self.angle_min + f64::from(width.saturating_sub(1)) * self.angle_increment
     }
 }
-
-// The wire format: every offset is pinned here, in the C and C++ headers and in WIRE.md.
-const _: () = {
-    assert!(cfg!(target_endian = "little"), "the wire format is little-endian");
-    assert!(size_of::<FrameHeader>() == 384);
-    assert!(align_of::<FrameHeader>() == 64);
-    assert!(offset_of!(FrameHeader, magic) == 0);
-    assert!(offset_of!(FrameHeader, header_len) == 4);
-    assert!(offset_of!(FrameHeader, schema) == 6);
-    assert!(offset_of!(FrameHeader, kind) == 8);
-    assert!(offset_of!(FrameHeader, encoding) == 10);
-    assert!(offset_of!(FrameHeader, flags) == 12);
-    assert!(offset_of!(FrameHeader, seq) == 16);
-    assert!(offset_of!(FrameHeader, session) == 24);
-    assert!(offset_of!(FrameHeader, stamp_ns) == 32);
-    assert!(offset_of!(FrameHeader, publish_mono_ns) == 40);
-    assert!(offset_of!(FrameHeader, width) == 48);
-    assert!(offset_of!(FrameHeader, height) == 52);
-    assert!(offset_of!(FrameHeader, row_stride) == 56);
-    assert!(offset_of!(FrameHeader, elem_stride) == 60);
-    assert!(offset_of!(FrameHeader, payload_len) == 64);
-    assert!(offset_of!(FrameHeader, frame_id) == 72);
-    assert!(offset_of!(FrameHeader, position) == 136);
-    assert!(offset_of!(FrameHeader, orientation) == 160);
-    assert!(offset_of!(FrameHeader, block) == 176);
-
-    assert!(size_of::<Intrinsics>() == 208);
-    assert!(offset_of!(Intrinsics, fx) == 0);
-    assert!(offset_of!(Intrinsics, fy) == 8);
-    assert!(offset_of!(Intrinsics, cx) == 16);
-    assert!(offset_of!(Intrinsics, cy) == 24);
-    assert!(offset_of!(Intrinsics, skew) == 32);
-    assert!(offset_of!(Intrinsics, distortion) == 40);
-    assert!(offset_of!(Intrinsics, near) == 152);
-    assert!(offset_of!(Intrinsics, far) == 156);
-    assert!(offset_of!(Intrinsics, tx) == 160);
-    assert!(offset_of!(Intrinsics, distortion_model) == 164);
-    assert!(offset_of!(Intrinsics, distortion_len) == 166);
-    assert!(offset_of!(Intrinsics, reserved) == 168);
-
-    assert!(size_of::<ScanGeometry>() == 208);
-    assert!(offset_of!(ScanGeometry, angle_min) == 0);
-    assert!(offset_of!(ScanGeometry, angle_increment) == 8);
-    assert!(offset_of!(ScanGeometry, time_increment) == 16);
-    assert!(offset_of!(ScanGeometry, scan_time) == 24);
-    assert!(offset_of!(ScanGeometry, range_min) == 32);
-    assert!(offset_of!(ScanGeometry, range_max) == 36);
-    assert!(offset_of!(ScanGeometry, vertical_angle_min) == 40);
-    assert!(offset_of!(ScanGeometry, vertical_angle_increment) == 48);
-    assert!(offset_of!(ScanGeometry, reserved) == 56);
-};
 
 impl Default for FrameHeader {
     fn default() -> Self {

@@ -1,45 +1,6 @@
 //! What a stream carries, and how its bytes are coded.
 
-macro_rules! wire_enum {
-    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $number:literal $text:literal,)+ }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        #[repr(u16)]
-        pub enum $name { $($(#[$variant_doc])* $variant = $number,)+ }
-
-        impl $name {
-            /// Every value, in the order of its number.
-            pub const ALL: &[Self] = &[$(Self::$variant),+];
-
-            /// The number on the wire.
-            #[must_use]
-            pub const fn to_wire(self) -> u16 { self as u16 }
-
-            /// The meaning of a number on the wire; `None` for one that this version does not know.
-            #[must_use]
-            pub const fn from_wire(number: u16) -> Option<Self> {
-                match number { $($number => Some(Self::$variant),)+ _ => None }
-            }
-
-            /// The name shown to people and written into stream attributes.
-            #[must_use]
-            pub const fn as_str(self) -> &'static str {
-                match self { $(Self::$variant => $text,)+ }
-            }
-        }
-
-        impl std::fmt::Display for $name {
-            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result { f.pad(self.as_str()) }
-        }
-
-        impl std::str::FromStr for $name {
-            type Err = ();
-            fn from_str(text: &str) -> Result<Self, ()> {
-                Self::ALL.iter().copied().find(|value| value.as_str() == text).ok_or(())
-            }
-        }
-    };
-}
+use super::layout::wire_enum;
 
 wire_enum! {
     /// What the payload of a stream means (`FrameHeader::kind`). Numbers are never reused.
@@ -97,8 +58,8 @@ wire_enum! {
 pub const MAX_DISTORTION: usize = 14;
 
 wire_enum! {
-    /// How a lens maps directions to pixels: the names of `sensor_msgs/CameraInfo` where ROS has one, and the order of
-    /// the parameters. With K = (fx, fy, cx, cy) a direction (x, y, z) becomes the pixel (fx·u + cx, fy·v + cy).
+    /// How a lens maps directions to pixels, and the order of its parameters. Names are those of
+    /// `sensor_msgs/CameraInfo` where ROS has one. With K = (fx, fy, cx, cy) a direction (x, y, z) becomes the pixel (fx·u + cx, fy·v + cy).
     DistortionModel {
         /// Brown–Conrady: k1 k2 p1 p2 k3; all 0 for a pinhole. u, v are x/z, y/z, distorted.
         PlumbBob = 1 "plumb_bob",
@@ -125,72 +86,50 @@ wire_enum! {
     /// How one element of the payload is coded (`FrameHeader::encoding`).
     Encoding {
         /// Red, green, blue; 8 bit each.
-        Rgb8 = 1 "rgb8",
+        Rgb8 = 1 "rgb8" of [u8; 3],
         /// Blue, green, red; 8 bit each.
-        Bgr8 = 2 "bgr8",
+        Bgr8 = 2 "bgr8" of [u8; 3],
         /// Grey, 8 bit.
-        Mono8 = 3 "mono8",
-        /// Depth in metres, f32: NaN invalid, −inf too near, +inf nothing there (REP-118).
-        F32C1 = 4 "32fc1",
-        /// Depth in millimetres, u16: 0 invalid (REP-118).
-        U16C1 = 5 "16uc1",
+        Mono8 = 3 "mono8" of u8,
+        /// Depth in metres, as 32-bit floats: NaN invalid, −inf too near, +inf nothing there (REP-118).
+        F32C1 = 4 "32fc1" of f32,
+        /// Depth in millimetres, 16 bit: 0 invalid (REP-118).
+        U16C1 = 5 "16uc1" of u16,
         /// A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are
         /// 0x00RRGGBB (PCL's `rgb`); the rest is padding. NaN coordinates: no point.
-        XyzRgbF32 = 6 "xyzrgb_f32",
-        /// Ranges in metres, f32 (REP-117): `height` layers of `width` rays. With
+        XyzRgbF32 = 6 "xyzrgb_f32" of [u8; 32],
+        /// Ranges in metres, 32-bit floats (REP-117): `height` layers of `width` rays. With
         /// [`HAS_INTENSITIES`](crate::FrameHeader::HAS_INTENSITIES) a second plane of the same shape follows
         /// at `height · row_stride`.
-        RangesF32 = 7 "ranges_f32",
+        RangesF32 = 7 "ranges_f32" of f32,
         /// `height` fixed structs, `elem_stride` bytes apart; see [`payload`](crate::payload).
         Struct = 8 "struct",
         /// Red, green, blue, and 255; 8 bit each.
-        Rgba8 = 9 "rgba8",
-        /// Grey, u16.
-        Mono16 = 10 "mono16",
+        Rgba8 = 9 "rgba8" of [u8; 4],
+        /// Grey, 16 bit.
+        Mono16 = 10 "mono16" of u16,
         /// A colour a pixel, 8 bit: the first row red and green, the second green and blue.
-        BayerRggb8 = 11 "bayer_rggb8",
+        BayerRggb8 = 11 "bayer_rggb8" of u8,
         /// A colour a pixel, 8 bit: the first row blue and green, the second green and red.
-        BayerBggr8 = 12 "bayer_bggr8",
+        BayerBggr8 = 12 "bayer_bggr8" of u8,
         /// A colour a pixel, 8 bit: the first row green and blue, the second red and green.
-        BayerGbrg8 = 13 "bayer_gbrg8",
+        BayerGbrg8 = 13 "bayer_gbrg8" of u8,
         /// A colour a pixel, 8 bit: the first row green and red, the second blue and green.
-        BayerGrbg8 = 14 "bayer_grbg8",
-        /// A colour a pixel, u16: the first row red and green, the second green and blue.
-        BayerRggb16 = 15 "bayer_rggb16",
-        /// A colour a pixel, u16: the first row blue and green, the second green and red.
-        BayerBggr16 = 16 "bayer_bggr16",
-        /// A colour a pixel, u16: the first row green and blue, the second red and green.
-        BayerGbrg16 = 17 "bayer_gbrg16",
-        /// A colour a pixel, u16: the first row green and red, the second blue and green.
-        BayerGrbg16 = 18 "bayer_grbg16",
-        /// Two f32: flow in pixels, to the right and down; NaN where there is none.
-        F32C2 = 19 "32fc2",
-        /// Three f32: unit normals in the axes of the world; 0 where nothing is seen.
-        F32C3 = 20 "32fc3",
-        /// A number of a thing or of a class, i32; of things, -1 where nothing is seen.
-        I32C1 = 21 "32sc1",
-    }
-}
-
-impl Encoding {
-    /// Bytes of one element; `None` for [`Encoding::Struct`], where the kind decides.
-    #[must_use]
-    pub const fn elem_size(self) -> Option<usize> {
-        Some(match self {
-            Self::Rgb8 | Self::Bgr8 => 3,
-            Self::Mono8 | Self::BayerRggb8 | Self::BayerBggr8 | Self::BayerGbrg8 | Self::BayerGrbg8 => 1,
-            Self::F32C1 | Self::RangesF32 | Self::Rgba8 | Self::I32C1 => 4,
-            Self::F32C2 => 8,
-            Self::F32C3 => 12,
-            Self::U16C1
-            | Self::Mono16
-            | Self::BayerRggb16
-            | Self::BayerBggr16
-            | Self::BayerGbrg16
-            | Self::BayerGrbg16 => 2,
-            Self::XyzRgbF32 => 32,
-            Self::Struct => return None,
-        })
+        BayerGrbg8 = 14 "bayer_grbg8" of u8,
+        /// A colour a pixel, 16 bit: the first row red and green, the second green and blue.
+        BayerRggb16 = 15 "bayer_rggb16" of u16,
+        /// A colour a pixel, 16 bit: the first row blue and green, the second green and red.
+        BayerBggr16 = 16 "bayer_bggr16" of u16,
+        /// A colour a pixel, 16 bit: the first row green and blue, the second red and green.
+        BayerGbrg16 = 17 "bayer_gbrg16" of u16,
+        /// A colour a pixel, 16 bit: the first row green and red, the second blue and green.
+        BayerGrbg16 = 18 "bayer_grbg16" of u16,
+        /// Two 32-bit floats: flow in pixels, to the right and down; NaN where there is none.
+        F32C2 = 19 "32fc2" of [f32; 2],
+        /// Three 32-bit floats: unit normals in the axes of the world; 0 where nothing is seen.
+        F32C3 = 20 "32fc3" of [f32; 3],
+        /// A number of a thing or of a class, 32 bit and signed; of things, -1 where nothing is seen.
+        I32C1 = 21 "32sc1" of i32,
     }
 }
 
@@ -216,6 +155,22 @@ wire_enum! {
         Delete = 8 "delete",
         /// Change settings of the sensor `name`, or of the one that sends the topic `name`: `key=value` words in the text.
         Configure = 9 "configure",
+    }
+}
+
+impl Encoding {
+    /// Bytes of one element; `None` for [`Encoding::Struct`], where the kind decides.
+    #[must_use]
+    pub const fn elem_size(self) -> Option<usize> {
+        let values = Self::LAYOUT.values;
+        let mut at = 0;
+        while values[at].number != self as u16 {
+            at += 1;
+        }
+        match values[at].element_size {
+            0 => None,
+            size => Some(size),
+        }
     }
 }
 

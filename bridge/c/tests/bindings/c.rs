@@ -1,0 +1,112 @@
+//! The wire format in C.
+
+use std::fmt::Write as _;
+
+use belvedere_bridge::{FrameHeader, schema};
+
+use crate::names::{c_type, part_of, parts, plain, snake};
+
+/// The block of a header, which is words in Rust.
+const BLOCK: &str = "\
+// What only this kind has.
+typedef union bv_block {
+    // images, depth images, clouds
+    struct bv_intrinsics intrinsics;
+    // scans
+    struct bv_scan_geometry scan;
+    uint64_t raw[26];
+} bv_block;
+";
+
+pub(crate) fn layout() -> String {
+    let mut text = format!(
+        "
+// First field of every frame header: \"BLVD\" in memory order.
+#define BV_MAGIC {}
+
+// Version of the layout in this file.
+#define BV_SCHEMA {}
+
+// Flag: a plane of intensities of the same shape follows the ranges, at row_stride * height.
+#define BV_HAS_INTENSITIES {}
+",
+        FrameHeader::MAGIC,
+        FrameHeader::SCHEMA,
+        FrameHeader::HAS_INTENSITIES
+    );
+    for numbers in schema::ENUMS {
+        text += &enumeration(numbers);
+    }
+    // The header's block is one of the two that come after it.
+    let (headers, others): (Vec<&schema::Struct>, Vec<&schema::Struct>) =
+        schema::structs().partition(|layout| layout.name == "FrameHeader");
+    let (blocks, payloads): (Vec<&schema::Struct>, Vec<&schema::Struct>) =
+        others.into_iter().partition(|layout| ["Intrinsics", "ScanGeometry"].contains(&layout.name));
+    for layout in blocks {
+        text += &structure(layout);
+    }
+    let _ = write!(text, "\n{BLOCK}");
+    for layout in headers.iter().chain(&payloads) {
+        text += &structure(layout);
+    }
+    text.trim_end().to_owned()
+}
+
+/// A name of Rust's in C.
+fn word(name: &str) -> String {
+    let is_known =
+        |name: &str| part_of(name).is_some() || schema::ENUMS.iter().any(|numbers| numbers.name == name);
+    let is_constant = |name: &str| ["MAGIC", "SCHEMA", "HAS_INTENSITIES"].contains(&name);
+    match name.rsplit_once("::").unwrap_or(("", name)) {
+        (_, constant) if is_constant(constant) => format!("BV_{constant}"),
+        ("", name) if is_known(name) => c_type(name),
+        (owner, field) if is_known(owner) => format!("{}.{field}", c_type(owner)),
+        _ => name.to_owned(),
+    }
+}
+
+fn comment(indent: &str, doc: &[&str]) -> String {
+    plain(doc, word)
+        .iter()
+        .fold(String::new(), |text, line| format!("{text}{}\n", format!("{indent}// {line}").trim_end()))
+}
+
+fn enumeration(numbers: &schema::Enum) -> String {
+    let name = c_type(numbers.name);
+    let mut text = format!("\n{}", comment("", numbers.doc));
+    let _ = writeln!(
+        text,
+        "enum {name}\n#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L\n  : uint16_t\n#endif\n {{"
+    );
+    for value in numbers.values {
+        let constant = format!("{name}_{}", snake(value.name)).to_uppercase();
+        let _ = writeln!(text, "{}    {constant} = {},", comment("    ", value.doc), value.number);
+    }
+    let _ = writeln!(
+        text,
+        "}};\n#ifndef __cplusplus\n#if __STDC_VERSION__ >= 202311L\ntypedef enum {name} {name};\n#else\ntypedef uint16_t \
+         {name};\n#endif\n#endif"
+    );
+    text
+}
+
+fn structure(layout: &schema::Struct) -> String {
+    let name = c_type(layout.name);
+    let mut text = format!("\n{}typedef struct {name} {{\n", comment("", layout.doc));
+    for field in layout.fields {
+        let (element, lengths) = parts(field.type_name);
+        let is_block = (layout.name, field.name) == ("FrameHeader", "block");
+        let (element, lengths) = match element.as_str() {
+            _ if is_block => ("union bv_block".to_owned(), Vec::new()),
+            "Text" => ("char".to_owned(), lengths),
+            "f32" => ("float".to_owned(), lengths),
+            "f64" => ("double".to_owned(), lengths),
+            name if part_of(name).is_some() => (format!("struct {}", c_type(name)), lengths),
+            name => (format!("{}int{}_t", if name.starts_with('u') { "u" } else { "" }, &name[1..]), lengths),
+        };
+        let lengths = lengths.iter().fold(String::new(), |text, length| format!("{text}[{length}]"));
+        let _ = writeln!(text, "{}    {element} {}{lengths};", comment("    ", field.doc), field.name);
+    }
+    let _ = writeln!(text, "}} {name};");
+    text
+}

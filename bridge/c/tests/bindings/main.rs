@@ -1,0 +1,73 @@
+//! What C, C++ and Python know of the wire format is made from `belvedere_bridge::schema`, and the functions of the C
+//! header by cbindgen from `src/`. `BELVEDERE_BLESS=1 cargo test -p belvedere-bridge-c --test bindings` writes the files.
+
+mod c;
+mod cpp;
+mod names;
+mod python;
+
+use std::{fs, path::Path};
+
+use belvedere_bridge::{Kind, schema};
+
+/// The file is what is made now; or it becomes that.
+fn check(file: &str, made: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);
+    if std::env::var_os("BELVEDERE_BLESS").is_some() {
+        fs::write(&path, made).unwrap();
+    }
+    assert!(
+        fs::read_to_string(&path).unwrap_or_default() == made,
+        "bridge/{file} is not current; run BELVEDERE_BLESS=1 cargo test -p belvedere-bridge-c --test bindings"
+    );
+}
+
+#[test]
+fn the_c_header_is_current() {
+    let crate_dir = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut config = cbindgen::Config::from_file(crate_dir.join("cbindgen.toml")).unwrap();
+    config.after_includes = Some(c::layout());
+    for layout in schema::structs() {
+        config.export.rename.insert(layout.name.to_owned(), format!("struct {}", names::c_type(layout.name)));
+    }
+    let mut made = Vec::new();
+    let mut builder = cbindgen::Builder::new().with_config(config);
+    for module in ["status", "node", "subscriber", "frame", "synchronizer", "command", "control"] {
+        builder = builder.with_src(crate_dir.join(format!("src/{module}.rs")));
+    }
+    builder.generate().unwrap().write(&mut made);
+    // Rust's heading for what a caller must see to, in the words of a C reader.
+    let made = String::from_utf8(made).unwrap().replace("//\n// # Safety\n// ", "// Requires: ");
+    check("c/include/belvedere.h", &made);
+}
+
+#[test]
+fn the_cpp_header_is_current() {
+    check("cpp/include/belvedere/wire.hpp", &cpp::layout());
+}
+
+#[test]
+fn the_python_module_is_current() {
+    check("python/src/belvedere/_layout.py", &python::layout());
+}
+
+#[test]
+fn every_kind_but_those_of_elements_has_one_struct() {
+    for &kind in Kind::ALL {
+        let structs = schema::structs().filter(|layout| layout.kinds.contains(&kind.to_wire())).count();
+        let of_elements = [Kind::Image, Kind::DepthImage, Kind::LaserScan, Kind::PointCloud].contains(&kind);
+        assert_eq!(structs, usize::from(!of_elements), "{kind}");
+        assert_eq!(kind.struct_size().is_none(), of_elements, "{kind}");
+    }
+}
+
+#[test]
+fn fields_lie_without_gaps() {
+    for layout in schema::structs() {
+        let ends: Vec<usize> =
+            layout.fields.iter().skip(1).map(|field| field.offset).chain([layout.size]).collect();
+        for (field, end) in layout.fields.iter().zip(ends) {
+            assert_eq!(field.offset + names::size(field.type_name), end, "{}.{}", layout.name, field.name);
+        }
+    }
+}

@@ -1,0 +1,442 @@
+"""The wire format as numpy sees it. Made from bridge/src/wire by bridge/c/tests/bindings; do not edit."""
+
+# fmt: off
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+
+MAGIC = 1146506306
+SCHEMA = 2
+HEADER_LEN = 384
+#: Flag: a plane of intensities follows the ranges.
+HAS_INTENSITIES = 1
+#: Name of the user header, which iceoryx2 compares.
+HEADER_TYPE_NAME = "belvedere.FrameHeader.v2"
+
+
+class Kind(IntEnum):
+    """What the payload of a stream means (kind).
+
+    Numbers are never reused.
+
+    """
+
+    #: A colour or grey picture; the header carries its intrinsics.
+    IMAGE = 1
+    #: Depth along the optical axis; the header carries its intrinsics.
+    DEPTH_IMAGE = 2
+    #: One CameraInfo.
+    CAMERA_INFO = 3
+    #: Ranges of a planar or multi-layer lidar; the header carries its angles.
+    LASER_SCAN = 4
+    #: Points in the sensor's frame; organised (an image of points) when the height is more than 1.
+    POINT_CLOUD = 5
+    #: One Odometry.
+    ODOMETRY = 6
+    #: An array of Transform that hold at the stamp.
+    TRANSFORMS = 7
+    #: An array of Transform that hold always.
+    STATIC_TRANSFORMS = 8
+    #: An array of JointState.
+    JOINT_STATES = 9
+    #: One Clock: the simulation's time.
+    CLOCK = 10
+    #: One VelocityCommand, towards the robot.
+    VELOCITY_COMMAND = 11
+    #: One Imu.
+    IMU = 12
+    #: One RobotEvent, sent when it happens.
+    ROBOT_EVENT = 13
+    #: One SimulationCommand, towards the simulator; a text may follow it in the payload.
+    SIMULATION_COMMAND = 14
+    #: One SimulationResult: the answer to a command.
+    SIMULATION_RESULT = 15
+    #: An array of ModelState.
+    MODEL_STATES = 16
+    #: One CoreSensors.
+    CORE_SENSORS = 17
+    #: One ResetOdometry, towards the robot.
+    RESET_ODOMETRY = 18
+    #: One MotorPower, towards the robot.
+    MOTOR_POWER = 19
+    #: One Range.
+    RANGE = 20
+    #: An array of SensorSettings: of every sensor that can be changed, as they are from the stamp on.
+    SENSOR_SETTINGS = 21
+    #: An array of BoundingBox: of everything that a picture shows.
+    BOUNDING_BOXES = 22
+    #: An array of TagDetection: of the tags that a picture shows.
+    TAG_DETECTIONS = 23
+
+
+class Encoding(IntEnum):
+    """How one element of the payload is coded (encoding)."""
+
+    #: Red, green, blue; 8 bit each.
+    RGB8 = 1
+    #: Blue, green, red; 8 bit each.
+    BGR8 = 2
+    #: Grey, 8 bit.
+    MONO8 = 3
+    #: Depth in metres, as 32-bit floats: NaN invalid, −inf too near, +inf nothing there (REP-118).
+    F32C1 = 4
+    #: Depth in millimetres, 16 bit: 0 invalid (REP-118).
+    U16C1 = 5
+    #: A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are
+    #: 0x00RRGGBB (PCL's rgb); the rest is padding. NaN coordinates: no point.
+    XYZRGB_F32 = 6
+    #: Ranges in metres, 32-bit floats (REP-117): height layers of width rays. With
+    #: HAS_INTENSITIES a second plane of the same shape follows
+    #: at height · row_stride.
+    RANGES_F32 = 7
+    #: height fixed structs, elem_stride bytes apart; see payload.
+    STRUCT = 8
+    #: Red, green, blue, and 255; 8 bit each.
+    RGBA8 = 9
+    #: Grey, 16 bit.
+    MONO16 = 10
+    #: A colour a pixel, 8 bit: the first row red and green, the second green and blue.
+    BAYER_RGGB8 = 11
+    #: A colour a pixel, 8 bit: the first row blue and green, the second green and red.
+    BAYER_BGGR8 = 12
+    #: A colour a pixel, 8 bit: the first row green and blue, the second red and green.
+    BAYER_GBRG8 = 13
+    #: A colour a pixel, 8 bit: the first row green and red, the second blue and green.
+    BAYER_GRBG8 = 14
+    #: A colour a pixel, 16 bit: the first row red and green, the second green and blue.
+    BAYER_RGGB16 = 15
+    #: A colour a pixel, 16 bit: the first row blue and green, the second green and red.
+    BAYER_BGGR16 = 16
+    #: A colour a pixel, 16 bit: the first row green and blue, the second red and green.
+    BAYER_GBRG16 = 17
+    #: A colour a pixel, 16 bit: the first row green and red, the second blue and green.
+    BAYER_GRBG16 = 18
+    #: Two 32-bit floats: flow in pixels, to the right and down; NaN where there is none.
+    F32C2 = 19
+    #: Three 32-bit floats: unit normals in the axes of the world; 0 where nothing is seen.
+    F32C3 = 20
+    #: A number of a thing or of a class, 32 bit and signed; of things, -1 where nothing is seen.
+    I32C1 = 21
+
+
+class DistortionModel(IntEnum):
+    """How a lens maps directions to pixels, and the order of its parameters.
+
+    Names are those of sensor_msgs/CameraInfo where ROS has one. With K = (fx, fy, cx, cy) a direction
+    (x, y, z) becomes the pixel (fx·u + cx, fy·v + cy).
+
+    """
+
+    #: Brown–Conrady: k1 k2 p1 p2 k3; all 0 for a pinhole. u, v are x/z, y/z, distorted.
+    PLUMB_BOB = 1
+    #: OpenCV's longer forms of it: k1 k2 p1 p2 k3 k4 k5 k6, then s1 s2 s3 s4 of a thin prism, then the tilts τx τy;
+    #: 8, 12 or 14 of them.
+    RATIONAL_POLYNOMIAL = 2
+    #: Kannala–Brandt, OpenCV's fisheye: k1 k2 k3 k4 of θ + k1 θ³ + k2 θ⁵ + k3 θ⁷ + k4 θ⁹.
+    EQUIDISTANT = 3
+    #: Extended unified camera model: alpha beta. ROS has no name for it, nor for those that follow.
+    EUCM = 4
+    #: Double sphere: xi alpha.
+    DOUBLE_SPHERE = 5
+    #: Mei's unified model: xi k1 k2 p1 p2.
+    MEI = 6
+    #: Columns are angles about the camera's y, rows are elevations: u = atan2(x, z), v = atan2(y, √(x² + z²)).
+    EQUIRECTANGULAR = 7
+    #: SDF's: c1 c2 c3 f fun cutoff. The radius is c1·f·fun(θ/c2 + c3), f in pixels, fun 0 sin, 1 tan, 2 the angle
+    #: itself; beyond the angle cutoff nothing is seen. K is its scale in the middle.
+    WIDE_ANGLE = 8
+
+
+class Operation(IntEnum):
+    """What a simulator is told to do (operation).
+
+    Numbers are never reused; one that a simulator does not know it refuses by number.
+
+    """
+
+    #: Let simulated time stand.
+    PAUSE = 1
+    #: Let it go on.
+    RESUME = 2
+    #: Run steps steps of physics with all that is published on the way, then pause.
+    STEP = 3
+    #: Put every model back to where it was at the start, at rest; time goes on.
+    RESET_WORLD = 4
+    #: Begin again at time 0: what follows are the bytes of a fresh start.
+    RESET_SIMULATION = 5
+    #: Give the model name a pose and a velocity, in the frame reference.
+    SET_MODEL_STATE = 6
+    #: Put the model in the text (URDF or SDF) into the world as name, at a pose in the frame reference.
+    SPAWN = 7
+    #: Take the model name out of the world.
+    DELETE = 8
+    #: Change settings of the sensor name, or of the one that sends the topic name: key=value words in the text.
+    CONFIGURE = 9
+
+
+HEADER = np.dtype(
+    [
+        ("magic", "<u4"),
+        ("header_len", "<u2"),
+        ("schema", "<u2"),
+        ("kind", "<u2"),
+        ("encoding", "<u2"),
+        ("flags", "<u4"),
+        ("seq", "<u8"),
+        ("session", "<u8"),
+        ("stamp_ns", "<u8"),
+        ("publish_mono_ns", "<u8"),
+        ("width", "<u4"),
+        ("height", "<u4"),
+        ("row_stride", "<u4"),
+        ("elem_stride", "<u4"),
+        ("payload_len", "<u8"),
+        ("frame_id", "S64"),
+        ("position", "<f8", 3),
+        ("orientation", "<f4", 4),
+        ("block", "V208"),
+    ]
+)
+
+INTRINSICS = np.dtype(
+    [
+        ("fx", "<f8"),
+        ("fy", "<f8"),
+        ("cx", "<f8"),
+        ("cy", "<f8"),
+        ("skew", "<f8"),
+        ("distortion", "<f8", 14),
+        ("near", "<f4"),
+        ("far", "<f4"),
+        ("tx", "<f4"),
+        ("distortion_model", "<u2"),
+        ("distortion_len", "<u2"),
+        ("reserved", "<u8", 5),
+    ]
+)
+
+SCAN_GEOMETRY = np.dtype(
+    [
+        ("angle_min", "<f8"),
+        ("angle_increment", "<f8"),
+        ("time_increment", "<f8"),
+        ("scan_time", "<f8"),
+        ("range_min", "<f4"),
+        ("range_max", "<f4"),
+        ("vertical_angle_min", "<f8"),
+        ("vertical_angle_increment", "<f8"),
+        ("reserved", "<u8", 19),
+    ]
+)
+
+SETTING = np.dtype(
+    [
+        ("value", "<f8"),
+        ("min", "<f8"),
+        ("max", "<f8"),
+    ]
+)
+
+#: The structs of payloads, by kind.
+STRUCTS: dict[Kind, np.dtype[np.void]] = {
+    Kind.CAMERA_INFO: np.dtype(
+        [
+            ("width", "<u4"),
+            ("height", "<u4"),
+            ("distortion_model", "S32"),
+            ("d", "<f8", 14),
+            ("d_len", "<u4"),
+            ("reserved", "<u4"),
+            ("k", "<f8", (3, 3)),
+            ("r", "<f8", (3, 3)),
+            ("p", "<f8", (3, 4)),
+        ]
+    ),
+    Kind.ODOMETRY: np.dtype(
+        [
+            ("child_frame_id", "S64"),
+            ("position", "<f8", 3),
+            ("orientation", "<f8", 4),
+            ("linear", "<f8", 3),
+            ("angular", "<f8", 3),
+            ("pose_covariance", "<f8", (6, 6)),
+            ("twist_covariance", "<f8", (6, 6)),
+        ]
+    ),
+    Kind.TRANSFORMS: np.dtype(
+        [
+            ("parent", "S64"),
+            ("child", "S64"),
+            ("translation", "<f8", 3),
+            ("rotation", "<f8", 4),
+        ]
+    ),
+    Kind.JOINT_STATES: np.dtype(
+        [
+            ("name", "S64"),
+            ("position", "<f8"),
+            ("velocity", "<f8"),
+            ("effort", "<f8"),
+        ]
+    ),
+    Kind.CLOCK: np.dtype(
+        [
+            ("now_ns", "<u8"),
+        ]
+    ),
+    Kind.VELOCITY_COMMAND: np.dtype(
+        [
+            ("linear", "<f8", 3),
+            ("angular", "<f8", 3),
+        ]
+    ),
+    Kind.IMU: np.dtype(
+        [
+            ("orientation", "<f8", 4),
+            ("angular_velocity", "<f8", 3),
+            ("linear_acceleration", "<f8", 3),
+            ("orientation_covariance", "<f8", (3, 3)),
+            ("angular_velocity_covariance", "<f8", (3, 3)),
+            ("linear_acceleration_covariance", "<f8", (3, 3)),
+        ]
+    ),
+    Kind.ROBOT_EVENT: np.dtype(
+        [
+            ("source", "<u4"),
+            ("index", "<u4"),
+            ("state", "<u4"),
+            ("value", "<u4"),
+        ]
+    ),
+    Kind.CORE_SENSORS: np.dtype(
+        [
+            ("time_stamp", "<u2"),
+            ("bumper", "u1"),
+            ("wheel_drop", "u1"),
+            ("cliff", "u1"),
+            ("buttons", "u1"),
+            ("left_encoder", "<u2"),
+            ("right_encoder", "<u2"),
+            ("left_pwm", "i1"),
+            ("right_pwm", "i1"),
+            ("charger", "u1"),
+            ("battery", "u1"),
+            ("bottom", "<u2", 3),
+        ]
+    ),
+    Kind.RESET_ODOMETRY: np.dtype(
+        [
+            ("reserved", "<u8"),
+        ]
+    ),
+    Kind.MOTOR_POWER: np.dtype(
+        [
+            ("state", "<u4"),
+        ]
+    ),
+    Kind.SIMULATION_COMMAND: np.dtype(
+        [
+            ("id", "<u8"),
+            ("operation", "<u2"),
+            ("reserved", "<u2"),
+            ("text_len", "<u4"),
+            ("steps", "<u8"),
+            ("name", "S64"),
+            ("reference", "S64"),
+            ("position", "<f8", 3),
+            ("orientation", "<f8", 4),
+            ("linear", "<f8", 3),
+            ("angular", "<f8", 3),
+            ("robot_namespace", "S64"),
+        ]
+    ),
+    Kind.SIMULATION_RESULT: np.dtype(
+        [
+            ("id", "<u8"),
+            ("time_ns", "<u8"),
+            ("done", "<u2"),
+            ("operation", "<u2"),
+            ("reserved", "<u4"),
+            ("reason", "S488"),
+        ]
+    ),
+    Kind.MODEL_STATES: np.dtype(
+        [
+            ("name", "S128"),
+            ("position", "<f8", 3),
+            ("orientation", "<f8", 4),
+            ("linear", "<f8", 3),
+            ("angular", "<f8", 3),
+        ]
+    ),
+    Kind.RANGE: np.dtype(
+        [
+            ("radiation_type", "<u4"),
+            ("field_of_view", "<f4"),
+            ("min_range", "<f4"),
+            ("max_range", "<f4"),
+            ("range", "<f4"),
+        ]
+    ),
+    Kind.SENSOR_SETTINGS: np.dtype(
+        [
+            ("name", "S64"),
+            ("topics", "S256", 6),
+            ("update_rate", SETTING),
+            ("noise_mean", SETTING),
+            ("noise_stddev", SETTING),
+            ("exposure", SETTING),
+        ]
+    ),
+    Kind.BOUNDING_BOXES: np.dtype(
+        [
+            ("instance", "<u4"),
+            ("label", "<u4"),
+            ("pixels", "<u4"),
+            ("min", "<u4", 2),
+            ("max", "<u4", 2),
+            ("reserved", "<u4"),
+            ("position", "<f8", 3),
+            ("orientation", "<f8", 4),
+            ("size", "<f8", 3),
+        ]
+    ),
+    Kind.TAG_DETECTIONS: np.dtype(
+        [
+            ("family", "S32"),
+            ("id", "<u4"),
+            ("visible", "u1", 4),
+            ("size", "<f8"),
+            ("corners", "<f8", (4, 2)),
+            ("position", "<f8", 3),
+            ("orientation", "<f8", 4),
+        ]
+    ),
+}
+STRUCTS[Kind.STATIC_TRANSFORMS] = STRUCTS[Kind.TRANSFORMS]
+
+#: What one element is.
+ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
+    Encoding.RGB8: np.dtype(("u1", 3)),
+    Encoding.BGR8: np.dtype(("u1", 3)),
+    Encoding.MONO8: np.dtype("u1"),
+    Encoding.F32C1: np.dtype("<f4"),
+    Encoding.U16C1: np.dtype("<u2"),
+    Encoding.XYZRGB_F32: np.dtype(("u1", 32)),
+    Encoding.RANGES_F32: np.dtype("<f4"),
+    Encoding.RGBA8: np.dtype(("u1", 4)),
+    Encoding.MONO16: np.dtype("<u2"),
+    Encoding.BAYER_RGGB8: np.dtype("u1"),
+    Encoding.BAYER_BGGR8: np.dtype("u1"),
+    Encoding.BAYER_GBRG8: np.dtype("u1"),
+    Encoding.BAYER_GRBG8: np.dtype("u1"),
+    Encoding.BAYER_RGGB16: np.dtype("<u2"),
+    Encoding.BAYER_BGGR16: np.dtype("<u2"),
+    Encoding.BAYER_GBRG16: np.dtype("<u2"),
+    Encoding.BAYER_GRBG16: np.dtype("<u2"),
+    Encoding.F32C2: np.dtype(("<f4", 2)),
+    Encoding.F32C3: np.dtype(("<f4", 3)),
+    Encoding.I32C1: np.dtype("<i4"),
+}

@@ -202,6 +202,7 @@ impl Simulation {
         let before = self.bases();
         self.physics.move_model(id.index(), world_from_model, linear, angular);
         self.carried(&before);
+        self.scene.replace_model(id.index(), &self.physics);
         Ok(())
     }
 
@@ -216,7 +217,6 @@ impl Simulation {
         for (robot, world_from_before) in self.entities.robots_mut().zip(before) {
             robot.carried(&self.physics, world_from_before);
         }
-        self.scene.replace(&self.physics);
     }
 
     /// Gives a robot's base a velocity command, which it follows for as long as its plugin says: a Kobuki for 0.6 s.
@@ -283,6 +283,7 @@ impl Simulation {
             self.physics.place_model(id.index(), &entity.start);
         }
         self.carried(&before);
+        self.scene.replace(&self.physics);
     }
 
     /// Begins again at time 0, with everybody who is there now in the place where each was at first. What is built is

@@ -69,8 +69,15 @@ impl WorldScene {
     /// Takes over where physics has everything now, also what never moves by itself: after it was moved by hand.
     pub fn replace(&mut self, physics: &Physics) {
         self.stamp_ns = None;
-        let keys: Vec<_> = self.assembly.placed.keys().copied().collect();
-        for (model, link) in keys {
+        for model in 0..self.assembly.placed.len() {
+            self.replace_model(model, physics);
+        }
+    }
+
+    /// The same of one model.
+    pub fn replace_model(&mut self, model: ModelIndex, physics: &Physics) {
+        self.stamp_ns = None;
+        for link in 0..self.assembly.placed.get(model).map_or(0, Vec::len) {
             self.assembly.set_pose((model, link), &physics.world_from_link(model, link));
         }
     }
@@ -102,7 +109,7 @@ impl WorldScene {
         // Not 0, so that nothing else of the scene changes.
         let seen = if hidden { HIDDEN } else { visibility::COLLISION };
         for (link, shape) in shapes {
-            let placed = self.assembly.placed.get(&(model, *link)).into_iter().flatten();
+            let placed = of_link(&self.assembly.placed, (model, *link)).iter();
             for placed in placed.filter(|placed| placed.collision == Some(*shape)) {
                 // It is there.
                 let _ = self.assembly.builder.set_visibility(placed.instance, seen);
@@ -114,13 +121,10 @@ impl WorldScene {
     pub fn remove_model(&mut self, index: ModelIndex) {
         self.edition += 1;
         let assembly = &mut self.assembly;
-        let mut gone: Vec<_> = assembly
-            .placed
-            .extract_if(|(model, _), _| *model == index)
-            .flat_map(|(_, shapes)| shapes)
-            .collect();
+        let links = assembly.placed.get_mut(index).map(std::mem::take).unwrap_or_default();
+        let mut gone: Vec<_> = links.into_iter().flatten().collect();
         assembly.fiducials.retain(|tag| gone.iter().all(|placed| placed.instance.0 != tag.instance));
-        // A map has no order; the same commands are to give the same scene.
+        // The last first: the places of the first are those that are used again first.
         gone.sort_unstable_by_key(|placed| std::cmp::Reverse(placed.instance.0));
         for placed in &gone {
             // It is there.
@@ -157,7 +161,7 @@ impl WorldScene {
         let first = poses.len();
         poses.extend_from_slice(self.poses());
         for (model, link, world_from_link) in physics.moving_links_at(time_ns) {
-            for placed in self.assembly.placed.get(&(model, link)).into_iter().flatten() {
+            for placed in of_link(&self.assembly.placed, (model, link)) {
                 let pose = world_from_link * placed.link_from_shape;
                 if pose.is_finite() {
                     poses[first + placed.instance.0 as usize] = pose;
@@ -212,7 +216,8 @@ struct Assembly {
     normal_maps: HashMap<PathBuf, TextureId>,
     /// By address: only for as long as the models that they are of are borrowed.
     meshes: HashMap<*const Mesh, MeshId>,
-    placed: HashMap<(ModelIndex, LinkIndex), Vec<Placed>>,
+    /// By model and link: all that move are looked up in each frame.
+    placed: Vec<Vec<Vec<Placed>>>,
     fiducials: Vec<PlacedFiducial>,
     bare: Option<MaterialId>,
 }
@@ -283,18 +288,20 @@ impl Assembly {
         let config = config(*world_from_link * link_from_shape);
         let instance = self.builder.add_instance(&config).map_err(|error| refused(error, source))?;
         let InstanceConfig { shape, material, .. } = config;
-        self.placed.entry(key).or_default().push(Placed {
-            instance,
-            link_from_shape,
-            shape,
-            material,
-            collision,
-        });
+        let (model, link) = key;
+        if self.placed.len() <= model {
+            self.placed.resize_with(model + 1, Vec::new);
+        }
+        let links = &mut self.placed[model];
+        if links.len() <= link {
+            links.resize_with(link + 1, Vec::new);
+        }
+        links[link].push(Placed { instance, link_from_shape, shape, material, collision });
         Ok(instance)
     }
 
     fn set_pose(&mut self, key: (ModelIndex, LinkIndex), world_from_link: &Pose) {
-        for Placed { instance, link_from_shape, .. } in self.placed.get(&key).into_iter().flatten() {
+        for Placed { instance, link_from_shape, .. } in of_link(&self.placed, key) {
             // Fails only for a pose that is not finite: what physics lost keeps its last place.
             let _ = self.builder.set_pose(*instance, *world_from_link * *link_from_shape);
         }
@@ -384,6 +391,11 @@ impl Assembly {
         self.textures.insert(path.to_path_buf(), found);
         Ok(found)
     }
+}
+
+/// What was placed of a link.
+fn of_link(placed: &[Vec<Vec<Placed>>], (model, link): (ModelIndex, LinkIndex)) -> &[Placed] {
+    placed.get(model).and_then(|links| links.get(link)).map_or(&[], Vec::as_slice)
 }
 
 fn open(path: &Path, source: &Source) -> Result<image::RgbaImage, Problem> {

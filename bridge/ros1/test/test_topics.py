@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """What a ROS program sees of a running simulator, and what the robot does when told. Needs a master at ROS_MASTER_URI."""
 
+import contextlib
 import math
 import os
+import subprocess
 import tempfile
 import time
 import unittest
 
+import rosbag
 import roslib.packages
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -142,6 +145,21 @@ class Robot(unittest.TestCase):
         with Listener("/clock", Clock) as clock:
             self.assertTrue(eventually(lambda: clock.count() > 10))
         self.assertLess(clock.stamps_ns[-1], 600e9, "time on the wall")
+
+    def test_the_clock_beside_a_busy_machine(self):
+        """By a recorder in C++: of several that wait, Python's subscribers to /clock are given the last."""
+        with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as busy:
+            bag = os.path.join(folder, "clock.bag")
+            for _ in range(4):
+                loop = busy.enter_context(Process("nice", "-n", "19", "sh", "-c", "while :; do :; done"))
+                busy.callback(loop.child.kill)
+            subprocess.run(["rosbag", "record", "-q", "--duration=4", "-O", bag, "/clock"], check=True, timeout=40)
+            with rosbag.Bag(bag) as recorded:
+                stamps = [message.clock.to_sec() for _, message, _ in recorded.read_messages()]
+        gaps = [after - before for before, after in zip(stamps, stamps[1:])]
+        self.assertGreater(stamps[-1] - stamps[0], 3.5)
+        self.assertLess(max(gaps), 0.1, "a hole")
+        self.assertLess(sum(round(gap * 100) - 1 for gap in gaps), 0.02 * len(gaps), "messages lost")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,149 @@
+//! What many bodies cost: beyond physics when all move, at the start and on the way when all sleep.
+
+use belvedere::description::model::World;
+use belvedere::description::read;
+use belvedere::server::{Server, ServerOptions};
+use belvedere::simulation::Simulation;
+use belvedere_bridge::{Domain, Kind, Node, StreamSpec, Subscriber};
+use belvedere_sensors::Execution;
+use glam::DVec3;
+use rustix::time::{ClockId, clock_gettime};
+use std::fmt::Write as _;
+use std::time::Duration;
+
+/// Milliseconds of processor time of this thread, which does all the work: what runs beside it does not count.
+fn milliseconds(work: impl FnOnce()) -> f64 {
+    let now_ms = || {
+        let now = clock_gettime(ClockId::ThreadCPUTime);
+        now.tv_sec as f64 * 1e3 + now.tv_nsec as f64 * 1e-6
+    };
+    let before_ms = now_ms();
+    work();
+    now_ms() - before_ms
+}
+
+/// A world of simple shapes by turns, `spacing` apart in a square, on a plane; and the file's text.
+fn shapes(count: usize, spacing: f64, more: &str) -> String {
+    let mut text = format!("<sdf version='1.6'><world name='shapes'>{more}");
+    let side = (count as f64).sqrt().ceil() as usize;
+    for index in 0..count {
+        let (x, y) = ((index % side) as f64 * spacing, (index / side) as f64 * spacing);
+        let shape = [
+            "<box><size>1 1 1</size></box>",
+            "<sphere><radius>0.5</radius></sphere>",
+            "<cylinder><radius>0.5</radius><length>1</length></cylinder>",
+        ][index % 3];
+        let _ = write!(
+            text,
+            "<model name='m{index}'><pose>{x} {y} 0.5 0 0 0</pose><link name='l'>
+               <inertial><mass>1</mass><inertia><ixx>.16</ixx><iyy>.16</iyy><izz>.16</izz></inertia></inertial>
+               <collision name='c'><geometry>{shape}</geometry></collision>
+               <visual name='v'><geometry>{shape}</geometry></visual></link></model>"
+        );
+    }
+    text + "</world></sdf>"
+}
+
+fn load(text: &str) -> World {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("shapes.sdf");
+    std::fs::write(&file, text).unwrap();
+    read::world(file.to_str().unwrap()).unwrap()
+}
+
+const GROUND: &str = "<model name='ground'><static>true</static><link name='l'>
+    <collision name='c'><geometry><plane><normal>0 0 1</normal><size>200 200</size></plane></geometry></collision>
+    </link></model>";
+/// Few steps, so that they do not hide what else there is.
+const LIDAR: &str = "<physics type='ode'><max_step_size>0.01</max_step_size></physics><gravity>0 0 0</gravity><model name='eye'><static>true</static><pose>-3 -3 0.5 0 0 0.8</pose>
+    <link name='l'><sensor name='laser' type='ray'><update_rate>30</update_rate>
+    <ray><scan><horizontal><samples>16</samples><min_angle>-1</min_angle><max_angle>1</max_angle></horizontal></scan>
+    <range><min>.1</min><max>90</max></range></ray>
+    <plugin name='laser' filename='libgazebo_ros_laser.so'><topicName>scan</topicName></plugin></sensor></link></model>";
+
+fn simulation(world: World) -> Simulation {
+    Simulation::builder(world).execution(Execution::default()).build().unwrap()
+}
+
+/// Poses are taken over from physics, the scene follows them, a sensor looks at it, and the states of all models and
+/// links are published, beside a simulation that only steps.
+#[test]
+fn five_hundred_moving_bodies_cost_less_than_a_millisecond_a_frame() {
+    const BODIES: usize = 500;
+    const FRAMES: u32 = 30;
+    let text = shapes(BODIES, 3.0, LIDAR);
+    let moving = || {
+        let mut moving = simulation(load(&text));
+        let ids: Vec<_> = moving.entities().iter().map(|(id, _)| id).collect();
+        for (index, id) in ids.into_iter().enumerate() {
+            let velocity = DVec3::new(0.1, 0.0, 0.02 * (index % 7) as f64);
+            let pose = moving.pose(id).unwrap();
+            moving.place(id, &pose, velocity, DVec3::Z).unwrap();
+        }
+        moving
+    };
+    let (mut alone, mut served) = (moving(), moving());
+    let domain = Domain::new(&format!("many-{}", std::process::id())).unwrap();
+    let (node, reader) = (Node::open(&domain, "belvedere").unwrap(), Node::open(&domain, "reader").unwrap());
+    let mut server = Server::attach(&mut served, &node, ServerOptions::default()).unwrap();
+    let scan =
+        reader.streams().unwrap().into_iter().find(|stream| stream.kind == Some(Kind::LaserScan)).unwrap();
+    let topics = [StreamSpec::MODEL_STATES, StreamSpec::LINK_STATES, &scan.topic];
+    let mut subscribers: Vec<Subscriber> = topics.map(|topic| reader.subscriber(topic).unwrap()).into();
+    // They look for their streams when they are asked.
+    for subscriber in &mut subscribers {
+        assert!(subscriber.take().unwrap().is_none());
+    }
+    let mut received = [0; 3];
+    let mut costs_ms = Vec::new();
+    for frame in 0..=FRAMES {
+        let until_ns = u64::from(frame) * 100_000_000 / 3;
+        let with_ms = milliseconds(|| {
+            while server.time_ns() < until_ns || server.next_ns() <= until_ns {
+                server.advance();
+            }
+        });
+        let without_ms = milliseconds(|| {
+            alone.run_until(until_ns);
+        });
+        costs_ms.push(with_ms - without_ms);
+        for (subscriber, received) in subscribers.iter_mut().zip(&mut received) {
+            while let Some(frame) = subscriber.take().unwrap() {
+                *received += 1;
+                let expected = if subscriber.topic() == scan.topic { 1 } else { BODIES as u32 };
+                assert!(frame.header().height >= expected, "{}", frame.header().height);
+            }
+        }
+    }
+    assert!(received.iter().all(|count| *count >= FRAMES - 1), "{received:?}");
+    // Poses are copied in each step. To ask for all of them costs more, as they are interpolated.
+    let poses = || alone.physics().moving_links().map(|(_, _, pose)| pose.translation()).sum::<DVec3>();
+    let copy_ms = milliseconds(|| assert!((0..1000).map(|_| poses()).sum::<DVec3>().is_finite())) / 1e3;
+    // Of 1 ms.
+    let steps = 100.0 / 3.0;
+    costs_ms.sort_by(f64::total_cmp);
+    let frame_ms = costs_ms[costs_ms.len() / 2];
+    println!("{frame_ms:.3} ms a frame, and {copy_ms:.4} ms at most in each of {steps:.0} steps");
+    assert!(frame_ms + copy_ms * steps < 1.0, "{frame_ms} ms a frame, {copy_ms} ms a step");
+}
+
+/// As gz-sim's `3k_shapes.sdf`.
+#[test]
+fn three_thousand_sleeping_bodies_load_in_a_second_and_run_in_real_time() {
+    let text = shapes(3000, 2.0, GROUND);
+    let mut loaded = None;
+    let load_ms = milliseconds(|| loaded = Some(simulation(load(&text))));
+    let mut simulation = loaded.unwrap();
+    // rapier's bodies sleep after two seconds of rest.
+    let settling_ms = milliseconds(|| simulation.run_for(Duration::from_secs(3)));
+    let asleep_ms = milliseconds(|| simulation.run_for(Duration::from_secs(2)));
+    println!(
+        "loaded in {load_ms:.0} ms; 3 s until they sleep take {settling_ms:.0} ms, 2 s asleep {asleep_ms:.0} ms"
+    );
+    for (id, entity) in simulation.entities().iter() {
+        let height = simulation.pose(id).unwrap().translation().z;
+        assert!(entity.name == "ground" || (height - 0.5).abs() < 0.01, "{}: {height}", entity.name);
+    }
+    assert!(load_ms < 1000.0, "{load_ms} ms");
+    assert!(asleep_ms < 2000.0, "{asleep_ms} ms for 2 s");
+}

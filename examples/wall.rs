@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "the scan is wrong by more than the lidar's noise"
         );
         for _ in 0..10 {
-            simulation.command(robot, Command { linear_m_s: 0.3, angular_rad_s: 0.0 })?;
+            simulation.command(robot, Command::new(0.3, 0.0))?;
             simulation.run_for(Duration::from_millis(100));
         }
     }

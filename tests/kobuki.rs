@@ -56,7 +56,7 @@ impl Bench {
     }
 
     fn report(&self) -> Report {
-        *self.robot.base().unwrap().report_at(self.physics.time_ns())
+        *self.robot.base().unwrap().as_kobuki().unwrap().report_at(self.physics.time_ns())
     }
 
     fn step(&mut self) -> Report {
@@ -71,7 +71,7 @@ impl Bench {
         let end_ns = self.physics.time_ns() + (seconds * 1e9) as u64;
         let mut reports = Vec::new();
         while self.physics.time_ns() < end_ns {
-            self.robot.command(Command { linear_m_s, angular_rad_s }, self.physics.time_ns());
+            self.robot.command(Command::new(linear_m_s, angular_rad_s), self.physics.time_ns());
             reports.push(self.step());
         }
         reports.dedup_by_key(|report| report.odometry.stamp_ns);

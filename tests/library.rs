@@ -83,7 +83,7 @@ fn two_robots_share_a_world() {
     assert!((1.5..2.0).contains(&seen), "{seen}");
     simulation.set_autopilot(second, Autopilot::Still).unwrap();
     for _ in 0..20 {
-        simulation.command(first, Command { linear_m_s: 0.3, angular_rad_s: 0.0 }).unwrap();
+        simulation.command(first, Command::new(0.3, 0.0)).unwrap();
         simulation.run_for(Duration::from_millis(100));
     }
     let mut odometry = FrameBuf::default();
@@ -149,7 +149,7 @@ fn what_cannot_be_is_refused() {
         let error = said(simulation.spawn(&model, options).map(|_| ()));
         assert!(error.contains(namespace) && error.contains("robot_1"), "{error}");
     }
-    let command = Command { linear_m_s: 1.0, angular_rad_s: 0.0 };
+    let command = Command::new(1.0, 0.0);
     assert!(said(simulation.command(wall, command)).contains("'wall' has no base"));
     let mut frame = FrameBuf::default();
     let topic = said(simulation.render("/scam", &mut frame));

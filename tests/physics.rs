@@ -238,7 +238,7 @@ fn a_wheel_of_triangles_has_their_radius() {
         let mut physics = Physics::new(&world(0.001, vec![ground()])).unwrap();
         let index = physics.insert_model(&placement(&robot, xyz(0.0, 0.0, 0.1))).unwrap();
         let base = Robot::new(&robot, "", index, &mut physics).0;
-        let found = base.base().unwrap().radius_m();
+        let found = base.base().and_then(|base| base.as_kobuki()).unwrap().radius_m();
         assert!((found - f64::from(radius)).abs() < 1e-6, "{found}");
     }
 }

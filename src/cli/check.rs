@@ -13,7 +13,7 @@ use crate::description::robot::{LoadOptions, default_robot_name, load_robot, rob
 use crate::description::world::{load_world, world_names};
 use crate::description::xml::Element;
 use crate::description::{Diagnostics, Rules, Severity};
-use crate::robot::kobuki::Wheels;
+use crate::robot::base;
 use std::path::{Path, PathBuf};
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
@@ -70,7 +70,7 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     } else {
         let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
         load_robot(&file, &options, &mut diagnostics).map(|robot| {
-            if let Err(problem) = Wheels::of(&robot) {
+            if let Err(problem) = base::check(&robot) {
                 diagnostics.add(problem);
             }
             robot::report(&robot, args.gazebo_compat)
@@ -99,7 +99,8 @@ fn is_world(file: &str, packages: &PackagePath) -> bool {
     let path = Path::new(file);
     if path.is_file() {
         return match Element::parse_file(path) {
-            Ok(root) => root.name == "sdf" || root.name == "gazebo",
+            // An SDF file of one model is a robot, or a thing.
+            Ok(root) => root.name == "sdf" && root.child("model").is_none() || root.name == "gazebo",
             Err(_) => path.extension().is_some_and(|extension| extension == "world" || extension == "sdf"),
         };
     }

@@ -12,6 +12,7 @@ pub mod model;
 pub mod ogre_material;
 pub mod optical;
 pub mod package;
+mod plugin;
 pub mod read;
 pub mod robot;
 pub mod rules;

@@ -2,12 +2,17 @@
 //!
 //! Lengths are metres, angles radians, masses kilograms. Poses are named `outer_from_inner`.
 
+mod base;
 mod device;
 mod lens;
 mod plugin;
 mod sensor;
 mod shape;
 
+pub use base::{
+    AckermannDrive, BasePlugin, DifferentialDrive, Drive, ImuPlugin, JointStatesPlugin, ModelPlugin,
+    OdometryOrigin, OdometryPlugin, PosePlugin, Wheels,
+};
 pub use belvedere_sensors::camera::{Mosaic, PixelFormat};
 pub use device::{AutoExposed, CameraDevice};
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
@@ -21,6 +26,9 @@ use glam::DVec3;
 
 /// Index of a link in [`Model::links`].
 pub type LinkIndex = usize;
+
+/// Index of a joint in [`Model::joints`].
+pub type JointIndex = usize;
 
 /// A world file: models and light, and how physics is to run.
 #[derive(Debug, Clone)]
@@ -80,6 +88,8 @@ pub struct Model {
     pub joints: Vec<Joint>,
     /// Sensors in the order of the file.
     pub sensors: Vec<Sensor>,
+    /// What its own plugins make of it, in the order of the file.
+    pub plugins: Vec<ModelPlugin>,
     /// Where it stands.
     pub source: Source,
 }
@@ -88,6 +98,14 @@ impl Model {
     /// Index of the link of that name.
     pub fn link_named(&self, name: &str) -> Option<LinkIndex> {
         self.links.iter().position(|link| link.name == name)
+    }
+
+    /// What drives it, if anything does.
+    pub fn base(&self) -> Option<&BasePlugin> {
+        self.plugins.iter().find_map(|plugin| match plugin {
+            ModelPlugin::Base(base) => Some(&**base),
+            _ => None,
+        })
     }
 
     /// The joint whose child is `link`, if it has a parent.

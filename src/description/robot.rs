@@ -6,7 +6,7 @@ use super::package::PackagePath;
 use super::rules::Rules;
 use super::values::nearest;
 use super::xml::Element;
-use super::{urdf, xacro};
+use super::{sdf, urdf, xacro};
 use std::path::{Path, PathBuf};
 
 /// The package whose `robots` folder holds the robots that have names.
@@ -60,7 +60,7 @@ fn chosen_name(variable: impl Fn(&str) -> Option<String>) -> String {
     parts.join("_")
 }
 
-/// Loads a robot from a URDF or xacro file, or by name.
+/// Loads a robot from a URDF or xacro file, from an SDF file of one model, or by name.
 ///
 /// A name has no path separator: `kobuki_nostack_camera` is `robots/kobuki_nostack_camera.urdf.xacro` of a
 /// `turtlebot_description` package on the package path, the user's first.
@@ -70,8 +70,22 @@ fn chosen_name(variable: impl Fn(&str) -> Option<String>) -> String {
 /// returned while `diagnostics` has errors is good for showing, not for running.
 pub fn load_robot(file_or_name: &str, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Model> {
     let path = find_robot(file_or_name, &options.packages, diagnostics)?;
+    if path.extension().is_some_and(|extension| extension == "sdf") {
+        return load_sdf(&path, options, diagnostics);
+    }
     match xacro::expand(&path, &options.packages, &options.xacro_args, diagnostics) {
         Ok(robot) => urdf::load_urdf(&robot, &options.packages, options.rules, diagnostics),
+        Err(problem) => {
+            diagnostics.add(problem);
+            None
+        }
+    }
+}
+
+/// A robot from an SDF file of one model.
+fn load_sdf(path: &Path, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Model> {
+    match Element::parse_file(path) {
+        Ok(root) => sdf::load_model(&root, &options.packages, options.rules, diagnostics),
         Err(problem) => {
             diagnostics.add(problem);
             None
@@ -114,7 +128,7 @@ fn find_robot(file_or_name: &str, packages: &PackagePath, diagnostics: &mut Diag
     let is_bare = !file_or_name.contains(std::path::is_separator);
     let is_robot_file = path
         .extension()
-        .is_some_and(|extension| ["urdf", "xacro", "xml"].iter().any(|known| extension == *known));
+        .is_some_and(|extension| ["urdf", "xacro", "xml", "sdf"].iter().any(|known| extension == *known));
     if !is_bare || is_robot_file && path.exists() {
         return Some(path.to_path_buf());
     }
@@ -132,7 +146,7 @@ fn find_robot(file_or_name: &str, packages: &PackagePath, diagnostics: &mut Diag
     diagnostics.error(
         &Source::new(path, 0),
         "no such robot",
-        format!("{suggestion}give the path of a .urdf or .xacro file or one of these names: {listed}"),
+        format!("{suggestion}give the path of a .urdf, .xacro or .sdf file or one of these names: {listed}"),
     );
     None
 }

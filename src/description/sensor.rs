@@ -4,6 +4,7 @@
 
 mod camera;
 mod device;
+mod gz;
 mod lens;
 mod noise;
 mod plugin;
@@ -36,7 +37,9 @@ pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnos
         "wideanglecamera" | "wide_angle_camera" => {
             reader.camera(sensor, CAMERA_FAR_M, true).map(SensorKind::Camera)
         }
-        "depth" | "depth_camera" => reader.camera(sensor, DEPTH_FAR_M, false).map(SensorKind::Depth),
+        "depth" | "depth_camera" | "rgbd" | "rgbd_camera" => {
+            reader.camera(sensor, DEPTH_FAR_M, false).map(SensorKind::Depth)
+        }
         "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => reader.ray(sensor).map(SensorKind::Ray),
         other => {
             let what = if other.is_empty() { "no type".into() } else { format!("the type '{other}'") };
@@ -51,6 +54,7 @@ pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnos
     let update_rate_hz = reader.rate(sensor, "update_rate");
     let mut kind = kind?;
     let plugin = reader.plugin(sensor, &mut kind);
+    let plugin = plugin.or_else(|| gz::gz_plugin(sensor, &kind));
     let read = Sensor {
         name,
         link,

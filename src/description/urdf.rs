@@ -71,6 +71,7 @@ pub(super) fn load_urdf(
         links: Vec::new(),
         joints: Vec::new(),
         sensors: Vec::new(),
+        plugins: Vec::new(),
         source: robot.source.clone(),
     };
     loader.links(robot, &mut model);

@@ -55,7 +55,11 @@ impl BaseChannel {
     }
 
     pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {
-        let Some(base) = context.entities.robot(self.id).and_then(Robot::base) else { return };
+        let Some(base) =
+            context.entities.robot(self.id).and_then(Robot::base).and_then(|base| base.as_kobuki())
+        else {
+            return;
+        };
         let report = base.report_at(context.stamp_ns);
         let stamp_ns = report.odometry.stamp_ns;
         self.imu.send_structs(stamp_ns, &[imu(&report.imu)]);

@@ -5,6 +5,8 @@ use super::annotations::Census;
 use super::base::BaseChannel;
 use super::camera::CameraChannel;
 use super::depth::DepthChannel;
+use super::imu::ImuChannel;
+use super::joint_states::JointStatesChannel;
 use super::lidar::LidarChannel;
 use super::outlet::Outlet;
 use super::range::RangeChannel;
@@ -12,6 +14,7 @@ use super::rate::Rate;
 use super::settings::Settings;
 use super::sink::Sink;
 use super::state::{ClockChannel, StateChannel};
+use super::true_pose::TruePoseChannel;
 use crate::description::model::{Plugin, Sensor as DescribedSensor, SensorKind};
 use crate::description::optical::{OpticalFrame, optical_frames};
 use crate::entities::{Entities, Entity, EntityId};
@@ -48,9 +51,13 @@ impl Setting<'_> {
     /// A stream of small messages, which are sent whether or not anybody follows: late consumers get the last one. Its
     /// topic and its frame are in the namespace of the entity.
     pub(super) fn open(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
-        let topic = self.entity.topic(&spec.topic);
         let frame_id = self.entity.frame(&spec.frame_id);
-        let spec = StreamSpec { topic, frame_id, ..spec.clone() };
+        self.open_in_world(&StreamSpec { frame_id, ..spec.clone() })
+    }
+
+    /// The same, its frame nobody's own.
+    pub(super) fn open_in_world(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
+        let spec = StreamSpec { topic: self.entity.topic(&spec.topic), ..spec.clone() };
         if !self.taken.borrow_mut().insert(format!("/{}", spec.name()?)) {
             return Err(RigError::TopicTaken { topic: spec.topic, model: self.entity.name.clone() });
         }
@@ -112,6 +119,9 @@ pub(super) enum Channel {
     Clock(Box<ClockChannel>),
     State(Box<StateChannel>),
     Base(Box<BaseChannel>),
+    Imu(Box<ImuChannel>),
+    TruePose(Box<TruePoseChannel>),
+    JointStates(Box<JointStatesChannel>),
     Camera(Box<CameraChannel>),
     Depth(Box<DepthChannel>),
     Lidar(Box<LidarChannel>),
@@ -150,6 +160,9 @@ impl Channel {
             Self::Clock(clock) => clock.outlets().into(),
             Self::State(state) => state.outlets().collect(),
             Self::Base(base) => base.outlets().into(),
+            Self::Imu(imu) => imu.outlets().into(),
+            Self::TruePose(pose) => pose.outlets().into(),
+            Self::JointStates(joints) => joints.outlets().into(),
             Self::Camera(camera) => camera.outlets().collect(),
             Self::Depth(depth) => depth.outlets().collect(),
             Self::Lidar(lidar) => lidar.outlets().collect(),
@@ -160,7 +173,12 @@ impl Channel {
     /// Whether its next frame shows the scene to somebody.
     pub(super) fn is_rendered(&self) -> bool {
         match self {
-            Self::Clock(_) | Self::State(_) | Self::Base(_) => false,
+            Self::Clock(_)
+            | Self::State(_)
+            | Self::Base(_)
+            | Self::Imu(_)
+            | Self::TruePose(_)
+            | Self::JointStates(_) => false,
             Self::Camera(camera) if camera.eye().is_automatic() => true,
             Self::Depth(depth) if depth.eye().is_automatic() => true,
             Self::Camera(_) | Self::Depth(_) | Self::Lidar(_) | Self::Range(_) => {
@@ -174,17 +192,18 @@ impl Channel {
         match self {
             Self::Camera(camera) => camera.eye().window_ns(),
             Self::Depth(depth) => depth.eye().window_ns(),
-            Self::Clock(_) | Self::State(_) | Self::Base(_) | Self::Lidar(_) | Self::Range(_) => 0,
+            _ => 0,
         }
     }
 
     /// Forgets what its frames so far have left to the next.
     pub(super) fn restart(&mut self) {
         match self {
-            Self::Clock(_) | Self::State(_) | Self::Base(_) | Self::Range(_) => {}
             Self::Camera(camera) => camera.restart(),
             Self::Depth(depth) => depth.restart(),
             Self::Lidar(lidar) => lidar.restart(),
+            Self::Imu(imu) => imu.restart(),
+            _ => {}
         }
     }
 
@@ -194,6 +213,9 @@ impl Channel {
             Self::Clock(clock) => clock.publish(context),
             Self::State(state) => state.publish(context),
             Self::Base(base) => base.publish(context),
+            Self::Imu(imu) => imu.publish(context, frame),
+            Self::TruePose(pose) => pose.publish(context, frame),
+            Self::JointStates(joints) => joints.publish(context),
             Self::Camera(camera) => camera.publish(context, frame),
             Self::Depth(depth) => depth.publish(context, frame),
             Self::Lidar(lidar) => lidar.publish(context, frame),
@@ -204,7 +226,12 @@ impl Channel {
     /// Takes other settings from its next frame on, if it has any.
     pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
         match self {
-            Self::Clock(_) | Self::State(_) | Self::Base(_) => Ok(()),
+            Self::Clock(_)
+            | Self::State(_)
+            | Self::Base(_)
+            | Self::Imu(_)
+            | Self::TruePose(_)
+            | Self::JointStates(_) => Ok(()),
             Self::Camera(camera) => camera.configure(settings),
             Self::Depth(depth) => depth.configure(settings),
             Self::Lidar(lidar) => lidar.configure(settings),

@@ -12,6 +12,8 @@ pub mod cost;
 mod depth;
 mod error;
 pub(crate) mod eye;
+mod imu;
+mod joint_states;
 mod lidar;
 mod moments;
 mod mount;
@@ -23,6 +25,7 @@ pub mod schedule;
 pub mod settings;
 pub mod sink;
 mod state;
+mod true_pose;
 mod truth;
 mod tuning;
 
@@ -34,7 +37,7 @@ pub use settings::Settings;
 pub use sink::{FrameBuf, Sink};
 
 use crate::description::housing::{CollisionIndex, housings};
-use crate::description::model::{Sensor, SensorKind};
+use crate::description::model::{ModelPlugin, Sensor, SensorKind};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
@@ -45,16 +48,22 @@ use belvedere_sensors::Execution;
 use belvedere_sensors::trace::WorkspaceBuf;
 use channel::{Channel, RigContext, Setting};
 use cost::Cost;
+use imu::ImuChannel;
+use joint_states::JointStatesChannel;
 use state::{ClockChannel, StateChannel};
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::time::Duration;
+use true_pose::TruePoseChannel;
 use tuning::Tuning;
 
 /// Rate of the clock in Hz: a consumer's timers get within 10 ms of simulated time.
 const CLOCK_HZ: f64 = 100.0;
-/// Rate of odometry, transforms, joint states and of the base's sensors: a Kobuki's own.
+/// Rate of transforms and joint states of a robot without a base, and of a Kobuki's sensors.
 const STATE_HZ: f64 = 50.0;
+
+/// Number of a model's first plugin that draws noise, among its sensors.
+const FIRST_PLUGIN: u32 = 1 << 16;
 
 /// Sensors that may come while it runs, beside those of the start.
 const MORE_SENSORS: usize = 64;
@@ -198,12 +207,39 @@ impl Rig {
             });
         };
         if let Some(robot) = &entity.robot {
-            let rate = fixed_rate(STATE_HZ, physics);
+            let base = entity.model.base().filter(|_| robot.base().is_some());
+            let rate = plugin_rate(base.map_or(Some(STATE_HZ), |base| base.odometry.rate_hz), physics);
             let state = StateChannel::open(robot, &setting(rate, 0))?;
             add(rate, Channel::State(state.into()), None, Vec::new());
-            if robot.base().is_some() {
+            if robot.base().is_some_and(|base| base.as_kobuki().is_some()) {
+                let rate = fixed_rate(STATE_HZ, physics);
                 let base = BaseChannel::open(&setting(rate, 0))?;
                 add(rate, Channel::Base(base.into()), None, Vec::new());
+            }
+            let mut units = 0;
+            for (index, plugin) in entity.model.plugins.iter().enumerate() {
+                // Far from the numbers of sensors, which count from the first.
+                let number = noise_number(entity.noise_name()).wrapping_add(FIRST_PLUGIN + index as u32);
+                let (rate, channel) = match plugin {
+                    ModelPlugin::Base(_) => continue,
+                    ModelPlugin::Imu(imu) => {
+                        let rate = plugin_rate(imu.rate_hz, physics);
+                        let channel = ImuChannel::open(imu, units, &setting(rate, number))?;
+                        units += 1;
+                        (rate, Channel::Imu(channel.into()))
+                    }
+                    ModelPlugin::Pose(pose) => {
+                        let rate = plugin_rate(pose.rate_hz, physics);
+                        let channel = TruePoseChannel::open(pose, &setting(rate, number))?;
+                        (rate, Channel::TruePose(channel.into()))
+                    }
+                    ModelPlugin::JointStates(states) => {
+                        let rate = plugin_rate(states.rate_hz, physics);
+                        let channel = JointStatesChannel::open(states, &setting(rate, number))?;
+                        (rate, Channel::JointStates(channel.into()))
+                    }
+                };
+                add(rate, channel, None, Vec::new());
             }
         }
         let first_number = noise_number(entity.noise_name());
@@ -334,6 +370,11 @@ impl Scheduled {
 /// A fixed rate; each step of physics if it is none.
 fn fixed_rate(hz: f64, physics: &Physics) -> Rate {
     Rate::from_hz(hz).unwrap_or(Rate::from_period_ns(physics.step_ns()))
+}
+
+/// A plugin's rate; each step of physics if it has none.
+fn plugin_rate(hz: Option<f64>, physics: &Physics) -> Rate {
+    fixed_rate(hz.unwrap_or(0.0), physics)
 }
 
 /// Number of a model's first sensor, by which its noise is another one than others'. It comes from a name (FNV-1a), so that

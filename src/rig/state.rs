@@ -2,22 +2,37 @@
 
 use super::outlet::Outlet;
 use super::{RigContext, RigError, Setting};
+use crate::description::model::{ModelPlugin, OdometryPlugin};
 use crate::description::optical::{OpticalFrame, new_frames, optical_frames};
-use crate::entities::EntityId;
+use crate::entities::{EntityId, Origin};
 use crate::robot::odometry::Odometry as OdometryReport;
 use crate::robot::transforms::Transform as RobotTransform;
 use crate::robot::{Robot, RobotState};
 use belvedere_bridge::payload::{Clock, JointState, Odometry, Transform};
 use belvedere_bridge::{Kind, StreamSpec, Text};
-use glam::DVec3;
+
+/// Positions of joints.
+const JOINT_STATES_TOPIC: &str = "/joint_states";
+
+/// The frames of a robot; not of a thing of the world, which is in nobody's tree.
+struct FrameOutlets {
+    moving: Outlet,
+    fixed: Outlet,
+}
+
+/// That of a base.
+struct OdometryOutlet {
+    outlet: Outlet,
+    child: Text<64>,
+    covariance: [f64; 36],
+}
 
 /// The robot's own streams.
 pub(super) struct StateChannel {
     id: EntityId,
-    odometry: Option<Outlet>,
-    transforms: Outlet,
-    static_transforms: Outlet,
-    joint_states: Outlet,
+    odometry: Option<OdometryOutlet>,
+    frames: Option<FrameOutlets>,
+    joint_states: Option<Outlet>,
     state: RobotState,
     transform_messages: Vec<Transform>,
     joint_messages: Vec<JointState>,
@@ -30,29 +45,39 @@ impl StateChannel {
         let fixed: Vec<RobotTransform> =
             robot.static_transforms().iter().cloned().chain(optical_transforms(setting)).collect();
         let array = |topic, kind, count| StreamSpec::structs(topic, kind, count).rate_hz(rate);
-        let odometry = state
-            .odometry
-            .map(|_| {
-                setting
-                    .open(&array("/odom", Kind::Odometry, 1).frame_id(crate::robot::transforms::ODOM_FRAME))
+        let model = &setting.entity.model;
+        let base = model.base().filter(|_| robot.base().is_some());
+        let odometry = base.map(|base| OdometryOutlet::open(&base.odometry, setting)).transpose()?;
+        let is_robot = setting.entity.origin != Origin::World;
+        let frames = is_robot.then(|| -> Result<_, RigError> {
+            Ok(FrameOutlets {
+                moving: setting.open(&array("/tf", Kind::Transforms, state.transforms.len()))?,
+                fixed: setting.open(&StreamSpec::structs(
+                    "/tf_static",
+                    Kind::StaticTransforms,
+                    fixed.len(),
+                ))?,
             })
-            .transpose()?;
+        });
+        // A plugin may tell them at the same place.
+        let told = model.plugins.iter().any(
+            |plugin| matches!(plugin, ModelPlugin::JointStates(told) if told.topic == JOINT_STATES_TOPIC),
+        );
+        let joint_states = (is_robot && !told)
+            .then(|| setting.open(&array(JOINT_STATES_TOPIC, Kind::JointStates, state.joints.len())));
         let mut channel = Self {
             id: setting.id,
             odometry,
-            transforms: setting.open(&array("/tf", Kind::Transforms, state.transforms.len()))?,
-            static_transforms: setting.open(&StreamSpec::structs(
-                "/tf_static",
-                Kind::StaticTransforms,
-                fixed.len(),
-            ))?,
-            joint_states: setting.open(&array("/joint_states", Kind::JointStates, state.joints.len()))?,
+            frames: frames.transpose()?,
+            joint_states: joint_states.transpose()?,
             transform_messages: Vec::with_capacity(state.transforms.len()),
             joint_messages: Vec::with_capacity(state.joints.len()),
             state,
         };
         let fixed = fixed.iter().map(message).collect::<Result<Vec<_>, _>>()?;
-        channel.static_transforms.send_structs(setting.physics.time_ns(), &fixed);
+        if let Some(frames) = &mut channel.frames {
+            frames.fixed.send_structs(setting.physics.time_ns(), &fixed);
+        }
         // The names are checked here once; after this they are known to fit.
         for transform in &channel.state.transforms {
             message(transform)?;
@@ -66,29 +91,50 @@ impl StateChannel {
     pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {
         let Some(robot) = context.entities.robot(self.id) else { return };
         robot.state_into(context.physics, context.stamp_ns, &mut self.state);
-        if let (Some(outlet), Some(report)) = (&mut self.odometry, &self.state.odometry) {
-            let child = self.state.transforms.first().map_or("", |odom| &*odom.child);
-            outlet.send_structs(report.stamp_ns, &[odometry(report, child)]);
+        if let (Some(to), Some(report)) = (&mut self.odometry, &self.state.odometry) {
+            let message = odometry(report, to);
+            to.outlet.send_structs(report.stamp_ns, &[message]);
         }
-        self.transform_messages.clear();
-        self.transform_messages
-            .extend(self.state.transforms.iter().filter_map(|transform| message(transform).ok()));
-        self.transforms.send_structs(context.stamp_ns, &self.transform_messages);
-        self.joint_messages.clear();
-        let joints = self.state.joint_names.iter().zip(&self.state.joints);
-        self.joint_messages.extend(joints.map(|(name, joint)| JointState {
-            name: Text::new(name).unwrap_or_default(),
-            position: joint.position,
-            velocity: joint.velocity,
-            effort: joint.effort,
-        }));
-        self.joint_states.send_structs(context.stamp_ns, &self.joint_messages);
-        // Whoever has come since the start gets the static transforms now.
-        self.static_transforms.update();
+        if let Some(frames) = &mut self.frames {
+            self.transform_messages.clear();
+            self.transform_messages
+                .extend(self.state.transforms.iter().filter_map(|transform| message(transform).ok()));
+            frames.moving.send_structs(context.stamp_ns, &self.transform_messages);
+            // Whoever has come since the start gets the static transforms now.
+            frames.fixed.update();
+        }
+        if let Some(outlet) = &mut self.joint_states {
+            self.joint_messages.clear();
+            let joints = self.state.joint_names.iter().zip(&self.state.joints);
+            self.joint_messages.extend(joints.map(|(name, joint)| JointState {
+                name: Text::new(name).unwrap_or_default(),
+                position: joint.position,
+                velocity: joint.velocity,
+                effort: joint.effort,
+            }));
+            outlet.send_structs(context.stamp_ns, &self.joint_messages);
+        }
     }
 
     pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
-        self.odometry.iter().chain([&self.transforms, &self.static_transforms, &self.joint_states])
+        let frames = self.frames.iter().flat_map(|frames| [&frames.moving, &frames.fixed]);
+        self.odometry.iter().map(|odometry| &odometry.outlet).chain(frames).chain(&self.joint_states)
+    }
+}
+
+impl OdometryOutlet {
+    fn open(plugin: &OdometryPlugin, setting: &Setting<'_>) -> Result<Self, RigError> {
+        let spec = StreamSpec::structs(&plugin.topic, Kind::Odometry, 1);
+        let child = setting.entity.frame(&plugin.child_frame);
+        let mut covariance = [0.0; 36];
+        for (axis, variance) in plugin.pose_variance.into_iter().enumerate() {
+            covariance[axis * 7] = variance;
+        }
+        Ok(Self {
+            outlet: setting.open(&spec.frame_id(&plugin.frame).rate_hz(setting.rate.hz()))?,
+            child: Text::new(&child).map_err(|error| RigError::name(&child, &error))?,
+            covariance,
+        })
     }
 }
 
@@ -116,15 +162,16 @@ fn message(transform: &RobotTransform) -> Result<Transform, RigError> {
     })
 }
 
-fn odometry(report: &OdometryReport, child: &str) -> Odometry {
+fn odometry(report: &OdometryReport, to: &OdometryOutlet) -> Odometry {
     Odometry {
-        child_frame_id: Text::new(child).unwrap_or_default(),
+        child_frame_id: to.child,
         position: report.odom_from_base.translation().to_array(),
         orientation: report.odom_from_base.rotation().to_array(),
-        linear: (DVec3::X * report.linear_m_s).to_array(),
-        angular: (DVec3::Z * report.angular_rad_s).to_array(),
-        pose_covariance: OdometryReport::POSE_COVARIANCE,
-        twist_covariance: OdometryReport::TWIST_COVARIANCE,
+        linear: [report.linear_m_s, report.lateral_m_s, 0.0],
+        angular: [0.0, 0.0, report.angular_rad_s],
+        pose_covariance: to.covariance,
+        // Gazebo's plugins leave it unset.
+        twist_covariance: [0.0; 36],
     }
 }
 

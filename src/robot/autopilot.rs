@@ -34,7 +34,7 @@ impl Autopilot {
     pub fn command(self, world_from_base: &Pose) -> Command {
         match self {
             Self::Loop => LoopPath::DEFAULT.pursue(world_from_base),
-            Self::Spin => Command { linear_m_s: 0.0, angular_rad_s: SPIN_RAD_S },
+            Self::Spin => Command::new(0.0, SPIN_RAD_S),
             Self::Still => Command::STOP,
         }
     }
@@ -153,11 +153,11 @@ impl LoopPath {
         let (along, across) = (heading.dot(offset), heading.perp_dot(offset));
         if along < 0.0 {
             // The path runs the other way: turn to it on the spot.
-            return Command { linear_m_s: 0.0, angular_rad_s: SPIN_RAD_S.copysign(across) };
+            return Command::new(0.0, SPIN_RAD_S.copysign(across));
         }
         let curvature = 2.0 * across / offset.length_squared().max(1e-6);
         let angular_rad_s = self.speed_m_s * curvature;
-        Command { linear_m_s: self.speed_m_s, angular_rad_s }
+        Command::new(self.speed_m_s, angular_rad_s)
     }
 }
 
@@ -196,6 +196,6 @@ mod tests {
     fn it_starts_on_the_path_along_it() {
         let path = LoopPath::DEFAULT;
         let command = path.pursue(&path.start_pose());
-        assert_eq!(command, Command { linear_m_s: path.speed_m_s, angular_rad_s: 0.0 });
+        assert_eq!(command, Command::new(path.speed_m_s, 0.0));
     }
 }

@@ -1,30 +1,43 @@
 //! Velocity commands.
 
-/// What a base is to do (`geometry_msgs/Twist`, of which a differential drive can follow two parts).
+/// What a base is to do: what of a `geometry_msgs/Twist` is in the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Command {
     /// Speed along the base's x in m/s.
     pub linear_m_s: f64,
+    /// Speed along its y, to the left, in m/s: of bases that can.
+    pub lateral_m_s: f64,
     /// Rate of turn about the base's z in rad/s, positive to the left.
     pub angular_rad_s: f64,
 }
 
 impl Command {
     /// Stand still.
-    pub const STOP: Self = Self { linear_m_s: 0.0, angular_rad_s: 0.0 };
+    pub const STOP: Self = Self::new(0.0, 0.0);
 
-    /// The command within the limits of a base. If a wheel would have to be faster than `max_speed_m_s`, speed
+    /// Along the base's x in m/s, and turning to the left in rad/s.
+    pub const fn new(linear_m_s: f64, angular_rad_s: f64) -> Self {
+        Self { linear_m_s, lateral_m_s: 0.0, angular_rad_s }
+    }
+
+    /// Itself, or a stop if a number is not finite.
+    #[must_use]
+    pub fn or_stop(self) -> Self {
+        let is_finite =
+            self.linear_m_s.is_finite() && self.lateral_m_s.is_finite() && self.angular_rad_s.is_finite();
+        if is_finite { self } else { Self::STOP }
+    }
+
+    /// The command within the limits of a base on two wheels. If a wheel would have to be faster than `max_speed_m_s`, speed
     /// and turn are both scaled down, so that the path stays the same. A command that is not finite is a stop.
     #[must_use]
     pub fn limited(self, max_speed_m_s: f64, max_turn_rad_s: f64, separation_m: f64) -> Self {
-        if !(self.linear_m_s.is_finite() && self.angular_rad_s.is_finite()) {
-            return Self::STOP;
-        }
-        let linear_m_s = self.linear_m_s.clamp(-max_speed_m_s, max_speed_m_s);
-        let angular_rad_s = self.angular_rad_s.clamp(-max_turn_rad_s, max_turn_rad_s);
+        let command = self.or_stop();
+        let linear_m_s = command.linear_m_s.clamp(-max_speed_m_s, max_speed_m_s);
+        let angular_rad_s = command.angular_rad_s.clamp(-max_turn_rad_s, max_turn_rad_s);
         let fastest_wheel = linear_m_s.abs() + 0.5 * separation_m * angular_rad_s.abs();
         let scale = if fastest_wheel > max_speed_m_s { max_speed_m_s / fastest_wheel } else { 1.0 };
-        Self { linear_m_s: linear_m_s * scale, angular_rad_s: angular_rad_s * scale }
+        Self::new(linear_m_s * scale, angular_rad_s * scale)
     }
 }
 
@@ -34,12 +47,9 @@ mod tests {
 
     #[test]
     fn limits_keep_the_curvature() {
-        let command = Command { linear_m_s: 0.7, angular_rad_s: 3.0 }.limited(0.7, 3.2, 0.23);
+        let command = Command::new(0.7, 3.0).limited(0.7, 3.2, 0.23);
         assert!((command.linear_m_s / command.angular_rad_s - 0.7 / 3.0).abs() < 1e-12);
         assert!((command.linear_m_s + 0.115 * command.angular_rad_s - 0.7).abs() < 1e-12);
-        assert_eq!(
-            Command { linear_m_s: f64::NAN, angular_rad_s: 0.0 }.limited(0.7, 3.2, 0.23),
-            Command::STOP
-        );
+        assert_eq!(Command::new(f64::NAN, 0.0).limited(0.7, 3.2, 0.23), Command::STOP);
     }
 }

@@ -4,35 +4,43 @@
 //! A [`Robot`] goes along with a model in [`Physics`]: call [`Robot::control`] before each step and
 //! [`Robot::observe`] after it, then [`Robot::state_at`] for any stamp between the last two steps.
 
+mod ackermann;
 pub mod autopilot;
+pub mod base;
 mod command;
 pub mod contact;
+mod differential;
+mod grip;
 pub mod imu;
+mod inertial;
 pub mod kobuki;
 pub mod odometry;
+mod planar;
 pub mod state;
+mod tracker;
 pub mod transforms;
 
 pub use autopilot::Autopilot;
+pub use base::Base;
 pub use command::Command;
+pub use inertial::InertialUnit;
 pub use kobuki::Kobuki;
 pub use state::RobotState;
 
 use crate::description::diagnostics::Problem;
-use crate::description::model::{LinkIndex, Model};
+use crate::description::model::{LinkIndex, Model, ModelPlugin};
 use crate::world::physics::{ModelIndex, Physics, Placement};
 use belvedere_sensors::Pose;
 use transforms::{Transform, Transforms};
 
 /// Whether a model has a base that drives.
 pub fn has_base(model: &Model) -> bool {
-    kobuki::Wheels::of(model).is_ok()
+    base::check(model).is_ok()
 }
 
 /// How a robot takes part in physics, its model's frame at a pose: the wheels of its base are carried, and it stays awake.
 pub fn placement(model: &Model, world_from_model: Pose) -> Placement<'_> {
-    let wheels = kobuki::Wheels::of(model).map(|wheels| wheels.joints().to_vec());
-    Placement { model, world_from_model, carried: wheels.unwrap_or_default(), stays_awake: true }
+    Placement { model, world_from_model, carried: base::carried_joints(model), stays_awake: true }
 }
 
 /// A robot in the world, with or without a base that drives.
@@ -41,31 +49,41 @@ pub struct Robot {
     model: ModelIndex,
     base_link: LinkIndex,
     transforms: Transforms,
-    base: Option<Kobuki>,
+    base: Option<Box<dyn Base>>,
+    /// Those of its plugins, in their order.
+    units: Vec<InertialUnit>,
     autopilot: Option<Autopilot>,
     /// When the last command came.
     commanded_ns: Option<u64>,
 }
 
 impl Robot {
-    /// Takes the model of that index as a robot. Of a model without the wheels of a Kobuki it makes a passive
-    /// one, which senses but does not drive; the problem says why. Its frames are in the namespace, if there is one.
+    /// Takes the model of that index as a robot. Of a model without a base it makes a passive one, which senses but does
+    /// not drive; the problem says why. Its frames are in the namespace, if there is one.
     pub fn new(
         model: &Model,
         namespace: &str,
         index: ModelIndex,
         physics: &mut Physics,
     ) -> (Self, Option<Problem>) {
-        let (base, problem) = match Kobuki::new(model, index, physics) {
+        let (base, problem) = match base::of_model(model, index, physics) {
             Ok(base) => (Some(base), None),
             Err(problem) => (None, Some(problem)),
         };
         let transforms = Transforms::of(model, namespace);
         let base_link = transforms::base_link(model);
-        (Self { model: index, base_link, transforms, base, autopilot: None, commanded_ns: None }, problem)
+        let imus = model.plugins.iter().filter_map(|plugin| match plugin {
+            ModelPlugin::Imu(imu) => Some(InertialUnit::new(imu, index)),
+            _ => None,
+        });
+        let units = imus.collect();
+        (
+            Self { model: index, base_link, transforms, base, units, autopilot: None, commanded_ns: None },
+            problem,
+        )
     }
 
-    /// Gives a velocity command; a passive robot ignores it. It holds for [`kobuki::COMMAND_TIMEOUT_NS`].
+    /// Gives a velocity command; a passive robot ignores it. It holds for as long as its base says.
     pub fn command(&mut self, command: Command, stamp_ns: u64) {
         self.commanded_ns = Some(stamp_ns);
         if let Some(base) = &mut self.base {
@@ -83,14 +101,14 @@ impl Robot {
         self.autopilot
     }
 
-    /// Turns the motors' power on or off; see [`Kobuki::set_motor_power`].
+    /// Turns the motors' power on or off; see [`Base::set_motor_power`].
     pub fn set_motor_power(&mut self, on: bool) {
         if let Some(base) = &mut self.base {
             base.set_motor_power(on);
         }
     }
 
-    /// Lets odometry begin at zero; see [`Kobuki::reset_odometry`].
+    /// Lets odometry begin at zero; see [`Base::reset_odometry`].
     pub fn reset_odometry(&mut self, physics: &Physics) {
         if let Some(base) = &mut self.base {
             base.reset_odometry(physics);
@@ -116,6 +134,7 @@ impl Robot {
         if let Some(base) = &mut self.base {
             base.carried(physics, world_from_before);
         }
+        self.units.iter_mut().for_each(|unit| unit.carried(physics));
     }
 
     /// Reads encoders and gyro after a step.
@@ -123,6 +142,7 @@ impl Robot {
         if let Some(base) = &mut self.base {
             base.observe(physics);
         }
+        self.units.iter_mut().for_each(|unit| unit.observe(physics));
     }
 
     /// True pose of the robot's `base_footprint` (or root link) now.
@@ -136,13 +156,13 @@ impl Robot {
     }
 
     /// The base that drives, if there is one.
-    pub fn base(&self) -> Option<&Kobuki> {
-        self.base.as_ref()
+    pub fn base(&self) -> Option<&dyn Base> {
+        self.base.as_deref()
     }
 
-    /// The base that drives, if there is one.
-    pub fn base_mut(&mut self) -> Option<&mut Kobuki> {
-        self.base.as_mut()
+    /// Its inertial units, in the order of their plugins.
+    pub fn units(&self) -> &[InertialUnit] {
+        &self.units
     }
 
     /// Transforms that never change.
@@ -153,7 +173,7 @@ impl Robot {
     /// Everything to publish at a time between the last two steps. For a schedule's sake the state is written
     /// into `state`, whose memory is used again.
     pub fn state_into(&self, physics: &Physics, stamp_ns: u64, state: &mut RobotState) {
-        state.fill(stamp_ns, self.model, &self.transforms, self.base.as_ref(), physics);
+        state.fill(stamp_ns, self.model, &self.transforms, self.base.as_deref(), physics);
     }
 
     /// Everything to publish at a time between the last two steps.

@@ -19,9 +19,6 @@ pub const RAD_PER_TICK: f64 = 0.002_436_916_871_363_93;
 /// Rate of turn per step of the gyro (L3G4200D at ±250 °/s), in rad/s.
 pub const GYRO_STEP_RAD_S: f64 = 0.008_75 * PI / 180.0;
 
-/// Variance of what odometry does not know: z, roll, pitch.
-const UNKNOWN: f64 = 1e6;
-
 /// What the base reports (`nav_msgs/Odometry`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Odometry {
@@ -31,25 +28,10 @@ pub struct Odometry {
     pub odom_from_base: Pose,
     /// Speed along the base's x in m/s, from the ticks since the last report.
     pub linear_m_s: f64,
+    /// Speed along its y in m/s.
+    pub lateral_m_s: f64,
     /// Rate of turn about the base's z in rad/s, by the gyro.
     pub angular_rad_s: f64,
-}
-
-impl Odometry {
-    /// Row-major 6×6 covariance of the pose (x, y, z, roll, pitch, yaw), as Kobuki's plugin gives it.
-    pub const POSE_COVARIANCE: [f64; 36] = {
-        let mut covariance = [0.0; 36];
-        let diagonal = [0.1, 0.1, UNKNOWN, UNKNOWN, UNKNOWN, 0.05];
-        let mut axis = 0;
-        while axis < 6 {
-            covariance[axis * 7] = diagonal[axis];
-            axis += 1;
-        }
-        covariance
-    };
-
-    /// Row-major 6×6 covariance of the twist: the plugin leaves it unset.
-    pub const TWIST_COVARIANCE: [f64; 36] = [0.0; 36];
 }
 
 /// The count of an encoder on a wheel that has turned by an angle: 16 bits that wrap.
@@ -76,8 +58,13 @@ pub struct Odometer {
 impl Odometer {
     /// Starts at the origin of `odom` with both wheels at the angle zero.
     pub fn new(wheel_radius_m: f64) -> Self {
-        let latest =
-            Odometry { stamp_ns: 0, odom_from_base: Pose::IDENTITY, linear_m_s: 0.0, angular_rad_s: 0.0 };
+        let latest = Odometry {
+            stamp_ns: 0,
+            odom_from_base: Pose::IDENTITY,
+            linear_m_s: 0.0,
+            lateral_m_s: 0.0,
+            angular_rad_s: 0.0,
+        };
         Self { wheel_radius_m, counts: [0; 2], heading_rad: 0.0, x_m: 0.0, y_m: 0.0, latest }
     }
 
@@ -110,6 +97,7 @@ impl Odometer {
                 DQuat::from_xyzw(0.0, 0.0, half_sin, half_cos),
             ),
             linear_m_s: per_second(distance_m),
+            lateral_m_s: 0.0,
             angular_rad_s: per_second(heading_rad - self.heading_rad),
         };
         self.counts = counts;

@@ -1,6 +1,6 @@
 //! A snapshot of what a robot publishes.
 
-use super::kobuki::Kobuki;
+use super::base::Base;
 use super::odometry::Odometry;
 use super::transforms::{Transform, Transforms};
 use crate::world::physics::{JointState, ModelIndex, Physics};
@@ -17,7 +17,7 @@ pub struct RobotState {
     pub joint_names: Vec<Arc<str>>,
     /// Their states, in the same order.
     pub joints: Vec<JointState>,
-    /// The transforms that move: `odom` to the base first if there is odometry, then one per joint.
+    /// The transforms that move: `odom` to the base first if odometry is told as one, then one per joint.
     pub transforms: Vec<Transform>,
 }
 
@@ -28,16 +28,16 @@ impl RobotState {
         stamp_ns: u64,
         model: ModelIndex,
         transforms: &Transforms,
-        base: Option<&Kobuki>,
+        base: Option<&dyn Base>,
         physics: &Physics,
     ) {
         self.stamp_ns = stamp_ns;
-        self.odometry = base.map(|base| *base.odometry_at(stamp_ns));
+        self.odometry = base.map(|base| base.odometry_at(physics, stamp_ns));
         self.joint_names.clear();
         self.joints.clear();
         self.transforms.clear();
         if let Some(odometry) = &self.odometry {
-            self.transforms.push(transforms.odom(odometry.odom_from_base));
+            self.transforms.extend(transforms.odom(odometry.odom_from_base));
         }
         for joint in transforms.moving() {
             // A joint that holds still for want of mass stays at zero.

@@ -6,9 +6,6 @@ use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
-/// Frame in which odometry gives the pose of the base.
-pub const ODOM_FRAME: &str = "odom";
-
 /// A frame in its parent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transform {
@@ -54,8 +51,8 @@ impl JointTransform {
 pub struct Transforms {
     fixed: Vec<Transform>,
     moving: Vec<JointTransform>,
-    odom: Arc<str>,
-    base: Arc<str>,
+    /// Names of odometry's frame and of the base in it, if its base tells that as a transform.
+    odometry: Option<[Arc<str>; 2]>,
 }
 
 impl Transforms {
@@ -91,8 +88,9 @@ impl Transforms {
                 slides,
             });
         }
-        let base = names.get(base_link(model)).cloned().unwrap_or_else(|| name("base_footprint"));
-        Self { fixed, moving, odom: name(ODOM_FRAME), base }
+        let odometry = model.base().map(|base| &base.odometry).filter(|odometry| odometry.is_transform);
+        let odometry = odometry.map(|odometry| [name(&odometry.frame), name(&odometry.child_frame)]);
+        Self { fixed, moving, odometry }
     }
 
     /// Those that never change.
@@ -105,9 +103,10 @@ impl Transforms {
         &self.moving
     }
 
-    /// The transform from `odom` to the base.
-    pub fn odom(&self, odom_from_base: Pose) -> Transform {
-        Transform { parent: self.odom.clone(), child: self.base.clone(), parent_from_child: odom_from_base }
+    /// The transform from odometry's frame to the base, if it is told.
+    pub fn odom(&self, odom_from_base: Pose) -> Option<Transform> {
+        let [parent, child] = self.odometry.clone()?;
+        Some(Transform { parent, child, parent_from_child: odom_from_base })
     }
 }
 

@@ -6,8 +6,6 @@ use crate::world::physics::Physics;
 use belvedere_bridge::payload::{Message, MotorPower, ResetOdometry, VelocityCommand};
 use belvedere_bridge::{Error, Kind, Node, StreamSpec, Subscriber};
 
-/// Velocities.
-pub const VELOCITY_TOPIC: &str = "/cmd_vel";
 /// Odometry is to begin at zero.
 pub const RESET_ODOMETRY_TOPIC: &str = "/mobile_base/commands/reset_odometry";
 /// Whether the motors follow commands.
@@ -16,7 +14,8 @@ pub const MOTOR_POWER_TOPIC: &str = "/mobile_base/commands/motor_power";
 /// The receiving side of what a robot is told.
 pub(super) struct RobotCommands {
     id: EntityId,
-    velocity: Subscriber,
+    /// None for what does not drive.
+    velocity: Option<Subscriber>,
     base: Option<BaseCommands>,
 }
 
@@ -29,16 +28,19 @@ struct BaseCommands {
 impl RobotCommands {
     /// Opens the streams of a robot, in its namespace.
     pub(super) fn open(node: &Node, id: EntityId, entity: &Entity) -> Result<Self, Error> {
-        let velocity = StreamSpec::velocity_command(entity.topic(VELOCITY_TOPIC));
+        let base = entity.robot.as_ref().and_then(Robot::base);
+        let plugin = entity.model.base().filter(|_| base.is_some());
+        let velocity = plugin.map(|plugin| StreamSpec::velocity_command(entity.topic(&plugin.command_topic)));
+        let velocity = velocity.map(|spec| node.command_subscriber(&spec)).transpose()?;
         let command = |topic, kind| node.command_subscriber(&StreamSpec::command(entity.topic(topic), kind));
-        let has_base = entity.robot.as_ref().is_some_and(|robot| robot.base().is_some());
-        let base = has_base.then(|| -> Result<_, Error> {
+        let is_kobuki = base.is_some_and(|base| base.as_kobuki().is_some());
+        let base = is_kobuki.then(|| -> Result<_, Error> {
             Ok(BaseCommands {
                 reset_odometry: command(RESET_ODOMETRY_TOPIC, Kind::ResetOdometry)?,
                 motor_power: command(MOTOR_POWER_TOPIC, Kind::MotorPower)?,
             })
         });
-        Ok(Self { id, velocity: node.command_subscriber(&velocity)?, base: base.transpose()? })
+        Ok(Self { id, velocity, base: base.transpose()? })
     }
 
     /// Who is told.
@@ -56,8 +58,9 @@ impl RobotCommands {
                 robot.reset_odometry(physics);
             }
         }
-        if let Some(VelocityCommand { linear, angular, .. }) = newest(&mut self.velocity) {
-            let command = Command { linear_m_s: linear[0], angular_rad_s: angular[2] };
+        if let Some(VelocityCommand { linear, angular, .. }) = self.velocity.as_mut().and_then(newest) {
+            let command =
+                Command { linear_m_s: linear[0], lateral_m_s: linear[1], angular_rad_s: angular[2] };
             robot.command(command, physics.time_ns());
         }
     }

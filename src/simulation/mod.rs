@@ -20,12 +20,12 @@ mod spawn;
 pub use error::SimulationError;
 pub use spawn::SpawnOptions;
 
-use crate::description::Problem;
-use crate::description::model::World;
+use crate::description::model::{Model, World};
+use crate::description::{Problem, Severity};
 use crate::entities::{Entities, Entity, EntityId, Origin};
 use crate::rig::{RigOptions, Stage};
-use crate::robot::{Autopilot, Command, Robot};
-use crate::world::physics::Physics;
+use crate::robot::{self, Autopilot, Command, Robot};
+use crate::world::physics::{Physics, Placement};
 use crate::world::scene::WorldScene;
 use belvedere_sensors::{Execution, Pose};
 use glam::DVec3;
@@ -82,21 +82,25 @@ impl SimulationBuilder {
     /// A world that cannot run, a texture that cannot be read, a shape that cannot be traced; with its line.
     pub fn build(self) -> Result<Simulation, SimulationError> {
         let Self { world, seed, gazebo_compat, execution } = self;
+        let mut physics = Physics::with_models(&world, world.models.iter().map(|model| Some(placed(model))))?;
         let mut entities = Entities::default();
+        let mut notes = Vec::new();
         for (index, model) in world.models.iter().enumerate() {
+            let robot = (!model.plugins.is_empty()).then(|| Robot::new(model, "", index, &mut physics));
+            let (robot, problem) = robot.unzip();
+            notes.extend(problem.flatten().filter(|problem| problem.severity >= Severity::Warning));
             let entity = Entity {
                 name: model.name.clone(),
                 namespace: String::new(),
                 model: model.clone(),
                 start: model.world_from_model,
                 origin: Origin::World,
-                robot: None,
+                robot,
             };
             entities.add(index, entity);
         }
-        let mut physics = Physics::new(&world)?;
         let scene = WorldScene::new(&world, &physics)?;
-        let notes = physics.take_notes();
+        notes.splice(..0, physics.take_notes());
         let options = RigOptions { seed, gazebo_compat, truth: false, hashed: false, execution };
         Ok(Simulation {
             world,
@@ -109,6 +113,16 @@ impl SimulationBuilder {
             before_resets_ns: 0,
             window_ns: 0,
         })
+    }
+}
+
+/// How a model of the world takes part: what has plugins drives and reports, the rest only stands or falls.
+fn placed(model: &Model) -> Placement<'_> {
+    let world_from_model = model.world_from_model;
+    if model.plugins.is_empty() {
+        Placement::of_thing(model, world_from_model)
+    } else {
+        robot::placement(model, world_from_model)
     }
 }
 
@@ -205,7 +219,7 @@ impl Simulation {
         }
     }
 
-    /// Gives a robot's base a velocity command, which it follows for [0.6 s](crate::robot::kobuki::COMMAND_TIMEOUT_NS).
+    /// Gives a robot's base a velocity command, which it follows for as long as its plugin says: a Kobuki for 0.6 s.
     ///
     /// # Errors
     /// When it was deleted, or has no base that drives.

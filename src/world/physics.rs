@@ -6,7 +6,7 @@
 //! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false). Where one says that it
 //!   does, those that a joint connects still do not.
 //! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
-//! - The wheels of a Kobuki are part of its base's body and only shown turning: see the base's own file.
+//! - The wheels of a base that drives are part of its body and only shown turning: see `robot::grip`.
 //! - Time is counted in whole nanoseconds, so it never drifts. Between the last two steps every pose can be
 //!   asked for at any stamp.
 //! - The same calls give the same bits: rapier's `enhanced-determinism`, one thread, single precision inside.
@@ -24,6 +24,7 @@ mod touch;
 pub use joint::JointState;
 
 use crate::description::diagnostics::{Problem, Severity};
+pub use crate::description::model::JointIndex;
 use crate::description::model::{LinkIndex, Model, World};
 use belvedere_sensors::Pose;
 use convert::{from_rapier, vector};
@@ -36,9 +37,6 @@ use rapier3d::pipeline::{PairFilterContext, PhysicsHooks, PhysicsWorld};
 
 /// Index of a model: those of the world file first, in its order, then the robots.
 pub type ModelIndex = usize;
-
-/// Index of a joint in [`Model::joints`].
-pub type JointIndex = usize;
 
 /// Shortest physics step, in ns.
 const MIN_STEP_NS: u64 = 1_000;
@@ -375,6 +373,14 @@ impl Physics {
         let inertia = rigid.mass_properties().local_mprops.reconstruct_inertia_matrix().as_dmat3();
         let axis = from_rapier(rigid.position()).inverse().transform_vector(axis_in_world);
         Some((f64::from(rigid.mass()), rigid.center_of_mass().as_dvec3(), axis.dot(inertia * axis)))
+    }
+
+    /// Mass in kg of all of a model that moves.
+    pub(crate) fn model_mass(&self, model: ModelIndex) -> f64 {
+        let placed = &self.models[model];
+        let own =
+            self.bodies[placed.first_body..placed.end_body].iter().filter(|body| body.carrier.is_none());
+        own.map(|body| f64::from(self.rapier.bodies[body.handle].mass())).sum()
     }
 
     /// Lets a force in N through its centre of mass, and a torque in N·m, both in the world frame, act on the

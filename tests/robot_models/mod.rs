@@ -2,7 +2,8 @@
 
 use belvedere::description::Source;
 use belvedere::description::model::{
-    Collision, Geometry, Inertial, Joint, JointKind, Link, LinkIndex, Model, World,
+    BasePlugin, Collision, Drive, Geometry, Inertial, Joint, JointKind, Link, LinkIndex, Model, ModelPlugin,
+    OdometryOrigin, OdometryPlugin, Wheels, World,
 };
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -54,6 +55,7 @@ pub(crate) fn empty_model(name: &str) -> Model {
         links: Vec::new(),
         joints: Vec::new(),
         sensors: Vec::new(),
+        plugins: Vec::new(),
         source: source(),
     }
 }
@@ -112,7 +114,29 @@ pub(crate) fn kobuki() -> Model {
     let camera_mount = Pose::from_xyz_rpy(DVec3::new(0.15, 0.0, 0.35), DVec3::new(0.0, -FRAC_PI_2, 0.0));
     let camera = hang(&mut robot, base, "base_camera_link", "camera_joint", JointKind::Fixed, camera_mount);
     robot.links[camera].inertial = Some(inertial(1e-6, [1e-6; 3]));
+    robot.plugins = vec![kobuki_plugin([1, 2])];
     robot
+}
+
+/// Kobuki's plugin on the joints of the left and the right wheel.
+fn kobuki_plugin([left, right]: [usize; 2]) -> ModelPlugin {
+    let wheels = Wheels { left: vec![left], right: vec![right], radius_m: None, torque_n_m: 1.0 };
+    ModelPlugin::Base(Box::new(BasePlugin {
+        drive: Drive::Kobuki(wheels),
+        command_topic: "/cmd_vel".into(),
+        command_timeout_s: Some(0.6),
+        odometry: OdometryPlugin {
+            topic: "/odom".into(),
+            frame: "odom".into(),
+            child_frame: "base_footprint".into(),
+            link: 0,
+            rate_hz: Some(50.0),
+            origin: OdometryOrigin::Encoders,
+            is_transform: true,
+            pose_variance: [0.1, 0.1, 1e6, 1e6, 1e6, 0.05],
+        },
+        source: source(),
+    }))
 }
 
 pub(crate) fn static_model(name: &str, world_from_model: Pose, geometry: Geometry) -> Model {

@@ -2,10 +2,12 @@
 
 use super::sensor;
 use super::text::{number, pose, vector};
-use crate::description::model::{Joint, JointKind, LinkIndex, Model};
+use crate::description::model::{
+    BasePlugin, Drive, Joint, JointKind, LinkIndex, Model, ModelPlugin, OdometryOrigin,
+};
 use crate::rig::base;
+use crate::robot::base as drives;
 use crate::robot::imu::Imu;
-use crate::robot::kobuki::Wheels;
 use crate::server::commands;
 
 pub(super) fn report(robot: &Model, gazebo_compat: bool) -> Vec<String> {
@@ -19,26 +21,59 @@ pub(super) fn report(robot: &Model, gazebo_compat: bool) -> Vec<String> {
         lines.push(String::new());
         lines.extend(sensor::report(robot, sensor, gazebo_compat));
     }
-    if Wheels::of(robot).is_ok() {
+    if let Ok(plugin) = drives::check(robot) {
         lines.push(String::new());
-        lines.extend(base_report(robot));
+        lines.extend(base_report(robot, plugin));
     }
+    lines.extend(reporters(robot));
     lines.push(String::new());
     lines
 }
 
-/// What the base tells and is told, as a Kobuki's driver.
-fn base_report(robot: &Model) -> Vec<String> {
-    let mut lines = vec!["base kobuki".to_owned()];
+/// What the base tells and is told.
+fn base_report(robot: &Model, plugin: &BasePlugin) -> Vec<String> {
+    let mut lines = vec![format!("base {} ({})", plugin.drive.name(), plugin.source)];
     let mut say = |what: &str, value: String| lines.push(format!("  {what:12} {value}"));
-    say("topics", "/odom, /joint_states, /tf, /tf_static".into());
-    say("", format!("{}, {}", base::IMU_TOPIC, base::CORE_TOPIC));
-    say("", format!("{}, {}", base::BUMPER_TOPIC, base::CLIFF_TOPIC));
-    say("", base::WHEEL_DROP_TOPIC.into());
-    say("commands", "/cmd_vel".into());
-    say("", format!("{}, {}", commands::RESET_ODOMETRY_TOPIC, commands::MOTOR_POWER_TOPIC));
-    say("IMU frame", robot.links[Imu::mount(robot)].name.clone());
+    let odometry = &plugin.odometry;
+    say("topics", format!("{}, /joint_states, /tf, /tf_static", odometry.topic));
+    let is_kobuki = matches!(plugin.drive, Drive::Kobuki(_));
+    if is_kobuki {
+        say("", format!("{}, {}", base::IMU_TOPIC, base::CORE_TOPIC));
+        say("", format!("{}, {}", base::BUMPER_TOPIC, base::CLIFF_TOPIC));
+        say("", base::WHEEL_DROP_TOPIC.into());
+    }
+    say("commands", plugin.command_topic.clone());
+    if is_kobuki {
+        say("", format!("{}, {}", commands::RESET_ODOMETRY_TOPIC, commands::MOTOR_POWER_TOPIC));
+        say("IMU frame", robot.links[Imu::mount(robot)].name.clone());
+    }
+    let from = match odometry.origin {
+        OdometryOrigin::Encoders => "what the wheels turn",
+        OdometryOrigin::World => "the true pose in the world",
+    };
+    say("odometry", format!("of {} in {}, from {from}", odometry.child_frame, odometry.frame));
     lines
+}
+
+/// What else its plugins report.
+fn reporters(robot: &Model) -> Vec<String> {
+    let rate = |hz: Option<f64>| hz.map_or("every step".to_owned(), |hz| format!("{} Hz", number(hz)));
+    let link = |link: LinkIndex| &robot.links[link].name;
+    let lines = robot.plugins.iter().filter_map(|plugin| {
+        Some(match plugin {
+            ModelPlugin::Base(_) => return None,
+            ModelPlugin::Imu(imu) => {
+                format!("imu {} on {}, {}", imu.topic, link(imu.link), rate(imu.rate_hz))
+            }
+            ModelPlugin::Pose(pose) => {
+                format!("true pose {} of {}, {}", pose.topic, link(pose.link), rate(pose.rate_hz))
+            }
+            ModelPlugin::JointStates(states) => {
+                format!("joint states {}, {}", states.topic, rate(states.rate_hz))
+            }
+        })
+    });
+    lines.collect()
 }
 
 /// The joints below a link, drawn with lines. As deep as the tree, which the loader has checked to be one.

@@ -109,7 +109,8 @@ pub(super) fn load_model(
         );
         return None;
     };
-    let parsed = loader.model(element, Scope { folder: Path::new(""), version })?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let parsed = loader.model(element, Scope { folder, version })?;
     if let Some(light) = parsed.lights.first() {
         loader.diagnostics.error(
             &light.source,

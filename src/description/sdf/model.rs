@@ -5,8 +5,9 @@ use super::frames::{Frames, WrittenPose};
 use super::resources::Resolved;
 use super::{Loader, Scope, Version, canonical, name_of, resources};
 use crate::description::diagnostics::Source;
-use crate::description::label::{is_label, label};
-use crate::description::model::{Joint, JointKind, Light, Link, Model, Sensor};
+use crate::description::label::label;
+use crate::description::model::{Joint, JointKind, Light, Link, Model, ModelPlugin, Sensor};
+use crate::description::plugin;
 use crate::description::values::{child_bool, child_text, nearest};
 use crate::description::xml::{Element, Weight};
 use belvedere_sensors::Pose;
@@ -38,6 +39,7 @@ pub(super) struct Parts {
     pub(super) links: Vec<Link>,
     pub(super) joints: Vec<Joint>,
     pub(super) sensors: Vec<Sensor>,
+    pub(super) plugins: Vec<ModelPlugin>,
     pub(super) lights: Vec<Light>,
 }
 
@@ -66,8 +68,6 @@ impl Loader<'_> {
                         nested.extend(included.models);
                     }
                 }
-                "plugin" if is_label(child) => {}
-                "plugin" => self.ignored(child, "plugins of a world's models are not run"),
                 "gripper" => self.ignored(child, "it is not simulated"),
                 _ => {}
             }
@@ -109,19 +109,18 @@ impl Loader<'_> {
             }
         }
         let source = element.source.clone();
-        Some(ParsedModel {
-            model: Model {
-                name,
-                world_from_model: Pose::IDENTITY,
-                is_static: is_static || stands,
-                links: parts.links,
-                joints: parts.joints,
-                sensors: parts.sensors,
-                source,
-            },
-            pose,
-            lights: parts.lights,
-        })
+        let mut model = Model {
+            name,
+            world_from_model: Pose::IDENTITY,
+            is_static: is_static || stands,
+            links: parts.links,
+            joints: parts.joints,
+            sensors: parts.sensors,
+            plugins: parts.plugins,
+            source,
+        };
+        plugin::read(element, &mut model, self.rules, self.diagnostics);
+        Some(ParsedModel { model, pose, lights: parts.lights })
     }
 
     /// `placement_frame`: the pose is that of this frame of the model, not of the model's own.
@@ -188,7 +187,7 @@ impl Loader<'_> {
         let ParsedModel { model, pose, lights } = inner;
         let outer_from_inner =
             frames.resolve(&model.name, &pose.source, self.diagnostics).unwrap_or(pose.pose);
-        let first = parts.links.len();
+        let (first, first_joint) = (parts.links.len(), parts.joints.len());
         parts.links.extend(model.links.into_iter().map(|mut link| {
             link.name = format!("{}::{}", model.name, link.name);
             link.model_from_link = outer_from_inner * link.model_from_link;
@@ -206,6 +205,7 @@ impl Loader<'_> {
             sensor.link += first;
             sensor
         }));
+        parts.plugins.extend(model.plugins.into_iter().map(|plugin| plugin.behind(first, first_joint)));
         parts.lights.extend(lights.into_iter().map(|mut light| {
             light.world_from_light = outer_from_inner * light.world_from_light;
             light
@@ -267,11 +267,9 @@ impl Loader<'_> {
                 _ => {}
             }
         }
-        if let Some(plugin) = element.child("plugin") {
-            self.ignored(plugin, "plugins of a world's models are not run");
-        }
         // The format allows one model or light a file.
         if let Some(parsed) = included.models.first_mut() {
+            plugin::read(element, &mut parsed.model, self.rules, self.diagnostics);
             if let Some(name) = &name {
                 parsed.model.name.clone_from(name);
             }

@@ -1,5 +1,6 @@
 //! `<camera>`: angle of view, picture, clip distances, noise; its lens is in `lens.rs`.
 
+use super::gz::is_gz;
 use super::lens::Picture;
 use super::reader::Reader;
 use crate::description::model::{CameraSensor, Mosaic, PixelFormat};
@@ -31,7 +32,7 @@ impl Reader<'_> {
         let noise = self.noise(camera);
         let device = self.device(camera);
         self.not_simulated_by_sensor(sensor);
-        self.not_simulated(camera);
+        self.not_simulated(camera, is_gz(sensor));
         let (width, height) = (width?, height?);
         let lens = self.lens(camera, &Picture { width, height, is_wide_angle });
         if anti_aliasing.is_some_and(|samples| samples > 1)
@@ -116,8 +117,10 @@ impl Reader<'_> {
     /// A warning for each element beside the `<camera>` that has no effect here and would have one elsewhere. There is no
     /// window that `<visualize>` could show a picture in.
     fn not_simulated_by_sensor(&mut self, sensor: &Element) {
+        let is_gz = is_gz(sensor);
         for child in sensor.elements() {
             let remedy = match child.name.as_str() {
+                "topic" | "frame_id" | "gz_frame_id" | "ignition_frame_id" if is_gz => continue,
                 "camera" | "pose" | "update_rate" | "always_on" | "visualize" | "plugin" => continue,
                 "enable_metrics" if matches!(child.text().as_str(), "false" | "0") => continue,
                 "enable_metrics" => "take it out, and measure with `belvedere hz`",
@@ -131,7 +134,7 @@ impl Reader<'_> {
     }
 
     /// A warning for each element that has no effect here and would have one elsewhere.
-    fn not_simulated(&mut self, camera: Option<&Element>) {
+    fn not_simulated(&mut self, camera: Option<&Element>, is_gz: bool) {
         let Some(camera) = camera else { return };
         for child in camera.elements() {
             let text = child.text();
@@ -141,6 +144,7 @@ impl Reader<'_> {
                     "true" | "1" => "take it out, and keep pictures with `belvedere snapshot`",
                     _ => continue,
                 },
+                "camera_info_topic" | "optical_frame_id" if is_gz => continue,
                 "triggered" if text == "false" || text == "0" => continue,
                 "visibility_mask" if text == "4294967295" => continue,
                 "pose" if text.split_whitespace().all(|number| number.parse() == Ok(0.0)) => continue,

@@ -316,8 +316,13 @@ fn topic(plugin: &Element, camera_name: &str, name: &str, default: &str) -> Stri
         return topic;
     }
     let namespace = child_text(plugin, "robotNamespace").unwrap_or_default();
+    absolute(&[&namespace, camera_name, &topic])
+}
+
+/// The absolute topic of these parts.
+pub(super) fn absolute(parts: &[&str]) -> String {
     let mut absolute = String::new();
-    for part in [namespace.as_str(), camera_name, &topic] {
+    for part in parts {
         let part = part.trim_matches('/');
         if !part.is_empty() {
             absolute.push('/');

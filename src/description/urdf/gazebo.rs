@@ -1,9 +1,9 @@
 //! `<gazebo>`: sensors, and what Gazebo overrides of a link.
 //!
 //! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, the plugin `Label` and
-//! our own `<visual><fiducial>`; for the whole robot: `static`, `self_collide` and `Label`. The rest is accepted: contact
-//! parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which
-//! another physics engine does not have, plugins of the robot, extensions of joints.
+//! our own `<visual><fiducial>`; for the whole robot: `static`, `self_collide` and its plugins. The rest is accepted: contact
+//! parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which another physics engine does not have, extensions
+//! of joints.
 
 use super::{Loader, nearest_link};
 use crate::description::diagnostics::Diagnostics;
@@ -11,6 +11,7 @@ use crate::description::fiducial::fiducials;
 use crate::description::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::description::label::label;
 use crate::description::model::{LinkIndex, Model};
+use crate::description::plugin;
 use crate::description::sensor::parse_sensor;
 use crate::description::values::{child_bool, child_text, friction_coefficient, nearest, number};
 use crate::description::xml::Element;
@@ -39,6 +40,7 @@ impl Loader<'_> {
                         model.links.iter_mut().for_each(|link| link.self_collide = true);
                     }
                     of_robot = label(element, self.diagnostics).or(of_robot);
+                    plugin::read(element, model, self.rules, self.diagnostics);
                 }
                 Some(name) => match model.link_named(name) {
                     Some(link) => self.extend_link(element, link, model),
@@ -130,6 +132,7 @@ impl Loader<'_> {
         let mut has_sensor = false;
         for sensor in element.elements_named("sensor") {
             has_sensor = true;
+            let near = mount_for(sensor, name, model).unwrap_or_else(|| near.clone());
             let what = format!(
                 "the sensor '{}' is on the link '{name}', which does not exist",
                 sensor.attribute("name").unwrap_or_default()
@@ -138,7 +141,7 @@ impl Loader<'_> {
                 self.diagnostics.warning(
                     &element.source,
                     format!("{what}: it is left out, as in Gazebo"),
-                    near.clone(),
+                    near,
                 );
             } else {
                 let remedy = format!(
@@ -155,4 +158,17 @@ impl Loader<'_> {
             );
         }
     }
+}
+
+/// "did you mean …" for a sensor: the likeliest of the links that are called as what carries such a sensor is.
+fn mount_for(sensor: &Element, name: &str, model: &Model) -> Option<String> {
+    let words: &[&str] = match sensor.attribute("type").unwrap_or_default() {
+        "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => &["laser", "lidar", "scan", "hokuyo", "velodyne"],
+        "camera" | "wideanglecamera" | "depth" | "depth_camera" => &["camera", "rgb", "depth", "optical"],
+        "imu" => &["imu", "gyro"],
+        _ => return None,
+    };
+    let links = model.links.iter().map(|link| link.name.as_str());
+    let mounts = links.filter(|link| words.iter().any(|word| link.contains(word)));
+    nearest(name, mounts).map(|near| format!("did you mean '{near}'?"))
 }

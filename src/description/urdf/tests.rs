@@ -57,7 +57,7 @@ fn links_have_mass_shapes_and_looks() {
          <visual><geometry><capsule radius='1' length='2'/></geometry><material name='Own'/></visual>\
          <collision name='c'><origin xyz='0 1 0'/><geometry><cylinder radius='0.5' length='2'/></geometry></collision></link>\
          <gazebo reference='base'><mu1>0.3</mu1><mu2>9</mu2><kp>1e6</kp><laserRetro>7</laserRetro>\
-         <turnGravityOff>true</turnGravityOff></gazebo><gazebo><plugin name='p' filename='libx.so'/></gazebo>",
+         <turnGravityOff>true</turnGravityOff></gazebo>",
     );
     let base = &model.links[0];
     let inertial = base.inertial.unwrap();

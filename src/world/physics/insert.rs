@@ -43,14 +43,23 @@ impl Physics {
             let wheel_of = |root: LinkIndex| {
                 carried.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
             };
+            // What carries a link in the end: a wheel is on what steers it, and that on the base.
+            let carrier_of = |link: LinkIndex| {
+                let mut root = lumps.root[link];
+                // A tree has fewer steps to its root than links.
+                for _ in 0..model.links.len() {
+                    let Some(joint) = wheel_of(root) else { break };
+                    root = lumps.root[model.joints[joint].parent];
+                }
+                root
+            };
             let roots: Vec<LinkIndex> =
                 order.iter().copied().filter(|link| lumps.root[*link] == *link).collect();
             for root in roots.iter().copied().filter(|root| wheel_of(*root).is_none()) {
-                let wheels = carried.iter().map(|joint| &model.joints[*joint]);
-                let wheels = wheels.filter(|joint| lumps.root[joint.parent] == root);
+                let carries = |link: &LinkIndex| carrier_of(*link) == root;
                 let members: Vec<LinkIndex> = lumps
                     .links(root)
-                    .chain(wheels.flat_map(|joint| lumps.links(lumps.root[joint.child])))
+                    .chain((0..model.links.len()).filter(|link| lumps.root[*link] != root).filter(carries))
                     .collect();
                 if let Some(handle) = self.insert_body(model, root, &members, world_from_model, stays_awake) {
                     self.place_links(model, index, &lumps, root, handle, None, &mut links);
@@ -212,6 +221,14 @@ impl Physics {
         });
     }
 
+    /// The body that carries another in the end; itself if nothing does.
+    fn outermost_carrier(&self, mut body: usize) -> usize {
+        while let Some((carrier, ..)) = self.bodies[body].carrier {
+            body = carrier;
+        }
+        body
+    }
+
     fn add_colliders(&mut self, model: &Model, index: ModelIndex, link: LinkIndex, placed: &mut PlacedLink) {
         for collision in &model.links[link].collisions {
             let moves = placed.body.is_some_and(|body| !self.bodies[body].is_fixed);
@@ -232,10 +249,11 @@ impl Physics {
             };
             // A wheel's shapes are fixed to the body that carries it.
             let rapier_from_body = placed.body.map_or(Pose::IDENTITY, |body| {
-                let body = &self.bodies[body];
-                body.carrier.map_or(Pose::IDENTITY, |(carrier, ..)| {
-                    self.bodies[carrier].model_at_rest.inverse() * body.model_at_rest
-                })
+                let at_rest = self.bodies[body].model_at_rest;
+                match self.bodies[body].carrier {
+                    None => Pose::IDENTITY,
+                    Some(_) => self.bodies[self.outermost_carrier(body)].model_at_rest.inverse() * at_rest,
+                }
             });
             let link_from_shape = collision.link_from_collision * collision_from_shape;
             let pose = rapier_from_body * placed.body_from_link * link_from_shape;

@@ -82,7 +82,10 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
     }
     // Beside the <camera>, and in the plugins of both kinds.
     for (inside, expected) in [
-        ("<topic>t</topic>", "<topic> of sensor 'c' is not simulated and left out; write <imageTopicName>"),
+        (
+            "<topic>t</topic><plugin name='p' filename='F'/>",
+            "<topic> of sensor 'c' is not simulated and left out; write <imageTopicName>",
+        ),
         ("<gz_frame_id>f</gz_frame_id>", "write <frameName> in the plugin"),
         ("<enable_metrics>true</enable_metrics>", "measure with `belvedere hz`"),
         ("<ray/>", "<ray> of sensor 'c' is not simulated"),

@@ -1,0 +1,61 @@
+//! Joint states under a topic of one's own: `libgazebo_ros_joint_state_publisher.so`.
+
+use super::outlet::Outlet;
+use super::{RigContext, RigError, Setting};
+use crate::description::model::{JointIndex, JointStatesPlugin};
+use crate::entities::EntityId;
+use belvedere_bridge::payload::JointState;
+use belvedere_bridge::{Kind, StreamSpec, Text};
+
+/// A reporter of joints.
+pub(super) struct JointStatesChannel {
+    id: EntityId,
+    joints: Vec<(JointIndex, Text<64>)>,
+    states: Outlet,
+    messages: Vec<JointState>,
+}
+
+impl JointStatesChannel {
+    pub(super) fn open(plugin: &JointStatesPlugin, setting: &Setting<'_>) -> Result<Self, RigError> {
+        let model = &setting.entity.model;
+        let moves = |joint: &JointIndex| setting.physics.joint_state(setting.id.index(), *joint).is_some();
+        let named = |joint: &JointIndex| {
+            plugin.joints.is_empty() || plugin.joints.contains(&model.joints[*joint].name)
+        };
+        let joints = (0..model.joints.len())
+            .filter(moves)
+            .filter(named)
+            .map(|joint| {
+                let name = &model.joints[joint].name;
+                Ok((joint, Text::new(name).map_err(|error| RigError::name(name, &error))?))
+            })
+            .collect::<Result<Vec<_>, RigError>>()?;
+        let spec = StreamSpec::structs(&plugin.topic, Kind::JointStates, joints.len());
+        Ok(Self {
+            id: setting.id,
+            states: setting.open(&spec.rate_hz(setting.rate.hz()))?,
+            messages: Vec::with_capacity(joints.len()),
+            joints,
+        })
+    }
+
+    pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {
+        let RigContext { physics, stamp_ns, .. } = *context;
+        let model = self.id.index();
+        self.messages.clear();
+        self.messages.extend(self.joints.iter().map(|(joint, name)| {
+            let state = physics.joint_state_at(model, *joint, stamp_ns).unwrap_or_default();
+            JointState {
+                name: *name,
+                position: state.position,
+                velocity: state.velocity,
+                effort: state.effort,
+            }
+        }));
+        self.states.send_structs(stamp_ns, &self.messages);
+    }
+
+    pub(super) fn outlets(&self) -> [&Outlet; 1] {
+        [&self.states]
+    }
+}

@@ -1,0 +1,82 @@
+//! The true pose and velocity of a link and their stream: `libgazebo_ros_p3d.so`.
+
+use super::outlet::Outlet;
+use super::{RigContext, RigError, Setting};
+use crate::description::model::PosePlugin;
+use crate::entities::EntityId;
+use belvedere_bridge::payload::Odometry;
+use belvedere_bridge::{Kind, StreamSpec, Text};
+use belvedere_sensors::noise::{Stream, standard_normal};
+use glam::DVec3;
+
+/// Noise channel of its velocities.
+const POSE_CHANNEL: u16 = 17;
+
+/// A reporter of where a link is.
+pub(super) struct TruePoseChannel {
+    id: EntityId,
+    plugin: PosePlugin,
+    child: Text<64>,
+    seed: u64,
+    sensor: u32,
+    odometry: Outlet,
+}
+
+impl TruePoseChannel {
+    pub(super) fn open(plugin: &PosePlugin, setting: &Setting<'_>) -> Result<Self, RigError> {
+        let link = &setting.entity.model.links[plugin.link].name;
+        let child = setting.entity.frame(link);
+        // The world is everybody's.
+        let is_shared = matches!(plugin.frame.as_str(), "world" | "map");
+        let spec = StreamSpec::structs(&plugin.topic, Kind::Odometry, 1).rate_hz(setting.rate.hz());
+        Ok(Self {
+            id: setting.id,
+            child: Text::new(&child).map_err(|error| RigError::name(&child, &error))?,
+            seed: setting.seed,
+            sensor: setting.sensor,
+            odometry: if is_shared {
+                setting.open_in_world(&spec.frame_id(&plugin.frame))?
+            } else {
+                setting.open(&spec.frame_id(&plugin.frame))?
+            },
+            plugin: plugin.clone(),
+        })
+    }
+
+    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame: u64) {
+        let RigContext { physics, stamp_ns, .. } = *context;
+        let PosePlugin { link, offset, stddev, .. } = self.plugin;
+        let model = self.id.index();
+        let world_from_link = physics.world_from_link_at(model, link, stamp_ns);
+        // As the plugin: the offset is added along the axes of the frame, and turns what is turned already.
+        let pose = belvedere_sensors::Pose::new(
+            world_from_link.translation() + offset.translation(),
+            offset.rotation() * world_from_link.rotation(),
+        );
+        let (linear, turn) = physics.link_velocity(model, link);
+        let stream = Stream { seed: self.seed, sensor: self.sensor, frame, channel: POSE_CHANNEL };
+        let noise = |first: u32| {
+            let axes = [0, 1, 2].map(|axis| f64::from(standard_normal(&stream, first + axis)));
+            DVec3::from_array(axes) * stddev
+        };
+        let variance = stddev * stddev;
+        let mut covariance = [0.0; 36];
+        (0..6).for_each(|axis| covariance[axis * 7] = variance);
+        self.odometry.send_structs(
+            stamp_ns,
+            &[Odometry {
+                child_frame_id: self.child,
+                position: pose.translation().to_array(),
+                orientation: pose.rotation().to_array(),
+                linear: (linear + noise(0)).to_array(),
+                angular: (turn + noise(3)).to_array(),
+                pose_covariance: covariance,
+                twist_covariance: covariance,
+            }],
+        );
+    }
+
+    pub(super) fn outlets(&self) -> [&Outlet; 1] {
+        [&self.odometry]
+    }
+}

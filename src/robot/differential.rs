@@ -1,0 +1,96 @@
+//! Bases whose left wheels turn alike, and whose right ones do.
+//!
+//! Commands become speeds of the wheels by the radius and the distance that the plugin is told; what the base does of them
+//! is a matter of the wheels that the model has, as in Gazebo. On two wheels the base turns by where they are. On four or
+//! more they slip sideways when it turns, by as much as nobody knows: such a base turns as it is told, which is what the
+//! distance in its plugin is tuned for.
+
+use super::base::Base;
+use super::command::Command;
+use super::grip::Axle;
+use super::odometry::Odometry;
+use super::tracker::Tracker;
+use super::transforms::base_link;
+use crate::description::diagnostics::Problem;
+use crate::description::model::{BasePlugin, DifferentialDrive, LinkIndex, Model};
+use crate::world::physics::{ModelIndex, Physics};
+
+/// A base on the wheels of two sides.
+#[derive(Debug)]
+pub(super) struct Differential {
+    model: ModelIndex,
+    base: LinkIndex,
+    axle: Axle,
+    radius_m: f64,
+    separation_m: f64,
+    acceleration_m_s2: f64,
+    turns_as_told: bool,
+    timeout_ns: u64,
+    command: Command,
+    command_ns: u64,
+    /// Speeds of the left and the right wheels' rims, on their way to those of the command.
+    rims_m_s: [f64; 2],
+    tracker: Tracker,
+}
+
+impl Differential {
+    pub(super) fn new(
+        model: &Model,
+        plugin: &BasePlugin,
+        drive: &DifferentialDrive,
+        index: ModelIndex,
+        physics: &mut Physics,
+    ) -> Result<Self, Problem> {
+        let axle = Axle::of(model, plugin, &drive.wheels)?;
+        axle.release(physics, index);
+        let radius_m = drive.wheels.radius_m.unwrap_or(axle.radius_m);
+        let separation_m = drive.separation_m;
+        Ok(Self {
+            model: index,
+            base: base_link(model),
+            radius_m,
+            separation_m,
+            acceleration_m_s2: drive.acceleration_m_s2.unwrap_or(f64::INFINITY),
+            turns_as_told: drive.skids || axle.wheels.len() > 2,
+            timeout_ns: plugin.command_timeout_s.map_or(u64::MAX, |time_s| (time_s * 1e9) as u64),
+            command: Command::STOP,
+            command_ns: 0,
+            rims_m_s: [0.0; 2],
+            tracker: Tracker::of_axle(index, &plugin.odometry, &axle, radius_m, separation_m),
+            axle,
+        })
+    }
+}
+
+impl Base for Differential {
+    fn command(&mut self, command: Command, stamp_ns: u64) {
+        (self.command, self.command_ns) = (command.or_stop(), stamp_ns);
+    }
+
+    fn control(&mut self, physics: &mut Physics) {
+        let expired = physics.time_ns().saturating_sub(self.command_ns) >= self.timeout_ns;
+        let Command { linear_m_s, angular_rad_s, .. } = if expired { Command::STOP } else { self.command };
+        let change_m_s = self.acceleration_m_s2 * physics.step_s();
+        for (rim, side) in self.rims_m_s.iter_mut().zip([-0.5, 0.5]) {
+            let wanted = linear_m_s + side * self.separation_m * angular_rad_s;
+            *rim += (wanted - *rim).clamp(-change_m_s, change_m_s);
+        }
+        // The wheels turn by the radius that is told, and roll by that which they have.
+        let [left, right] = self.rims_m_s.map(|rim| rim / self.radius_m * self.axle.radius_m);
+        let apart_m = if self.turns_as_told { self.separation_m } else { self.axle.separation_m };
+        let motion = Command::new(0.5 * (left + right), (right - left) / apart_m);
+        self.axle.grip(physics, self.model, self.base, motion, [left, right]);
+    }
+
+    fn observe(&mut self, physics: &Physics) {
+        self.tracker.observe(physics);
+    }
+
+    fn odometry_at(&self, physics: &Physics, stamp_ns: u64) -> Odometry {
+        self.tracker.odometry_at(physics, stamp_ns)
+    }
+
+    fn reset_odometry(&mut self, physics: &Physics) {
+        self.tracker.reset(physics);
+    }
+}

@@ -1,0 +1,64 @@
+//! What an inertial measurement unit on a link feels: no velocity that a hand gave it.
+
+use crate::description::model::ImuPlugin;
+use crate::world::physics::{ModelIndex, Physics};
+use belvedere_sensors::Pose;
+use glam::DVec3;
+
+/// A unit on its link.
+#[derive(Debug, Clone, Copy)]
+pub struct InertialUnit {
+    model: ModelIndex,
+    link: usize,
+    link_from_unit: Pose,
+    /// Velocity in the world after the last step.
+    velocity_m_s: DVec3,
+    /// The same without what was given or taken by hand, after the last step but one and after the last.
+    felt_m_s: [DVec3; 2],
+}
+
+impl InertialUnit {
+    pub(super) fn new(plugin: &ImuPlugin, model: ModelIndex) -> Self {
+        Self {
+            model,
+            link: plugin.link,
+            link_from_unit: plugin.link_from_imu,
+            velocity_m_s: DVec3::ZERO,
+            felt_m_s: [DVec3::ZERO; 2],
+        }
+    }
+
+    fn velocity(&self, physics: &Physics) -> DVec3 {
+        let (linear, turn) = physics.link_velocity(self.model, self.link);
+        let world_from_link = physics.world_from_link(self.model, self.link);
+        linear + turn.cross(world_from_link.transform_vector(self.link_from_unit.translation()))
+    }
+
+    pub(super) fn observe(&mut self, physics: &Physics) {
+        let velocity_m_s = self.velocity(physics);
+        let felt_m_s = self.felt_m_s[1] + velocity_m_s - self.velocity_m_s;
+        self.felt_m_s = [self.felt_m_s[1], felt_m_s];
+        self.velocity_m_s = velocity_m_s;
+    }
+
+    pub(super) fn carried(&mut self, physics: &Physics) {
+        self.velocity_m_s = self.velocity(physics);
+    }
+
+    /// The sum of all accelerations until a time between the last two steps, in m/s and the world's axes.
+    pub fn felt_at(&self, physics: &Physics, stamp_ns: u64) -> DVec3 {
+        let left = physics.time_ns().saturating_sub(stamp_ns) as f64 / physics.step_ns() as f64;
+        self.felt_m_s[1] + (self.felt_m_s[0] - self.felt_m_s[1]) * left.min(1.0)
+    }
+
+    /// Its pose in the world at a time between the last two steps.
+    pub fn world_from_unit_at(&self, physics: &Physics, stamp_ns: u64) -> Pose {
+        physics.world_from_link_at(self.model, self.link, stamp_ns) * self.link_from_unit
+    }
+
+    /// Rate of turn in rad/s, in its own axes.
+    pub fn turn_at(&self, physics: &Physics, stamp_ns: u64) -> DVec3 {
+        let (_, turn) = physics.link_velocity(self.model, self.link);
+        self.world_from_unit_at(physics, stamp_ns).inverse().transform_vector(turn)
+    }
+}

@@ -1,0 +1,561 @@
+//! Bases by their plugins: each drives a closed path as it is told, tells its odometry under its plugin's names, and keeps
+//! its limits. Sizes are those of a sweep, not of one robot.
+
+use belvedere::description::model::Model;
+use belvedere::description::read;
+use belvedere::entities::EntityId;
+use belvedere::rig::FrameBuf;
+use belvedere::robot::Command;
+use belvedere::simulation::{Simulation, SpawnOptions};
+use belvedere_bridge::payload::{Imu, JointState, Message, Odometry};
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+use std::time::Duration;
+
+/// What a robot is like.
+#[derive(Clone, Copy, Debug)]
+struct Size {
+    separation_m: f64,
+    radius_m: f64,
+    mass_kg: f64,
+    /// Distance of the axles of four wheels; of two wheels, that of the casters.
+    length_m: f64,
+}
+
+const SMALL: Size = Size { separation_m: 0.16, radius_m: 0.033, mass_kg: 1.0, length_m: 0.12 };
+const SIZES: [Size; 3] = [
+    SMALL,
+    Size { separation_m: 0.57, radius_m: 0.165, mass_kg: 46.0, length_m: 0.51 },
+    Size { separation_m: 1.1, radius_m: 0.06, mass_kg: 12.0, length_m: 0.4 },
+];
+
+fn wheel(name: &str, parent: &str, at: [f64; 3], size: Size) -> String {
+    let [x, y, z] = at;
+    let Size { radius_m, mass_kg, .. } = size;
+    format!(
+        "<link name='{name}_link'><collision><origin rpy='1.5707963267948966 0 0'/><geometry><cylinder radius='{radius_m}'
+           length='0.02'/></geometry></collision><inertial><mass value='{}'/><inertia ixx='1e-4' iyy='1e-4' izz='1e-4' ixy='0'
+           ixz='0' iyz='0'/></inertial></link>
+         <joint name='{name}_joint' type='continuous'><parent link='{parent}'/><child link='{name}_link'/>
+           <origin xyz='{x} {y} {z}'/><axis xyz='0 1 0'/></joint>",
+        0.02 * mass_kg
+    )
+}
+
+fn chassis(size: Size) -> String {
+    let Size { radius_m, mass_kg, length_m, separation_m } = size;
+    let inertia = 0.1 * mass_kg * (length_m * length_m + separation_m * separation_m);
+    format!(
+        "<link name='base_footprint'/><joint name='foot' type='fixed'><parent link='base_footprint'/>
+           <child link='chassis'/><origin xyz='0 0 {radius_m}'/></joint>
+         <link name='chassis'><visual><geometry><box size='{length_m} {separation_m} 0.02'/></geometry></visual>
+           <inertial><mass value='{mass_kg}'/><inertia ixx='{inertia}' iyy='{inertia}' izz='{inertia}' ixy='0' ixz='0'
+           iyz='0'/></inertial></link>"
+    )
+}
+
+/// Two wheels and two casters.
+fn two_wheels(size: Size, names: [&str; 2], plugins: &str) -> Model {
+    let y = 0.5 * size.separation_m;
+    let casters: String = [(0, 0.5), (1, -0.5)]
+        .map(|(number, side)| {
+            let radius_m = 0.5 * size.radius_m;
+            format!(
+                "<link name='ball_{number}'><collision><geometry><sphere radius='{radius_m}'/></geometry></collision></link>
+                 <joint name='ball_{number}_joint' type='fixed'><parent link='chassis'/><child link='ball_{number}'/>
+                   <origin xyz='{} 0 {}'/></joint><gazebo reference='ball_{number}'><mu1>0</mu1></gazebo>",
+                side * size.length_m,
+                radius_m - size.radius_m
+            )
+        })
+        .concat();
+    let [left, right] = names;
+    model(&format!(
+        "{}{}{}{casters}<gazebo>{plugins}</gazebo>",
+        chassis(size),
+        wheel(left, "chassis", [0.0, y, 0.0], size),
+        wheel(right, "chassis", [0.0, -y, 0.0], size)
+    ))
+}
+
+fn four_wheels(size: Size, plugins: &str) -> Model {
+    let (x, y) = (0.5 * size.length_m, 0.5 * size.separation_m);
+    let wheels: String =
+        [("front_left", x, y), ("front_right", x, -y), ("rear_left", -x, y), ("rear_right", -x, -y)]
+            .map(|(name, x, y)| wheel(name, "chassis", [x, y, 0.0], size))
+            .concat();
+    model(&format!("{}{wheels}<gazebo>{plugins}</gazebo>", chassis(size)))
+}
+
+fn car(size: Size, plugins: &str) -> Model {
+    let (x, y) = (0.5 * size.length_m, 0.5 * size.separation_m);
+    let steered: String = [("left", y), ("right", -y)]
+        .map(|(side, y)| {
+            format!(
+                "<link name='{side}_steering_link'/><joint name='{side}_steering_joint' type='revolute'>
+                   <parent link='chassis'/><child link='{side}_steering_link'/><origin xyz='{x} {y} 0'/><axis xyz='0 0 1'/>
+                   <limit lower='-1' upper='1' effort='1' velocity='1'/></joint>{}",
+                wheel(&format!("front_{side}"), &format!("{side}_steering_link"), [0.0; 3], size)
+            )
+        })
+        .concat();
+    model(&format!(
+        "{}{}{}{steered}<gazebo>{plugins}</gazebo>",
+        chassis(size),
+        wheel("rear_left", "chassis", [-x, y, 0.0], size),
+        wheel("rear_right", "chassis", [-x, -y, 0.0], size)
+    ))
+}
+
+fn model(inside: &str) -> Model {
+    read::model(&format!("<robot name='bot'>{inside}</robot>")).unwrap()
+}
+
+/// A robot on a floor.
+struct Bench {
+    simulation: Simulation,
+    robot: EntityId,
+    start: DVec3,
+}
+
+impl Bench {
+    fn new(model: &Model) -> Self {
+        let mut simulation = Simulation::builder(read::world("empty").unwrap()).seed(7).build().unwrap();
+        let robot = simulation.spawn(model, SpawnOptions::default()).unwrap();
+        // It comes to rest.
+        simulation.run_for(Duration::from_millis(200));
+        let start = simulation.pose(robot).unwrap().translation();
+        Self { simulation, robot, start }
+    }
+
+    fn drive(&mut self, command: Command, seconds: f64) {
+        self.simulation.command(self.robot, command).unwrap();
+        self.simulation.run_for(Duration::from_secs_f64(seconds));
+    }
+
+    /// Where it is in the frame of its start, in m, and its heading in rad.
+    fn place(&self) -> (DVec3, f64) {
+        let pose = self.simulation.pose(self.robot).unwrap();
+        (pose.translation() - self.start, pose.rpy().z)
+    }
+
+    fn newest<T: Message>(&mut self, topic: &str) -> (T, FrameBuf) {
+        let mut frame = FrameBuf::default();
+        self.simulation.render(topic, &mut frame).unwrap();
+        (frame.view().message::<T>().unwrap(), frame)
+    }
+
+    fn odometry(&mut self, topic: &str) -> Odometry {
+        self.newest(topic).0
+    }
+}
+
+/// Drives half a circle and a whole one to the left, of a radius in m; how far it is from where it ought to be, in m.
+fn circle(bench: &mut Bench, speed_m_s: f64, radius_m: f64) -> f64 {
+    let rate = speed_m_s / radius_m;
+    bench.drive(Command::new(speed_m_s, rate), PI / rate);
+    let (half, _) = bench.place();
+    bench.drive(Command::new(speed_m_s, rate), PI / rate);
+    let (whole, _) = bench.place();
+    (half - DVec3::Y * 2.0 * radius_m).truncate().length().max(whole.truncate().length())
+}
+
+fn wheels_of(size: Size) -> String {
+    format!(
+        "<wheelSeparation>{}</wheelSeparation><wheelDiameter>{}</wheelDiameter><wheelTorque>1000</wheelTorque>",
+        size.separation_m,
+        2.0 * size.radius_m
+    )
+}
+
+#[test]
+fn a_differential_drive_closes_its_circle_and_knows_it() {
+    for size in SIZES {
+        for source in ["encoder", "world"] {
+            let plugin = format!(
+                "<plugin name='drive' filename='libgazebo_ros_diff_drive.so'><leftJoint>l_joint</leftJoint>
+                   <rightJoint>r_joint</rightJoint>{}<commandTopic>go</commandTopic><odometryTopic>here</odometryTopic>
+                   <odometryFrame>map</odometryFrame><robotBaseFrame>chassis</robotBaseFrame><updateRate>30</updateRate>
+                   <odometrySource>{source}</odometrySource><legacyMode>false</legacyMode></plugin>",
+                wheels_of(size)
+            );
+            let mut bench = Bench::new(&two_wheels(size, ["l", "r"], &plugin));
+            // A rise of the speed within one step is more than tyres can do: some millimetres are slip.
+            let apart_m = circle(&mut bench, 0.3, 0.5);
+            assert!(apart_m < 0.02, "{size:?}: {apart_m}");
+            let (place, _) = bench.place();
+            let (told, frame) = bench.newest::<Odometry>("here");
+            let header = frame.header();
+            assert_eq!((header.frame_id.as_str(), told.child_frame_id.as_str()), ("map", "chassis"));
+            let apart_m = (DVec3::from(told.position) - place).truncate().length();
+            assert!(apart_m < 0.02, "{size:?} {source}: {apart_m}");
+            assert!(
+                (told.linear[0] - 0.3).abs() < 0.003 && (told.angular[2] - 0.6).abs() < 0.006,
+                "{told:?}"
+            );
+            assert_eq!(told.pose_covariance[0], 1e-5);
+        }
+    }
+}
+
+/// Gazebo's plugin had left and right exchanged once, and files have followed it.
+#[test]
+fn left_is_where_the_wheel_is_and_not_what_it_is_called() {
+    let plugin = format!(
+        "<plugin name='drive' filename='libgazebo_ros_diff_drive.so'>
+           <leftJoint>r_joint</leftJoint><rightJoint>l_joint</rightJoint>{}</plugin>",
+        wheels_of(SMALL)
+    );
+    let mut bench = Bench::new(&two_wheels(SMALL, ["l", "r"], &plugin));
+    bench.drive(Command::new(0.0, 0.5), 2.0);
+    let (_, heading) = bench.place();
+    assert!((heading - 1.0).abs() < 0.02, "{heading}");
+}
+
+/// The radius that a plugin is told makes the wheels turn, that which they have makes it go; the encoders know the former.
+#[test]
+fn a_wrong_diameter_is_as_wrong_as_in_gazebo() {
+    let plugin = format!(
+        "<plugin name='drive' filename='libgazebo_ros_diff_drive.so'><leftJoint>l_joint</leftJoint>
+           <rightJoint>r_joint</rightJoint><wheelSeparation>{}</wheelSeparation><wheelDiameter>{}</wheelDiameter>
+           <odometrySource>encoder</odometrySource></plugin>",
+        SMALL.separation_m,
+        4.0 * SMALL.radius_m
+    );
+    let mut bench = Bench::new(&two_wheels(SMALL, ["l", "r"], &plugin));
+    bench.drive(Command::new(0.4, 0.0), 2.0);
+    let (place, _) = bench.place();
+    let told = bench.odometry("odom");
+    assert!((place.x - 0.4).abs() < 0.01 && (told.position[0] - 0.8).abs() < 0.01, "{place} {told:?}");
+}
+
+#[test]
+fn acceleration_and_torque_are_limits() {
+    let plugin = |limits: &str| {
+        format!(
+            "<plugin name='drive' filename='libgazebo_ros_diff_drive.so'><leftJoint>l_joint</leftJoint>
+               <rightJoint>r_joint</rightJoint><wheelSeparation>0.57</wheelSeparation><wheelDiameter>0.33</wheelDiameter>
+               {limits}</plugin>"
+        )
+    };
+    let speed = |limits: &str| {
+        let mut bench = Bench::new(&two_wheels(SIZES[1], ["l", "r"], &plugin(limits)));
+        bench.drive(Command::new(1.0, 0.0), 0.5);
+        bench.odometry("odom").linear[0]
+    };
+    let slow = speed("<wheelAcceleration>0.4</wheelAcceleration><wheelTorque>1000</wheelTorque>");
+    assert!((slow - 0.2).abs() < 0.005, "{slow}");
+    // Two motors of 2 N·m on a rim of 0.165 m push 46 kg and two wheels of 0.92 kg.
+    let weak = speed("<wheelTorque>2</wheelTorque>");
+    let expected = 0.5 * 2.0 * 2.0 / 0.165 / (46.0 + 2.0 * 0.92);
+    assert!((weak / expected - 1.0).abs() < 0.03, "{weak} {expected}");
+}
+
+#[test]
+fn a_skid_steer_turns_as_it_is_told() {
+    for size in SIZES {
+        let plugin = format!(
+            "<plugin name='skid' filename='libgazebo_ros_skid_steer_drive.so'>
+               <leftFrontJoint>front_left_joint</leftFrontJoint><rightFrontJoint>front_right_joint</rightFrontJoint>
+               <leftRearJoint>rear_left_joint</leftRearJoint><rightRearJoint>rear_right_joint</rightRearJoint>
+               <wheelSeparation>{}</wheelSeparation><wheelDiameter>{}</wheelDiameter><torque>1000</torque>
+               <covariance_yaw>0.5</covariance_yaw></plugin>",
+            1.7 * size.separation_m,
+            2.0 * size.radius_m
+        );
+        let mut bench = Bench::new(&four_wheels(size, &plugin));
+        let apart_m = circle(&mut bench, 0.3, 0.5);
+        assert!(apart_m < 0.02, "{size:?}: {apart_m}");
+        let told = bench.odometry("odom");
+        assert!(told.pose_covariance[35] == 0.5 && (told.angular[2] - 0.6).abs() < 0.01, "{told:?}");
+    }
+}
+
+/// A circle with its heading kept, which no wheel could do; falling as others do.
+#[test]
+fn a_planar_base_moves_sideways() {
+    for size in SIZES {
+        let plugin =
+            "<plugin name='p' filename='libgazebo_ros_planar_move.so'><robotNamespace>bot</robotNamespace>
+            <odometryRate>20.0</odometryRate></plugin>";
+        let mut bench = Bench::new(&four_wheels(size, plugin));
+        let (parts, radius_m, period_s) = (200, 0.5, 8.0);
+        let mut farthest_m = 0.0_f64;
+        for part in 0..parts {
+            let (sin, cos) = (TAU * f64::from(part) / f64::from(parts)).sin_cos();
+            let speed = TAU * radius_m / period_s;
+            let command = Command { linear_m_s: speed * cos, lateral_m_s: speed * sin, angular_rad_s: 0.0 };
+            bench.drive(command, period_s / f64::from(parts));
+            farthest_m = farthest_m.max(bench.place().0.y);
+        }
+        let (place, heading) = bench.place();
+        assert!(place.truncate().length() < 0.01 && heading.abs() < 1e-3, "{size:?}: {place} {heading}");
+        assert!((farthest_m - 2.0 * radius_m).abs() < 0.01, "{farthest_m}");
+        bench.drive(Command { lateral_m_s: 0.5, ..Command::STOP }, 0.5);
+        let told = bench.odometry("/bot/odom");
+        assert!((told.linear[1] - 0.5).abs() < 0.01 && told.linear[0].abs() < 0.01, "{told:?}");
+    }
+}
+
+#[test]
+fn a_car_turns_about_a_point_on_its_rear_axle() {
+    for (size, angle) in SIZES.into_iter().zip([0.2, 0.35, 0.1]) {
+        let plugin = "<plugin name='a' filename='libgazebo_ros_ackermann_drive.so'><max_steer>0.4</max_steer></plugin>";
+        let mut bench = Bench::new(&car(size, plugin));
+        // The steering comes to its angle.
+        bench.drive(Command::new(0.0, angle), 2.0);
+        let radius_m = size.length_m / angle.tan();
+        let rear = |bench: &Bench| {
+            let pose = bench.simulation.pose(bench.robot).unwrap();
+            pose.transform_point(DVec3::X * -0.5 * size.length_m)
+        };
+        let start = rear(&bench);
+        bench.drive(Command::new(0.4, angle), PI * radius_m / 0.4);
+        let apart_m = (rear(&bench) - start - DVec3::Y * 2.0 * radius_m).truncate().length();
+        assert!(apart_m < 0.02 * radius_m + 0.01, "{size:?}: {apart_m} of {radius_m}");
+        let mut frame = FrameBuf::default();
+        bench.simulation.render("joint_states", &mut frame).unwrap();
+        let view = frame.view();
+        let states: Vec<JointState> = view.numbers(view.rows()).collect();
+        let position = |name: &str| states.iter().find(|state| state.name.as_str() == name).unwrap().position;
+        for (name, y) in [("left_steering_joint", 0.5), ("right_steering_joint", -0.5)] {
+            let expected = (size.length_m / (radius_m - y * size.separation_m)).atan();
+            assert!(
+                (position(name) - expected).abs() < 1e-3,
+                "{size:?}: {name} {} {expected}",
+                position(name)
+            );
+        }
+        let turned = ["rear_left_joint", "front_left_joint"].map(|name| position(name) * size.radius_m);
+        let inner_m = radius_m - 0.5 * size.separation_m;
+        let front_m = inner_m.hypot(size.length_m);
+        for (turned, expected) in turned.into_iter().zip([PI * inner_m, PI * front_m]) {
+            assert!((turned / expected - 1.0).abs() < 0.03, "{size:?}: {turned} {expected}");
+        }
+        // Beyond its limit it steers no further, and it never turns on the spot.
+        bench.drive(Command::new(0.0, 5.0), 2.0);
+        let before = bench.place();
+        bench.drive(Command::new(0.0, 5.0), 1.0);
+        assert!((bench.place().1 - before.1).abs() < 1e-3);
+        bench.drive(Command::new(0.2, 5.0), 0.5);
+        let told = bench.odometry("odom");
+        let expected = 0.2 * 0.4_f64.tan() / size.length_m;
+        assert!((told.angular[2] / expected - 1.0).abs() < 0.03, "{told:?} {expected}");
+    }
+}
+
+/// gz-sim's plugins have other parameters, and topics under the model's name.
+#[test]
+fn gz_sims_bases_have_its_names() {
+    let size = SIZES[1];
+    let plugin = format!(
+        "<plugin name='gz::sim::systems::DiffDrive' filename='gz-sim-diff-drive-system'><left_joint>l_joint</left_joint>
+           <right_joint>r_joint</right_joint><wheel_separation>{}</wheel_separation><wheel_radius>{}</wheel_radius></plugin>",
+        size.separation_m, size.radius_m
+    );
+    let mut bench = Bench::new(&two_wheels(size, ["l", "r"], &plugin));
+    let apart_m = circle(&mut bench, 0.3, 0.5);
+    assert!(apart_m < 0.02, "{apart_m}");
+    let (_, frame) = bench.newest::<Odometry>("/model/bot/odometry");
+    assert_eq!(frame.header().frame_id.as_str(), "bot/odom");
+    let plugin = format!(
+        "<plugin name='gz::sim::systems::AckermannSteering' filename='libignition-gazebo-ackermann-steering-system.so'>
+           <left_joint>front_left_joint</left_joint><left_joint>rear_left_joint</left_joint>
+           <right_joint>front_right_joint</right_joint><right_joint>rear_right_joint</right_joint>
+           <left_steering_joint>left_steering_joint</left_steering_joint>
+           <right_steering_joint>right_steering_joint</right_steering_joint>
+           <wheel_base>{}</wheel_base><wheel_radius>{}</wheel_radius><steer_p_gain>10</steer_p_gain></plugin>",
+        size.length_m, size.radius_m
+    );
+    let mut bench = Bench::new(&car(size, &plugin));
+    bench.drive(Command::new(0.5, 0.25), 3.0);
+    let told = bench.odometry("/model/bot/odometry");
+    assert!((told.angular[2] - 0.25).abs() < 0.005 && (told.linear[0] - 0.5).abs() < 0.01, "{told:?}");
+}
+
+/// TurtleBot 1's base drives by its own plugin, and has nothing that only a Kobuki has.
+#[test]
+fn a_create_is_no_kobuki() {
+    let create = read::robot("create_circles_kinect").unwrap();
+    let mut bench = Bench::new(&create);
+    let topics: Vec<String> = bench.simulation.topics().unwrap();
+    assert!(!topics.iter().any(|topic| topic.contains("mobile_base")), "{topics:?}");
+    bench.drive(Command::new(0.2, 0.0), 0.5);
+    assert!((bench.odometry("odom").linear[0] - 0.2).abs() < 0.005);
+    // Its driver stops when commands stop.
+    bench.simulation.run_for(Duration::from_secs(1));
+    assert!(bench.odometry("odom").linear[0].abs() < 0.005);
+}
+
+#[test]
+fn plugins_report_what_is_true() {
+    let size = SIZES[1];
+    let plugins = format!(
+        "<plugin name='d' filename='libgazebo_ros_diff_drive.so'><leftJoint>l_joint</leftJoint><rightJoint>r_joint</rightJoint>
+           {}</plugin>
+         <plugin name='i' filename='libgazebo_ros_imu.so'><bodyName>chassis</bodyName><topicName>imu</topicName>
+           <updateRate>100</updateRate></plugin>
+         <plugin name='p' filename='libgazebo_ros_p3d.so'><bodyName>chassis</bodyName><topicName>/truth</topicName>
+           <frameName>world</frameName><updateRate>50</updateRate></plugin>
+         <plugin name='j' filename='libgazebo_ros_joint_state_publisher.so'><jointName>r_joint</jointName></plugin>",
+        wheels_of(size)
+    );
+    let mut bench = Bench::new(&two_wheels(size, ["l", "r"], &plugins));
+    let (imu, frame) = bench.newest::<Imu>("imu");
+    assert_eq!(frame.header().frame_id.as_str(), "chassis");
+    assert!((DVec3::from(imu.linear_acceleration) - DVec3::Z * 9.8).length() < 0.02, "{imu:?}");
+    bench.drive(Command::new(0.5, 1.0), 3.0);
+    // The same sum twice: the first frame begins the second's interval.
+    let mut sums = DVec3::ZERO;
+    for _ in 0..50 {
+        bench.drive(Command::new(0.5, 1.0), 0.01);
+        sums += DVec3::from(bench.newest::<Imu>("imu").0.linear_acceleration) / 50.0;
+    }
+    // Towards the middle of the circle: v²/r to the left.
+    assert!((sums - DVec3::new(0.0, 0.5, 9.8)).length() < 0.05, "{sums}");
+    let pose = bench.simulation.pose(bench.robot).unwrap();
+    let truth = bench.odometry("/truth");
+    assert!((DVec3::from(truth.position) - pose.transform_point(DVec3::Z * size.radius_m)).length() < 1e-6);
+    assert!((DVec3::from(truth.linear).length() - 0.5).abs() < 0.01 && (truth.angular[2] - 1.0).abs() < 0.02);
+    let (state, _) = bench.newest::<JointState>("joint_states");
+    assert_eq!(state.name.as_str(), "r_joint");
+    // Moved by hand, it feels nothing of the way.
+    let away = belvedere_sensors::Pose::from_translation(DVec3::new(40.0, 0.0, 0.0)) * pose;
+    bench.simulation.place(bench.robot, &away, DVec3::ZERO, DVec3::ZERO).unwrap();
+    let felt = DVec3::from(bench.newest::<Imu>("imu").0.linear_acceleration);
+    assert!((felt - DVec3::Z * 9.8).length() < 2.0, "{felt}");
+}
+
+/// What a base lacks is said with its line and what is near; a robot without a plugin has no base.
+#[test]
+fn a_base_without_its_wheels_is_one_error() {
+    let robot = |plugin: &str| {
+        let inside = format!(
+            "{}{}<gazebo>\n{plugin}</gazebo>",
+            chassis(SMALL),
+            wheel("wheel_left", "chassis", [0.0, 0.1, 0.0], SMALL)
+        );
+        read::model(&format!("<robot name='bot'>{inside}</robot>"))
+    };
+    let errors = robot("<plugin name='k' filename='libgazebo_ros_kobuki.so'/>").unwrap_err().to_string();
+    assert!(
+        errors.contains("'wheel_right_joint', which does not exist; did you mean 'wheel_left_joint'?"),
+        "{errors}"
+    );
+    let errors = robot(
+        "<plugin name='d' filename='libgazebo_ros_diff_drive.so'><leftJoint>wheel_left_joint</leftJoint>
+           <rightJoint>wheel_left_joint</rightJoint><wheelDiameter>-1</wheelDiameter></plugin>",
+    )
+    .unwrap_err()
+    .to_string();
+    assert!(errors.contains("<wheelDiameter> of plugin 'd' is -1; write a number above 0"), "{errors}");
+    let passive = robot("").unwrap();
+    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    let id = simulation.spawn(&passive, SpawnOptions::default()).unwrap();
+    assert!(simulation.command(id, Command::STOP).unwrap_err().to_string().contains("has no base"));
+}
+
+/// A model that stands in a world file drives, too: that is how many bring their robot.
+#[test]
+fn what_stands_in_a_world_drives() {
+    let size = SIZES[0];
+    let y = 0.5 * size.separation_m;
+    let wheel = |name: &str, y: f64| {
+        format!(
+            "<link name='{name}'><pose>0 {y} 0.033 0 0 0</pose><collision name='c'><pose>0 0 0 1.5707963 0 0</pose>
+               <geometry><cylinder><radius>0.033</radius><length>0.02</length></cylinder></geometry></collision>
+               <inertial><mass>0.02</mass></inertial></link>
+             <joint name='{name}_joint' type='revolute'><parent>body</parent><child>{name}</child>
+               <axis><xyz>0 1 0</xyz></axis></joint>"
+        )
+    };
+    let ball = |name: &str, x: f64| {
+        format!(
+            "<collision name='{name}'><pose>{x} 0 0.01 0 0 0</pose><geometry><sphere><radius>0.01</radius></sphere></geometry>
+               <surface><friction><ode><mu>0</mu></ode></friction></surface></collision>"
+        )
+    };
+    let world = format!(
+        "<sdf version='1.6'><world name='w'><model name='floor'><static>true</static><link name='l'><collision name='c'>
+           <geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model>
+         <model name='burger'><pose>1 2 0 0 0 0</pose><link name='body'><inertial><pose>0 0 0.03 0 0 0</pose><mass>1</mass>
+           </inertial>{}{}</link>{}{}
+           <plugin name='d' filename='libgazebo_ros_diff_drive.so'><ros><remapping>odom:=odom</remapping></ros>
+             <left_joint>left_joint</left_joint><right_joint>right_joint</right_joint>
+             <wheel_separation>{}</wheel_separation><wheel_diameter>0.066</wheel_diameter>
+             <max_wheel_torque>20</max_wheel_torque><odometry_frame>odom</odometry_frame>
+             <robot_base_frame>body</robot_base_frame></plugin></model></world></sdf>",
+        ball("front", 0.06),
+        ball("back", -0.06),
+        wheel("left", y),
+        wheel("right", -y),
+        size.separation_m
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("burger.world");
+    std::fs::write(&file, world).unwrap();
+    let world = read::world(file.to_str().unwrap()).unwrap();
+    let mut simulation = Simulation::builder(world).seed(7).build().unwrap();
+    let robot = simulation.find("burger").unwrap();
+    simulation.command(robot, Command::new(0.2, 0.0)).unwrap();
+    simulation.run_for(Duration::from_secs(2));
+    let place = simulation.pose(robot).unwrap().translation();
+    assert!((place - DVec3::new(1.4, 2.0, 0.0)).truncate().length() < 0.02, "{place}");
+    simulation.reset().unwrap();
+    simulation.command(robot, Command::new(0.2, 0.0)).unwrap();
+    simulation.run_for(Duration::from_secs(2));
+    assert_eq!(simulation.pose(robot).unwrap().translation(), place, "again the same");
+}
+
+/// gz-sim's sensors have a topic and no plugin; a robot's file may be SDF.
+#[test]
+fn an_sdf_robot_with_gz_sims_sensors_publishes_them() {
+    let sensors = "<sensor name='lidar' type='gpu_lidar'><topic>front/scan</topic><gz_frame_id>mast</gz_frame_id>
+         <update_rate>10</update_rate><lidar><scan><horizontal><samples>8</samples><min_angle>-1</min_angle>
+         <max_angle>1</max_angle></horizontal></scan><range><min>0.1</min><max>9</max></range></lidar></sensor>
+       <sensor name='eye' type='camera'><topic>/eye/image_raw</topic><update_rate>10</update_rate><camera>
+         <optical_frame_id>eye_optical</optical_frame_id><image><width>32</width><height>16</height></image></camera></sensor>
+       <sensor name='kinect' type='rgbd_camera'><topic>kinect</topic><camera><image><width>32</width><height>16</height>
+         </image></camera></sensor>";
+    let text = format!(
+        "<sdf version='1.9'><model name='bot'><pose>1 0 0 0 0 0</pose><link name='mast'><inertial><mass>1</mass></inertial>
+         {sensors}</link></model></sdf>"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("model.sdf");
+    std::fs::write(&file, text).unwrap();
+    let robot = read::robot(file.to_str().unwrap()).unwrap();
+    let mut simulation = Simulation::builder(read::world("empty").unwrap()).seed(7).build().unwrap();
+    let id = simulation.spawn(&robot, SpawnOptions::default()).unwrap();
+    assert_eq!(simulation.pose(id).unwrap().translation().x, 1.0);
+    let topics = simulation.topics().unwrap();
+    for (topic, frame_id) in [
+        ("/front/scan", "mast"),
+        ("/eye/image_raw", "eye_optical"),
+        ("/eye/camera_info", "eye_optical"),
+        ("/kinect/image", "mast_optical"),
+        ("/kinect/depth_image", "mast_optical"),
+        ("/kinect/points", "mast_optical"),
+    ] {
+        assert!(topics.iter().any(|known| known == topic), "{topic}: {topics:?}");
+        let mut frame = FrameBuf::default();
+        simulation.render(topic, &mut frame).unwrap();
+        assert_eq!(frame.header().frame_id.as_str(), frame_id, "{topic}");
+    }
+}
+
+/// The article's lidar is on a link that its robot has not: a lidar's link is proposed, not one that is spelt more alike.
+#[test]
+fn a_lidars_missing_link_is_that_of_a_lidar() {
+    let links = ["base_footprint", "gyro_link", "base_laser_link", "camera_rgb_frame"];
+    let links: String = links.map(|name| format!("<link name='{name}'/>")).concat();
+    let joints: String = ["gyro_link", "base_laser_link", "camera_rgb_frame"]
+        .map(|child| {
+            format!("<joint name='{child}_j' type='fixed'><parent link='base_footprint'/><child link='{child}'/></joint>")
+        })
+        .concat();
+    let sensor = "<gazebo reference='hokuyo_link'><sensor type='ray' name='head'/></gazebo>";
+    let error =
+        read::model(&format!("<robot name='r'>{links}{joints}{sensor}</robot>")).unwrap_err().to_string();
+    assert!(error.contains("did you mean 'base_laser_link'?"), "{error}");
+}

@@ -246,9 +246,9 @@ impl Subscriber {
         self.search()?;
         let Some(mut newest) = self.receive_or_settle()? else { return Ok(None) };
         let Some(connection) = &self.connection else { return Ok(None) };
-        let settings = connection.frames.static_config();
+        let config = connection.frames.static_config();
         // A publisher that sends faster than this one drains would hold it here.
-        let at_most = settings.max_publishers() * settings.subscriber_max_buffer_size();
+        let at_most = config.max_publishers() * config.subscriber_max_buffer_size();
         for _ in 0..at_most {
             if !self.has_frames()? {
                 break;

@@ -3,7 +3,7 @@
 
 use super::mount::Mount;
 use super::outlet::Outlet;
-use super::{RigContext, RigError, Setting};
+use super::{Opening, RigContext, RigError};
 use crate::entities::Entities;
 use crate::world::scene::PlacedFiducial;
 use belvedere_bridge::payload::{BoundingBox, Message, TagDetection};
@@ -54,16 +54,16 @@ impl Annotations {
         topic: &str,
         frame_id: &str,
         [width, height]: [u32; 2],
-        setting: &Setting<'_>,
+        opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
-        let Census { things, tags } = setting.census;
-        let boxes = || Stream::open(topic, "boxes", things + SPAWNED_THINGS, frame_id, setting);
-        let tags = || Stream::open(topic, "tags", tags + SPAWNED_TAGS, frame_id, setting);
+        let Census { things, tags } = opening.census;
+        let boxes = || Stream::open(topic, "boxes", things + SPAWNED_THINGS, frame_id, opening);
+        let tags = || Stream::open(topic, "tags", tags + SPAWNED_TAGS, frame_id, opening);
         Ok(Self {
-            boxes: setting.truth.then(boxes).transpose()?,
-            tags: setting.truth.then(tags).transpose()?,
+            boxes: opening.truth.then(boxes).transpose()?,
+            tags: opening.truth.then(tags).transpose()?,
             width: width as usize,
-            instance: vec![0; if setting.truth { width as usize * height as usize } else { 0 }],
+            instance: vec![0; if opening.truth { width as usize * height as usize } else { 0 }],
             seen: Vec::new(),
             landmarks: Vec::new(),
             sightings: Vec::new(),
@@ -206,12 +206,12 @@ impl<T: Message> Stream<T> {
         name: &str,
         most: usize,
         frame_id: &str,
-        setting: &Setting<'_>,
+        opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
         let kind = if name == "boxes" { Kind::BoundingBoxes } else { Kind::TagDetections };
         let spec = StreamSpec::structs(format!("{topic}/truth/{name}"), kind, most);
-        let spec = StreamSpec { buffer: 4, ..spec.frame_id(frame_id).rate_hz(setting.rate.hz()) };
-        Ok(Self { outlet: setting.open_rendered(spec)?, messages: Vec::new(), most, has_told: false })
+        let spec = StreamSpec { buffer: 4, ..spec.frame_id(frame_id).rate_hz(opening.rate.hz()) };
+        Ok(Self { outlet: opening.open_rendered(spec)?, messages: Vec::new(), most, has_told: false })
     }
 
     /// Sends the messages that there are; of more than there is room for the first, which is told once.

@@ -2,7 +2,7 @@
 //! inertial measurements, events, the core sensors; and what it is told, besides velocities.
 
 use super::outlet::Outlet;
-use super::{RigContext, RigError, Setting};
+use super::{Opening, RigContext, RigError};
 use crate::entities::EntityId;
 use crate::robot::Robot;
 use crate::robot::contact::Contact;
@@ -34,23 +34,23 @@ pub(super) struct BaseChannel {
     cliff: Outlet,
     wheel_drop: Outlet,
     /// What the events sent so far have told, in a simulation that has begun again, too: its consumers know no other.
-    told: Contact,
+    reported: Contact,
 }
 
 impl BaseChannel {
-    pub(super) fn open(setting: &Setting<'_>) -> Result<Self, RigError> {
-        let rate = setting.rate.hz();
-        let model = &setting.entity.model;
+    pub(super) fn open(opening: &Opening<'_>) -> Result<Self, RigError> {
+        let rate = opening.rate.hz();
+        let model = &opening.entity.model;
         let frame = &model.links[ImuUnit::mount(model)].name;
-        let event = |topic| setting.open(&StreamSpec::structs(topic, Kind::RobotEvent, 1));
+        let event = |topic| opening.open(&StreamSpec::structs(topic, Kind::RobotEvent, 1));
         Ok(Self {
-            id: setting.id,
-            imu: setting.open(&StreamSpec::structs(IMU_TOPIC, Kind::Imu, 1).rate_hz(rate).frame_id(frame))?,
-            core: setting.open(&StreamSpec::structs(CORE_TOPIC, Kind::CoreSensors, 1).rate_hz(rate))?,
+            id: opening.id,
+            imu: opening.open(&StreamSpec::structs(IMU_TOPIC, Kind::Imu, 1).rate_hz(rate).frame_id(frame))?,
+            core: opening.open(&StreamSpec::structs(CORE_TOPIC, Kind::CoreSensors, 1).rate_hz(rate))?,
             bumper: event(BUMPER_TOPIC)?,
             cliff: event(CLIFF_TOPIC)?,
             wheel_drop: event(WHEEL_DROP_TOPIC)?,
-            told: Contact::default(),
+            reported: Contact::default(),
         })
     }
 
@@ -78,21 +78,21 @@ impl BaseChannel {
             value: value.into(),
         };
         for (side, index) in sides.into_iter().enumerate() {
-            if contact.bumper[side] != self.told.bumper[side] {
+            if contact.bumper[side] != self.reported.bumper[side] {
                 self.bumper.send_structs(stamp_ns, &[event(E::BUMPER, index, contact.bumper[side], 0)]);
             }
-            if contact.cliff[side] != self.told.cliff[side] {
+            if contact.cliff[side] != self.reported.cliff[side] {
                 let (state, reading) = (contact.cliff[side], contact.bottom[side]);
                 self.cliff.send_structs(stamp_ns, &[event(E::CLIFF, index, state, reading)]);
             }
         }
         for (side, index) in [E::LEFT, E::RIGHT].into_iter().enumerate() {
-            if contact.wheel_drop[side] != self.told.wheel_drop[side] {
+            if contact.wheel_drop[side] != self.reported.wheel_drop[side] {
                 let state = contact.wheel_drop[side];
                 self.wheel_drop.send_structs(stamp_ns, &[event(E::WHEEL_DROP, index, state, 0)]);
             }
         }
-        self.told = *contact;
+        self.reported = *contact;
         for outlet in [&self.bumper, &self.cliff, &self.wheel_drop] {
             outlet.update();
         }

@@ -5,10 +5,10 @@ use super::eye::{Eye, drawn_lens};
 use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
-use super::pictures::{Told, encoding};
+use super::pictures::{Calibration, encoding};
 use super::sink::Frame;
 use super::truth::TruthOutlets;
-use super::{RigContext, RigError, Setting, Settings};
+use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{CameraPlugin, CameraSensor, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Intrinsics, Kind, StreamSpec};
@@ -36,15 +36,15 @@ impl CameraChannel {
         sensor: &Sensor,
         camera: &CameraSensor,
         plugin: &CameraPlugin,
-        setting: &Setting<'_>,
+        opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
         let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
-        let lens = drawn_lens(camera, plugin, setting.gazebo_compat);
-        let eye = Eye::new(camera, &lens, setting).map_err(|error| refused(&*error))?;
+        let lens = drawn_lens(camera, plugin, opening.gazebo_compat);
+        let eye = Eye::new(camera, &lens, opening).map_err(|error| refused(&*error))?;
         let frame_len = eye.camera().frame_len();
-        let told = Told::of(camera, plugin, setting.gazebo_compat);
-        let frame = setting.frame_id(sensor, &plugin.frame_name);
-        let rate = setting.rate.hz();
+        let calibration = Calibration::of(camera, plugin, opening.gazebo_compat);
+        let frame = opening.frame_id(sensor, &plugin.frame_name);
+        let rate = opening.rate.hz();
         let image = StreamSpec::new(&plugin.image_topic, Kind::Image, encoding(camera.format), frame_len)
             .frame_id(&frame)
             .rate_hz(rate);
@@ -53,13 +53,15 @@ impl CameraChannel {
             .rate_hz(rate);
         let size = [camera.width, camera.height];
         Ok(Self {
-            image: setting.open_rendered(image)?,
-            info: setting.open(&info)?,
-            info_message: told.camera_info(camera.width, camera.height).map_err(|error| refused(&error))?,
-            intrinsics: told.intrinsics(camera.near_m, camera.far_m),
-            truth: TruthOutlets::open(&plugin.image_topic, &frame, size, setting)?,
-            annotations: Annotations::open(&plugin.image_topic, &frame, size, setting)?,
-            mount: Mount::new(sensor, setting, &frame),
+            image: opening.open_rendered(image)?,
+            info: opening.open(&info)?,
+            info_message: calibration
+                .camera_info(camera.width, camera.height)
+                .map_err(|error| refused(&error))?,
+            intrinsics: calibration.intrinsics(camera.near_m, camera.far_m),
+            truth: TruthOutlets::open(&plugin.image_topic, &frame, size, opening)?,
+            annotations: Annotations::open(&plugin.image_topic, &frame, size, opening)?,
+            mount: Mount::new(sensor, opening, &frame),
             moments: Moments::default(),
             unseen: Vec::new(),
             eye,

@@ -28,7 +28,7 @@ use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 /// What a channel needs to open.
-pub(super) struct Setting<'a> {
+pub(super) struct Opening<'a> {
     pub(super) sink: &'a dyn Sink,
     pub(super) physics: &'a Physics,
     pub(super) entity: &'a Entity,
@@ -47,7 +47,7 @@ pub(super) struct Setting<'a> {
     pub(super) taken: &'a RefCell<HashSet<String>>,
 }
 
-impl Setting<'_> {
+impl Opening<'_> {
     /// A stream of small messages, which are sent whether or not anybody follows: late consumers get the last one. Its
     /// topic and its frame are in the namespace of the entity.
     pub(super) fn open(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
@@ -132,20 +132,20 @@ impl Channel {
     /// The channel of a sensor; none if it has no plugin that publishes it.
     pub(super) fn of_sensor(
         sensor: &DescribedSensor,
-        setting: &Setting<'_>,
+        opening: &Opening<'_>,
     ) -> Result<Option<Self>, RigError> {
         Ok(match (&sensor.kind, &sensor.plugin) {
             (SensorKind::Camera(camera), Some(Plugin::Camera(plugin))) => {
-                Some(Self::Camera(CameraChannel::open(sensor, camera, plugin, setting)?.into()))
+                Some(Self::Camera(CameraChannel::open(sensor, camera, plugin, opening)?.into()))
             }
             (SensorKind::Depth(camera), Some(Plugin::DepthCamera(plugin))) => {
-                Some(Self::Depth(DepthChannel::open(sensor, camera, plugin, setting)?.into()))
+                Some(Self::Depth(DepthChannel::open(sensor, camera, plugin, opening)?.into()))
             }
             (SensorKind::Ray(ray), Some(Plugin::Laser(plugin))) => {
-                Some(Self::Lidar(LidarChannel::open(sensor, ray, plugin, setting)?.into()))
+                Some(Self::Lidar(LidarChannel::open(sensor, ray, plugin, opening)?.into()))
             }
             (SensorKind::Ray(ray), Some(Plugin::Range(plugin))) => {
-                Some(Self::Range(RangeChannel::open(sensor, ray, plugin, setting)?.into()))
+                Some(Self::Range(RangeChannel::open(sensor, ray, plugin, opening)?.into()))
             }
             _ => {
                 tracing::warn!(sensor = sensor.name, source = %sensor.source, "has no plugin that publishes it");

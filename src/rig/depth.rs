@@ -5,10 +5,10 @@ use super::eye::{Eye, drawn_lens};
 use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
-use super::pictures::{Told, encoding};
+use super::pictures::{Calibration, encoding};
 use super::sink::Frame;
 use super::truth::TruthOutlets;
-use super::{RigContext, RigError, Setting, Settings};
+use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{CameraSensor, DepthCameraPlugin, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, StreamSpec};
@@ -43,25 +43,25 @@ impl DepthChannel {
         sensor: &Sensor,
         camera: &CameraSensor,
         plugin: &DepthCameraPlugin,
-        setting: &Setting<'_>,
+        opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
         let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
-        let lens = drawn_lens(camera, &plugin.camera, setting.gazebo_compat);
-        let eye = Eye::new(camera, &lens, setting).map_err(|error| refused(&*error))?;
+        let lens = drawn_lens(camera, &plugin.camera, opening.gazebo_compat);
+        let eye = Eye::new(camera, &lens, opening).map_err(|error| refused(&*error))?;
         let limits = Limits {
             range_m: [plugin.cutoff_m, plugin.cutoff_max_m],
-            out_of_range: if setting.gazebo_compat { OutOfRange::Nan } else { OutOfRange::Infinite },
-            too_near: if setting.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
+            out_of_range: if opening.gazebo_compat { OutOfRange::Nan } else { OutOfRange::Infinite },
+            too_near: if opening.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
         };
         let made = depth_camera(&eye, &limits).map_err(|error| refused(&error))?;
         let (pixels, colour_len) = (made.pixels(), made.camera().frame_len());
-        let told = Told::of(camera, &plugin.camera, setting.gazebo_compat);
-        let frame = setting.frame_id(sensor, &plugin.camera.frame_name);
-        let rate = setting.rate.hz();
-        let open = |spec: StreamSpec| setting.open_rendered(spec.frame_id(&frame).rate_hz(rate));
+        let calibration = Calibration::of(camera, &plugin.camera, opening.gazebo_compat);
+        let frame = opening.frame_id(sensor, &plugin.camera.frame_name);
+        let rate = opening.rate.hz();
+        let open = |spec: StreamSpec| opening.open_rendered(spec.frame_id(&frame).rate_hz(rate));
         let info = |topic: &str| {
             let spec = StreamSpec::structs(topic, Kind::CameraInfo, 1);
-            setting.open(&spec.frame_id(&frame).rate_hz(rate))
+            opening.open(&spec.frame_id(&frame).rate_hz(rate))
         };
         let (depth_encoding, depth_bytes) =
             if plugin.depth_16uc1 { (Encoding::U16C1, 2) } else { (Encoding::F32C1, 4) };
@@ -90,12 +90,14 @@ impl DepthChannel {
                 pixels * POINT_STEP,
             ))?,
             in_millimetres: plugin.depth_16uc1,
-            info_message: told.camera_info(camera.width, camera.height).map_err(|error| refused(&error))?,
-            colour_intrinsics: told.intrinsics(camera.near_m, camera.far_m),
-            depth_intrinsics: told.intrinsics(near, far),
-            truth: TruthOutlets::open(&names.image_topic, &frame, size, setting)?,
-            annotations: Annotations::open(&names.image_topic, &frame, size, setting)?,
-            mount: Mount::new(sensor, setting, &frame),
+            info_message: calibration
+                .camera_info(camera.width, camera.height)
+                .map_err(|error| refused(&error))?,
+            colour_intrinsics: calibration.intrinsics(camera.near_m, camera.far_m),
+            depth_intrinsics: calibration.intrinsics(near, far),
+            truth: TruthOutlets::open(&names.image_topic, &frame, size, opening)?,
+            annotations: Annotations::open(&names.image_topic, &frame, size, opening)?,
+            mount: Mount::new(sensor, opening, &frame),
             moments: Moments::default(),
             unseen: Vec::new(),
             eye,

@@ -1,7 +1,7 @@
 //! What takes the pictures of a camera or depth camera: its optics, and the settings that may change while it runs.
 
 use super::pictures::noise;
-use super::{Setting, Settings};
+use super::{Opening, Settings};
 use crate::description::model::{
     AngleFunction, AngleMap, CameraDevice, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
 };
@@ -46,7 +46,7 @@ impl Eye {
     pub(super) fn new(
         camera: &CameraSensor,
         lens: &Lens,
-        setting: &Setting<'_>,
+        opening: &Opening<'_>,
     ) -> Result<Self, Box<dyn Error>> {
         let automatic = match &camera.device {
             Some(CameraDevice { auto_exposure: Some(automatic), config, .. }) => {
@@ -61,7 +61,7 @@ impl Eye {
             far_m: camera.far_m,
             exposure: 1.0,
             // Gazebo classic draws every picture with sharp edges, whatever the file says.
-            edges: if camera.anti_aliasing > 1 && !setting.gazebo_compat {
+            edges: if camera.anti_aliasing > 1 && !opening.gazebo_compat {
                 Edges::Smooth
             } else {
                 Edges::Sharp
@@ -70,8 +70,8 @@ impl Eye {
             device: camera.device,
             automatic,
             first: automatic,
-            seed: setting.seed,
-            sensor: setting.sensor,
+            seed: opening.seed,
+            sensor: opening.sensor,
         };
         Camera::new(eye.config())?;
         Ok(eye)

@@ -2,7 +2,7 @@
 //! upwards at rest: REP-145), with white noise.
 
 use super::outlet::Outlet;
-use super::{RigContext, RigError, Setting};
+use super::{Opening, RigContext, RigError};
 use crate::description::model::ImuPlugin;
 use crate::entities::EntityId;
 use belvedere_bridge::payload::Imu;
@@ -28,18 +28,18 @@ pub(super) struct ImuChannel {
 }
 
 impl ImuChannel {
-    pub(super) fn open(plugin: &ImuPlugin, number: usize, setting: &Setting<'_>) -> Result<Self, RigError> {
+    pub(super) fn open(plugin: &ImuPlugin, number: usize, opening: &Opening<'_>) -> Result<Self, RigError> {
         let spec = StreamSpec::structs(&plugin.topic, Kind::Imu, 1);
-        let unit = setting.entity.robot.as_ref().and_then(|robot| robot.units().get(number));
-        let now_ns = setting.physics.time_ns();
+        let unit = opening.entity.robot.as_ref().and_then(|robot| robot.units().get(number));
+        let now_ns = opening.physics.time_ns();
         Ok(Self {
-            id: setting.id,
+            id: opening.id,
             number,
             stddev: [plugin.turn_stddev, plugin.acceleration_stddev],
-            seed: setting.seed,
-            sensor: setting.sensor,
-            imu: setting.open(&spec.frame_id(&plugin.frame).rate_hz(setting.rate.hz()))?,
-            last: (now_ns, unit.map(|unit| unit.felt_at(setting.physics, now_ns)).unwrap_or_default()),
+            seed: opening.seed,
+            sensor: opening.sensor,
+            imu: opening.open(&spec.frame_id(&plugin.frame).rate_hz(opening.rate.hz()))?,
+            last: (now_ns, unit.map(|unit| unit.felt_at(opening.physics, now_ns)).unwrap_or_default()),
         })
     }
 

@@ -1,7 +1,7 @@
 //! Joint states under a topic of one's own: `libgazebo_ros_joint_state_publisher.so`.
 
 use super::outlet::Outlet;
-use super::{RigContext, RigError, Setting};
+use super::{Opening, RigContext, RigError};
 use crate::description::model::{JointIndex, JointStatesPlugin};
 use crate::entities::EntityId;
 use belvedere_bridge::payload::JointState;
@@ -16,9 +16,9 @@ pub(super) struct JointStatesChannel {
 }
 
 impl JointStatesChannel {
-    pub(super) fn open(plugin: &JointStatesPlugin, setting: &Setting<'_>) -> Result<Self, RigError> {
-        let model = &setting.entity.model;
-        let moves = |joint: &JointIndex| setting.physics.joint_state(setting.id.index(), *joint).is_some();
+    pub(super) fn open(plugin: &JointStatesPlugin, opening: &Opening<'_>) -> Result<Self, RigError> {
+        let model = &opening.entity.model;
+        let moves = |joint: &JointIndex| opening.physics.joint_state(opening.id.index(), *joint).is_some();
         let named = |joint: &JointIndex| {
             plugin.joints.is_empty() || plugin.joints.contains(&model.joints[*joint].name)
         };
@@ -32,8 +32,8 @@ impl JointStatesChannel {
             .collect::<Result<Vec<_>, RigError>>()?;
         let spec = StreamSpec::structs(&plugin.topic, Kind::JointStates, joints.len());
         Ok(Self {
-            id: setting.id,
-            states: setting.open(&spec.rate_hz(setting.rate.hz()))?,
+            id: opening.id,
+            states: opening.open(&spec.rate_hz(opening.rate.hz()))?,
             messages: Vec::with_capacity(joints.len()),
             joints,
         })

@@ -5,7 +5,7 @@ use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
 use super::truth::TruthOutlets;
-use super::{RigContext, RigError, Setting, Settings};
+use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
 use belvedere_sensors::Shutter;
@@ -28,14 +28,14 @@ impl LidarChannel {
         sensor: &Sensor,
         ray: &RaySensor,
         plugin: &LaserPlugin,
-        setting: &Setting<'_>,
+        opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
         let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
-        let config = lidar_config(ray, setting).map_err(|error| refused(&error))?;
+        let config = lidar_config(ray, opening).map_err(|error| refused(&error))?;
         let LidarConfig { horizontal, vertical, .. } = config;
         let lidar = Lidar::new(config).map_err(|error| refused(&error))?;
-        let frame = setting.frame_id(sensor, &plugin.frame_name);
-        let rate = setting.rate.hz();
+        let frame = opening.frame_id(sensor, &plugin.frame_name);
+        let rate = opening.rate.hz();
         // Ranges, and a plane of intensities after them.
         let bytes = lidar.beams() * size_of::<f32>() * 2;
         let spec = StreamSpec::new(&plugin.topic, Kind::LaserScan, Encoding::RangesF32, bytes)
@@ -45,13 +45,13 @@ impl LidarChannel {
         // As deep as that of messages: scans are small, come at 40 Hz, and mapping wants each of them.
         let spec = StreamSpec { buffer: 16, ..spec };
         Ok(Self {
-            scan: setting.open_rendered(spec)?,
+            scan: opening.open_rendered(spec)?,
             geometry: ScanGeometry {
                 angle_min: horizontal.min_angle_rad,
                 angle_increment: horizontal.increment(),
                 // All beams are taken at the stamp. Gazebo's plugin gives 0 for the time of a scan as well.
                 time_increment: 0.0,
-                scan_time: if setting.gazebo_compat { 0.0 } else { 1.0 / rate },
+                scan_time: if opening.gazebo_compat { 0.0 } else { 1.0 / rate },
                 range_min: ray.range_min_m as f32,
                 range_max: ray.range_max_m as f32,
                 vertical_angle_min: vertical.min_angle_rad,
@@ -63,9 +63,9 @@ impl LidarChannel {
                 &plugin.topic,
                 &frame,
                 [horizontal.samples, vertical.samples],
-                setting,
+                opening,
             )?,
-            mount: Mount::new(sensor, setting, &frame),
+            mount: Mount::new(sensor, opening, &frame),
             lidar,
         })
     }
@@ -126,7 +126,7 @@ impl LidarChannel {
 /// The lidar of a description.
 pub(super) fn lidar_config(
     ray: &RaySensor,
-    setting: &Setting<'_>,
+    opening: &Opening<'_>,
 ) -> Result<LidarConfig, GaussianNoiseError> {
     let beams = |axis: &ScanAxis| Beams {
         samples: axis.samples,
@@ -137,8 +137,8 @@ pub(super) fn lidar_config(
         .vertical(beams(&ray.vertical))
         .range_min_m(ray.range_min_m)
         .range_max_m(ray.range_max_m)
-        .too_near(if setting.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks })
+        .too_near(if opening.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks })
         .noise(noise(&ray.noise)?)
-        .seed(setting.seed)
-        .sensor(setting.sensor))
+        .seed(opening.seed)
+        .sensor(opening.sensor))
 }

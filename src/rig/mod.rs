@@ -46,7 +46,7 @@ use base::BaseChannel;
 use belvedere_bridge::{Error as BridgeError, StreamSpec};
 use belvedere_sensors::Execution;
 use belvedere_sensors::trace::WorkspaceBuf;
-use channel::{Channel, RigContext, Setting};
+use channel::{Channel, Opening, RigContext};
 use cost::Cost;
 use imu::ImuChannel;
 use joint_states::JointStatesChannel;
@@ -179,7 +179,7 @@ impl Rig {
         let options = self.options;
         let taken = self.outlets().into_iter().map(|outlet| outlet.topic().to_owned());
         let taken = RefCell::new(taken.collect::<HashSet<_>>());
-        let setting = |rate, sensor| Setting {
+        let opening = |rate, sensor| Opening {
             sink,
             physics,
             entity,
@@ -209,11 +209,11 @@ impl Rig {
         if let Some(robot) = &entity.robot {
             let base = entity.model.base().filter(|_| robot.base().is_some());
             let rate = plugin_rate(base.map_or(Some(STATE_HZ), |base| base.odometry.rate_hz), physics);
-            let state = StateChannel::open(robot, &setting(rate, 0))?;
+            let state = StateChannel::open(robot, &opening(rate, 0))?;
             add(rate, Channel::State(state.into()), None, Vec::new());
             if robot.base().is_some_and(|base| base.as_kobuki().is_some()) {
                 let rate = fixed_rate(STATE_HZ, physics);
-                let base = BaseChannel::open(&setting(rate, 0))?;
+                let base = BaseChannel::open(&opening(rate, 0))?;
                 add(rate, Channel::Base(base.into()), None, Vec::new());
             }
             let mut units = 0;
@@ -224,18 +224,18 @@ impl Rig {
                     ModelPlugin::Base(_) => continue,
                     ModelPlugin::Imu(imu) => {
                         let rate = plugin_rate(imu.rate_hz, physics);
-                        let channel = ImuChannel::open(imu, units, &setting(rate, number))?;
+                        let channel = ImuChannel::open(imu, units, &opening(rate, number))?;
                         units += 1;
                         (rate, Channel::Imu(channel.into()))
                     }
                     ModelPlugin::Pose(pose) => {
                         let rate = plugin_rate(pose.rate_hz, physics);
-                        let channel = TruePoseChannel::open(pose, &setting(rate, number))?;
+                        let channel = TruePoseChannel::open(pose, &opening(rate, number))?;
                         (rate, Channel::TruePose(channel.into()))
                     }
                     ModelPlugin::JointStates(states) => {
                         let rate = plugin_rate(states.rate_hz, physics);
-                        let channel = JointStatesChannel::open(states, &setting(rate, number))?;
+                        let channel = JointStatesChannel::open(states, &opening(rate, number))?;
                         (rate, Channel::JointStates(channel.into()))
                     }
                 };
@@ -246,7 +246,7 @@ impl Rig {
         for (index, sensor) in entity.sensors().iter().enumerate() {
             let rate = sensor_rate(sensor, physics);
             let number = first_number.wrapping_add(index as u32);
-            if let Some(channel) = Channel::of_sensor(sensor, &setting(rate, number))? {
+            if let Some(channel) = Channel::of_sensor(sensor, &opening(rate, number))? {
                 let described = Settings::described(sensor, rate.hz());
                 let name = entity.scoped(&sensor.name);
                 let looks_through = matches!(sensor.kind, SensorKind::Ray(_)) && !options.gazebo_compat;

@@ -1,6 +1,6 @@
 //! Where on its robot a sensor sits.
 
-use super::{RigContext, Setting};
+use super::{Opening, RigContext};
 use crate::description::model::{LinkIndex, Model, Sensor, SensorKind};
 use crate::description::optical::optical_from_sensor;
 use crate::world::physics::{ModelIndex, Physics};
@@ -19,13 +19,13 @@ impl Mount {
     /// The sensor's own place. If its messages name the optical frame of another link that looks the same way,
     /// the sensor sits there instead, so that what it publishes is true of the frame that it names; Gazebo's
     /// Kinect is off by (31, 12.5, 16) mm there, and stays so with `gazebo_compat`.
-    pub(super) fn new(sensor: &Sensor, setting: &Setting<'_>, frame: &str) -> Self {
+    pub(super) fn new(sensor: &Sensor, opening: &Opening<'_>, frame: &str) -> Self {
         let own =
-            Self { model: setting.id.index(), link: sensor.link, link_from_sensor: sensor.link_from_sensor };
-        if setting.gazebo_compat || matches!(sensor.kind, SensorKind::Ray(_)) {
+            Self { model: opening.id.index(), link: sensor.link, link_from_sensor: sensor.link_from_sensor };
+        if opening.gazebo_compat || matches!(sensor.kind, SensorKind::Ray(_)) {
             return own;
         }
-        let moved = optical_mount(sensor, &setting.entity.model, frame)
+        let moved = optical_mount(sensor, &opening.entity.model, frame)
             .map(|link_from_sensor| Self { link_from_sensor, ..own });
         if let Some(moved) = &moved {
             let offset = moved.link_from_sensor.translation() - own.link_from_sensor.translation();

@@ -44,7 +44,7 @@ pub fn encoding(format: PixelFormat) -> Encoding {
 
 /// What a camera says of its own geometry; it may differ from what it does, as Gazebo's does.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Told {
+pub struct Calibration {
     /// K.
     pub lens: LensIntrinsics,
     /// P.
@@ -55,7 +55,7 @@ pub struct Told {
     pub parameters: Vec<f64>,
 }
 
-impl Told {
+impl Calibration {
     /// The principal point is that of the lens, or with `gazebo_compat` Gazebo's, which is a pixel farther right and
     /// down, unless the plugin gives one. The model is that of the lens, unless the plugin gives coefficients; with
     /// `gazebo_compat` they are always the plugin's, where the lens is one that the plugin knows.
@@ -202,11 +202,11 @@ mod tests {
     #[test]
     fn a_pinhole_is_centred_and_gazebos_a_pixel_off() {
         let pinhole = camera(LensModel::Pinhole);
-        let info = Told::of(&pinhole, &PLUGIN, false).camera_info(640, 480).unwrap();
+        let info = Calibration::of(&pinhole, &PLUGIN, false).camera_info(640, 480).unwrap();
         assert_eq!([info.k[0], info.k[4], info.k[2], info.k[5]], [381.5, 381.5, 319.5, 239.5]);
         assert_eq!(info.p[3], -381.5 * 0.07);
         assert_eq!((info.distortion_model.as_str(), info.d_len, info.d), ("plumb_bob", 5, [0.0; 14]));
-        let gazebo = Told::of(&pinhole, &PLUGIN, true).camera_info(640, 480).unwrap();
+        let gazebo = Calibration::of(&pinhole, &PLUGIN, true).camera_info(640, 480).unwrap();
         assert_eq!([gazebo.k[2], gazebo.k[5], gazebo.p[2], gazebo.p[6]], [320.5, 240.5, 320.5, 240.5]);
     }
 
@@ -233,11 +233,11 @@ mod tests {
             (map(1.0, 1.0, AngleFunction::Tangent), "plumb_bob", &[0.0; 5], 1.0),
             (map(2.0, 2.0, AngleFunction::Sine), "wide_angle", &[2.0, 2.0, 0.0, 200.0, 0.0, 1.5], 1.0),
         ] {
-            let told = Told::of(&camera(model), &PLUGIN, false);
-            let info = told.camera_info(640, 480).unwrap();
+            let calibration = Calibration::of(&camera(model), &PLUGIN, false);
+            let info = calibration.camera_info(640, 480).unwrap();
             assert_eq!((info.distortion_model.as_str(), &info.d[..info.d_len as usize]), (name, d));
             assert!((info.p[0] - info.k[0] * scale).abs() < 1e-9, "{name}");
-            let header = told.intrinsics(0.1, 100.0);
+            let header = calibration.intrinsics(0.1, 100.0);
             assert_eq!((header.model().map(DistortionModel::as_str), header.parameters()), (Some(name), d));
         }
     }
@@ -245,12 +245,15 @@ mod tests {
     #[test]
     fn the_plugins_coefficients_are_told_and_gazebos_even_where_they_are_0() {
         let bent = camera(LensModel::BrownConrady { coefficients: vec![0.1, 0.2, 0.3, 0.4, 0.5] });
-        let told = |plugin: &CameraPlugin, compat| Told::of(&bent, plugin, compat).parameters;
-        assert_eq!(told(&PLUGIN, false), [0.1, 0.2, 0.3, 0.4, 0.5]);
-        assert_eq!(told(&PLUGIN, true), [0.0; 5]);
+        let calibrated = |plugin: &CameraPlugin, compat| Calibration::of(&bent, plugin, compat).parameters;
+        assert_eq!(calibrated(&PLUGIN, false), [0.1, 0.2, 0.3, 0.4, 0.5]);
+        assert_eq!(calibrated(&PLUGIN, true), [0.0; 5]);
         let plugin = CameraPlugin { distortion: [1.0, 2.0, 3.0, 4.0, 5.0], ..PLUGIN };
-        assert_eq!(told(&plugin, false), [1.0, 2.0, 4.0, 5.0, 3.0]);
+        assert_eq!(calibrated(&plugin, false), [1.0, 2.0, 4.0, 5.0, 3.0]);
         let auto = CameraPlugin { auto_distortion: true, ..plugin };
-        assert_eq!((told(&auto, false), told(&auto, true)), (told(&PLUGIN, false), told(&PLUGIN, false)));
+        assert_eq!(
+            (calibrated(&auto, false), calibrated(&auto, true)),
+            (calibrated(&PLUGIN, false), calibrated(&PLUGIN, false))
+        );
     }
 }

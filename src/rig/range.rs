@@ -3,7 +3,7 @@
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
-use super::{RigContext, RigError, Setting, Settings, lidar::lidar_config};
+use super::{Opening, RigContext, RigError, Settings, lidar::lidar_config};
 use crate::description::model::{Noise, Radiation, RangePlugin, RaySensor, Sensor};
 use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, StreamSpec};
@@ -32,19 +32,19 @@ impl RangeChannel {
         sensor: &Sensor,
         ray: &RaySensor,
         plugin: &RangePlugin,
-        setting: &Setting<'_>,
+        opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
         let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
         let exact = RaySensor { noise: Noise::default(), ..ray.clone() };
-        let config = lidar_config(&exact, setting).map_err(|error| refused(&error))?;
+        let config = lidar_config(&exact, opening).map_err(|error| refused(&error))?;
         let lidar = Lidar::new(config).map_err(|error| refused(&error))?;
-        let frame = setting.frame_id(sensor, &plugin.frame_name);
+        let frame = opening.frame_id(sensor, &plugin.frame_name);
         let spec = StreamSpec::structs(&plugin.topic, Kind::Range, 1);
         Ok(Self {
             noise: noise(&ray.noise).map_err(|error| refused(&error))?,
-            gazebo_compat: setting.gazebo_compat,
-            mount: Mount::new(sensor, setting, &frame),
-            range: setting.open_rendered(spec.frame_id(&frame).rate_hz(setting.rate.hz()))?,
+            gazebo_compat: opening.gazebo_compat,
+            mount: Mount::new(sensor, opening, &frame),
+            range: opening.open_rendered(spec.frame_id(&frame).rate_hz(opening.rate.hz()))?,
             message: Range {
                 radiation_type: match plugin.radiation {
                     Radiation::Ultrasound => Range::ULTRASOUND,

@@ -1,7 +1,7 @@
 //! What the robot says of itself: odometry, transforms, joint states; and the clock.
 
 use super::outlet::Outlet;
-use super::{RigContext, RigError, Setting};
+use super::{Opening, RigContext, RigError};
 use crate::description::model::{ModelPlugin, OdometryPlugin};
 use crate::description::optical::{OpticalFrame, new_frames, optical_frames};
 use crate::entities::{EntityId, Origin};
@@ -39,20 +39,20 @@ pub(super) struct StateChannel {
 }
 
 impl StateChannel {
-    pub(super) fn open(robot: &Robot, setting: &Setting<'_>) -> Result<Self, RigError> {
-        let rate = setting.rate.hz();
-        let state = robot.state_at(setting.physics, setting.physics.time_ns());
+    pub(super) fn open(robot: &Robot, opening: &Opening<'_>) -> Result<Self, RigError> {
+        let rate = opening.rate.hz();
+        let state = robot.state_at(opening.physics, opening.physics.time_ns());
         let fixed: Vec<RobotTransform> =
-            robot.static_transforms().iter().cloned().chain(optical_transforms(setting)).collect();
+            robot.static_transforms().iter().cloned().chain(optical_transforms(opening)).collect();
         let array = |topic, kind, count| StreamSpec::structs(topic, kind, count).rate_hz(rate);
-        let model = &setting.entity.model;
+        let model = &opening.entity.model;
         let base = model.base().filter(|_| robot.base().is_some());
-        let odometry = base.map(|base| OdometryOutlet::open(&base.odometry, setting)).transpose()?;
-        let is_robot = setting.entity.origin != Origin::World;
+        let odometry = base.map(|base| OdometryOutlet::open(&base.odometry, opening)).transpose()?;
+        let is_robot = opening.entity.origin != Origin::World;
         let frames = is_robot.then(|| -> Result<_, RigError> {
             Ok(FrameOutlets {
-                moving: setting.open(&array("/tf", Kind::Transforms, state.transforms.len()))?,
-                fixed: setting.open(&StreamSpec::structs(
+                moving: opening.open(&array("/tf", Kind::Transforms, state.transforms.len()))?,
+                fixed: opening.open(&StreamSpec::structs(
                     "/tf_static",
                     Kind::StaticTransforms,
                     fixed.len(),
@@ -60,13 +60,14 @@ impl StateChannel {
             })
         });
         // A plugin may tell them at the same place.
-        let told = model.plugins.iter().any(
-            |plugin| matches!(plugin, ModelPlugin::JointStates(told) if told.topic == JOINT_STATES_TOPIC),
-        );
-        let joint_states = (is_robot && !told)
-            .then(|| setting.open(&array(JOINT_STATES_TOPIC, Kind::JointStates, state.joints.len())));
+        let is_published = model
+            .plugins
+            .iter()
+            .any(|plugin| matches!(plugin, ModelPlugin::JointStates(own) if own.topic == JOINT_STATES_TOPIC));
+        let joint_states = (is_robot && !is_published)
+            .then(|| opening.open(&array(JOINT_STATES_TOPIC, Kind::JointStates, state.joints.len())));
         let mut channel = Self {
-            id: setting.id,
+            id: opening.id,
             odometry,
             frames: frames.transpose()?,
             joint_states: joint_states.transpose()?,
@@ -76,7 +77,7 @@ impl StateChannel {
         };
         let fixed = fixed.iter().map(message).collect::<Result<Vec<_>, _>>()?;
         if let Some(frames) = &mut channel.frames {
-            frames.fixed.send_structs(setting.physics.time_ns(), &fixed);
+            frames.fixed.send_structs(opening.physics.time_ns(), &fixed);
         }
         // The names are checked here once; after this they are known to fit.
         for transform in &channel.state.transforms {
@@ -123,15 +124,15 @@ impl StateChannel {
 }
 
 impl OdometryOutlet {
-    fn open(plugin: &OdometryPlugin, setting: &Setting<'_>) -> Result<Self, RigError> {
+    fn open(plugin: &OdometryPlugin, opening: &Opening<'_>) -> Result<Self, RigError> {
         let spec = StreamSpec::structs(&plugin.topic, Kind::Odometry, 1);
-        let child = setting.entity.frame(&plugin.child_frame);
+        let child = opening.entity.frame(&plugin.child_frame);
         let mut covariance = [0.0; 36];
         for (axis, variance) in plugin.pose_variance.into_iter().enumerate() {
             covariance[axis * 7] = variance;
         }
         Ok(Self {
-            outlet: setting.open(&spec.frame_id(&plugin.frame).rate_hz(setting.rate.hz()))?,
+            outlet: opening.open(&spec.frame_id(&plugin.frame).rate_hz(opening.rate.hz()))?,
             child: Text::new(&child).map_err(|error| RigError::name(&child, &error))?,
             covariance,
         })
@@ -139,11 +140,11 @@ impl OdometryOutlet {
 }
 
 /// Those of the frames that cameras' pictures are in, where the robot's file has none.
-fn optical_transforms(setting: &Setting<'_>) -> Vec<RobotTransform> {
-    if setting.gazebo_compat {
+fn optical_transforms(opening: &Opening<'_>) -> Vec<RobotTransform> {
+    if opening.gazebo_compat {
         return Vec::new();
     }
-    let entity = setting.entity;
+    let entity = opening.entity;
     let transform = |frame: &OpticalFrame| RobotTransform {
         parent: entity.frame(&entity.model.links[frame.parent].name).into(),
         child: entity.frame(&frame.name).into(),

@@ -1,7 +1,7 @@
 //! The true pose and velocity of a link and their stream: `libgazebo_ros_p3d.so`.
 
 use super::outlet::Outlet;
-use super::{RigContext, RigError, Setting};
+use super::{Opening, RigContext, RigError};
 use crate::description::model::PosePlugin;
 use crate::entities::EntityId;
 use belvedere_bridge::payload::Odometry;
@@ -23,21 +23,21 @@ pub(super) struct TruePoseChannel {
 }
 
 impl TruePoseChannel {
-    pub(super) fn open(plugin: &PosePlugin, setting: &Setting<'_>) -> Result<Self, RigError> {
-        let link = &setting.entity.model.links[plugin.link].name;
-        let child = setting.entity.frame(link);
+    pub(super) fn open(plugin: &PosePlugin, opening: &Opening<'_>) -> Result<Self, RigError> {
+        let link = &opening.entity.model.links[plugin.link].name;
+        let child = opening.entity.frame(link);
         // The world is everybody's.
         let is_shared = matches!(plugin.frame.as_str(), "world" | "map");
-        let spec = StreamSpec::structs(&plugin.topic, Kind::Odometry, 1).rate_hz(setting.rate.hz());
+        let spec = StreamSpec::structs(&plugin.topic, Kind::Odometry, 1).rate_hz(opening.rate.hz());
         Ok(Self {
-            id: setting.id,
+            id: opening.id,
             child: Text::new(&child).map_err(|error| RigError::name(&child, &error))?,
-            seed: setting.seed,
-            sensor: setting.sensor,
+            seed: opening.seed,
+            sensor: opening.sensor,
             odometry: if is_shared {
-                setting.open_in_world(&spec.frame_id(&plugin.frame))?
+                opening.open_in_world(&spec.frame_id(&plugin.frame))?
             } else {
-                setting.open(&spec.frame_id(&plugin.frame))?
+                opening.open(&spec.frame_id(&plugin.frame))?
             },
             plugin: plugin.clone(),
         })

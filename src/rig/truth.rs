@@ -4,7 +4,7 @@ use super::moments::{Moments, shutter};
 use super::mount::Mount;
 use super::outlet::{Outcome, Outlet};
 use super::sink::Frame;
-use super::{RigContext, RigError, Setting};
+use super::{Opening, RigContext, RigError};
 use crate::world::scene::WorldScene;
 use belvedere_bridge::{Encoding, FrameHeader, Kind, StreamSpec};
 use belvedere_sensors::trace::Truth;
@@ -78,17 +78,17 @@ impl TruthOutlets {
         topic: &str,
         frame_id: &str,
         size: [u32; 2],
-        setting: &Setting<'_>,
+        opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
         let open = |(name, kind, encoding): (&str, Kind, Encoding)| {
             let element = encoding.elem_size().unwrap_or_default();
             let bytes = size[0] as usize * size[1] as usize * element;
             let spec = StreamSpec::new(format!("{topic}/truth/{name}"), kind, encoding, bytes);
-            setting.open_rendered(spec.frame_id(frame_id).rate_hz(setting.rate.hz()))
+            opening.open_rendered(spec.frame_id(frame_id).rate_hz(opening.rate.hz()))
         };
-        let channels = if setting.truth { &Channel::ALL[..] } else { &[] };
+        let channels = if opening.truth { &Channel::ALL[..] } else { &[] };
         let outlets = channels.iter().map(|channel| open(channel.stream())).collect::<Result<_, _>>()?;
-        let forward = setting.truth.then(|| open(FLOW_FORWARD)).transpose()?;
+        let forward = opening.truth.then(|| open(FLOW_FORWARD)).transpose()?;
         Ok(Self { outlets, forward, size, before: None })
     }
 

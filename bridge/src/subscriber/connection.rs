@@ -48,8 +48,8 @@ impl Connection {
             node.keeper().settle();
             drop(events.listener_builder().create());
         }
-        let settings = frames.static_config();
-        let history = settings.history_size().min(settings.subscriber_max_buffer_size());
+        let config = frames.static_config();
+        let history = config.history_size().min(config.subscriber_max_buffer_size());
         let create = || frames.subscriber_builder().history_request(history).create();
         let port = match create() {
             Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => {
@@ -70,7 +70,7 @@ impl Connection {
         };
         let port = port.map_err(|error| match error {
             SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
-                Error::TooManySubscribers { topic: topic.to_owned(), max: settings.max_subscribers() }
+                Error::TooManySubscribers { topic: topic.to_owned(), max: config.max_subscribers() }
             }
             error => node.keeper().failed(format!("subscribing to {topic}"), error),
         })?;

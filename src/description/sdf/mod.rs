@@ -11,7 +11,7 @@
 //! | `resources` | where `model://` and other URIs point to |
 //!
 //! Elements that change neither motion nor picture here are passed over in silence (`<gui>`, `<audio>`,
-//! solver settings); those that a user would count on give a warning.
+//! solver parameters); those that a user would count on give a warning.
 
 mod frames;
 mod geometry;

@@ -17,14 +17,14 @@ use crate::description::values::{child_bool, child_text, friction_coefficient, n
 use crate::description::xml::Element;
 
 /// What an extension is set to: its attribute `value`, or else its text, as libsdformat reads it.
-fn setting(extension: &Element) -> String {
+fn value(extension: &Element) -> String {
     extension.attribute("value").map_or_else(|| extension.text(), |value| value.trim().to_owned())
 }
 
 /// The number that an extension is set to, if it is there.
 fn number_of(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -> Option<f64> {
     let child = parent.child(name)?;
-    number(&setting(child), &format!("<{name}>"), &child.source, diagnostics)
+    number(&value(child), &format!("<{name}>"), &child.source, diagnostics)
 }
 
 impl Loader<'_> {
@@ -84,11 +84,11 @@ impl Loader<'_> {
             }
         }
         // As libsdformat: whatever does not say no says yes.
-        if let Some(off) = element.child("turnGravityOff").map(setting) {
+        if let Some(off) = element.child("turnGravityOff").map(value) {
             link.gravity = matches!(off.to_ascii_lowercase().as_str(), "false" | "no" | "0");
         }
         // As libsdformat: only these say yes.
-        if let Some(collides) = element.child("selfCollide").map(setting) {
+        if let Some(collides) = element.child("selfCollide").map(value) {
             link.self_collide = matches!(collides.to_ascii_lowercase().as_str(), "true" | "yes" | "1");
         }
         if let Some(retro) = number_of(element, "laserRetro", self.diagnostics) {
@@ -109,7 +109,7 @@ impl Loader<'_> {
             let name = material
                 .child("script")
                 .and_then(|script| child_text(script, "name"))
-                .unwrap_or_else(|| setting(material));
+                .unwrap_or_else(|| value(material));
             if let Some(look) = gazebo_material(&name) {
                 for visual in &mut link.visuals {
                     visual.material = look.clone();

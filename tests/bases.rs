@@ -559,3 +559,21 @@ fn a_lidars_missing_link_is_that_of_a_lidar() {
         read::model(&format!("<robot name='r'>{links}{joints}{sensor}</robot>")).unwrap_err().to_string();
     assert!(error.contains("did you mean 'base_laser_link'?"), "{error}");
 }
+
+/// A robot that starts in a wall is refused, and nothing of it is there; one that leans a little into the floor is not.
+#[test]
+fn a_start_inside_a_wall_is_one_error() {
+    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    let wall = "<sdf version='1.6'><model name='wall'><pose>2 0 0.5 0 0 0</pose><static>true</static><link name='l'>
+      <collision name='c'><geometry><box><size>0.5 4 1</size></box></geometry></collision></link></model></sdf>";
+    simulation.spawn(&read::model(wall).unwrap(), SpawnOptions::default()).unwrap();
+    let robot = read::robot("kobuki_nostack_rplidar").unwrap();
+    let at = |x: f64, z: f64| SpawnOptions {
+        world_from_model: belvedere_sensors::Pose::from_translation(DVec3::new(x, 0.0, z)),
+        ..SpawnOptions::default()
+    };
+    let error = simulation.spawn(&robot, at(1.9, 0.0)).unwrap_err().to_string();
+    assert!(error.contains("inside the model 'wall'; give it another pose"), "{error}");
+    assert_eq!(simulation.entities().iter().count(), 2, "the floor and the wall");
+    simulation.spawn(&robot, at(1.0, -0.02)).unwrap();
+}

@@ -68,6 +68,16 @@ impl Simulation {
             placement = Placement::of_thing(&model, start);
         }
         let index = self.physics.insert_model(&placement)?;
+        let starts = origin == Origin::Start && has_base(&model);
+        if let Some((link, other)) = starts.then(|| self.physics.inside(index)).flatten() {
+            self.physics.remove_model(index);
+            let found = self.entities.iter().find(|(id, _)| id.index() == other);
+            return Err(SimulationError::Refused(format!(
+                "the robot '{name}' would start with its link '{}' inside the model '{}'; give it another pose",
+                model.links[link].name,
+                found.map(|(_, entity)| &*entity.name).unwrap_or_default()
+            )));
+        }
         if let Err(problem) = self.scene.add_model(index, &model, &start) {
             self.physics.remove_model(index);
             return Err(problem.into());

@@ -172,9 +172,10 @@ impl<'a> Parameters<'a> {
         Some(Wheels { left, right, radius_m, torque_n_m })
     }
 
-    /// The plugin cannot be used: an error, or a warning where Gazebo goes on without it.
+    /// The plugin cannot be used: an error, or a warning where Gazebo goes on without it, as gz-sim does.
     fn unusable(&mut self, element: &Element, what: String, remedy: &str) {
-        if self.rules.gazebo_compat {
+        let file = self.plugin.attribute("filename").unwrap_or_default();
+        if self.rules.gazebo_compat || super::plain_name(file).starts_with("gz-sim") {
             self.diagnostics.warning(
                 &element.source,
                 format!("{what}: it is left out, as in Gazebo"),

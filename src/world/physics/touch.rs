@@ -17,6 +17,29 @@ pub(crate) struct Touch {
 }
 
 impl Physics {
+    /// The model, and the link of this one, if the middle of its largest shape is inside another model as it is placed now:
+    /// what stands a little in the floor finds its way out.
+    pub(crate) fn inside(&self, model: ModelIndex) -> Option<(LinkIndex, ModelIndex)> {
+        let colliders = &self.rapier.colliders;
+        // Bodies that have just come have moved no collider yet.
+        let world_from = |collider: &Collider| {
+            let body = collider.parent().and_then(|body| self.rapier.bodies.get(body));
+            match (body, collider.position_wrt_parent()) {
+                (Some(body), Some(shape)) => *body.position() * *shape,
+                _ => *collider.position(),
+            }
+        };
+        let own = self.models[model].links.iter().enumerate().flat_map(|(link, placed)| {
+            let shapes = placed.colliders.iter().filter_map(|handle| colliders.get(*handle));
+            shapes.map(move |shape| (link, shape.shape().compute_aabb(&world_from(shape))))
+        });
+        let (link, largest) = own.max_by(|(_, one), (_, other)| one.volume().total_cmp(&other.volume()))?;
+        let mut others = colliders.iter().filter(|(_, other)| Owner::of(other).model != model);
+        let (_, other) =
+            others.find(|(_, other)| other.shape().contains_point(&world_from(other), largest.center()))?;
+        Some((link, Owner::of(other).model))
+    }
+
     /// Where a link touched other models in the last step: every pair of points less than `gap_m` apart.
     pub(crate) fn touches(
         &self,

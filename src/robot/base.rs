@@ -72,7 +72,7 @@ pub(super) fn carried_joints(model: &Model) -> Vec<JointIndex> {
 /// Whether a model has a base that drives.
 ///
 /// # Errors
-/// As [`of_model`].
+/// A note if it has none, a warning if it cannot drive.
 pub fn check(model: &Model) -> Result<&BasePlugin, Problem> {
     let plugin = model.base().ok_or_else(|| no_base(model))?;
     can_drive(model, plugin).map(|()| plugin)

@@ -1,6 +1,6 @@
 //! The Kobuki base: two driven wheels, two casters, encoders and a gyro.
 //!
-//! Its wheels [grip](super::grip) the ground with what their motors and the friction give.
+//! Its wheels grip the ground (`grip.rs`) with what their motors and the friction give.
 //!
 //! Commands are followed with [`MAX_ACCELERATION_M_S2`] and [`MAX_ANGULAR_ACCELERATION_RAD_S2`], as the base's own
 //! controller and the velocity smoothers in front of it do; the plugin lets the torque alone limit it.

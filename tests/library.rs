@@ -156,8 +156,7 @@ fn what_cannot_be_is_refused() {
     assert!(topic.contains("did you mean /scan?"), "{topic}");
     // Two robots whose streams are called alike.
     let beside = Pose::from_translation(DVec3::new(-1.0, 0.0, 0.0));
-    let options =
-        SpawnOptions { name: "other".into(), world_from_model: beside, ..SpawnOptions::default() };
+    let options = SpawnOptions { name: "other".into(), world_from_model: beside, ..SpawnOptions::default() };
     simulation.spawn(&model, options).unwrap();
     let both = said(simulation.render("/scan", &mut frame));
     assert!(both.contains("two streams") && both.contains("namespace"), "{both}");

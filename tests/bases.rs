@@ -380,6 +380,14 @@ fn a_create_is_no_kobuki() {
     let mut bench = Bench::new(&create);
     let topics: Vec<String> = bench.simulation.topics().unwrap();
     assert!(!topics.iter().any(|topic| topic.contains("mobile_base")), "{topics:?}");
+    // Whatever is listed can be rendered; flow since the frame before from the second frame on.
+    for topic in topics.iter().chain(&topics) {
+        if topic.ends_with("/flow_back") {
+            let _ = bench.simulation.render(topic, &mut FrameBuf::default());
+            bench.simulation.step();
+        }
+        bench.simulation.render(topic, &mut FrameBuf::default()).unwrap();
+    }
     bench.drive(Command::new(0.2, 0.0), 0.5);
     assert!((bench.odometry("odom").linear[0] - 0.2).abs() < 0.005);
     // Its driver stops when commands stop.
@@ -448,7 +456,10 @@ fn a_base_without_its_wheels_is_one_error() {
     )
     .unwrap_err()
     .to_string();
-    assert!(errors.contains("<wheelDiameter> of plugin 'd' is -1; write a number above 0"), "{errors}");
+    assert!(
+        errors.contains("<wheelDiameter> of plugin 'd' is -1; write metres, from 0.0001 to 10000"),
+        "{errors}"
+    );
     let passive = robot("").unwrap();
     let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
     let id = simulation.spawn(&passive, SpawnOptions::default()).unwrap();
@@ -576,4 +587,60 @@ fn a_start_inside_a_wall_is_one_error() {
     assert!(error.contains("inside the model 'wall'; give it another pose"), "{error}");
     assert_eq!(simulation.entities().iter().count(), 2, "the floor and the wall");
     simulation.spawn(&robot, at(1.0, -0.02)).unwrap();
+}
+
+/// What nobody should command or write stops no robot for good, and is not silent.
+#[test]
+fn what_nobody_should_write_is_told_and_lost_by_nobody() {
+    let mut bench =
+        Bench::new(&four_wheels(SMALL, "<plugin name='p' filename='libgazebo_ros_planar_move.so'/>"));
+    bench.drive(Command { linear_m_s: 0.0, lateral_m_s: 0.0, angular_rad_s: f64::NAN }, 0.1);
+    bench.drive(Command { linear_m_s: 1e300, lateral_m_s: -1e300, angular_rad_s: 0.0 }, 0.01);
+    bench.drive(Command::STOP, 0.5);
+    let (before, _) = bench.place();
+    bench.drive(Command::new(0.5, 0.0), 1.0);
+    let way = (bench.place().0 - before).truncate().length();
+    assert!((way - 0.5).abs() < 0.02, "{way}");
+
+    let car_between_its_wheels =
+        "<plugin name='a' filename='libgazebo_ros_ackermann_drive.so'><max_steer>1.5</max_steer></plugin>";
+    let mut bench = Bench::new(&car(SIZES[2], car_between_its_wheels));
+    for angle in [0.6, 1.4, -1.4] {
+        bench.drive(Command::new(0.0, angle), 2.0);
+        let mut frame = FrameBuf::default();
+        bench.simulation.render("joint_states", &mut frame).unwrap();
+        let states: Vec<JointState> = frame.view().structs().unwrap().collect();
+        let steered = states.iter().filter(|state| state.name.as_str().ends_with("steering_joint"));
+        assert!(
+            steered.clone().count() == 2 && steered.clone().all(|state| state.position * angle > 0.0),
+            "{angle}"
+        );
+    }
+
+    let refused = |plugin: &str| {
+        let inside = format!("{}<gazebo>{plugin}</gazebo>", chassis(SMALL));
+        read::model(&format!("<robot name='bot'>{inside}</robot>")).unwrap_err().to_string()
+    };
+    for noise in ["NaN", "-1", "0.1 x", "inf"] {
+        let plugin = format!(
+            "<plugin name='h' filename='libhector_gazebo_ros_imu.so'><rateGaussianNoise>{noise}</rateGaussianNoise></plugin>"
+        );
+        let error = refused(&plugin);
+        assert!(error.contains(&format!("<rateGaussianNoise> of plugin 'h' is '{noise}'")), "{error}");
+    }
+
+    let plugins = format!(
+        "<plugin name='d' filename='libgazebo_ros_diff_drive.so'><leftJoint>l_joint</leftJoint>
+           <rightJoint>r_joint</rightJoint>{}</plugin></gazebo><gazebo><static>true</static>",
+        wheels_of(SMALL)
+    );
+    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    simulation
+        .spawn(
+            &two_wheels(SMALL, ["l", "r"], &plugins),
+            SpawnOptions { is_robot: Some(true), ..SpawnOptions::default() },
+        )
+        .unwrap();
+    let notes: String = simulation.notes().iter().map(ToString::to_string).collect();
+    assert!(notes.contains("robot 'bot' cannot drive: it is static; take its <static> out"), "{notes}");
 }

@@ -151,9 +151,10 @@ impl Base for Ackermann {
         let turn_rad_s = speed_m_s * curvature;
         let rims = [-0.5, 0.5].map(|side| speed_m_s + side * rear.separation_m * turn_rad_s);
         rear.grip(physics, self.model, self.base, Command::new(speed_m_s, turn_rad_s), rims);
+        // A wheel's line goes through the point that the car turns about, though that be between the wheels.
+        let steered_rad = |left_m: f64| libm::atan2(wheel_base_m * curvature, 1.0 - left_m * curvature);
         for (joint, sign, left_m) in *joints {
-            // The wheel's line goes through the point that the car turns about.
-            let wanted_rad = libm::atan(wheel_base_m * curvature / (1.0 - left_m * curvature));
+            let wanted_rad = steered_rad(left_m);
             let now_rad = physics.joint_state(self.model, joint).unwrap_or_default().position;
             physics.roll_joint(self.model, joint, (sign * wanted_rad - now_rad) / step_s, 0.0);
         }
@@ -165,7 +166,7 @@ impl Base for Ackermann {
             let arm = world_from_wheel.translation() - world_from_base.translation();
             let velocity = origin_m_s + turn.cross(arm);
             let left_m = [0.5, -0.5][wheel.side] * front.as_ref().map_or(0.0, |front| front.separation_m);
-            let angle_rad = libm::atan(wheel_base_m * curvature / (1.0 - left_m * curvature));
+            let angle_rad = steered_rad(left_m);
             let (sin, cos) = libm::sincos(angle_rad);
             let along = world_from_base.transform_vector(DVec3::new(cos, sin, 0.0));
             let radius_m = front.as_ref().map_or(1.0, |front| front.radius_m);

@@ -51,7 +51,7 @@ pub(super) fn of_model(
     index: ModelIndex,
     physics: &mut Physics,
 ) -> Result<Box<dyn Base>, Problem> {
-    let plugin = model.base().ok_or_else(|| no_base(model))?;
+    let plugin = check(model)?;
     Ok(match &plugin.drive {
         Drive::Kobuki(wheels) => Box::new(Kobuki::new(model, plugin, wheels, index, physics)?),
         Drive::Differential(drive) => Box::new(Differential::new(model, plugin, drive, index, physics)?),
@@ -63,9 +63,10 @@ pub(super) fn of_model(
 /// The joints that a base turns itself, not physics: of none if it cannot drive.
 pub(super) fn carried_joints(model: &Model) -> Vec<JointIndex> {
     match model.base() {
+        Some(plugin) if can_drive(model, plugin).is_err() => Vec::new(),
         Some(plugin) if plugin.drive == Drive::Planar => super::planar::wheels(model),
-        Some(plugin) if can_drive(model, plugin).is_ok() => plugin.drive.joints(),
-        _ => Vec::new(),
+        Some(plugin) => plugin.drive.joints(),
+        None => Vec::new(),
     }
 }
 
@@ -79,6 +80,14 @@ pub fn check(model: &Model) -> Result<&BasePlugin, Problem> {
 }
 
 fn can_drive(model: &Model, plugin: &BasePlugin) -> Result<(), Problem> {
+    if model.is_static {
+        return Err(Problem {
+            severity: Severity::Warning,
+            source: plugin.source.clone(),
+            what: format!("robot '{}' cannot drive: it is static", model.name),
+            remedy: "take its <static> out".into(),
+        });
+    }
     match &plugin.drive {
         Drive::Kobuki(wheels) => Axle::of(model, plugin, wheels).map(|_| ()),
         Drive::Differential(drive) => Axle::of(model, plugin, &drive.wheels).map(|_| ()),

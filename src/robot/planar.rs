@@ -12,6 +12,9 @@ use crate::description::model::{BasePlugin, JointIndex, JointKind, LinkIndex, Mo
 use crate::world::physics::{ModelIndex, Physics};
 use glam::DVec3;
 
+/// Greatest speed in m/s along each axis, and rate of turn in rad/s: physics loses what is faster.
+const MOST: f64 = 1e3;
+
 /// The joints of its wheels: what turns without end, touches, and carries nothing.
 pub(super) fn wheels(model: &Model) -> Vec<JointIndex> {
     let is_wheel = |joint: &JointIndex| {
@@ -52,7 +55,11 @@ impl Planar {
 
 impl Base for Planar {
     fn command(&mut self, command: Command, stamp_ns: u64) {
-        (self.command, self.command_ns) = (command.or_stop(), stamp_ns);
+        let Command { linear_m_s, lateral_m_s, angular_rad_s } = command.or_stop();
+        let [linear_m_s, lateral_m_s, angular_rad_s] =
+            [linear_m_s, lateral_m_s, angular_rad_s].map(|value| value.clamp(-MOST, MOST));
+        self.command = Command { linear_m_s, lateral_m_s, angular_rad_s };
+        self.command_ns = stamp_ns;
     }
 
     fn control(&mut self, physics: &mut Physics) {

@@ -36,7 +36,9 @@ pub enum SimulationError {
         there: String,
     },
     /// A sensor's frame could not be taken.
-    #[error("{topic} has no frame now: its sensor or what it sees is at a place that is not finite")]
+    #[error(
+        "{topic} has no frame now: nothing happens that it tells of, or its sensor or what it sees is at a place that is not finite"
+    )]
     NoFrame {
         /// As asked for.
         topic: String,

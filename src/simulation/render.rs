@@ -9,13 +9,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 impl Simulation {
     /// All topics that can be rendered: those of sensors and of what robots tell of themselves, with the truth beside them.
+    /// What is told once, or when something happens, has no frame of the moment and is not among them.
     ///
     /// # Errors
     /// When a sensor's description cannot be used.
     pub fn topics(&mut self) -> Result<Vec<String>, SimulationError> {
-        let studio = self.open_studio()?;
-        let topics = studio.rig.outlets().into_iter().map(|outlet| outlet.topic().to_owned());
-        Ok(topics.collect())
+        Ok(self.open_studio()?.topics())
     }
 
     /// Renders the frame of a topic as it is now into `frame`, whose memory is used again. Of a sensor with several
@@ -54,6 +53,11 @@ pub(super) struct Studio {
 }
 
 impl Studio {
+    fn topics(&self) -> Vec<String> {
+        let outlets = self.rig.outlets().into_iter().filter(|outlet| outlet.rate_hz().is_some());
+        outlets.map(|outlet| outlet.topic().to_owned()).collect()
+    }
+
     fn render(
         &mut self,
         simulation: &mut Simulation,
@@ -65,8 +69,7 @@ impl Studio {
         let is_there = self.rig.take(topic, stage, scene);
         let is_filled = self.slot.lock().end(frame);
         if !is_there {
-            let topics = self.rig.outlets().into_iter().map(|outlet| outlet.topic().to_owned());
-            let topics: Vec<String> = topics.collect();
+            let topics = self.topics();
             let near = nearest(topic, topics.iter().map(String::as_str));
             let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
             return Err(SimulationError::NoTopic { topic: topic.into(), near, there: topics.join(", ") });

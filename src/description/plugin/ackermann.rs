@@ -64,8 +64,8 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let right = given.joints(&["right_joint"], "right_joint");
     let steer_left = given.joint(&["left_steering_joint"], "left_steering_joint");
     let steer_right = given.joint(&["right_steering_joint"], "right_steering_joint");
-    let radius_m = given.positive(&["wheel_radius"], 0.2);
-    let wheel_base_m = given.positive(&["wheel_base"], 1.0);
+    let radius_m = given.length(&["wheel_radius"], 0.2);
+    let wheel_base_m = given.length(&["wheel_base"], 1.0);
     let steering_limit_rad = given.number(
         &["steering_limit"],
         0.5,

@@ -15,8 +15,8 @@ const POSE_VARIANCE: [f64; 6] = [1e-5, 1e-5, UNKNOWN, UNKNOWN, UNKNOWN, 1e-3];
 pub(super) fn differential(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let left = given.joints(&["leftJoint", "left_joint"], "left_joint");
     let right = given.joints(&["rightJoint", "right_joint"], "right_joint");
-    let separation_m = given.positive(&["wheelSeparation", "wheel_separation"], 0.34);
-    let diameter_m = given.positive(&["wheelDiameter", "wheel_diameter"], 0.15);
+    let separation_m = given.length(&["wheelSeparation", "wheel_separation"], 0.34);
+    let diameter_m = given.length(&["wheelDiameter", "wheel_diameter"], 0.15);
     let torque_n_m = given.not_negative(&["wheelTorque", "max_wheel_torque"], 5.0);
     let acceleration = given.not_negative(&["wheelAcceleration", "max_wheel_acceleration"], 0.0);
     let rate_hz = given.rate(&["updateRate", "update_rate"], 100.0)?;
@@ -40,8 +40,8 @@ pub(super) fn skid_steer(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     };
     let left = pair("leftFrontJoint", "left_front_joint", "leftRearJoint", "left_rear_joint");
     let right = pair("rightFrontJoint", "right_front_joint", "rightRearJoint", "right_rear_joint");
-    let separation_m = given.positive(&["wheelSeparation"], 0.4);
-    let diameter_m = given.positive(&["wheelDiameter"], 0.15);
+    let separation_m = given.length(&["wheelSeparation"], 0.4);
+    let diameter_m = given.length(&["wheelDiameter"], 0.15);
     let torque_n_m = given.not_negative(&["torque"], 5.0);
     let rate_hz = given.rate(&["updateRate"], 100.0)?;
     let mut variance = POSE_VARIANCE;
@@ -62,8 +62,8 @@ pub(super) fn skid_steer(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
 pub(super) fn create(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let left = given.joints(&["left_wheel_joint"], "left_wheel_joint");
     let right = given.joints(&["right_wheel_joint"], "right_wheel_joint");
-    let separation_m = given.positive(&["wheel_separation"], 0.26);
-    let diameter_m = given.positive(&["wheel_diameter"], 0.066);
+    let separation_m = given.length(&["wheel_separation"], 0.26);
+    let diameter_m = given.length(&["wheel_diameter"], 0.066);
     let torque_n_m = given.not_negative(&["torque"], 0.5);
     given.element(&["front_castor_joint", "rear_castor_joint", "base_geom", "node_namespace"]);
     let (origin, acceleration) = (OdometryOrigin::Encoders, Some(0.0));
@@ -89,8 +89,8 @@ pub(super) fn create(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
 pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let left = given.joints(&["left_joint"], "left_joint");
     let right = given.joints(&["right_joint"], "right_joint");
-    let separation_m = given.positive(&["wheel_separation"], 1.0);
-    let diameter_m = given.positive(&["wheel_radius"], 0.2).map(|radius_m| 2.0 * radius_m);
+    let separation_m = given.length(&["wheel_separation"], 1.0);
+    let diameter_m = given.length(&["wheel_radius"], 0.2).map(|radius_m| 2.0 * radius_m);
     let acceleration = given.not_negative(&["max_linear_acceleration", "max_acceleration"], 0.0);
     let rate_hz = given.rate(&["odom_publish_frequency"], 50.0);
     let odometry = gz_odometry(given, rate_hz?);

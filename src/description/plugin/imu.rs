@@ -5,36 +5,20 @@ use crate::description::model::{ImuPlugin, ModelPlugin};
 
 pub(super) fn imu(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let stddev = given.not_negative(&["gaussianNoise", "gaussian_noise"], 0.0);
-    unit(given, "imu", stddev, stddev)
+    unit(given, stddev, stddev)
 }
 
 /// Team Hector's, which many robots carry; its drifts and offsets are not simulated.
 pub(super) fn hector(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
-    let three = |given: &mut Parameters<'_>, name| {
-        let text = given.text(&[name]).unwrap_or_else(|| "0".into());
-        // One number for all axes, or three: the greatest holds.
-        let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
-        let greatest = numbers.and_then(|numbers| numbers.into_iter().reduce(f64::max));
-        if greatest.is_none() {
-            given.warning(&format!("<{name}> is '{text}'"), "write one number, or three");
-        }
-        greatest.filter(|value| *value >= 0.0)
-    };
-    let turn = three(given, "rateGaussianNoise");
-    let acceleration = three(given, "accelGaussianNoise");
-    unit(given, "imu", turn, acceleration)
+    let (turn, acceleration) = (given.greatest("rateGaussianNoise"), given.greatest("accelGaussianNoise"));
+    unit(given, turn, acceleration)
 }
 
-fn unit(
-    given: &mut Parameters<'_>,
-    topic: &str,
-    turn: Option<f64>,
-    acceleration: Option<f64>,
-) -> Option<ModelPlugin> {
+fn unit(given: &mut Parameters<'_>, turn: Option<f64>, acceleration: Option<f64>) -> Option<ModelPlugin> {
     let link = given.link(&["bodyName", "body_name"], "base_link");
     let rate_hz = given.rate(&["updateRate", "update_rate"], 0.0);
     let link_from_imu = given.offset();
-    let topic = given.topic(&["topicName", "topic_name"], topic);
+    let topic = given.topic(&["topicName", "topic_name"], "imu");
     let of_link = given.model.links.get(link).map(|link| link.name.clone());
     let frame = given.text(&["frameName", "frame_name", "frameId"]).or(of_link).unwrap_or_default();
     given.left_out();

@@ -76,6 +76,28 @@ impl<'a> Parameters<'a> {
         self.number(names, default, |value| value > 0.0, "write a number above 0")
     }
 
+    /// A length in m that a wheel or a base can have.
+    pub(super) fn length(&mut self, names: &[&str], default: f64) -> Option<f64> {
+        let is_length = |value: f64| (1e-4..=1e4).contains(&value);
+        self.number(names, default, is_length, "write metres, from 0.0001 to 10000")
+    }
+
+    /// The greatest of one number for all axes, or of three; each 0 or more.
+    pub(super) fn greatest(&mut self, name: &str) -> Option<f64> {
+        let Some(element) = self.element(&[name]) else { return Some(0.0) };
+        let text = element.text();
+        let numbers: Option<Vec<f64>> = text
+            .split_whitespace()
+            .map(|word| word.parse().ok().filter(|value: &f64| *value >= 0.0 && value.is_finite()))
+            .collect();
+        let greatest = numbers.and_then(|numbers| numbers.into_iter().reduce(f64::max));
+        if greatest.is_none() {
+            let what = format!("<{name}> of plugin '{}' is '{text}'", self.name());
+            self.diagnostics.error(&element.source, what, "write one number, 0 or more, or three");
+        }
+        greatest
+    }
+
     pub(super) fn not_negative(&mut self, names: &[&str], default: f64) -> Option<f64> {
         self.number(names, default, |value| value >= 0.0, "write 0 or more")
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Of the simulator, bottom up.
 const SIMULATOR: &[&str] =
-    &["description", "world", "robot", "entities", "rig", "simulation", "server", "picture", "cli"];
+    &["description", "world", "robot", "entities", "rig", "simulation", "server", "recording", "picture", "cli"];
 
 /// Of the bridge.
 const BRIDGE: &[&str] = &[

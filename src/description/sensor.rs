@@ -40,7 +40,8 @@ pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnos
         "depth" | "depth_camera" | "rgbd" | "rgbd_camera" => {
             reader.camera(sensor, DEPTH_FAR_M, false).map(SensorKind::Depth)
         }
-        "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => reader.ray(sensor).map(SensorKind::Ray),
+        "ray" | "lidar" => reader.ray(sensor, false).map(SensorKind::Ray),
+        "gpu_ray" | "gpu_lidar" => reader.ray(sensor, true).map(SensorKind::Ray),
         other => {
             let what = if other.is_empty() { "no type".into() } else { format!("the type '{other}'") };
             diagnostics.warning(

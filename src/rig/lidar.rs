@@ -11,6 +11,8 @@ use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
 use belvedere_sensors::Shutter;
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
 use belvedere_sensors::noise::GaussianNoiseError;
+use belvedere_sensors::scene::visibility;
+use belvedere_sensors::trace::Faces;
 use std::time::Instant;
 
 /// A running lidar.
@@ -133,11 +135,18 @@ pub(super) fn lidar_config(
         min_angle_rad: axis.min_angle_rad,
         max_angle_rad: axis.max_angle_rad,
     };
+    // Gazebo renders on a GPU without back faces.
+    let (sees, faces) = match ray.sees_visuals {
+        true => (visibility::VISUAL, Faces::Front),
+        false => (visibility::COLLISION, Faces::Both),
+    };
     Ok(LidarConfig::new(beams(&ray.horizontal))
         .vertical(beams(&ray.vertical))
         .range_min_m(ray.range_min_m)
         .range_max_m(ray.range_max_m)
         .too_near(if opening.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks })
+        .visibility(sees)
+        .faces(faces)
         .noise(noise(&ray.noise)?)
         .seed(opening.seed)
         .sensor(opening.sensor))

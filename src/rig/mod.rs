@@ -36,8 +36,8 @@ pub use schedule::Schedule;
 pub use settings::Settings;
 pub use sink::{FrameBuf, Sink};
 
-use crate::description::housing::{CollisionIndex, housings};
-use crate::description::model::{ModelPlugin, Sensor, SensorKind};
+use crate::description::housing::{ShapeIndex, housings};
+use crate::description::model::{ModelPlugin, Sensor};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
@@ -105,7 +105,7 @@ struct Scheduled {
     /// Of rendering a frame.
     cost: Cost,
     /// What its sensor looks through: shapes of its own model.
-    housing: Vec<CollisionIndex>,
+    housing: Vec<ShapeIndex>,
 }
 
 /// All channels of a simulation.
@@ -249,9 +249,7 @@ impl Rig {
             if let Some(channel) = Channel::of_sensor(sensor, &opening(rate, number))? {
                 let described = Settings::described(sensor, rate.hz());
                 let name = entity.scoped(&sensor.name);
-                let looks_through = matches!(sensor.kind, SensorKind::Ray(_)) && !options.gazebo_compat;
-                let housing =
-                    looks_through.then(|| housings(&entity.model, sensor.link, &sensor.link_from_sensor));
+                let housing = (!options.gazebo_compat).then(|| housings(&entity.model, sensor));
                 let tuning = Tuning { sensor: name, described, now: described };
                 add(rate, channel, Some(tuning), housing.unwrap_or_default());
             }

@@ -230,6 +230,7 @@ fn ray_report(ray: &RaySensor, say: &mut impl FnMut(&str, String)) {
             say(name, format!("{} from {from} to {to}", axis.samples));
         }
     }
+    say("sees", if ray.sees_visuals { "visuals" } else { "collision shapes" }.into());
     say("range", format!("{} to {} m", number(ray.range_min_m), number(ray.range_max_m)));
     if ray.range_resolution_m > 0.0 {
         say("resolution", format!("{} m, not applied, as in Gazebo", number(ray.range_resolution_m)));

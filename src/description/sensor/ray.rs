@@ -7,8 +7,8 @@ use crate::description::xml::Element;
 use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
 
 impl Reader<'_> {
-    /// The `<ray>` or `<lidar>` of a sensor.
-    pub(super) fn ray(&mut self, sensor: &Element) -> Option<RaySensor> {
+    /// The `<ray>` or `<lidar>` of a sensor, which sees visuals if it is of a GPU kind.
+    pub(super) fn ray(&mut self, sensor: &Element, sees_visuals: bool) -> Option<RaySensor> {
         let ray = sensor.child("ray").or_else(|| sensor.child("lidar"));
         let scan = ray.and_then(|ray| ray.child("scan"));
         let horizontal = self.axis(scan, "horizontal", 640);
@@ -33,6 +33,7 @@ impl Reader<'_> {
         }
         let (range_min_m, range_max_m) = limits?;
         Some(RaySensor {
+            sees_visuals,
             horizontal,
             vertical,
             range_min_m,

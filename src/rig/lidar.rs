@@ -136,9 +136,10 @@ pub(super) fn lidar_config(
         max_angle_rad: axis.max_angle_rad,
     };
     // Gazebo renders on a GPU without back faces.
-    let (sees, faces) = match ray.sees_visuals {
-        true => (visibility::VISUAL, Faces::Front),
-        false => (visibility::COLLISION, Faces::Both),
+    let (sees, faces) = if ray.sees_visuals {
+        (visibility::VISUAL, Faces::Front)
+    } else {
+        (visibility::COLLISION, Faces::Both)
     };
     Ok(LidarConfig::new(beams(&ray.horizontal))
         .vertical(beams(&ray.vertical))

@@ -12,6 +12,7 @@ use belvedere_sensors::scene::{
 };
 use belvedere_sensors::trace::{WorkspaceBuf, grid_workspace_len};
 use belvedere_sensors::{Capture, Pose, SenseError, Sensor};
+use common::random::tries;
 use common::{LIDAR, add_grey, camera_of, depth_camera};
 use glam::{DQuat, DVec3};
 use proptest::array::uniform3;
@@ -110,7 +111,7 @@ fn sense_all(builder: &SceneBuilder, pose: Pose) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1500) })]
+    #![proptest_config(tries(1500))]
 
     #[test]
     fn scenes(

@@ -8,6 +8,7 @@ use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{BakedError, Scene, SceneBuilder, Shape};
 use belvedere_sensors::trace::CacheLine;
 use bytemuck::Zeroable;
+use common::random::tries;
 use common::{LIDAR, add_grey, camera, depth_camera, depth_image, picture, scan, scenery};
 use glam::DVec3;
 use proptest::prelude::*;
@@ -92,7 +93,7 @@ fn errors_say_what_is_wrong() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, ..ProptestConfig::default() })]
+    #![proptest_config(tries(1500))]
 
     #[test]
     fn spoilt_scenes_are_refused_or_sensed(

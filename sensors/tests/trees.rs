@@ -1,5 +1,7 @@
 //! Trees over triangles: what the builder writes is what tracing relies on, whatever the triangles.
 
+mod common;
+
 use belvedere_sensors::Execution;
 use belvedere_sensors::scene::build::{
     Plan, Quality, Scratch, Tree, build, max_size, plan, refit, scratch_len,
@@ -9,6 +11,7 @@ use belvedere_sensors::scene::{SceneError, TreeFault, validate_scratch_len, vali
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::simd::WIDTH;
 use bytemuck::Zeroable;
+use common::random::tries;
 use proptest::prelude::*;
 
 type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
@@ -370,7 +373,7 @@ fn a_tree_too_deep_for_a_stack_is_refused() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(tries(64))]
 
     /// Any triangles, on a coarse grid so that much of it coincides, or spread over all magnitudes.
     #[test]

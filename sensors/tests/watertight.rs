@@ -12,6 +12,7 @@ use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::rays::{Rays, cast_rays, workspace_len};
 use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use common::exactness::{Dice, geosphere};
+use common::random::is_full;
 use common::{LIDAR, add_grey, scan};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
@@ -49,7 +50,7 @@ fn no_beam_of_a_lidar_escapes() {
 
 /// Rays to cast in all.
 fn wanted() -> usize {
-    if std::env::var_os("BELVEDERE_FULL").is_some_and(|full| full == "1") { 100_000_000 } else { 2_000_000 }
+    if is_full() { 100_000_000 } else { 2_000_000 }
 }
 
 /// Origins within half the radius of the ball: its centre and places on its axes and planes of symmetry, where

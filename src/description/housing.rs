@@ -5,7 +5,7 @@
 //! it, is not there for it: a collision shape, or a visual for those that see visuals. What stands beside the sensor, a mast or the plate above it, still is.
 
 use super::diagnostics::Diagnostics;
-use super::model::{Geometry, Link, LinkIndex, Mesh, Model, RaySensor, Sensor, SensorKind};
+use super::model::{Geometry, Link, LinkIndex, Mesh, Model, RaySensor, Sensor};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -31,7 +31,7 @@ pub enum Part {
 
 /// The shapes that a ray sensor looks through: they enclose it, and fixed joints hold them.
 pub fn housings(model: &Model, sensor: &Sensor) -> Vec<ShapeIndex> {
-    let SensorKind::Ray(ray) = &sensor.kind else { return Vec::new() };
+    let Some(ray) = sensor.kind.ray() else { return Vec::new() };
     let body = model.rigid_root(sensor.link);
     around(model, sensor, ray).filter(|(other, _)| model.rigid_root(*other) == body).collect()
 }
@@ -62,7 +62,7 @@ fn shapes(link: &Link, visuals: bool) -> impl Iterator<Item = (Part, Pose, &Geom
 /// Tells which ray sensors of a robot start inside a shape that they can see, and what comes of it.
 pub(super) fn report(model: &Model, gazebo_compat: bool, diagnostics: &mut Diagnostics) {
     for sensor in &model.sensors {
-        let SensorKind::Ray(ray) = &sensor.kind else { continue };
+        let Some(ray) = sensor.kind.ray() else { continue };
         for (link, part) in around(model, sensor, ray) {
             let (shape, source) = match part {
                 Part::Visual(number) => ("visual", &model.links[link].visuals[number].source),

@@ -39,9 +39,19 @@ pub(super) fn unit(vector: DVec3) -> Option<DVec3> {
     })
 }
 
-/// Length of a vector in the plane.
+/// Length of a vector in the plane. Where its square overflows or loses digits, it divides by the largest component
+/// first.
 pub(super) fn length(vector: DVec2) -> f64 {
-    libm::sqrt(vector.dot(vector))
+    let square = vector.dot(vector);
+    if square > 1e-280 && square < f64::INFINITY {
+        return libm::sqrt(square);
+    }
+    let largest = vector.abs().max_element();
+    if largest == 0.0 || !vector.is_finite() {
+        return libm::sqrt(square);
+    }
+    let scaled = vector / largest;
+    largest * libm::sqrt(scaled.dot(scaled))
 }
 
 /// The unit vector at an angle from the axis, towards a direction around it. On the axis that direction need not
@@ -51,6 +61,11 @@ pub(super) fn at_angle(angle: f64, around: DVec2, length_of_around: f64) -> DVec
         return DVec3::Z;
     }
     let (sin, cos) = libm::sincos(angle);
+    // Where dividing by the length would overflow, the direction around the axis is made first.
+    if !(1e-300..=1e300).contains(&length_of_around) {
+        let scaled = around / around.abs().max_element();
+        return (scaled * (sin / length(scaled))).extend(cos);
+    }
     (around * (sin / length_of_around)).extend(cos)
 }
 

@@ -121,9 +121,7 @@ impl Found {
                 "hash": self.hashes.get(topic),
             })
         };
-        let channel = |(topic, (type_name, count, bytes)): (&String, &(String, u64, u64))| {
-            json!({ "topic": topic, "type": type_name, "messages": count, "bytes": bytes })
-        };
+        let channel = |(topic, (type_name, count, bytes)): (&String, &(String, u64, u64))| json!({ "topic": topic, "type": type_name, "messages": count, "bytes": bytes });
         json!({
             "library": library,
             "bytes": bytes,

@@ -73,7 +73,21 @@ enum Command {
 
 /// What the commands are called.
 fn command_names() -> impl Iterator<Item = &'static str> {
-    ["run", "list", "hz", "echo", "snapshot", "record", "replay", "info", "check", "urdf", "control", "completions"].into_iter()
+    [
+        "run",
+        "list",
+        "hz",
+        "echo",
+        "snapshot",
+        "record",
+        "replay",
+        "info",
+        "check",
+        "urdf",
+        "control",
+        "completions",
+    ]
+    .into_iter()
 }
 
 /// Runs the command line of this process and gives its exit code: 0, 1 when something went wrong, 2 when the

@@ -109,16 +109,18 @@ pub fn run(args: &RecordArgs) -> Result<(), CliError> {
 
 /// Begins to record.
 pub(super) fn start(node: Node, path: &Path, options: RecorderOptions) -> Result<Recorder, CliError> {
-    Recorder::start(node, path, options)
-        .map_err(|source| CliError::Recording { action: "write", path: path.to_owned(), source })
+    Recorder::start(node, path, options).map_err(|source| CliError::Recording {
+        action: "write",
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// Ends it, and says what was recorded.
 pub(super) fn finish(recorder: Recorder, path: &Path, lossy: bool) -> Result<(), CliError> {
     let (progress, missed, active) = (recorder.progress(), recorder.missed(), recorder.active().to_owned());
-    let tallies = recorder
-        .finish()
-        .map_err(|source| CliError::Recording { action: "write", path: active, source })?;
+    let tallies =
+        recorder.finish().map_err(|source| CliError::Recording { action: "write", path: active, source })?;
     let frames: u64 = tallies.iter().map(|tally| tally.frames).sum();
     print_line(&format!(
         "{}: {} streams, {frames} frames, {}",

@@ -101,8 +101,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
 
 /// Opens a recording.
 pub(super) fn open(path: &Path) -> Result<RecordingReader<BufReader<File>>, CliError> {
-    let file =
-        File::open(path).map_err(|source| CliError::Input { path: path.to_owned(), source })?;
+    let file = File::open(path).map_err(|source| CliError::Input { path: path.to_owned(), source })?;
     Ok(RecordingReader::new(BufReader::with_capacity(1 << 20, file)))
 }
 

@@ -131,7 +131,8 @@ impl Player {
                     if since_start < self.options.start {
                         clock.skip_to(frame.log_time_ns);
                         // What is told once is wanted by those who begin later, too.
-                        if matches!(frame.header.kind(), Some(Kind::StaticTransforms | Kind::SensorSettings)) {
+                        if matches!(frame.header.kind(), Some(Kind::StaticTransforms | Kind::SensorSettings))
+                        {
                             self.send(&frame)?;
                         }
                         continue;
@@ -178,8 +179,9 @@ impl Player {
             for consumer in self.streams.values().flat_map(Publisher::consumers) {
                 *following.entry(consumer.name).or_default() += 1;
             }
-            let is_there =
-                |awaited: &Awaited| following.get(&awaited.name).is_some_and(|&count| count >= awaited.streams);
+            let is_there = |awaited: &Awaited| {
+                following.get(&awaited.name).is_some_and(|&count| count >= awaited.streams)
+            };
             if self.options.wait_for.iter().all(is_there) {
                 return Ok(true);
             }
@@ -284,7 +286,10 @@ impl Player {
 
     fn send(&mut self, frame: &RecordedFrame) -> Result<(), RecordingError> {
         let Some(publisher) = self.streams.get(&frame.topic) else {
-            return Err(RecordingError::Broken(format!("a frame is of /{}, which is nowhere described", frame.topic)));
+            return Err(RecordingError::Broken(format!(
+                "a frame is of /{}, which is nowhere described",
+                frame.topic
+            )));
         };
         let mut loaned = publisher.loan(frame.payload.len())?;
         loaned.payload_mut().copy_from_slice(&frame.payload);

@@ -140,7 +140,9 @@ impl<R: Read> RecordingReader<R> {
                 self.reader.notify_read(read);
                 return Ok(Step::Nothing);
             }
-            Some(Ok(LinearReadEvent::Record { opcode, data })) => mcap::parse_record(opcode, data)?.into_owned(),
+            Some(Ok(LinearReadEvent::Record { opcode, data })) => {
+                mcap::parse_record(opcode, data)?.into_owned()
+            }
         };
         Ok(match record {
             Record::Header(header) => {
@@ -184,12 +186,7 @@ impl<R: Read> RecordingReader<R> {
         })
     }
 
-    fn message(
-        &mut self,
-        channel: Channel,
-        log_time_ns: u64,
-        data: Vec<u8>,
-    ) -> Result<Item, RecordingError> {
+    fn message(&mut self, channel: Channel, log_time_ns: u64, data: Vec<u8>) -> Result<Item, RecordingError> {
         let Some(topic) = channel.topic.strip_prefix(FRAMES) else {
             let data = Arc::new(data);
             self.last = Some(data.clone());
@@ -202,7 +199,8 @@ impl<R: Read> RecordingReader<R> {
         let len = usize::try_from(header.payload_len).unwrap_or(usize::MAX);
         let payload = if payload.is_empty() && len > 0 {
             let last = self.last.take().unwrap_or_default();
-            let range = usize::try_from(offset).ok().and_then(|offset| Some(offset..offset.checked_add(len)?));
+            let range =
+                usize::try_from(offset).ok().and_then(|offset| Some(offset..offset.checked_add(len)?));
             range
                 .and_then(|range| last.get(range))
                 .ok_or_else(|| wrong("has its payload in the message before, which does not have it"))?

@@ -19,6 +19,9 @@ const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
 const NAP: Duration = Duration::from_millis(50);
 /// The topic that is always recorded: by it a reset is known.
 const CLOCK: &str = "clock";
+/// Memory of at most so many frames is kept for those to come, if it is large.
+const MOST_SPARE: usize = 16;
+const LARGE: usize = 1 << 16;
 /// Bytes of frames that may wait for the disk; then streams wait, and those that are not lossless lose frames.
 const MOST_WAITING: u64 = 1 << 29;
 
@@ -80,6 +83,9 @@ struct Shared {
     frames: AtomicU64,
     missed: AtomicU64,
     written: AtomicU64,
+    /// Memory of frames that were written, for those to come: what is got from the system and given back for each
+    /// picture is cleared page by page.
+    spare: Mutex<Vec<Vec<u8>>>,
     waiting: Mutex<u64>,
     room: Condvar,
     missed_by_topic: Mutex<BTreeMap<String, u64>>,
@@ -231,7 +237,7 @@ fn follow(mut subscriber: Subscriber, number: usize, sender: &SyncSender<Note>, 
                     *missed.entry(subscriber.topic().to_owned()).or_default() += frame.missed();
                 }
                 // Copied, so that the stream has its memory back at once.
-                let (header, payload) = (Box::new(*frame.header()), frame.payload().to_vec());
+                let (header, payload) = (Box::new(*frame.header()), shared.copied(frame.payload()));
                 drop(frame);
                 shared.wait_for_room(payload.len() as u64);
                 shared.frames.fetch_add(1, Ordering::Relaxed);
@@ -261,6 +267,24 @@ fn count(now: bool, before: bool, total: &AtomicUsize) -> bool {
 }
 
 impl Shared {
+    fn copied(&self, bytes: &[u8]) -> Vec<u8> {
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        let fits =
+            (bytes.len() > LARGE).then(|| spare.iter().position(|memory| memory.capacity() >= bytes.len()));
+        let mut copy = fits.flatten().map_or_else(Vec::new, |at| spare.swap_remove(at));
+        drop(spare);
+        copy.clear();
+        copy.extend_from_slice(bytes);
+        copy
+    }
+
+    fn keep(&self, memory: Vec<u8>) {
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        if spare.len() < MOST_SPARE && memory.capacity() > LARGE {
+            spare.push(memory);
+        }
+    }
+
     /// Waits while too much waits to be written.
     fn wait_for_room(&self, bytes: u64) {
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
@@ -293,10 +317,9 @@ fn write<W: io::Write>(
             }),
             Ok(Note::Frame(number, header, payload)) => {
                 shared.give_room(payload.len() as u64);
-                match ids.get(&number) {
-                    Some(&id) => writer.write(id, &header, &payload),
-                    None => Ok(()),
-                }
+                let done = ids.get(&number).map_or(Ok(()), |&id| writer.write(id, &header, &payload));
+                shared.keep(payload);
+                done
             }
             Err(RecvTimeoutError::Timeout) => Ok(()),
             Err(RecvTimeoutError::Disconnected) => break writer.finish(),

@@ -74,8 +74,7 @@ impl RecordedStream {
 
     /// What a replay opens it with.
     pub(super) fn spec(&self) -> StreamSpec {
-        let is_command =
-            matches!(self.kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
+        let is_command = matches!(self.kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
         let spec = if is_command {
             StreamSpec::command(&self.topic, self.kind)
         } else if self.encoding == Encoding::Struct {

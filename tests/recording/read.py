@@ -1,6 +1,5 @@
 """Reads recordings as others do: every message decodes, bears the sum of its type in Noetic, and agrees with its frame."""
 
-import hashlib
 import math
 import struct
 import sys
@@ -24,7 +23,7 @@ SUMS = {
     "geometry_msgs/Twist": "9f195f881246fdfa2798d1d3eebca84a",
     "gazebo_msgs/ModelStates": "48c080191eb15c41858319b4d8a609c2",
     "gazebo_msgs/LinkStates": "48c080191eb15c41858319b4d8a609c2",
-    "kobuki_msgs/SensorState": "430f8ac0a7b2e1e3fbf0fd5ff8c2c4d3",
+    "kobuki_msgs/SensorState": "430a4bfd78449c8740bfef32b26613a6",
 }
 
 
@@ -61,7 +60,7 @@ def check_file(path: str) -> set[str]:
         assert statistics.message_count == frames + sum(seen.values())
         names = {record.name for record in reader.iter_metadata()}
         assert {"belvedere", "belvedere.stream", "belvedere.hashes"} <= names, names
-    print(f"{path}: {frames} frames, {seen}, {hashlib.md5(open(path, 'rb').read()).hexdigest()}")
+    print(f"{path}: {frames} frames, {seen}")
     return set(seen)
 
 

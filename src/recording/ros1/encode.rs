@@ -150,8 +150,7 @@ pub(super) fn scan_cloud(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<P
     out.u32(head.height);
     out.u32(head.width);
     let point_step = if has_intensities {
-        let all =
-            [("x", 0, FLOAT32), ("y", 4, FLOAT32), ("z", 8, FLOAT32), ("intensity", 12, FLOAT32)];
+        let all = [("x", 0, FLOAT32), ("y", 4, FLOAT32), ("z", 8, FLOAT32), ("intensity", 12, FLOAT32)];
         fields(&[&all[..], &[("ring", 16, UINT16), ("time", 18, FLOAT32)]].concat(), out);
         22
     } else {

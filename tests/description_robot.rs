@@ -1,7 +1,7 @@
 //! Robot files: our own robots, the articles' robots, and everything that can be wrong with one.
 #![expect(clippy::approx_constant, reason = "angles to the digits that the articles' files give")]
 
-use belvedere::description::model::{JointKind, Model, Plugin, Sensor, SensorKind};
+use belvedere::description::model::{Camera, DepthCamera, JointKind, Lidar, Model, Sensor, SensorKind};
 use belvedere::description::package::PackagePath;
 use belvedere::description::robot::{LoadOptions, load_robot, robot_names, xacro_argument};
 use belvedere::description::{Diagnostics, Problem, Rules, Severity};
@@ -62,7 +62,13 @@ fn all_our_robots_load_without_a_word() {
     for name in &names {
         let robot = ours(name);
         assert!(!robot.sensors.is_empty(), "{name}");
-        assert!(robot.sensors.iter().all(|sensor| sensor.plugin.is_some()), "{name}");
+        let is_published = |sensor: &Sensor| match &sensor.kind {
+            SensorKind::Camera(camera) => camera.plugin.is_some(),
+            SensorKind::Depth(depth) => depth.plugin.is_some(),
+            SensorKind::Ray(lidar) => lidar.plugin.is_some(),
+            SensorKind::Range(range) => range.plugin.is_some(),
+        };
+        assert!(robot.sensors.iter().all(is_published), "{name}");
     }
 }
 
@@ -168,13 +174,14 @@ fn assert_camera(robot: &Model) {
     assert_eq!(camera.effective_rate_hz(), Some(30.0));
     let looks = robot.rest_poses()[camera.link].transform_vector(DVec3::X);
     assert!(looks.distance(DVec3::Z) < 1e-5, "it looks along {looks}");
-    let SensorKind::Camera(lens) = &camera.kind else { panic!("{:?}", camera.kind) };
+    let SensorKind::Camera(Camera { camera: lens, plugin: Some(plugin) }) = &camera.kind else {
+        panic!("{:?}", camera.kind)
+    };
     assert_eq!((lens.width, lens.height, lens.horizontal_fov_rad), (640, 480, 1.396_263_4));
     let focal_length = 320.0 / (lens.horizontal_fov_rad / 2.0).tan();
     assert!((focal_length - 381.3612).abs() < 1e-4, "{focal_length}");
     assert_eq!((lens.near_m, lens.far_m), (0.02, 300.0));
     assert_eq!((lens.noise.mean, lens.noise.stddev), (0.0, 0.007));
-    let Some(Plugin::Camera(plugin)) = &camera.plugin else { panic!("{:?}", camera.plugin) };
     assert_eq!(
         (plugin.image_topic.as_str(), plugin.camera_info_topic.as_str()),
         ("/image_raw", "/camera_info")
@@ -200,13 +207,14 @@ fn assert_scan(
     topic: &str,
     frame: &str,
 ) {
-    let SensorKind::Ray(ray) = &lidar.kind else { panic!("{:?}", lidar.kind) };
+    let SensorKind::Ray(Lidar { ray, plugin: Some(plugin) }) = &lidar.kind else {
+        panic!("{:?}", lidar.kind)
+    };
     let scan = ray.horizontal;
     assert_eq!((scan.samples, ray.vertical.samples), (samples, 1));
     assert_eq!((scan.min_angle_rad, scan.max_angle_rad), (-half_angle_rad, half_angle_rad));
     assert_eq!((ray.range_min_m, ray.range_max_m, ray.range_resolution_m), (0.10, range_max_m, 0.01));
     assert_eq!((ray.noise.mean, ray.noise.stddev), (0.0, 0.01));
-    let Some(Plugin::Laser(plugin)) = &lidar.plugin else { panic!("{:?}", lidar.plugin) };
     assert_eq!((plugin.topic.as_str(), plugin.frame_name.as_str()), (topic, frame));
 }
 
@@ -220,10 +228,11 @@ fn the_kinect_and_the_hokuyo_are_the_articles() {
     assert_place(&robot, "hokuyo_link", [0.10, 0.0, 0.425]);
     let kinect = sensor(&robot, "camera");
     assert_eq!((kinect.update_rate_hz, kinect.effective_rate_hz()), (Some(20.0), Some(10.0)));
-    let SensorKind::Depth(lens) = &kinect.kind else { panic!("{:?}", kinect.kind) };
+    let SensorKind::Depth(DepthCamera { camera: lens, plugin: Some(plugin) }) = &kinect.kind else {
+        panic!("{:?}", kinect.kind)
+    };
     assert_eq!((lens.width, lens.height, lens.near_m, lens.far_m), (640, 480, 0.05, 8.0));
     assert!((lens.horizontal_fov_rad - FRAC_PI_3).abs() < 1e-12);
-    let Some(Plugin::DepthCamera(plugin)) = &kinect.plugin else { panic!("{:?}", kinect.plugin) };
     let topics = [
         &plugin.camera.image_topic,
         &plugin.camera.camera_info_topic,

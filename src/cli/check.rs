@@ -1,8 +1,6 @@
 //! `belvedere check`: what a robot or world file is understood to be, and everything that is wrong with it.
 
 mod robot;
-mod sensor;
-mod text;
 mod world;
 
 use super::error::CliError;

@@ -5,7 +5,7 @@
 //! against it, is not there for it. What stands beside the sensor, a mast or the plate above it, still is.
 
 use super::diagnostics::Diagnostics;
-use super::model::{Collision, Geometry, LinkIndex, Mesh, Model, Sensor, SensorKind};
+use super::model::{Collision, Geometry, LinkIndex, Mesh, Model, Sensor};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -45,7 +45,7 @@ fn around<'m>(
 
 /// Tells which ray sensors of a robot start inside a collision shape, and what comes of it.
 pub(super) fn report(model: &Model, gazebo_compat: bool, diagnostics: &mut Diagnostics) {
-    let is_ray = |sensor: &&Sensor| matches!(sensor.kind, SensorKind::Ray(_));
+    let is_ray = |sensor: &&Sensor| sensor.kind.casts_rays();
     for sensor in model.sensors.iter().filter(is_ray) {
         for (link, shape) in around(model, sensor.link, &sensor.link_from_sensor) {
             let source = &model.links[link].collisions[shape].source;

@@ -19,6 +19,7 @@ pub mod rules;
 mod sdf;
 pub mod sensor;
 pub mod single;
+pub mod text;
 mod urdf;
 pub mod values;
 pub mod world;

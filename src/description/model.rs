@@ -9,6 +9,7 @@ mod plugin;
 mod sensor;
 mod shape;
 
+pub use super::sensor::{Camera, DepthCamera, Lidar, Rangefinder, Sensor, SensorKind};
 pub use base::{
     AckermannDrive, BasePlugin, DifferentialDrive, Drive, ImuPlugin, JointStatesPlugin, ModelPlugin,
     OdometryOrigin, OdometryPlugin, PosePlugin, Wheels,
@@ -16,8 +17,8 @@ pub use base::{
 pub use belvedere_sensors::camera::{Mosaic, PixelFormat};
 pub use device::{AutoExposed, CameraDevice};
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
-pub use plugin::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Plugin, Radiation, RangePlugin};
-pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis, Sensor, SensorKind};
+pub use plugin::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Radiation, RangePlugin};
+pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis};
 pub use shape::{Collision, Fiducial, Geometry, Material, Mesh, Visual};
 
 use super::diagnostics::Source;

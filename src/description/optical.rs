@@ -1,6 +1,6 @@
 //! The frames that pictures are in: x right, y down, z forward (REP-103).
 
-use super::model::{LinkIndex, Model, Plugin, Sensor, SensorKind};
+use super::model::{LinkIndex, Model, Sensor, SensorKind};
 use belvedere_sensors::Pose;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -76,9 +76,9 @@ pub(crate) fn optical_from_sensor() -> Pose {
 
 /// The link that the pictures of a camera are said to be in, if it stands still against the camera.
 fn named_link(model: &Model, sensor: &Sensor) -> Option<LinkIndex> {
-    let name = match (&sensor.kind, &sensor.plugin) {
-        (SensorKind::Camera(_), Some(Plugin::Camera(plugin))) => &plugin.frame_name,
-        (SensorKind::Depth(_), Some(Plugin::DepthCamera(plugin))) => &plugin.camera.frame_name,
+    let name = match &sensor.kind {
+        SensorKind::Camera(camera) => &camera.plugin.as_ref()?.frame_name,
+        SensorKind::Depth(depth) => &depth.plugin.as_ref()?.camera.frame_name,
         _ => return None,
     };
     let link = if name.is_empty() { Some(sensor.link) } else { model.link_named(name) };

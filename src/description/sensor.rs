@@ -1,27 +1,99 @@
 //! `<sensor>` as SDF defines it, in SDF links and in URDF's `<gazebo reference>`.
 //!
+//! A kind of sensor is a file here, with a row in [`KINDS`] and a variant of [`SensorKind`], and one in `rig` (`rig/behaviour.rs`).
 //! Defaults are those of sdf/1.6 and of the plugins of `gazebo_plugins` (ROS Noetic).
 
 mod camera;
+mod camera_plugin;
+mod depth;
 mod device;
 mod gz;
 mod lens;
+mod lidar;
 mod noise;
 mod plugin;
-mod ray;
+mod range;
 mod reader;
 #[cfg(test)]
 mod tests;
 
-use super::diagnostics::Diagnostics;
-use super::model::{LinkIndex, Sensor, SensorKind};
+pub use camera::Camera;
+pub use depth::DepthCamera;
+pub use lidar::Lidar;
+pub use range::Rangefinder;
+
+use super::diagnostics::{Diagnostics, Source};
+use super::model::LinkIndex;
 use super::values::{child_bool, child_pose};
 use super::xml::Element;
+use belvedere_sensors::Pose;
+use plugin::plain_name;
 use reader::Reader;
 
-/// Far clip distance in metres of a camera, and of a depth camera, that gives none.
-const CAMERA_FAR_M: f64 = 100.0;
-const DEPTH_FAR_M: f64 = 10.0;
+/// A sensor on a link.
+#[derive(Debug, Clone)]
+pub struct Sensor {
+    /// Name in the file.
+    pub name: String,
+    /// The link it is fixed to.
+    pub link: LinkIndex,
+    /// Pose of the sensor in its link; the sensor looks along its x, z is up.
+    pub link_from_sensor: Pose,
+    /// `<always_on>`.
+    pub always_on: bool,
+    /// Rate of the sensor itself; none means every physics step.
+    pub update_rate_hz: Option<f64>,
+    /// Rate of the plugin that publishes it; none if it gives none.
+    pub plugin_rate_hz: Option<f64>,
+    /// What it measures, how, and what publishes it.
+    pub kind: SensorKind,
+    /// Where it stands.
+    pub source: Source,
+}
+
+impl Sensor {
+    /// The rate that holds for pictures and infos alike: the lower of the sensor's and its plugin's; none means
+    /// every physics step.
+    pub fn effective_rate_hz(&self) -> Option<f64> {
+        match (self.update_rate_hz, self.plugin_rate_hz) {
+            (Some(sensor), Some(plugin)) => Some(sensor.min(plugin)),
+            (one, other) => one.or(other),
+        }
+    }
+}
+
+/// What a sensor measures, how, and what publishes it.
+#[derive(Debug, Clone)]
+pub enum SensorKind {
+    /// Colour camera.
+    Camera(Camera),
+    /// Depth camera with a colour camera in the same place.
+    Depth(DepthCamera),
+    /// Lidar.
+    Ray(Lidar),
+    /// Sonar or infrared rangefinder.
+    Range(Rangefinder),
+}
+
+impl SensorKind {
+    /// Whether it measures along rays that begin in it, and so looks through a housing around it.
+    pub fn casts_rays(&self) -> bool {
+        matches!(self, Self::Ray(_) | Self::Range(_))
+    }
+}
+
+/// How files write a kind of sensor.
+struct Kind {
+    /// The types of its `<sensor>`, of Gazebo classic and of gz-sim.
+    types: &'static [&'static str],
+    /// The plugins that publish it, without `lib` and `.so`, the usual one first.
+    plugins: &'static [&'static str],
+    /// Reads what it measures, and the plugin that was chosen; none after an error.
+    read: fn(&mut Reader<'_>, &Element) -> Option<SensorKind>,
+}
+
+/// All kinds. Where several have a type, a plugin tells them apart; without one it is the first.
+static KINDS: [Kind; 4] = [camera::KIND, depth::KIND, lidar::KIND, range::KIND];
 
 /// Reads a `<sensor>` with its plugin. A sensor of a type that is not simulated gives none and a warning; one
 /// with a wrong value gives none and an error for each.
@@ -31,60 +103,42 @@ pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnos
         diagnostics.error(&sensor.source, "<sensor> has no name", "write <sensor name=\"…\" type=\"…\">");
         return None;
     }
-    let mut reader = Reader { sensor: name.clone(), diagnostics };
-    let kind = match sensor.attribute("type").unwrap_or_default() {
-        "camera" => reader.camera(sensor, CAMERA_FAR_M, false).map(SensorKind::Camera),
-        "wideanglecamera" | "wide_angle_camera" => {
-            reader.camera(sensor, CAMERA_FAR_M, true).map(SensorKind::Camera)
-        }
-        "depth" | "depth_camera" | "rgbd" | "rgbd_camera" => {
-            reader.camera(sensor, DEPTH_FAR_M, false).map(SensorKind::Depth)
-        }
-        "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => reader.ray(sensor).map(SensorKind::Ray),
-        other => {
-            let what = if other.is_empty() { "no type".into() } else { format!("the type '{other}'") };
-            diagnostics.warning(
-                &sensor.source,
-                format!("the sensor '{name}' has {what}, which is not simulated: it is left out"),
-                "these types are: camera, wideanglecamera, depth, ray, gpu_ray and lidar",
-            );
-            return None;
-        }
+    let Some(kind) = kind_of(sensor) else {
+        let written = sensor.attribute("type").unwrap_or_default();
+        let what = if written.is_empty() { "no type".into() } else { format!("the type '{written}'") };
+        let types: Vec<&str> = KINDS.iter().flat_map(|kind| kind.types).copied().collect();
+        diagnostics.warning(
+            &sensor.source,
+            format!("the sensor '{name}' has {what}, which is not simulated: it is left out"),
+            format!("these types are: {}", types.join(", ")),
+        );
+        return None;
     };
+    let mut reader = Reader { sensor: name.clone(), plugin_rate_hz: None, diagnostics };
+    let read = (kind.read)(&mut reader, sensor);
     let update_rate_hz = reader.rate(sensor, "update_rate");
-    let mut kind = kind?;
-    let plugin = reader.plugin(sensor, &mut kind);
-    let plugin = plugin.or_else(|| gz::gz_plugin(sensor, &kind));
+    let plugin_rate_hz = reader.plugin_rate_hz;
     let read = Sensor {
         name,
         link,
         link_from_sensor: child_pose(sensor, diagnostics),
         always_on: child_bool(sensor, "always_on", diagnostics).unwrap_or(false),
         update_rate_hz: update_rate_hz?,
-        kind,
-        plugin,
+        plugin_rate_hz,
+        kind: read?,
         source: sensor.source.clone(),
     };
-    warn_of_long_readout(&read, sensor, diagnostics);
+    camera::warn_of_long_readout(&read, sensor, diagnostics);
     Some(read)
 }
 
-/// A sensor cannot begin with a picture before it has read the one before.
-fn warn_of_long_readout(sensor: &Sensor, element: &Element, diagnostics: &mut Diagnostics) {
-    let (SensorKind::Camera(camera) | SensorKind::Depth(camera)) = &sensor.kind else { return };
-    let (Some(device), Some(rate_hz)) = (camera.device, sensor.effective_rate_hz()) else { return };
-    if device.readout_time_s * rate_hz <= 1.0 {
-        return;
-    }
-    let device_element = element.child("camera").and_then(|camera| camera.child("device"));
-    let readout = device_element.and_then(|device| device.child("readout_time_s")).or(device_element);
-    diagnostics.warning(
-        &readout.unwrap_or(element).source,
-        format!(
-            "<readout_time_s> of sensor '{}' is {} s, longer than the time between pictures at {rate_hz} Hz: no such \
-             sensor can be built, and its rows are read while those of the picture before still are",
-            sensor.name, device.readout_time_s
-        ),
-        "write a shorter <readout_time_s>, or a lower <update_rate>",
-    );
+/// The kind that has the type of a `<sensor>`.
+fn kind_of(sensor: &Element) -> Option<&'static Kind> {
+    let written = sensor.attribute("type").unwrap_or_default();
+    let has_type = || KINDS.iter().filter(|kind| kind.types.contains(&written));
+    let has_plugin = |kind: &&Kind| {
+        let mut plugins = sensor.elements_named("plugin");
+        plugins.any(|plugin| kind.plugins.contains(&plain_name(plugin)))
+    };
+    has_type().find(has_plugin).or_else(|| has_type().next())
 }

@@ -1,6 +1,7 @@
 //! What a Kobuki's driver publishes besides odometry, under the names that it has on the robot and in Gazebo:
 //! inertial measurements, events, the core sensors; and what it is told, besides velocities.
 
+use super::channel::Channel;
 use super::outlet::Outlet;
 use super::{Opening, RigContext, RigError};
 use crate::entities::EntityId;
@@ -54,19 +55,6 @@ impl BaseChannel {
         })
     }
 
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {
-        let Some(base) =
-            context.entities.robot(self.id).and_then(Robot::base).and_then(|base| base.as_kobuki())
-        else {
-            return;
-        };
-        let report = base.report_at(context.stamp_ns);
-        let stamp_ns = report.odometry.stamp_ns;
-        self.imu.send_structs(stamp_ns, &[imu(&report.imu)]);
-        self.core.send_structs(stamp_ns, &[core_sensors(report)]);
-        self.tell(stamp_ns, &report.contact);
-    }
-
     /// Sends an event for whatever has changed, and to whom has come since the last one that.
     fn tell(&mut self, stamp_ns: u64, contact: &Contact) {
         use RobotEvent as E;
@@ -97,9 +85,24 @@ impl BaseChannel {
             outlet.update();
         }
     }
+}
 
-    pub(super) fn outlets(&self) -> [&Outlet; 5] {
-        [&self.imu, &self.core, &self.bumper, &self.cliff, &self.wheel_drop]
+impl Channel for BaseChannel {
+    fn outlets(&self) -> Vec<&Outlet> {
+        vec![&self.imu, &self.core, &self.bumper, &self.cliff, &self.wheel_drop]
+    }
+
+    fn publish(&mut self, context: &mut RigContext<'_>, _frame: u64) {
+        let Some(base) =
+            context.entities.robot(self.id).and_then(Robot::base).and_then(|base| base.as_kobuki())
+        else {
+            return;
+        };
+        let report = base.report_at(context.stamp_ns);
+        let stamp_ns = report.odometry.stamp_ns;
+        self.imu.send_structs(stamp_ns, &[imu(&report.imu)]);
+        self.core.send_structs(stamp_ns, &[core_sensors(report)]);
+        self.tell(stamp_ns, &report.contact);
     }
 }
 

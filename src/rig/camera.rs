@@ -1,20 +1,45 @@
 //! A colour camera and its two streams.
 
 use super::annotations::Annotations;
-use super::eye::{Eye, drawn_lens};
+use super::behaviour::Behaviour;
+use super::channel::{Channel, is_any_wanted};
+use super::eye::{Eye, drawn_lens, report};
 use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Calibration, encoding};
+use super::report::{Say, without_topics};
 use super::sink::Frame;
 use super::truth::TruthOutlets;
 use super::{Opening, RigContext, RigError, Settings};
-use crate::description::model::{CameraPlugin, CameraSensor, Sensor};
+use crate::description::model::{self, CameraPlugin, CameraSensor, Sensor};
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Intrinsics, Kind, StreamSpec};
 use belvedere_sensors::Shutter;
 use belvedere_sensors::camera::Picture;
 use std::time::Instant;
+
+impl Behaviour for model::Camera {
+    fn name(&self) -> &'static str {
+        "camera"
+    }
+
+    fn open(&self, sensor: &Sensor, opening: &Opening<'_>) -> Result<Option<Box<dyn Channel>>, RigError> {
+        let Some(plugin) = &self.plugin else { return Ok(None) };
+        Ok(Some(Box::new(CameraChannel::open(sensor, &self.camera, plugin, opening)?)))
+    }
+
+    fn settings(&self, rate_hz: f64) -> Settings {
+        Settings::new(rate_hz).noise_of(&self.camera.noise, 1.0).with_exposure()
+    }
+
+    fn report(&self, gazebo_compat: bool, say: Say<'_>) {
+        report::camera(&self.camera, self.plugin.as_ref(), gazebo_compat, say);
+        let Some(plugin) = &self.plugin else { return without_topics(say) };
+        say("topics", format!("{}, {}", plugin.image_topic, plugin.camera_info_topic));
+        report::plugin(plugin, say);
+    }
+}
 
 /// A running camera.
 pub(super) struct CameraChannel {
@@ -61,14 +86,21 @@ impl CameraChannel {
             intrinsics: calibration.intrinsics(camera.near_m, camera.far_m),
             truth: TruthOutlets::open(&plugin.image_topic, &frame, size, opening)?,
             annotations: Annotations::open(&plugin.image_topic, &frame, size, opening)?,
-            mount: Mount::new(sensor, opening, &frame),
+            mount: Mount::of_picture(sensor, opening, &frame),
             moments: Moments::default(),
             unseen: Vec::new(),
             eye,
         })
     }
+}
 
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
+impl Channel for CameraChannel {
+    fn outlets(&self) -> Vec<&Outlet> {
+        let own = [&self.image, &self.info].into_iter();
+        own.chain(self.truth.outlets()).chain(self.annotations.outlets()).collect()
+    }
+
+    fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
         let started = Instant::now();
         let world_from_sensor = self.mount.pose(context);
         let camera = self.eye.camera();
@@ -120,23 +152,20 @@ impl CameraChannel {
         self.info.send_structs(context.stamp_ns, &[self.info_message]);
     }
 
-    pub(super) fn eye(&self) -> &Eye {
-        &self.eye
+    fn is_rendered(&self) -> bool {
+        self.eye.is_automatic() || is_any_wanted(self.outlets())
     }
 
-    /// Forgets the frames so far.
-    pub(super) fn restart(&mut self) {
+    fn window_ns(&self) -> u64 {
+        self.eye.window_ns()
+    }
+
+    fn restart(&mut self) {
         self.eye.restart();
         self.truth.restart();
     }
 
-    /// Takes other settings from its next frame on.
-    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+    fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
         self.eye.configure(settings)
-    }
-
-    pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
-        let own = [&self.image, &self.info].into_iter();
-        own.chain(self.truth.outlets()).chain(self.annotations.outlets())
     }
 }

@@ -2,20 +2,11 @@
 
 use super::RigError;
 use super::annotations::Census;
-use super::base::BaseChannel;
-use super::camera::CameraChannel;
-use super::depth::DepthChannel;
-use super::imu::ImuChannel;
-use super::joint_states::JointStatesChannel;
-use super::lidar::LidarChannel;
 use super::outlet::Outlet;
-use super::range::RangeChannel;
 use super::rate::Rate;
 use super::settings::Settings;
 use super::sink::Sink;
-use super::state::{ClockChannel, StateChannel};
-use super::true_pose::TruePoseChannel;
-use crate::description::model::{Plugin, Sensor as DescribedSensor, SensorKind};
+use crate::description::model::Sensor as DescribedSensor;
 use crate::description::optical::{OpticalFrame, optical_frames};
 use crate::entities::{Entities, Entity, EntityId};
 use crate::world::physics::Physics;
@@ -25,6 +16,7 @@ use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Sensor};
 use std::cell::RefCell;
 use std::collections::HashSet;
+use std::error::Error;
 use std::time::{Duration, Instant};
 
 /// What a channel needs to open.
@@ -114,128 +106,37 @@ impl RigContext<'_> {
     }
 }
 
-/// The kinds of channels.
-pub(super) enum Channel {
-    Clock(Box<ClockChannel>),
-    State(Box<StateChannel>),
-    Base(Box<BaseChannel>),
-    Imu(Box<ImuChannel>),
-    TruePose(Box<TruePoseChannel>),
-    JointStates(Box<JointStatesChannel>),
-    Camera(Box<CameraChannel>),
-    Depth(Box<DepthChannel>),
-    Lidar(Box<LidarChannel>),
-    Range(Box<RangeChannel>),
-}
-
-impl Channel {
-    /// The channel of a sensor; none if it has no plugin that publishes it.
-    pub(super) fn of_sensor(
-        sensor: &DescribedSensor,
-        opening: &Opening<'_>,
-    ) -> Result<Option<Self>, RigError> {
-        Ok(match (&sensor.kind, &sensor.plugin) {
-            (SensorKind::Camera(camera), Some(Plugin::Camera(plugin))) => {
-                Some(Self::Camera(CameraChannel::open(sensor, camera, plugin, opening)?.into()))
-            }
-            (SensorKind::Depth(camera), Some(Plugin::DepthCamera(plugin))) => {
-                Some(Self::Depth(DepthChannel::open(sensor, camera, plugin, opening)?.into()))
-            }
-            (SensorKind::Ray(ray), Some(Plugin::Laser(plugin))) => {
-                Some(Self::Lidar(LidarChannel::open(sensor, ray, plugin, opening)?.into()))
-            }
-            (SensorKind::Ray(ray), Some(Plugin::Range(plugin))) => {
-                Some(Self::Range(RangeChannel::open(sensor, ray, plugin, opening)?.into()))
-            }
-            _ => {
-                tracing::warn!(sensor = sensor.name, source = %sensor.source, "has no plugin that publishes it");
-                None
-            }
-        })
-    }
-
+/// A sensor, or what somebody says of himself, with its streams.
+pub(super) trait Channel {
     /// Its streams.
-    pub(super) fn outlets(&self) -> Vec<&Outlet> {
-        match self {
-            Self::Clock(clock) => clock.outlets().into(),
-            Self::State(state) => state.outlets().collect(),
-            Self::Base(base) => base.outlets().into(),
-            Self::Imu(imu) => imu.outlets().into(),
-            Self::TruePose(pose) => pose.outlets().into(),
-            Self::JointStates(joints) => joints.outlets().into(),
-            Self::Camera(camera) => camera.outlets().collect(),
-            Self::Depth(depth) => depth.outlets().collect(),
-            Self::Lidar(lidar) => lidar.outlets().collect(),
-            Self::Range(range) => range.outlets().into(),
-        }
-    }
+    fn outlets(&self) -> Vec<&Outlet>;
+
+    /// Sends its frame of this number.
+    fn publish(&mut self, context: &mut RigContext<'_>, frame: u64);
 
     /// Whether its next frame shows the scene to somebody.
-    pub(super) fn is_rendered(&self) -> bool {
-        match self {
-            Self::Clock(_)
-            | Self::State(_)
-            | Self::Base(_)
-            | Self::Imu(_)
-            | Self::TruePose(_)
-            | Self::JointStates(_) => false,
-            Self::Camera(camera) if camera.eye().is_automatic() => true,
-            Self::Depth(depth) if depth.eye().is_automatic() => true,
-            Self::Camera(_) | Self::Depth(_) | Self::Lidar(_) | Self::Range(_) => {
-                self.outlets().into_iter().any(Outlet::is_wanted)
-            }
-        }
+    fn is_rendered(&self) -> bool {
+        false
     }
 
     /// How long before its stamp a frame of it begins, at most, in ns.
-    pub(super) fn window_ns(&self) -> u64 {
-        match self {
-            Self::Camera(camera) => camera.eye().window_ns(),
-            Self::Depth(depth) => depth.eye().window_ns(),
-            _ => 0,
-        }
+    fn window_ns(&self) -> u64 {
+        0
     }
 
     /// Forgets what its frames so far have left to the next.
-    pub(super) fn restart(&mut self) {
-        match self {
-            Self::Camera(camera) => camera.restart(),
-            Self::Depth(depth) => depth.restart(),
-            Self::Lidar(lidar) => lidar.restart(),
-            Self::Imu(imu) => imu.restart(),
-            _ => {}
-        }
-    }
-
-    /// Sends its frame of this number.
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame: u64) {
-        match self {
-            Self::Clock(clock) => clock.publish(context),
-            Self::State(state) => state.publish(context),
-            Self::Base(base) => base.publish(context),
-            Self::Imu(imu) => imu.publish(context, frame),
-            Self::TruePose(pose) => pose.publish(context, frame),
-            Self::JointStates(joints) => joints.publish(context),
-            Self::Camera(camera) => camera.publish(context, frame),
-            Self::Depth(depth) => depth.publish(context, frame),
-            Self::Lidar(lidar) => lidar.publish(context, frame),
-            Self::Range(range) => range.publish(context, frame),
-        }
-    }
+    fn restart(&mut self) {}
 
     /// Takes other settings from its next frame on, if it has any.
-    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
-        match self {
-            Self::Clock(_)
-            | Self::State(_)
-            | Self::Base(_)
-            | Self::Imu(_)
-            | Self::TruePose(_)
-            | Self::JointStates(_) => Ok(()),
-            Self::Camera(camera) => camera.configure(settings),
-            Self::Depth(depth) => depth.configure(settings),
-            Self::Lidar(lidar) => lidar.configure(settings),
-            Self::Range(range) => range.configure(settings),
-        }
+    ///
+    /// # Errors
+    /// When one of them is out of range.
+    fn configure(&mut self, _settings: &Settings) -> Result<(), Box<dyn Error>> {
+        Ok(())
     }
+}
+
+/// Whether somebody wants a frame of one of these streams.
+pub(super) fn is_any_wanted<'a>(outlets: impl IntoIterator<Item = &'a Outlet>) -> bool {
+    outlets.into_iter().any(Outlet::is_wanted)
 }

@@ -1,21 +1,53 @@
 //! A Kinect: depth, colour and cloud from one look, and the infos.
 
 use super::annotations::Annotations;
-use super::eye::{Eye, drawn_lens};
+use super::behaviour::Behaviour;
+use super::channel::{Channel, is_any_wanted};
+use super::eye::{Eye, drawn_lens, report};
 use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Calibration, encoding};
+use super::report::{Say, without_topics};
 use super::sink::Frame;
 use super::truth::TruthOutlets;
 use super::{Opening, RigContext, RigError, Settings};
-use crate::description::model::{CameraSensor, DepthCameraPlugin, Sensor};
+use crate::description::model::{self, CameraSensor, DepthCameraPlugin, Sensor};
+use crate::description::text::number;
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, StreamSpec};
 use belvedere_sensors::Shutter;
 use belvedere_sensors::camera::CameraError;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
 use std::time::Instant;
+
+impl Behaviour for model::DepthCamera {
+    fn name(&self) -> &'static str {
+        "depth camera"
+    }
+
+    fn open(&self, sensor: &Sensor, opening: &Opening<'_>) -> Result<Option<Box<dyn Channel>>, RigError> {
+        let Some(plugin) = &self.plugin else { return Ok(None) };
+        Ok(Some(Box::new(DepthChannel::open(sensor, &self.camera, plugin, opening)?)))
+    }
+
+    fn settings(&self, rate_hz: f64) -> Settings {
+        Settings::new(rate_hz).noise_of(&self.camera.noise, 1.0).with_exposure()
+    }
+
+    fn report(&self, gazebo_compat: bool, say: Say<'_>) {
+        let pictures = self.plugin.as_ref().map(|plugin| &plugin.camera);
+        report::camera(&self.camera, pictures, gazebo_compat, say);
+        let Some(depth) = &self.plugin else { return without_topics(say) };
+        say("topics", format!("{}, {}", depth.camera.image_topic, depth.camera.camera_info_topic));
+        say("", format!("{}, {}", depth.depth_image_topic, depth.depth_camera_info_topic));
+        say("", depth.point_cloud_topic.clone());
+        let coding = if depth.depth_16uc1 { "16UC1 in millimetres" } else { "32FC1 in metres" };
+        let (from, to) = (number(depth.cutoff_m), number(depth.cutoff_max_m));
+        say("depth", format!("{coding}, valid from {from} to {to} m"));
+        report::plugin(&depth.camera, say);
+    }
+}
 
 /// A running depth camera.
 pub(super) struct DepthChannel {
@@ -97,15 +129,22 @@ impl DepthChannel {
             depth_intrinsics: calibration.intrinsics(near, far),
             truth: TruthOutlets::open(&names.image_topic, &frame, size, opening)?,
             annotations: Annotations::open(&names.image_topic, &frame, size, opening)?,
-            mount: Mount::new(sensor, opening, &frame),
+            mount: Mount::of_picture(sensor, opening, &frame),
             moments: Moments::default(),
             unseen: Vec::new(),
             eye,
             limits,
         })
     }
+}
 
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
+impl Channel for DepthChannel {
+    fn outlets(&self) -> Vec<&Outlet> {
+        let own = [&self.colour, &self.colour_info, &self.depth, &self.depth_info, &self.points];
+        own.into_iter().chain(self.truth.outlets()).chain(self.annotations.outlets()).collect()
+    }
+
+    fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
         let started = Instant::now();
         let world_from_sensor = self.mount.pose(context);
         let Ok(camera) = depth_camera(&self.eye, &self.limits) else { return };
@@ -189,24 +228,21 @@ impl DepthChannel {
         self.depth_info.send_structs(context.stamp_ns, &[self.info_message]);
     }
 
-    pub(super) fn eye(&self) -> &Eye {
-        &self.eye
+    fn is_rendered(&self) -> bool {
+        self.eye.is_automatic() || is_any_wanted(self.outlets())
     }
 
-    /// Forgets the frames so far.
-    pub(super) fn restart(&mut self) {
+    fn window_ns(&self) -> u64 {
+        self.eye.window_ns()
+    }
+
+    fn restart(&mut self) {
         self.eye.restart();
         self.truth.restart();
     }
 
-    /// Takes other settings from its next frame on: noise and exposure are the colour picture's.
-    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+    fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
         self.eye.configure(settings)
-    }
-
-    pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
-        let own = [&self.colour, &self.colour_info, &self.depth, &self.depth_info, &self.points];
-        own.into_iter().chain(self.truth.outlets()).chain(self.annotations.outlets())
     }
 }
 

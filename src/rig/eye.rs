@@ -1,5 +1,7 @@
 //! What takes the pictures of a camera or depth camera: its optics, and the settings that may change while it runs.
 
+pub(super) mod report;
+
 use super::pictures::noise;
 use super::{Opening, Settings};
 use crate::description::model::{
@@ -143,7 +145,7 @@ impl Eye {
 
 /// The lens that is drawn: what `camera_info` tells is what is seen. Gazebo's plugin tells of its own coefficients, focal
 /// length and principal point and draws without them, and so does `gazebo_compat`.
-pub(crate) fn drawn_lens(camera: &CameraSensor, plugin: &CameraPlugin, gazebo_compat: bool) -> Lens {
+pub(super) fn drawn_lens(camera: &CameraSensor, plugin: &CameraPlugin, gazebo_compat: bool) -> Lens {
     let mut lens = camera.lens.clone();
     if gazebo_compat {
         return lens;
@@ -196,8 +198,7 @@ fn lens_model(lens: &Lens) -> Result<Option<Box<dyn optics::Lens>>, LensError> {
 ///
 /// # Errors
 /// When a parameter of the lens is out of range.
-#[cfg(feature = "cli")]
-pub(crate) fn mapped_share(camera: &CameraSensor, lens: &Lens) -> Result<f64, LensError> {
+pub(super) fn mapped_share(camera: &CameraSensor, lens: &Lens) -> Result<f64, LensError> {
     let Some(model) = lens_model(lens)? else { return Ok(1.0) };
     let pixels = (0..camera.height).flat_map(|row| (0..camera.width).map(move |column| [column, row]));
     let mapped =

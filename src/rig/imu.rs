@@ -1,6 +1,7 @@
 //! The IMU of a model's plugin and its stream: true orientation, rate of turn and specific force (a − g, which is +g
 //! upwards at rest: REP-145), with white noise.
 
+use super::channel::Channel;
 use super::outlet::Outlet;
 use super::{Opening, RigContext, RigError};
 use crate::description::model::ImuPlugin;
@@ -42,8 +43,14 @@ impl ImuChannel {
             last: (now_ns, unit.map(|unit| unit.felt_at(opening.physics, now_ns)).unwrap_or_default()),
         })
     }
+}
 
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame: u64) {
+impl Channel for ImuChannel {
+    fn outlets(&self) -> Vec<&Outlet> {
+        vec![&self.imu]
+    }
+
+    fn publish(&mut self, context: &mut RigContext<'_>, frame: u64) {
         let RigContext { physics, stamp_ns, .. } = *context;
         let robot = context.entities.robot(self.id);
         let Some(unit) = robot.and_then(|robot| robot.units().get(self.number)) else { return };
@@ -77,12 +84,7 @@ impl ImuChannel {
         );
     }
 
-    /// Forgets what was before the simulation began again.
-    pub(super) fn restart(&mut self) {
+    fn restart(&mut self) {
         self.last = (0, DVec3::ZERO);
-    }
-
-    pub(super) fn outlets(&self) -> [&Outlet; 1] {
-        [&self.imu]
     }
 }

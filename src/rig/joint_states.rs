@@ -1,5 +1,6 @@
 //! Joint states under a topic of one's own: `libgazebo_ros_joint_state_publisher.so`.
 
+use super::channel::Channel;
 use super::outlet::Outlet;
 use super::{Opening, RigContext, RigError};
 use crate::description::model::{JointIndex, JointStatesPlugin};
@@ -38,8 +39,14 @@ impl JointStatesChannel {
             joints,
         })
     }
+}
 
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {
+impl Channel for JointStatesChannel {
+    fn outlets(&self) -> Vec<&Outlet> {
+        vec![&self.states]
+    }
+
+    fn publish(&mut self, context: &mut RigContext<'_>, _frame: u64) {
         let RigContext { physics, stamp_ns, .. } = *context;
         let model = self.id.index();
         self.messages.clear();
@@ -53,9 +60,5 @@ impl JointStatesChannel {
             }
         }));
         self.states.send_structs(stamp_ns, &self.messages);
-    }
-
-    pub(super) fn outlets(&self) -> [&Outlet; 1] {
-        [&self.states]
     }
 }

@@ -1,17 +1,43 @@
 //! A lidar and its stream.
 
+use super::behaviour::Behaviour;
+use super::channel::{Channel, is_any_wanted};
 use super::moments::capture;
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
+use super::report::{self, Say, without_topics};
 use super::truth::TruthOutlets;
 use super::{Opening, RigContext, RigError, Settings};
-use crate::description::model::{LaserPlugin, RaySensor, ScanAxis, Sensor};
+use crate::description::model::{self, LaserPlugin, RaySensor, ScanAxis, Sensor};
+use crate::description::text::{angle, number};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
 use belvedere_sensors::Shutter;
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
 use belvedere_sensors::noise::GaussianNoiseError;
 use std::time::Instant;
+
+impl Behaviour for model::Lidar {
+    fn name(&self) -> &'static str {
+        "lidar"
+    }
+
+    fn open(&self, sensor: &Sensor, opening: &Opening<'_>) -> Result<Option<Box<dyn Channel>>, RigError> {
+        let Some(plugin) = &self.plugin else { return Ok(None) };
+        Ok(Some(Box::new(LidarChannel::open(sensor, &self.ray, plugin, opening)?)))
+    }
+
+    fn settings(&self, rate_hz: f64) -> Settings {
+        Settings::new(rate_hz).noise_of_ranges(&self.ray)
+    }
+
+    fn report(&self, _gazebo_compat: bool, say: Say<'_>) {
+        ray_report(&self.ray, say);
+        let Some(plugin) = &self.plugin else { return without_topics(say) };
+        say("topic", plugin.topic.clone());
+        say("frame", plugin.frame_name.clone());
+    }
+}
 
 /// A running lidar.
 pub(super) struct LidarChannel {
@@ -65,12 +91,18 @@ impl LidarChannel {
                 [horizontal.samples, vertical.samples],
                 opening,
             )?,
-            mount: Mount::new(sensor, opening, &frame),
+            mount: Mount::new(sensor, opening),
             lidar,
         })
     }
+}
 
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
+impl Channel for LidarChannel {
+    fn outlets(&self) -> Vec<&Outlet> {
+        [&self.scan].into_iter().chain(self.truth.outlets()).collect()
+    }
+
+    fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
         let started = Instant::now();
         let world_from_sensor = self.mount.pose(context);
         let beams = self.lidar.beams();
@@ -102,13 +134,15 @@ impl LidarChannel {
         self.truth.keep(context, frame_number, &world_from_sensor, &at);
     }
 
-    /// Forgets the frames so far.
-    pub(super) fn restart(&mut self) {
+    fn is_rendered(&self) -> bool {
+        is_any_wanted(self.outlets())
+    }
+
+    fn restart(&mut self) {
         self.truth.restart();
     }
 
-    /// Takes other settings from its next frame on.
-    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+    fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
         let config = self.lidar.config();
         self.lidar = Lidar::new(config.noise(settings.noise(&config.noise)?))?;
         // Gazebo's plugin gives 0 at any rate.
@@ -117,10 +151,21 @@ impl LidarChannel {
         }
         Ok(())
     }
+}
 
-    pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
-        [&self.scan].into_iter().chain(self.truth.outlets())
+/// Tells of beams and ranges.
+pub(super) fn ray_report(ray: &RaySensor, say: Say<'_>) {
+    for (name, axis) in [("beams", ray.horizontal), ("lines", ray.vertical)] {
+        if name == "beams" || axis.samples > 1 {
+            let (from, to) = (angle(axis.min_angle_rad), angle(axis.max_angle_rad));
+            say(name, format!("{} from {from} to {to}", axis.samples));
+        }
     }
+    say("range", format!("{} to {} m", number(ray.range_min_m), number(ray.range_max_m)));
+    if ray.range_resolution_m > 0.0 {
+        say("resolution", format!("{} m, not applied, as in Gazebo", number(ray.range_resolution_m)));
+    }
+    say("noise", report::noise(&ray.noise, "m"));
 }
 
 /// The lidar of a description.

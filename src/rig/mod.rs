@@ -6,6 +6,7 @@
 
 mod annotations;
 pub mod base;
+mod behaviour;
 mod camera;
 mod channel;
 pub mod cost;
@@ -21,6 +22,7 @@ mod outlet;
 pub mod pictures;
 mod range;
 pub mod rate;
+pub mod report;
 pub mod schedule;
 pub mod settings;
 pub mod sink;
@@ -37,12 +39,13 @@ pub use settings::Settings;
 pub use sink::{FrameBuf, Sink};
 
 use crate::description::housing::{CollisionIndex, housings};
-use crate::description::model::{ModelPlugin, Sensor, SensorKind};
+use crate::description::model::{ModelPlugin, Sensor};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
 use annotations::Census;
 use base::BaseChannel;
+use behaviour::behaviour;
 use belvedere_bridge::{Error as BridgeError, StreamSpec};
 use belvedere_sensors::Execution;
 use belvedere_sensors::trace::WorkspaceBuf;
@@ -99,7 +102,7 @@ struct Scheduled {
     /// As described.
     rate: Rate,
     schedule: Schedule,
-    channel: Channel,
+    channel: Box<dyn Channel>,
     /// Of what can be changed while it runs.
     tuning: Option<Tuning>,
     /// Of rendering a frame.
@@ -136,7 +139,7 @@ impl Rig {
             entity: None,
             rate,
             schedule: Schedule::new(rate),
-            channel: Channel::Clock(ClockChannel::new(clock).into()),
+            channel: Box::new(ClockChannel::new(clock)),
             tuning: None,
             cost: Cost::default(),
             housing: Vec::new(),
@@ -193,7 +196,7 @@ impl Rig {
             hashed: options.hashed,
             taken: &taken,
         };
-        let mut add = |rate, channel, tuning, housing| {
+        let mut add = |rate, channel: Box<dyn Channel>, tuning, housing| {
             let schedule = Schedule::starting(rate, physics.time_ns());
             let cost = Cost::default();
             self.channels.push(Scheduled {
@@ -210,33 +213,33 @@ impl Rig {
             let base = entity.model.base().filter(|_| robot.base().is_some());
             let rate = plugin_rate(base.map_or(Some(STATE_HZ), |base| base.odometry.rate_hz), physics);
             let state = StateChannel::open(robot, &opening(rate, 0))?;
-            add(rate, Channel::State(state.into()), None, Vec::new());
+            add(rate, Box::new(state), None, Vec::new());
             if robot.base().is_some_and(|base| base.as_kobuki().is_some()) {
                 let rate = fixed_rate(STATE_HZ, physics);
                 let base = BaseChannel::open(&opening(rate, 0))?;
-                add(rate, Channel::Base(base.into()), None, Vec::new());
+                add(rate, Box::new(base), None, Vec::new());
             }
             let mut units = 0;
             for (index, plugin) in entity.model.plugins.iter().enumerate() {
                 // Far from the numbers of sensors, which count from the first.
                 let number = noise_number(entity.noise_name()).wrapping_add(FIRST_PLUGIN + index as u32);
-                let (rate, channel) = match plugin {
+                let (rate, channel): (_, Box<dyn Channel>) = match plugin {
                     ModelPlugin::Base(_) => continue,
                     ModelPlugin::Imu(imu) => {
                         let rate = plugin_rate(imu.rate_hz, physics);
                         let channel = ImuChannel::open(imu, units, &opening(rate, number))?;
                         units += 1;
-                        (rate, Channel::Imu(channel.into()))
+                        (rate, Box::new(channel))
                     }
                     ModelPlugin::Pose(pose) => {
                         let rate = plugin_rate(pose.rate_hz, physics);
                         let channel = TruePoseChannel::open(pose, &opening(rate, number))?;
-                        (rate, Channel::TruePose(channel.into()))
+                        (rate, Box::new(channel))
                     }
                     ModelPlugin::JointStates(states) => {
                         let rate = plugin_rate(states.rate_hz, physics);
                         let channel = JointStatesChannel::open(states, &opening(rate, number))?;
-                        (rate, Channel::JointStates(channel.into()))
+                        (rate, Box::new(channel))
                     }
                 };
                 add(rate, channel, None, Vec::new());
@@ -246,14 +249,16 @@ impl Rig {
         for (index, sensor) in entity.sensors().iter().enumerate() {
             let rate = sensor_rate(sensor, physics);
             let number = first_number.wrapping_add(index as u32);
-            if let Some(channel) = Channel::of_sensor(sensor, &opening(rate, number))? {
-                let described = Settings::described(sensor, rate.hz());
+            if let Some(channel) = behaviour(sensor).open(sensor, &opening(rate, number))? {
+                let described = behaviour(sensor).settings(rate.hz());
                 let name = entity.scoped(&sensor.name);
-                let looks_through = matches!(sensor.kind, SensorKind::Ray(_)) && !options.gazebo_compat;
+                let looks_through = sensor.kind.casts_rays() && !options.gazebo_compat;
                 let housing =
                     looks_through.then(|| housings(&entity.model, sensor.link, &sensor.link_from_sensor));
                 let tuning = Tuning { sensor: name, described, now: described };
                 add(rate, channel, Some(tuning), housing.unwrap_or_default());
+            } else {
+                tracing::warn!(sensor = sensor.name, source = %sensor.source, "has no plugin that publishes it");
             }
         }
         let sensors = self.channels.iter().filter(|channel| channel.tuning.is_some()).count();
@@ -285,7 +290,7 @@ impl Rig {
                 continue;
             }
             scheduled.take(stamp_ns, stage, scene, &mut self.workspace);
-            if let Channel::Clock(_) = scheduled.channel {
+            if scheduled.entity.is_none() {
                 // Whoever has come since the last change gets the settings now.
                 self.settings.update();
             }

@@ -1,7 +1,7 @@
 //! Where on its robot a sensor sits.
 
 use super::{Opening, RigContext};
-use crate::description::model::{LinkIndex, Model, Sensor, SensorKind};
+use crate::description::model::{LinkIndex, Model, Sensor};
 use crate::description::optical::optical_from_sensor;
 use crate::world::physics::{ModelIndex, Physics};
 use belvedere_bridge::FrameHeader;
@@ -16,13 +16,17 @@ pub(super) struct Mount {
 }
 
 impl Mount {
-    /// The sensor's own place. If its messages name the optical frame of another link that looks the same way,
+    /// The sensor's own place.
+    pub(super) fn new(sensor: &Sensor, opening: &Opening<'_>) -> Self {
+        Self { model: opening.id.index(), link: sensor.link, link_from_sensor: sensor.link_from_sensor }
+    }
+
+    /// The place of a camera. If its pictures name the optical frame of another link that looks the same way,
     /// the sensor sits there instead, so that what it publishes is true of the frame that it names; Gazebo's
     /// Kinect is off by (31, 12.5, 16) mm there, and stays so with `gazebo_compat`.
-    pub(super) fn new(sensor: &Sensor, opening: &Opening<'_>, frame: &str) -> Self {
-        let own =
-            Self { model: opening.id.index(), link: sensor.link, link_from_sensor: sensor.link_from_sensor };
-        if opening.gazebo_compat || matches!(sensor.kind, SensorKind::Ray(_)) {
+    pub(super) fn of_picture(sensor: &Sensor, opening: &Opening<'_>, frame: &str) -> Self {
+        let own = Self::new(sensor, opening);
+        if opening.gazebo_compat {
             return own;
         }
         let moved = optical_mount(sensor, &opening.entity.model, frame)

@@ -188,7 +188,6 @@ mod tests {
 
     const PLUGIN: CameraPlugin = CameraPlugin {
         camera_name: String::new(),
-        update_rate_hz: Some(30.0),
         image_topic: String::new(),
         camera_info_topic: String::new(),
         frame_name: String::new(),

@@ -1,10 +1,15 @@
 //! A rangefinder and its stream: the nearest of the beams that fill its cone.
 
+use super::behaviour::Behaviour;
+use super::channel::{Channel, is_any_wanted};
+use super::lidar::{lidar_config, ray_report};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
-use super::{Opening, RigContext, RigError, Settings, lidar::lidar_config};
-use crate::description::model::{Noise, Radiation, RangePlugin, RaySensor, Sensor};
+use super::report::{Say, without_topics};
+use super::{Opening, RigContext, RigError, Settings};
+use crate::description::model::{self, Noise, Radiation, RangePlugin, RaySensor, Sensor};
+use crate::description::text::angle;
 use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, StreamSpec};
 use belvedere_sensors::lidar::{Lidar, Scan};
@@ -13,6 +18,33 @@ use belvedere_sensors::{Capture, Shutter};
 
 /// Noise channel of the range; that of the ranges of a lidar, which draws none here.
 const RANGE_CHANNEL: u16 = 2;
+
+impl Behaviour for model::Rangefinder {
+    fn name(&self) -> &'static str {
+        "rangefinder"
+    }
+
+    fn open(&self, sensor: &Sensor, opening: &Opening<'_>) -> Result<Option<Box<dyn Channel>>, RigError> {
+        let Some(plugin) = &self.plugin else { return Ok(None) };
+        Ok(Some(Box::new(RangeChannel::open(sensor, &self.ray, plugin, opening)?)))
+    }
+
+    fn settings(&self, rate_hz: f64) -> Settings {
+        Settings::new(rate_hz).noise_of_ranges(&self.ray)
+    }
+
+    fn report(&self, _gazebo_compat: bool, say: Say<'_>) {
+        ray_report(&self.ray, say);
+        let Some(plugin) = &self.plugin else { return without_topics(say) };
+        say("topic", plugin.topic.clone());
+        say("frame", plugin.frame_name.clone());
+        let radiation = match plugin.radiation {
+            Radiation::Ultrasound => "ultrasound",
+            Radiation::Infrared => "infrared",
+        };
+        say("cone", format!("{} of {radiation}", angle(plugin.field_of_view_rad)));
+    }
+}
 
 /// A running rangefinder.
 pub(super) struct RangeChannel {
@@ -43,7 +75,7 @@ impl RangeChannel {
         Ok(Self {
             noise: noise(&ray.noise).map_err(|error| refused(&error))?,
             gazebo_compat: opening.gazebo_compat,
-            mount: Mount::new(sensor, opening, &frame),
+            mount: Mount::new(sensor, opening),
             range: opening.open_rendered(spec.frame_id(&frame).rate_hz(opening.rate.hz()))?,
             message: Range {
                 radiation_type: match plugin.radiation {
@@ -58,21 +90,6 @@ impl RangeChannel {
             ranges: vec![0.0; lidar.beams()],
             lidar,
         })
-    }
-
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
-        if !self.range.is_wanted() {
-            return;
-        }
-        let world_from_sensor = self.mount.pose(context);
-        let at = Shutter::Global(context.scene.moment(world_from_sensor));
-        if !context.take(&self.lidar, &Capture::new(frame_number, at), Scan::new().ranges(&mut self.ranges)) {
-            return;
-        }
-        // −∞, of something too near, is the nearest of all.
-        let nearest = self.ranges.iter().copied().fold(f32::INFINITY, f32::min);
-        let range = self.measured(nearest, frame_number);
-        self.range.send_structs(context.stamp_ns, &[Range { range, ..self.message }]);
     }
 
     /// With noise, which leaves neither limit, where there is a range.
@@ -90,14 +107,34 @@ impl RangeChannel {
         let bias = self.noise.bias(seed, sensor, 0);
         self.noise.apply(nearest, bias, standard_normal(&stream, 0)).clamp(min_range, max_range)
     }
+}
 
-    /// Takes other settings from its next frame on.
-    pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
-        self.noise = settings.noise(&self.noise)?;
-        Ok(())
+impl Channel for RangeChannel {
+    fn outlets(&self) -> Vec<&Outlet> {
+        vec![&self.range]
     }
 
-    pub(super) fn outlets(&self) -> [&Outlet; 1] {
-        [&self.range]
+    fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
+        if !self.range.is_wanted() {
+            return;
+        }
+        let world_from_sensor = self.mount.pose(context);
+        let at = Shutter::Global(context.scene.moment(world_from_sensor));
+        if !context.take(&self.lidar, &Capture::new(frame_number, at), Scan::new().ranges(&mut self.ranges)) {
+            return;
+        }
+        // −∞, of something too near, is the nearest of all.
+        let nearest = self.ranges.iter().copied().fold(f32::INFINITY, f32::min);
+        let range = self.measured(nearest, frame_number);
+        self.range.send_structs(context.stamp_ns, &[Range { range, ..self.message }]);
+    }
+
+    fn is_rendered(&self) -> bool {
+        is_any_wanted(self.outlets())
+    }
+
+    fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+        self.noise = settings.noise(&self.noise)?;
+        Ok(())
     }
 }

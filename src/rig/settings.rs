@@ -1,6 +1,6 @@
 //! What of a sensor can be changed while it runs: the values, their limits, and the words that change them.
 
-use crate::description::model::{Noise, Sensor, SensorKind};
+use crate::description::model::{Noise, RaySensor};
 use belvedere_bridge::Text;
 use belvedere_bridge::payload::{SensorSettings, Setting};
 use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseError};
@@ -24,21 +24,32 @@ const NOISE_STDDEV: usize = 2;
 const EXPOSURE: usize = 3;
 
 impl Settings {
-    /// Those of a description, at this rate.
-    pub fn described(sensor: &Sensor, rate_hz: f64) -> Self {
-        let (noise, most, exposure) = match &sensor.kind {
-            SensorKind::Camera(camera) | SensorKind::Depth(camera) => {
-                (&camera.noise, 1.0, setting(1.0, EXPOSURES))
-            }
-            SensorKind::Ray(ray) => (&ray.noise, ray.range_max_m.min(MOST_RANGE_NOISE_M), Setting::NONE),
-        };
-        let Noise { mean, stddev, .. } = *noise;
-        Self([
-            setting(rate_hz, RATES_HZ),
-            setting(mean, [-most, most]),
-            setting(stddev, [0.0, most]),
-            exposure,
-        ])
+    /// Of a sensor of which nothing but its rate can be changed.
+    pub(super) fn new(rate_hz: f64) -> Self {
+        let mut settings = [Setting::NONE; 4];
+        settings[UPDATE_RATE] = setting(rate_hz, RATES_HZ);
+        Self(settings)
+    }
+
+    /// With a noise of at most so much.
+    #[must_use]
+    pub(super) fn noise_of(mut self, noise: &Noise, most: f64) -> Self {
+        self.0[NOISE_MEAN] = setting(noise.mean, [-most, most]);
+        self.0[NOISE_STDDEV] = setting(noise.stddev, [0.0, most]);
+        self
+    }
+
+    /// With that of ranges.
+    #[must_use]
+    pub(super) fn noise_of_ranges(self, ray: &RaySensor) -> Self {
+        self.noise_of(&ray.noise, ray.range_max_m.min(MOST_RANGE_NOISE_M))
+    }
+
+    /// With an exposure.
+    #[must_use]
+    pub(super) fn with_exposure(mut self) -> Self {
+        self.0[EXPOSURE] = setting(1.0, EXPOSURES);
+        self
     }
 
     /// Frames per second.

@@ -1,5 +1,6 @@
 //! What the robot says of itself: odometry, transforms, joint states; and the clock.
 
+use super::channel::Channel;
 use super::outlet::Outlet;
 use super::{Opening, RigContext, RigError};
 use crate::description::model::{ModelPlugin, OdometryPlugin};
@@ -88,8 +89,20 @@ impl StateChannel {
         }
         Ok(channel)
     }
+}
 
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {
+impl Channel for StateChannel {
+    fn outlets(&self) -> Vec<&Outlet> {
+        let frames = self.frames.iter().flat_map(|frames| [&frames.moving, &frames.fixed]);
+        self.odometry
+            .iter()
+            .map(|odometry| &odometry.outlet)
+            .chain(frames)
+            .chain(&self.joint_states)
+            .collect()
+    }
+
+    fn publish(&mut self, context: &mut RigContext<'_>, _frame: u64) {
         let Some(robot) = context.entities.robot(self.id) else { return };
         robot.state_into(context.physics, context.stamp_ns, &mut self.state);
         if let (Some(to), Some(report)) = (&mut self.odometry, &self.state.odometry) {
@@ -115,11 +128,6 @@ impl StateChannel {
             }));
             outlet.send_structs(context.stamp_ns, &self.joint_messages);
         }
-    }
-
-    pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
-        let frames = self.frames.iter().flat_map(|frames| [&frames.moving, &frames.fixed]);
-        self.odometry.iter().map(|odometry| &odometry.outlet).chain(frames).chain(&self.joint_states)
     }
 }
 
@@ -189,12 +197,14 @@ impl ClockChannel {
     pub(super) fn new(clock: Outlet) -> Self {
         Self { clock }
     }
+}
 
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>) {
-        self.clock.send_structs(context.stamp_ns, &[Clock { now_ns: context.stamp_ns }]);
+impl Channel for ClockChannel {
+    fn outlets(&self) -> Vec<&Outlet> {
+        vec![&self.clock]
     }
 
-    pub(super) fn outlets(&self) -> [&Outlet; 1] {
-        [&self.clock]
+    fn publish(&mut self, context: &mut RigContext<'_>, _frame: u64) {
+        self.clock.send_structs(context.stamp_ns, &[Clock { now_ns: context.stamp_ns }]);
     }
 }

@@ -1,5 +1,6 @@
 //! The true pose and velocity of a link and their stream: `libgazebo_ros_p3d.so`.
 
+use super::channel::Channel;
 use super::outlet::Outlet;
 use super::{Opening, RigContext, RigError};
 use crate::description::model::PosePlugin;
@@ -42,8 +43,14 @@ impl TruePoseChannel {
             plugin: plugin.clone(),
         })
     }
+}
 
-    pub(super) fn publish(&mut self, context: &mut RigContext<'_>, frame: u64) {
+impl Channel for TruePoseChannel {
+    fn outlets(&self) -> Vec<&Outlet> {
+        vec![&self.odometry]
+    }
+
+    fn publish(&mut self, context: &mut RigContext<'_>, frame: u64) {
         let RigContext { physics, stamp_ns, .. } = *context;
         let PosePlugin { link, offset, stddev, .. } = self.plugin;
         let model = self.id.index();
@@ -74,9 +81,5 @@ impl TruePoseChannel {
                 twist_covariance: covariance,
             }],
         );
-    }
-
-    pub(super) fn outlets(&self) -> [&Outlet; 1] {
-        [&self.odometry]
     }
 }

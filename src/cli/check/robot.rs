@@ -1,11 +1,11 @@
 //! A robot: the tree of its links, its sensors, its base.
 
-use super::sensor;
-use super::text::{number, pose, vector};
 use crate::description::model::{
     BasePlugin, Drive, Joint, JointKind, LinkIndex, Model, ModelPlugin, OdometryOrigin,
 };
+use crate::description::text::{number, pose, vector};
 use crate::rig::base;
+use crate::rig::report::sensor_report;
 use crate::robot::base as drives;
 use crate::robot::imu::Imu;
 use crate::server::commands;
@@ -19,7 +19,7 @@ pub(super) fn report(robot: &Model, gazebo_compat: bool) -> Vec<String> {
     }
     for sensor in &robot.sensors {
         lines.push(String::new());
-        lines.extend(sensor::report(robot, sensor, gazebo_compat));
+        lines.extend(sensor_report(robot, sensor, gazebo_compat));
     }
     if let Ok(plugin) = drives::check(robot) {
         lines.push(String::new());

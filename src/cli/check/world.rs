@@ -1,9 +1,9 @@
 //! A world: its physics, lights and models.
 
 use super::robot::joint_kind;
-use super::sensor;
-use super::text::{angle, number, pose, vector};
 use crate::description::model::{Geometry, Light, LightKind, Model, World};
+use crate::description::text::{angle, number, pose, vector};
+use crate::rig::report::sensor_report;
 
 pub(super) fn report(world: &World, gazebo_compat: bool) -> Vec<String> {
     let mut lines = vec![format!("world {} ({})", world.name, world.source)];
@@ -29,7 +29,7 @@ pub(super) fn report(world: &World, gazebo_compat: bool) -> Vec<String> {
             lines.push(format!("  joint {} {parent} → {child}: {}", joint.name, joint_kind(joint)));
         }
         for sensor in &model.sensors {
-            lines.extend(sensor::report(model, sensor, gazebo_compat).iter().map(|line| format!("  {line}")));
+            lines.extend(sensor_report(model, sensor, gazebo_compat).iter().map(|line| format!("  {line}")));
         }
     }
     lines.push(String::new());

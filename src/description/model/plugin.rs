@@ -1,27 +1,11 @@
 //! The plugins that publish sensors: their topics, frames and rates.
 
-/// The plugin that publishes a sensor, with its parameters resolved to the plugin's own defaults.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Plugin {
-    /// `libgazebo_ros_camera.so`.
-    Camera(CameraPlugin),
-    /// `libgazebo_ros_openni_kinect.so`.
-    DepthCamera(DepthCameraPlugin),
-    /// Those of lidars: `libgazebo_ros_laser.so`, `libgazebo_ros_block_laser.so`, `libgazebo_ros_velodyne_laser.so`, and
-    /// their `gpu` sisters.
-    Laser(LaserPlugin),
-    /// `libgazebo_ros_range.so`.
-    Range(RangePlugin),
-}
-
 /// Parameters shared by the camera plugins. Topics are resolved: absolute, camera name prefixed unless the
 /// topic began with a slash.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraPlugin {
     /// `cameraName`.
     pub camera_name: String,
-    /// `updateRate`; none if 0 or not given.
-    pub update_rate_hz: Option<f64>,
     /// Absolute topic of the picture.
     pub image_topic: String,
     /// Absolute topic of its `CameraInfo`.
@@ -66,8 +50,6 @@ pub struct RangePlugin {
     pub topic: String,
     /// `frameName`.
     pub frame_name: String,
-    /// `updateRate`; none if 0 or not given.
-    pub update_rate_hz: Option<f64>,
     /// `radiation`.
     pub radiation: Radiation,
     /// `fov` in radians, as messages say it; the beams are the sensor's.
@@ -90,6 +72,4 @@ pub struct LaserPlugin {
     pub topic: String,
     /// `frameName`.
     pub frame_name: String,
-    /// `updateRate`; none if 0 or not given.
-    pub update_rate_hz: Option<f64>,
 }

@@ -1,58 +1,6 @@
-//! Sensors: what they measure, how, and how often.
+//! What sensors of several kinds share: the elements of SDF.
 
-use super::{CameraDevice, Lens, LinkIndex, PixelFormat, Plugin};
-use crate::description::diagnostics::Source;
-use belvedere_sensors::Pose;
-
-/// A sensor on a link.
-#[derive(Debug, Clone)]
-pub struct Sensor {
-    /// Name in the file.
-    pub name: String,
-    /// The link it is fixed to.
-    pub link: LinkIndex,
-    /// Pose of the sensor in its link; the sensor looks along its x, z is up.
-    pub link_from_sensor: Pose,
-    /// `<always_on>`.
-    pub always_on: bool,
-    /// Rate of the sensor itself; none means every physics step.
-    pub update_rate_hz: Option<f64>,
-    /// What it measures and how.
-    pub kind: SensorKind,
-    /// The plugin that publishes it; none means a sensor without topics of its own.
-    pub plugin: Option<Plugin>,
-    /// Where it stands.
-    pub source: Source,
-}
-
-impl Sensor {
-    /// The rate that holds for pictures and infos alike: the lower of the sensor's and its plugin's; none means
-    /// every physics step.
-    pub fn effective_rate_hz(&self) -> Option<f64> {
-        let plugin_rate = match &self.plugin {
-            Some(Plugin::Camera(camera)) => camera.update_rate_hz,
-            Some(Plugin::DepthCamera(depth)) => depth.camera.update_rate_hz,
-            Some(Plugin::Laser(laser)) => laser.update_rate_hz,
-            Some(Plugin::Range(range)) => range.update_rate_hz,
-            None => None,
-        };
-        match (self.update_rate_hz, plugin_rate) {
-            (Some(sensor), Some(plugin)) => Some(sensor.min(plugin)),
-            (one, other) => one.or(other),
-        }
-    }
-}
-
-/// What a sensor measures.
-#[derive(Debug, Clone)]
-pub enum SensorKind {
-    /// Colour camera.
-    Camera(CameraSensor),
-    /// Depth camera with a colour camera in the same place.
-    Depth(CameraSensor),
-    /// Lidar.
-    Ray(RaySensor),
-}
+use super::{CameraDevice, Lens, PixelFormat};
 
 /// `<camera>` of SDF.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,9 +1,12 @@
 //! `<camera>`: angle of view, picture, clip distances, noise; its lens is in `lens.rs`.
 
-use super::gz::is_gz;
+use super::camera_plugin::{CameraTopics, gz_camera};
+use super::gz::{gz_topic, is_gz};
 use super::lens::Picture;
 use super::reader::Reader;
-use crate::description::model::{CameraSensor, Mosaic, PixelFormat};
+use super::{DepthCamera, Kind, Sensor, SensorKind};
+use crate::description::diagnostics::Diagnostics;
+use crate::description::model::{CameraPlugin, CameraSensor, Mosaic, PixelFormat};
 use crate::description::values::child_text;
 use crate::description::xml::Element;
 
@@ -12,7 +15,40 @@ const MAX_IMAGE_SIZE: u32 = 16384;
 /// Most samples a pixel that a file may ask for.
 const MAX_ANTI_ALIASING: u32 = 64;
 
+/// Far clip distance in metres if none is given.
+const FAR_M: f64 = 100.0;
+
+/// A colour camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    /// What it sees.
+    pub camera: CameraSensor,
+    /// What publishes it.
+    pub plugin: Option<CameraPlugin>,
+}
+
+pub(super) const KIND: Kind = Kind {
+    types: &["camera", "wideanglecamera", "wide_angle_camera"],
+    plugins: &["gazebo_ros_camera"],
+    read: |reader, sensor| reader.colour_camera(sensor).map(SensorKind::Camera),
+};
+
 impl Reader<'_> {
+    fn colour_camera(&mut self, sensor: &Element) -> Option<Camera> {
+        let is_wide_angle = sensor.attribute("type").is_some_and(|kind| kind.starts_with("wide"));
+        let camera = self.camera(sensor, FAR_M, is_wide_angle)?;
+        let plugin = self.plugin(sensor, &KIND).and_then(|element| {
+            let topics = CameraTopics { image: "image_raw", info: "camera_info" };
+            let plugin = self.camera_plugin(element, &topics);
+            self.not_simulated_by_plugin(element, &[]);
+            let plugin = plugin?;
+            self.compare_lenses(element, &plugin, &camera.lens);
+            Some(plugin)
+        });
+        let plugin = plugin.or_else(|| Some(gz_camera(sensor, gz_topic(sensor)?)));
+        Some(Camera { camera, plugin })
+    }
+
     /// The `<camera>` of a sensor; `far_m` is the far clip distance if none is given.
     pub(super) fn camera(
         &mut self,
@@ -188,4 +224,28 @@ fn mosaic(name: &str) -> Option<PixelFormat> {
         "16" => Some(PixelFormat::Bayer16(pattern)),
         _ => None,
     }
+}
+
+/// A sensor cannot begin with a picture before it has read the one before.
+pub(super) fn warn_of_long_readout(sensor: &Sensor, element: &Element, diagnostics: &mut Diagnostics) {
+    let (SensorKind::Camera(Camera { camera, .. }) | SensorKind::Depth(DepthCamera { camera, .. })) =
+        &sensor.kind
+    else {
+        return;
+    };
+    let (Some(device), Some(rate_hz)) = (camera.device, sensor.effective_rate_hz()) else { return };
+    if device.readout_time_s * rate_hz <= 1.0 {
+        return;
+    }
+    let device_element = element.child("camera").and_then(|camera| camera.child("device"));
+    let readout = device_element.and_then(|device| device.child("readout_time_s")).or(device_element);
+    diagnostics.warning(
+        &readout.unwrap_or(element).source,
+        format!(
+            "<readout_time_s> of sensor '{}' is {} s, longer than the time between pictures at {rate_hz} Hz: no such \
+             sensor can be built, and its rows are read while those of the picture before still are",
+            sensor.name, device.readout_time_s
+        ),
+        "write a shorter <readout_time_s>, or a lower <update_rate>",
+    );
 }

@@ -15,6 +15,8 @@ const MAX_RATE_HZ: f64 = 1e6;
 pub(super) struct Reader<'a> {
     /// Name of the sensor.
     pub(super) sensor: String,
+    /// Rate of its plugin, when that has been read.
+    pub(super) plugin_rate_hz: Option<f64>,
     pub(super) diagnostics: &'a mut Diagnostics,
 }
 

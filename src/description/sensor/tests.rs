@@ -4,11 +4,11 @@ mod camera;
 mod device;
 mod lens;
 
-use super::parse_sensor;
+use super::{Camera, DepthCamera, KINDS, Lidar, Rangefinder, kind_of, parse_sensor};
 use crate::description::diagnostics::{Diagnostics, Severity};
 use crate::description::model::{
     AngleFunction, AngleMap, AutoExposed, CameraDevice, CameraSensor, LensIntrinsics, LensModel,
-    LensProjection, Mosaic, Noise, PixelFormat, Plugin, Radiation, ScanAxis, Sensor, SensorKind,
+    LensProjection, Mosaic, Noise, PixelFormat, Radiation, ScanAxis, Sensor, SensorKind,
 };
 use crate::description::xml::Element;
 use std::f64::consts::PI;
@@ -28,18 +28,36 @@ fn accepted(text: &str) -> Sensor {
 }
 
 #[test]
+fn a_type_and_a_plugin_name_one_kind() {
+    for (number, kind) in KINDS.iter().enumerate() {
+        let others =
+            || KINDS.iter().enumerate().filter(|(other, _)| *other != number).map(|(_, other)| other);
+        for plugin in kind.plugins {
+            assert!(others().all(|other| !other.plugins.contains(plugin)), "{plugin}");
+            for kind_type in kind.types {
+                let text = format!(
+                    "<sensor name='s' type='{kind_type}'><plugin filename='lib{plugin}.so'/></sensor>"
+                );
+                let element = Element::parse(&text, Path::new("s.sdf")).unwrap();
+                assert!(std::ptr::eq(kind_of(&element).unwrap(), kind), "{text}");
+            }
+        }
+    }
+}
+
+#[test]
 fn defaults_are_those_of_sdf() {
     let camera = accepted("<sensor name='c' type='camera'/>");
-    let SensorKind::Camera(c) = &camera.kind else { panic!() };
+    let SensorKind::Camera(Camera { camera: c, .. }) = &camera.kind else { panic!() };
     assert_eq!((c.width, c.height, c.format), (320, 240, PixelFormat::Rgb8));
     assert_eq!((c.horizontal_fov_rad, c.near_m, c.far_m), (1.047, 0.1, 100.0));
     assert_eq!((camera.update_rate_hz, camera.always_on, camera.link), (None, false, 7));
 
     let depth = accepted("<sensor name='d' type='depth'/>");
-    assert!(matches!(&depth.kind, SensorKind::Depth(d) if d.far_m == 10.0));
+    assert!(matches!(&depth.kind, SensorKind::Depth(d) if d.camera.far_m == 10.0));
 
     let ray = accepted("<sensor name='r' type='gpu_ray'><ray><range><max>inf</max></range></ray></sensor>");
-    let SensorKind::Ray(r) = &ray.kind else { panic!() };
+    let SensorKind::Ray(Lidar { ray: r, .. }) = &ray.kind else { panic!() };
     assert_eq!((r.horizontal.samples, r.vertical.samples), (640, 1));
     assert_eq!((r.range_min_m, r.range_max_m), (0.0, f64::INFINITY));
 }
@@ -54,9 +72,8 @@ fn camera_plugin_resolves_topics_against_the_camera_name() {
          <autoDistortion>true</autoDistortion><Cy>12</Cy></plugin></sensor>",
     );
     assert_eq!(sensor.effective_rate_hz(), Some(10.0));
-    let SensorKind::Camera(camera) = &sensor.kind else { panic!() };
+    let SensorKind::Camera(Camera { camera, plugin: Some(plugin) }) = &sensor.kind else { panic!() };
     assert_eq!(camera.noise, Noise { stddev: 0.007, ..Noise::default() });
-    let Some(Plugin::Camera(plugin)) = &sensor.plugin else { panic!() };
     assert_eq!(
         (plugin.image_topic.as_str(), plugin.camera_info_topic.as_str()),
         ("/image_raw", "/head/camera_info")
@@ -74,7 +91,7 @@ fn kinect_plugin_has_its_own_defaults() {
          <distortion_k2>0.5</distortion_k2><useDepth16UC1MM>true</useDepth16UC1MM></plugin>\
          <camera><distortion><k2>0.5</k2></distortion></camera></sensor>",
     );
-    let Some(Plugin::DepthCamera(plugin)) = &sensor.plugin else { panic!() };
+    let SensorKind::Depth(DepthCamera { plugin: Some(plugin), .. }) = &sensor.kind else { panic!() };
     assert_eq!(plugin.camera.image_topic, "/camera/ir/image_raw");
     assert_eq!(plugin.depth_image_topic, "/camera/depth/image_raw");
     assert_eq!(plugin.depth_camera_info_topic, "/camera/depth/camera_info");
@@ -90,7 +107,7 @@ fn laser_plugin_defaults_to_world() {
             "<sensor name='l' type='ray'><ray><range><max>6</max></range></ray>\
              <plugin name='p' filename='libgazebo_ros_laser.so'>{parameters}</plugin></sensor>"
         ));
-        let Some(Plugin::Laser(plugin)) = sensor.plugin else { panic!() };
+        let SensorKind::Ray(Lidar { plugin: Some(plugin), .. }) = sensor.kind else { panic!() };
         (plugin.topic, plugin.frame_name)
     };
     assert_eq!(laser(""), ("/world".into(), "/world".into()));
@@ -105,9 +122,7 @@ fn a_rangefinder_has_the_plugins_defaults() {
              <ray><range><max>4</max></range><noise><stddev>0.03</stddev></noise></ray>\
              <plugin name='p' filename='libgazebo_ros_range.so'>{parameters}</plugin></sensor>"
         ));
-        let (Some(Plugin::Range(plugin)), SensorKind::Ray(ray)) = (&sensor.plugin, &sensor.kind) else {
-            panic!()
-        };
+        let SensorKind::Range(Rangefinder { ray, plugin: Some(plugin) }) = &sensor.kind else { panic!() };
         (plugin.clone(), ray.noise.stddev, sensor.effective_rate_hz())
     };
     let (plugin, stddev, rate) = range("");
@@ -136,9 +151,7 @@ fn velodynes_plugin_limits_the_range_and_adds_noise() {
     let sensor = accepted(&lidar(
         "<min_range>0.9</min_range><max_range>130</max_range><gaussianNoise>0.008</gaussianNoise>",
     ));
-    let (Some(Plugin::Laser(plugin)), SensorKind::Ray(ray)) = (&sensor.plugin, &sensor.kind) else {
-        panic!()
-    };
+    let SensorKind::Ray(Lidar { ray, plugin: Some(plugin) }) = &sensor.kind else { panic!() };
     assert_eq!(plugin.topic, "/points");
     assert_eq!((ray.range_min_m, ray.range_max_m, ray.noise.stddev), (0.9, 130.0, 0.008));
     let (_, problems) = parse(&lidar("<max_range>0.2</max_range>"));
@@ -202,7 +215,7 @@ fn what_gazebo_goes_on_with_is_a_warning() {
             "{problems:?}"
         );
         let sensor = sensor.unwrap();
-        let SensorKind::Camera(camera) = sensor.kind else { panic!() };
+        let SensorKind::Camera(Camera { camera, .. }) = sensor.kind else { panic!() };
         (sensor.update_rate_hz, camera.width, camera.format)
     };
     let image = |inside: &str| format!("<camera><image>{inside}</image></camera>");
@@ -226,7 +239,7 @@ fn what_gazebo_goes_on_with_is_a_warning() {
         "<sensor name='r' type='ray'><ray><range><max>5</max></range><scan><horizontal><samples>20.9</samples>\
          <min_angle>1</min_angle><max_angle>-2</max_angle></horizontal></scan></ray></sensor>",
     );
-    let SensorKind::Ray(ray) = sensor.unwrap().kind else { panic!() };
+    let SensorKind::Ray(Lidar { ray, .. }) = sensor.unwrap().kind else { panic!() };
     let ScanAxis { samples, min_angle_rad, max_angle_rad } = ray.horizontal;
     assert_eq!((samples, min_angle_rad, max_angle_rad), (20, -2.0, 1.0));
     assert!(problems.len() == 2 && problems[1].contains("is 1 and <max_angle> is -2"), "{problems:?}");
@@ -239,7 +252,7 @@ fn what_is_not_simulated_gives_a_warning() {
     assert!(problems[0].contains(&format!("{}: the sensor 's' has the type 'sonar'", Severity::Warning)));
     let (sensor, problems) =
         parse("<sensor name='s' type='camera'><plugin name='p' filename='libother.so'/></sensor>");
-    assert!(sensor.unwrap().plugin.is_none());
+    assert!(matches!(sensor.unwrap().kind, SensorKind::Camera(Camera { plugin: None, .. })));
     assert!(problems.len() == 1 && problems[0].contains("libgazebo_ros_openni_kinect.so"), "{problems:?}");
 }
 
@@ -250,8 +263,8 @@ fn camera_of(kind: &str, inside: &str) -> (Option<CameraSensor>, Vec<String>) {
          </camera></sensor>"
     ));
     let camera = sensor.map(|sensor| match sensor.kind {
-        SensorKind::Camera(camera) | SensorKind::Depth(camera) => camera,
-        SensorKind::Ray(_) => panic!(),
+        SensorKind::Camera(Camera { camera, .. }) | SensorKind::Depth(DepthCamera { camera, .. }) => camera,
+        other => panic!("{other:?}"),
     });
     (camera, problems)
 }

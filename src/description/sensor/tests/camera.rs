@@ -73,8 +73,10 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
         let (sensor, problems) =
             parse(&format!("<sensor name='c' type='camera'><camera>{image}</camera></sensor>"));
         let samples = sensor.map(|sensor| match sensor.kind {
-            SensorKind::Camera(camera) | SensorKind::Depth(camera) => camera.anti_aliasing,
-            SensorKind::Ray(_) => panic!(),
+            SensorKind::Camera(Camera { camera, .. }) | SensorKind::Depth(DepthCamera { camera, .. }) => {
+                camera.anti_aliasing
+            }
+            other => panic!("{other:?}"),
         });
         assert_eq!(samples, expected, "{problems:?}");
         assert!(problems.iter().all(|problem| problem.contains("write a whole number from 0 to 64")));
@@ -155,7 +157,7 @@ fn mosaics_and_words_are_formats() {
         let (sensor, problems) = parse(&format!(
             "<sensor name='c' type='camera'><camera><image><format>{name}</format></image></camera></sensor>"
         ));
-        let Some(SensorKind::Camera(camera)) = sensor.map(|sensor| sensor.kind) else {
+        let Some(SensorKind::Camera(Camera { camera, .. })) = sensor.map(|sensor| sensor.kind) else {
             panic!("{problems:?}")
         };
         assert_eq!(camera.format, expected);

@@ -1,12 +1,43 @@
-//! `<ray>` and `<lidar>`: angles of the beams, range, noise.
+//! Lidars: `<ray>` and `<lidar>` (angles of the beams, range, noise), and the plugins that publish scans.
 
+use super::gz::{frame_name, gz_topic};
+use super::plugin::{plain_name, topic};
 use super::reader::Reader;
-use crate::description::model::{RaySensor, ScanAxis};
+use super::{Kind, SensorKind};
+use crate::description::model::{LaserPlugin, RaySensor, ScanAxis};
 use crate::description::values::child_text;
 use crate::description::xml::Element;
 use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
 
+/// A lidar.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lidar {
+    /// Its beams.
+    pub ray: RaySensor,
+    /// What publishes it.
+    pub plugin: Option<LaserPlugin>,
+}
+
+pub(super) const KIND: Kind = Kind {
+    types: &["ray", "gpu_ray", "lidar", "gpu_lidar"],
+    plugins: &[
+        "gazebo_ros_laser",
+        "gazebo_ros_gpu_laser",
+        "gazebo_ros_block_laser",
+        "gazebo_ros_velodyne_laser",
+        "gazebo_ros_velodyne_gpu_laser",
+    ],
+    read: |reader, sensor| reader.lidar(sensor).map(SensorKind::Ray),
+};
+
 impl Reader<'_> {
+    fn lidar(&mut self, sensor: &Element) -> Option<Lidar> {
+        let mut ray = self.ray(sensor)?;
+        let plugin = self.plugin(sensor, &KIND).and_then(|plugin| self.laser_plugin(plugin, &mut ray));
+        let of_gz = || Some(LaserPlugin { topic: gz_topic(sensor)?, frame_name: frame_name(sensor) });
+        Some(Lidar { ray, plugin: plugin.or_else(of_gz) })
+    }
+
     /// The `<ray>` or `<lidar>` of a sensor.
     pub(super) fn ray(&mut self, sensor: &Element) -> Option<RaySensor> {
         let ray = sensor.child("ray").or_else(|| sensor.child("lidar"));
@@ -81,5 +112,43 @@ impl Reader<'_> {
             "write <range><min> below <max>, in metres; <max> may be inf",
         );
         None
+    }
+
+    /// What it does to what the sensor measures becomes the sensor's.
+    fn laser_plugin(&mut self, plugin: &Element, ray: &mut RaySensor) -> Option<LaserPlugin> {
+        let name = plain_name(plugin);
+        // Hokuyo's plugin leaves noise to the sensor.
+        if !matches!(name, "gazebo_ros_laser" | "gazebo_ros_gpu_laser") {
+            self.add_noise(plugin, ray)?;
+        }
+        if name.starts_with("gazebo_ros_velodyne") {
+            ray.range_min_m = ray.range_min_m.max(self.not_negative(Some(plugin), "min_range")?);
+            if plugin.child("max_range").is_some() {
+                ray.range_max_m = ray.range_max_m.min(self.number(Some(plugin), "max_range", 0.0)?);
+            }
+            if ray.range_min_m >= ray.range_max_m {
+                self.diagnostics.error(
+                    Self::place(Some(plugin), "min_range", plugin),
+                    format!(
+                        "sensor '{}' and its plugin leave the ranges from {} to {} m",
+                        self.sensor, ray.range_min_m, ray.range_max_m
+                    ),
+                    "write <min_range> below <max_range> and below the sensor's own <max>",
+                );
+                return None;
+            }
+        }
+        self.plugin_rate_hz = self.rate(plugin, "updateRate")?;
+        Some(LaserPlugin {
+            topic: topic(plugin, "", "topicName", "/world"),
+            frame_name: child_text(plugin, "frameName").unwrap_or_else(|| "/world".into()),
+        })
+    }
+
+    /// `gaussianNoise` of a plugin: both noises are drawn, each for itself.
+    pub(super) fn add_noise(&mut self, plugin: &Element, ray: &mut RaySensor) -> Option<()> {
+        let stddev = self.not_negative(Some(plugin), "gaussianNoise")?;
+        ray.noise.stddev = libm::hypot(ray.noise.stddev, stddev);
+        Some(())
     }
 }

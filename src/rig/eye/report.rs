@@ -1,81 +1,12 @@
-//! A sensor with all its parameters after defaults and plugins.
+//! What is told of a camera's picture, lens and device.
 
-use super::text::{angle, number, pose};
+use super::super::pictures::encoding;
+use super::super::report::{Say, noise};
+use super::{drawn_lens, mapped_share};
 use crate::description::model::{
     AngleFunction, AutoExposed, CameraDevice, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
-    Model, Noise, Plugin, Radiation, RaySensor, Sensor, SensorKind,
 };
-use crate::rig::eye::{drawn_lens, mapped_share};
-use crate::rig::pictures::encoding;
-
-pub(super) fn report(model: &Model, sensor: &Sensor, gazebo_compat: bool) -> Vec<String> {
-    let kind = match sensor.kind {
-        SensorKind::Camera(_) => "camera",
-        SensorKind::Depth(_) => "depth camera",
-        SensorKind::Ray(_) if matches!(sensor.plugin, Some(Plugin::Range(_))) => "rangefinder",
-        SensorKind::Ray(_) => "lidar",
-    };
-    let mut lines = vec![format!("{kind} {} ({})", sensor.name, sensor.source)];
-    let mut say = |what: &str, value: String| lines.push(format!("  {what:12} {value}"));
-    let link = &model.links[sensor.link].name;
-    say("link", format!("{link} {}", pose(&sensor.link_from_sensor)));
-    say("rate", rate(sensor));
-    match &sensor.kind {
-        SensorKind::Camera(camera) | SensorKind::Depth(camera) => {
-            camera_report(camera, &sensor_lens(camera, sensor, gazebo_compat), &mut say);
-        }
-        SensorKind::Ray(ray) => ray_report(ray, &mut say),
-    }
-    match &sensor.plugin {
-        None => say("topics", "none: it has no plugin that is simulated".into()),
-        Some(Plugin::Laser(laser)) => {
-            say("topic", laser.topic.clone());
-            say("frame", laser.frame_name.clone());
-        }
-        Some(Plugin::Range(range)) => {
-            say("topic", range.topic.clone());
-            say("frame", range.frame_name.clone());
-            let radiation = match range.radiation {
-                Radiation::Ultrasound => "ultrasound",
-                Radiation::Infrared => "infrared",
-            };
-            say("cone", format!("{} of {radiation}", angle(range.field_of_view_rad)));
-        }
-        Some(Plugin::Camera(camera)) => {
-            say("topics", format!("{}, {}", camera.image_topic, camera.camera_info_topic));
-            camera_plugin_report(camera, &mut say);
-        }
-        Some(Plugin::DepthCamera(depth)) => {
-            say("topics", format!("{}, {}", depth.camera.image_topic, depth.camera.camera_info_topic));
-            say("", format!("{}, {}", depth.depth_image_topic, depth.depth_camera_info_topic));
-            say("", depth.point_cloud_topic.clone());
-            let coding = if depth.depth_16uc1 { "16UC1 in millimetres" } else { "32FC1 in metres" };
-            let (from, to) = (number(depth.cutoff_m), number(depth.cutoff_max_m));
-            say("depth", format!("{coding}, valid from {from} to {to} m"));
-            camera_plugin_report(&depth.camera, &mut say);
-        }
-    }
-    lines
-}
-
-fn rate(sensor: &Sensor) -> String {
-    let Some(effective) = sensor.effective_rate_hz() else { return "every step of physics".into() };
-    match sensor.update_rate_hz {
-        Some(own) if own > effective => {
-            format!("{} Hz (the sensor's own {} Hz, limited by its plugin)", number(effective), number(own))
-        }
-        _ => format!("{} Hz", number(effective)),
-    }
-}
-
-/// The lens that is drawn.
-fn sensor_lens(camera: &CameraSensor, sensor: &Sensor, gazebo_compat: bool) -> Lens {
-    match &sensor.plugin {
-        Some(Plugin::Camera(plugin)) => drawn_lens(camera, plugin, gazebo_compat),
-        Some(Plugin::DepthCamera(plugin)) => drawn_lens(camera, &plugin.camera, gazebo_compat),
-        Some(Plugin::Laser(_) | Plugin::Range(_)) | None => camera.lens.clone(),
-    }
-}
+use crate::description::text::{angle, number};
 
 /// How much of the picture a lens maps, if that is not all.
 fn mapped(camera: &CameraSensor, drawn: &Lens) -> Option<String> {
@@ -89,7 +20,15 @@ fn mapped(camera: &CameraSensor, drawn: &Lens) -> Option<String> {
     }
 }
 
-fn camera_report(camera: &CameraSensor, drawn: &Lens, say: &mut impl FnMut(&str, String)) {
+/// The camera as it is drawn with its plugin.
+pub(in crate::rig) fn camera(
+    camera: &CameraSensor,
+    plugin: Option<&CameraPlugin>,
+    gazebo_compat: bool,
+    say: Say<'_>,
+) {
+    let drawn =
+        plugin.map_or_else(|| camera.lens.clone(), |plugin| drawn_lens(camera, plugin, gazebo_compat));
     let format = encoding(camera.format).as_str();
     let (width, height) = (camera.width, camera.height);
     say("picture", format!("{width} x {height} {format}"));
@@ -120,7 +59,7 @@ fn camera_report(camera: &CameraSensor, drawn: &Lens, say: &mut impl FnMut(&str,
     if let Some(lens) = lens(&camera.lens.model) {
         say("lens", lens);
     }
-    if let Some(mapped) = mapped(camera, drawn) {
+    if let Some(mapped) = mapped(camera, &drawn) {
         say("maps", mapped);
     }
     say("clip", format!("{} to {} m", number(camera.near_m), number(camera.far_m)));
@@ -135,7 +74,7 @@ fn camera_report(camera: &CameraSensor, drawn: &Lens, say: &mut impl FnMut(&str,
 }
 
 /// When the light is collected, and how much.
-fn device_report(device: &CameraDevice, say: &mut impl FnMut(&str, String)) {
+fn device_report(device: &CameraDevice, say: Say<'_>) {
     let rolling = match device.readout_time_s {
         0.0 => "global".to_owned(),
         time_s => format!("rolling, {} ms from the first row to the last", number(time_s * 1e3)),
@@ -201,7 +140,8 @@ fn lens(model: &LensModel) -> Option<String> {
     Some(format!("{}, {} = {}", model.name(), names.join(", "), values.join(", ")))
 }
 
-fn camera_plugin_report(camera: &CameraPlugin, say: &mut impl FnMut(&str, String)) {
+/// What the plugin adds to that.
+pub(in crate::rig) fn plugin(camera: &CameraPlugin, say: Say<'_>) {
     say("frame", if camera.frame_name.is_empty() { "none".into() } else { camera.frame_name.clone() });
     let mut info = Vec::new();
     if camera.hack_baseline_m != 0.0 {
@@ -221,34 +161,4 @@ fn camera_plugin_report(camera: &CameraPlugin, say: &mut impl FnMut(&str, String
     if !info.is_empty() {
         say("camera_info", info.join(", "));
     }
-}
-
-fn ray_report(ray: &RaySensor, say: &mut impl FnMut(&str, String)) {
-    for (name, axis) in [("beams", ray.horizontal), ("lines", ray.vertical)] {
-        if name == "beams" || axis.samples > 1 {
-            let (from, to) = (angle(axis.min_angle_rad), angle(axis.max_angle_rad));
-            say(name, format!("{} from {from} to {to}", axis.samples));
-        }
-    }
-    say("range", format!("{} to {} m", number(ray.range_min_m), number(ray.range_max_m)));
-    if ray.range_resolution_m > 0.0 {
-        say("resolution", format!("{} m, not applied, as in Gazebo", number(ray.range_resolution_m)));
-    }
-    say("noise", noise(&ray.noise, "m"));
-}
-
-fn noise(noise: &Noise, unit: &str) -> String {
-    if *noise == Noise::default() {
-        return "none".into();
-    }
-    let mut parts =
-        vec![format!("gaussian, mean {}, stddev {} {unit}", number(noise.mean), number(noise.stddev))];
-    if noise.bias_mean != 0.0 || noise.bias_stddev != 0.0 {
-        let (mean, stddev) = (number(noise.bias_mean), number(noise.bias_stddev));
-        parts.push(format!("bias mean {mean}, bias stddev {stddev}"));
-    }
-    if noise.precision > 0.0 {
-        parts.push(format!("rounded to {}", number(noise.precision)));
-    }
-    parts.join(", ")
 }

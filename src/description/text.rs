@@ -5,7 +5,7 @@ use glam::{DVec3, EulerRot};
 use std::f64::consts::PI;
 
 /// `xyz … rpy …`, as URDF writes it; what is zero is left out.
-pub(super) fn pose(pose: &Pose) -> String {
+pub fn pose(pose: &Pose) -> String {
     let xyz = pose.translation();
     let (yaw, pitch, roll) = pose.rotation().to_euler(EulerRot::ZYX);
     // Every rotation is written in two ways. Beyond a quarter turn the one that only pitches is what files say.
@@ -19,16 +19,18 @@ pub(super) fn pose(pose: &Pose) -> String {
     parts.join(" ")
 }
 
-pub(super) fn vector(vector: DVec3) -> String {
+/// Its numbers, apart by spaces.
+pub fn vector(vector: DVec3) -> String {
     vector.to_array().map(number).join(" ")
 }
 
-pub(super) fn angle(radians: f64) -> String {
+/// In radians and degrees.
+pub fn angle(radians: f64) -> String {
     format!("{} rad ({:.2}°)", number(radians), radians.to_degrees())
 }
 
 /// At most seven decimals, and none that say nothing.
-pub(super) fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     if !value.is_finite() {
         return value.to_string();
     }

@@ -225,7 +225,7 @@ impl Sensor for DepthCamera<'_> {
         let fan = Frame::fan_of(optics, shutter);
         let marks = lines(self.camera.marks(shutter) * size_of::<u32>());
         let blocked = lines(fan.blocks_across() * fan.blocks_down() * size_of::<u16>());
-        let seen = self.device.map_or(0, |device| Seen::workspace_len(&device, self.pixels()));
+        let seen = self.device.map_or(0, |_| Seen::workspace_len(self.pixels()));
         Frame::workspace_len(scene, optics, shutter) + sums_len(&fan, shutter) + blocked + marks + seen
     }
 
@@ -263,7 +263,7 @@ impl Sensor for DepthCamera<'_> {
             &mut []
         };
         let device = self.device.as_ref().filter(|_| wants_depth);
-        let mut seen = device.map(|device| Seen::new(device, pixels, &mut memory));
+        let mut seen = device.map(|_| Seen::new(pixels, &mut memory));
         let wants_colour = colour.is_some() || points.is_some();
         let marks = memory.take(if wants_colour { self.camera.marks(shutter) } else { 0 });
         let drawn = (colour.as_deref_mut(), &mut *marks);
@@ -359,8 +359,8 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
             truth.write(simd, band, &camera.camera.sight(), capture);
         }
         let is_measured = output.seen.is_none();
-        if let Some(seen) = &mut output.seen {
-            seen.write(simd, band, camera.camera.sight().faces, self.obstacles);
+        if let (Some(seen), Some(device)) = (&mut output.seen, &camera.device) {
+            seen.write(simd, band, device, camera.camera.sight().faces, self.obstacles);
         }
         for row in band.block_rows() {
             // Depths are those of a line's first slice.

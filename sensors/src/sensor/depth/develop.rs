@@ -3,7 +3,7 @@
 use super::rows::{millimetres, write_xyz};
 use super::seen::Seen;
 use super::{DepthCamera, POINT_STEP};
-use crate::device::depth::{DepthDevice, Shift};
+use crate::device::depth::DepthDevice;
 use crate::execution::{Execution, SplitRows, for_each_row, split_at};
 use crate::noise::{Stream, normal_lines};
 use crate::optics::rays::Rays;
@@ -93,13 +93,12 @@ impl Developer<'_> {
                     let (column, row) = (tile * WIDTH, tile_row + line);
                     let count = WIDTH.min(width - column);
                     let at = row * width + column;
-                    let cosines = self.cosines(simd, at, count);
-                    let (truth, cosines) = match self.device.lateral() {
-                        Some(shift) => {
-                            self.beside(simd, [column, row], (shift, cosines), [right[line], down[line]])
-                        }
-                        None => (load(simd, &self.seen.depth[at..at + count]), cosines),
-                    };
+                    let [mut truth, mut cosines] = load(simd, &self.seen.0[at..at + count]);
+                    if let Some(shift) = self.device.lateral() {
+                        let stddevs = shift.stddevs(simd, cosines);
+                        let offset = [stddevs * right[line], stddevs * down[line]];
+                        [truth, cosines] = self.beside(simd, [column, row], offset);
+                    }
                     let noisy = self.device.measure(simd, truth, cosines, noise[line]);
                     let depths = self.camera.limited(simd, truth, noisy);
                     self.write(simd, depths, [column, row, count], first_row, output);
@@ -108,41 +107,24 @@ impl Developer<'_> {
         }
     }
 
-    #[inline(always)]
-    fn cosines<S: Simd>(&self, simd: S, at: usize, count: usize) -> f32x16<S> {
-        match self.seen.cosine.get(at..at + count) {
-            Some(cosines) => load(simd, cosines),
-            None => f32x16::splat(simd, 1.0),
-        }
-    }
-
-    /// True depths, and the cosines there, of what sixteen pixels from one on see beside their own rays.
+    /// What sixteen pixels from one on see so far to the right and down of their own rays: depths and cosines.
     #[inline(always)]
     fn beside<S: Simd>(
         &self,
         simd: S,
         [column, row]: [usize; 2],
-        (shift, cosines): (Shift, f32x16<S>),
         [right, down]: [f32x16<S>; 2],
-    ) -> (f32x16<S>, f32x16<S>) {
+    ) -> [f32x16<S>; 2] {
         let [width, height] = self.camera.camera.size();
-        let stddevs = shift.stddevs(simd, cosines);
-        let x = f32x16::load_array_ref(simd, &ACROSS) + (stddevs * right + column as f32);
-        let y = stddevs * down + row as f32;
-        let inside = |values: f32x16<S>, size: usize| -> [i32; WIDTH] {
-            let (zero, last) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, (size - 1) as f32));
-            values.max(zero).min(last).round_ties_even().to_int::<i32x16<S>>().into()
-        };
-        let (x, y) = (inside(x, width), inside(y, height));
-        let (mut depths, mut flat) = ([0.0; WIDTH], [1.0; WIDTH]);
+        let x = f32x16::load_array_ref(simd, &ACROSS) + (right + column as f32);
+        let columns = whole(simd, x, width);
+        let rows = whole(simd, down + row as f32, height);
+        let pixels: [i32; WIDTH] = (rows * width as i32 + columns).into();
+        let mut seen = [[0.0; 2]; WIDTH];
         for lane in 0..WIDTH {
-            let pixel = y[lane] as usize * width + x[lane] as usize;
-            depths[lane] = self.seen.depth[pixel];
-            if let Some(&cosine) = self.seen.cosine.get(pixel) {
-                flat[lane] = cosine;
-            }
+            seen[lane] = self.seen.0[pixels[lane] as u32 as usize];
         }
-        (f32x16::load_array(simd, depths), f32x16::load_array(simd, flat))
+        load(simd, &seen)
     }
 
     /// Writes the depths of some pixels of a row into a part of the frame that begins with `first_row`.
@@ -174,13 +156,24 @@ impl Developer<'_> {
     }
 }
 
-/// Up to sixteen values; 0 in the lanes beyond.
+/// The nearest whole numbers from 0 on, and below a size.
 #[inline(always)]
-fn load<S: Simd>(simd: S, values: &[f32]) -> f32x16<S> {
-    if let Some(values) = values.first_chunk() {
-        return f32x16::load_array_ref(simd, values);
+fn whole<S: Simd>(simd: S, values: f32x16<S>, size: usize) -> i32x16<S> {
+    let (zero, last) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, (size - 1) as f32));
+    values.max(zero).min(last).round_ties_even().to_int()
+}
+
+/// Up to sixteen depths and cosines; 0 in the lanes beyond.
+#[inline(always)]
+fn load<S: Simd>(simd: S, seen: &[[f32; 2]]) -> [f32x16<S>; 2] {
+    if let Some(seen) = seen.as_flattened().first_chunk::<{ 2 * WIDTH }>() {
+        let [first, second] = [0, 1].map(|half| f32x16::from_slice(simd, &seen[half * WIDTH..][..WIDTH]));
+        let (depths, cosines) = simd.deinterleave_f32x16(first, second);
+        return [depths, cosines];
     }
-    let mut some = [0.0; WIDTH];
-    some[..values.len()].copy_from_slice(values);
-    f32x16::load_array(simd, some)
+    let (mut depths, mut cosines) = ([0.0; WIDTH], [0.0; WIDTH]);
+    for (lane, &[depth, cosine]) in seen.iter().enumerate().take(WIDTH) {
+        (depths[lane], cosines[lane]) = (depth, cosine);
+    }
+    [f32x16::load_array(simd, depths), f32x16::load_array(simd, cosines)]
 }

@@ -9,40 +9,32 @@ use crate::trace::normals::NormalFinder;
 use crate::trace::packet::Faces;
 use crate::trace::place::for_each_block;
 use crate::trace::resolve::Resolver;
-use fearless_simd::Simd;
+use fearless_simd::{Simd, SimdBase, f32x16};
 
-/// What is seen of pixels, row after row.
-pub(super) struct Seen<'a> {
-    /// True depths in metres: +∞ where nothing is met, −∞ where something too near is in the way.
-    pub(super) depth: &'a mut [f32],
-    /// Cosines of the angles of incidence, 1 where nothing is met; empty if the device does not ask for them.
-    pub(super) cosine: &'a mut [f32],
-}
+/// What is seen of pixels, row after row: the true depth in metres, +∞ where nothing is met and −∞ where something too near
+/// is in the way, and the cosine of the angle of incidence, 1 where nothing is met or nobody asks. Side by side, since
+/// who looks beside its own ray looks at both.
+pub(super) struct Seen<'a>(pub(super) &'a mut [[f32; 2]]);
 
 impl<'a> Seen<'a> {
     /// Cache lines of so many pixels.
-    pub(super) fn workspace_len(device: &DepthDevice, pixels: usize) -> usize {
-        let arrays = 1 + usize::from(device.wants_incidence());
-        arrays * lines(pixels * size_of::<f32>())
+    pub(super) const fn workspace_len(pixels: usize) -> usize {
+        lines(pixels * size_of::<[f32; 2]>())
     }
 
-    pub(super) fn new(device: &DepthDevice, pixels: usize, memory: &mut Cutter<'a>) -> Self {
-        Self {
-            depth: memory.take(pixels),
-            cosine: memory.take(if device.wants_incidence() { pixels } else { 0 }),
-        }
+    pub(super) fn new(pixels: usize, memory: &mut Cutter<'a>) -> Self {
+        Self(memory.take(pixels))
     }
 
     /// To be lent once more.
     pub(super) fn reborrow(&mut self) -> Seen<'_> {
-        Seen { depth: &mut *self.depth, cosine: &mut *self.cosine }
+        Seen(&mut *self.0)
     }
 
     /// The first pixels, and the rest.
     pub(super) fn split_at(self, pixels: usize) -> (Self, Self) {
-        let (depth, depth_rest) = self.depth.split_at_mut(pixels.min(self.depth.len()));
-        let (cosine, cosine_rest) = self.cosine.split_at_mut(pixels.min(self.cosine.len()));
-        (Self { depth, cosine }, Self { depth: depth_rest, cosine: cosine_rest })
+        let (seen, rest) = self.0.split_at_mut(pixels.min(self.0.len()));
+        (Self(seen), Self(rest))
     }
 
     /// Writes what the rays of a band see. Compiled once a level.
@@ -51,6 +43,7 @@ impl<'a> Seen<'a> {
         &mut self,
         simd: S,
         band: &Band<'_>,
+        device: &DepthDevice,
         faces: Faces,
         obstacles: Obstacles<'_>,
     ) {
@@ -68,11 +61,11 @@ impl<'a> Seen<'a> {
                     |place, block| {
                         let depths = measure.block::<S, true>(simd, band, &mut resolver, block);
                         let depths = obstacles.hide(simd, block[1] * across + block[0], depths);
-                        place.write_f32(simd, depths, self.depth);
-                        if !self.cosine.is_empty() {
-                            let cosines = finder.cosines(simd, band, &axes, &mut resolver, block);
-                            place.write_f32(simd, cosines, self.cosine);
+                        let mut cosines = f32x16::splat(simd, 1.0);
+                        if device.wants_incidence() {
+                            cosines = finder.cosines(simd, band, &axes, &mut resolver, block);
                         }
+                        place.write_pairs(simd, [depths, cosines], self.0);
                     },
                 );
             },

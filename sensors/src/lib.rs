@@ -16,7 +16,8 @@
 //! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames
 //! (clouds, [`optics`]) have z forward, x right, y down. Pixel centres are integers.
 //!
-//! What a sensor sees is decided by [`scene::visibility`]: cameras see visuals, lidars hit collision shapes.
+//! What a sensor sees is decided by [`scene::visibility`]: cameras see visuals, lidars hit collision shapes
+//! unless they are told otherwise.
 //!
 //! Features: `std` (default) finds the SIMD level at run time; `alloc` gives the owned
 //! [`SceneBuilder`](scene::SceneBuilder) and [`WorkspaceBuf`](trace::WorkspaceBuf), without which scenes are made of the

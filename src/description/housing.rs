@@ -1,11 +1,11 @@
 //! What a ray sensor looks through: the shapes of its own robot that it sits in.
 //!
 //! A scanner is drawn as a box or a mesh with the mirror inside it, and its rays start there: taken at its word, it
-//! would see its housing and nothing else. So a collision shape that encloses the sensor, and that nothing can move
-//! against it, is not there for it. What stands beside the sensor, a mast or the plate above it, still is.
+//! would see its housing and nothing else. So a shape that encloses the sensor, and that nothing can move against
+//! it, is not there for it: a collision shape, or a visual for those that see visuals. What stands beside the sensor, a mast or the plate above it, still is.
 
 use super::diagnostics::Diagnostics;
-use super::model::{Collision, Geometry, LinkIndex, Mesh, Model, Sensor};
+use super::model::{Geometry, Link, LinkIndex, Mesh, Model, RaySensor, Sensor};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -17,68 +17,87 @@ const ENCLOSED: usize = DIRECTIONS * 9 / 10;
 /// A sensor this near to a solid's surface counts as inside, in m.
 const ON_SURFACE_M: f64 = 1e-6;
 
-/// A collision shape of a model: its link, and its number there.
-pub type CollisionIndex = (LinkIndex, usize);
+/// A shape of a model: its link, and what it is there.
+pub type ShapeIndex = (LinkIndex, Part);
 
-/// The collision shapes that a sensor at `link_from_sensor` looks through: they enclose it, and fixed joints hold them.
-pub fn housings(model: &Model, link: LinkIndex, link_from_sensor: &Pose) -> Vec<CollisionIndex> {
-    let body = model.rigid_root(link);
-    around(model, link, link_from_sensor).filter(|(other, _)| model.rigid_root(*other) == body).collect()
+/// A shape of a link, by its number among those of its kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// One of its visuals.
+    Visual(usize),
+    /// One of its collision shapes.
+    Collision(usize),
 }
 
-/// The collision shapes of a model that a sensor is in, with every joint at zero.
-fn around<'m>(
-    model: &'m Model,
-    link: LinkIndex,
-    link_from_sensor: &Pose,
-) -> impl Iterator<Item = CollisionIndex> + 'm {
-    let model_from_sensor = model.links[link].model_from_link * *link_from_sensor;
-    let origin = model_from_sensor.translation();
-    model.links.iter().enumerate().flat_map(move |(number, other)| {
-        let from_model = other.model_from_link.inverse();
-        let shapes = other.collisions.iter().enumerate();
-        shapes
-            .filter(move |(_, shape)| encloses(shape, from_model.transform_point(origin)))
-            .map(move |(shape, _)| (number, shape))
+/// The shapes that a ray sensor looks through: they enclose it, and fixed joints hold them.
+pub fn housings(model: &Model, sensor: &Sensor) -> Vec<ShapeIndex> {
+    let Some(ray) = sensor.kind.ray() else { return Vec::new() };
+    let body = model.rigid_root(sensor.link);
+    around(model, sensor, ray).filter(|(other, _)| model.rigid_root(*other) == body).collect()
+}
+
+/// The shapes of a model that a ray sensor can see and is in, with every joint at zero.
+fn around<'m>(model: &'m Model, sensor: &Sensor, ray: &RaySensor) -> impl Iterator<Item = ShapeIndex> + 'm {
+    let model_from_sensor = model.links[sensor.link].model_from_link * sensor.link_from_sensor;
+    let (origin, sees_visuals) = (model_from_sensor.translation(), ray.sees_visuals);
+    model.links.iter().enumerate().flat_map(move |(number, link)| {
+        let point = link.model_from_link.inverse().transform_point(origin);
+        shapes(link, sees_visuals)
+            .filter(move |(_, pose, geometry)| encloses(geometry, pose.inverse().transform_point(point)))
+            .map(move |(part, ..)| (number, part))
     })
 }
 
-/// Tells which ray sensors of a robot start inside a collision shape, and what comes of it.
+/// The visuals of a link, or its collision shapes, with their poses in it.
+fn shapes(link: &Link, visuals: bool) -> impl Iterator<Item = (Part, Pose, &Geometry)> {
+    let (seen, hit) = if visuals { (&link.visuals[..], &[][..]) } else { (&[][..], &link.collisions[..]) };
+    let seen = seen.iter().enumerate();
+    let seen = seen.map(|(number, shape)| (Part::Visual(number), shape.link_from_visual, &shape.geometry));
+    let hit = hit.iter().enumerate();
+    let hit =
+        hit.map(|(number, shape)| (Part::Collision(number), shape.link_from_collision, &shape.geometry));
+    seen.chain(hit)
+}
+
+/// Tells which ray sensors of a robot start inside a shape that they can see, and what comes of it.
 pub(super) fn report(model: &Model, gazebo_compat: bool, diagnostics: &mut Diagnostics) {
-    let is_ray = |sensor: &&Sensor| sensor.kind.casts_rays();
-    for sensor in model.sensors.iter().filter(is_ray) {
-        for (link, shape) in around(model, sensor.link, &sensor.link_from_sensor) {
-            let source = &model.links[link].collisions[shape].source;
+    for sensor in &model.sensors {
+        let Some(ray) = sensor.kind.ray() else { continue };
+        for (link, part) in around(model, sensor, ray) {
+            let (shape, source) = match part {
+                Part::Visual(number) => ("visual", &model.links[link].visuals[number].source),
+                Part::Collision(number) => ("collision shape", &model.links[link].collisions[number].source),
+            };
             let what = format!(
-                "the sensor '{}' is inside a collision shape of the link '{}' ({source})",
+                "the sensor '{}' is inside a {shape} of the link '{}' ({source})",
                 sensor.name, model.links[link].name
             );
             let is_rigid = model.rigid_root(link) == model.rigid_root(sensor.link);
-            if gazebo_compat {
-                diagnostics.warning(
+            match part {
+                Part::Visual(_) if gazebo_compat || !is_rigid => {
+                    // Of what encloses it, it could see nothing but back faces, which are culled, and parts inside.
+                }
+                _ if gazebo_compat => diagnostics.warning(
                     &sensor.source,
                     format!("{what}: it sees that where it is beyond the least range, as in Gazebo"),
                     "let the shape end at the sensor, or leave --gazebo-compat out",
-                );
-            } else if is_rigid {
-                diagnostics.note(&sensor.source, format!("{what}: it looks through it"), "");
-            } else {
-                diagnostics.warning(
+                ),
+                _ if is_rigid => diagnostics.note(&sensor.source, format!("{what}: it looks through it"), ""),
+                _ => diagnostics.warning(
                     &sensor.source,
                     format!("{what}, which a joint moves: it sees nothing else"),
                     "move the sensor, or fix that link to the sensor's",
-                );
+                ),
             }
         }
     }
 }
 
-/// Whether a point in the link's frame is inside a shape.
-fn encloses(shape: &Collision, point: DVec3) -> bool {
-    let point = shape.link_from_collision.inverse().transform_point(point);
+/// Whether a point in the frame of a shape is inside it.
+fn encloses(geometry: &Geometry, point: DVec3) -> bool {
     let beyond = |length: f64| point.z.abs() - 0.5 * length;
     let across = point.truncate().length();
-    match &shape.geometry {
+    match geometry {
         Geometry::Box { size } => (point.abs() - *size * 0.5).max_element() <= ON_SURFACE_M,
         Geometry::Sphere { radius } => point.length() <= radius + ON_SURFACE_M,
         Geometry::Cylinder { radius, length } => {

@@ -23,7 +23,7 @@ pub use lidar::Lidar;
 pub use range::Rangefinder;
 
 use super::diagnostics::{Diagnostics, Source};
-use super::model::LinkIndex;
+use super::model::{LinkIndex, RaySensor};
 use super::values::{child_bool, child_pose};
 use super::xml::Element;
 use belvedere_sensors::Pose;
@@ -76,9 +76,13 @@ pub enum SensorKind {
 }
 
 impl SensorKind {
-    /// Whether it measures along rays that begin in it, and so looks through a housing around it.
-    pub fn casts_rays(&self) -> bool {
-        matches!(self, Self::Ray(_) | Self::Range(_))
+    /// The rays along which it measures, if it does. They begin in it, so that it looks through a housing around it.
+    pub fn ray(&self) -> Option<&RaySensor> {
+        match self {
+            Self::Ray(lidar) => Some(&lidar.ray),
+            Self::Range(rangefinder) => Some(&rangefinder.ray),
+            Self::Camera(_) | Self::Depth(_) => None,
+        }
     }
 }
 

@@ -15,6 +15,8 @@ use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
 use belvedere_sensors::Shutter;
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
 use belvedere_sensors::noise::GaussianNoiseError;
+use belvedere_sensors::scene::visibility;
+use belvedere_sensors::trace::Faces;
 use std::time::Instant;
 
 impl Behaviour for model::Lidar {
@@ -161,6 +163,7 @@ pub(super) fn ray_report(ray: &RaySensor, say: Say<'_>) {
             say(name, format!("{} from {from} to {to}", axis.samples));
         }
     }
+    say("sees", if ray.sees_visuals { "visuals" } else { "collision shapes" }.into());
     say("range", format!("{} to {} m", number(ray.range_min_m), number(ray.range_max_m)));
     if ray.range_resolution_m > 0.0 {
         say("resolution", format!("{} m, not applied, as in Gazebo", number(ray.range_resolution_m)));
@@ -178,11 +181,19 @@ pub(super) fn lidar_config(
         min_angle_rad: axis.min_angle_rad,
         max_angle_rad: axis.max_angle_rad,
     };
+    // Gazebo renders on a GPU without back faces.
+    let (sees, faces) = if ray.sees_visuals {
+        (visibility::VISUAL, Faces::Front)
+    } else {
+        (visibility::COLLISION, Faces::Both)
+    };
     Ok(LidarConfig::new(beams(&ray.horizontal))
         .vertical(beams(&ray.vertical))
         .range_min_m(ray.range_min_m)
         .range_max_m(ray.range_max_m)
         .too_near(if opening.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks })
+        .visibility(sees)
+        .faces(faces)
         .noise(noise(&ray.noise)?)
         .seed(opening.seed)
         .sensor(opening.sensor))

@@ -38,7 +38,7 @@ pub use schedule::Schedule;
 pub use settings::Settings;
 pub use sink::{FrameBuf, Sink};
 
-use crate::description::housing::{CollisionIndex, housings};
+use crate::description::housing::{ShapeIndex, housings};
 use crate::description::model::{ModelPlugin, Sensor};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
@@ -108,7 +108,7 @@ struct Scheduled {
     /// Of rendering a frame.
     cost: Cost,
     /// What its sensor looks through: shapes of its own model.
-    housing: Vec<CollisionIndex>,
+    housing: Vec<ShapeIndex>,
 }
 
 /// All channels of a simulation.
@@ -252,9 +252,7 @@ impl Rig {
             if let Some(channel) = behaviour(sensor).open(sensor, &opening(rate, number))? {
                 let described = behaviour(sensor).settings(rate.hz());
                 let name = entity.scoped(&sensor.name);
-                let looks_through = sensor.kind.casts_rays() && !options.gazebo_compat;
-                let housing =
-                    looks_through.then(|| housings(&entity.model, sensor.link, &sensor.link_from_sensor));
+                let housing = (!options.gazebo_compat).then(|| housings(&entity.model, sensor));
                 let tuning = Tuning { sensor: name, described, now: described };
                 add(rate, channel, Some(tuning), housing.unwrap_or_default());
             } else {

@@ -1,7 +1,7 @@
 //! What the sensors see of the world: its shapes, looks and lamps as a `sensors` scene, kept in step with physics.
 
 use crate::description::diagnostics::{Problem, Severity, Source};
-use crate::description::housing::CollisionIndex;
+use crate::description::housing::{Part, ShapeIndex};
 use crate::description::model as description;
 use crate::description::model::{Geometry, LinkIndex, Mesh, Model, World};
 use crate::world::physics::{ModelIndex, Physics};
@@ -104,13 +104,17 @@ impl WorldScene {
         added
     }
 
-    /// Lets rays pass through collision shapes of a model, or no more.
-    pub fn hide(&mut self, model: ModelIndex, shapes: &[CollisionIndex], hidden: bool) {
-        // Not 0, so that nothing else of the scene changes.
-        let seen = if hidden { HIDDEN } else { visibility::COLLISION };
-        for (link, shape) in shapes {
+    /// Lets rays pass through shapes of a model, or no more.
+    pub fn hide(&mut self, model: ModelIndex, shapes: &[ShapeIndex], hidden: bool) {
+        for (link, part) in shapes {
+            let seen = match part {
+                // Not 0, so that nothing else of the scene changes.
+                _ if hidden => HIDDEN,
+                Part::Visual(_) => visibility::VISUAL,
+                Part::Collision(_) => visibility::COLLISION,
+            };
             let placed = of_link(&self.assembly.placed, (model, *link)).iter();
-            for placed in placed.filter(|placed| placed.collision == Some(*shape)) {
+            for placed in placed.filter(|placed| placed.part == *part) {
                 // It is there.
                 let _ = self.assembly.builder.set_visibility(placed.instance, seen);
             }
@@ -203,8 +207,8 @@ struct Placed {
     link_from_shape: Pose,
     shape: Shape,
     material: MaterialId,
-    /// Its number among the link's collision shapes, if it is one.
-    collision: Option<usize>,
+    /// What it is of the link.
+    part: Part,
 }
 
 /// A scene being put together; files and meshes that are used twice are taken in once.
@@ -231,7 +235,7 @@ impl Assembly {
     ) -> Result<(), Problem> {
         // Without a label, a thing's class is its model: its place, from 1, in the simulator's list of models.
         let class = 1 + key.0 as u32;
-        for visual in &link.visuals {
+        for (number, visual) in link.visuals.iter().enumerate() {
             let material = self.material(&visual.material, &visual.source)?;
             let (shape, shape_pose) = self.shape(&visual.geometry, false, &visual.source)?;
             let link_from_shape = visual.link_from_visual * shape_pose;
@@ -240,11 +244,12 @@ impl Assembly {
                 world_from_instance,
                 material,
                 visibility: visibility::VISUAL,
+                laser_retro: visual.laser_retro,
                 class: visual.label.unwrap_or(class),
                 ..Default::default()
             };
-            let instance =
-                self.place((key, None), world_from_link, link_from_shape, &visual.source, config)?;
+            let place = (key, Part::Visual(number));
+            let instance = self.place(place, world_from_link, link_from_shape, &visual.source, config)?;
             self.fiducials.extend(visual.fiducials.iter().map(|tag| PlacedFiducial {
                 instance: instance.0,
                 instance_from_fiducial: shape_pose.inverse() * tag.visual_from_fiducial,
@@ -261,7 +266,7 @@ impl Assembly {
             self.bare = Some(material);
             let (shape, shape_pose) = self.shape(&collision.geometry, true, &collision.source)?;
             let link_from_shape = collision.link_from_collision * shape_pose;
-            let key = (key, Some(number));
+            let key = (key, Part::Collision(number));
             self.place(key, world_from_link, link_from_shape, &collision.source, |world_from_instance| {
                 InstanceConfig {
                     shape,
@@ -279,7 +284,7 @@ impl Assembly {
 
     fn place(
         &mut self,
-        (key, collision): ((ModelIndex, LinkIndex), Option<usize>),
+        (key, part): ((ModelIndex, LinkIndex), Part),
         world_from_link: &Pose,
         link_from_shape: Pose,
         source: &Source,
@@ -296,7 +301,7 @@ impl Assembly {
         if links.len() <= link {
             links.resize_with(link + 1, Vec::new);
         }
-        links[link].push(Placed { instance, link_from_shape, shape, material, collision });
+        links[link].push(Placed { instance, link_from_shape, shape, material, part });
         Ok(instance)
     }
 

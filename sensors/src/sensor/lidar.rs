@@ -9,14 +9,13 @@ use crate::moment::{Capture, Shutter, Slice};
 use crate::noise::{Stream, normals64};
 use crate::optics::Optics;
 use crate::optics::SphericalGrid;
-use crate::scene::{Scene, visibility};
+use crate::scene::Scene;
 use crate::simd::{LANES, WIDTH};
 pub use crate::trace::TooNear;
 use crate::trace::error::check_output;
 use crate::trace::grid::{Band, BandWork, Frame, Sight, check_shutter};
 use crate::trace::image::NO_HIT;
 use crate::trace::measure::Measure;
-use crate::trace::packet::Faces;
 use crate::trace::place::for_each_block;
 use crate::trace::resolve::Resolver;
 use crate::trace::truth::check_truth;
@@ -24,7 +23,7 @@ use crate::trace::{SenseError, Truth, Workspace};
 pub use config::{Beams, LidarConfig, LidarError, MAX_BEAMS, MAX_SAMPLES, Sweep};
 use fearless_simd::Simd;
 
-/// A checked lidar. Its hits are the [`COLLISION`](visibility::COLLISION) shapes, as those of Gazebo's CPU ray.
+/// A checked lidar.
 #[derive(Debug, Clone, Copy)]
 pub struct Lidar {
     config: LidarConfig,
@@ -94,7 +93,7 @@ impl Lidar {
             TooNear::Blocks => 0.0,
             TooNear::SeenThrough => self.config.range_min_m,
         };
-        Sight { faces: Faces::Both, range: [nearest, self.config.range_max_m], within: f64::INFINITY }
+        Sight { faces: self.config.faces, range: [nearest, self.config.range_max_m], within: f64::INFINITY }
     }
 
     /// The slices, if they are of columns.
@@ -221,7 +220,7 @@ impl Sensor for Lidar {
         }
         let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
         let (optics, shutter) = (self.optics(), &capture.shutter);
-        let frame = Frame::new(scene, &optics, shutter, visibility::COLLISION, execution, &mut memory)?;
+        let frame = Frame::new(scene, &optics, shutter, self.config.visibility, execution, &mut memory)?;
         let sight = self.sight();
         let samples = self.config.horizontal.samples as usize;
         let lines = Lines { scan: output, samples, rows_in_block: 1 << frame.fan().shift_y };

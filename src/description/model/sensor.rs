@@ -31,6 +31,8 @@ pub struct CameraSensor {
 /// `<ray>` or `<lidar>` of SDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RaySensor {
+    /// Whether it is one of Gazebo's GPU kinds: these see the outside of visuals, the others hit collision shapes.
+    pub sees_visuals: bool,
     /// Beams of a scan line.
     pub horizontal: ScanAxis,
     /// Scan lines; one at angle 0 for a 2D lidar.

@@ -20,6 +20,8 @@ pub struct Visual {
     pub material: Material,
     /// Its class, if the file labels it or its model.
     pub label: Option<u32>,
+    /// Reflectivity that a lidar which sees visuals reports as intensity (`<laser_retro>`), 0 if not given.
+    pub laser_retro: f32,
     /// The tags that it shows.
     pub fiducials: Vec<Fiducial>,
     /// Where it stands.

@@ -134,6 +134,7 @@ impl Loader<'_> {
         let opacity = 1.0 - self.within(element, "transparency", 1.0).unwrap_or(0.0);
         let material = self.material(element, scope);
         let label = label(element, self.diagnostics);
+        let laser_retro = child_number(element, "laser_retro", self.diagnostics).unwrap_or(0.0) as f32;
         let mut fiducials = fiducials(element, self.diagnostics);
         // A mesh whose triangles have several materials becomes one visual for each; the first has the tags.
         for geometry in self.visual_geometry(element, scope) {
@@ -145,6 +146,7 @@ impl Loader<'_> {
                 link_from_visual,
                 material,
                 label,
+                laser_retro,
                 fiducials: std::mem::take(&mut fiducials),
                 geometry,
                 source: element.source.clone(),

@@ -64,6 +64,7 @@ impl Reader<'_> {
         }
         let (range_min_m, range_max_m) = limits?;
         Some(RaySensor {
+            sees_visuals: matches!(sensor.attribute("type"), Some("gpu_ray" | "gpu_lidar")),
             horizontal,
             vertical,
             range_min_m,

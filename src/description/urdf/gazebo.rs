@@ -95,6 +95,9 @@ impl Loader<'_> {
             for collision in &mut link.collisions {
                 collision.laser_retro = retro as f32;
             }
+            for visual in &mut link.visuals {
+                visual.laser_retro = retro as f32;
+            }
         }
         if let (Some(friction), Some(child)) =
             (number_of(element, "mu1", self.diagnostics), element.child("mu1"))

@@ -92,6 +92,7 @@ impl Loader<'_> {
             geometry,
             material: material.clone().or(own_material).unwrap_or_default(),
             label: None,
+            laser_retro: 0.0,
             fiducials: Vec::new(),
             source: element.source.clone(),
         };

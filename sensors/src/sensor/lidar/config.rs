@@ -2,7 +2,8 @@
 
 use crate::noise::GaussianNoise;
 use crate::optics::MAX_GRID_SIZE;
-use crate::trace::TooNear;
+use crate::scene::visibility;
+use crate::trace::{Faces, TooNear};
 
 /// Most beams of a lidar.
 pub const MAX_BEAMS: u32 = 16_777_216;
@@ -78,6 +79,10 @@ pub struct LidarConfig {
     pub range_max_m: f64,
     /// What happens nearer than the smallest range.
     pub too_near: TooNear,
+    /// Which instances it sees: those that have a bit of it in common; see [`visibility`].
+    pub visibility: u32,
+    /// Which sides of their surfaces.
+    pub faces: Faces,
     /// Which beams are taken together.
     pub sweep: Sweep,
     /// Noise of a range in metres; the noisy range is clamped to the two limits.
@@ -89,7 +94,8 @@ pub struct LidarConfig {
 }
 
 impl LidarConfig {
-    /// One scan line, seen from 0 to 30 m, without noise, of seed and number 0.
+    /// One scan line, seen from 0 to 30 m, without noise, of seed and number 0. Both sides of collision shapes are hit,
+    /// as by Gazebo's CPU ray.
     pub const fn new(horizontal: Beams) -> Self {
         Self {
             horizontal,
@@ -97,6 +103,8 @@ impl LidarConfig {
             range_min_m: 0.0,
             range_max_m: 30.0,
             too_near: TooNear::Blocks,
+            visibility: visibility::COLLISION,
+            faces: Faces::Both,
             sweep: Sweep::Columns,
             noise: GaussianNoise::NONE,
             seed: 0,
@@ -115,6 +123,10 @@ impl LidarConfig {
         range_max_m: f64,
         /// Sets what happens nearer than the smallest range.
         too_near: TooNear,
+        /// Sets which instances it sees: [`visibility::VISUAL`] for what Gazebo renders on a GPU.
+        visibility: u32,
+        /// Sets which sides of surfaces it sees: [`Faces::Front`] for what Gazebo renders on a GPU.
+        faces: Faces,
         /// Sets which beams are taken together.
         sweep: Sweep,
         /// Sets the noise of a range, in metres.

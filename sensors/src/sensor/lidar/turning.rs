@@ -8,7 +8,7 @@ use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::memory::{CacheLine, Cutter, lines};
 use crate::moment::{Capture, Slice};
 use crate::optics::Optics;
-use crate::scene::{Scene, visibility};
+use crate::scene::Scene;
 use crate::trace::Truth;
 use crate::trace::grid::Frame;
 use core::ops::Range;
@@ -80,8 +80,14 @@ impl<'a> Plan<'a> {
     ) {
         let (columns, mut memory) = (self.columns(slice), Cutter(memory));
         let of = (&columns, &self.slices[slice].at);
-        let frame =
-            Frame::of_columns(self.scene, &self.optics, of, visibility::COLLISION, execution, &mut memory);
+        let frame = Frame::of_columns(
+            self.scene,
+            &self.optics,
+            of,
+            self.lidar.config.visibility,
+            execution,
+            &mut memory,
+        );
         let sight = self.lidar.sight();
         let rows_in_block = 1 << frame.fan().shift_y;
         let lines = Lines { scan, samples: columns.len(), rows_in_block };

@@ -68,6 +68,7 @@ pub struct Player {
     steps: Option<(u64, SimulationCommand)>,
     next_update: Instant,
     time_ns: u64,
+    has_clock: bool,
     frames: u64,
 }
 
@@ -96,11 +97,12 @@ impl Player {
             steps: None,
             next_update: Instant::now(),
             time_ns: 0,
+            has_clock: false,
             frames: 0,
         })
     }
 
-    /// Simulated time of what was sent last, nanoseconds.
+    /// Simulated time, nanoseconds: that of the clock that was sent last.
     pub fn time_ns(&self) -> u64 {
         self.time_ns
     }
@@ -296,7 +298,13 @@ impl Player {
         let flags = frame.header.flags | FrameHeader::REPLAYED;
         *loaned.header_mut() = FrameHeader { flags, payload_len: frame.payload.len() as u64, ..frame.header };
         loaned.send()?;
-        self.time_ns = self.time_ns.max(frame.header.stamp_ns);
+        // Streams are recorded side by side, so that some are ahead of the clock by a message; a recording of others'
+        // streams may have none.
+        if frame.header.kind() == Some(Kind::Clock) {
+            (self.has_clock, self.time_ns) = (true, frame.header.stamp_ns);
+        } else if !self.has_clock {
+            self.time_ns = self.time_ns.max(frame.header.stamp_ns);
+        }
         self.frames += 1;
         Ok(())
     }

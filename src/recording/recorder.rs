@@ -303,11 +303,14 @@ impl Shared {
     }
 }
 
+/// A frame with the number of its stream.
+type Taken = (usize, Box<FrameHeader>, Vec<u8>);
+
 /// Frames that wait until those that were sent before them have come, too.
 #[derive(Default)]
 struct Order {
     /// By the time of sending, and the order of arrival.
-    frames: BTreeMap<(u64, u64), (usize, Box<FrameHeader>, Vec<u8>)>,
+    frames: BTreeMap<(u64, u64), Taken>,
     arrived: u64,
 }
 
@@ -318,7 +321,7 @@ impl Order {
     }
 
     /// The next frame, if it was sent before this time.
-    fn next(&mut self, before_mono_ns: u64) -> Option<(usize, Box<FrameHeader>, Vec<u8>)> {
+    fn next(&mut self, before_mono_ns: u64) -> Option<Taken> {
         let first = self.frames.first_entry()?;
         (first.key().0 < before_mono_ns).then(|| first.remove())
     }

@@ -113,15 +113,18 @@ pub(super) fn start(node: Node, path: &Path, options: &RecorderOptions) -> Resul
     Recorder::start(node, path, options).map_err(|source| CliError::Recording {
         action: "write",
         path: path.to_owned(),
-        source,
+        source: Box::new(source),
     })
 }
 
 /// Ends it, and says what was recorded.
 pub(super) fn finish(recorder: Recorder, path: &Path, lossy: bool) -> Result<(), CliError> {
     let (progress, missed, active) = (recorder.progress(), recorder.missed(), recorder.active().to_owned());
-    let tallies =
-        recorder.finish().map_err(|source| CliError::Recording { action: "write", path: active, source })?;
+    let tallies = recorder.finish().map_err(|source| CliError::Recording {
+        action: "write",
+        path: active,
+        source: Box::new(source),
+    })?;
     let frames: u64 = tallies.iter().map(|tally| tally.frames).sum();
     print_line(&format!(
         "{}: {} streams, {frames} frames, {}",

@@ -149,6 +149,15 @@ fn team_hectors_receiver_has_a_place_of_its_own() {
     let mut bench = Bench::new(zurich(0.0), &carrier("", &plugin("")));
     assert!((bench.read::<NavSatFix>("/fix").latitude - 49.9).abs() < 1e-6);
     assert!(bench.simulation.topics().unwrap().contains(&"/fix_velocity".to_owned()));
+    // What it errs by is along the world's axes.
+    let errors = "<offset>3 0 1</offset><drift>0 0 0</drift>";
+    let fix: NavSatFix = Bench::new(zurich(0.0), &carrier("", &plugin(errors))).read("/fix");
+    assert!(((fix.latitude - 49.9) * 111_227.1 - 3.0).abs() < 0.02 && (fix.altitude - 1.0).abs() < 1e-5);
+    assert!((fix.longitude - 8.9).abs() < 1e-9, "{fix:?}");
+    let errors = "<gaussianNoise>1 2 3</gaussianNoise>";
+    let fix: NavSatFix = Bench::new(zurich(0.0), &carrier("", &plugin(errors))).read("/fix");
+    let covariance = fix.position_covariance;
+    near([covariance[0], covariance[4], covariance[8]], DVec3::new(4.0, 1.0, 9.0), 1e-9);
     let of_world = plugin("<useWorldSphericalCoordinates>true</useWorldSphericalCoordinates>");
     let mut bench = Bench::new(zurich(0.0), &carrier("", &of_world));
     assert!((bench.read::<NavSatFix>("/fix").latitude - 47.3667).abs() < 1e-6);
@@ -202,8 +211,7 @@ fn heights_and_pressures_are_those_of_the_place() {
     assert!((pressure.fluid_pressure / 79_501.0 - 1.0).abs() < 2e-5, "{pressure:?}");
 
     let baro = "<plugin name='b' filename='libhector_gazebo_ros_baro.so'><bodyName>body</bodyName></plugin>
-        <plugin name='p' filename='librotors_gazebo_pressure_plugin.so'><linkName>body</linkName>
-          <pressureVariance>0</pressureVariance></plugin>";
+        <plugin name='p' filename='librotors_gazebo_pressure_plugin.so'><linkName>body</linkName></plugin>";
     let mut bench = Bench::new(world(""), &carrier("", baro));
     bench.put(Pose::from_translation(DVec3::Z * 500.0), DVec3::ZERO, 1);
     assert!((bench.read::<Altimeter>("/pressure_height").vertical_position - 500.0).abs() < 1e-6);

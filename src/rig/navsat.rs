@@ -11,7 +11,7 @@ use crate::description::model::{self, Earth, InstrumentPlugin, Sensor};
 use crate::description::text::{angle, number};
 use belvedere_bridge::payload::{NavSatFix, Vector3};
 use belvedere_bridge::{Kind, StreamSpec};
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 impl Behaviour for model::NavSat {
     fn name(&self) -> &'static str {
@@ -110,12 +110,14 @@ impl Channel for NavSatChannel {
 
     fn publish(&mut self, context: &mut RigContext<'_>, frame: u64) {
         let stamp_ns = context.stamp_ns;
-        let position = self.enu_from_world * self.mount.pose(context).translation();
-        let velocity = self.enu_from_world * self.mount.velocity(context.physics);
-        let variances = self.position.variance(stamp_ns);
-        let place =
-            self.earth.geodetic(DVec3::from(self.position.read(position.to_array(), frame, stamp_ns)));
-        let velocity = self.velocity.read(velocity.to_array(), frame, stamp_ns);
+        // Errors are along the world's axes, as Gazebo's and Team Hector's.
+        let position = self.mount.pose(context).translation();
+        let velocity = self.mount.velocity(context.physics);
+        let position_covariance = turned(self.enu_from_world, self.position.variance(stamp_ns));
+        let position = DVec3::from(self.position.read(position.to_array(), frame, stamp_ns));
+        let velocity = DVec3::from(self.velocity.read(velocity.to_array(), frame, stamp_ns));
+        let place = self.earth.geodetic(self.enu_from_world * position);
+        let velocity = (self.enu_from_world * velocity).to_array();
         let [east, north, up] = velocity;
         self.fix.send_structs(
             stamp_ns,
@@ -124,7 +126,7 @@ impl Channel for NavSatChannel {
                 longitude: place.longitude_deg,
                 altitude: place.altitude_m,
                 velocity,
-                position_covariance: covariance(variances),
+                position_covariance,
             }],
         );
         if let Some(outlet) = &mut self.velocity_alone {
@@ -136,4 +138,11 @@ impl Channel for NavSatChannel {
         self.position.restart();
         self.velocity.restart();
     }
+}
+
+/// Variances along the axes east, north and up, of those along the world's.
+fn turned(enu_from_world: DQuat, variances: [f64; 3]) -> [f64; 9] {
+    let rotation = DMat3::from_quat(enu_from_world);
+    let squares = [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|axis| axis * axis);
+    covariance((DMat3::from_cols_array_2d(&squares.map(Into::into)) * DVec3::from(variances)).to_array())
 }

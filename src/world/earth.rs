@@ -72,16 +72,41 @@ fn from_centre(point: DVec3) -> Geodetic {
     }
 }
 
-/// Pressure in Pa at a height in m above sea level: U.S. Standard Atmosphere 1976, its lowest layer.
+/// Layers of the U.S. Standard Atmosphere 1976: from which geopotential height on, in m, the temperature changes so fast, in
+/// K/m. Above 86 km, where the air unmixes and the standard goes on by other rules, the last holds for whatever flies there.
+const LAYERS: [(f64, f64); 8] = [
+    (0.0, -0.0065),
+    (11_000.0, 0.0),
+    (20_000.0, 0.001),
+    (32_000.0, 0.0028),
+    (47_000.0, 0.0),
+    (51_000.0, -0.0028),
+    (71_000.0, -0.002),
+    (84_852.0, 0.0),
+];
+
+/// Pressure in Pa at a height in m above sea level: U.S. Standard Atmosphere 1976.
 pub fn air_pressure_pa(height_m: f64) -> f64 {
     const EARTH_RADIUS_M: f64 = 6_356_766.0;
-    const SEA_LEVEL_K: f64 = 288.15;
-    const LAPSE_K_M: f64 = 0.0065;
     // g·M/R of dry air in K/m.
     const HYDROSTATIC_K_M: f64 = 9.80665 * 28.9644 / 8314.32;
     let geopotential_m = EARTH_RADIUS_M * height_m / (EARTH_RADIUS_M + height_m);
-    let temperature_k = SEA_LEVEL_K - LAPSE_K_M * geopotential_m;
-    101_325.0 * libm::pow(temperature_k / SEA_LEVEL_K, HYDROSTATIC_K_M / LAPSE_K_M)
+    let (mut temperature_k, mut pressure_pa) = (288.15, 101_325.0);
+    for (layer, (base_m, lapse_k_m)) in LAYERS.into_iter().enumerate() {
+        let top_m = LAYERS.get(layer + 1).map_or(f64::INFINITY, |above| above.0);
+        let rise_m = geopotential_m.min(top_m) - base_m;
+        if lapse_k_m == 0.0 {
+            pressure_pa *= libm::exp(-HYDROSTATIC_K_M * rise_m / temperature_k);
+        } else {
+            let next_k = temperature_k + lapse_k_m * rise_m;
+            pressure_pa *= libm::pow(temperature_k / next_k, HYDROSTATIC_K_M / lapse_k_m);
+            temperature_k = next_k;
+        }
+        if geopotential_m <= top_m {
+            break;
+        }
+    }
+    pressure_pa
 }
 
 #[cfg(test)]
@@ -147,8 +172,21 @@ mod tests {
             (2000.0, 79_501.0),
             (5000.0, 54_048.0),
             (10_000.0, 26_500.0),
+            (15_000.0, 12_111.0),
+            (20_000.0, 5_529.3),
+            (30_000.0, 1_197.0),
+            (40_000.0, 287.14),
+            (50_000.0, 79.779),
+            (60_000.0, 21.958),
+            (70_000.0, 5.2209),
+            (80_000.0, 1.0524),
         ] {
-            assert!((air_pressure_pa(height_m) / pressure_pa - 1.0).abs() < 2e-5, "{height_m} m");
+            assert!((air_pressure_pa(height_m) / pressure_pa - 1.0).abs() < 6e-5, "{height_m} m");
+        }
+        // No step at 86 km, and a number wherever something falls or flies to.
+        assert!((air_pressure_pa(86_001.0) / air_pressure_pa(85_999.0) - 1.0).abs() < 1e-3);
+        for height_m in [-1e6, -5000.0, 2e5, 1e9] {
+            assert!(air_pressure_pa(height_m).is_finite(), "{height_m} m");
         }
     }
 }

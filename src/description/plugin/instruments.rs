@@ -28,7 +28,6 @@ pub(super) fn gps(given: &mut Parameters<'_>) -> Option<Sensor> {
     let x_from_east = (90.0 - heading?).to_radians();
     let origin = [latitude?, longitude?, altitude?, x_from_east];
     let receiver = NavSat {
-        // Theirs are along the world's axes, x, y, z.
         position: position?,
         velocity: velocity?,
         origin: (!is_of_world).then_some(origin),
@@ -87,7 +86,7 @@ pub(super) fn baro(given: &mut Parameters<'_>) -> Option<Sensor> {
 
 /// `librotors_gazebo_pressure_plugin.so`.
 pub(super) fn pressure(given: &mut Parameters<'_>) -> Option<Sensor> {
-    let variance = given.not_negative(&["pressureVariance"], 1.0);
+    let variance = given.not_negative(&["pressureVariance"], 0.0);
     let is_height = |height: f64| (-10_000.0..=80_000.0).contains(&height);
     let remedy = "write metres above sea level, from -10000 to 80000";
     let reference = given.number(&["referenceAltitude"], 500.0, is_height, remedy);

@@ -13,7 +13,7 @@ use glam::DVec3;
 pub struct Magnetometer {
     /// Its errors, in the unit of the field.
     pub axes: InstrumentConfig<3>,
-    /// The field in axes east, north, up, if the plugin says so for itself, in a unit of its own.
+    /// The field, if the plugin has one of its own, in a unit of its own.
     pub field: Option<PluginField>,
     /// What publishes it.
     pub plugin: Option<InstrumentPlugin>,

@@ -10,7 +10,7 @@ use belvedere_sensors::noise::InstrumentConfig;
 /// A receiver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NavSat {
-    /// Errors of the position, to the east, the north and up, in m.
+    /// Errors of the position along the world's axes in m.
     pub position: InstrumentConfig<3>,
     /// Errors of the velocity, likewise, in m/s.
     pub velocity: InstrumentConfig<3>,

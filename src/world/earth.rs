@@ -181,7 +181,8 @@ mod tests {
             (70_000.0, 5.2209),
             (80_000.0, 1.0524),
         ] {
-            assert!((air_pressure_pa(height_m) / pressure_pa - 1.0).abs() < 6e-5, "{height_m} m");
+            // One in the last of the tables' five digits.
+            assert!((air_pressure_pa(height_m) / pressure_pa - 1.0).abs() < 1e-4, "{height_m} m");
         }
         // No step at 86 km, and a number wherever something falls or flies to.
         assert!((air_pressure_pa(86_001.0) / air_pressure_pa(85_999.0) - 1.0).abs() < 1e-3);

@@ -4,6 +4,7 @@
 
 mod base;
 mod device;
+mod earth;
 mod lens;
 mod plugin;
 mod sensor;
@@ -11,7 +12,8 @@ mod shape;
 mod trajectory;
 
 pub use super::sensor::{
-    Camera, DepthCamera, Imu, ImuPlugin, Lidar, OrientationReference, Rangefinder, Sensor, SensorKind,
+    AirPressure, Altimeter, Camera, DepthCamera, Imu, InstrumentPlugin, Lidar, Magnetometer, NavSat,
+    OrientationReference, PluginField, Rangefinder, Sensor, SensorKind,
 };
 pub use base::{
     AckermannDrive, BasePlugin, DifferentialDrive, Drive, JointStatesPlugin, ModelPlugin, OdometryOrigin,
@@ -19,6 +21,7 @@ pub use base::{
 };
 pub use belvedere_sensors::camera::{Mosaic, PixelFormat};
 pub use device::{AutoExposed, CameraDevice};
+pub use earth::Earth;
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
 pub use plugin::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Radiation, RangePlugin};
 pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis};
@@ -54,6 +57,8 @@ pub struct World {
     pub linear_light: bool,
     /// m/s², in the world frame.
     pub gravity: DVec3,
+    /// Where on the earth it is.
+    pub earth: Earth,
     /// Physics step in seconds.
     pub max_step_size_s: f64,
     /// The world file.
@@ -72,6 +77,7 @@ impl World {
             shadows: true,
             linear_light: false,
             gravity: DVec3::new(0.0, 0.0, -9.8),
+            earth: Earth::default(),
             max_step_size_s: 0.001,
             source: Source::new("", 0),
         }

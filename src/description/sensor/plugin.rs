@@ -36,7 +36,10 @@ impl Reader<'_> {
                         "the plugin '{file}' does not go with sensor '{}' of type {written}",
                         self.sensor
                     ),
-                    format!("use lib{}.so, or change the type of the sensor", kind.plugins[0]),
+                    match kind.plugins.first() {
+                        Some(plugin) => format!("use lib{plugin}.so, or change the type of the sensor"),
+                        None => "write a <topic> in its place, or change the type of the sensor".into(),
+                    },
                 );
             } else {
                 let plugins = KINDS.iter().flat_map(|kind| kind.plugins);

@@ -75,7 +75,7 @@ fn an_actor_pushes_what_is_in_its_way_and_is_not_pushed() {
     let (actor, ball) = (at(&simulation, "a"), at(&simulation, "ball"));
     assert!(actor.distance(DVec3::new(5.0, 0.0, 1.0)) < 1e-9, "{actor}");
     assert!(ball.x > 5.98, "{ball}");
-    simulation.run_for(Duration::from_millis(2000));
+    simulation.run_for(Duration::from_secs(2));
     let actor = at(&simulation, "a");
     assert!(actor.distance(DVec3::new(3.0, 0.0, 1.0)) < 1e-9, "{actor}");
     let moved = simulation.place(simulation.find("a").unwrap(), &Pose::IDENTITY, DVec3::ZERO, DVec3::ZERO);
@@ -104,7 +104,7 @@ fn a_skin_is_seen_in_the_pose_in_which_it_was_bound() {
         "<actor name='a'><skin><filename>walk.dae</filename><scale>2</scale></skin><animation name='walk'>
         <filename>walk.dae</filename></animation><script><trajectory id='0' type='walk'>
         <waypoint><time>0</time><pose>1 0 -1 0 0 0</pose></waypoint></trajectory></script></actor>";
-    let path = folder.write("w.world", &world_of(actor));
+    let path = folder.write("w.world", world_of(actor));
     let (world, problems) = load(path.to_str().unwrap(), false);
     let told: Vec<String> = problems.iter().map(ToString::to_string).collect();
     assert!(told.len() == 1 && told[0].contains("skeleton animations are not played"), "{told:#?}");
@@ -143,7 +143,7 @@ fn what_is_wrong_with_an_actor_is_said_with_its_line() {
         ),
     ];
     for (actor, place, what) in cases {
-        let path = folder.write("w.world", &world_of(actor));
+        let path = folder.write("w.world", world_of(actor));
         let (_, problems) = load(path.to_str().unwrap(), false);
         let told: Vec<String> = problems.iter().map(ToString::to_string).collect();
         assert!(told.iter().any(|told| told.contains(place) && told.contains(what)), "{actor}: {told:#?}");

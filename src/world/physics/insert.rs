@@ -65,10 +65,8 @@ impl Physics {
                     .chain((0..model.links.len()).filter(|link| lumps.root[*link] != root).filter(carries))
                     .collect();
                 if let Some(handle) = self.insert_body(model, root, &members, world_from_model, stays_awake) {
-                    let follows = match self.rapier.bodies[handle].is_fixed() {
-                        true => Follows::Nothing,
-                        false => Follows::Dynamics,
-                    };
+                    let is_fixed = self.rapier.bodies[handle].is_fixed();
+                    let follows = if is_fixed { Follows::Nothing } else { Follows::Dynamics };
                     self.place_links(model, index, &lumps, root, handle, follows, &mut links);
                 }
             }

@@ -82,7 +82,7 @@ pub mod srgb;
 pub mod trace;
 
 pub use execution::Execution;
-pub use moment::{Capture, Moment, Shutter, Slice};
+pub use moment::{Capture, Keyframe, Moment, Shutter, Slice};
 pub use pose::Pose;
-pub use sensor::{Sensor, camera, depth, lidar};
+pub use sensor::{Sensor, camera, depth, lidar, scanner};
 pub use trace::SenseError;

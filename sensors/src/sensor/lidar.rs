@@ -100,7 +100,7 @@ impl Lidar {
     fn slices_of_columns<'a>(&self, shutter: &Shutter<'a>) -> Option<&'a [Slice<'a>]> {
         match (self.config.sweep, *shutter) {
             (Sweep::Columns, Shutter::Slices(slices)) => Some(slices),
-            (Sweep::Columns, Shutter::Global(_)) | (Sweep::Rows, _) => None,
+            (Sweep::Columns, Shutter::Global(_) | Shutter::Moving(_)) | (Sweep::Rows, _) => None,
         }
     }
 

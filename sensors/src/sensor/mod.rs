@@ -7,6 +7,7 @@ pub mod depth;
 pub(crate) mod edges;
 pub mod lidar;
 pub(crate) mod pixel;
+pub mod scanner;
 
 use crate::moment::Capture;
 use crate::scene::Scene;

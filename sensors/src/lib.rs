@@ -10,7 +10,7 @@
 //! 5. [`trace`]: where rays meet the scene.
 //! 6. `shade`: what colour that is.
 //! 7. [`device`]: what a camera's sensor and electronics make of light.
-//! 8. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once and makes a [`Sensor`], which
+//! 8. [`camera`], [`depth`], [`lidar`], [`scanner`]: the sensors. A configuration is checked once and makes a [`Sensor`], which
 //!    fills the caller's slices, and does not allocate.
 //!
 //! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames

@@ -179,7 +179,7 @@ fn every_machine() {
         ("16uc1", 0xbc3f_3d55_accd_1eab),
         ("points", 0x24cd_1139_23b9_13ef),
         ("ranges", 0x9814_84f6_b4ad_3848),
-        ("firings", 0),
+        ("firings", 0x3932_041a_7598_5374),
         ("bayer_gbrg16", 0x7aca_656c_7299_b256),
         ("rgba8 of sRGB", 0x7375_06ee_4fcd_8bef),
         ("rgb8 of gloss and glass", 0xd2ca_211b_5c9a_334c),

@@ -4,8 +4,10 @@
 //! [`Pattern`] of firings, and traces each from where the sensor and everything else is at its time
 //! ([`Shutter::Moving`](crate::Shutter::Moving)).
 
+mod clock;
 mod config;
 mod error;
+mod firing;
 mod pattern;
 mod rosette;
 mod spinning;
@@ -29,9 +31,11 @@ pub use config::ScannerConfig;
 use core::ops::Range;
 pub use error::ScannerError;
 use fearless_simd::{Simd, dispatch};
+pub use firing::Firing;
+use firing::FiringLanes;
 use glam::DVec3;
-pub use pattern::{Firing, MAX_FIRINGS, Pattern};
-use pattern::{FiringLanes, FrameFirings};
+use pattern::FrameFirings;
+pub use pattern::{MAX_FIRINGS, Pattern};
 pub use rosette::Rosette;
 pub use spinning::{Columns, Laser, MAX_LASERS, Spinning};
 

@@ -1,26 +1,13 @@
 //! Which way a laser scanner fires, from where, and when.
 
+use super::clock::Ticks;
 use super::error::ScannerError;
+use super::firing::{Firing, FiringLanes};
 use super::rosette::Rosette;
 use super::spinning::Spinning;
-use crate::simd::{LANES, Lanes};
-use glam::DVec3;
 
 /// Most firings of a frame.
 pub const MAX_FIRINGS: usize = 16_777_216;
-
-/// A pulse of a laser.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Firing {
-    /// Seconds after the beginning of the frame.
-    pub time_s: f64,
-    /// Where it starts, in the frame of the sensor (x ahead, y left, z up) as that is at the time.
-    pub origin: DVec3,
-    /// Which way it goes there; a unit vector.
-    pub direction: DVec3,
-    /// Which laser it is of, from 0.
-    pub laser: u32,
-}
 
 /// The firings of a scanner, frame after frame.
 ///
@@ -130,46 +117,6 @@ impl FrameFirings<'_> {
     }
 }
 
-/// Up to 64 firings, lane by lane.
-pub(super) struct FiringLanes {
-    pub(super) time_s: Lanes<f64>,
-    pub(super) origin: [Lanes<f64>; 3],
-    pub(super) direction: [Lanes<f64>; 3],
-    pub(super) laser: Lanes<u32>,
-}
-
-impl FiringLanes {
-    pub(super) const fn new() -> Self {
-        Self {
-            time_s: [0.0; LANES],
-            origin: [[0.0; LANES]; 3],
-            direction: [[0.0; LANES]; 3],
-            laser: [0; LANES],
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn set(&mut self, lane: usize, firing: &Firing) {
-        self.time_s[lane] = firing.time_s;
-        self.laser[lane] = firing.laser;
-        for axis in 0..3 {
-            self.origin[axis][lane] = firing.origin[axis];
-            self.direction[axis][lane] = firing.direction[axis];
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn lane(&self, lane: usize) -> Firing {
-        let of = |lanes: &[Lanes<f64>; 3]| DVec3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
-        Firing {
-            time_s: self.time_s[lane],
-            origin: of(&self.origin),
-            direction: of(&self.direction),
-            laser: self.laser[lane],
-        }
-    }
-}
-
 fn check_table(firings: &[Firing], frame_time_ns: u64) -> Result<(), ScannerError> {
     let end = frame_time_ns as f64 * 1e-9;
     let mut before = 0.0;
@@ -192,53 +139,4 @@ fn check_table(firings: &[Firing], frame_time_ns: u64) -> Result<(), ScannerErro
         before = firing.time_s;
     }
     Ok(())
-}
-
-/// Something that ticks without regard to frames: from time 0 on, every so many nanoseconds.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Clock {
-    pub(super) tick_ns: u64,
-}
-
-impl Clock {
-    /// The ticks in a frame.
-    pub(super) fn in_frame(self, frame: u64, frame_time_ns: u64) -> Ticks {
-        let tick = u128::from(self.tick_ns);
-        let begin = u128::from(frame) * u128::from(frame_time_ns);
-        let (first, next) = (begin.div_ceil(tick), (begin + u128::from(frame_time_ns)).div_ceil(tick));
-        Ticks {
-            tick_ns: self.tick_ns,
-            first_ns: (first * tick - begin) as u64,
-            count: (next - first) as u64,
-            begin_ns: begin,
-        }
-    }
-
-    /// Ticks that no frame has more of.
-    pub(super) fn most(self, frame_time_ns: u64) -> u64 {
-        frame_time_ns.div_ceil(self.tick_ns)
-    }
-}
-
-/// The ticks of a clock in one frame.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Ticks {
-    tick_ns: u64,
-    /// From the frame's beginning to the first.
-    first_ns: u64,
-    pub(super) count: u64,
-    /// From time 0 to the frame's beginning.
-    pub(super) begin_ns: u128,
-}
-
-impl Ticks {
-    /// Nanoseconds from the frame's beginning to one of them.
-    pub(super) fn at_ns(&self, tick: u64) -> u64 {
-        self.first_ns + tick * self.tick_ns
-    }
-
-    /// The same in seconds.
-    pub(super) fn time_s(&self, tick: u64) -> f64 {
-        self.at_ns(tick) as f64 * 1e-9
-    }
 }

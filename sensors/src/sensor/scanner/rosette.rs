@@ -1,7 +1,8 @@
 //! Scanners with two prisms that turn one behind the other (Risley), as Livox's Mid-40 and Mid-70.
 
+use super::clock::{Clock, Ticks};
 use super::error::ScannerError;
-use super::pattern::{Clock, Firing, FiringLanes, Ticks};
+use super::firing::{Firing, FiringLanes};
 use crate::simd::{sin_cos, sqrt};
 use core::f64::consts::TAU;
 use glam::DVec3;

@@ -1,7 +1,8 @@
 //! Scanners whose head turns: lasers one above the other, columns side by side.
 
+use super::clock::{Clock, Ticks};
 use super::error::ScannerError;
-use super::pattern::{Clock, FiringLanes, Ticks};
+use super::firing::FiringLanes;
 use crate::simd::{LANES, sin_cos};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -77,7 +77,7 @@ fn the_cloud_is_the_depth_unprojected() {
     let mut builder = SceneBuilder::new();
     ramp(&mut builder);
     let mut config = depth_camera().min_depth_m(1.0).max_depth_m(20.0);
-    config.noise = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).unwrap();
+    config.model = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).unwrap().into();
     config.camera.noise = GaussianNoise::new(0.0, 0.007, 0.0, 0.0, 0.0).unwrap();
     for (format, order) in [(PixelFormat::Rgb8, [0, 1, 2]), (PixelFormat::Bgr8, [2, 1, 0])] {
         config.camera.format = format;
@@ -200,7 +200,7 @@ fn noise_makes_no_depths_out_of_range() {
         add_grey(&mut builder, wall, pose);
         for out_of_range in [OutOfRange::Infinite, OutOfRange::Nan] {
             let mut config = depth_camera().min_depth_m(min).max_depth_m(max);
-            config.noise = GaussianNoise::new(0.0, 0.1, 0.0, 0.0, 0.0).unwrap();
+            config.model = GaussianNoise::new(0.0, 0.1, 0.0, 0.0, 0.0).unwrap().into();
             config.out_of_range = out_of_range;
             let frame = whole_frame(&builder, &DepthCamera::new(config).unwrap(), Pose::IDENTITY);
             let (mut near, mut far) = (0_u32, 0_u32);
@@ -246,7 +246,7 @@ fn what_is_too_near_is_in_the_way_or_seen_through() {
     let mut config = depth_camera().max_depth_m(10.0);
     config.camera.near_m = 0.5;
     for (noise, stddev) in [(false, 0.0), (true, 0.01)] {
-        config.noise = GaussianNoise::new(0.0, stddev, 0.0, 0.0, 0.0).unwrap();
+        config.model = GaussianNoise::new(0.0, stddev, 0.0, 0.0, 0.0).unwrap().into();
         for (out_of_range, invalid) in
             [(OutOfRange::Infinite, f32::NEG_INFINITY), (OutOfRange::Nan, f32::NAN)]
         {

@@ -256,7 +256,7 @@ fn pixels_without_a_ray_are_black() {
         for noise in [GaussianNoise::NONE, noise] {
             let config = CameraConfig::new(&table).noise(noise);
             let colours = picture(stage, config, pose);
-            let depth_camera = DepthCamera::new(DepthCameraConfig::new(config).noise(noise)).unwrap();
+            let depth_camera = DepthCamera::new(DepthCameraConfig::new(config).model(noise)).unwrap();
             let count = depth_camera.pixels();
             let (mut metres, mut millimetres) = (vec![0.0; count], vec![1; count]);
             let (mut same_colours, mut points) = (vec![0; 3 * count], vec![0; POINT_STEP * count]);
@@ -464,7 +464,7 @@ fn fisheye_frame(execution: Execution) -> (Vec<u8>, Vec<u32>) {
     let table = RayTableBuf::from_lens(333, 245, &lens).unwrap();
     let noise = GaussianNoise::new(0.001, 0.007, 0.002, 0.001, 0.0).unwrap();
     let camera =
-        DepthCamera::new(DepthCameraConfig::new(CameraConfig::new(&table).noise(noise)).noise(noise))
+        DepthCamera::new(DepthCameraConfig::new(CameraConfig::new(&table).noise(noise)).model(noise))
             .unwrap();
     let (mut colours, mut depths) = (vec![0; camera.camera().frame_len()], vec![0.0; camera.pixels()]);
     let scene = builder.scene();

@@ -4,6 +4,7 @@ mod common;
 
 use belvedere_sensors::camera::{Mosaic, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
+use belvedere_sensors::device::depth::{AxialNoise, DepthModel, LateralNoise};
 use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
@@ -29,13 +30,28 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     workspace.execution = execution;
     let capture = Capture::new(7, builder.moment(pose));
 
-    let depth_camera = DepthCamera::new(depth_camera().camera(camera).max_depth_m(6.0).noise(noise)).unwrap();
+    let depth_camera = DepthCamera::new(depth_camera().camera(camera).max_depth_m(6.0).model(noise)).unwrap();
     let pixels = depth_camera.pixels();
     let (mut metres, mut millimetres) = (vec![0.0_f32; pixels], vec![0_u16; pixels]);
     let mut points = vec![0; pixels * POINT_STEP];
     let output = DepthFrame::new().depth_32fc1(&mut metres).depth_16uc1(&mut millimetres).points(&mut points);
     depth_camera
         .sense(&scene, &capture, &mut workspace.lend(depth_camera.workspace_len(&scene, &capture)), output)
+        .expect("outputs of the right size");
+
+    // A second pass over the frame.
+    let axial = AxialNoise {
+        polynomial: [0.001_504, -0.001_52, 0.0019],
+        slant: [0.0001, 0.0003],
+        slant_from_rad: 0.7,
+    };
+    let lateral = LateralNoise { stddev_px: 0.8, slant_px: 0.035 };
+    let model = DepthModel::new().noise(axial).lateral(lateral);
+    let device_camera = DepthCamera::new(depth_camera.config().model(model)).unwrap();
+    let (mut measured, mut measured_points) = (metres.clone(), points.clone());
+    let output = DepthFrame::new().depth_32fc1(&mut measured).points(&mut measured_points);
+    device_camera
+        .sense(&scene, &capture, &mut workspace.lend(device_camera.workspace_len(&scene, &capture)), output)
         .expect("outputs of the right size");
 
     let vertical = Beams { samples: 16, min_angle_rad: -0.4, max_angle_rad: 0.3 };
@@ -75,6 +91,8 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ("points", points),
         ("ranges", bytes(&ranges)),
         ("firings", bytes(&firings)),
+        ("32fc1 of a device", bytes(&measured)),
+        ("points of a device", measured_points),
         ("bayer_gbrg16", picture_with(&builder, bayer, pose, 7, execution)),
         ("rgba8 of sRGB", picture_with(&builder, srgb, pose, 7, execution)),
         (
@@ -172,7 +190,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 10] = [
+    let expected: [(&str, u64); 12] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
@@ -180,6 +198,8 @@ fn every_machine() {
         ("points", 0x24cd_1139_23b9_13ef),
         ("ranges", 0x9814_84f6_b4ad_3848),
         ("firings", 0x3932_041a_7598_5374),
+        ("32fc1 of a device", 0xbf6f_be3b_2626_4d2f),
+        ("points of a device", 0x26bc_a025_8b2e_842e),
         ("bayer_gbrg16", 0x7aca_656c_7299_b256),
         ("rgba8 of sRGB", 0x7375_06ee_4fcd_8bef),
         ("rgb8 of gloss and glass", 0xd2ca_211b_5c9a_334c),

@@ -9,10 +9,12 @@ mod plugin;
 mod sensor;
 mod shape;
 
-pub use super::sensor::{Camera, DepthCamera, Lidar, Rangefinder, Sensor, SensorKind};
+pub use super::sensor::{
+    Camera, DepthCamera, Imu, ImuPlugin, Lidar, OrientationReference, Rangefinder, Sensor, SensorKind,
+};
 pub use base::{
-    AckermannDrive, BasePlugin, DifferentialDrive, Drive, ImuPlugin, JointStatesPlugin, ModelPlugin,
-    OdometryOrigin, OdometryPlugin, PosePlugin, Wheels,
+    AckermannDrive, BasePlugin, DifferentialDrive, Drive, JointStatesPlugin, ModelPlugin, OdometryOrigin,
+    OdometryPlugin, PosePlugin, Wheels,
 };
 pub use belvedere_sensors::camera::{Mosaic, PixelFormat};
 pub use device::{AutoExposed, CameraDevice};

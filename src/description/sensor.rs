@@ -8,6 +8,7 @@ mod camera_plugin;
 mod depth;
 mod device;
 mod gz;
+mod imu;
 mod lens;
 mod lidar;
 mod noise;
@@ -19,6 +20,7 @@ mod tests;
 
 pub use camera::Camera;
 pub use depth::DepthCamera;
+pub use imu::{Imu, ImuPlugin, OrientationReference};
 pub use lidar::Lidar;
 pub use range::Rangefinder;
 
@@ -73,6 +75,8 @@ pub enum SensorKind {
     Ray(Lidar),
     /// Sonar or infrared rangefinder.
     Range(Rangefinder),
+    /// Inertial measurement unit.
+    Imu(Box<Imu>),
 }
 
 impl SensorKind {
@@ -81,7 +85,7 @@ impl SensorKind {
         match self {
             Self::Ray(lidar) => Some(&lidar.ray),
             Self::Range(rangefinder) => Some(&rangefinder.ray),
-            Self::Camera(_) | Self::Depth(_) => None,
+            Self::Camera(_) | Self::Depth(_) | Self::Imu(_) => None,
         }
     }
 }
@@ -92,12 +96,14 @@ struct Kind {
     types: &'static [&'static str],
     /// The plugins that publish it, without `lib` and `.so`, the usual one first.
     plugins: &'static [&'static str],
+    /// Whether `<plugin filename="belvedere">` tells it more, which is ours.
+    is_extended: bool,
     /// Reads what it measures, and the plugin that was chosen; none after an error.
     read: fn(&mut Reader<'_>, &Element) -> Option<SensorKind>,
 }
 
 /// All kinds. Where several have a type, a plugin tells them apart; without one it is the first.
-static KINDS: [Kind; 4] = [camera::KIND, depth::KIND, lidar::KIND, range::KIND];
+static KINDS: [Kind; 5] = [camera::KIND, depth::KIND, lidar::KIND, range::KIND, imu::KIND];
 
 /// Reads a `<sensor>` with its plugin. A sensor of a type that is not simulated gives none and a warning; one
 /// with a wrong value gives none and an error for each.

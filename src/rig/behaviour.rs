@@ -30,5 +30,6 @@ pub(super) fn behaviour(sensor: &Sensor) -> &dyn Behaviour {
         SensorKind::Depth(depth) => depth,
         SensorKind::Ray(lidar) => lidar,
         SensorKind::Range(range) => range,
+        SensorKind::Imu(imu) => &**imu,
     }
 }

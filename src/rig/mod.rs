@@ -51,7 +51,6 @@ use belvedere_sensors::Execution;
 use belvedere_sensors::trace::WorkspaceBuf;
 use channel::{Channel, Opening, RigContext};
 use cost::Cost;
-use imu::ImuChannel;
 use joint_states::JointStatesChannel;
 use state::{ClockChannel, StateChannel};
 use std::cell::RefCell;
@@ -219,18 +218,11 @@ impl Rig {
                 let base = BaseChannel::open(&opening(rate, 0))?;
                 add(rate, Box::new(base), None, Vec::new());
             }
-            let mut units = 0;
             for (index, plugin) in entity.model.plugins.iter().enumerate() {
                 // Far from the numbers of sensors, which count from the first.
                 let number = noise_number(entity.noise_name()).wrapping_add(FIRST_PLUGIN + index as u32);
                 let (rate, channel): (_, Box<dyn Channel>) = match plugin {
                     ModelPlugin::Base(_) => continue,
-                    ModelPlugin::Imu(imu) => {
-                        let rate = plugin_rate(imu.rate_hz, physics);
-                        let channel = ImuChannel::open(imu, units, &opening(rate, number))?;
-                        units += 1;
-                        (rate, Box::new(channel))
-                    }
                     ModelPlugin::Pose(pose) => {
                         let rate = plugin_rate(pose.rate_hz, physics);
                         let channel = TruePoseChannel::open(pose, &opening(rate, number))?;

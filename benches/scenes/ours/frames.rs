@@ -102,7 +102,7 @@ impl Moving {
 fn depth_camera(horizontal_fov_rad: f64, noise: GaussianNoise) -> DepthCamera<'static> {
     let lens = PinholeGrid::from_fov(640, 480, horizontal_fov_rad).expect("in range");
     let camera = CameraConfig::new(lens).near_m(1e-3).far_m(1e6).seed(1);
-    DepthCamera::new(DepthCameraConfig::new(camera).noise(noise)).expect("in range")
+    DepthCamera::new(DepthCameraConfig::new(camera).model(noise)).expect("in range")
 }
 
 /// A lidar that sees without end.

@@ -38,6 +38,9 @@
 // Flag: a plane of intensities of the same shape follows the ranges, at row_stride * height.
 #define BV_HAS_INTENSITIES 1
 
+// Flag: the frame comes from a recording.
+#define BV_REPLAYED 2
+
 // What the payload of a stream means (bv_frame_header.kind). Numbers are never reused.
 enum bv_kind
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -301,7 +304,7 @@ typedef struct bv_frame_header {
     uint16_t kind;
     // An bv_encoding by its number.
     uint16_t encoding;
-    // BV_HAS_INTENSITIES; other bits are 0.
+    // BV_HAS_INTENSITIES, BV_REPLAYED; other bits are 0.
     uint32_t flags;
     // Counts the frames of one publisher's life from 0. Set by send.
     uint64_t seq;

@@ -19,6 +19,7 @@
 
 mod auto_exposure;
 mod config;
+pub mod depth;
 mod format;
 mod mosaic;
 mod poisson;

@@ -1,14 +1,20 @@
 //! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
 
+mod develop;
 mod rows;
+mod seen;
+mod too_near;
 
 use super::Sensor;
 use super::camera::brush::{Brush, ColourRows, sums_len};
 use super::camera::{Camera, CameraConfig, CameraError};
 use super::edges::Smoothing;
+use develop::{Developer, Measured};
 use rows::{Retouched, Rows};
+use seen::Seen;
+use too_near::{Blocked, Blocking, Obstacles};
 
-use crate::execution::SplitRows;
+use crate::device::depth::{DepthDevice, DepthModel, DepthNoise};
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normal_columns, normal_lines};
@@ -16,8 +22,7 @@ use crate::scene::{Scene, visibility};
 use crate::simd::{LANES, Lanes, WIDTH};
 pub use crate::trace::TooNear;
 use crate::trace::error::check_output;
-use crate::trace::grid::{Band, BandWork, Frame, Sight};
-use crate::trace::image::NO_HIT;
+use crate::trace::grid::{Band, BandWork, Frame, Sight, rays_of};
 use crate::trace::measure::Measure;
 use crate::trace::place::Place;
 use crate::trace::resolve::Resolver;
@@ -44,8 +49,8 @@ pub struct DepthCameraConfig<'a> {
     /// What happens to depths nearer than the camera's `near_m`. The colour picture does not show what is there in
     /// either case, as that of a [`Camera`].
     pub too_near: TooNear,
-    /// Noise of a depth in metres; what it takes to the limits or beyond is too near or too far.
-    pub noise: GaussianNoise,
+    /// What the device makes of true depths; what it takes to the limits or beyond is too near or too far.
+    pub model: DepthModel,
 }
 
 impl<'a> DepthCameraConfig<'a> {
@@ -57,7 +62,7 @@ impl<'a> DepthCameraConfig<'a> {
             max_depth_m: f64::INFINITY,
             out_of_range: OutOfRange::Infinite,
             too_near: TooNear::Blocks,
-            noise: GaussianNoise::NONE,
+            model: DepthModel::new(),
         }
     }
 
@@ -72,8 +77,13 @@ impl<'a> DepthCameraConfig<'a> {
         out_of_range: OutOfRange,
         /// Sets what happens to depths nearer than the camera's `near_m`.
         too_near: TooNear,
-        /// Sets the noise of a depth in metres.
-        noise: GaussianNoise,
+    }
+
+    /// Sets what the device makes of true depths: a model, or Gaussian noise in metres alone.
+    #[must_use]
+    pub fn model(mut self, model: impl Into<DepthModel>) -> Self {
+        self.model = model.into();
+        self
     }
 }
 
@@ -122,7 +132,11 @@ impl<'a> DepthFrame<'a> {
 pub struct DepthCamera<'a> {
     config: DepthCameraConfig<'a>,
     camera: Camera<'a>,
+    /// Noise that is added while rays are traced, and its bias.
+    noise: GaussianNoise,
     bias: f32,
+    /// What makes a frame of what is seen, in a second pass.
+    device: Option<DepthDevice>,
     /// Depths at or below the first are too near, at or above the second too far.
     limits: [f32; 2],
 }
@@ -138,8 +152,13 @@ impl<'a> DepthCamera<'a> {
             return Err(CameraError::Cutoff { min_m, max_m });
         }
         let camera = Camera::new(config.camera)?;
-        let bias = config.noise.bias(config.camera.seed, config.camera.sensor, 1);
-        Ok(Self { config, camera, bias, limits: [min_m as f32, max_m as f32] })
+        let noise = match config.model.noise {
+            DepthNoise::Gaussian(noise) => noise,
+            DepthNoise::Axial(_) => GaussianNoise::NONE,
+        };
+        let bias = noise.bias(config.camera.seed, config.camera.sensor, 1);
+        let device = DepthDevice::new(&config.model, bias).map_err(CameraError::Device)?;
+        Ok(Self { config, camera, noise, bias, device, limits: [min_m as f32, max_m as f32] })
     }
 
     /// What it was made from.
@@ -184,6 +203,18 @@ impl<'a> DepthCamera<'a> {
         let measured = noisy.min(truth).simd_le(min).select(near, noisy);
         noisy.max(truth).simd_ge(max).select(far, measured)
     }
+
+    /// Measured depths as 32FC1 shows them.
+    #[inline(always)]
+    fn shown<S: Simd>(&self, simd: S, depths: f32x16<S>) -> f32x16<S> {
+        match self.config.out_of_range {
+            OutOfRange::Infinite => depths,
+            OutOfRange::Nan => {
+                let is_finite = depths.abs().simd_lt(f32x16::splat(simd, f32::INFINITY));
+                is_finite.select(depths, f32x16::splat(simd, f32::NAN))
+            }
+        }
+    }
 }
 
 impl Sensor for DepthCamera<'_> {
@@ -194,7 +225,8 @@ impl Sensor for DepthCamera<'_> {
         let fan = Frame::fan_of(optics, shutter);
         let marks = lines(self.camera.marks(shutter) * size_of::<u32>());
         let blocked = lines(fan.blocks_across() * fan.blocks_down() * size_of::<u16>());
-        Frame::workspace_len(scene, optics, shutter) + sums_len(&fan, shutter) + blocked + marks
+        let seen = self.device.map_or(0, |_| Seen::workspace_len(self.pixels()));
+        Frame::workspace_len(scene, optics, shutter) + sums_len(&fan, shutter) + blocked + marks + seen
     }
 
     fn sense(
@@ -204,7 +236,7 @@ impl Sensor for DepthCamera<'_> {
         workspace: &mut Workspace<'_>,
         output: DepthFrame<'_>,
     ) -> Result<(), SenseError> {
-        let DepthFrame { depth_32fc1, depth_16uc1, mut colour, mut points, truth } = output;
+        let DepthFrame { mut depth_32fc1, mut depth_16uc1, mut colour, mut points, truth } = output;
         let pixels = self.pixels();
         check_output("depth_32fc1", depth_32fc1.as_ref().map(|depth| depth.len()), pixels)?;
         check_output("depth_16uc1", depth_16uc1.as_ref().map(|depth| depth.len()), pixels)?;
@@ -230,20 +262,30 @@ impl Sensor for DepthCamera<'_> {
         } else {
             &mut []
         };
+        let device = self.device.as_ref().filter(|_| wants_depth);
+        let mut seen = device.map(|_| Seen::new(pixels, &mut memory));
         let wants_colour = colour.is_some() || points.is_some();
         let marks = memory.take(if wants_colour { self.camera.marks(shutter) } else { 0 });
         let drawn = (colour.as_deref_mut(), &mut *marks);
         let rows = Rows {
-            depth_32fc1,
-            depth_16uc1,
+            depth_32fc1: depth_32fc1.as_deref_mut(),
+            depth_16uc1: depth_16uc1.as_deref_mut(),
             points: points.as_deref_mut(),
+            seen: seen.as_mut().map(Seen::reborrow),
             truth,
             width: self.camera.size()[0],
             lines_in_tile: Tiling::of(frame.fan()).size()[1],
             wants_colour: drawn.0.is_some(),
             colour: ColourRows::new(&self.camera, frame.fan(), shutter, drawn, &mut memory),
         };
-        frame.trace(&sight, &mut memory, rows, &Measurer { camera: self, capture, blocked });
+        let work = Measurer { camera: self, capture, obstacles: Obstacles(blocked) };
+        frame.trace(&sight, &mut Cutter(&mut *memory.0), rows, &work);
+        if let (Some(device), Some(seen)) = (device, seen) {
+            let rays = rays_of(optics, (*frame.fan(), 0), execution, &mut memory);
+            let developer = Developer { camera: self, device, rays, frame: capture.frame, seen };
+            let (points, width) = (points.as_deref_mut(), self.camera.size()[0]);
+            developer.develop(execution, Measured { depth_32fc1, depth_16uc1, points, width });
+        }
         if let Some(smoothing) = Smoothing::new(&frame, optics, sight, marks) {
             let camera = &self.camera;
             let space = scene.colour_space();
@@ -257,8 +299,7 @@ impl Sensor for DepthCamera<'_> {
 struct Measurer<'a> {
     camera: &'a DepthCamera<'a>,
     capture: &'a Capture<'a>,
-    /// The lanes of each block that something too near is in the way of; empty if nothing is.
-    blocked: &'a [u16],
+    obstacles: Obstacles<'a>,
 }
 
 impl Measurer<'_> {
@@ -276,7 +317,8 @@ impl Measurer<'_> {
         let fan = band.rays.fan();
         let (tiling, across, first) = (Tiling::of(fan), fan.blocks_across(), column * BLOCKS);
         let samples = tiling.samples(fan.width as usize, [column, row]);
-        let has_noise = !self.camera.config.noise.is_none();
+        let noise = &self.camera.noise;
+        let has_noise = !noise.is_none();
         let mut normals = [f32x16::splat(simd, 0.0); BLOCKS];
         if has_noise {
             normals = self.camera.normals(simd, tiling, self.capture.frame, samples);
@@ -285,14 +327,11 @@ impl Measurer<'_> {
         let mut of_tile = [f32::INFINITY; LANES];
         for part in 0..BLOCKS.min(across - first) {
             let block = [first + part, row];
-            let mut truth = measure.block::<S, true>(simd, band, resolver, block);
-            if let Some(&lanes) = self.blocked.get(row * across + first + part) {
-                let blocked = simd.from_bitmask_mask32x16(u64::from(lanes));
-                truth = blocked.select(f32x16::splat(simd, f32::NEG_INFINITY), truth);
-            }
+            let truth = measure.block::<S, true>(simd, band, resolver, block);
+            let truth = self.obstacles.hide(simd, row * across + first + part, truth);
             let mut noisy = truth;
             if has_noise {
-                noisy = self.camera.config.noise.apply_vector(simd, truth, self.camera.bias, normals[part]);
+                noisy = noise.apply_vector(simd, truth, self.camera.bias, normals[part]);
             }
             let depths = self.camera.limited(simd, truth, noisy);
             output.write_depths(simd, self.camera, depths, &place);
@@ -308,35 +347,6 @@ impl Measurer<'_> {
     }
 }
 
-/// Finds out where something is too near.
-struct Blocking;
-
-impl BandWork<Blocked<'_>> for Blocking {
-    #[inline(always)]
-    fn finish<S: Simd>(&self, _simd: S, band: &Band<'_>, blocked: &mut Blocked<'_>) {
-        let first = band.row_in_output(*band.block_rows().start()) * blocked.across;
-        for (lanes, slots) in blocked.lanes[first..].iter_mut().zip(band.target.slot.iter()) {
-            *lanes = 0;
-            for (lane, &slot) in slots.iter().enumerate() {
-                *lanes |= u16::from(slot != NO_HIT) << lane;
-            }
-        }
-    }
-}
-
-/// A bit for each lane of each block, cut between rows of blocks.
-struct Blocked<'a> {
-    lanes: &'a mut [u16],
-    across: usize,
-}
-
-impl SplitRows for Blocked<'_> {
-    fn split_rows(self, rows: usize) -> (Self, Self) {
-        let (lanes, rest) = self.lanes.split_at_mut(rows * self.across);
-        (Self { lanes, across: self.across }, Self { lanes: rest, across: self.across })
-    }
-}
-
 impl BandWork<Rows<'_>> for Measurer<'_> {
     #[inline(always)]
     fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
@@ -347,6 +357,10 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
         let mut resolver = Resolver::new(band.view);
         if let Some(truth) = &mut output.truth {
             truth.write(simd, band, &camera.camera.sight(), capture);
+        }
+        let is_measured = output.seen.is_none();
+        if let (Some(seen), Some(device)) = (&mut output.seen, &camera.device) {
+            seen.write(simd, band, device, camera.camera.sight().faces, self.obstacles);
         }
         for row in band.block_rows() {
             // Depths are those of a line's first slice.
@@ -359,7 +373,10 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                     brush.mark(simd, band, tile, &mut output.colour);
                 }
                 if is_first {
-                    let depths = self.measure(simd, band, (&measure, &mut resolver), tile, output);
+                    let mut depths = [f32::NAN; LANES];
+                    if is_measured {
+                        depths = self.measure(simd, band, (&measure, &mut resolver), tile, output);
+                    }
                     if wants_points {
                         let light = brush.colours;
                         brush.expose(simd, tile);

@@ -17,7 +17,7 @@ mod landmarks;
 pub(crate) mod measure;
 pub(crate) mod memory;
 mod near;
-mod normals;
+pub(crate) mod normals;
 pub(crate) mod packet;
 pub(crate) mod packet_hits;
 pub(crate) mod place;

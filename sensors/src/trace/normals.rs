@@ -207,6 +207,33 @@ impl NormalFinder {
         }
     }
 
+    /// Cosines of the angles between the rays of a block, backwards, and the normals of what they hit, in single precision;
+    /// 1 elsewhere. `axes` are the sensor's in the world, as columns.
+    #[inline(always)]
+    pub(crate) fn cosines<S: Simd>(
+        &mut self,
+        simd: S,
+        band: &Band<'_>,
+        axes: &[[f32; 3]; 3],
+        resolver: &mut Resolver<'_>,
+        block: [usize; 2],
+    ) -> f32x16<S> {
+        let (normals, hits) = self.block(simd, band, resolver, block);
+        let one = f32x16::splat(simd, 1.0);
+        if hits == 0 {
+            return one;
+        }
+        let [forward, left, up] = match normals {
+            Normals::Same([x, y, z]) => axes.map(|[a, b, c]| f32x16::splat(simd, (x * a + y * b) + z * c)),
+            Normals::Each(normals) => {
+                [along(&normals, axes[0]), along(&normals, axes[1]), along(&normals, axes[2])]
+            }
+        };
+        let [x, y, z] = band.rays.unit_directions(simd, block[0], block[1]);
+        let against = (x * forward + y * left) + z * up;
+        simd.from_bitmask_mask32x16(u64::from(hits)).select(-against, one)
+    }
+
     /// Angles between the rays of a block, backwards, and the normals of what they hit; NaN elsewhere.
     #[inline(always)]
     pub(crate) fn incidence<S: Simd>(

@@ -34,6 +34,7 @@ pub struct DepthCamera {
 pub(super) const KIND: Kind = Kind {
     types: &["depth", "depth_camera", "rgbd", "rgbd_camera"],
     plugins: &["gazebo_ros_openni_kinect"],
+    is_extended: false,
     read: |reader, sensor| reader.depth_camera(sensor).map(SensorKind::Depth),
 };
 

@@ -5,11 +5,17 @@ use super::{KINDS, Kind};
 use crate::description::values::child_text;
 use crate::description::xml::Element;
 
+/// Its name.
+const OWN: &str = "belvedere";
+
 impl Reader<'_> {
     /// The first plugin of a sensor that publishes its kind; warnings for the others.
     pub(super) fn plugin<'e>(&mut self, sensor: &'e Element, kind: &Kind) -> Option<&'e Element> {
         let mut chosen = None;
         for element in sensor.elements_named("plugin") {
+            if kind.is_extended && plain_name(element) == OWN {
+                continue;
+            }
             let file = element.attribute("filename").unwrap_or_default();
             let name = plain_name(element);
             if kind.plugins.contains(&name) {
@@ -44,6 +50,11 @@ impl Reader<'_> {
         }
         chosen
     }
+}
+
+/// Our own, which tells a sensor what SDF has no element for.
+pub(super) fn extension(sensor: &Element) -> Option<&Element> {
+    sensor.elements_named("plugin").find(|plugin| plain_name(plugin) == OWN)
 }
 
 /// A plugin's file without its folder, `lib` and `.so`, which Gazebo itself adds where they are missing.

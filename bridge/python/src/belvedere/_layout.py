@@ -12,6 +12,8 @@ SCHEMA = 2
 HEADER_LEN = 384
 #: Flag: a plane of intensities follows the ranges.
 HAS_INTENSITIES = 1
+#: Flag: the frame comes from a recording.
+REPLAYED = 2
 #: Name of the user header, which iceoryx2 compares.
 HEADER_TYPE_NAME = "belvedere.FrameHeader.v2"
 

@@ -1,6 +1,7 @@
 //! Where the parts of a depth frame go, cut between rows of tiles.
 
-use super::{DepthCamera, OutOfRange, POINT_STEP};
+use super::seen::Seen;
+use super::{DepthCamera, POINT_STEP};
 use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
 use crate::scene::ColourSpace;
@@ -14,7 +15,8 @@ use crate::trace::Truth;
 use crate::trace::grid::Band;
 use crate::trace::place::Place;
 use crate::trace::tiling::{BLOCKS, Tiling};
-use fearless_simd::{Select, Simd, SimdBase, f32x16};
+use fearless_simd::{Simd, f32x16};
+use glam::DVec3;
 
 /// From where on a point has its colour.
 const POINT_RGB: usize = 16;
@@ -26,14 +28,41 @@ fn rgb(colour: [f32; 3]) -> [u8; 4] {
     [blue, green, red, 0]
 }
 
+/// Writes a whole point.
 #[inline(always)]
-fn write_point(point: &mut [u8], [right, down]: [f32; 2], depth: f32, colour: [f32; 3]) {
-    let xyz = if depth.is_finite() { [right * depth, down * depth, depth] } else { [f32::NAN; 3] };
-    let [x, y, z] = xyz.map(f32::to_bits);
+fn write_point(point: &mut [u8], ray: DVec3, depth: f32, colour: [f32; 3]) {
+    let [x, y, z] = xyz(ray, depth);
     let words = [x, y, z, 0, u32::from_le_bytes(rgb(colour)), 0, 0, 0];
     for (bytes, word) in point.as_chunks_mut::<4>().0.iter_mut().zip(words) {
         *bytes = word.to_le_bytes();
     }
+}
+
+/// Writes the coordinates of a point, and nothing else.
+#[inline(always)]
+pub(super) fn write_xyz(point: &mut [u8], ray: DVec3, depth: f32) {
+    for (bytes, word) in point.as_chunks_mut::<4>().0.iter_mut().zip(xyz(ray, depth)) {
+        *bytes = word.to_le_bytes();
+    }
+}
+
+/// The bits of a point's coordinates, from its ray in the axes of the sensor; NaN where there is no depth.
+#[inline(always)]
+fn xyz(ray: DVec3, depth: f32) -> [u32; 3] {
+    let [right, down] = [((0.0 - ray.y) / ray.x) as f32, ((0.0 - ray.z) / ray.x) as f32];
+    let xyz = if depth.is_finite() { [right * depth, down * depth, depth] } else { [f32::NAN; 3] };
+    xyz.map(f32::to_bits)
+}
+
+/// Depths in millimetres; 0 where there is none that 16 bits hold.
+#[inline(always)]
+pub(super) fn millimetres(depths: &[f32; WIDTH]) -> [u16; WIDTH] {
+    let mut pixels = [0; WIDTH];
+    for lane in 0..WIDTH {
+        let millimetres = depths[lane] * 1000.0 + 0.5;
+        pixels[lane] = if (1.0..65536.0).contains(&millimetres) { millimetres as u16 } else { 0 };
+    }
+    pixels
 }
 
 /// The parts of a frame, cut between rows of tiles.
@@ -41,6 +70,8 @@ pub(super) struct Rows<'a> {
     pub(super) depth_32fc1: Option<&'a mut [f32]>,
     pub(super) depth_16uc1: Option<&'a mut [u16]>,
     pub(super) points: Option<&'a mut [u8]>,
+    /// What the device is to read; without one, depths are measured as they are traced.
+    pub(super) seen: Option<Seen<'a>>,
     pub(super) truth: Option<Truth<'a>>,
     /// Pixels across.
     pub(super) width: usize,
@@ -57,14 +88,26 @@ impl SplitRows for Rows<'_> {
         let (depth_32fc1, lower_32fc1) = split_at(self.depth_32fc1, pixels);
         let (depth_16uc1, lower_16uc1) = split_at(self.depth_16uc1, pixels);
         let (points, lower_points) = split_at(self.points, pixels * POINT_STEP);
+        let (seen, lower_seen) = self.seen.map(|seen| seen.split_at(pixels)).unzip();
         let (truth, lower_truth) = self.truth.map(|truth| truth.split_at(pixels)).unzip();
         let (colour, lower_colour) = self.colour.split_rows(rows);
         (
-            Self { depth_32fc1, depth_16uc1, points, truth, width, lines_in_tile, wants_colour, colour },
+            Self {
+                depth_32fc1,
+                depth_16uc1,
+                points,
+                seen,
+                truth,
+                width,
+                lines_in_tile,
+                wants_colour,
+                colour,
+            },
             Self {
                 depth_32fc1: lower_32fc1,
                 depth_16uc1: lower_16uc1,
                 points: lower_points,
+                seen: lower_seen,
                 truth: lower_truth,
                 width,
                 lines_in_tile,
@@ -103,23 +146,10 @@ impl Rows<'_> {
         place: &Place,
     ) {
         if let Some(output) = &mut self.depth_32fc1 {
-            let infinite = f32x16::splat(simd, f32::INFINITY);
-            let shown = match camera.config.out_of_range {
-                OutOfRange::Infinite => depths,
-                OutOfRange::Nan => {
-                    depths.abs().simd_lt(infinite).select(depths, f32x16::splat(simd, f32::NAN))
-                }
-            };
-            place.write_f32(simd, shown, output);
+            place.write_f32(simd, camera.shown(simd, depths), output);
         }
         if let Some(output) = &mut self.depth_16uc1 {
-            let depths: [f32; WIDTH] = depths.into();
-            let mut pixels = [0; WIDTH];
-            for lane in 0..WIDTH {
-                let millimetres = depths[lane] * 1000.0 + 0.5;
-                pixels[lane] = if (1.0..65536.0).contains(&millimetres) { millimetres as u16 } else { 0 };
-            }
-            place.write(&pixels, output);
+            place.write(&millimetres(&depths.into()), output);
         }
     }
 
@@ -139,8 +169,7 @@ impl Rows<'_> {
             for (x, point) in output.enumerate() {
                 let lane = line * WIDTH + x;
                 let ray = band.rays.direction((column + x) as i32, row as i32);
-                let slopes = [((0.0 - ray.y) / ray.x) as f32, ((0.0 - ray.z) / ray.x) as f32];
-                write_point(point, slopes, depths[lane], [0, 1, 2].map(|channel| colours[channel][lane]));
+                write_point(point, ray, depths[lane], [0, 1, 2].map(|channel| colours[channel][lane]));
             }
         }
     }

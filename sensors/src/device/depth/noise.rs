@@ -1,0 +1,146 @@
+//! Noise of a measured depth.
+
+use super::check;
+use super::incidence::{slant, slant_of};
+use crate::device::DeviceError;
+use crate::noise::GaussianNoise;
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
+
+/// Noise of a measured depth, in metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum DepthNoise {
+    /// The same at every depth, as SDF's `<noise>` describes it.
+    Gaussian(GaussianNoise),
+    /// That grows with depth, and where rays meet surfaces flat.
+    Axial(AxialNoise),
+}
+
+impl From<GaussianNoise> for DepthNoise {
+    fn from(noise: GaussianNoise) -> Self {
+        Self::Gaussian(noise)
+    }
+}
+
+impl From<AxialNoise> for DepthNoise {
+    fn from(noise: AxialNoise) -> Self {
+        Self::Axial(noise)
+    }
+}
+
+impl DepthNoise {
+    pub(super) fn check(&self) -> Result<(), DeviceError> {
+        match self {
+            Self::Gaussian(_) => Ok(()),
+            Self::Axial(noise) => noise.check(),
+        }
+    }
+}
+
+/// Normal noise with a standard deviation of
+///
+/// σ = p₀ + p₁·z + p₂·z² + (s₀/√z + s₁·z·√z) · θ²/(π/2 − θ)²
+///
+/// at a depth of z metres on a surface whose normal is at an angle of θ to the ray. It is 0 where the sum is less, and the
+/// last term is there from `slant_from_rad` on.
+///
+/// ```
+/// use belvedere_sensors::device::depth::AxialNoise;
+/// // Nguyen, Izadi, Lovell 2012: 0.0012 + 0.0019·(z − 0.4)², and more beyond 60°.
+/// let kinect = AxialNoise {
+///     polynomial: [0.0012 + 0.0019 * 0.16, -0.0019 * 0.8, 0.0019],
+///     slant: [0.0001, 0.0],
+///     slant_from_rad: 60_f64.to_radians(),
+/// };
+/// assert!((kinect.stddev_m(3.0, 0.0) - 0.014044).abs() < 1e-9);
+/// assert!((kinect.stddev_m(1.0, 80_f64.to_radians()) - 0.008284).abs() < 1e-9);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxialNoise {
+    /// p₀ in metres, p₁, p₂ in 1/m, each −1000 … 1000.
+    pub polynomial: [f64; 3],
+    /// s₀ in m^1.5 and s₁ in m^−0.5, each 0 … 1000.
+    pub slant: [f64; 2],
+    /// From which angle on their term counts, 0 … π/2 radians.
+    pub slant_from_rad: f64,
+}
+
+impl AxialNoise {
+    /// No noise.
+    pub const NONE: Self = Self { polynomial: [0.0; 3], slant: [0.0; 2], slant_from_rad: 0.0 };
+
+    /// σ in metres.
+    #[must_use]
+    pub fn stddev_m(&self, depth_m: f64, incidence_rad: f64) -> f64 {
+        let ([p0, p1, p2], [s0, s1]) = (self.polynomial, self.slant);
+        let root = libm::sqrt(depth_m);
+        let slant = if incidence_rad < self.slant_from_rad { 0.0 } else { slant_of(incidence_rad) };
+        let sum = p0 + depth_m * (p1 + depth_m * p2) + (s0 / root + s1 * depth_m * root) * slant * slant;
+        sum.max(0.0)
+    }
+
+    fn check(&self) -> Result<(), DeviceError> {
+        for term in self.polynomial {
+            check("noise.polynomial", term, [-1e3, 1e3])?;
+        }
+        for term in self.slant {
+            check("noise.slant", term, [0.0, 1e3])?;
+        }
+        check("noise.slant_from_rad", self.slant_from_rad, [0.0, core::f64::consts::FRAC_PI_2])
+    }
+}
+
+/// Noise of a checked device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Sigma {
+    Gaussian(GaussianNoise),
+    Axial { polynomial: [f32; 3], slant: [f32; 2], slant_below: f32 },
+}
+
+impl Sigma {
+    pub(super) fn new(noise: &DepthNoise) -> Self {
+        match *noise {
+            DepthNoise::Gaussian(noise) => Self::Gaussian(noise),
+            DepthNoise::Axial(AxialNoise { polynomial, slant, slant_from_rad }) => Self::Axial {
+                polynomial: polynomial.map(|term| term as f32),
+                slant: slant.map(|term| term as f32),
+                slant_below: libm::cos(slant_from_rad) as f32,
+            },
+        }
+    }
+
+    pub(super) fn is_noisy(&self) -> bool {
+        !matches!(self, Self::Gaussian(noise) if noise.is_none())
+    }
+
+    pub(super) fn wants_incidence(&self) -> bool {
+        matches!(self, Self::Axial { slant, .. } if *slant != [0.0; 2])
+    }
+
+    /// Noisy depths of finite ones.
+    #[inline(always)]
+    pub(super) fn apply<S: Simd>(
+        &self,
+        simd: S,
+        depths: f32x16<S>,
+        cosines: f32x16<S>,
+        bias: f32,
+        normals: f32x16<S>,
+    ) -> f32x16<S> {
+        match self {
+            Self::Gaussian(noise) => noise.apply_vector(simd, depths, bias, normals),
+            Self::Axial { polynomial: [p0, p1, p2], slant: [s0, s1], slant_below } => {
+                let mut sigma = (depths * *p2 + *p1) * depths + *p0;
+                let is_slanted = cosines.simd_le(*slant_below);
+                if self.wants_incidence() && is_slanted.any_true() {
+                    let slant = slant(simd, cosines);
+                    let root = depths.sqrt();
+                    let factor = f32x16::splat(simd, *s0) / root + depths * root * *s1;
+                    let more = sigma + factor * (slant * slant);
+                    sigma = is_slanted.select(more, sigma);
+                }
+                depths + sigma.max(f32x16::splat(simd, 0.0)) * normals
+            }
+        }
+    }
+}

@@ -173,7 +173,7 @@ fn a_replay_begins_where_it_is_told_stands_and_steps() {
     let node = Node::open(&Domain::new(&domain).unwrap(), "control").unwrap();
     let mut control = SimulationControl::open(&node).unwrap();
     let first = step(&mut control, 1);
-    assert!((480_000_000..600_000_000).contains(&first), "{first}");
+    assert!((500_000_000..=510_000_000).contains(&first), "{first}");
     let mut clock = live::follow(&domain, "test", &["clock"]).remove(0);
     let later = step(&mut control, 5);
     let mut times = Vec::new();

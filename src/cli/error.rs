@@ -124,7 +124,7 @@ pub enum CliError {
         /// Which.
         path: PathBuf,
         /// Why.
-        source: RecordingError,
+        source: Box<RecordingError>,
     },
     /// A recording is not all that was sent.
     #[error(

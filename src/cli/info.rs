@@ -56,7 +56,11 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
             print_line(found.text(recording.library(), bytes).trim_end())?;
         }
     }
-    ended.map_err(|source| CliError::Recording { action: "read all of", path: args.file.clone(), source })
+    ended.map_err(|source| CliError::Recording {
+        action: "read all of",
+        path: args.file.clone(),
+        source: Box::new(source),
+    })
 }
 
 impl Found {

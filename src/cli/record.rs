@@ -17,7 +17,7 @@ const LOOK: Duration = Duration::from_secs(1);
 
 /// Record the streams of a running simulation into an MCAP file, until Ctrl-C.
 ///
-/// Foxglove, Lichtblick, PlotJuggler and the mcap tools show the file as it is: it has the messages of ROS 1. `belvedere
+/// Foxglove, Lichtblick, `PlotJuggler` and the mcap tools show the file as it is: it has the messages of ROS 1. `belvedere
 /// replay` plays it again, with every byte. Until it is complete, `.active` stands behind its name; what is there can be
 /// read up to the last second, whatever happens.
 ///
@@ -30,6 +30,7 @@ const LOOK: Duration = Duration::from_secs(1);
   belvedere run --record run.mcap          (simulator and recorder in one, nothing is lost)
   belvedere info run.mcap
   belvedere replay run.mcap")]
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RecordArgs {
     /// Topics, with or without a leading slash; all if there are none, also those that come later. The clock is always
     /// recorded
@@ -79,7 +80,7 @@ pub fn run(args: &RecordArgs) -> Result<(), CliError> {
         replace: args.force,
         about: about(&args.domain.domain),
     };
-    let mut recorder = start(node, &args.output, options)?;
+    let mut recorder = start(node, &args.output, &options)?;
     let started = Instant::now();
     let mut shown = Shown::new(&args.output);
     let mut next_look = started + LOOK;
@@ -108,19 +109,22 @@ pub fn run(args: &RecordArgs) -> Result<(), CliError> {
 }
 
 /// Begins to record.
-pub(super) fn start(node: Node, path: &Path, options: RecorderOptions) -> Result<Recorder, CliError> {
+pub(super) fn start(node: Node, path: &Path, options: &RecorderOptions) -> Result<Recorder, CliError> {
     Recorder::start(node, path, options).map_err(|source| CliError::Recording {
         action: "write",
         path: path.to_owned(),
-        source,
+        source: Box::new(source),
     })
 }
 
 /// Ends it, and says what was recorded.
 pub(super) fn finish(recorder: Recorder, path: &Path, lossy: bool) -> Result<(), CliError> {
     let (progress, missed, active) = (recorder.progress(), recorder.missed(), recorder.active().to_owned());
-    let tallies =
-        recorder.finish().map_err(|source| CliError::Recording { action: "write", path: active, source })?;
+    let tallies = recorder.finish().map_err(|source| CliError::Recording {
+        action: "write",
+        path: active,
+        source: Box::new(source),
+    })?;
     let frames: u64 = tallies.iter().map(|tally| tally.frames).sum();
     print_line(&format!(
         "{}: {} streams, {frames} frames, {}",

@@ -34,7 +34,7 @@ impl RecordingThread {
         let node = Node::open(domain, RECORDER)?;
         let about = about(domain).into_iter().chain(words).collect();
         let options = RecorderOptions { replace, about, ..RecorderOptions::default() };
-        let mut recorder = start(node, path, options)?;
+        let mut recorder = start(node, path, &options)?;
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
         let thread = std::thread::Builder::new()

@@ -64,7 +64,8 @@ fn pace(text: &str) -> Result<Pace, String> {
 /// # Errors
 /// [`CliError::Recording`] when the file cannot be played; failures of the bridge.
 pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
-    let failed = |source| CliError::Recording { action: "play", path: args.file.clone(), source };
+    let failed =
+        |source| CliError::Recording { action: "play", path: args.file.clone(), source: Box::new(source) };
     let mut recording = open(&args.file)?;
     listen_for_stop()?;
     let node = Node::open(&args.domain.domain, "belvedere")?;

@@ -1,6 +1,6 @@
 //! `<sensor>` as SDF defines it, in SDF links and in URDF's `<gazebo reference>`.
 //!
-//! A kind of sensor is a file here, with a row in [`KINDS`] and a variant of [`SensorKind`], and one in `rig` (`rig/behaviour.rs`).
+//! A kind of sensor is a file here, with a row in `KINDS` and a variant of [`SensorKind`], and one in `rig` (`rig/behaviour.rs`).
 //! Defaults are those of sdf/1.6 and of the plugins of `gazebo_plugins` (ROS Noetic).
 
 mod camera;

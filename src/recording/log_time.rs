@@ -8,6 +8,7 @@ const STALE_NS: u64 = 10_000_000_000;
 /// Makes times that never go back, from stamps: a picture comes after what is stamped later, commands have no stamps,
 /// and after a reset of the simulation stamps begin at 0 again.
 #[derive(Debug, Default)]
+#[allow(clippy::struct_field_names, reason = "the unit")]
 pub(super) struct LogTime {
     /// The time at the last reset.
     base_ns: u64,

@@ -296,7 +296,8 @@ impl Player {
         let mut loaned = publisher.loan(frame.payload.len())?;
         loaned.payload_mut().copy_from_slice(&frame.payload);
         let flags = frame.header.flags | FrameHeader::REPLAYED;
-        *loaned.header_mut() = FrameHeader { flags, payload_len: frame.payload.len() as u64, ..frame.header };
+        *loaned.header_mut() =
+            FrameHeader { flags, payload_len: frame.payload.len() as u64, ..*frame.header };
         loaned.send()?;
         // Streams are recorded side by side, so that some are ahead of the clock by a message; a recording of others'
         // streams may have none.

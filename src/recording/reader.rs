@@ -51,7 +51,7 @@ pub struct RecordedFrame {
     /// When it was recorded: simulated time that never goes back, nanoseconds.
     pub log_time_ns: u64,
     /// As it was sent.
-    pub header: FrameHeader,
+    pub header: Box<FrameHeader>,
     /// As it was sent.
     pub payload: Vec<u8>,
 }
@@ -59,7 +59,7 @@ pub struct RecordedFrame {
 impl PartialEq for RecordedFrame {
     fn eq(&self, other: &Self) -> bool {
         (&self.topic, self.log_time_ns, &self.payload) == (&other.topic, other.log_time_ns, &other.payload)
-            && bytemuck::bytes_of(&self.header) == bytemuck::bytes_of(&other.header)
+            && bytemuck::bytes_of(&*self.header) == bytemuck::bytes_of(&*other.header)
     }
 }
 
@@ -210,6 +210,7 @@ impl<R: Read> RecordingReader<R> {
         };
         FrameView::new(&header, &payload)
             .map_err(|error| RecordingError::Frame { topic: topic.to_owned(), error })?;
+        let header = Box::new(header);
         Ok(Item::Frame(RecordedFrame { topic: topic.to_owned(), log_time_ns, header, payload }))
     }
 }

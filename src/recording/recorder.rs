@@ -3,7 +3,7 @@
 use super::stream::RecordedStream;
 use super::writer::{Compression, RecordingWriter, StreamId, StreamTally};
 use super::{NewFile, RecordingError};
-use belvedere_bridge::{Domain, FrameHeader, Node, StreamInfo, Subscriber};
+use belvedere_bridge::{Domain, FrameHeader, Node, StreamInfo, Subscriber, clock};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::Path;
@@ -15,6 +15,8 @@ use std::time::{Duration, Instant};
 
 /// What is lost at most when the process is killed.
 const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
+/// How long a frame waits for those that were sent before it and are taken by other threads.
+const ORDER_NS: u64 = 250_000_000;
 /// How long a stream's thread sleeps before it looks whether it is to end.
 const NAP: Duration = Duration::from_millis(50);
 /// The topic that is always recorded: by it a reset is known.
@@ -96,7 +98,7 @@ impl Recorder {
     ///
     /// # Errors
     /// When the file cannot be made, or the domain cannot be joined.
-    pub fn start(node: Node, path: &Path, options: RecorderOptions) -> Result<Self, RecordingError> {
+    pub fn start(node: Node, path: &Path, options: &RecorderOptions) -> Result<Self, RecordingError> {
         let file = NewFile::create(path, options.replace)?;
         let shared = Arc::new(Shared::default());
         let (sender, notes) = mpsc::sync_channel(1024);
@@ -301,46 +303,77 @@ impl Shared {
     }
 }
 
+/// A frame with the number of its stream.
+type Taken = (usize, Box<FrameHeader>, Vec<u8>);
+
+/// Frames that wait until those that were sent before them have come, too.
+#[derive(Default)]
+struct Order {
+    /// By the time of sending, and the order of arrival.
+    frames: BTreeMap<(u64, u64), Taken>,
+    arrived: u64,
+}
+
+impl Order {
+    fn add(&mut self, number: usize, header: Box<FrameHeader>, payload: Vec<u8>) {
+        self.arrived += 1;
+        self.frames.insert((header.publish_mono_ns, self.arrived), (number, header, payload));
+    }
+
+    /// The next frame, if it was sent before this time.
+    fn next(&mut self, before_mono_ns: u64) -> Option<Taken> {
+        let first = self.frames.first_entry()?;
+        (first.key().0 < before_mono_ns).then(|| first.remove())
+    }
+}
+
 /// Writes until all who send have ended.
 fn write<W: io::Write>(
     mut writer: RecordingWriter<W>,
     notes: &mpsc::Receiver<Note>,
     shared: &Shared,
 ) -> Result<Vec<StreamTally>, RecordingError> {
-    let mut ids: BTreeMap<usize, StreamId> = BTreeMap::new();
-    let mut next_flush = Instant::now() + FLUSH_INTERVAL;
-    let written = loop {
-        let left = next_flush.saturating_duration_since(Instant::now());
-        let done = match notes.recv_timeout(left) {
-            Ok(Note::Stream(stream, number)) => writer.add(&stream).map(|id| {
-                ids.insert(number, id);
-            }),
-            Ok(Note::Frame(number, header, payload)) => {
-                shared.give_room(payload.len() as u64);
-                let done = ids.get(&number).map_or(Ok(()), |&id| writer.write(id, &header, &payload));
-                shared.keep(payload);
-                done
-            }
-            Err(RecvTimeoutError::Timeout) => Ok(()),
-            Err(RecvTimeoutError::Disconnected) => break writer.finish(),
-        };
-        let done = done.and_then(|()| {
-            if Instant::now() < next_flush {
-                return Ok(());
-            }
-            next_flush = Instant::now() + FLUSH_INTERVAL;
-            writer.flush()
-        });
-        shared.written.store(writer.bytes(), Ordering::Relaxed);
-        if let Err(error) = done {
-            break Err(error);
-        }
-    };
+    let written = write_all(&mut writer, notes, shared).and_then(|()| writer.finish());
     if written.is_err() {
         shared.failed.store(true, Ordering::Relaxed);
         shared.room.notify_all();
     }
     written
+}
+
+fn write_all<W: io::Write>(
+    writer: &mut RecordingWriter<W>,
+    notes: &mpsc::Receiver<Note>,
+    shared: &Shared,
+) -> Result<(), RecordingError> {
+    let mut ids: BTreeMap<usize, StreamId> = BTreeMap::new();
+    let mut order = Order::default();
+    let mut next_flush = Instant::now() + FLUSH_INTERVAL;
+    let mut is_open = true;
+    while is_open {
+        match notes.recv_timeout(NAP) {
+            Ok(Note::Stream(stream, number)) => {
+                ids.insert(number, writer.add(&stream)?);
+            }
+            Ok(Note::Frame(number, header, payload)) => order.add(number, header, payload),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => is_open = false,
+        }
+        let before = if is_open { clock::mono_ns().saturating_sub(ORDER_NS) } else { u64::MAX };
+        while let Some((number, header, payload)) = order.next(before) {
+            if let Some(&id) = ids.get(&number) {
+                writer.write(id, &header, &payload)?;
+            }
+            shared.give_room(payload.len() as u64);
+            shared.keep(payload);
+        }
+        if Instant::now() >= next_flush {
+            next_flush = Instant::now() + FLUSH_INTERVAL;
+            writer.flush()?;
+        }
+        shared.written.store(writer.bytes(), Ordering::Relaxed);
+    }
+    Ok(())
 }
 
 /// The words of every recording: version, command line, domain.

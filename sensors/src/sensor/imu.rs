@@ -73,8 +73,8 @@ impl core::error::Error for ImuError {}
 /// for frame in 0..1000 {
 ///     heading += 0.01 * unit.measure(&rest, frame, 0.01, &mut state).angular_velocity.z;
 /// }
-/// // Ten seconds of a bias of 0.5 °/s a sigma.
-/// assert!(heading != 0.0 && heading.abs() < 0.3);
+/// // Ten seconds of a bias that has a sigma of 0.5 °/s; this unit is a bad one, of 3.7 sigma.
+/// assert!((heading - 10.0 * 3.66 * 0.5_f64.to_radians()).abs() < 0.005);
 /// # Ok::<(), belvedere_sensors::imu::ImuError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

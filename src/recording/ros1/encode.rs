@@ -235,14 +235,18 @@ pub(super) fn joint_states(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option
     let joints: Vec<JointState> = frame.structs().ok()?.collect();
     header(frame.header(), out);
     out.count(joints.len());
-    joints.iter().for_each(|joint| out.text(joint.name.as_str()));
+    for joint in &joints {
+        out.text(joint.name.as_str());
+    }
     for number in [
         |joint: &JointState| joint.position,
         |joint: &JointState| joint.velocity,
         |joint: &JointState| joint.effort,
     ] {
         out.count(joints.len());
-        joints.iter().for_each(|joint| out.f64s(&[number(joint)]));
+        for joint in &joints {
+            out.f64s(&[number(joint)]);
+        }
     }
     Some(Payload::Elsewhere)
 }
@@ -286,7 +290,9 @@ pub(super) fn range(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payloa
 pub(super) fn model_states(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
     let states: Vec<ModelState> = frame.structs().ok()?.collect();
     out.count(states.len());
-    states.iter().for_each(|state| out.text(state.name.as_str()));
+    for state in &states {
+        out.text(state.name.as_str());
+    }
     out.count(states.len());
     for state in &states {
         out.f64s(&state.position);
@@ -353,6 +359,7 @@ pub(super) fn wheel_drop(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<P
     Some(Payload::Elsewhere)
 }
 
+#[allow(clippy::unnecessary_wraps, reason = "one of many of this type")]
 pub(super) fn empty(_: &FrameView<'_>, _: &mut Bytes<'_>) -> Option<Payload> {
     Some(Payload::Elsewhere)
 }

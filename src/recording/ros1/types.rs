@@ -1,6 +1,8 @@
 //! Messages of ROS 1: their names, and their definitions as readers want them. Fields and constants are those of the
 //! packages in Noetic, so that the sums that readers make of them agree; comments do not count.
 
+use std::fmt::Write as _;
+
 /// A type of message.
 #[derive(Debug)]
 pub struct MessageType {
@@ -19,7 +21,7 @@ impl MessageType {
         self.collect(&mut parts);
         let mut text = self.fields.to_owned();
         for part in parts {
-            text.push_str(&format!("\n{}\nMSG: {}\n{}", "=".repeat(80), part.name, part.fields));
+            let _ = write!(text, "\n{}\nMSG: {}\n{}", "=".repeat(80), part.name, part.fields);
         }
         text
     }

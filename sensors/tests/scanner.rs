@@ -3,8 +3,9 @@
 mod common;
 
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan};
+use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scanner::{
-    Columns, Echoes, Firing, Laser, Pattern, Rosette, Scanner, ScannerConfig, Spinning,
+    Columns, Echoes, Firing, Laser, Pattern, Rosette, Scanner, ScannerConfig, Spinning, presets,
 };
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::trace::{Truth, WorkspaceBuf};
@@ -412,6 +413,94 @@ fn two_prisms_draw_a_rosette() {
         let off = (firing.direction - DVec3::X - expected).length();
         assert!(off < 2e-6, "{off}");
     }
+}
+
+/// From the middle of a ball of 8 m whose surface sends 40 back.
+#[test]
+fn ranges_have_the_noise_that_they_are_told() {
+    let mut ball = SceneBuilder::new();
+    let material = ball.add_material(&MaterialConfig::default()).unwrap();
+    let config = InstanceConfig {
+        shape: Shape::Sphere { radius: 8.0 },
+        laser_retro: 40.0,
+        material,
+        ..Default::default()
+    };
+    ball.add_instance(&config).unwrap();
+    let capture = Capture::new(3, ball.moment(Pose::IDENTITY));
+    let noise = GaussianNoise::new(0.1, 0.02, 0.0, 0.0, 0.002).unwrap();
+    let config = presets::VLP_16.config(100_000_000).noise(noise).seed(5);
+    let scanner = Scanner::new(config).unwrap();
+    let (count, most) = (scanner.firings(3), scanner.most_firings());
+    let (mut ranges, mut points) = (vec![0.0; most], vec![[0.0; 3]; most]);
+    let (mut intensities, mut times, mut lasers) = (vec![0.0; most], vec![0.0; most], vec![0; most]);
+    let output = Echoes::new().ranges(&mut ranges).points(&mut points).intensities(&mut intensities);
+    let output = output.times(&mut times).lasers(&mut lasers);
+    take(&scanner, &ball, &capture, Execution::default(), output).unwrap();
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for index in 0..count {
+        let firing = scanner.firing(3, index);
+        let range = f64::from(ranges[index]);
+        let point = firing.origin + firing.direction * range;
+        assert!((point - DVec3::from(points[index].map(f64::from))).length() < 1e-6);
+        assert!((range / 0.002 - (range / 0.002).round()).abs() < 1e-3, "{range}");
+        assert_eq!((intensities[index], times[index], lasers[index]), (40.0, firing.time_s, firing.laser));
+        // Origins are beside the middle by up to 11 mm.
+        let truth = -firing.origin.dot(firing.direction)
+            + (64.0 + firing.origin.dot(firing.direction).powi(2) - firing.origin.length_squared()).sqrt();
+        let error = range - truth;
+        (sum, squares) = (sum + error, squares + error * error);
+    }
+    let mean = sum / count as f64;
+    let stddev = (squares / count as f64 - mean * mean).sqrt();
+    // The rounding to 2 mm adds its own.
+    let expected = (0.02_f64.powi(2) + 0.002_f64.powi(2) / 12.0).sqrt();
+    assert!((mean - 0.1).abs() < 4.0 * 0.02 / (count as f64).sqrt(), "{mean}");
+    assert!((stddev / expected - 1.0).abs() < 0.02, "{stddev}");
+    assert!(count < most && times[count..].iter().all(|time| time.is_nan()));
+    // Beyond its largest range there is nothing, and nearer than its smallest no measuring.
+    let limited = |range: [f64; 2]| {
+        let config = config.range_min_m(range[0]).range_max_m(range[1]);
+        scan(&Scanner::new(config).unwrap(), &ball, &capture, Execution::default()).0[..count].to_vec()
+    };
+    assert!(limited([0.0, 7.9]).iter().all(|range| *range == f32::INFINITY));
+    assert!(limited([8.1, 9.0]).iter().all(|range| *range == f32::NEG_INFINITY));
+}
+
+/// Rings of the manuals' tables, and what leaves the window of a VLP-16: beams meet behind it.
+#[test]
+fn presets_are_as_their_manuals_say() {
+    let elevations = |preset: &presets::Preset| {
+        let Pattern::Spinning(head) = preset.pattern else { panic!() };
+        let degrees = head.lasers.iter().map(|laser| laser.elevation_rad.to_degrees());
+        (degrees.collect::<Vec<_>>(), head.lasers.to_vec())
+    };
+    let (vlp, lasers) = elevations(&presets::VLP_16);
+    assert!(
+        (0..16).all(|id| (vlp[id] - if id % 2 == 0 { id as f64 - 15.0 } else { id as f64 }).abs() < 1e-12)
+    );
+    for (laser, id) in lasers.iter().zip(0..) {
+        assert!((laser.time_s - 2.304e-6 * f64::from(id)).abs() < 1e-15);
+        assert!((laser.origin_m[2] + 0.041_91 * laser.elevation_rad.tan()).abs() < 1e-7);
+    }
+    let (hdl, lasers) = elevations(&presets::HDL_32E);
+    for id in 0..32 {
+        let expected = if id % 2 == 0 { -92.0 / 3.0 } else { -28.0 / 3.0 } + (id / 2) as f64 * 4.0 / 3.0;
+        assert!((hdl[id] - expected).abs() < 0.0034, "{id}: {}", hdl[id]);
+        assert!((lasers[id].time_s - 1.152e-6 * id as f64).abs() < 1e-15);
+    }
+    assert!(
+        (lasers[0].origin_m[2] - 0.017_17).abs() < 1e-5 && (lasers[31].origin_m[2] + 0.005_45).abs() < 1e-5
+    );
+    // 753.5 packets of 384 firings a second, 1808.4 (at 46.08 µs) for the other.
+    let rate = |preset: &presets::Preset| {
+        let scanner = Scanner::new(preset.config(100_000_000)).unwrap();
+        (0..100).map(|frame| scanner.firings(frame)).sum::<usize>() as f64 / 384.0 / 10.0
+    };
+    assert!((rate(&presets::VLP_16) - 753.5).abs() < 0.1, "{}", rate(&presets::VLP_16));
+    assert!((rate(&presets::HDL_32E) - 1808.4).abs() < 0.1, "{}", rate(&presets::HDL_32E));
+    assert_eq!(presets::named("vlp16"), Some(presets::VLP_16));
+    assert_eq!(presets::named("vlp17"), None);
 }
 
 #[test]

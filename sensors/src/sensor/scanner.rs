@@ -9,14 +9,16 @@ mod config;
 mod error;
 mod firing;
 mod pattern;
+pub mod presets;
 mod rosette;
 mod spinning;
 
 use super::Sensor;
 use crate::Pose;
-use crate::execution::{SplitRows, for_each_row, split_at};
+use crate::execution::{Execution, SplitRows, for_each_row, split_at};
 use crate::memory::{CacheLine, Cutter};
 use crate::moment::{Capture, Keyframe, Moment, Shutter};
+use crate::noise::{Stream, fill_standard_normal};
 use crate::scene::Scene;
 use crate::simd::LANES;
 use crate::trace::error::check_output;
@@ -49,6 +51,7 @@ const MOST_SHARE: f64 = 2.0;
 #[derive(Debug, Clone, Copy)]
 pub struct Scanner<'a> {
     config: ScannerConfig<'a>,
+    bias: f32,
 }
 
 impl<'a> Scanner<'a> {
@@ -58,7 +61,7 @@ impl<'a> Scanner<'a> {
     /// Names the first parameter that is out of its range.
     pub fn new(config: ScannerConfig<'a>) -> Result<Self, ScannerError> {
         config.check()?;
-        Ok(Self { config })
+        Ok(Self { config, bias: config.noise.bias(config.seed, config.sensor, 0) })
     }
 
     /// What it was made from.
@@ -97,11 +100,17 @@ impl<'a> Scanner<'a> {
 #[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct Echoes<'a> {
-    /// Metres from where the firing started; +∞ where nothing is in range, −∞ where something is too near (REP-117).
+    /// Measured metres from where the firing started; +∞ where nothing is in range, −∞ where something is too near (REP-117).
     pub ranges: Option<&'a mut [f32]>,
     /// Where that is in the frame of the sensor, as that was at the time of the firing, in metres; NaN where there is no
     /// range.
     pub points: Option<&'a mut [[f32; 3]]>,
+    /// What the surface is said to send back; 0 where there is no range.
+    pub intensities: Option<&'a mut [f32]>,
+    /// Seconds after the beginning of the frame.
+    pub times: Option<&'a mut [f64]>,
+    /// Which laser fires, from 0; `u32::MAX` for firings that a frame does not have.
+    pub lasers: Option<&'a mut [u32]>,
     /// What is true of each firing. Flow is not worked out.
     pub truth: Option<Truth<'a>>,
 }
@@ -112,6 +121,12 @@ impl<'a> Echoes<'a> {
         ranges: &'a mut [f32],
         /// Sets where points go.
         points: &'a mut [[f32; 3]],
+        /// Sets where intensities go.
+        intensities: &'a mut [f32],
+        /// Sets where times go.
+        times: &'a mut [f64],
+        /// Sets where the lasers' numbers go.
+        lasers: &'a mut [u32],
         /// Sets where truth goes.
         truth: Truth<'a>,
     }
@@ -122,13 +137,29 @@ impl Echoes<'_> {
     fn split_at(self, firings: usize) -> (Self, Self) {
         let (ranges, ranges_rest) = split_at(self.ranges, firings);
         let (points, points_rest) = split_at(self.points, firings);
+        let (intensities, intensities_rest) = split_at(self.intensities, firings);
+        let (times, times_rest) = split_at(self.times, firings);
+        let (lasers, lasers_rest) = split_at(self.lasers, firings);
         let (truth, truth_rest) = self.truth.map(|truth| truth.split_at(firings)).unzip();
-        (Self { ranges, points, truth }, Self { ranges: ranges_rest, points: points_rest, truth: truth_rest })
+        (
+            Self { ranges, points, intensities, times, lasers, truth },
+            Self {
+                ranges: ranges_rest,
+                points: points_rest,
+                intensities: intensities_rest,
+                times: times_rest,
+                lasers: lasers_rest,
+                truth: truth_rest,
+            },
+        )
     }
 
     fn check(&self, firings: usize) -> Result<(), SenseError> {
         check_output("ranges", self.ranges.as_ref().map(|ranges| ranges.len()), firings)?;
         check_output("points", self.points.as_ref().map(|points| points.len()), firings)?;
+        check_output("intensities", self.intensities.as_ref().map(|values| values.len()), firings)?;
+        check_output("times", self.times.as_ref().map(|times| times.len()), firings)?;
+        check_output("lasers", self.lasers.as_ref().map(|lasers| lasers.len()), firings)?;
         let Some(truth) = &self.truth else { return Ok(()) };
         if truth.flow.is_some() || truth.flow_back.is_some() {
             return Err(SenseError::FlowOfFirings);
@@ -143,6 +174,15 @@ impl Echoes<'_> {
         }
         if let Some(points) = &mut self.points {
             points.fill([f32::NAN; 3]);
+        }
+        if let Some(intensities) = &mut self.intensities {
+            intensities.fill(f32::NAN);
+        }
+        if let Some(times) = &mut self.times {
+            times.fill(f64::NAN);
+        }
+        if let Some(lasers) = &mut self.lasers {
+            lasers.fill(u32::MAX);
         }
         if let Some(truth) = &mut self.truth {
             (0..firings).for_each(|firing| truth.put(firing, &OfRay::NOTHING));
@@ -208,6 +248,9 @@ fn check_keyframes(scene: &Scene<'_>, keyframes: &[Keyframe<'_>], end_s: f64) ->
 struct Frame<'a> {
     scanner: &'a Scanner<'a>,
     scene: &'a Scene<'a>,
+    execution: Execution,
+    /// Where its noise comes from.
+    noise: Stream,
     firings: FrameFirings<'a>,
     motions: Motions<'a>,
     /// What all firings see, if there is but one motion.
@@ -312,20 +355,36 @@ impl<'a> Frame<'a> {
             volley.set(lane, origin, turn * firing.direction, share, sight.range[1]);
         }
         volley.cast(simd, view, &sight);
+        let mut normals = [0.0; LANES];
+        let Scanner { config, bias } = self.scanner;
+        if !config.noise.is_none() {
+            fill_standard_normal(self.execution.level, &self.noise, first as u32, &mut normals[..count]);
+        }
+        let limits = [config.range_min_m, config.range_max_m].map(|limit| limit as f32);
         for lane in 0..count {
             let firing = lanes.lane(lane);
-            let range = match volley.range(lane) {
-                None => f64::INFINITY,
-                Some(range) if range < self.scanner.config.range_min_m => f64::NEG_INFINITY,
-                Some(range) => range,
-            };
+            let met = volley.range(lane);
+            let truth = met.unwrap_or(f64::INFINITY);
+            let range = config.noise.apply_to_range(truth as f32, *bias, normals[lane], limits);
+            let is_measured = range.is_finite();
             if let Some(ranges) = &mut echoes.ranges {
-                ranges[lane] = range as f32;
+                ranges[lane] = range;
             }
             if let Some(points) = &mut echoes.points {
-                let point =
-                    if range.is_finite() { firing.origin + firing.direction * range } else { DVec3::NAN };
+                // Without noise to more than a range in f32 says.
+                let range = if config.noise.is_none() { truth } else { f64::from(range) };
+                let point = if is_measured { firing.origin + firing.direction * range } else { DVec3::NAN };
                 points[lane] = point.as_vec3().to_array();
+            }
+            if let Some(intensities) = &mut echoes.intensities {
+                let intensity = volley.slot(lane).filter(|_| is_measured);
+                intensities[lane] = intensity.map_or(0.0, |slot| resolver.laser_retro(slot));
+            }
+            if let Some(times) = &mut echoes.times {
+                times[lane] = firing.time_s;
+            }
+            if let Some(lasers) = &mut echoes.lasers {
+                lasers[lane] = firing.laser;
             }
             if let Some(truth) = &mut echoes.truth {
                 let met = volley.struck(view, resolver, lane);
@@ -406,6 +465,13 @@ impl Sensor for Scanner<'_> {
         let mut frame = Frame {
             scanner: self,
             scene,
+            execution,
+            noise: Stream {
+                seed: self.config.seed,
+                sensor: self.config.sensor,
+                frame: capture.frame,
+                channel: Stream::RANGE,
+            },
             firings,
             motions,
             view: None,

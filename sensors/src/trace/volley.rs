@@ -75,7 +75,13 @@ impl Volley {
     /// How far the ray goes; none if it meets nothing.
     #[inline(always)]
     pub(crate) fn range(&self, lane: usize) -> Option<f64> {
-        (self.packet.hit[lane] != MISS).then(|| self.packet.t[lane])
+        self.slot(lane).map(|_| self.packet.t[lane])
+    }
+
+    /// The slot of what it meets; none if that is nothing.
+    #[inline(always)]
+    pub(crate) fn slot(&self, lane: usize) -> Option<u32> {
+        Some(self.packet.hit[lane]).filter(|slot| *slot != MISS)
     }
 
     /// Finds what each ray meets first.
@@ -122,10 +128,7 @@ impl Volley {
 
     /// What a ray has met; none if nothing.
     pub(crate) fn struck(&self, view: &View<'_>, resolver: &mut Resolver<'_>, lane: usize) -> Option<Struck> {
-        let slot = self.packet.hit[lane];
-        if slot == MISS {
-            return None;
-        }
+        let slot = self.slot(lane)?;
         let hit = resolver.hit(slot);
         let (placed, index) = (hit.instance, hit.instance.instance);
         let instance = &view.scene.instances[index as usize];

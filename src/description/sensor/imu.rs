@@ -2,7 +2,7 @@
 
 use super::gz::{frame_name, gz_topic};
 use super::noise::instrument;
-use super::plugin::{absolute, extension, plain_name};
+use super::plugin::{absolute, extension, ros2_names};
 use super::reader::Reader;
 use super::{Kind, SensorKind};
 use crate::description::model::Noise;
@@ -202,8 +202,8 @@ impl Reader<'_> {
             // The plugin takes the world, whatever the sensor says (REP-145).
             unit.reference = Some(OrientationReference::World(DQuat::IDENTITY));
         }
-        if plugin.child("ros").is_some() || plugin.child("frame_name").is_some() {
-            return Some(ros2_names(plugin));
+        if let Some((topic, frame_name)) = ros2_names(plugin) {
+            return Some(ImuPlugin { topic, frame_name });
         }
         let stddev = self.not_negative(Some(plugin), "gaussianNoise")?;
         for triad in [&mut unit.config.gyro, &mut unit.config.accelerometer] {
@@ -319,23 +319,3 @@ const FIGURES: [&str; 7] = [
     "misalignment",
     "range",
 ];
-
-/// In ROS 2 the topic is `~/out`, under the plugin's name, unless it is remapped.
-fn ros2_names(plugin: &Element) -> ImuPlugin {
-    let ros = plugin.child("ros");
-    let namespace = ros.and_then(|ros| child_text(ros, "namespace")).unwrap_or_default();
-    let own = plugin.attribute("name").unwrap_or(plain_name(plugin));
-    let remapped = ros.into_iter().flat_map(|ros| ros.elements_named("remapping")).find_map(|remapping| {
-        let text = remapping.text();
-        Some(text.strip_prefix("~/out:=")?.trim().to_owned())
-    });
-    let topic = match remapped {
-        Some(topic) if topic.starts_with('/') => topic,
-        Some(topic) => match topic.strip_prefix("~/") {
-            Some(topic) => absolute(&[&namespace, own, topic]),
-            None => absolute(&[&namespace, &topic]),
-        },
-        None => absolute(&[&namespace, own, "out"]),
-    };
-    ImuPlugin { topic, frame_name: child_text(plugin, "frame_name").unwrap_or_default() }
-}

@@ -2,6 +2,7 @@
 
 use super::error::ScannerError;
 use super::pattern::Pattern;
+use crate::noise::GaussianNoise;
 use crate::scene::visibility;
 use crate::trace::Faces;
 
@@ -24,6 +25,8 @@ pub struct ScannerConfig<'a> {
     pub visibility: u32,
     /// Which sides of their surfaces.
     pub faces: Faces,
+    /// Noise of each range.
+    pub noise: GaussianNoise,
     /// Seed of the simulation.
     pub seed: u64,
     /// Number of the sensor in the simulation.
@@ -31,7 +34,7 @@ pub struct ScannerConfig<'a> {
 }
 
 impl<'a> ScannerConfig<'a> {
-    /// Ten frames a second, seen from 0 to 100 m, of seed and number 0. Both sides of collision shapes are hit.
+    /// Ten frames a second, seen from 0 to 100 m without noise, of seed and number 0. Both sides of collision shapes are hit.
     pub const fn new(pattern: Pattern<'a>) -> Self {
         Self {
             pattern,
@@ -40,6 +43,7 @@ impl<'a> ScannerConfig<'a> {
             range_max_m: 100.0,
             visibility: visibility::COLLISION,
             faces: Faces::Both,
+            noise: GaussianNoise::NONE,
             seed: 0,
             sensor: 0,
         }
@@ -58,6 +62,8 @@ impl<'a> ScannerConfig<'a> {
         visibility: u32,
         /// Sets which sides of surfaces it sees.
         faces: Faces,
+        /// Sets the noise of each range.
+        noise: GaussianNoise,
         /// Sets the seed of the simulation.
         seed: u64,
         /// Sets the number of the sensor in the simulation.

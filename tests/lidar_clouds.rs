@@ -113,6 +113,14 @@ fn world_from_sensor(time_s: f64) -> Pose {
     Pose::from_xyz_rpy(START + SPEED * time_s, TURN * time_s)
 }
 
+/// From a point in the room to what a ray meets.
+fn to_wall(origin: DVec3, direction: DVec3) -> f64 {
+    ROOM.iter()
+        .map(|(normal, distance)| (distance - origin.dot(*normal)) / direction.dot(*normal))
+        .filter(|range| *range > 0.0)
+        .fold(f64::INFINITY, f64::min)
+}
+
 /// How far a point of the world is from the nearest wall, and which that is.
 fn from_wall(point: DVec3) -> (f64, usize) {
     let off = ROOM.map(|(normal, distance)| (distance - point.dot(normal)).abs());
@@ -136,7 +144,8 @@ fn beams_of_velodynes_plugin_have_times_and_places_of_their_own() {
     assert_eq!((header.width, header.height, header.elem_stride), (91 * 8, 1, 22));
     let [own, stamp] = skew(&points);
     println!("off by {own:.2e} m each by its time, {stamp:.2} m all by the stamp's");
-    assert!(own < 1e-4 && stamp > 0.5);
+    // Physics counts in f32.
+    assert!(own < 3e-4 && stamp > 0.5);
     let truth = truth.view();
     let ranges: Vec<f32> = truth.numbers::<f32>(truth.rows()).collect();
     for (index, point) in points.iter().enumerate() {
@@ -154,7 +163,7 @@ fn beams_of_velodynes_plugin_have_times_and_places_of_their_own() {
     // Gazebo's are of one moment.
     let (_, points, _) = cloud(&grid(""), true, "points");
     let [own, _] = skew(&points);
-    assert!(own < 1e-4 && points.iter().all(|point| point.time_s == 0.0), "{own}");
+    assert!(own < 3e-4 && points.iter().all(|point| point.time_s == 0.0), "{own}");
 }
 
 #[test]
@@ -196,17 +205,18 @@ fn presets_fire_as_their_manuals_say() {
             assert!((columns - columns.round()).abs() < 1e-3, "{columns}");
             let up = laser.origin_m[2] + point.place.truncate().length() * laser.elevation_rad.tan();
             assert!((point.place.z - up).abs() < 1e-5, "{} {up}", point.place.z);
-            // Along the beam; of the walls that it meets at less than 45°.
             let pose = world_from_sensor(0.35 + point.time_s);
-            let (off, wall) = from_wall(pose.transform_point(point.place));
-            let along = pose.transform_vector(point.place.normalize()).dot(ROOM[wall].0).abs();
-            squares += (off / along).powi(2);
-            worst = worst.max(off / along);
+            let origin = DVec3::from(laser.origin_m);
+            let direction = (point.place - origin).normalize();
+            let truth = to_wall(pose.transform_point(origin), pose.transform_vector(direction));
+            let error = (point.place - origin).length() - truth;
+            squares += error * error;
+            worst = worst.max(error.abs());
         }
         let stddev = (squares / points.len() as f64).sqrt();
         println!("{name}: {} points, σ {stddev:.4} m, at most {worst:.3} m", points.len());
-        let [expected, _] = [belvedere_sensors::scanner::presets::named(name).unwrap().stddev_m, 0.0];
-        assert!((stddev / expected - 1.0).abs() < 0.05 && worst < 6.0 * expected, "{stddev} {worst}");
+        let expected = belvedere_sensors::scanner::presets::named(name).unwrap().stddev_m;
+        assert!((stddev / expected - 1.0).abs() < 0.03 && worst < 6.0 * expected, "{stddev} {worst}");
     }
 }
 

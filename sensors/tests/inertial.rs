@@ -145,6 +145,47 @@ fn a_run_has_a_bias_of_either_sign() {
     assert!(first == later && first[0] != first[1]);
 }
 
+/// Of 90,000 instruments, whose seeds, sensors and channels lie side by side. Of some 30 numbers, none is to be as far off as
+/// chance has it once in 10,000 times.
+#[test]
+fn biases_of_runs_are_normal_and_know_nothing_of_each_other() {
+    const EACH: usize = 300;
+    let instrument = Instrument::new(InstrumentConfig::<3>::default().bias_stddev([1.0; 3])).unwrap();
+    let drawn = |seed: usize, sensor: usize, channel: u16| {
+        instrument.start(&Stream { seed: seed as u64, sensor: sensor as u32, frame: 0, channel }).bias
+    };
+    let gyros: Vec<[f64; 3]> = (0..EACH * EACH).map(|i| drawn(i / EACH, i % EACH, 18)).collect();
+    let accelerometers: Vec<[f64; 3]> = (0..EACH * EACH).map(|i| drawn(i / EACH, i % EACH, 19)).collect();
+    let n = (EACH * EACH) as f64;
+    for axis in 0..3 {
+        let mut sorted: Vec<f64> = gyros.iter().map(|bias| bias[axis]).collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let mean = sorted.iter().sum::<f64>() / n;
+        let variance = sorted.iter().map(|bias| bias * bias).sum::<f64>() / n;
+        assert!(mean.abs() < 3.9 / n.sqrt(), "axis {axis}: mean {mean}");
+        assert!((variance - 1.0).abs() < 3.9 * (2.0 / n).sqrt(), "axis {axis}: variance {variance}");
+        let distance = sorted.iter().enumerate().fold(0.0_f64, |farthest, (index, bias)| {
+            let below = 0.5 * libm::erfc(-bias / std::f64::consts::SQRT_2);
+            farthest.max(below - index as f64 / n).max((index + 1) as f64 / n - below)
+        });
+        assert!(distance * n.sqrt() < 2.23, "axis {axis}: {}", distance * n.sqrt());
+        // As many beyond 3 sigma as there should be: 243, give or take 15.6.
+        let far = sorted.iter().filter(|bias| bias.abs() > 3.0).count();
+        assert!((182..304).contains(&far), "axis {axis}: {far}");
+    }
+    let near = |what: &str, pairs: &mut dyn Iterator<Item = (f64, f64)>| {
+        let (sum, count) = pairs.fold((0.0, 0.0), |(sum, count), (a, b)| (sum + a * b, count + 1.0));
+        assert!(f64::abs(sum) < 3.9 * f64::sqrt(count), "{what}: {}", sum / count);
+    };
+    for axis in 0..3 {
+        let of = |index: usize| gyros[index][axis];
+        near("sensors", &mut (0..EACH * EACH - 1).map(|i| (of(i), of(i + 1))));
+        near("seeds", &mut (0..EACH * (EACH - 1)).map(|i| (of(i), of(i + EACH))));
+        near("channels", &mut (0..EACH * EACH).map(|i| (of(i), accelerometers[i][axis])));
+        near("axes", &mut (0..EACH * EACH).map(|i| (of(i), gyros[i][(axis + 1) % 3])));
+    }
+}
+
 #[test]
 fn gyro_and_accelerometer_err_apart() {
     let unit = Imu::new(presets::adis16448(), 1, 2).unwrap();

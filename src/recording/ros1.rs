@@ -50,6 +50,11 @@ impl RosStream {
             Kind::ResetOdometry => (&types::EMPTY, encode::empty),
             Kind::MotorPower => (&types::MOTOR_POWER, encode::motor_power),
             Kind::Range => (&types::RANGE, encode::range),
+            Kind::NavSatFix => (&types::NAV_SAT_FIX, encode::nav_sat_fix),
+            Kind::MagneticField => (&types::MAGNETIC_FIELD, encode::magnetic_field),
+            Kind::FluidPressure => (&types::FLUID_PRESSURE, encode::fluid_pressure),
+            Kind::Altimeter => (&types::POINT_STAMPED, encode::height),
+            Kind::Vector3 => (&types::VECTOR3_STAMPED, encode::vector),
             _ => return None,
         };
         let topic = match kind {

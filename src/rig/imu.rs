@@ -3,21 +3,20 @@
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;
+use super::instrument::{Running, covariance, report_names};
 use super::outlet::Outlet;
 use super::report::{Say, instrument, without_topics};
 use super::{Opening, RigContext, RigError, Settings};
-use crate::description::model::{self, ImuPlugin, OrientationReference, Sensor, SensorKind};
+use crate::description::model::{self, InstrumentPlugin, OrientationReference, Sensor, SensorKind};
 use crate::entities::EntityId;
 use belvedere_bridge::payload::Imu;
 use belvedere_bridge::{Kind, StreamSpec};
 use belvedere_sensors::imu::{self, ImuState, InertialReading};
-use belvedere_sensors::noise::{Instrument, InstrumentState, Stream, standard_normal};
+use belvedere_sensors::noise::{Stream, standard_normal};
 use glam::{DQuat, DVec3};
 
 /// Noise channel of orientations.
-const ORIENTATION_CHANNEL: u16 = 20;
-/// And of headings.
-const HEADING_CHANNEL: u16 = 21;
+const ORIENTATION_CHANNEL: u16 = 24;
 
 impl Behaviour for model::Imu {
     fn name(&self) -> &'static str {
@@ -42,6 +41,9 @@ impl Behaviour for model::Imu {
             match self.reference {
                 None => "none".into(),
                 Some(OrientationReference::World(rotation)) => format!("in {}the world", turned(rotation)),
+                Some(OrientationReference::East(rotation)) => {
+                    format!("in {}those of east, north and up", turned(rotation))
+                }
                 Some(OrientationReference::Start(rotation)) => {
                     format!("in {}the unit's own axes at the start", turned(rotation))
                 }
@@ -51,12 +53,7 @@ impl Behaviour for model::Imu {
             say("heading", instrument(&self.heading, "rad"));
         }
         let Some(plugin) = &self.plugin else { return without_topics(say) };
-        let under = if plugin.topic.starts_with('/') { "" } else { "/NAME OF THE MODEL/" };
-        say("topic", format!("{under}{}", plugin.topic));
-        say(
-            "frame",
-            if plugin.frame_name.is_empty() { "its link".into() } else { plugin.frame_name.clone() },
-        );
+        report_names(plugin, say);
     }
 }
 
@@ -68,10 +65,10 @@ struct ImuChannel {
     unit: imu::Imu,
     state: ImuState,
     reference: Option<OrientationReference>,
+    enu_from_world: DQuat,
     offset: DQuat,
     orientation_stddev: f64,
-    heading: Instrument<1>,
-    heading_state: InstrumentState<1>,
+    heading: Running<1>,
     seed: u64,
     sensor: u32,
     imu: Outlet,
@@ -85,35 +82,29 @@ impl ImuChannel {
     fn open(
         sensor: &Sensor,
         unit: &model::Imu,
-        plugin: &ImuPlugin,
+        plugin: &InstrumentPlugin,
         opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
         let entity = opening.entity;
         let units = entity.sensors().iter().filter(|sensor| matches!(sensor.kind, SensorKind::Imu(_)));
         let number = units.take_while(|other| !std::ptr::eq(*other, sensor)).count();
-        let frame = opening.frame_id(sensor, &plugin.frame_name);
-        let topic = match plugin.topic.as_str() {
-            topic if !topic.starts_with('/') && entity.namespace.is_empty() => {
-                format!("/{}/{topic}", entity.name)
-            }
-            topic => topic.to_owned(),
-        };
+        let (topic, frame) = opening.names(sensor, plugin);
         let spec = StreamSpec::structs(&topic, Kind::Imu, 1).frame_id(&frame);
         let now_ns = opening.physics.time_ns();
         let felt = entity.units.get(number).map(|unit| unit.felt_at(opening.physics, now_ns));
         let made = imu::Imu::new(unit.config, opening.seed, opening.sensor);
         let made = made.map_err(|error| RigError::sensor(sensor, &error))?;
-        let heading = Instrument::new(unit.heading).map_err(|error| RigError::sensor(sensor, &error))?;
         Ok(Self {
             id: opening.id,
             number,
             state: made.start(),
             unit: made,
             reference: unit.reference,
+            enu_from_world: opening.earth.enu_from_world(opening.gazebo_compat && opening.earth.is_given),
             offset: unit.orientation_offset,
             orientation_stddev: unit.orientation_stddev,
-            heading_state: heading.start(&Self::heading_stream(opening.seed, opening.sensor, 0)),
-            heading,
+            // Gyro and accelerometer are 0 and 1.
+            heading: Running::new(sensor, &unit.heading, 2, opening)?,
             seed: opening.seed,
             sensor: opening.sensor,
             imu: opening.open(&spec.rate_hz(opening.rate.hz()))?,
@@ -122,17 +113,13 @@ impl ImuChannel {
         })
     }
 
-    fn heading_stream(seed: u64, sensor: u32, frame: u64) -> Stream {
-        Stream { seed, sensor, frame, channel: HEADING_CHANNEL }
-    }
-
-    /// The orientation that it tells, so long after the last frame.
-    fn orientation(&mut self, world_from_unit: DQuat, frame: u64, period_s: f64) -> DQuat {
-        let stream = Self::heading_stream(self.seed, self.sensor, frame);
-        let [error] = self.heading.measure([0.0], period_s, &stream, &mut self.heading_state);
+    /// The orientation that it tells.
+    fn orientation(&mut self, world_from_unit: DQuat, frame: u64, stamp_ns: u64) -> DQuat {
+        let [error] = self.heading.read([0.0], frame, stamp_ns);
         let world_from_start = *self.world_from_start.get_or_insert(world_from_unit);
         let world_from_reference = match self.reference {
             Some(OrientationReference::World(turned)) => turned,
+            Some(OrientationReference::East(turned)) => self.enu_from_world.inverse() * turned,
             Some(OrientationReference::Start(turned)) => world_from_start * turned,
             None => return DQuat::IDENTITY,
         };
@@ -169,20 +156,17 @@ impl Channel for ImuChannel {
         };
         // A bias drifts, whoever looks.
         let read = self.unit.measure(&truth, frame, period_s, &mut self.state);
-        let covariance = |stddev: [f64; 3]| {
-            let [x, y, z] = stddev.map(|stddev| stddev * stddev);
-            [x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z]
-        };
+        let covariance = |stddev: [f64; 3]| covariance(stddev.map(|stddev| stddev * stddev));
         let config = self.unit.config();
         let mut orientation_covariance = covariance([self.orientation_stddev; 3]);
-        let [heading] = self.heading.config().white_stddev(period_s);
-        orientation_covariance[8] += heading * heading;
+        let [heading] = self.heading.variance(stamp_ns);
+        orientation_covariance[8] += heading;
         if self.reference.is_none() {
             // As ROS's message says that it has none.
             orientation_covariance[0] = -1.0;
         }
         let message = Imu {
-            orientation: self.orientation(world_from_unit.rotation(), frame, period_s).to_array(),
+            orientation: self.orientation(world_from_unit.rotation(), frame, stamp_ns).to_array(),
             angular_velocity: read.angular_velocity.to_array(),
             linear_acceleration: read.specific_force.to_array(),
             orientation_covariance,
@@ -195,7 +179,7 @@ impl Channel for ImuChannel {
     fn restart(&mut self) {
         self.last = (0, DVec3::ZERO);
         self.state = self.unit.start();
-        self.heading_state = self.heading.start(&Self::heading_stream(self.seed, self.sensor, 0));
+        self.heading.restart();
         self.world_from_start = None;
     }
 }

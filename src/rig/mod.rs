@@ -4,6 +4,8 @@
 //! A frame is rendered straight into the memory where it is read: the [sink](sink::Sink) lends it, the sensor fills it,
 //! the sink takes it. What nobody follows is not rendered, unless a camera's exposure depends on it.
 
+mod air_pressure;
+mod altimeter;
 mod annotations;
 pub mod base;
 mod behaviour;
@@ -14,11 +16,14 @@ mod depth;
 mod error;
 pub(crate) mod eye;
 mod imu;
+mod instrument;
 mod joint_states;
 mod lidar;
+mod magnetometer;
 mod moments;
 mod motion;
 mod mount;
+mod navsat;
 mod outlet;
 pub mod pictures;
 mod range;
@@ -41,7 +46,7 @@ pub use settings::Settings;
 pub use sink::{FrameBuf, Sink};
 
 use crate::description::housing::{ShapeIndex, housings};
-use crate::description::model::{ModelPlugin, Sensor};
+use crate::description::model::{Earth, ModelPlugin, Sensor};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
@@ -94,6 +99,8 @@ pub struct Stage<'a> {
     pub entities: &'a Entities,
     /// Where they are.
     pub physics: &'a Physics,
+    /// Where that is on the earth.
+    pub earth: &'a Earth,
 }
 
 /// A channel and when it is due.
@@ -186,6 +193,7 @@ impl Rig {
         let opening = |rate, sensor| Opening {
             sink,
             physics,
+            earth: stage.earth,
             entity,
             id,
             rate,
@@ -348,7 +356,7 @@ impl Scheduled {
         if self.channel.is_rendered() {
             scene.move_to(stage.physics, stamp_ns);
         }
-        let Stage { entities, physics } = stage;
+        let Stage { entities, physics, .. } = stage;
         let model = self.entity.map(EntityId::index);
         if let Some(model) = model {
             scene.hide(model, &self.housing, true);

@@ -326,6 +326,7 @@ impl Simulation {
 
     /// What a rig needs to publish.
     pub(crate) fn stage(&mut self) -> (Stage<'_>, &mut WorldScene) {
-        (Stage { entities: &self.entities, physics: &self.physics }, &mut self.scene)
+        let stage = Stage { entities: &self.entities, physics: &self.physics, earth: &self.world.earth };
+        (stage, &mut self.scene)
     }
 }

@@ -2,7 +2,7 @@
 //! `librotors_gazebo_imu_plugin.so`.
 
 use super::parameters::Parameters;
-use crate::description::model::{Imu, ImuPlugin, Sensor, SensorKind};
+use crate::description::model::{Imu, InstrumentPlugin, Sensor, SensorKind};
 use belvedere_sensors::imu::{ImuConfig, presets};
 use belvedere_sensors::noise::InstrumentConfig;
 
@@ -67,6 +67,6 @@ fn unit(given: &mut Parameters<'_>, body: &[&str], config: Option<&ImuConfig>) -
     let topic = given.topic(&["topicName", "topic_name", "imuTopic"], "imu");
     let frame_name = given.text(&["frameName", "frame_name", "frameId"]).unwrap_or_default();
     given.left_out();
-    let unit = Imu::of_plugin(config?, ImuPlugin { topic, frame_name });
+    let unit = Imu::of_plugin(config?, InstrumentPlugin { topic, frame_name });
     Some(given.sensor(link, link_from_sensor?, rate_hz?, SensorKind::Imu(unit.into())))
 }

@@ -1,11 +1,11 @@
 //! Inertial measurement units: `<imu>` with its noise and its frame of reference, and `libgazebo_ros_imu_sensor.so`.
 
 use super::gz::{frame_name, gz_topic};
+use super::instrument::{InstrumentPlugin, ros2_names};
 use super::noise::instrument;
-use super::plugin::{absolute, extension, ros2_names};
+use super::plugin::{absolute, extension};
 use super::reader::Reader;
 use super::{Kind, SensorKind};
-use crate::description::model::Noise;
 use crate::description::values::{child_bool, child_text, nearest, numbers};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
@@ -27,7 +27,7 @@ pub struct Imu {
     /// Errors of the heading that is told, in rad about the world's z.
     pub heading: InstrumentConfig<1>,
     /// What publishes it.
-    pub plugin: Option<ImuPlugin>,
+    pub plugin: Option<InstrumentPlugin>,
 }
 
 /// What an orientation is told against.
@@ -35,17 +35,10 @@ pub struct Imu {
 pub enum OrientationReference {
     /// Axes that are turned so in the world.
     World(DQuat),
+    /// Axes that are turned so in those of east, north and up.
+    East(DQuat),
     /// Axes that are turned so in those that the unit had at the start.
     Start(DQuat),
-}
-
-/// What publishes a unit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ImuPlugin {
-    /// Topic. Without a slash before it, it is under the model's namespace, or, where there is none, under its name.
-    pub topic: String,
-    /// The frame that messages name; empty for the sensor's link.
-    pub frame_name: String,
 }
 
 pub(super) const KIND: Kind = Kind {
@@ -80,7 +73,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Imu {
     /// One that a model's plugin makes: orientation in the world.
-    pub(in crate::description) fn of_plugin(config: &ImuConfig, plugin: ImuPlugin) -> Self {
+    pub(in crate::description) fn of_plugin(config: &ImuConfig, plugin: InstrumentPlugin) -> Self {
         Self {
             config: *config,
             reference: Some(OrientationReference::World(DQuat::IDENTITY)),
@@ -125,7 +118,8 @@ impl Reader<'_> {
         if let Some(plugin) = self.plugin(sensor, &KIND) {
             unit.plugin = Some(self.imu_plugin(plugin, &mut unit)?);
         } else {
-            unit.plugin = gz_topic(sensor).map(|topic| ImuPlugin { topic, frame_name: frame_name(sensor) });
+            unit.plugin =
+                gz_topic(sensor).map(|topic| InstrumentPlugin { topic, frame_name: frame_name(sensor) });
         }
         Some(unit)
     }
@@ -136,10 +130,7 @@ impl Reader<'_> {
         let triad = imu.and_then(|imu| imu.child(name));
         let noises = match (triad, old) {
             (None, Some(old)) => [self.noise_of(old, &[]); 3],
-            _ => AXES.map(|axis| match triad.and_then(|triad| triad.child(axis)) {
-                Some(axis) => self.drifting_noise(axis),
-                None => Some(Noise::default()),
-            }),
+            _ => AXES.map(|axis| self.noise_in(triad, axis)),
         };
         let [x, y, z] = noises;
         Some(instrument([x?, y?, z?]))
@@ -152,10 +143,9 @@ impl Reader<'_> {
         };
         let axes = |x, y, z| {
             let turned = DQuat::from_mat3(&DMat3::from_cols(x, y, z));
-            Some(OrientationReference::World(turned))
+            Some(OrientationReference::East(turned))
         };
         let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-        // The world's x is east and its y north, unless <heading_deg> says something else, which these names follow.
         match child_text(frame, "localization").as_deref().unwrap_or("CUSTOM") {
             "ENU" => axes(x, y, z),
             "NWU" => axes(y, -x, z),
@@ -194,7 +184,7 @@ impl Reader<'_> {
         }
     }
 
-    fn imu_plugin(&mut self, plugin: &Element, unit: &mut Imu) -> Option<ImuPlugin> {
+    fn imu_plugin(&mut self, plugin: &Element, unit: &mut Imu) -> Option<InstrumentPlugin> {
         self.left_out(plugin, |name| PARAMETERS.contains(&name), "take it out, or correct its name");
         let names = ["initialOrientationAsReference", "initial_orientation_as_reference"];
         let starts = names.map(|name| child_bool(plugin, name, self.diagnostics).unwrap_or(false));
@@ -202,8 +192,8 @@ impl Reader<'_> {
             // The plugin takes the world, whatever the sensor says (REP-145).
             unit.reference = Some(OrientationReference::World(DQuat::IDENTITY));
         }
-        if let Some((topic, frame_name)) = ros2_names(plugin) {
-            return Some(ImuPlugin { topic, frame_name });
+        if plugin.child("ros").is_some() || plugin.child("frame_name").is_some() {
+            return Some(ros2_names(plugin));
         }
         let stddev = self.not_negative(Some(plugin), "gaussianNoise")?;
         for triad in [&mut unit.config.gyro, &mut unit.config.accelerometer] {
@@ -231,7 +221,7 @@ impl Reader<'_> {
             );
         }
         let topic = child_text(plugin, "topicName").unwrap_or_else(|| "imu_data".into());
-        Some(ImuPlugin {
+        Some(InstrumentPlugin {
             topic: match child_text(plugin, "robotNamespace") {
                 Some(namespace) if !topic.starts_with('/') => absolute(&[&namespace, &topic]),
                 _ => topic,

@@ -1,7 +1,8 @@
 //! Lidars: `<ray>` and `<lidar>` (angles of the beams, range, noise), and the plugins that publish scans.
 
 use super::gz::{frame_name, gz_topic};
-use super::plugin::{extension, plain_name, ros2_names, topic};
+use super::instrument::{InstrumentPlugin, ros2_names};
+use super::plugin::{extension, plain_name, topic};
 use super::reader::Reader;
 use super::{Kind, Sensor, SensorKind};
 use crate::description::diagnostics::Diagnostics;
@@ -181,7 +182,8 @@ impl Reader<'_> {
                 return None;
             }
         }
-        if let Some((topic, frame_name)) = ros2_names(plugin).filter(|_| is_velodyne) {
+        if is_velodyne && (plugin.child("ros").is_some() || plugin.child("frame_name").is_some()) {
+            let InstrumentPlugin { topic, frame_name } = ros2_names(plugin);
             return Some(LaserPlugin { topic, frame_name, cloud });
         }
         self.plugin_rate_hz = self.rate(plugin, "updateRate")?;

@@ -36,7 +36,10 @@ impl Reader<'_> {
                         "the plugin '{file}' does not go with sensor '{}' of type {written}",
                         self.sensor
                     ),
-                    format!("use lib{}.so, or change the type of the sensor", kind.plugins[0]),
+                    match kind.plugins.first() {
+                        Some(plugin) => format!("use lib{plugin}.so, or change the type of the sensor"),
+                        None => "write a <topic> in its place, or change the type of the sensor".into(),
+                    },
                 );
             } else {
                 let plugins = KINDS.iter().flat_map(|kind| kind.plugins);
@@ -74,30 +77,6 @@ pub(super) fn topic(plugin: &Element, camera_name: &str, name: &str, default: &s
     }
     let namespace = child_text(plugin, "robotNamespace").unwrap_or_default();
     absolute(&[&namespace, camera_name, &topic])
-}
-
-/// Topic and frame of a plugin of ROS 2: the topic is `~/out`, under the plugin's name, unless it is remapped. None for a
-/// plugin of ROS 1.
-pub(super) fn ros2_names(plugin: &Element) -> Option<(String, String)> {
-    let ros = plugin.child("ros");
-    if ros.is_none() && plugin.child("frame_name").is_none() {
-        return None;
-    }
-    let namespace = ros.and_then(|ros| child_text(ros, "namespace")).unwrap_or_default();
-    let own = plugin.attribute("name").unwrap_or(plain_name(plugin));
-    let remapped = ros.into_iter().flat_map(|ros| ros.elements_named("remapping")).find_map(|remapping| {
-        let text = remapping.text();
-        Some(text.strip_prefix("~/out:=")?.trim().to_owned())
-    });
-    let topic = match remapped {
-        Some(topic) if topic.starts_with('/') => topic,
-        Some(topic) => match topic.strip_prefix("~/") {
-            Some(topic) => absolute(&[&namespace, own, topic]),
-            None => absolute(&[&namespace, &topic]),
-        },
-        None => absolute(&[&namespace, own, "out"]),
-    };
-    Some((topic, child_text(plugin, "frame_name").unwrap_or_default()))
 }
 
 /// The absolute topic of these parts.

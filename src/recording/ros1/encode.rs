@@ -3,8 +3,8 @@
 use super::Payload;
 use super::bytes::Bytes;
 use belvedere_bridge::payload::{
-    CameraInfo, Clock, CoreSensors, Imu, JointState, ModelState, MotorPower, Odometry, Range, RobotEvent,
-    Transform, VelocityCommand,
+    Altimeter, CameraInfo, Clock, CoreSensors, FluidPressure, Imu, JointState, MagneticField, ModelState,
+    MotorPower, NavSatFix, Odometry, Range, RobotEvent, Transform, Vector3, VelocityCommand,
 };
 use belvedere_bridge::{Encoding, FrameHeader, FrameView};
 
@@ -287,6 +287,53 @@ pub(super) fn range(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payloa
     out.f32(range.min_range);
     out.f32(range.max_range);
     out.f32(range.range);
+    Some(Payload::Elsewhere)
+}
+
+/// Without the velocity, for which the message has no place.
+pub(super) fn nav_sat_fix(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
+    /// `SERVICE_GPS`.
+    const GPS: u16 = 1;
+    let fix: NavSatFix = frame.message().ok()?;
+    header(frame.header(), out);
+    // A fix.
+    out.u8(0);
+    out.u16(GPS);
+    out.f64s(&[fix.latitude, fix.longitude, fix.altitude]);
+    out.f64s(&fix.position_covariance);
+    // Known along the axes, unless it is 0 altogether.
+    let is_known = fix.position_covariance.iter().any(|part| *part != 0.0);
+    out.u8(if is_known { 2 } else { 0 });
+    Some(Payload::Elsewhere)
+}
+
+pub(super) fn magnetic_field(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
+    let field: MagneticField = frame.message().ok()?;
+    header(frame.header(), out);
+    out.f64s(&field.magnetic_field);
+    out.f64s(&field.covariance);
+    Some(Payload::Elsewhere)
+}
+
+pub(super) fn fluid_pressure(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
+    let pressure: FluidPressure = frame.message().ok()?;
+    header(frame.header(), out);
+    out.f64s(&[pressure.fluid_pressure, pressure.variance]);
+    Some(Payload::Elsewhere)
+}
+
+/// An altimeter's height as a point above the origin of its frame.
+pub(super) fn height(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
+    let altimeter: Altimeter = frame.message().ok()?;
+    header(frame.header(), out);
+    out.f64s(&[0.0, 0.0, altimeter.vertical_position]);
+    Some(Payload::Elsewhere)
+}
+
+pub(super) fn vector(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
+    let vector: Vector3 = frame.message().ok()?;
+    header(frame.header(), out);
+    out.f64s(&vector.vector);
     Some(Payload::Elsewhere)
 }
 

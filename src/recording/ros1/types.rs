@@ -87,6 +87,19 @@ types! {
     RANGE = "sensor_msgs/Range" [HEADER]
         "uint8 ULTRASOUND=0\nuint8 INFRARED=1\nHeader header\nuint8 radiation_type\nfloat32 field_of_view\n\
          float32 min_range\nfloat32 max_range\nfloat32 range";
+    NAV_SAT_STATUS = "sensor_msgs/NavSatStatus" []
+        "int8 STATUS_NO_FIX=-1\nint8 STATUS_FIX=0\nint8 STATUS_SBAS_FIX=1\nint8 STATUS_GBAS_FIX=2\nint8 status\n\
+         uint16 SERVICE_GPS=1\nuint16 SERVICE_GLONASS=2\nuint16 SERVICE_COMPASS=4\nuint16 SERVICE_GALILEO=8\n\
+         uint16 service";
+    NAV_SAT_FIX = "sensor_msgs/NavSatFix" [HEADER, NAV_SAT_STATUS]
+        "Header header\nNavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\n\
+         float64[9] position_covariance\nuint8 COVARIANCE_TYPE_UNKNOWN=0\nuint8 COVARIANCE_TYPE_APPROXIMATED=1\n\
+         uint8 COVARIANCE_TYPE_DIAGONAL_KNOWN=2\nuint8 COVARIANCE_TYPE_KNOWN=3\nuint8 position_covariance_type";
+    MAGNETIC_FIELD = "sensor_msgs/MagneticField" [HEADER, VECTOR3]
+        "Header header\ngeometry_msgs/Vector3 magnetic_field\nfloat64[9] magnetic_field_covariance";
+    FLUID_PRESSURE = "sensor_msgs/FluidPressure" [HEADER] "Header header\nfloat64 fluid_pressure\nfloat64 variance";
+    POINT_STAMPED = "geometry_msgs/PointStamped" [HEADER, POINT] "Header header\nPoint point";
+    VECTOR3_STAMPED = "geometry_msgs/Vector3Stamped" [HEADER, VECTOR3] "Header header\nVector3 vector";
     EMPTY = "std_msgs/Empty" [] "";
     MODEL_STATES = "gazebo_msgs/ModelStates" [POSE, TWIST]
         include_str!("../../../bridge/ros1/gazebo_msgs/msg/ModelStates.msg");

@@ -7,6 +7,7 @@ use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Encoding, FrameHeader, Kind};
 use belvedere_sensors::Pose;
+use belvedere_sensors::scanner::{Pattern, presets};
 use glam::DVec3;
 use std::time::Duration;
 
@@ -64,8 +65,12 @@ fn grid(parameters: &str) -> String {
     )
 }
 
+fn own(name: &str) -> String {
+    format!("<plugin filename='belvedere'><preset>{name}</preset></plugin>")
+}
+
 fn preset(name: &str, parameters: &str) -> String {
-    format!("<plugin filename='belvedere'><preset>{name}</preset></plugin>{}", plugin(parameters))
+    own(name) + &plugin(parameters)
 }
 
 struct Point {
@@ -190,8 +195,8 @@ fn presets_fire_as_their_manuals_say() {
     {
         let (header, points, _) = cloud(&preset(name, ""), false, "points");
         assert!(header.width as usize == points.len() && points.len() > 1700 * lasers, "{}", points.len());
-        let head = belvedere_sensors::scanner::presets::named(name).unwrap();
-        let belvedere_sensors::scanner::Pattern::Spinning(head) = head.pattern else { panic!() };
+        let head = presets::named(name).unwrap();
+        let Pattern::Spinning(head) = head.pattern else { panic!() };
         let mut order: Vec<_> = (0..lasers).collect();
         order.sort_by(|a, b| head.lasers[*a].elevation_rad.total_cmp(&head.lasers[*b].elevation_rad));
         let (mut squares, mut worst) = (0.0, 0.0_f64);
@@ -215,21 +220,82 @@ fn presets_fire_as_their_manuals_say() {
         }
         let stddev = (squares / points.len() as f64).sqrt();
         println!("{name}: {} points, σ {stddev:.4} m, at most {worst:.3} m", points.len());
-        let expected = belvedere_sensors::scanner::presets::named(name).unwrap().stddev_m;
+        let expected = presets::named(name).unwrap().stddev_m;
         assert!((stddev / expected - 1.0).abs() < 0.03 && worst < 6.0 * expected, "{stddev} {worst}");
+    }
+}
+
+/// Ranges of a scan that turns, from where the sensor was at the time of each ray.
+#[test]
+fn scanners_of_one_beam_send_scans() {
+    let laser = "<plugin name='p' filename='libgazebo_ros_laser.so'><topicName>points</topicName></plugin>";
+    for (name, beams, first_deg, step_deg, rate_hz) in [
+        ("urg04lx", 682, -340.0 * 360.0 / 1024.0, 360.0 / 1024.0, 10.0),
+        ("utm30lx", 1081, -135.0, 0.25, 40.0),
+        ("lms111", 1081, -135.0, 0.25, 25.0),
+        ("rplidar_a1", 360, -180.0, 1.0, 5.5),
+        ("rplidar_a2", 800, -180.0, 0.45, 10.0),
+    ] {
+        let head = presets::named(name).unwrap();
+        let (header, _, frame) = cloud(&format!("{}{laser}", own(name)), false, "points");
+        let geometry = header.scan_geometry().unwrap();
+        assert_eq!((header.kind(), header.width, header.height), (Some(Kind::LaserScan), beams, 1));
+        assert!((geometry.angle_min.to_degrees() - first_deg).abs() < 1e-9);
+        assert!((geometry.angle_increment.to_degrees() - step_deg).abs() < 1e-12);
+        assert!((geometry.scan_time - 1.0 / rate_hz).abs() < 1e-8);
+        assert!((geometry.time_increment - step_deg / 360.0 / rate_hz).abs() < 1e-11);
+        let view = frame.view();
+        let ranges: Vec<f32> = view.numbers::<f32>(view.rows()).collect();
+        let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+        for (ray, range) in ranges.into_iter().enumerate() {
+            let time_s = header.stamp_ns as f64 * 1e-9 + geometry.time_increment * ray as f64;
+            let pose = world_from_sensor(time_s);
+            let azimuth = geometry.angle_min + geometry.angle_increment * ray as f64;
+            let direction = pose.transform_vector(DVec3::new(azimuth.cos(), azimuth.sin(), 0.0));
+            let truth = ROOM
+                .iter()
+                .map(|(normal, distance)| {
+                    (distance - pose.translation().dot(*normal)) / direction.dot(*normal)
+                })
+                .filter(|range| *range > 0.0)
+                .fold(f64::INFINITY, f64::min);
+            if truth < head.range_m[1] - 0.2 {
+                let spread = |r: f64| match name {
+                    "urg04lx" => 0.01 / 3.0 * r.max(1.0),
+                    "utm30lx" => {
+                        if r < 10.0 {
+                            0.01
+                        } else {
+                            0.03
+                        }
+                    }
+                    "lms111" => 0.012,
+                    "rplidar_a1" => 3.3e-4 * r * r,
+                    _ => 0.01 / 3.0 * r,
+                };
+                let error = (f64::from(range) - truth) / spread(truth);
+                (sum, squares, count) = (sum + error, squares + error * error, count + 1.0);
+            }
+        }
+        let mean = sum / count;
+        let stddev = (squares / count - mean * mean).sqrt();
+        println!("{name}: {count} rays, {mean:.3} ± {stddev:.3} σ");
+        // Four deviations of what so many rays may be off by; what is systematic is up to three of its own.
+        let systematic = 3.0 * head.bias_stddev_m / 0.012;
+        assert!(mean.abs() < 4.0 / f64::sqrt(count) + systematic, "{name}: {mean}");
+        assert!((stddev - 1.0).abs() < 4.0 / f64::sqrt(2.0 * count), "{name}: {stddev}");
     }
 }
 
 #[test]
 fn files_say_which_scanner_it_is() {
-    let preset = |name: &str| format!("<plugin filename='belvedere'><preset>{name}</preset></plugin>");
     let plugin =
         "<plugin name='p' filename='libgazebo_ros_velodyne_gpu_laser.so'><ros><namespace>/car</namespace>
         <remapping>~/out:=points</remapping></ros><frame_name>velodyne</frame_name>
         <organize_cloud>true</organize_cloud><min_intensity>3</min_intensity></plugin>";
     let read = |beams: &str| read::model(&floating(beams)).map(|mut model| model.sensors.remove(0));
     // Without an <update_rate> it turns as it comes; ranges and noise are its own.
-    let sensor = read(&format!("{}{plugin}", preset("vlp16"))).unwrap();
+    let sensor = read(&format!("{}{plugin}", own("vlp16"))).unwrap();
     assert_eq!(sensor.effective_rate_hz(), Some(10.0));
     let SensorKind::Ray(Lidar { ray, plugin: Some(laser), preset: Some(device) }) = sensor.kind else {
         panic!()
@@ -240,12 +306,12 @@ fn files_say_which_scanner_it_is() {
     assert_eq!(laser.cloud, Some(CloudLayout { is_organized: true, min_intensity: 3.0 }));
     // As gz-sim has it.
     let sensor =
-        read(&format!("<topic>lidar</topic><update_rate>20</update_rate>{}", preset("hdl32e"))).unwrap();
+        read(&format!("<topic>lidar</topic><update_rate>20</update_rate>{}", own("hdl32e"))).unwrap();
     let SensorKind::Ray(Lidar { plugin: Some(laser), .. }) = sensor.kind else { panic!() };
     assert_eq!((laser.topic.as_str(), laser.cloud), ("/lidar/points", Some(CloudLayout::default())));
     for (text, expected) in [
-        (preset("vlp-16"), "<preset> of sensor 's' is 'vlp-16', which is none; did you mean vlp16?"),
-        (format!("<update_rate>30</update_rate>{}", preset("vlp16")), "<update_rate> of sensor 's' is 30"),
+        (own("vlp-16"), "<preset> of sensor 's' is 'vlp-16', which is none; did you mean vlp16?"),
+        (format!("<update_rate>30</update_rate>{}", own("vlp16")), "<update_rate> of sensor 's' is 30"),
     ] {
         let refused = read(&text).unwrap_err().to_string();
         assert!(refused.contains(expected), "{refused}");

@@ -27,9 +27,10 @@ impl Behaviour for model::Lidar {
 
     fn open(&self, sensor: &Sensor, opening: &Opening<'_>) -> Result<Option<Box<dyn Channel>>, RigError> {
         let Some(plugin) = &self.plugin else { return Ok(None) };
-        Ok(Some(match plugin.cloud {
-            Some(layout) => Box::new(ScannerChannel::open(sensor, self, (plugin, layout), opening)?),
-            None => Box::new(LidarChannel::open(sensor, &self.ray, plugin, opening)?),
+        Ok(Some(if self.is_scanner() {
+            Box::new(ScannerChannel::open(sensor, self, plugin, opening)?)
+        } else {
+            Box::new(LidarChannel::open(sensor, &self.ray, plugin, opening)?)
         }))
     }
 

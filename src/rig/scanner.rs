@@ -1,5 +1,5 @@
-//! A lidar whose beams each have a time of their own, and its cloud: as a driver of ROS sends it, stamped with the end of
-//! the scan.
+//! A lidar whose beams each have a time of their own. Its cloud is as a driver of ROS sends it, stamped with the end of the
+//! scan; the scan of a single beam is stamped with its first ray, as `sensor_msgs/LaserScan` has it.
 
 use super::channel::{Channel, is_any_wanted};
 use super::lidar::{beams, sight};
@@ -10,11 +10,11 @@ use super::pictures::noise;
 use super::sink::Frame;
 use super::truth::TruthOutlets;
 use super::{Opening, Rate, RigContext, RigError, Settings};
-use crate::description::model::{self, CloudLayout, LaserPlugin, Sensor};
-use belvedere_bridge::{Encoding, Kind, StreamSpec};
+use crate::description::model::{self, CloudLayout, LaserPlugin, RaySensor, Sensor};
+use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
 use belvedere_sensors::lidar::Beams;
 use belvedere_sensors::scanner::presets::Preset;
-use belvedere_sensors::scanner::{Echoes, Firing, Pattern, Scanner, ScannerConfig};
+use belvedere_sensors::scanner::{Columns, Echoes, Firing, Pattern, Scanner, ScannerConfig};
 use belvedere_sensors::{Capture, Pose, Shutter};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -30,14 +30,22 @@ pub(super) struct ScannerChannel {
     head: Head,
     /// The rank of each laser, from the lowest up.
     rings: Vec<u16>,
-    layout: CloudLayout,
+    form: Form,
     /// Gazebo's take all beams at one moment.
     is_still: bool,
     mount: Mount,
-    cloud: Outlet,
+    outlet: Outlet,
     truth: TruthOutlets,
     motion: Motion,
     found: Found,
+}
+
+/// What it sends.
+enum Form {
+    /// Points.
+    Cloud(CloudLayout),
+    /// Ranges, all but the times of its angles.
+    Scan(Box<ScanGeometry>),
 }
 
 /// Which way it fires, and when.
@@ -104,6 +112,7 @@ fn firings([horizontal, vertical]: &[Beams; 2], frame_time_ns: u64) -> Vec<Firin
 /// What a frame has found, a value a firing.
 #[derive(Default)]
 struct Found {
+    ranges: Vec<f32>,
     points: Vec<[f32; 3]>,
     intensities: Vec<f32>,
     times: Vec<f64>,
@@ -112,6 +121,7 @@ struct Found {
 
 impl Found {
     fn resize(&mut self, firings: usize) {
+        self.ranges.resize(firings, 0.0);
         self.points.resize(firings, [0.0; 3]);
         self.intensities.resize(firings, 0.0);
         self.times.resize(firings, 0.0);
@@ -123,7 +133,7 @@ impl ScannerChannel {
     pub(super) fn open(
         sensor: &Sensor,
         lidar: &model::Lidar,
-        (plugin, layout): (&LaserPlugin, CloudLayout),
+        plugin: &LaserPlugin,
         opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
         let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
@@ -137,6 +147,7 @@ impl ScannerChannel {
             .visibility(sees)
             .faces(faces)
             .noise(noise(&ray.noise).map_err(|error| refused(&error))?)
+            .spreads(lidar.preset.map_or(&[], |preset| preset.spreads))
             .seed(opening.seed)
             .sensor(opening.sensor);
         let head = Head::of(lidar, frame_time_ns);
@@ -147,32 +158,73 @@ impl ScannerChannel {
         let rings = elevations.iter().map(rank).collect();
         let size = [elevations.len() as u32, (most / elevations.len()) as u32];
         let frame = opening.frame_id(sensor, &plugin.frame_name);
-        let spec = StreamSpec::new(&plugin.topic, Kind::PointCloud, Encoding::XyzIrtF32, most * POINT_STEP)
-            .frame_id(&frame)
-            .rate_hz(opening.rate.hz());
+        let (form, spec) = if let Some(layout) = plugin.cloud {
+            let bytes = most * POINT_STEP;
+            let spec = StreamSpec::new(&plugin.topic, Kind::PointCloud, Encoding::XyzIrtF32, bytes);
+            (Form::Cloud(layout), spec)
+        } else {
+            let bytes = most * size_of::<f32>() * 2;
+            let spec = StreamSpec::new(&plugin.topic, Kind::LaserScan, Encoding::RangesF32, bytes).layers(1);
+            (Form::Scan(Box::new(angles(&head, ray))), StreamSpec { buffer: 16, ..spec })
+        };
         Ok(Self {
-            cloud: opening.open_rendered(spec)?,
+            outlet: opening.open_rendered(spec.frame_id(&frame).rate_hz(opening.rate.hz()))?,
             truth: TruthOutlets::open_without_flow(&plugin.topic, &frame, size, opening)?,
             mount: Mount::new(sensor, opening),
             is_still: opening.gazebo_compat,
             motion: Motion::default(),
             found: Found::default(),
             rings,
-            layout,
+            form,
             config,
             head,
         })
     }
 
-    /// Puts what was found into a frame, as far as it goes into the cloud.
+    fn frame_time_s(&self) -> f64 {
+        self.config.frame_time_ns as f64 * 1e-9
+    }
+
+    /// Puts what was found into a frame.
     fn write(&self, firings: usize, world_from_sensor: &Pose, stamp_ns: u64) -> Option<Frame> {
-        let Found { points, intensities, times, lasers } = &self.found;
-        let CloudLayout { is_organized, min_intensity } = self.layout;
+        let mut frame = match &self.form {
+            Form::Cloud(layout) => self.write_cloud(layout, firings, stamp_ns)?,
+            Form::Scan(geometry) => self.write_scan(geometry, firings, stamp_ns)?,
+        };
+        Mount::write(world_from_sensor, frame.header_mut());
+        Some(frame)
+    }
+
+    fn write_scan(&self, geometry: &ScanGeometry, firings: usize, stamp_ns: u64) -> Option<Frame> {
+        let mut frame = self.outlet.loan(firings * size_of::<f32>() * 2)?;
+        let header = frame.header_mut();
+        header.set_packed(firings as u32, 1);
+        header.flags |= FrameHeader::HAS_INTENSITIES;
+        header.stamp_ns = stamp_ns;
+        let mut geometry = *geometry;
+        if !self.is_still {
+            let before_s = self.frame_time_s() - self.found.times.first().copied().unwrap_or(0.0);
+            header.stamp_ns = stamp_ns.saturating_sub((before_s * 1e9).round() as u64);
+            geometry.time_increment = self.frame_time_s() * geometry.angle_increment / TAU;
+            geometry.scan_time = self.frame_time_s();
+        }
+        header.set_scan_geometry(&geometry);
+        let planes: &mut [f32] = bytemuck::cast_slice_mut(frame.payload_mut());
+        let (ranges, intensities) = planes.split_at_mut(firings);
+        ranges.copy_from_slice(&self.found.ranges[..firings]);
+        intensities.copy_from_slice(&self.found.intensities[..firings]);
+        Some(frame)
+    }
+
+    /// What goes into the cloud.
+    fn write_cloud(&self, layout: &CloudLayout, firings: usize, stamp_ns: u64) -> Option<Frame> {
+        let Found { points, intensities, times, lasers, .. } = &self.found;
+        let CloudLayout { is_organized, min_intensity } = *layout;
         let is_point =
             |firing: usize| !points[firing][0].is_nan() && f64::from(intensities[firing]) >= min_intensity;
         let shown =
             if is_organized { firings } else { (0..firings).filter(|&firing| is_point(firing)).count() };
-        let mut frame = self.cloud.loan(shown * POINT_STEP)?;
+        let mut frame = self.outlet.loan(shown * POINT_STEP)?;
         let lasers_in_all = self.rings.len();
         let header = frame.header_mut();
         if is_organized {
@@ -181,8 +233,7 @@ impl ScannerChannel {
             header.set_packed(shown as u32, 1);
         }
         header.stamp_ns = stamp_ns;
-        Mount::write(world_from_sensor, header);
-        let end_s = if self.is_still { None } else { Some(self.config.frame_time_ns as f64 * 1e-9) };
+        let end_s = (!self.is_still).then(|| self.frame_time_s());
         let mut places = frame.payload_mut().chunks_exact_mut(POINT_STEP);
         for firing in 0..firings {
             let is_point = is_point(firing);
@@ -205,6 +256,28 @@ impl ScannerChannel {
     }
 }
 
+/// The angles of a single beam that is measured at even steps; its times are those of the head.
+fn angles(head: &Head, ray: &RaySensor) -> ScanGeometry {
+    let (mut angle_min, mut angle_increment) = (ray.horizontal.min_angle_rad, 0.0);
+    if let Head::Preset(Preset { pattern: Pattern::Spinning(head), .. }) = head
+        && let Columns::Turn { per_turn, first, .. } = head.columns
+    {
+        angle_increment = TAU / f64::from(per_turn);
+        angle_min = head.first_azimuth_rad + f64::from(first) * angle_increment;
+    }
+    ScanGeometry {
+        angle_min,
+        angle_increment,
+        time_increment: 0.0,
+        scan_time: 0.0,
+        range_min: ray.range_min_m as f32,
+        range_max: ray.range_max_m as f32,
+        vertical_angle_min: 0.0,
+        vertical_angle_increment: 0.0,
+        reserved: [0; 19],
+    }
+}
+
 /// The scanner's, with its pattern.
 fn config_of<'a>(config: &ScannerConfig<'a>, head: &'a Head) -> ScannerConfig<'a> {
     config.pattern(head.pattern())
@@ -212,7 +285,7 @@ fn config_of<'a>(config: &ScannerConfig<'a>, head: &'a Head) -> ScannerConfig<'a
 
 impl Channel for ScannerChannel {
     fn outlets(&self) -> Vec<&Outlet> {
-        [&self.cloud].into_iter().chain(self.truth.outlets()).collect()
+        [&self.outlet].into_iter().chain(self.truth.outlets()).collect()
     }
 
     fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
@@ -222,11 +295,12 @@ impl Channel for ScannerChannel {
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |_| {});
         let mut output = Echoes::new();
         output.truth = truth.truth();
-        let is_wanted = self.cloud.is_wanted();
+        let is_wanted = self.outlet.is_wanted();
         if is_wanted {
             self.found.resize(scanner.most_firings());
-            let Found { points, intensities, times, lasers } = &mut self.found;
-            output = output.points(points).intensities(intensities).times(times).lasers(lasers);
+            let Found { ranges, points, intensities, times, lasers } = &mut self.found;
+            output = output.ranges(ranges).points(points).intensities(intensities);
+            output = output.times(times).lasers(lasers);
         }
         let mut taken = false;
         if is_wanted || output.truth.is_some() {
@@ -242,9 +316,9 @@ impl Channel for ScannerChannel {
         }
         let firings = if taken && is_wanted { scanner.firings(frame_number) } else { 0 };
         let frame = self.write(firings, &world_from_sensor, context.stamp_ns);
-        let outcome = self.cloud.send(frame.filter(|_| taken));
+        let outcome = self.outlet.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);
-        self.cloud.record(outcome, started.elapsed());
+        self.outlet.record(outcome, started.elapsed());
         self.truth.record(truths, started.elapsed());
     }
 

@@ -29,7 +29,7 @@ use crate::trace::truth::OfRay;
 use crate::trace::view::{View, check_moment};
 use crate::trace::volley::{Struck, Volley};
 use crate::trace::{SenseError, Truth, Workspace};
-pub use config::ScannerConfig;
+pub use config::{ScannerConfig, Spread};
 use core::ops::Range;
 pub use error::ScannerError;
 use fearless_simd::{Simd, dispatch};
@@ -357,7 +357,8 @@ impl<'a> Frame<'a> {
         volley.cast(simd, view, &sight);
         let mut normals = [0.0; LANES];
         let Scanner { config, bias } = self.scanner;
-        if !config.noise.is_none() {
+        let is_exact = config.noise.is_none() && config.spreads.is_empty();
+        if !is_exact {
             fill_standard_normal(self.execution.level, &self.noise, first as u32, &mut normals[..count]);
         }
         let limits = [config.range_min_m, config.range_max_m].map(|limit| limit as f32);
@@ -365,14 +366,19 @@ impl<'a> Frame<'a> {
             let firing = lanes.lane(lane);
             let met = volley.range(lane);
             let truth = met.unwrap_or(f64::INFINITY);
-            let range = config.noise.apply_to_range(truth as f32, *bias, normals[lane], limits);
+            // Two independent ones are one whose variance is the sum.
+            let (own, z) = (f64::from(config.noise.stddev()), normals[lane]);
+            let spread = Spread::stddev_at(config.spreads, truth);
+            let more = crate::simd::sqrt(own * own + spread * spread) - own;
+            let bias = if spread > 0.0 { bias + more as f32 * z } else { *bias };
+            let range = config.noise.apply_to_range(truth as f32, bias, z, limits);
             let is_measured = range.is_finite();
             if let Some(ranges) = &mut echoes.ranges {
                 ranges[lane] = range;
             }
             if let Some(points) = &mut echoes.points {
                 // Without noise to more than a range in f32 says.
-                let range = if config.noise.is_none() { truth } else { f64::from(range) };
+                let range = if is_exact { truth } else { f64::from(range) };
                 let point = if is_measured { firing.origin + firing.direction * range } else { DVec3::NAN };
                 points[lane] = point.as_vec3().to_array();
             }

@@ -12,7 +12,7 @@ use crate::description::xml::Element;
 use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
 use belvedere_sensors::scanner::presets::{self, Preset};
 use belvedere_sensors::scanner::{Columns, Pattern};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// A lidar.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +23,13 @@ pub struct Lidar {
     pub preset: Option<Preset>,
     /// What publishes it.
     pub plugin: Option<LaserPlugin>,
+}
+
+impl Lidar {
+    /// Whether its beams each have a time of their own.
+    pub fn is_scanner(&self) -> bool {
+        self.preset.is_some() || self.plugin.as_ref().is_some_and(|plugin| plugin.cloud.is_some())
+    }
 }
 
 pub(super) const KIND: Kind = Kind {
@@ -41,15 +48,16 @@ pub(super) const KIND: Kind = Kind {
 impl Reader<'_> {
     fn lidar(&mut self, sensor: &Element) -> Option<Lidar> {
         let preset = self.scanner_preset(sensor)?;
+        let is_cloud = preset.is_some_and(|preset| lasers(&preset) > 1);
         let mut ray = match &preset {
             Some(preset) => ray_of(preset, sensor),
             None => self.ray(sensor)?,
         };
         let mut plugin = match self.plugin(sensor, &KIND) {
             Some(plugin) => Some(self.laser_plugin(plugin, &mut ray)?),
-            None => gz_plugin(sensor, preset.is_some()),
+            None => gz_plugin(sensor, is_cloud),
         };
-        if let (Some(_), Some(plugin)) = (&preset, &mut plugin) {
+        if let (true, Some(plugin)) = (is_cloud, &mut plugin) {
             plugin.cloud.get_or_insert_default();
         }
         Some(Lidar { ray, preset, plugin })
@@ -233,6 +241,14 @@ fn gz_plugin(sensor: &Element, is_cloud: bool) -> Option<LaserPlugin> {
     Some(LaserPlugin { topic, frame_name: frame_name(sensor), cloud: None })
 }
 
+/// How many lasers a preset has.
+fn lasers(preset: &Preset) -> usize {
+    match preset.pattern {
+        Pattern::Spinning(head) => head.lasers.len(),
+        _ => 1,
+    }
+}
+
 /// The beams, ranges and noise of a preset.
 fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
     let mut vertical = ScanAxis { samples: 1, min_angle_rad: 0.0, max_angle_rad: 0.0 };
@@ -244,7 +260,12 @@ fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
         vertical.max_angle_rad = elevations().fold(f64::NEG_INFINITY, f64::max);
         horizontal.samples = match head.columns {
             Columns::Every { time_ns } => (1e9 / preset.rate_hz / time_ns as f64) as u32,
-            Columns::Turn { count, .. } => count,
+            Columns::Turn { per_turn, first, count } => {
+                let step = TAU / f64::from(per_turn);
+                horizontal.min_angle_rad = head.first_azimuth_rad + f64::from(first) * step;
+                horizontal.max_angle_rad = horizontal.min_angle_rad + f64::from(count - 1) * step;
+                count
+            }
         };
     }
     let [range_min_m, range_max_m] = preset.range_m;
@@ -255,6 +276,11 @@ fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
         range_min_m,
         range_max_m,
         range_resolution_m: 0.0,
-        noise: Noise { stddev: preset.stddev_m, precision: preset.resolution_m, ..Noise::default() },
+        noise: Noise {
+            stddev: preset.stddev_m,
+            bias_stddev: preset.bias_stddev_m,
+            precision: preset.resolution_m,
+            ..Noise::default()
+        },
     }
 }

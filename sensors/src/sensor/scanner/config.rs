@@ -9,6 +9,31 @@ use crate::trace::Faces;
 /// The longest time of a frame: an hour.
 const MOST_NS: u64 = 3_600_000_000_000;
 
+/// How much ranges from some distance on vary besides their noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// From this range on, in metres.
+    pub from_m: f64,
+    /// Standard deviation of a range r in metres: the first is of it as a whole, the second a metre, the third a metre
+    /// squared; σ = a + b·r + c·r².
+    pub stddev: [f64; 3],
+}
+
+impl Spread {
+    /// That of the last of some that begins before a range, in metres.
+    #[inline(always)]
+    pub(super) fn stddev_at(spreads: &[Self], range_m: f64) -> f64 {
+        let mut stddev = 0.0;
+        for spread in spreads {
+            if spread.from_m <= range_m {
+                let [a, b, c] = spread.stddev;
+                stddev = a + (b + c * range_m) * range_m;
+            }
+        }
+        stddev
+    }
+}
+
 /// What a scanner is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -27,6 +52,8 @@ pub struct ScannerConfig<'a> {
     pub faces: Faces,
     /// Noise of each range.
     pub noise: GaussianNoise,
+    /// What depends on the range of it, nearest first: variances add.
+    pub spreads: &'a [Spread],
     /// Seed of the simulation.
     pub seed: u64,
     /// Number of the sensor in the simulation.
@@ -44,6 +71,7 @@ impl<'a> ScannerConfig<'a> {
             visibility: visibility::COLLISION,
             faces: Faces::Both,
             noise: GaussianNoise::NONE,
+            spreads: &[],
             seed: 0,
             sensor: 0,
         }
@@ -64,6 +92,8 @@ impl<'a> ScannerConfig<'a> {
         faces: Faces,
         /// Sets the noise of each range.
         noise: GaussianNoise,
+        /// Sets what depends on the range of it.
+        spreads: &'a [Spread],
         /// Sets the seed of the simulation.
         seed: u64,
         /// Sets the number of the sensor in the simulation.
@@ -84,6 +114,23 @@ impl<'a> ScannerConfig<'a> {
         }
         if self.range_max_m.is_nan() || self.range_max_m <= self.range_min_m {
             return wrong("range_max_m", self.range_max_m, "more than range_min_m");
+        }
+        let mut before = 0.0;
+        for (index, spread) in self.spreads.iter().enumerate() {
+            let wrong =
+                |parameter, value, rule| Err(ScannerError { parameter, index: Some(index), value, rule });
+            if !(before..f64::INFINITY).contains(&spread.from_m) {
+                return wrong(
+                    "from_m of spread",
+                    spread.from_m,
+                    "not before that of the one before, and finite",
+                );
+            }
+            if let Some(value) = spread.stddev.into_iter().find(|value| !(0.0..f64::INFINITY).contains(value))
+            {
+                return wrong("stddev of spread", value, "0 or more, and finite");
+            }
+            before = spread.from_m;
         }
         self.pattern.check(self.frame_time_ns)
     }

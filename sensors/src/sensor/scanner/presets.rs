@@ -1,7 +1,8 @@
 //! Scanners as their makers' manuals have them.
 
-use super::{Columns, Laser, Pattern, ScannerConfig, Spinning};
+use super::{Columns, Laser, Pattern, ScannerConfig, Spinning, Spread};
 use crate::noise::GaussianNoise;
+use core::f64::consts::TAU;
 
 /// A scanner of a maker: what of it is fixed. How fast its head turns is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,8 +18,12 @@ pub struct Preset {
     pub rate_hz: f64,
     /// Smallest and largest range, in metres.
     pub range_m: [f64; 2],
-    /// Standard deviation of a range, in metres: a third of the accuracy that the data sheet promises.
+    /// Standard deviation of a range, in metres; where data sheets promise bounds, a third of them.
     pub stddev_m: f64,
+    /// What depends on the range of it.
+    pub spreads: &'static [Spread],
+    /// Standard deviation of what all ranges of a run are wrong by, in metres.
+    pub bias_stddev_m: f64,
     /// Step of a range, in metres.
     pub resolution_m: f64,
 }
@@ -35,13 +40,15 @@ impl Preset {
     /// ```
     #[must_use]
     pub fn config(&self, frame_time_ns: u64) -> ScannerConfig<'static> {
-        let noise = GaussianNoise::new(0.0, self.stddev_m as f32, 0.0, 0.0, self.resolution_m as f32);
+        let [stddev, bias, step] = [self.stddev_m, self.bias_stddev_m, self.resolution_m].map(|x| x as f32);
+        let noise = GaussianNoise::new(0.0, stddev, 0.0, bias, step);
         let [min_m, max_m] = self.range_m;
         ScannerConfig::new(self.pattern)
             .frame_time_ns(frame_time_ns)
             .range_min_m(min_m)
             .range_max_m(max_m)
             .noise(noise.unwrap_or_default())
+            .spreads(self.spreads)
     }
 }
 
@@ -53,6 +60,8 @@ pub const VLP_16: Preset = Preset {
     rate_hz: 10.0,
     range_m: [1.0, 100.0],
     stddev_m: 0.01,
+    spreads: &[],
+    bias_stddev_m: 0.0,
     resolution_m: 0.002,
 };
 
@@ -64,11 +73,84 @@ pub const HDL_32E: Preset = Preset {
     rate_hz: 10.0,
     range_m: [0.05, 100.0],
     stddev_m: 0.02 / 3.0,
+    spreads: &[],
+    bias_stddev_m: 0.0,
     resolution_m: 0.002,
 };
 
+/// Hokuyo URG-04LX (specification C-42-03320): 682 of 1024 steps of a turn, ±10 mm up to a metre and 1 % beyond.
+pub const URG_04LX: Preset = Preset {
+    name: "urg04lx",
+    pattern: steps(1024, 44, 682, 384),
+    rates_hz: [10.0, 10.0],
+    rate_hz: 10.0,
+    range_m: [0.02, 5.6],
+    stddev_m: 0.0,
+    spreads: &[
+        Spread { from_m: 0.0, stddev: [0.01 / 3.0, 0.0, 0.0] },
+        Spread { from_m: 1.0, stddev: [0.0, 0.01 / 3.0, 0.0] },
+    ],
+    bias_stddev_m: 0.0,
+    resolution_m: 0.001,
+};
+
+/// Hokuyo UTM-30LX: 1081 of 1440 steps of a turn; repeatability σ 10 mm up to 10 m, 30 mm beyond.
+pub const UTM_30LX: Preset = Preset {
+    name: "utm30lx",
+    pattern: steps(1440, 0, 1081, 540),
+    rates_hz: [40.0, 40.0],
+    rate_hz: 40.0,
+    range_m: [0.1, 30.0],
+    stddev_m: 0.0,
+    spreads: &[
+        Spread { from_m: 0.0, stddev: [0.01, 0.0, 0.0] },
+        Spread { from_m: 10.0, stddev: [0.03, 0.0, 0.0] },
+    ],
+    bias_stddev_m: 0.0,
+    resolution_m: 0.001,
+};
+
+/// SICK LMS111 at 25 Hz: 270° by 0.25°; statistical error σ 12 mm, systematic ±30 mm.
+pub const LMS_111: Preset = Preset {
+    name: "lms111",
+    pattern: steps(1440, 0, 1081, 540),
+    rates_hz: [25.0, 25.0],
+    rate_hz: 25.0,
+    range_m: [0.5, 20.0],
+    stddev_m: 0.012,
+    spreads: &[],
+    bias_stddev_m: 0.01,
+    resolution_m: 0.001,
+};
+
+/// Slamtec RPLIDAR A1M8 (data sheet rev. 1.0): 360 beams; triangulation errs by 3.3·10⁻⁴·r².
+pub const RPLIDAR_A1: Preset = Preset {
+    name: "rplidar_a1",
+    pattern: steps(360, 0, 360, 180),
+    rates_hz: [1.0, 10.0],
+    rate_hz: 5.5,
+    range_m: [0.15, 12.0],
+    stddev_m: 0.0,
+    spreads: &[Spread { from_m: 0.0, stddev: [0.0, 0.0, 3.3e-4] }],
+    bias_stddev_m: 0.0,
+    resolution_m: 0.000_25,
+};
+
+/// Slamtec RPLIDAR A2M8 (data sheet rev. 2.5): 800 beams, within 1 %.
+pub const RPLIDAR_A2: Preset = Preset {
+    name: "rplidar_a2",
+    pattern: steps(800, 0, 800, 400),
+    rates_hz: [5.0, 15.0],
+    rate_hz: 10.0,
+    range_m: [0.2, 12.0],
+    stddev_m: 0.0,
+    spreads: &[Spread { from_m: 0.0, stddev: [0.0, 0.01 / 3.0, 0.0] }],
+    bias_stddev_m: 0.0,
+    resolution_m: 0.000_25,
+};
+
 /// All presets.
-pub const ALL: [Preset; 2] = [VLP_16, HDL_32E];
+pub const ALL: [Preset; 7] = [VLP_16, HDL_32E, URG_04LX, UTM_30LX, LMS_111, RPLIDAR_A1, RPLIDAR_A2];
 
 /// The preset that files call so.
 #[must_use]
@@ -152,6 +234,19 @@ const fn fired_each<const N: usize>(lasers: &[(f64, f64); N], time_s: f64) -> [L
         id += 1;
     }
     made
+}
+
+/// A single beam.
+const LEVEL: [Laser; 1] = [Laser::at_degrees(0.0, 0.0)];
+
+/// A single beam that is measured at some steps of a turn, counter-clockwise; `ahead` is the step at which it looks there.
+const fn steps(per_turn: u32, first: u32, count: u32, ahead: u32) -> Pattern<'static> {
+    Pattern::Spinning(Spinning {
+        lasers: &LEVEL,
+        columns: Columns::Turn { per_turn, first, count },
+        first_azimuth_rad: -TAU * ahead as f64 / per_turn as f64,
+        clockwise: false,
+    })
 }
 
 /// A head that looks ahead when a frame begins, and turns as Velodyne's do.

@@ -7,6 +7,7 @@
 //!   does, those that a joint connects still do not.
 //! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
 //! - The wheels of a base that drives are part of its body and only shown turning: see `robot::grip`.
+//! - An actor goes where its script says, as one piece: it pushes and is not pushed.
 //! - Time is counted in whole nanoseconds, so it never drifts. Between the last two steps every pose can be
 //!   asked for at any stamp.
 //! - The same calls give the same bits: rapier's `enhanced-determinism`, one thread, single precision inside.
@@ -25,15 +26,16 @@ pub use joint::JointState;
 
 use crate::description::diagnostics::{Problem, Severity};
 pub use crate::description::model::JointIndex;
-use crate::description::model::{LinkIndex, Model, World};
+use crate::description::model::{LinkIndex, Model, Trajectory, World};
 use belvedere_sensors::Pose;
-use convert::{from_rapier, vector};
+use convert::{from_rapier, to_rapier, vector};
 use glam::DVec3;
 use history::History;
 use joint::{Motion, MovingJoint};
 use rapier3d::dynamics::{FrictionModel, RigidBodyHandle};
 use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
 use rapier3d::pipeline::{PairFilterContext, PhysicsHooks, PhysicsWorld};
+use std::sync::Arc;
 
 /// Index of a model: those of the world file first, in its order, then the robots.
 pub type ModelIndex = usize;
@@ -62,15 +64,24 @@ pub struct Physics {
 /// A rigid body that can move.
 struct Body {
     handle: RigidBodyHandle,
-    /// The body and the joint of its model that carry it, if it is a wheel: its handle is the carrier's.
-    carrier: Option<(usize, ModelIndex, JointIndex)>,
-    /// Stands still: of static links in a model that moves otherwise.
-    is_fixed: bool,
+    follows: Follows,
     /// Its pose in its model with every joint at zero.
     model_at_rest: Pose,
     /// World poses after the last step but one, and after the last.
     previous: Pose,
     current: Pose,
+}
+
+/// What a body's pose comes from.
+enum Follows {
+    /// Forces, contacts and joints.
+    Dynamics,
+    /// Nothing: of static links in a model that moves otherwise.
+    Nothing,
+    /// As a wheel, the body and the joint of its model that carry it: its handle is the carrier's.
+    Carried(usize, ModelIndex, JointIndex),
+    /// The script of an actor, whatever is in its way.
+    Path(Arc<Trajectory>),
 }
 
 /// A model that is to take part, and how.
@@ -84,6 +95,17 @@ pub struct Placement<'a> {
     pub carried: Vec<JointIndex>,
     /// Whether its bodies never sleep: who sleeps feels no force that is set on him each step.
     pub stays_awake: bool,
+}
+
+impl Body {
+    fn is_carried(&self) -> bool {
+        matches!(self.follows, Follows::Carried(..))
+    }
+
+    /// Whether it stays where it is put: others follow what they follow.
+    fn can_be_put(&self) -> bool {
+        matches!(self.follows, Follows::Dynamics | Follows::Nothing)
+    }
 }
 
 impl<'a> Placement<'a> {
@@ -246,11 +268,19 @@ impl Physics {
 
     /// Advances by one step.
     pub fn step(&mut self) {
-        self.rapier.step_with_events(&SelfCollision, &());
         self.time_ns += self.step_ns;
         for body in &mut self.bodies {
             body.previous = body.current;
-            if body.carrier.is_none() {
+            if let Follows::Path(trajectory) = &body.follows
+                && let Some(pose) = trajectory.pose_at(self.time_ns)
+            {
+                body.current = pose;
+                self.rapier.bodies[body.handle].set_next_kinematic_position(to_rapier(&pose));
+            }
+        }
+        self.rapier.step_with_events(&SelfCollision, &());
+        for body in &mut self.bodies {
+            if let Follows::Dynamics = body.follows {
                 body.current = from_rapier(self.rapier.bodies[body.handle].position());
             }
         }
@@ -280,7 +310,7 @@ impl Physics {
     /// Takes the wheels along with the bodies that carry them.
     fn carry(&mut self) {
         for index in 0..self.bodies.len() {
-            if let Some((carrier, model, joint)) = self.bodies[index].carrier
+            if let Follows::Carried(carrier, model, joint) = self.bodies[index].follows
                 && let Some(joint) = &self.models[model].joints[joint]
             {
                 self.bodies[index].current = joint.carried(self.bodies[carrier].current);
@@ -378,8 +408,7 @@ impl Physics {
     /// Mass in kg of all of a model that moves.
     pub(crate) fn model_mass(&self, model: ModelIndex) -> f64 {
         let placed = &self.models[model];
-        let own =
-            self.bodies[placed.first_body..placed.end_body].iter().filter(|body| body.carrier.is_none());
+        let own = self.bodies[placed.first_body..placed.end_body].iter().filter(|body| !body.is_carried());
         own.map(|body| f64::from(self.rapier.bodies[body.handle].mass())).sum()
     }
 

@@ -32,7 +32,7 @@ use crate::trace::{SenseError, Truth, Workspace};
 pub use config::{ScannerConfig, Spread};
 use core::ops::Range;
 pub use error::ScannerError;
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::Simd;
 pub use firing::Firing;
 use firing::FiringLanes;
 use glam::DVec3;

@@ -20,7 +20,7 @@ use crate::memory::{CacheLine, Cutter};
 use crate::moment::{Capture, Keyframe, Moment, Shutter};
 use crate::noise::{Stream, fill_standard_normal};
 use crate::scene::Scene;
-use crate::simd::LANES;
+use crate::simd::{LANES, dispatch};
 use crate::trace::error::check_output;
 use crate::trace::grid::Sight;
 use crate::trace::memory::view_lines;

@@ -12,6 +12,7 @@ pub mod message;
 mod pacer;
 pub mod robots;
 pub mod run;
+mod sensor_models;
 pub mod snapshot;
 pub mod statistics;
 mod status;

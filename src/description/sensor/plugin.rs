@@ -1,5 +1,6 @@
 //! `<plugin>` of a sensor: which of them publishes it, and under which names.
 
+use super::preset::is_ours;
 use super::reader::Reader;
 use super::{KINDS, Kind};
 use crate::description::values::child_text;
@@ -12,6 +13,9 @@ impl Reader<'_> {
         for element in sensor.elements_named("plugin") {
             let file = element.attribute("filename").unwrap_or_default();
             let name = plain_name(element);
+            if is_ours(element) && !kind.presets.is_empty() {
+                continue;
+            }
             if kind.plugins.contains(&name) {
                 if chosen.is_none() {
                     chosen = Some(element);

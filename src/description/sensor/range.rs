@@ -19,6 +19,7 @@ pub struct Rangefinder {
 pub(super) const KIND: Kind = Kind {
     types: &["ray", "gpu_ray"],
     plugins: &["gazebo_ros_range"],
+    presets: &[],
     read: |reader, sensor| reader.rangefinder(sensor).map(SensorKind::Range),
 };
 

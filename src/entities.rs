@@ -2,7 +2,7 @@
 
 use crate::description::model::{LinkIndex, Model, Sensor};
 use crate::description::values::nearest;
-use crate::robot::{self, Robot};
+use crate::robot::{self, InertialUnit, Robot};
 use crate::world::physics::{ModelIndex, Physics, Placement};
 use belvedere_sensors::Pose;
 
@@ -88,6 +88,8 @@ pub struct Entity {
     pub origin: Origin,
     /// What of it drives and tells of itself, if it is a robot.
     pub robot: Option<Robot>,
+    /// What its inertial units feel, in the order of its sensors.
+    pub units: Vec<InertialUnit>,
 }
 
 impl Entity {
@@ -195,6 +197,14 @@ impl Entities {
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (EntityId, &mut Entity)> {
         let places = self.places.iter_mut().enumerate();
         places.filter_map(|(index, place)| Some((place.id(index), place.entity.as_mut()?)))
+    }
+
+    /// Reads encoders, gyros and accelerometers after a step.
+    pub(crate) fn observe(&mut self, physics: &Physics) {
+        for (_, entity) in self.iter_mut() {
+            entity.robot.iter_mut().for_each(|robot| robot.observe(physics));
+            entity.units.iter_mut().for_each(|unit| unit.observe(physics));
+        }
     }
 
     /// All robots.

@@ -9,6 +9,7 @@
 //! | [`rig`] | the sensors on their schedule, rendered straight into a sink's memory |
 //! | [`simulation`] | all of it, stepped and rendered by a caller: the library |
 //! | [`server`] | the same for other processes: shared memory, commands |
+//! | `recording` | runs kept in MCAP files, and played again (feature `recording`) |
 //! | `picture` | frames as pictures for people (feature `cli`) |
 //! | `cli` | the `belvedere` command (feature `cli`) |
 //!
@@ -22,6 +23,8 @@ pub mod description;
 pub mod entities;
 #[cfg(feature = "cli")]
 pub mod picture;
+#[cfg(feature = "recording")]
+pub mod recording;
 pub mod rig;
 pub mod robot;
 pub mod server;

@@ -67,6 +67,7 @@ fn all_our_robots_load_without_a_word() {
             SensorKind::Depth(depth) => depth.plugin.is_some(),
             SensorKind::Ray(lidar) => lidar.plugin.is_some(),
             SensorKind::Range(range) => range.plugin.is_some(),
+            other => panic!("{other:?}"),
         };
         assert!(robot.sensors.iter().all(is_published), "{name}");
     }

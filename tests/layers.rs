@@ -5,8 +5,18 @@ use std::fs;
 use std::path::Path;
 
 /// Of the simulator, bottom up.
-const SIMULATOR: &[&str] =
-    &["description", "world", "robot", "entities", "rig", "simulation", "server", "picture", "cli"];
+const SIMULATOR: &[&str] = &[
+    "description",
+    "world",
+    "robot",
+    "entities",
+    "rig",
+    "simulation",
+    "server",
+    "recording",
+    "picture",
+    "cli",
+];
 
 /// Of the bridge.
 const BRIDGE: &[&str] = &[

@@ -4,14 +4,14 @@
 //! thread count and SIMD level. The layers, bottom up; each uses only those above it in this list:
 //!
 //! 1. [`simd`]: the level token and the packet width; [`pose`]: rigid poses in f64; [`srgb`]: the curve of pictures.
-//! 2. [`noise`]: counter-based random numbers and Gazebo's Gaussian noise.
+//! 2. [`noise`]: counter-based random numbers, Gazebo's Gaussian noise, the errors of instruments.
 //! 3. [`moment`]: where everything is, and when; [`scene`]: what is looked at, as plain borrowed data.
 //! 4. [`optics`]: which way rays go: the rules of pinhole and lidar, and tables of any lens model.
 //! 5. [`trace`]: where rays meet the scene.
 //! 6. `shade`: what colour that is.
 //! 7. [`device`]: what a camera's sensor and electronics make of light.
 //! 8. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once and makes a [`Sensor`], which
-//!    fills the caller's slices, and does not allocate.
+//!    fills the caller's slices, and does not allocate. [`imu`]: what gyros and accelerometers make of a motion.
 //!
 //! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames
 //! (clouds, [`optics`]) have z forward, x right, y down. Pixel centres are integers.
@@ -84,5 +84,5 @@ pub mod trace;
 pub use execution::Execution;
 pub use moment::{Capture, Moment, Shutter, Slice};
 pub use pose::Pose;
-pub use sensor::{Sensor, camera, depth, lidar};
+pub use sensor::{Sensor, camera, depth, imu, lidar};
 pub use trace::SenseError;

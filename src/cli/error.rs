@@ -6,6 +6,7 @@ use belvedere_bridge::Domain;
 
 use crate::description::Problem;
 use crate::picture::PictureError;
+use crate::recording::RecordingError;
 use crate::rig::RigError;
 use crate::simulation::SimulationError;
 
@@ -115,6 +116,26 @@ pub enum CliError {
         /// Why.
         source: io::Error,
     },
+    /// A recording that cannot be written, read or played.
+    #[error("cannot {action} {}: {}", path.display(), recording_words(source))]
+    Recording {
+        /// What was tried.
+        action: &'static str,
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: Box<RecordingError>,
+    },
+    /// A recording is not all that was sent.
+    #[error(
+        "frames were lost: {lost}; start the simulator with --wait-for recorder={streams}, use `belvedere run --record`, or allow it with --lossy"
+    )]
+    FramesLost {
+        /// How many of which topics.
+        lost: String,
+        /// How many streams were followed.
+        streams: usize,
+    },
     /// A file name that does not say what is wanted.
     #[error("cannot write {}: its name must end in one of {formats}", path.display())]
     Format {
@@ -129,6 +150,23 @@ pub enum CliError {
     /// No handler for Ctrl-C could be set.
     #[error("cannot listen for Ctrl-C: {0}")]
     Signal(#[from] ctrlc::Error),
+}
+
+/// Why a recording failed, and what to do.
+fn recording_words(error: &RecordingError) -> String {
+    let remedy = match error {
+        RecordingError::Io(source) => match source.kind() {
+            io::ErrorKind::AlreadyExists => {
+                return "it is there; choose another name, or replace it with --force".into();
+            }
+            io::ErrorKind::StorageFull => "; what was written can be read; make room, or record elsewhere",
+            _ => "",
+        },
+        RecordingError::Cut => "; what is whole can be replayed",
+        RecordingError::NotMcap => "; a file of `belvedere record` is wanted",
+        _ => "",
+    };
+    format!("{error}{remedy}")
 }
 
 impl From<RigError> for CliError {

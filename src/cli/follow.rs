@@ -78,22 +78,27 @@ pub(super) fn subscribe(domain: &Domain, topic: &str, wait: bool) -> Result<Subs
     let node = Node::open(domain, "belvedere")?;
     let subscriber = node.subscriber(topic)?;
     if !wait {
-        let streams = node.streams()?;
-        if streams.is_empty() {
-            return Err(CliError::NoSimulator(domain.clone()));
-        }
-        if !streams.iter().any(|stream| stream.topic == subscriber.topic()) {
-            let names: Vec<String> = streams.iter().map(|stream| with_slash(&stream.topic)).collect();
-            let topic = with_slash(topic);
-            return Err(CliError::UnknownTopic {
-                nearest: nearest(&topic, &names),
-                existing: names.join(", "),
-                domain: domain.to_string(),
-                topic,
-            });
-        }
+        check_topics(&node, domain, &[subscriber.topic().to_owned()])?;
     }
     Ok(subscriber)
+}
+
+/// That somebody publishes in the domain, and these topics exist.
+pub(super) fn check_topics(node: &Node, domain: &Domain, topics: &[String]) -> Result<(), CliError> {
+    let streams = node.streams()?;
+    if streams.is_empty() {
+        return Err(CliError::NoSimulator(domain.clone()));
+    }
+    let names: Vec<String> = streams.iter().map(|stream| with_slash(&stream.topic)).collect();
+    match topics.iter().map(|topic| with_slash(topic)).find(|topic| !names.contains(topic)) {
+        None => Ok(()),
+        Some(topic) => Err(CliError::UnknownTopic {
+            nearest: nearest(&topic, &names),
+            existing: names.join(", "),
+            domain: domain.to_string(),
+            topic,
+        }),
+    }
 }
 
 /// The structs of the first frame that comes, if one does in time.

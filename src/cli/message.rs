@@ -11,7 +11,7 @@ pub(super) use simulation::sensor_settings;
 pub use tree::Tree;
 
 use Tree::{List, Map, Whole};
-use belvedere_bridge::payload::{Clock, Message, MotorPower, ResetOdometry, VelocityCommand};
+use belvedere_bridge::payload::{Clock, Message, MotorPower, ResetOdometry, Vector3, VelocityCommand};
 use belvedere_bridge::{FrameHeader, FrameView, Kind};
 use parts::{Entries, seconds, text, xyz};
 
@@ -33,6 +33,11 @@ pub fn decode(frame: &FrameView<'_>, limit: usize) -> Tree {
             vec![("linear", xyz(command.linear)), ("angular", xyz(command.angular))]
         }),
         Some(Kind::Imu) => one(frame, sensors::imu),
+        Some(Kind::NavSatFix) => one(frame, sensors::nav_sat_fix),
+        Some(Kind::MagneticField) => one(frame, sensors::magnetic_field),
+        Some(Kind::FluidPressure) => one(frame, sensors::fluid_pressure),
+        Some(Kind::Altimeter) => one(frame, sensors::altimeter),
+        Some(Kind::Vector3) => one(frame, |vector: &Vector3| vec![("vector", xyz(vector.vector))]),
         Some(Kind::RobotEvent) => one(frame, robot::event),
         Some(Kind::CoreSensors) => one(frame, robot::core_sensors),
         Some(Kind::ResetOdometry) => one(frame, |_: &ResetOdometry| Vec::new()),

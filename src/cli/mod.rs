@@ -6,10 +6,14 @@ pub mod echo;
 pub mod error;
 pub mod follow;
 pub mod hz;
+pub mod info;
 pub mod list;
 pub mod log;
 pub mod message;
 mod pacer;
+pub mod record;
+mod recording_thread;
+pub mod replay;
 pub mod robots;
 pub mod run;
 mod sensor_models;
@@ -53,6 +57,9 @@ enum Command {
     Hz(hz::HzArgs),
     Echo(echo::EchoArgs),
     Snapshot(snapshot::SnapshotArgs),
+    Record(record::RecordArgs),
+    Replay(replay::ReplayArgs),
+    Info(info::InfoArgs),
     Check(check::CheckArgs),
     Urdf(urdf::UrdfArgs),
     Control(control::ControlArgs),
@@ -67,7 +74,21 @@ enum Command {
 
 /// What the commands are called.
 fn command_names() -> impl Iterator<Item = &'static str> {
-    ["run", "list", "hz", "echo", "snapshot", "check", "urdf", "control", "completions"].into_iter()
+    [
+        "run",
+        "list",
+        "hz",
+        "echo",
+        "snapshot",
+        "record",
+        "replay",
+        "info",
+        "check",
+        "urdf",
+        "control",
+        "completions",
+    ]
+    .into_iter()
 }
 
 /// Runs the command line of this process and gives its exit code: 0, 1 when something went wrong, 2 when the
@@ -82,6 +103,9 @@ pub fn main() -> ExitCode {
         Some(Command::Hz(args)) => hz::run(args),
         Some(Command::Echo(args)) => echo::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
+        Some(Command::Record(args)) => record::run(args),
+        Some(Command::Replay(args)) => replay::run(args),
+        Some(Command::Info(args)) => info::run(args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Urdf(args)) => urdf::run(args),
         Some(Command::Control(args)) => control::run(args),

@@ -3,6 +3,8 @@
 use super::error::CliError;
 use super::follow::{NAP, listen_for_stop, print_line, seconds, stop_wanted};
 use super::pacer::Pacer;
+use super::record::RECORDER;
+use super::recording_thread::RecordingThread;
 use super::robots::RobotArgs;
 use super::sensor_models::Devices;
 use super::status::Status;
@@ -19,6 +21,7 @@ use crate::server::post::Post;
 use crate::server::{ModelFiles, Server, ServerOptions, SharedMemory};
 use crate::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Domain, Lossless, Node};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -34,6 +37,7 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run --robot my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
   belvedere run --truth
   belvedere run --rate max --duration 10 --hash
+  belvedere run --record run.mcap --duration 60
   belvedere run --rate max --wait-for recorder=3 --patience 30")]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RunArgs {
@@ -86,16 +90,28 @@ pub struct RunArgs {
     /// Print at the end a hash of every byte published, per stream and over all
     #[arg(long)]
     hash: bool,
+    /// Record all streams into this MCAP file; simulated time waits while it cannot be written fast enough
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Replace the file of --record if it is there
+    #[arg(long, requires = "record")]
+    force: bool,
     /// Lose no frame of this consumer (the name of its node): simulated time begins when it follows a stream (or as
     /// many as follow =) and waits while it has no room; may be repeated
     #[arg(long, value_name = "NAME[=STREAMS]")]
     wait_for: Vec<Awaited>,
     /// How long it waits for one of them before it ends with a report of who held it up
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "wait_for", default_value = "10")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "10")]
     patience: Duration,
 }
 
 impl RunArgs {
+    /// Whom the simulation waits for before and during the run; of the recorder only the name is known yet.
+    fn awaited(&self) -> Vec<Awaited> {
+        let recorder = self.record.as_ref().map(|_| Awaited { name: RECORDER.into(), streams: 1 });
+        self.wait_for.iter().cloned().chain(recorder).collect()
+    }
+
     fn rules(&self) -> Rules {
         let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
         let sensor_models = self.sensor_models.into();
@@ -134,12 +150,13 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         let _ = simulation.set_autopilot(id, drive);
     }
     // Who is waited for sets the pace himself.
-    let holds_frames = args.rate == Pace::Realtime && args.wait_for.is_empty();
+    let awaited = args.awaited();
+    let holds_frames = args.rate == Pace::Realtime && awaited.is_empty();
     let post = holds_frames.then(Post::open).transpose().map_err(CliError::NoThread)?.map(Arc::new);
     let sink = SharedMemory {
         node: node.clone(),
-        lossless: (!args.wait_for.is_empty()).then(|| Lossless {
-            consumers: args.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),
+        lossless: (!awaited.is_empty()).then(|| Lossless {
+            consumers: awaited.iter().map(|awaited| awaited.name.clone()).collect(),
             patience: args.patience,
         }),
         post: post.clone(),
@@ -154,6 +171,11 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if args.paused {
         server.pause();
     }
+    let recording = args
+        .record
+        .as_ref()
+        .map(|path| RecordingThread::start(&args.domain, path, args.force, words(args)))
+        .transpose()?;
     let mut status = Status::new(server.rig());
     let ended = run_loop(&mut server, args, &node, &mut status, post.as_deref());
     if let Some(post) = &post {
@@ -161,8 +183,16 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     }
     let table = status.finish(server.rig(), server.simulated_ns());
     eprint!("{table}");
-    ended?;
+    // If it failed, that is why the run ended.
+    let recorded = recording.map_or(Ok(()), RecordingThread::finish);
+    recorded.and(ended)?;
     if args.hash { print_hashes(server.rig()) } else { Ok(()) }
+}
+
+/// What a recording says of the run, besides what every recording says.
+fn words(args: &RunArgs) -> BTreeMap<String, String> {
+    let world = args.world.clone().unwrap_or_else(default_world);
+    BTreeMap::from([("seed".to_owned(), args.seed.to_string()), ("world".to_owned(), world)])
 }
 
 /// Who runs where.
@@ -228,7 +258,11 @@ fn run_loop(
 ) -> Result<(), CliError> {
     let end_ns =
         args.duration.map_or(u64::MAX, |duration| u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX));
-    let mut attendance = Attendance::new(&args.wait_for);
+    let mut awaited = args.awaited();
+    for recorder in awaited.iter_mut().filter(|awaited| args.record.is_some() && awaited.name == RECORDER) {
+        recorder.streams = recorder.streams.max(server.rig().outlets().len());
+    }
+    let mut attendance = Attendance::new(&awaited);
     gather(&mut attendance, server, node, None)?;
     let mut pacer = Pacer::new(server, post);
     while !stop_wanted() {
@@ -248,7 +282,7 @@ fn run_loop(
             continue;
         }
         server.advance();
-        if !args.wait_for.is_empty()
+        if !awaited.is_empty()
             && let Some(error) = server.rig().held_up()
         {
             return Err(CliError::HeldUp { error: error.to_string(), time_ns: server.time_ns() });

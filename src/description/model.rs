@@ -4,18 +4,23 @@
 
 mod base;
 mod device;
+mod earth;
 mod lens;
 mod plugin;
 mod sensor;
 mod shape;
 
-pub use super::sensor::{Camera, DepthCamera, Lidar, Rangefinder, Sensor, SensorKind};
+pub use super::sensor::{
+    AirPressure, Altimeter, Camera, DepthCamera, Imu, InstrumentPlugin, Lidar, Magnetometer, NavSat,
+    OrientationReference, PluginField, Rangefinder, Sensor, SensorKind,
+};
 pub use base::{
-    AckermannDrive, BasePlugin, DifferentialDrive, Drive, ImuPlugin, JointStatesPlugin, ModelPlugin,
-    OdometryOrigin, OdometryPlugin, PosePlugin, Wheels,
+    AckermannDrive, BasePlugin, DifferentialDrive, Drive, JointStatesPlugin, ModelPlugin, OdometryOrigin,
+    OdometryPlugin, PosePlugin, Wheels,
 };
 pub use belvedere_sensors::camera::{Mosaic, PixelFormat};
 pub use device::{AutoExposed, CameraDevice};
+pub use earth::Earth;
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
 pub use plugin::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Radiation, RangePlugin};
 pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis};
@@ -50,6 +55,8 @@ pub struct World {
     pub linear_light: bool,
     /// m/s², in the world frame.
     pub gravity: DVec3,
+    /// Where on the earth it is.
+    pub earth: Earth,
     /// Physics step in seconds.
     pub max_step_size_s: f64,
     /// The world file.
@@ -68,6 +75,7 @@ impl World {
             shadows: true,
             linear_light: false,
             gravity: DVec3::new(0.0, 0.0, -9.8),
+            earth: Earth::default(),
             max_step_size_s: 0.001,
             source: Source::new("", 0),
         }

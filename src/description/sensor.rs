@@ -1,15 +1,21 @@
 //! `<sensor>` as SDF defines it, in SDF links and in URDF's `<gazebo reference>`.
 //!
-//! A kind of sensor is a file here, with a row in [`KINDS`] and a variant of [`SensorKind`], and one in `rig` (`rig/behaviour.rs`).
+//! A kind of sensor is a file here, with a row in `KINDS` and a variant of [`SensorKind`], and one in `rig` (`rig/behaviour.rs`).
 //! Defaults are those of sdf/1.6 and of the plugins of `gazebo_plugins` (ROS Noetic).
 
+mod air_pressure;
+mod altimeter;
 mod camera;
 mod camera_plugin;
 mod depth;
 mod device;
 mod gz;
+mod imu;
+mod instrument;
 mod lens;
 mod lidar;
+mod magnetometer;
+mod navsat;
 mod noise;
 mod plugin;
 mod preset;
@@ -18,9 +24,15 @@ mod reader;
 #[cfg(test)]
 mod tests;
 
+pub use air_pressure::AirPressure;
+pub use altimeter::Altimeter;
 pub use camera::Camera;
 pub use depth::DepthCamera;
+pub use imu::{Imu, OrientationReference};
+pub use instrument::InstrumentPlugin;
 pub use lidar::Lidar;
+pub use magnetometer::{Magnetometer, PluginField};
+pub use navsat::NavSat;
 pub use range::Rangefinder;
 
 use super::diagnostics::{Diagnostics, Source};
@@ -75,6 +87,16 @@ pub enum SensorKind {
     Ray(Lidar),
     /// Sonar or infrared rangefinder.
     Range(Rangefinder),
+    /// Inertial measurement unit.
+    Imu(Box<Imu>),
+    /// Receiver of satellite navigation.
+    NavSat(Box<NavSat>),
+    /// Magnetometer.
+    Magnetometer(Box<Magnetometer>),
+    /// Altimeter.
+    Altimeter(Box<Altimeter>),
+    /// Barometer.
+    AirPressure(Box<AirPressure>),
 }
 
 impl SensorKind {
@@ -83,7 +105,7 @@ impl SensorKind {
         match self {
             Self::Ray(lidar) => Some(&lidar.ray),
             Self::Range(rangefinder) => Some(&rangefinder.ray),
-            Self::Camera(_) | Self::Depth(_) => None,
+            _ => None,
         }
     }
 }
@@ -94,14 +116,24 @@ struct Kind {
     types: &'static [&'static str],
     /// The plugins that publish it, without `lib` and `.so`, the usual one first.
     plugins: &'static [&'static str],
-    /// Names of the devices that it may be.
-    presets: &'static [&'static str],
+    /// Whether `<plugin filename="belvedere">` tells it more, which is ours.
+    is_extended: bool,
     /// Reads what it measures, and the plugin that was chosen; none after an error.
     read: fn(&mut Reader<'_>, &Element) -> Option<SensorKind>,
 }
 
 /// All kinds. Where several have a type, a plugin tells them apart; without one it is the first.
-static KINDS: [Kind; 4] = [camera::KIND, depth::KIND, lidar::KIND, range::KIND];
+static KINDS: [Kind; 9] = [
+    camera::KIND,
+    depth::KIND,
+    lidar::KIND,
+    range::KIND,
+    imu::KIND,
+    navsat::KIND,
+    magnetometer::KIND,
+    altimeter::KIND,
+    air_pressure::KIND,
+];
 
 /// Reads a `<sensor>` with its plugin. A sensor of a type that is not simulated gives none and a warning; one
 /// with a wrong value gives none and an error for each.

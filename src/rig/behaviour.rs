@@ -30,5 +30,10 @@ pub(super) fn behaviour(sensor: &Sensor) -> &dyn Behaviour {
         SensorKind::Depth(depth) => depth,
         SensorKind::Ray(lidar) => lidar,
         SensorKind::Range(range) => range,
+        SensorKind::Imu(imu) => &**imu,
+        SensorKind::NavSat(receiver) => &**receiver,
+        SensorKind::Magnetometer(magnetometer) => &**magnetometer,
+        SensorKind::Altimeter(altimeter) => &**altimeter,
+        SensorKind::AirPressure(barometer) => &**barometer,
     }
 }

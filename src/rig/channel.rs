@@ -6,7 +6,7 @@ use super::outlet::Outlet;
 use super::rate::Rate;
 use super::settings::Settings;
 use super::sink::Sink;
-use crate::description::model::Sensor as DescribedSensor;
+use crate::description::model::{Earth, Sensor as DescribedSensor};
 use crate::description::optical::{OpticalFrame, optical_frames};
 use crate::entities::{Entities, Entity, EntityId};
 use crate::world::physics::Physics;
@@ -23,6 +23,7 @@ use std::time::{Duration, Instant};
 pub(super) struct Opening<'a> {
     pub(super) sink: &'a dyn Sink,
     pub(super) physics: &'a Physics,
+    pub(super) earth: &'a Earth,
     pub(super) entity: &'a Entity,
     pub(super) id: EntityId,
     pub(super) rate: Rate,

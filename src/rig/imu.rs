@@ -1,47 +1,136 @@
-//! The IMU of a model's plugin and its stream: true orientation, rate of turn and specific force (a − g, which is +g
-//! upwards at rest: REP-145), with white noise.
+//! An inertial measurement unit and its stream: rate of turn and specific force (a − g, which is +g upwards at rest:
+//! REP-145) with the errors of its gyros and accelerometers, and its orientation.
 
+use super::behaviour::Behaviour;
 use super::channel::Channel;
+use super::instrument::{Running, covariance, report_names};
 use super::outlet::Outlet;
-use super::{Opening, RigContext, RigError};
-use crate::description::model::ImuPlugin;
+use super::report::{Say, instrument, without_topics};
+use super::{Opening, RigContext, RigError, Settings};
+use crate::description::model::{self, InstrumentPlugin, OrientationReference, Sensor, SensorKind};
 use crate::entities::EntityId;
 use belvedere_bridge::payload::Imu;
 use belvedere_bridge::{Kind, StreamSpec};
+use belvedere_sensors::imu::{self, ImuState, InertialReading};
 use belvedere_sensors::noise::{Stream, standard_normal};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
-/// Noise channel of inertial measurements.
-const IMU_CHANNEL: u16 = 16;
+/// Noise channel of orientations.
+const ORIENTATION_CHANNEL: u16 = 24;
+
+impl Behaviour for model::Imu {
+    fn name(&self) -> &'static str {
+        "imu"
+    }
+
+    fn open(&self, sensor: &Sensor, opening: &Opening<'_>) -> Result<Option<Box<dyn Channel>>, RigError> {
+        let Some(plugin) = &self.plugin else { return Ok(None) };
+        Ok(Some(Box::new(ImuChannel::open(sensor, self, plugin, opening)?)))
+    }
+
+    fn settings(&self, rate_hz: f64) -> Settings {
+        Settings::new(rate_hz)
+    }
+
+    fn report(&self, _gazebo_compat: bool, say: Say<'_>) {
+        say("gyro", instrument(&self.config.gyro, "rad/s"));
+        say("acceleration", instrument(&self.config.accelerometer, "m/s²"));
+        let turned = |rotation: DQuat| if rotation == DQuat::IDENTITY { "" } else { "axes turned in " };
+        say(
+            "orientation",
+            match self.reference {
+                None => "none".into(),
+                Some(OrientationReference::World(rotation)) => format!("in {}the world", turned(rotation)),
+                Some(OrientationReference::East(rotation)) => {
+                    format!("in {}those of east, north and up", turned(rotation))
+                }
+                Some(OrientationReference::Start(rotation)) => {
+                    format!("in {}the unit's own axes at the start", turned(rotation))
+                }
+            },
+        );
+        if !self.heading.is_exact() {
+            say("heading", instrument(&self.heading, "rad"));
+        }
+        let Some(plugin) = &self.plugin else { return without_topics(say) };
+        report_names(plugin, say);
+    }
+}
 
 /// A running unit.
-pub(super) struct ImuChannel {
+struct ImuChannel {
     id: EntityId,
     /// Which of its model's units it is.
     number: usize,
-    /// Of rates of turn and of accelerations.
-    stddev: [f64; 2],
+    unit: imu::Imu,
+    state: ImuState,
+    reference: Option<OrientationReference>,
+    enu_from_world: DQuat,
+    offset: DQuat,
+    orientation_stddev: f64,
+    heading: Running<1>,
     seed: u64,
     sensor: u32,
     imu: Outlet,
     /// Time of the last frame, and what the unit had felt until then.
     last: (u64, DVec3),
+    /// The unit's axes at its first frame.
+    world_from_start: Option<DQuat>,
 }
 
 impl ImuChannel {
-    pub(super) fn open(plugin: &ImuPlugin, number: usize, opening: &Opening<'_>) -> Result<Self, RigError> {
-        let spec = StreamSpec::structs(&plugin.topic, Kind::Imu, 1);
-        let unit = opening.entity.robot.as_ref().and_then(|robot| robot.units().get(number));
+    fn open(
+        sensor: &Sensor,
+        unit: &model::Imu,
+        plugin: &InstrumentPlugin,
+        opening: &Opening<'_>,
+    ) -> Result<Self, RigError> {
+        let entity = opening.entity;
+        let units = entity.sensors().iter().filter(|sensor| matches!(sensor.kind, SensorKind::Imu(_)));
+        let number = units.take_while(|other| !std::ptr::eq(*other, sensor)).count();
+        let (topic, frame) = opening.names(sensor, plugin);
+        let spec = StreamSpec::structs(&topic, Kind::Imu, 1).frame_id(&frame);
         let now_ns = opening.physics.time_ns();
+        let felt = entity.units.get(number).map(|unit| unit.felt_at(opening.physics, now_ns));
+        let made = imu::Imu::new(unit.config, opening.seed, opening.sensor);
+        let made = made.map_err(|error| RigError::sensor(sensor, &error))?;
         Ok(Self {
             id: opening.id,
             number,
-            stddev: [plugin.turn_stddev, plugin.acceleration_stddev],
+            state: made.start(),
+            unit: made,
+            reference: unit.reference,
+            enu_from_world: opening.earth.enu_from_world(opening.gazebo_compat && opening.earth.is_given),
+            offset: unit.orientation_offset,
+            orientation_stddev: unit.orientation_stddev,
+            // Gyro and accelerometer are 0 and 1.
+            heading: Running::new(sensor, &unit.heading, 2, opening)?,
             seed: opening.seed,
             sensor: opening.sensor,
-            imu: opening.open(&spec.frame_id(&plugin.frame).rate_hz(opening.rate.hz()))?,
-            last: (now_ns, unit.map(|unit| unit.felt_at(opening.physics, now_ns)).unwrap_or_default()),
+            imu: opening.open(&spec.rate_hz(opening.rate.hz()))?,
+            last: (now_ns, felt.unwrap_or_default()),
+            world_from_start: None,
         })
+    }
+
+    /// The orientation that it tells.
+    fn orientation(&mut self, world_from_unit: DQuat, frame: u64, stamp_ns: u64) -> DQuat {
+        let [error] = self.heading.read([0.0], frame, stamp_ns);
+        let world_from_start = *self.world_from_start.get_or_insert(world_from_unit);
+        let world_from_reference = match self.reference {
+            Some(OrientationReference::World(turned)) => turned,
+            Some(OrientationReference::East(turned)) => self.enu_from_world.inverse() * turned,
+            Some(OrientationReference::Start(turned)) => world_from_start * turned,
+            None => return DQuat::IDENTITY,
+        };
+        let turned = DQuat::from_rotation_z(error) * world_from_unit;
+        let told = self.offset * (world_from_reference.inverse() * turned);
+        if self.orientation_stddev == 0.0 {
+            return told;
+        }
+        let stream = Stream { seed: self.seed, sensor: self.sensor, frame, channel: ORIENTATION_CHANNEL };
+        let noise = [0, 1, 2, 3].map(|part| f64::from(standard_normal(&stream, part)));
+        (told + DQuat::from_array(noise) * self.orientation_stddev).normalize()
     }
 }
 
@@ -52,8 +141,8 @@ impl Channel for ImuChannel {
 
     fn publish(&mut self, context: &mut RigContext<'_>, frame: u64) {
         let RigContext { physics, stamp_ns, .. } = *context;
-        let robot = context.entities.robot(self.id);
-        let Some(unit) = robot.and_then(|robot| robot.units().get(self.number)) else { return };
+        let entity = context.entities.get(self.id);
+        let Some(unit) = entity.and_then(|entity| entity.units.get(self.number)) else { return };
         let felt_m_s = unit.felt_at(physics, stamp_ns);
         let (last_ns, last_m_s) = self.last;
         let period_s = stamp_ns.saturating_sub(last_ns) as f64 * 1e-9;
@@ -61,30 +150,36 @@ impl Channel for ImuChannel {
         let acceleration = if period_s > 0.0 { (felt_m_s - last_m_s) / period_s } else { DVec3::ZERO };
         self.last = (stamp_ns, felt_m_s);
         let world_from_unit = unit.world_from_unit_at(physics, stamp_ns);
-        let force = world_from_unit.inverse().transform_vector(acceleration - physics.gravity());
-        let stream = Stream { seed: self.seed, sensor: self.sensor, frame, channel: IMU_CHANNEL };
-        let noise = |kind: u32| {
-            let axes = [0, 1, 2].map(|axis| f64::from(standard_normal(&stream, 3 * kind + axis)));
-            DVec3::from_array(axes) * self.stddev[kind as usize]
+        let truth = InertialReading {
+            angular_velocity: unit.turn_at(physics, stamp_ns),
+            specific_force: world_from_unit.inverse().transform_vector(acceleration - physics.gravity()),
         };
-        let covariance = self.stddev.map(|stddev| {
-            let variance = stddev * stddev;
-            [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance]
-        });
-        self.imu.send_structs(
-            stamp_ns,
-            &[Imu {
-                orientation: world_from_unit.rotation().to_array(),
-                angular_velocity: (unit.turn_at(physics, stamp_ns) + noise(0)).to_array(),
-                linear_acceleration: (force + noise(1)).to_array(),
-                orientation_covariance: [0.0; 9],
-                angular_velocity_covariance: covariance[0],
-                linear_acceleration_covariance: covariance[1],
-            }],
-        );
+        // A bias drifts, whoever looks.
+        let read = self.unit.measure(&truth, frame, period_s, &mut self.state);
+        let covariance = |stddev: [f64; 3]| covariance(stddev.map(|stddev| stddev * stddev));
+        let config = self.unit.config();
+        let mut orientation_covariance = covariance([self.orientation_stddev; 3]);
+        let [heading] = self.heading.variance(stamp_ns);
+        orientation_covariance[8] += heading;
+        if self.reference.is_none() {
+            // As ROS's message says that it has none.
+            orientation_covariance[0] = -1.0;
+        }
+        let message = Imu {
+            orientation: self.orientation(world_from_unit.rotation(), frame, stamp_ns).to_array(),
+            angular_velocity: read.angular_velocity.to_array(),
+            linear_acceleration: read.specific_force.to_array(),
+            orientation_covariance,
+            angular_velocity_covariance: covariance(config.gyro.white_stddev(period_s)),
+            linear_acceleration_covariance: covariance(config.accelerometer.white_stddev(period_s)),
+        };
+        self.imu.send_structs(stamp_ns, &[message]);
     }
 
     fn restart(&mut self) {
         self.last = (0, DVec3::ZERO);
+        self.state = self.unit.start();
+        self.heading.restart();
+        self.world_from_start = None;
     }
 }

@@ -4,6 +4,8 @@
 //! A frame is rendered straight into the memory where it is read: the [sink](sink::Sink) lends it, the sensor fills it,
 //! the sink takes it. What nobody follows is not rendered, unless a camera's exposure depends on it.
 
+mod air_pressure;
+mod altimeter;
 mod annotations;
 pub mod base;
 mod behaviour;
@@ -14,10 +16,13 @@ mod depth;
 mod error;
 pub(crate) mod eye;
 mod imu;
+mod instrument;
 mod joint_states;
 mod lidar;
+mod magnetometer;
 mod moments;
 mod mount;
+mod navsat;
 mod outlet;
 pub mod pictures;
 mod range;
@@ -39,7 +44,7 @@ pub use settings::Settings;
 pub use sink::{FrameBuf, Sink};
 
 use crate::description::housing::{ShapeIndex, housings};
-use crate::description::model::{ModelPlugin, Sensor};
+use crate::description::model::{Earth, ModelPlugin, Sensor};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
@@ -51,7 +56,6 @@ use belvedere_sensors::Execution;
 use belvedere_sensors::trace::WorkspaceBuf;
 use channel::{Channel, Opening, RigContext};
 use cost::Cost;
-use imu::ImuChannel;
 use joint_states::JointStatesChannel;
 use state::{ClockChannel, StateChannel};
 use std::cell::RefCell;
@@ -93,6 +97,8 @@ pub struct Stage<'a> {
     pub entities: &'a Entities,
     /// Where they are.
     pub physics: &'a Physics,
+    /// Where that is on the earth.
+    pub earth: &'a Earth,
 }
 
 /// A channel and when it is due.
@@ -185,6 +191,7 @@ impl Rig {
         let opening = |rate, sensor| Opening {
             sink,
             physics,
+            earth: stage.earth,
             entity,
             id,
             rate,
@@ -219,18 +226,11 @@ impl Rig {
                 let base = BaseChannel::open(&opening(rate, 0))?;
                 add(rate, Box::new(base), None, Vec::new());
             }
-            let mut units = 0;
             for (index, plugin) in entity.model.plugins.iter().enumerate() {
                 // Far from the numbers of sensors, which count from the first.
                 let number = noise_number(entity.noise_name()).wrapping_add(FIRST_PLUGIN + index as u32);
                 let (rate, channel): (_, Box<dyn Channel>) = match plugin {
                     ModelPlugin::Base(_) => continue,
-                    ModelPlugin::Imu(imu) => {
-                        let rate = plugin_rate(imu.rate_hz, physics);
-                        let channel = ImuChannel::open(imu, units, &opening(rate, number))?;
-                        units += 1;
-                        (rate, Box::new(channel))
-                    }
                     ModelPlugin::Pose(pose) => {
                         let rate = plugin_rate(pose.rate_hz, physics);
                         let channel = TruePoseChannel::open(pose, &opening(rate, number))?;
@@ -354,7 +354,7 @@ impl Scheduled {
         if self.channel.is_rendered() {
             scene.move_to(stage.physics, stamp_ns);
         }
-        let Stage { entities, physics } = stage;
+        let Stage { entities, physics, .. } = stage;
         let model = self.entity.map(EntityId::index);
         if let Some(model) = model {
             scene.hide(model, &self.housing, true);

@@ -6,6 +6,7 @@ use crate::description::optical::optical_from_sensor;
 use crate::world::physics::{ModelIndex, Physics};
 use belvedere_bridge::FrameHeader;
 use belvedere_sensors::Pose;
+use glam::DVec3;
 
 /// A place on a link.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +49,13 @@ impl Mount {
     /// The same at an earlier time, as far back as physics remembers.
     pub(super) fn pose_at(&self, physics: &Physics, time_ns: u64) -> Pose {
         physics.world_from_link_at(self.model, self.link, time_ns) * self.link_from_sensor
+    }
+
+    /// Velocity of the sensor in the world now, in m/s.
+    pub(super) fn velocity(&self, physics: &Physics) -> DVec3 {
+        let (linear, turn) = physics.link_velocity(self.model, self.link);
+        let world_from_link = physics.world_from_link(self.model, self.link);
+        linear + turn.cross(world_from_link.transform_vector(self.link_from_sensor.translation()))
     }
 
     /// Writes the pose into a frame's header.

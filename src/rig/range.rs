@@ -8,13 +8,14 @@ use super::outlet::Outlet;
 use super::pictures::noise;
 use super::report::{Say, without_topics};
 use super::{Opening, RigContext, RigError, Settings};
-use crate::description::model::{self, Noise, Radiation, RangePlugin, RaySensor, Sensor};
+use crate::description::model::{self, Noise, Radiation, RangePlugin, RaySensor, ScanAxis, Sensor};
 use crate::description::text::angle;
 use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, StreamSpec};
 use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::noise::{GaussianNoise, Stream, standard_normal};
-use belvedere_sensors::{Capture, Shutter};
+use belvedere_sensors::{Capture, Pose, Shutter};
+use glam::DVec3;
 
 /// Noise channel of the range; that of the ranges of a lidar, which draws none here.
 const RANGE_CHANNEL: u16 = 2;
@@ -26,7 +27,7 @@ impl Behaviour for model::Rangefinder {
 
     fn open(&self, sensor: &Sensor, opening: &Opening<'_>) -> Result<Option<Box<dyn Channel>>, RigError> {
         let Some(plugin) = &self.plugin else { return Ok(None) };
-        Ok(Some(Box::new(RangeChannel::open(sensor, &self.ray, plugin, opening)?)))
+        Ok(Some(Box::new(RangeChannel::open(sensor, self, plugin, opening)?)))
     }
 
     fn settings(&self, rate_hz: f64) -> Settings {
@@ -57,16 +58,20 @@ pub(super) struct RangeChannel {
     range: Outlet,
     message: Range,
     ranges: Vec<f32>,
+    /// Which of them are in the cone; all if it is none.
+    counts: Option<Vec<bool>>,
+    sensor_from_beams: Pose,
 }
 
 impl RangeChannel {
     pub(super) fn open(
         sensor: &Sensor,
-        ray: &RaySensor,
+        rangefinder: &model::Rangefinder,
         plugin: &RangePlugin,
         opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
         let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
+        let ray = &rangefinder.ray;
         let exact = RaySensor { noise: Noise::default(), ..ray.clone() };
         let config = lidar_config(&exact, opening).map_err(|error| refused(&error))?;
         let lidar = Lidar::new(config).map_err(|error| refused(&error))?;
@@ -87,6 +92,8 @@ impl RangeChannel {
                 max_range: ray.range_max_m as f32,
                 range: f32::NAN,
             },
+            counts: rangefinder.cone_rad.map(|half| beams_within(ray, half)),
+            sensor_from_beams: Pose::new(DVec3::ZERO, rangefinder.sensor_from_beams),
             ranges: vec![0.0; lidar.beams()],
             lidar,
         })
@@ -118,13 +125,16 @@ impl Channel for RangeChannel {
         if !self.range.is_wanted() {
             return;
         }
-        let world_from_sensor = self.mount.pose(context);
-        let at = Shutter::Global(context.scene.moment(world_from_sensor));
+        let world_from_beams = self.mount.pose(context) * self.sensor_from_beams;
+        let at = Shutter::Global(context.scene.moment(world_from_beams));
         if !context.take(&self.lidar, &Capture::new(frame_number, at), Scan::new().ranges(&mut self.ranges)) {
             return;
         }
         // −∞, of something too near, is the nearest of all.
-        let nearest = self.ranges.iter().copied().fold(f32::INFINITY, f32::min);
+        let ranges = self.ranges.iter().copied().enumerate();
+        let counts = |index: usize| self.counts.as_ref().is_none_or(|counts| counts[index]);
+        let nearest =
+            ranges.filter(|(beam, _)| counts(*beam)).map(|(_, range)| range).fold(f32::INFINITY, f32::min);
         let range = self.measured(nearest, frame_number);
         self.range.send_structs(context.stamp_ns, &[Range { range, ..self.message }]);
     }
@@ -137,4 +147,17 @@ impl Channel for RangeChannel {
         self.noise = settings.noise(&self.noise)?;
         Ok(())
     }
+}
+
+/// Which beams are within so much of the middle, layer by layer.
+fn beams_within(ray: &RaySensor, half_rad: f64) -> Vec<bool> {
+    let angle = |axis: &ScanAxis, sample: u32| {
+        let steps = f64::from(axis.samples.saturating_sub(1).max(1));
+        axis.min_angle_rad + (axis.max_angle_rad - axis.min_angle_rad) * f64::from(sample) / steps
+    };
+    let layers = (0..ray.vertical.samples).map(|layer| angle(&ray.vertical, layer));
+    let within = |up: f64, left: f64| up.cos() * left.cos() >= half_rad.cos() - 1e-9;
+    layers
+        .flat_map(|up| (0..ray.horizontal.samples).map(move |beam| within(up, angle(&ray.horizontal, beam))))
+        .collect()
 }

@@ -3,6 +3,7 @@
 use super::behaviour::behaviour;
 use crate::description::model::{Model, Noise, Sensor};
 use crate::description::text::{number, pose};
+use belvedere_sensors::noise::InstrumentConfig;
 
 /// Takes what is told: what it is, and its value.
 pub(super) type Say<'a> = &'a mut dyn FnMut(&str, String);
@@ -49,4 +50,40 @@ pub(super) fn noise(noise: &Noise, unit: &str) -> String {
         parts.push(format!("rounded to {}", number(noise.precision)));
     }
     parts.join(", ")
+}
+
+/// What an instrument makes of values in this unit: what it does not err in is not told.
+pub(super) fn instrument<const N: usize>(errors: &InstrumentConfig<N>, unit: &str) -> String {
+    let axes = |values: &[f64; N]| {
+        let is_one = values.iter().all(|value| *value == values[0]);
+        let shown = if is_one { &values[..1] } else { &values[..] };
+        shown.iter().map(|value| number(*value)).collect::<Vec<_>>().join(" ")
+    };
+    let mut parts = Vec::new();
+    let mut tell = |values: &[f64; N], name: &str, unit: &str| {
+        if values.iter().any(|value| *value != 0.0) {
+            parts.push(format!("{name} {} {unit}", axes(values)).trim_end().to_owned());
+        }
+    };
+    tell(&errors.mean, "mean", unit);
+    tell(&errors.stddev, "stddev", unit);
+    tell(&errors.density, "density", &format!("{unit}/√Hz"));
+    tell(&errors.bias_mean, "bias mean", unit);
+    tell(&errors.bias_stddev, "bias stddev", unit);
+    tell(&errors.drift, "bias walk", &format!("{unit}/s/√Hz"));
+    if errors.drift.iter().any(|drift| *drift > 0.0) {
+        tell(&errors.drift_time_s, "forgotten in", "s");
+    }
+    tell(&errors.precision, "steps of", unit);
+    for (row, sensitivities) in errors.sensitivity.iter().enumerate() {
+        let plain: [f64; N] = std::array::from_fn(|column| f64::from(u8::from(column == row)));
+        if *sensitivities != plain {
+            let shown = sensitivities.map(number).join(" ");
+            parts.push(format!("axis {row} reads {shown}"));
+        }
+    }
+    if errors.limit.is_finite() {
+        parts.push(format!("at most {} {unit}", number(errors.limit)));
+    }
+    if parts.is_empty() { "exact".into() } else { parts.join(", ") }
 }

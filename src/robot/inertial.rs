@@ -1,6 +1,6 @@
 //! What an inertial measurement unit on a link feels: no velocity that a hand gave it.
 
-use crate::description::model::ImuPlugin;
+use crate::description::model::{Model, Sensor, SensorKind};
 use crate::world::physics::{ModelIndex, Physics};
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -18,14 +18,17 @@ pub struct InertialUnit {
 }
 
 impl InertialUnit {
-    pub(super) fn new(plugin: &ImuPlugin, model: ModelIndex) -> Self {
-        Self {
-            model,
-            link: plugin.link,
-            link_from_unit: plugin.link_from_imu,
+    /// Those of a model, in the order of its sensors.
+    pub(crate) fn all(model: &Model, index: ModelIndex) -> Vec<Self> {
+        let is_unit = |sensor: &&Sensor| matches!(sensor.kind, SensorKind::Imu(_));
+        let unit = |sensor: &Sensor| Self {
+            model: index,
+            link: sensor.link,
+            link_from_unit: sensor.link_from_sensor,
             velocity_m_s: DVec3::ZERO,
             felt_m_s: [DVec3::ZERO; 2],
-        }
+        };
+        model.sensors.iter().filter(is_unit).map(unit).collect()
     }
 
     fn velocity(&self, physics: &Physics) -> DVec3 {
@@ -34,14 +37,14 @@ impl InertialUnit {
         linear + turn.cross(world_from_link.transform_vector(self.link_from_unit.translation()))
     }
 
-    pub(super) fn observe(&mut self, physics: &Physics) {
+    pub(crate) fn observe(&mut self, physics: &Physics) {
         let velocity_m_s = self.velocity(physics);
         let felt_m_s = self.felt_m_s[1] + velocity_m_s - self.velocity_m_s;
         self.felt_m_s = [self.felt_m_s[1], felt_m_s];
         self.velocity_m_s = velocity_m_s;
     }
 
-    pub(super) fn carried(&mut self, physics: &Physics) {
+    pub(crate) fn carried(&mut self, physics: &Physics) {
         self.velocity_m_s = self.velocity(physics);
     }
 

@@ -28,7 +28,7 @@ pub use kobuki::Kobuki;
 pub use state::RobotState;
 
 use crate::description::diagnostics::Problem;
-use crate::description::model::{LinkIndex, Model, ModelPlugin};
+use crate::description::model::{LinkIndex, Model};
 use crate::world::physics::{ModelIndex, Physics, Placement};
 use belvedere_sensors::Pose;
 use transforms::{Transform, Transforms};
@@ -50,8 +50,6 @@ pub struct Robot {
     base_link: LinkIndex,
     transforms: Transforms,
     base: Option<Box<dyn Base>>,
-    /// Those of its plugins, in their order.
-    units: Vec<InertialUnit>,
     autopilot: Option<Autopilot>,
     /// When the last command came.
     commanded_ns: Option<u64>,
@@ -72,15 +70,7 @@ impl Robot {
         };
         let transforms = Transforms::of(model, namespace);
         let base_link = transforms::base_link(model);
-        let imus = model.plugins.iter().filter_map(|plugin| match plugin {
-            ModelPlugin::Imu(imu) => Some(InertialUnit::new(imu, index)),
-            _ => None,
-        });
-        let units = imus.collect();
-        (
-            Self { model: index, base_link, transforms, base, units, autopilot: None, commanded_ns: None },
-            problem,
-        )
+        (Self { model: index, base_link, transforms, base, autopilot: None, commanded_ns: None }, problem)
     }
 
     /// Gives a velocity command; a passive robot ignores it. It holds for as long as its base says.
@@ -134,7 +124,6 @@ impl Robot {
         if let Some(base) = &mut self.base {
             base.carried(physics, world_from_before);
         }
-        self.units.iter_mut().for_each(|unit| unit.carried(physics));
     }
 
     /// Reads encoders and gyro after a step.
@@ -142,7 +131,6 @@ impl Robot {
         if let Some(base) = &mut self.base {
             base.observe(physics);
         }
-        self.units.iter_mut().for_each(|unit| unit.observe(physics));
     }
 
     /// True pose of the robot's `base_footprint` (or root link) now.
@@ -158,11 +146,6 @@ impl Robot {
     /// The base that drives, if there is one.
     pub fn base(&self) -> Option<&dyn Base> {
         self.base.as_deref()
-    }
-
-    /// Its inertial units, in the order of their plugins.
-    pub fn units(&self) -> &[InertialUnit] {
-        &self.units
     }
 
     /// Transforms that never change.

@@ -5,15 +5,15 @@ use belvedere_bridge::{Error, Frame, Node, Operation, Publisher, StreamSpec, Sub
 use std::time::Duration;
 
 /// Longest text that a command may bring, in bytes: meshes are files of their own, so that descriptions are short.
-pub(super) const MAX_TEXT_BYTES: usize = 4 << 20;
+pub(crate) const MAX_TEXT_BYTES: usize = 4 << 20;
 
 /// A command as it came.
 #[derive(Debug, Clone)]
-pub(super) struct Request {
+pub(crate) struct Request {
     /// Its fixed part.
-    pub(super) command: SimulationCommand,
+    pub(crate) command: SimulationCommand,
     /// Its text, or why there is none to be had.
-    pub(super) text: Result<String, String>,
+    pub(crate) text: Result<String, String>,
 }
 
 impl Request {
@@ -42,14 +42,14 @@ impl Request {
     }
 
     /// What is to be done, if this version knows it.
-    pub(super) fn operation(&self) -> Option<Operation> {
+    pub(crate) fn operation(&self) -> Option<Operation> {
         Operation::from_wire(self.command.operation)
     }
 }
 
 /// The receiving end of commands and the sending end of results.
 #[derive(Debug)]
-pub(super) struct Inbox {
+pub(crate) struct Inbox {
     commands: Subscriber,
     results: Publisher,
 }
@@ -59,7 +59,7 @@ impl Inbox {
     ///
     /// # Errors
     /// When the bridge cannot.
-    pub(super) fn open(node: &Node) -> Result<Self, Error> {
+    pub(crate) fn open(node: &Node) -> Result<Self, Error> {
         // Commands first: who sees the stream of results knows that commands are heard.
         let commands = node.command_subscriber(&StreamSpec::simulation_command(0))?;
         let results = node.publisher(&StreamSpec::simulation_result())?;
@@ -67,7 +67,7 @@ impl Inbox {
     }
 
     /// The oldest command that waits. One that cannot be read is dropped with a warning.
-    pub(super) fn take(&mut self) -> Option<Request> {
+    pub(crate) fn take(&mut self) -> Option<Request> {
         loop {
             match self.commands.take() {
                 Ok(Some(frame)) => {
@@ -88,7 +88,7 @@ impl Inbox {
     }
 
     /// Sleeps until a command comes, at most so long.
-    pub(super) fn wait(&mut self, at_most: Duration) {
+    pub(crate) fn wait(&mut self, at_most: Duration) {
         if let Err(error) = self.commands.wait(at_most) {
             tracing::warn!(%error, "simulation commands cannot be read");
             std::thread::sleep(at_most);
@@ -96,7 +96,7 @@ impl Inbox {
     }
 
     /// Answers a command at a simulated time.
-    pub(super) fn answer(&self, command: &SimulationCommand, time_ns: u64, outcome: &Result<(), String>) {
+    pub(crate) fn answer(&self, command: &SimulationCommand, time_ns: u64, outcome: &Result<(), String>) {
         let result = SimulationResult {
             id: command.id,
             time_ns,

@@ -18,7 +18,7 @@
 pub mod attendance;
 pub mod commands;
 mod files;
-mod inbox;
+pub(crate) mod inbox;
 mod operations;
 pub mod post;
 mod shared_memory;

@@ -35,8 +35,6 @@ impl StateStreams {
     /// # Errors
     /// When the bridge cannot.
     pub(super) fn open(sink: &SharedMemory, entities: &Entities, physics: &Physics) -> Result<Self, Error> {
-        // They wait for nobody.
-        let sink = SharedMemory { lossless: None, ..sink.clone() };
         let links: usize = entities.iter().map(|(_, entity)| entity.model.links.len()).sum();
         let publisher = |topic, count| {
             // Sent while it is followed: the last one may be of long ago.
@@ -45,7 +43,7 @@ impl StateStreams {
                 history: 0,
                 ..StreamSpec::structs(topic, Kind::ModelStates, count).frame_id("world").rate_hz(RATE_HZ)
             };
-            Outlet::open(&sink, &spec, false)
+            Outlet::open(sink, &spec, false)
         };
         Ok(Self {
             models: publisher(StreamSpec::MODEL_STATES, entities.iter().count() + MAX_SPAWNED_MODELS)?,

@@ -24,7 +24,7 @@ use crate::description::model::{Model, World};
 use crate::description::{Problem, Severity};
 use crate::entities::{Entities, Entity, EntityId, Origin};
 use crate::rig::{RigOptions, Stage};
-use crate::robot::{self, Autopilot, Command, Robot};
+use crate::robot::{self, Autopilot, Command, InertialUnit, Robot};
 use crate::world::physics::{Physics, Placement};
 use crate::world::scene::WorldScene;
 use belvedere_sensors::{Execution, Pose};
@@ -96,6 +96,7 @@ impl SimulationBuilder {
                 start: model.world_from_model,
                 origin: Origin::World,
                 robot,
+                units: InertialUnit::all(model, index),
             };
             entities.add(index, entity);
         }
@@ -217,6 +218,9 @@ impl Simulation {
         for (robot, world_from_before) in self.entities.robots_mut().zip(before) {
             robot.carried(&self.physics, world_from_before);
         }
+        for (_, entity) in self.entities.iter_mut() {
+            entity.units.iter_mut().for_each(|unit| unit.carried(&self.physics));
+        }
     }
 
     /// Gives a robot's base a velocity command, which it follows for as long as its plugin says: a Kobuki for 0.6 s.
@@ -255,9 +259,7 @@ impl Simulation {
             robot.control(&mut self.physics);
         }
         self.physics.step();
-        for robot in self.entities.robots_mut() {
-            robot.observe(&self.physics);
-        }
+        self.entities.observe(&self.physics);
     }
 
     /// Steps until this time is reached; gives the number of steps.
@@ -294,7 +296,9 @@ impl Simulation {
     pub fn reset(&mut self) -> Result<(), SimulationError> {
         let mut physics = Physics::with_models(&self.world, self.entities.placements())?;
         for entity in self.entities.iter_mut() {
-            let (id, Entity { robot: Some(robot), model, namespace, .. }) = entity else { continue };
+            let (id, Entity { robot, model, namespace, units, .. }) = entity;
+            *units = InertialUnit::all(model, id.index());
+            let Some(robot) = robot else { continue };
             let autopilot = robot.autopilot();
             *robot = Robot::new(model, namespace, id.index(), &mut physics).0;
             robot.set_autopilot(autopilot);
@@ -322,6 +326,7 @@ impl Simulation {
 
     /// What a rig needs to publish.
     pub(crate) fn stage(&mut self) -> (Stage<'_>, &mut WorldScene) {
-        (Stage { entities: &self.entities, physics: &self.physics }, &mut self.scene)
+        let stage = Stage { entities: &self.entities, physics: &self.physics, earth: &self.world.earth };
+        (stage, &mut self.scene)
     }
 }

@@ -4,7 +4,7 @@ use super::{Simulation, SimulationError};
 use crate::description::Severity;
 use crate::description::model::Model;
 use crate::entities::{Entity, EntityId, Origin, model_name, namespace};
-use crate::robot::{self, Robot, has_base};
+use crate::robot::{self, InertialUnit, Robot, has_base};
 use crate::world::physics::Placement;
 use belvedere_sensors::Pose;
 
@@ -92,7 +92,8 @@ impl Simulation {
         notes.retain(|note| !self.notes.contains(note));
         self.notes.extend(notes);
         self.studio = None;
-        Ok(self.entities.add(index, Entity { name, namespace, model, start, origin, robot }))
+        let units = InertialUnit::all(&model, index);
+        Ok(self.entities.add(index, Entity { name, namespace, model, start, origin, robot, units }))
     }
 
     /// Takes a model out of the world. What was rendered of it is not changed.

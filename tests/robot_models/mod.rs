@@ -2,8 +2,8 @@
 
 use belvedere::description::Source;
 use belvedere::description::model::{
-    BasePlugin, Collision, Drive, Geometry, Inertial, Joint, JointKind, Link, LinkIndex, Model, ModelPlugin,
-    OdometryOrigin, OdometryPlugin, Wheels, World,
+    BasePlugin, Collision, Drive, Earth, Geometry, Inertial, Joint, JointKind, Link, LinkIndex, Model,
+    ModelPlugin, OdometryOrigin, OdometryPlugin, Wheels, World,
 };
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -159,6 +159,7 @@ pub(crate) fn world(max_step_size_s: f64, models: Vec<Model>) -> World {
         background: [0.7; 3],
         shadows: true,
         gravity: DVec3::new(0.0, 0.0, -9.8),
+        earth: Earth::default(),
         max_step_size_s,
         source: source(),
     }

@@ -38,6 +38,9 @@
 // Flag: a plane of intensities of the same shape follows the ranges, at row_stride * height.
 #define BV_HAS_INTENSITIES 1
 
+// Flag: the frame comes from a recording.
+#define BV_REPLAYED 2
+
 // What the payload of a stream means (bv_frame_header.kind). Numbers are never reused.
 enum bv_kind
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -90,6 +93,16 @@ enum bv_kind
     BV_KIND_BOUNDING_BOXES = 22,
     // An array of bv_tag_detection: of the tags that a picture shows.
     BV_KIND_TAG_DETECTIONS = 23,
+    // One bv_nav_sat_fix.
+    BV_KIND_NAV_SAT_FIX = 24,
+    // One bv_magnetic_field.
+    BV_KIND_MAGNETIC_FIELD = 25,
+    // One bv_fluid_pressure.
+    BV_KIND_FLUID_PRESSURE = 26,
+    // One bv_altimeter.
+    BV_KIND_ALTIMETER = 27,
+    // One bv_vector3.
+    BV_KIND_VECTOR3 = 28,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -301,7 +314,7 @@ typedef struct bv_frame_header {
     uint16_t kind;
     // An bv_encoding by its number.
     uint16_t encoding;
-    // BV_HAS_INTENSITIES; other bits are 0.
+    // BV_HAS_INTENSITIES, BV_REPLAYED; other bits are 0.
     uint32_t flags;
     // Counts the frames of one publisher's life from 0. Set by send.
     uint64_t seq;
@@ -539,6 +552,54 @@ typedef struct bv_model_state {
     // About the world's axes, radians per second.
     double angular[3];
 } bv_model_state;
+
+// A place on the earth, as sensor_msgs/NavSatFix has it, and the velocity there.
+typedef struct bv_nav_sat_fix {
+    // Geodetic latitude in degrees, WGS 84.
+    double latitude;
+    // Longitude in degrees, to the east.
+    double longitude;
+    // Height above the ellipsoid in metres.
+    double altitude;
+    // To the east, the north and up, in metres per second.
+    double velocity[3];
+    // Of the position to the east, the north and up, in m², row by row.
+    double position_covariance[9];
+} bv_nav_sat_fix;
+
+// A magnetic field, as sensor_msgs/MagneticField has it.
+typedef struct bv_magnetic_field {
+    // Teslas.
+    double magnetic_field[3];
+    // Row by row.
+    double covariance[9];
+} bv_magnetic_field;
+
+// A pressure, as sensor_msgs/FluidPressure has it.
+typedef struct bv_fluid_pressure {
+    // Absolute, in pascals.
+    double fluid_pressure;
+    // Pa².
+    double variance;
+} bv_fluid_pressure;
+
+// A height and how fast it changes, as gz-sim's altimeter tells them.
+typedef struct bv_altimeter {
+    // Metres above the reference.
+    double vertical_position;
+    // Metres per second.
+    double vertical_velocity;
+    // Height of the reference in the world in metres.
+    double vertical_reference;
+    // Of the position, in m².
+    double variance;
+} bv_altimeter;
+
+// A vector whose meaning its topic says, as geometry_msgs/Vector3Stamped has it.
+typedef struct bv_vector3 {
+    // x y z.
+    double vector[3];
+} bv_vector3;
 
 // One distance, as sensor_msgs/Range has it: to the nearest thing within the field of view.
 typedef struct bv_range {

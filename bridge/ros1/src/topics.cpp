@@ -11,6 +11,7 @@
 #include "convert/core_sensors.hpp"
 #include "convert/image.hpp"
 #include "convert/imu.hpp"
+#include "convert/instruments.hpp"
 #include "convert/joint_states.hpp"
 #include "convert/laser_scan.hpp"
 #include "convert/model_states.hpp"
@@ -63,6 +64,11 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
             return serve(adjusted(to_laser_scan, scan), topic, kSmall);
         }
         case BV_KIND_RANGE: return serve(to_range, topic, kSmall);
+        case BV_KIND_NAV_SAT_FIX: return serve(to_nav_sat_fix, topic, kSmall);
+        case BV_KIND_MAGNETIC_FIELD: return serve(to_magnetic_field, topic, kSmall);
+        case BV_KIND_FLUID_PRESSURE: return serve(to_fluid_pressure, topic, kSmall);
+        case BV_KIND_ALTIMETER: return serve(to_height, topic, kSmall);
+        case BV_KIND_VECTOR3: return serve(to_vector, topic, kSmall);
         case BV_KIND_POINT_CLOUD: return serve(to_point_cloud, topic, kLarge);
         case BV_KIND_ODOMETRY: return serve(to_odometry, topic, kSmall);
         case BV_KIND_IMU: return serve(to_imu, topic, kSmall);

@@ -23,7 +23,7 @@ wire_structs! {
         pub kind: u16 = 8,
         /// An [`Encoding`] by its number.
         pub encoding: u16 = 10,
-        /// [`FrameHeader::HAS_INTENSITIES`]; other bits are 0.
+        /// [`FrameHeader::HAS_INTENSITIES`], [`FrameHeader::REPLAYED`]; other bits are 0.
         pub flags: u32 = 12,
         /// Counts the frames of one publisher's life from 0. Set by `send`.
         pub seq: u64 = 16,
@@ -162,6 +162,8 @@ impl FrameHeader {
     pub const SCHEMA: u16 = super::SCHEMA;
     /// Flag: a plane of intensities follows the ranges.
     pub const HAS_INTENSITIES: u32 = 1;
+    /// Flag: the frame comes from a recording.
+    pub const REPLAYED: u32 = 2;
 
     /// A header of this kind and encoding, otherwise empty.
     #[must_use]

@@ -51,6 +51,16 @@ wire_enum! {
         BoundingBoxes = 22 "bounding_boxes",
         /// An array of [`TagDetection`](crate::payload::TagDetection): of the tags that a picture shows.
         TagDetections = 23 "tag_detections",
+        /// One [`NavSatFix`](crate::payload::NavSatFix).
+        NavSatFix = 24 "nav_sat_fix",
+        /// One [`MagneticField`](crate::payload::MagneticField).
+        MagneticField = 25 "magnetic_field",
+        /// One [`FluidPressure`](crate::payload::FluidPressure).
+        FluidPressure = 26 "fluid_pressure",
+        /// One [`Altimeter`](crate::payload::Altimeter).
+        Altimeter = 27 "altimeter",
+        /// One [`Vector3`](crate::payload::Vector3).
+        Vector3 = 28 "vector3",
     }
 }
 

@@ -3,11 +3,13 @@
 //! `frame_id`, their time its `stamp_ns`.
 
 mod control;
+mod instruments;
 mod range;
 mod settings;
 mod truth;
 
 pub use control::{ModelState, SimulationCommand, SimulationResult};
+pub use instruments::{Altimeter, FluidPressure, MagneticField, NavSatFix, Vector3};
 pub use range::Range;
 pub use settings::{SensorSettings, Setting};
 pub use truth::{BoundingBox, TagDetection};
@@ -21,7 +23,7 @@ use super::{
 
 /// Every struct of a payload as data, by files.
 pub(super) const ALL: &[&[Struct]] =
-    &[STRUCTS, control::STRUCTS, range::STRUCTS, settings::STRUCTS, truth::STRUCTS];
+    &[STRUCTS, control::STRUCTS, instruments::STRUCTS, range::STRUCTS, settings::STRUCTS, truth::STRUCTS];
 
 /// A payload struct of the wire format.
 pub trait Message: Pod {

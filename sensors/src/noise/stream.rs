@@ -56,6 +56,8 @@ impl Stream {
     pub const RESPONSE: u16 = 12;
     /// The channels of the pattern of a device's dark signal, which is that of frame 0, as [`Stream::SHOT`].
     pub const DARK: u16 = 15;
+    /// The channels of the instruments of a sensor that has several, as gyro and accelerometer, one after the other.
+    pub const INSTRUMENT: u16 = 18;
     /// The channels of where a depth camera's pixels look beside their own ray: to the right, and down, as
     /// [`Stream::COLOUR`].
     pub const SHIFT: u16 = 64;
@@ -66,30 +68,9 @@ impl Stream {
     /// The channel of the signs of the biases.
     pub const BIAS_SIGN: u16 = 0xFFF1;
     /// The channels that this crate's sensors and noise models draw from.
-    pub const TAKEN: [u16; 23] = [
-        0,
-        1,
-        2,
-        3,
-        4,
-        5,
-        6,
-        7,
-        8,
-        9,
-        10,
-        11,
-        12,
-        13,
-        14,
-        15,
-        16,
-        17,
-        64,
-        65,
-        66,
-        Self::BIAS,
-        Self::BIAS_SIGN,
+    #[rustfmt::skip]
+    pub const TAKEN: [u16; 25] = [
+        0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 64, 65, 66, Self::BIAS, Self::BIAS_SIGN,
     ];
 
     /// The random word of sample `index`, uniform on all of `u32`.

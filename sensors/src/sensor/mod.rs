@@ -5,6 +5,7 @@
 pub mod camera;
 pub mod depth;
 pub(crate) mod edges;
+pub mod imu;
 pub mod lidar;
 pub(crate) mod pixel;
 

@@ -62,9 +62,6 @@ fn reporters(robot: &Model) -> Vec<String> {
     let lines = robot.plugins.iter().filter_map(|plugin| {
         Some(match plugin {
             ModelPlugin::Base(_) => return None,
-            ModelPlugin::Imu(imu) => {
-                format!("imu {} on {}, {}", imu.topic, link(imu.link), rate(imu.rate_hz))
-            }
             ModelPlugin::Pose(pose) => {
                 format!("true pose {} of {}, {}", pose.topic, link(pose.link), rate(pose.rate_hz))
             }

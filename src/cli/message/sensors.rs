@@ -2,7 +2,7 @@
 
 use super::parts::{Entries, array, text, xyz, xyzw};
 use super::tree::Tree::{self, Flag, List, Map, Number, Text, Whole};
-use belvedere_bridge::payload::{CameraInfo, Imu, Range};
+use belvedere_bridge::payload::{Altimeter, CameraInfo, FluidPressure, Imu, MagneticField, NavSatFix, Range};
 use belvedere_bridge::{Encoding, FrameHeader, FrameView};
 
 pub(super) fn image(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
@@ -113,6 +113,36 @@ pub(super) fn imu(imu: &Imu) -> Entries {
         ("angular_velocity_covariance", array(&imu.angular_velocity_covariance)),
         ("linear_acceleration", xyz(imu.linear_acceleration)),
         ("linear_acceleration_covariance", array(&imu.linear_acceleration_covariance)),
+    ]
+}
+
+pub(super) fn nav_sat_fix(fix: &NavSatFix) -> Entries {
+    vec![
+        ("latitude", Number(fix.latitude)),
+        ("longitude", Number(fix.longitude)),
+        ("altitude", Number(fix.altitude)),
+        ("position_covariance", array(&fix.position_covariance)),
+        ("velocity", xyz(fix.velocity)),
+    ]
+}
+
+pub(super) fn magnetic_field(field: &MagneticField) -> Entries {
+    vec![
+        ("magnetic_field", xyz(field.magnetic_field)),
+        ("magnetic_field_covariance", array(&field.covariance)),
+    ]
+}
+
+pub(super) fn fluid_pressure(pressure: &FluidPressure) -> Entries {
+    vec![("fluid_pressure", Number(pressure.fluid_pressure)), ("variance", Number(pressure.variance))]
+}
+
+pub(super) fn altimeter(altimeter: &Altimeter) -> Entries {
+    vec![
+        ("vertical_position", Number(altimeter.vertical_position)),
+        ("vertical_velocity", Number(altimeter.vertical_velocity)),
+        ("vertical_reference", Number(altimeter.vertical_reference)),
+        ("variance", Number(altimeter.variance)),
     ]
 }
 

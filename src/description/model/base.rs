@@ -9,8 +9,6 @@ use belvedere_sensors::Pose;
 pub enum ModelPlugin {
     /// Drives the model.
     Base(Box<BasePlugin>),
-    /// `libgazebo_ros_imu.so`, `libhector_gazebo_ros_imu.so`: inertial measurements at a link.
-    Imu(ImuPlugin),
     /// `libgazebo_ros_p3d.so`: the true pose and velocity of a link.
     Pose(PosePlugin),
     /// `libgazebo_ros_joint_state_publisher.so`.
@@ -29,7 +27,6 @@ impl ModelPlugin {
                 base.odometry.link += links;
                 Self::Base(base)
             }
-            Self::Imu(imu) => Self::Imu(ImuPlugin { link: imu.link + links, ..imu }),
             Self::Pose(pose) => Self::Pose(PosePlugin { link: pose.link + links, ..pose }),
             Self::JointStates(states) => Self::JointStates(states),
         }
@@ -175,25 +172,6 @@ pub enum OdometryOrigin {
     Encoders,
     /// The true pose in the world.
     World,
-}
-
-/// Inertial measurements.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ImuPlugin {
-    /// Absolute topic.
-    pub topic: String,
-    /// The link that it is on.
-    pub link: LinkIndex,
-    /// Where it sits there.
-    pub link_from_imu: Pose,
-    /// The frame that messages name.
-    pub frame: String,
-    /// Rate; none for each step.
-    pub rate_hz: Option<f64>,
-    /// Standard deviation of rates of turn in rad/s.
-    pub turn_stddev: f64,
-    /// That of accelerations in m/s².
-    pub acceleration_stddev: f64,
 }
 
 /// True pose and velocity.

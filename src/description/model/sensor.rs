@@ -71,4 +71,7 @@ pub struct Noise {
     pub bias_stddev: f64,
     /// Step of `gaussian_quantized`; 0 for none.
     pub precision: f64,
+    /// `dynamic_bias_stddev` and `dynamic_bias_correlation_time` in s, of instruments: density of what drives a bias that
+    /// drifts, and by which time it forgets.
+    pub drift: [f64; 2],
 }

@@ -1,8 +1,10 @@
-//! `<plugin>` of a model: bases that drive it, and what reports of it. A plugin is a file here and a row in [`read`].
+//! `<plugin>` of a model: bases that drive it, sensors, and what else reports of it. A plugin is a file here and a row in
+//! [`read`].
 
 mod ackermann;
 mod differential;
 mod imu;
+mod instruments;
 mod joint_states;
 mod kobuki;
 mod parameters;
@@ -19,7 +21,7 @@ use parameters::Parameters;
 /// What is understood, for messages.
 const SUPPORTED: &str = "libgazebo_ros_kobuki.so, libgazebo_ros_create.so, libgazebo_ros_diff_drive.so, \
     libgazebo_ros_skid_steer_drive.so, libgazebo_ros_planar_move.so, libgazebo_ros_force_based_move.so, libgazebo_ros_ackermann_drive.so, gz-sim's DiffDrive, \
-    AckermannSteering and JointStatePublisher, libgazebo_ros_imu.so, libhector_gazebo_ros_imu.so, libgazebo_ros_p3d.so and libgazebo_ros_joint_state_publisher.so";
+    AckermannSteering and JointStatePublisher, libgazebo_ros_imu.so, libhector_gazebo_ros_imu.so, librotors_gazebo_imu_plugin.so, libhector_gazebo_ros_gps.so, libhector_gazebo_ros_magnetic.so, libhector_gazebo_ros_baro.so, librotors_gazebo_pressure_plugin.so, libgazebo_ros_p3d.so and libgazebo_ros_joint_state_publisher.so";
 
 /// The plugin of that file name as it is written, `lib` and `.so` taken off, gz-sim's old names brought to its new one.
 fn plain_name(file: &str) -> String {
@@ -34,6 +36,20 @@ pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostic
     for element in parent.elements_named("plugin").filter(|plugin| !is_label(plugin)) {
         let file = element.attribute("filename").unwrap_or_default();
         let mut given = Parameters::new(element, model, rules, diagnostics);
+        let sensor = match plain_name(file).as_str() {
+            "gazebo_ros_imu" => Some(imu::imu(&mut given)),
+            "hector_gazebo_ros_imu" => Some(imu::hector(&mut given)),
+            "rotors_gazebo_imu_plugin" => Some(imu::rotors(&mut given)),
+            "hector_gazebo_ros_gps" => Some(instruments::gps(&mut given)),
+            "hector_gazebo_ros_magnetic" => Some(instruments::magnetic(&mut given)),
+            "hector_gazebo_ros_baro" => Some(instruments::baro(&mut given)),
+            "rotors_gazebo_pressure_plugin" => Some(instruments::pressure(&mut given)),
+            _ => None,
+        };
+        if let Some(sensor) = sensor {
+            model.sensors.extend(sensor);
+            continue;
+        }
         let plugin = match plain_name(file).trim_end_matches("-system") {
             "gazebo_ros_kobuki" => kobuki::kobuki(&mut given),
             "gazebo_ros_create" => differential::create(&mut given),
@@ -44,8 +60,6 @@ pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostic
             "gazebo_ros_planar_move" => planar::planar(&mut given),
             "gazebo_ros_ackermann_drive" => ackermann::ackermann(&mut given),
             "gz-sim-ackermann-steering" => ackermann::gz(&mut given),
-            "gazebo_ros_imu" => imu::imu(&mut given),
-            "hector_gazebo_ros_imu" => imu::hector(&mut given),
             "gazebo_ros_p3d" => pose::pose(&mut given),
             "gz-sim-joint-state-publisher" => joint_states::gz(&mut given),
             "gazebo_ros_joint_state_publisher" => joint_states::joint_states(&mut given),

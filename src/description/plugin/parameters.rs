@@ -3,11 +3,12 @@
 use crate::description::Rules;
 use crate::description::diagnostics::Diagnostics;
 use crate::description::model::{
-    JointIndex, JointKind, LinkIndex, Model, OdometryOrigin, OdometryPlugin, Wheels,
+    JointIndex, JointKind, LinkIndex, Model, OdometryOrigin, OdometryPlugin, Sensor, SensorKind, Wheels,
 };
 use crate::description::values::{child_bool, nearest, number, numbers};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
+use belvedere_sensors::noise::InstrumentConfig;
 use glam::DVec3;
 use std::cell::RefCell;
 
@@ -82,20 +83,70 @@ impl<'a> Parameters<'a> {
         self.number(names, default, is_length, "write metres, from 0.0001 to 10000")
     }
 
-    /// The greatest of one number for all axes, or of three; each 0 or more.
-    pub(super) fn greatest(&mut self, name: &str) -> Option<f64> {
-        let Some(element) = self.element(&[name]) else { return Some(0.0) };
+    /// One number for all axes, or one for each.
+    fn axes<const N: usize>(
+        &mut self,
+        name: &str,
+        default: f64,
+        is_valid: impl Fn(f64) -> bool,
+    ) -> Option<[f64; N]> {
+        let Some(element) = self.element(&[name]) else { return Some([default; N]) };
         let text = element.text();
-        let numbers: Option<Vec<f64>> = text
-            .split_whitespace()
-            .map(|word| word.parse().ok().filter(|value: &f64| *value >= 0.0 && value.is_finite()))
-            .collect();
-        let greatest = numbers.and_then(|numbers| numbers.into_iter().reduce(f64::max));
-        if greatest.is_none() {
-            let what = format!("<{name}> of plugin '{}' is '{text}'", self.name());
-            self.diagnostics.error(&element.source, what, "write one number, 0 or more, or three");
+        let is_right = |value: &f64| value.is_finite() && is_valid(*value);
+        let numbers: Option<Vec<f64>> =
+            text.split_whitespace().map(|word| word.parse().ok().filter(is_right)).collect();
+        let numbers = numbers.unwrap_or_default();
+        if let [all] = numbers[..] {
+            return Some([all; N]);
         }
-        greatest
+        if let Ok(each) = numbers.try_into() {
+            return Some(each);
+        }
+        let what = format!("<{name}> of plugin '{}' is '{text}'", self.name());
+        let least = if is_valid(-1.0) { "" } else { ", 0 or more" };
+        let each = if N > 1 { format!(", or {N}") } else { String::new() };
+        self.diagnostics.error(&element.source, what, format!("write one number{least}{each}"));
+        None
+    }
+
+    /// The error model of Team Hector's plugins: a mean, white noise, and a bias of a deviation that forgets with a frequency.
+    /// Parameters are behind the prefix, or in small letters without one.
+    pub(super) fn hector_noise<const N: usize>(&mut self, prefix: &str) -> Option<InstrumentConfig<N>> {
+        let name = |what: &str| match (prefix, what.split_at(1)) {
+            ("", (first, rest)) => format!("{}{rest}", first.to_ascii_lowercase()),
+            _ => format!("{prefix}{what}"),
+        };
+        let not_negative = |value: f64| value >= 0.0;
+        let offset = self.axes(&name("Offset"), 0.0, |_| true);
+        let drift = self.axes::<N>(&name("Drift"), 0.0, not_negative);
+        let frequency = self.axes::<N>(&name("DriftFrequency"), 1.0 / 3600.0, not_negative);
+        let white = self.axes(&name("GaussianNoise"), 0.0, not_negative);
+        let (drift, frequency) = (drift?, frequency?);
+        // Such a process has this deviation at last. Theirs, which steps by the time and not by its root, gets there at 1 Hz.
+        let driven = std::array::from_fn(|axis| drift[axis] * libm::sqrt(2.0 * frequency[axis]));
+        let time_s = frequency.map(|hz| if hz > 0.0 { 1.0 / hz } else { f64::INFINITY });
+        let config = InstrumentConfig::default().mean(offset?).stddev(white?);
+        Some(config.drift(driven).drift_time_s(time_s))
+    }
+
+    /// A sensor that the plugin makes, called as the plugin is.
+    pub(super) fn sensor(
+        &self,
+        link: LinkIndex,
+        link_from_sensor: Pose,
+        rate_hz: Option<f64>,
+        kind: SensorKind,
+    ) -> Sensor {
+        Sensor {
+            name: self.name().to_owned(),
+            link,
+            link_from_sensor,
+            always_on: true,
+            update_rate_hz: rate_hz,
+            plugin_rate_hz: None,
+            kind,
+            source: self.plugin.source.clone(),
+        }
     }
 
     pub(super) fn not_negative(&mut self, names: &[&str], default: f64) -> Option<f64> {

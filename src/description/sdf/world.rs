@@ -3,7 +3,7 @@
 use super::frames::{Frames, WrittenPose};
 use super::model::ParsedModel;
 use super::{Loader, Scope, name_of};
-use crate::description::model::{Light, Model, World};
+use crate::description::model::{Earth, Light, Model, World};
 use crate::description::values::{child_bool, child_number, nearest, numbers};
 use crate::description::xml::Element;
 use glam::DVec3;
@@ -16,6 +16,7 @@ impl Loader<'_> {
         let mut world = World { name: name_of(element), source: element.source.clone(), ..World::empty() };
         self.scene(element, &mut world);
         self.physics(element, &mut world);
+        self.earth(element, &mut world.earth);
 
         let mut models: Vec<ParsedModel> = Vec::new();
         let mut lights: Vec<(Light, WrittenPose)> = Vec::new();
@@ -103,6 +104,40 @@ impl Loader<'_> {
                 "sky" => self.ignored(child, "the sky has the colour of <background>"),
                 "fog" => self.ignored(child, "there is no fog"),
                 _ => {}
+            }
+        }
+    }
+
+    /// `<spherical_coordinates>` and `<magnetic_field>`.
+    fn earth(&mut self, element: &Element, earth: &mut Earth) {
+        if let Some(field) = element.child("magnetic_field")
+            && let Some(tesla) = numbers(&field.text(), "<magnetic_field>", &field.source, self.diagnostics)
+        {
+            earth.magnetic_field_t = DVec3::from_array(tesla);
+        }
+        let Some(place) = element.child("spherical_coordinates") else { return };
+        earth.is_given = true;
+        for (name, most, to) in [
+            ("latitude_deg", 90.0, &mut earth.latitude_deg),
+            ("longitude_deg", 360.0, &mut earth.longitude_deg),
+            ("elevation", 1e5, &mut earth.elevation_m),
+            ("heading_deg", 1e5, &mut earth.heading_rad),
+        ] {
+            let Some(value) = child_number(place, name, self.diagnostics) else { continue };
+            *to = value;
+            if let Some(child) = place.child(name).filter(|_| value.abs() > most) {
+                let what = format!("<{name}> is {value}");
+                self.diagnostics.error(&child.source, what, format!("write a number from -{most} to {most}"));
+            }
+        }
+        earth.heading_rad = earth.heading_rad.to_radians();
+        let orientation = place.child("world_frame_orientation");
+        for child in [orientation, place.child("surface_model")].into_iter().flatten() {
+            if !matches!(child.text().as_str(), "ENU" | "EARTH_WGS84" | "") {
+                self.ignored(
+                    child,
+                    "the world is taken to lie on EARTH_WGS84, its axes as ENU and <heading_deg> say",
+                );
             }
         }
     }

@@ -30,7 +30,7 @@ pub struct Camera {
 pub(super) const KIND: Kind = Kind {
     types: &["camera", "wideanglecamera", "wide_angle_camera"],
     plugins: &["gazebo_ros_camera"],
-    presets: &[],
+    is_extended: false,
     read: |reader, sensor| reader.colour_camera(sensor).map(SensorKind::Camera),
 };
 

@@ -2,7 +2,7 @@
 
 use super::camera_plugin::{CameraTopics, gz_camera};
 use super::gz::gz_topic;
-use super::plugin::{absolute, plain_name, topic};
+use super::plugin::{absolute, extension, plain_name, topic};
 use super::reader::Reader;
 use super::{Kind, SensorKind};
 use crate::description::model::{CameraSensor, DepthCameraPlugin};
@@ -50,7 +50,7 @@ impl DepthCamera {
 pub(super) const KIND: Kind = Kind {
     types: &["depth", "depth_camera", "rgbd", "rgbd_camera"],
     plugins: &["gazebo_ros_openni_kinect"],
-    presets: &presets::NAMES,
+    is_extended: true,
     read: |reader, sensor| reader.depth_camera(sensor).map(SensorKind::Depth),
 };
 
@@ -63,7 +63,17 @@ impl Reader<'_> {
             Some(plugin)
         });
         let plugin = plugin.or_else(|| Some(gz_depth(sensor, &gz_topic(sensor)?, &camera)));
-        let written = self.sensor_preset(sensor, &KIND)?;
+        let written = match extension(sensor) {
+            Some(own) => {
+                self.left_out(
+                    own,
+                    |name| name == "preset",
+                    "take it out: the plugin of belvedere has preset",
+                );
+                Some(self.preset_name(own, &presets::NAMES)?)
+            }
+            None => None,
+        };
         let preset = written.or_else(|| self.known(sensor, plugin.as_ref()?)).and_then(presets::named);
         let depth = DepthCamera { camera, plugin, preset };
         if let (Some(preset), [least, most]) = (preset, depth.range_m())
@@ -93,7 +103,7 @@ impl Reader<'_> {
         let is_named = |preset: &&&str| names.iter().any(|name| name.contains(**preset));
         let has_plugin =
             sensor.elements_named("plugin").any(|plugin| KIND.plugins.contains(&plain_name(plugin)));
-        KIND.presets.iter().find(is_named).copied().or(has_plugin.then_some("kinect_v1"))
+        presets::NAMES.iter().find(is_named).copied().or(has_plugin.then_some("kinect_v1"))
     }
 
     fn depth_plugin(&mut self, plugin: &Element) -> Option<DepthCameraPlugin> {

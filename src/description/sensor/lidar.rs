@@ -27,7 +27,7 @@ pub(super) const KIND: Kind = Kind {
         "gazebo_ros_velodyne_laser",
         "gazebo_ros_velodyne_gpu_laser",
     ],
-    presets: &[],
+    is_extended: false,
     read: |reader, sensor| reader.lidar(sensor).map(SensorKind::Ray),
 };
 

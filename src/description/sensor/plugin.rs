@@ -1,21 +1,23 @@
 //! `<plugin>` of a sensor: which of them publishes it, and under which names.
 
-use super::preset::is_ours;
 use super::reader::Reader;
 use super::{KINDS, Kind};
 use crate::description::values::child_text;
 use crate::description::xml::Element;
+
+/// Its name.
+const OWN: &str = "belvedere";
 
 impl Reader<'_> {
     /// The first plugin of a sensor that publishes its kind; warnings for the others.
     pub(super) fn plugin<'e>(&mut self, sensor: &'e Element, kind: &Kind) -> Option<&'e Element> {
         let mut chosen = None;
         for element in sensor.elements_named("plugin") {
-            let file = element.attribute("filename").unwrap_or_default();
-            let name = plain_name(element);
-            if is_ours(element) && !kind.presets.is_empty() {
+            if kind.is_extended && plain_name(element) == OWN {
                 continue;
             }
+            let file = element.attribute("filename").unwrap_or_default();
+            let name = plain_name(element);
             if kind.plugins.contains(&name) {
                 if chosen.is_none() {
                     chosen = Some(element);
@@ -34,7 +36,10 @@ impl Reader<'_> {
                         "the plugin '{file}' does not go with sensor '{}' of type {written}",
                         self.sensor
                     ),
-                    format!("use lib{}.so, or change the type of the sensor", kind.plugins[0]),
+                    match kind.plugins.first() {
+                        Some(plugin) => format!("use lib{plugin}.so, or change the type of the sensor"),
+                        None => "write a <topic> in its place, or change the type of the sensor".into(),
+                    },
                 );
             } else {
                 let plugins = KINDS.iter().flat_map(|kind| kind.plugins);
@@ -48,6 +53,11 @@ impl Reader<'_> {
         }
         chosen
     }
+}
+
+/// Our own, which tells a sensor what SDF has no element for.
+pub(super) fn extension(sensor: &Element) -> Option<&Element> {
+    sensor.elements_named("plugin").find(|plugin| plain_name(plugin) == OWN)
 }
 
 /// A plugin's file without its folder, `lib` and `.so`, which Gazebo itself adds where they are missing.

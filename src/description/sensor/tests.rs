@@ -128,7 +128,7 @@ fn a_rangefinder_has_the_plugins_defaults() {
              <ray><range><max>4</max></range><noise><stddev>0.03</stddev></noise></ray>\
              <plugin name='p' filename='libgazebo_ros_range.so'>{parameters}</plugin></sensor>"
         ));
-        let SensorKind::Range(Rangefinder { ray, plugin: Some(plugin) }) = &sensor.kind else { panic!() };
+        let SensorKind::Range(Rangefinder { ray, plugin: Some(plugin), .. }) = &sensor.kind else { panic!() };
         (plugin.clone(), ray.noise.stddev, sensor.effective_rate_hz())
     };
     let (plugin, stddev, rate) = range("");
@@ -253,9 +253,9 @@ fn what_gazebo_goes_on_with_is_a_warning() {
 
 #[test]
 fn what_is_not_simulated_gives_a_warning() {
-    let (sensor, problems) = parse("<sensor name='s' type='sonar'/>");
+    let (sensor, problems) = parse("<sensor name='s' type='contact'/>");
     assert!(sensor.is_none());
-    assert!(problems[0].contains(&format!("{}: the sensor 's' has the type 'sonar'", Severity::Warning)));
+    assert!(problems[0].contains(&format!("{}: the sensor 's' has the type 'contact'", Severity::Warning)));
     let (sensor, problems) =
         parse("<sensor name='s' type='camera'><plugin name='p' filename='libother.so'/></sensor>");
     assert!(matches!(sensor.unwrap().kind, SensorKind::Camera(Camera { plugin: None, .. })));

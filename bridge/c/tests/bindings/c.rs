@@ -29,10 +29,14 @@ pub(crate) fn layout() -> String {
 
 // Flag: a plane of intensities of the same shape follows the ranges, at row_stride * height.
 #define BV_HAS_INTENSITIES {}
+
+// Flag: the frame comes from a recording.
+#define BV_REPLAYED {}
 ",
         FrameHeader::MAGIC,
         FrameHeader::SCHEMA,
-        FrameHeader::HAS_INTENSITIES
+        FrameHeader::HAS_INTENSITIES,
+        FrameHeader::REPLAYED
     );
     for numbers in schema::ENUMS {
         text += &enumeration(numbers);
@@ -56,7 +60,7 @@ pub(crate) fn layout() -> String {
 fn word(name: &str) -> String {
     let is_known =
         |name: &str| part_of(name).is_some() || schema::ENUMS.iter().any(|numbers| numbers.name == name);
-    let is_constant = |name: &str| ["MAGIC", "SCHEMA", "HAS_INTENSITIES"].contains(&name);
+    let is_constant = |name: &str| ["MAGIC", "SCHEMA", "HAS_INTENSITIES", "REPLAYED"].contains(&name);
     match name.rsplit_once("::").unwrap_or(("", name)) {
         (_, constant) if is_constant(constant) => format!("BV_{constant}"),
         ("", name) if is_known(name) => c_type(name),

@@ -23,6 +23,8 @@ SCHEMA = {}
 HEADER_LEN = {}
 #: Flag: a plane of intensities follows the ranges.
 HAS_INTENSITIES = {}
+#: Flag: the frame comes from a recording.
+REPLAYED = {}
 #: Name of the user header, which iceoryx2 compares.
 HEADER_TYPE_NAME = \"belvedere.FrameHeader.v{}\"
 ",
@@ -30,6 +32,7 @@ HEADER_TYPE_NAME = \"belvedere.FrameHeader.v{}\"
         FrameHeader::SCHEMA,
         size_of::<FrameHeader>(),
         FrameHeader::HAS_INTENSITIES,
+        FrameHeader::REPLAYED,
         FrameHeader::SCHEMA,
     );
     for numbers in schema::ENUMS {

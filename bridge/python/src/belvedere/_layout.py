@@ -12,6 +12,8 @@ SCHEMA = 2
 HEADER_LEN = 384
 #: Flag: a plane of intensities follows the ranges.
 HAS_INTENSITIES = 1
+#: Flag: the frame comes from a recording.
+REPLAYED = 2
 #: Name of the user header, which iceoryx2 compares.
 HEADER_TYPE_NAME = "belvedere.FrameHeader.v2"
 
@@ -69,6 +71,16 @@ class Kind(IntEnum):
     BOUNDING_BOXES = 22
     #: An array of TagDetection: of the tags that a picture shows.
     TAG_DETECTIONS = 23
+    #: One NavSatFix.
+    NAV_SAT_FIX = 24
+    #: One MagneticField.
+    MAGNETIC_FIELD = 25
+    #: One FluidPressure.
+    FLUID_PRESSURE = 26
+    #: One Altimeter.
+    ALTIMETER = 27
+    #: One Vector3.
+    VECTOR3 = 28
 
 
 class Encoding(IntEnum):
@@ -369,6 +381,40 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
             ("orientation", "<f8", 4),
             ("linear", "<f8", 3),
             ("angular", "<f8", 3),
+        ]
+    ),
+    Kind.NAV_SAT_FIX: np.dtype(
+        [
+            ("latitude", "<f8"),
+            ("longitude", "<f8"),
+            ("altitude", "<f8"),
+            ("velocity", "<f8", 3),
+            ("position_covariance", "<f8", (3, 3)),
+        ]
+    ),
+    Kind.MAGNETIC_FIELD: np.dtype(
+        [
+            ("magnetic_field", "<f8", 3),
+            ("covariance", "<f8", (3, 3)),
+        ]
+    ),
+    Kind.FLUID_PRESSURE: np.dtype(
+        [
+            ("fluid_pressure", "<f8"),
+            ("variance", "<f8"),
+        ]
+    ),
+    Kind.ALTIMETER: np.dtype(
+        [
+            ("vertical_position", "<f8"),
+            ("vertical_velocity", "<f8"),
+            ("vertical_reference", "<f8"),
+            ("variance", "<f8"),
+        ]
+    ),
+    Kind.VECTOR3: np.dtype(
+        [
+            ("vector", "<f8", 3),
         ]
     ),
     Kind.RANGE: np.dtype(

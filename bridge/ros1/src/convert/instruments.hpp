@@ -1,0 +1,27 @@
+// What receivers, magnetometers, barometers and altimeters measure.
+#pragma once
+
+#include <geometry_msgs/PointStamped.h>
+#include <geometry_msgs/Vector3Stamped.h>
+#include <sensor_msgs/FluidPressure.h>
+#include <sensor_msgs/MagneticField.h>
+#include <sensor_msgs/NavSatFix.h>
+
+#include "header.hpp"
+
+namespace belvedere_ros {
+
+/// A fix by GPS, without the velocity, for which the message has no place. Covariances along the axes are known unless all
+/// are 0.
+sensor_msgs::NavSatFixPtr to_nav_sat_fix(const Sample& sample);
+
+sensor_msgs::MagneticFieldPtr to_magnetic_field(const Sample& sample);
+
+sensor_msgs::FluidPressurePtr to_fluid_pressure(const Sample& sample);
+
+/// The height alone, as a point above the origin of its frame: Debian has no message of altimeters.
+geometry_msgs::PointStampedPtr to_height(const Sample& sample);
+
+geometry_msgs::Vector3StampedPtr to_vector(const Sample& sample);
+
+}  // namespace belvedere_ros

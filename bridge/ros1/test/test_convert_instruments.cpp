@@ -1,0 +1,68 @@
+// Receivers, magnetometers, barometers and altimeters.
+
+#include <gtest/gtest.h>
+
+#include "../src/convert/instruments.hpp"
+#include "known.hpp"
+
+namespace belvedere_ros {
+namespace {
+
+TEST(NavSatFix, IsAFixByGps) {
+    bv_nav_sat_fix from{};
+    from.latitude = 49.9;
+    from.longitude = 8.9;
+    from.altitude = 120.5;
+    auto exact = Known::structs<bv_nav_sat_fix>(BV_KIND_NAV_SAT_FIX, {from});
+    const auto fix = to_nav_sat_fix(exact.sample());
+    expect_header(fix->header);
+    EXPECT_EQ(fix->status.status, sensor_msgs::NavSatStatus::STATUS_FIX);
+    EXPECT_EQ(fix->status.service, sensor_msgs::NavSatStatus::SERVICE_GPS);
+    EXPECT_EQ(fix->latitude, 49.9);
+    EXPECT_EQ(fix->longitude, 8.9);
+    EXPECT_EQ(fix->altitude, 120.5);
+    EXPECT_EQ(fix->position_covariance_type, sensor_msgs::NavSatFix::COVARIANCE_TYPE_UNKNOWN);
+    from.position_covariance[0] = 4;
+    from.position_covariance[8] = 9;
+    auto noisy = Known::structs<bv_nav_sat_fix>(BV_KIND_NAV_SAT_FIX, {from});
+    const auto with_noise = to_nav_sat_fix(noisy.sample());
+    EXPECT_EQ(with_noise->position_covariance_type, sensor_msgs::NavSatFix::COVARIANCE_TYPE_DIAGONAL_KNOWN);
+    EXPECT_EQ(with_noise->position_covariance[0], 4);
+    EXPECT_EQ(with_noise->position_covariance[8], 9);
+}
+
+TEST(MagneticField, IsInTeslas) {
+    auto known = Known::structs<bv_magnetic_field>(BV_KIND_MAGNETIC_FIELD, {{{1e-6, 2e-6, -4e-5}, {1e-14}}});
+    const auto field = to_magnetic_field(known.sample());
+    expect_header(field->header);
+    EXPECT_EQ(field->magnetic_field.x, 1e-6);
+    EXPECT_EQ(field->magnetic_field.z, -4e-5);
+    EXPECT_EQ(field->magnetic_field_covariance[0], 1e-14);
+}
+
+TEST(FluidPressure, IsInPascals) {
+    auto known = Known::structs<bv_fluid_pressure>(BV_KIND_FLUID_PRESSURE, {{101325.5, 4}});
+    const auto pressure = to_fluid_pressure(known.sample());
+    expect_header(pressure->header);
+    EXPECT_EQ(pressure->fluid_pressure, 101325.5);
+    EXPECT_EQ(pressure->variance, 4);
+}
+
+TEST(Altimeter, IsAPoint) {
+    auto known = Known::structs<bv_altimeter>(BV_KIND_ALTIMETER, {{2.5, 0.1, 30, 0.01}});
+    const auto height = to_height(known.sample());
+    expect_header(height->header);
+    EXPECT_EQ(height->point.x, 0);
+    EXPECT_EQ(height->point.z, 2.5);
+}
+
+TEST(Vector3, IsStamped) {
+    auto known = Known::structs<bv_vector3>(BV_KIND_VECTOR3, {{{1, 2, 3}}});
+    const auto vector = to_vector(known.sample());
+    expect_header(vector->header);
+    EXPECT_EQ(vector->vector.y, 2);
+    EXPECT_EQ(vector->vector.z, 3);
+}
+
+}  // namespace
+}  // namespace belvedere_ros

@@ -1,0 +1,269 @@
+//! What an instrument makes of the quantities that it measures: gyros, accelerometers, magnetometers, barometers, receivers.
+//!
+//! out = quantise(M·in + mean + b₀ + b(t) + w), in the unit of what is measured, where
+//!
+//! - M is the matrix of sensitivities: 1 + the scale errors on its diagonal, misalignments in radians beside it;
+//! - b₀ is a bias for the whole run, N(bias mean, bias stddev), its sign turned with probability ½, as in SDF;
+//! - b(t) is a bias that drifts, a Gauss–Markov process driven by white noise of density q with correlation time τ:
+//!   b ← e^(−Δt/τ)·b + N(0, q²·τ/2·(1 − e^(−2Δt/τ))), exact for any Δt. Without end of τ it is a random walk, of
+//!   deviation q·√t. It begins at 0. SDF's `dynamic_bias_stddev` is q, and Kalibr's "bias random walk";
+//! - w is white noise: of one density whatever the rate, σ/√Δt a sample, and of one deviation a sample, both drawn as one.
+//!
+//! Such a density reads as itself at 1 s of an Allan deviation, on the slope of −½; the process, for times T, as
+//! q·τ/√T·√(1 − τ/(2T)·(3 − 4e^(−T/τ) + e^(−2T/τ))): +½ below τ, at most 0.4365·q·√τ (at 1.89 τ), −½ beyond.
+
+use super::{Stream, fill_standard_normal};
+use crate::simd::best_level;
+
+/// Errors of an instrument of `N` axes, in the unit of what they measure. None at first.
+///
+/// ```
+/// use belvedere_sensors::noise::{Instrument, InstrumentConfig, InstrumentState, Stream};
+/// let gyro = Instrument::new(InstrumentConfig::<3>::default().density([1e-4; 3]).bias_mean([0.01; 3]))?;
+/// let stream = Stream { seed: 1, sensor: 0, frame: 0, channel: 100 };
+/// let mut state = gyro.start(&stream);
+/// let read = gyro.measure([0.0, 0.0, 0.5], 0.01, &stream, &mut state);
+/// assert!((read[2].abs() - 0.5).abs() < 0.02 && read[2] != 0.5); // 1e-4/√0.01 = 1e-3 beside a bias of ±0.01
+/// # Ok::<(), belvedere_sensors::noise::InstrumentError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct InstrumentConfig<const N: usize> {
+    /// Sensitivities, row by row: what each axis reads of a unit along each.
+    pub sensitivity: [[f64; N]; N],
+    /// Mean of the noise.
+    pub mean: [f64; N],
+    /// Standard deviation of white noise a sample, at any rate.
+    pub stddev: [f64; N],
+    /// Density of white noise in units/√Hz.
+    pub density: [f64; N],
+    /// Mean of the bias of a run.
+    pub bias_mean: [f64; N],
+    /// Standard deviation of the bias of a run.
+    pub bias_stddev: [f64; N],
+    /// Density of what drives the bias that drifts, in units/s/√Hz.
+    pub drift: [f64; N],
+    /// Correlation time of that bias in s; infinite for a random walk.
+    pub drift_time_s: [f64; N],
+    /// Steps of the output; 0 for none.
+    pub precision: [f64; N],
+    /// Outputs stay within ± this.
+    pub limit: f64,
+}
+
+impl<const N: usize> Default for InstrumentConfig<N> {
+    fn default() -> Self {
+        let mut sensitivity = [[0.0; N]; N];
+        for axis in 0..N {
+            sensitivity[axis][axis] = 1.0;
+        }
+        Self {
+            sensitivity,
+            mean: [0.0; N],
+            stddev: [0.0; N],
+            density: [0.0; N],
+            bias_mean: [0.0; N],
+            bias_stddev: [0.0; N],
+            drift: [0.0; N],
+            drift_time_s: [f64::INFINITY; N],
+            precision: [0.0; N],
+            limit: f64::INFINITY,
+        }
+    }
+}
+
+impl<const N: usize> InstrumentConfig<N> {
+    setters! {
+        /// Sensitivities, row by row.
+        sensitivity: [[f64; N]; N],
+        /// Mean of the noise.
+        mean: [f64; N],
+        /// Standard deviation of white noise a sample.
+        stddev: [f64; N],
+        /// Density of white noise in units/√Hz.
+        density: [f64; N],
+        /// Mean of the bias of a run.
+        bias_mean: [f64; N],
+        /// Standard deviation of the bias of a run.
+        bias_stddev: [f64; N],
+        /// Density of what drives the bias that drifts, in units/s/√Hz.
+        drift: [f64; N],
+        /// Correlation time of that bias in s.
+        drift_time_s: [f64; N],
+        /// Steps of the output.
+        precision: [f64; N],
+        /// Outputs stay within ± this.
+        limit: f64,
+    }
+
+    /// With relative errors of scale: 0.01 reads 1 % too much.
+    #[must_use]
+    pub fn scale_errors(mut self, errors: [f64; N]) -> Self {
+        for axis in 0..N {
+            self.sensitivity[axis][axis] = 1.0 + errors[axis];
+        }
+        self
+    }
+
+    /// Standard deviation of white noise of samples that are `period_s` apart.
+    #[must_use]
+    pub fn white_stddev(&self, period_s: f64) -> [f64; N] {
+        let mut stddev = self.stddev;
+        if period_s > 0.0 {
+            for axis in 0..N {
+                let of_density = self.density[axis] / libm::sqrt(period_s);
+                stddev[axis] = libm::sqrt(stddev[axis] * stddev[axis] + of_density * of_density);
+            }
+        }
+        stddev
+    }
+
+    /// True if it errs in nothing.
+    pub fn is_exact(&self) -> bool {
+        *self == Self { drift_time_s: self.drift_time_s, ..Self::default() }
+    }
+}
+
+/// Why an [`InstrumentConfig`] was refused: the parameter, and what it may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum InstrumentError {
+    /// A parameter is NaN or infinite.
+    NotFinite(&'static str),
+    /// A parameter is negative, NaN or infinite.
+    Negative(&'static str),
+    /// A parameter is not above 0.
+    NotPositive(&'static str),
+}
+
+impl core::fmt::Display for InstrumentError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NotFinite(name) => write!(f, "{name} must be finite numbers"),
+            Self::Negative(name) => write!(f, "{name} must be finite numbers, 0 or more"),
+            Self::NotPositive(name) => write!(f, "{name} must be above 0"),
+        }
+    }
+}
+
+impl core::error::Error for InstrumentError {}
+
+/// The biases of a running instrument, from [`Instrument::start`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InstrumentState<const N: usize> {
+    /// That of the run.
+    pub bias: [f64; N],
+    /// That which drifts, after the last frame.
+    pub drift: [f64; N],
+}
+
+/// An instrument of `N` axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instrument<const N: usize> {
+    config: InstrumentConfig<N>,
+}
+
+impl<const N: usize> Instrument<N> {
+    /// Of these errors.
+    ///
+    /// # Errors
+    /// Names the first parameter that is not finite, or below its range.
+    pub fn new(config: InstrumentConfig<N>) -> Result<Self, InstrumentError> {
+        let InstrumentConfig { sensitivity, mean, bias_mean, drift_time_s, limit, .. } = &config;
+        if !sensitivity.iter().flatten().all(|part| part.is_finite()) {
+            return Err(InstrumentError::NotFinite("sensitivity"));
+        }
+        for (name, values) in [("mean", mean), ("bias_mean", bias_mean)] {
+            if !values.iter().all(|value| value.is_finite()) {
+                return Err(InstrumentError::NotFinite(name));
+            }
+        }
+        let InstrumentConfig { stddev, density, bias_stddev, drift, precision, .. } = &config;
+        for (name, values) in [
+            ("stddev", stddev),
+            ("density", density),
+            ("bias_stddev", bias_stddev),
+            ("drift", drift),
+            ("precision", precision),
+        ] {
+            if !values.iter().all(|value| value.is_finite() && *value >= 0.0) {
+                return Err(InstrumentError::Negative(name));
+            }
+        }
+        if !drift_time_s.iter().all(|time| *time > 0.0) {
+            return Err(InstrumentError::NotPositive("drift_time_s"));
+        }
+        if limit.is_nan() || *limit <= 0.0 {
+            return Err(InstrumentError::NotPositive("limit"));
+        }
+        Ok(Self { config })
+    }
+
+    /// What it was made from.
+    pub const fn config(&self) -> &InstrumentConfig<N> {
+        &self.config
+    }
+
+    /// Begins a run of the instrument that draws from the stream's channel of its seed and sensor.
+    pub fn start(&self, stream: &Stream) -> InstrumentState<N> {
+        // Samples that no frame draws: theirs are below 2·N.
+        let of_run = Stream { frame: 0, ..*stream };
+        let mut normals = [0.0; N];
+        fill_standard_normal(best_level(), &of_run, RUN, &mut normals);
+        let mut bias = [0.0; N];
+        for axis in 0..N {
+            let size = self.config.bias_mean[axis] + self.config.bias_stddev[axis] * f64::from(normals[axis]);
+            let is_turned = of_run.word(RUN_SIGN + axis as u32) >> 31 == 1;
+            bias[axis] = if is_turned { -size } else { size };
+        }
+        InstrumentState { bias, drift: [0.0; N] }
+    }
+
+    /// What it reads of `truth` in a frame that comes `period_s` after the one before; `stream` names seed, sensor, frame
+    /// and its own channel. Frames have to be measured one after the other, since a bias that drifts goes on from the
+    /// last.
+    pub fn measure(
+        &self,
+        truth: [f64; N],
+        period_s: f64,
+        stream: &Stream,
+        state: &mut InstrumentState<N>,
+    ) -> [f64; N] {
+        let config = &self.config;
+        let mut normals = [[0.0; N]; 2];
+        fill_standard_normal(best_level(), stream, 0, normals.as_flattened_mut());
+        let white = config.white_stddev(period_s);
+        let mut read = [0.0; N];
+        for axis in 0..N {
+            state.drift[axis] = self.drifted(axis, state.drift[axis], period_s, normals[1][axis]);
+            let mut value = 0.0;
+            for part in 0..N {
+                value += config.sensitivity[axis][part] * truth[part];
+            }
+            value += config.mean[axis] + state.bias[axis] + state.drift[axis];
+            value += white[axis] * f64::from(normals[0][axis]);
+            let precision = config.precision[axis];
+            if precision > 0.0 {
+                value = libm::round(value / precision) * precision;
+            }
+            read[axis] = value.clamp(-config.limit, config.limit);
+        }
+        read
+    }
+
+    /// The bias of an axis `period_s` after it was `bias`.
+    fn drifted(&self, axis: usize, bias: f64, period_s: f64, normal: f32) -> f64 {
+        let (drift, time_s) = (self.config.drift[axis], self.config.drift_time_s[axis]);
+        if drift == 0.0 || period_s <= 0.0 {
+            return bias;
+        }
+        let kept = libm::exp(-period_s / time_s);
+        let variance =
+            if time_s.is_finite() { -0.5 * time_s * libm::expm1(-2.0 * period_s / time_s) } else { period_s };
+        kept * bias + drift * libm::sqrt(variance) * f64::from(normal)
+    }
+}
+
+/// First sample of the biases of a run, and of their signs, of frame 0.
+const RUN: u32 = 1 << 16;
+const RUN_SIGN: u32 = 1 << 17;

@@ -1,0 +1,139 @@
+//! `belvedere info`: what is in a recording.
+
+use super::error::CliError;
+use super::follow::print_line;
+use super::replay::open;
+use crate::recording::{Item, RecordedStream, RecordingError};
+use indicatif::HumanBytes;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Show what is in a recording: how it came about, its streams, how much of each.
+///
+/// Every byte is looked at, and what is whole of a file that was cut off is told; then the exit code is 1.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:\n  belvedere info run.mcap\n  belvedere info run.mcap.active --json")]
+pub struct InfoArgs {
+    /// The recording
+    file: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is found.
+#[derive(Default)]
+struct Found {
+    about: BTreeMap<String, String>,
+    streams: BTreeMap<String, RecordedStream>,
+    hashes: BTreeMap<String, String>,
+    /// By topic: type of the messages, how many, bytes.
+    channels: BTreeMap<String, (String, u64, u64)>,
+    frames: BTreeMap<String, u64>,
+    times_ns: Option<[u64; 2]>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CliError::Recording`] when the file is none, or not whole.
+pub fn run(args: &InfoArgs) -> Result<(), CliError> {
+    let mut recording = open(&args.file)?;
+    let mut found = Found::default();
+    let ended = loop {
+        match recording.next_item() {
+            Ok(Some(item)) => found.add(item),
+            Ok(None) => break Ok(()),
+            Err(error) => break Err(error),
+        }
+    };
+    if !matches!(ended, Err(RecordingError::NotMcap | RecordingError::Io(_))) {
+        let bytes = std::fs::metadata(&args.file).map_or(0, |metadata| metadata.len());
+        if args.json {
+            print_line(&found.json(recording.library(), bytes, ended.is_ok()).to_string())?;
+        } else {
+            print_line(found.text(recording.library(), bytes).trim_end())?;
+        }
+    }
+    ended.map_err(|source| CliError::Recording {
+        action: "read all of",
+        path: args.file.clone(),
+        source: Box::new(source),
+    })
+}
+
+impl Found {
+    fn add(&mut self, item: Item) {
+        match item {
+            Item::About(about) => self.about = about,
+            Item::Hashes(hashes) => self.hashes = hashes,
+            Item::Stream(stream) => {
+                self.streams.insert(stream.topic.clone(), stream);
+            }
+            Item::Message(message) => {
+                let channel = self.channels.entry(message.topic).or_default();
+                channel.0 = message.type_name;
+                channel.1 += 1;
+                channel.2 += message.data.len() as u64;
+                self.cover(message.log_time_ns);
+            }
+            Item::Frame(frame) => {
+                *self.frames.entry(frame.topic).or_default() += 1;
+                self.cover(frame.log_time_ns);
+            }
+        }
+    }
+
+    fn cover(&mut self, time_ns: u64) {
+        let [first, last] = self.times_ns.unwrap_or([time_ns; 2]);
+        self.times_ns = Some([first.min(time_ns), last.max(time_ns)]);
+    }
+
+    fn text(&self, library: &str, bytes: u64) -> String {
+        let [first, last] = self.times_ns.unwrap_or_default().map(|time_ns| time_ns as f64 * 1e-9);
+        let mut lines = vec![format!(
+            "{}, {:.3} s of simulated time from {first:.3} s on, written by {library}",
+            HumanBytes(bytes),
+            last - first
+        )];
+        lines.extend(self.about.iter().map(|(name, word)| format!("  {name}: {word}")));
+        if !self.streams.is_empty() {
+            lines.push("streams".to_owned());
+        }
+        let width = self.streams.keys().map(String::len).max().unwrap_or(0);
+        for (topic, stream) in &self.streams {
+            let frames = self.frames.get(topic).copied().unwrap_or(0);
+            let hash = self.hashes.get(topic).map_or("", String::as_str);
+            lines.push(format!("  /{topic:width$}  {:16}  {frames:>8} frames  {hash}", stream.kind));
+        }
+        lines.push("messages".to_owned());
+        let width = self.channels.keys().map(String::len).max().unwrap_or(0);
+        for (topic, (type_name, count, bytes)) in &self.channels {
+            lines.push(format!("  {topic:width$}  {type_name:26}  {count:>8}  {}", HumanBytes(*bytes)));
+        }
+        lines.join("\n")
+    }
+
+    fn json(&self, library: &str, bytes: u64, is_complete: bool) -> Value {
+        let stream = |(topic, stream): (&String, &RecordedStream)| {
+            json!({
+                "topic": format!("/{topic}"),
+                "kind": stream.kind.as_str(),
+                "encoding": stream.encoding.as_str(),
+                "frames": self.frames.get(topic).copied().unwrap_or(0),
+                "hash": self.hashes.get(topic),
+            })
+        };
+        let channel = |(topic, (type_name, count, bytes)): (&String, &(String, u64, u64))| json!({ "topic": topic, "type": type_name, "messages": count, "bytes": bytes });
+        json!({
+            "library": library,
+            "bytes": bytes,
+            "complete": is_complete,
+            "times_ns": self.times_ns,
+            "about": self.about,
+            "streams": self.streams.iter().map(stream).collect::<Vec<_>>(),
+            "messages": self.channels.iter().map(channel).collect::<Vec<_>>(),
+        })
+    }
+}

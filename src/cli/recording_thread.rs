@@ -1,0 +1,67 @@
+//! The recorder beside a simulator in one process.
+
+use super::error::CliError;
+use super::follow::NAP;
+use super::record::{RECORDER, finish, start};
+use crate::recording::{Recorder, RecorderOptions, about};
+use belvedere_bridge::{Domain, Node};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How often new streams are looked for.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// A recording that goes on beside this thread.
+pub(super) struct RecordingThread {
+    path: PathBuf,
+    stop: Arc<AtomicBool>,
+    thread: JoinHandle<Recorder>,
+}
+
+impl RecordingThread {
+    /// Begins to record all that is published in the domain now; `words` are added to those on how it came about.
+    pub(super) fn start(
+        domain: &Domain,
+        path: &Path,
+        replace: bool,
+        words: BTreeMap<String, String>,
+    ) -> Result<Self, CliError> {
+        // A node of its own: by its name the simulation waits for it.
+        let node = Node::open(domain, RECORDER)?;
+        let about = about(domain).into_iter().chain(words).collect();
+        let options = RecorderOptions { replace, about, ..RecorderOptions::default() };
+        let mut recorder = start(node, path, &options)?;
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        let thread = std::thread::Builder::new()
+            .name("recorder".into())
+            .spawn(move || {
+                let mut next_look = Instant::now() + LOOK;
+                while !stopped.load(Ordering::Relaxed) {
+                    std::thread::sleep(NAP);
+                    if Instant::now() >= next_look {
+                        next_look = Instant::now() + LOOK;
+                        if let Err(error) = recorder.look() {
+                            tracing::warn!(%error, "new streams are not recorded");
+                        }
+                    }
+                }
+                recorder
+            })
+            .map_err(CliError::NoThread)?;
+        Ok(Self { path: path.to_owned(), stop, thread })
+    }
+
+    /// Takes what still waits, and ends the file.
+    pub(super) fn finish(self) -> Result<(), CliError> {
+        self.stop.store(true, Ordering::Relaxed);
+        match self.thread.join() {
+            Ok(recorder) => finish(recorder, &self.path, false),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    }
+}

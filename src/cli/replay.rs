@@ -1,0 +1,121 @@
+//! `belvedere replay`: a recording in the place of a simulator.
+
+use super::error::CliError;
+use super::follow::{DomainArgs, listen_for_stop, print_line, seconds, stop_wanted};
+use crate::recording::{Ending, Pace, Player, PlayerOptions, RecordingError, RecordingReader};
+use crate::server::attendance::Awaited;
+use belvedere_bridge::Node;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Play a recording: the same streams with the same frames, as if the simulator ran.
+///
+/// Consumers of any language cannot tell it from the simulator, but for a flag in the header. `belvedere control pause`,
+/// `resume` and `step` work on it; a step is from one message of the clock to the next.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  belvedere replay run.mcap
+  belvedere replay run.mcap --rate 0.5 --start 10 --duration 5 --loop
+  belvedere replay run.mcap --paused        (then: belvedere control step 10)
+  belvedere replay run.mcap --rate max --wait-for recorder=12")]
+pub struct ReplayArgs {
+    /// The recording
+    file: PathBuf,
+    #[command(flatten)]
+    domain: DomainArgs,
+    /// Recorded seconds in a second, or max: as fast as it can
+    #[arg(long, value_name = "RATE", value_parser = pace, default_value = "1", allow_negative_numbers = true)]
+    rate: Pace,
+    /// Begin so many seconds after the beginning
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "0", allow_negative_numbers = true)]
+    start: Duration,
+    /// Play so many recorded seconds
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    duration: Option<Duration>,
+    /// Begin again at the end
+    #[arg(long = "loop")]
+    again: bool,
+    /// Begin standing, until `belvedere control resume` or `step`
+    #[arg(long)]
+    paused: bool,
+    /// Lose no frame of this consumer (the name of its node), and begin when it follows a stream (or as many as follow =);
+    /// may be repeated
+    #[arg(long, value_name = "NAME[=STREAMS]")]
+    wait_for: Vec<Awaited>,
+    /// How long a frame waits for one of them
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "wait_for", default_value = "10")]
+    patience: Duration,
+}
+
+fn pace(text: &str) -> Result<Pace, String> {
+    if text == "max" {
+        return Ok(Pace::Max);
+    }
+    match text.parse() {
+        Ok(rate) if rate > 1e-6 && rate < 1e6 => Ok(Pace::Rate(rate)),
+        _ => Err("a number greater than 0 is wanted, such as 0.5, or max".into()),
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CliError::Recording`] when the file cannot be played; failures of the bridge.
+pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
+    let failed =
+        |source| CliError::Recording { action: "play", path: args.file.clone(), source: Box::new(source) };
+    let mut recording = open(&args.file)?;
+    listen_for_stop()?;
+    let node = Node::open(&args.domain.domain, "belvedere")?;
+    let options = PlayerOptions {
+        pace: args.rate,
+        start: args.start,
+        duration: args.duration,
+        paused: args.paused,
+        wait_for: args.wait_for.clone(),
+        patience: args.patience,
+    };
+    let mut player = Player::open(node, options).map_err(failed)?;
+    tracing::info!(
+        "{} in domain {}; a second terminal: belvedere list, belvedere hz TOPIC",
+        args.file.display(),
+        args.domain.domain
+    );
+    loop {
+        let ending = match player.play(recording, |_| !stop_wanted()) {
+            // All that is whole was played.
+            Err(error @ RecordingError::Cut) if player.frames() > 0 => {
+                tracing::warn!("{}: {error}", args.file.display());
+                Ending::Played
+            }
+            ending => ending.map_err(failed)?,
+        };
+        if ending == Ending::Stopped || !args.again || player.frames() == 0 {
+            break;
+        }
+        recording = open(&args.file)?;
+    }
+    print_line(&format!("{}: {} frames played", args.file.display(), player.frames()))
+}
+
+/// Opens a recording.
+pub(super) fn open(path: &Path) -> Result<RecordingReader<BufReader<File>>, CliError> {
+    let file = File::open(path).map_err(|source| CliError::Input { path: path.to_owned(), source })?;
+    Ok(RecordingReader::new(BufReader::with_capacity(1 << 20, file)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_are_positive() {
+        assert_eq!(pace("0.5"), Ok(Pace::Rate(0.5)));
+        assert_eq!(pace("max"), Ok(Pace::Max));
+        for bad in ["0", "-1", "nan", "inf", "fast", ""] {
+            assert!(pace(bad).is_err(), "{bad}");
+        }
+    }
+}

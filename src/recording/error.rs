@@ -1,0 +1,50 @@
+//! What can be wrong with a recording.
+
+use belvedere_bridge::FrameError;
+
+/// Why a recording cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// The system's words.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    /// It does not begin as MCAP does.
+    #[error("it is no MCAP file")]
+    NotMcap,
+    /// It is MCAP, and broken.
+    #[error("it is broken: {0}")]
+    Broken(String),
+    /// It ends before its end.
+    #[error("it ends in the middle, as after a crash or while it is still being written")]
+    Cut,
+    /// A frame that nobody could read.
+    #[error("a frame of /{topic} is wrong: {error}")]
+    Frame {
+        /// Without a leading slash.
+        topic: String,
+        /// What.
+        error: FrameError,
+    },
+    /// MCAP, and not of ours.
+    #[error("it has no frames of Belvedere, which a replay needs; it was written by \"{library}\"")]
+    Foreign {
+        /// What its header says.
+        library: String,
+    },
+    /// A stream cannot be opened or sent to.
+    #[error(transparent)]
+    Bridge(#[from] belvedere_bridge::Error),
+}
+
+impl From<mcap::McapError> for RecordingError {
+    fn from(error: mcap::McapError) -> Self {
+        use mcap::McapError as E;
+        match error {
+            E::Io(error) => Self::Io(error),
+            E::BadMagic => Self::NotMcap,
+            E::UnexpectedEof | E::UnexpectedEoc => Self::Cut,
+            error => Self::Broken(error.to_string()),
+        }
+    }
+}

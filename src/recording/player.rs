@@ -1,0 +1,349 @@
+//! [`Player`]: a recording as if the simulator ran.
+
+use super::reader::{Item, RecordedFrame, RecordingReader};
+use super::{RecordedStream, RecordingError};
+use crate::server::attendance::Awaited;
+use crate::server::inbox::{Inbox, Request};
+use belvedere_bridge::payload::SimulationCommand;
+use belvedere_bridge::{FrameHeader, Kind, Lossless, Node, Operation, Publisher, StreamSpec};
+use std::collections::{BTreeMap, HashMap};
+use std::io::Read;
+use std::time::{Duration, Instant};
+
+/// How often those who have come late are given the last frame of streams that are sent seldom.
+const UPDATE_INTERVAL: Duration = Duration::from_millis(100);
+/// Longest sleep before the caller is asked whether to go on.
+const NAP: Duration = Duration::from_millis(20);
+
+/// How fast a recording is played.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pace {
+    /// So many recorded seconds in a second; greater than 0.
+    Rate(f64),
+    /// As fast as it can.
+    Max,
+}
+
+/// How a recording is played.
+#[derive(Debug, Clone)]
+pub struct PlayerOptions {
+    /// How fast.
+    pub pace: Pace,
+    /// Where to begin: seconds after the beginning of the recording.
+    pub start: Duration,
+    /// How much of it; all if there is none.
+    pub duration: Option<Duration>,
+    /// Whether to begin standing, until a command resumes or steps it.
+    pub paused: bool,
+    /// Consumers that lose no frame and are waited for before the first.
+    pub wait_for: Vec<Awaited>,
+    /// How long a frame waits for one of them.
+    pub patience: Duration,
+}
+
+impl Default for PlayerOptions {
+    /// All of it, as it was.
+    fn default() -> Self {
+        Self {
+            pace: Pace::Rate(1.0),
+            start: Duration::ZERO,
+            duration: None,
+            paused: false,
+            wait_for: Vec::new(),
+            patience: Lossless::PATIENCE,
+        }
+    }
+}
+
+/// Plays recordings into a domain: the same streams with the same frames, in the order and at the distances of the
+/// recording. Of a header only the counter, the session and the time of sending are the replay's own, and
+/// [`FrameHeader::REPLAYED`] is set. Commands pause, resume and step it as they do a simulator.
+pub struct Player {
+    node: Node,
+    inbox: Inbox,
+    options: PlayerOptions,
+    streams: HashMap<String, Publisher>,
+    paused: bool,
+    /// Steps to go, and who is told when they are done.
+    steps: Option<(u64, SimulationCommand)>,
+    next_update: Instant,
+    time_ns: u64,
+    has_clock: bool,
+    frames: u64,
+}
+
+/// Whether there is more to play.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// The recording has ended, or what was asked for of it.
+    Played,
+    /// The caller did not want more.
+    Stopped,
+}
+
+impl Player {
+    /// Takes the simulator's place in a domain.
+    ///
+    /// # Errors
+    /// When a simulator, or another replay, is there.
+    pub fn open(node: Node, options: PlayerOptions) -> Result<Self, RecordingError> {
+        let inbox = Inbox::open(&node)?;
+        Ok(Self {
+            node,
+            inbox,
+            paused: options.paused,
+            options,
+            streams: HashMap::new(),
+            steps: None,
+            next_update: Instant::now(),
+            time_ns: 0,
+            has_clock: false,
+            frames: 0,
+        })
+    }
+
+    /// Simulated time, nanoseconds: that of the clock that was sent last.
+    pub fn time_ns(&self) -> u64 {
+        self.time_ns
+    }
+
+    /// Frames sent.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// Plays a recording once. `go_on` is asked some fifty times a second.
+    ///
+    /// # Errors
+    /// [`RecordingError::Foreign`] when no frame is in it; [`RecordingError::Cut`] at the end of one that is cut, all
+    /// of which was played; those of the streams.
+    pub fn play<R: Read>(
+        &mut self,
+        mut recording: RecordingReader<R>,
+        mut go_on: impl FnMut(&Self) -> bool,
+    ) -> Result<Ending, RecordingError> {
+        let mut clock: Option<PlayClock> = None;
+        let mut waited = self.options.wait_for.is_empty();
+        while let Some(item) = recording.next_item()? {
+            match item {
+                Item::Stream(stream) => self.add(&stream)?,
+                Item::Frame(frame) => {
+                    let clock = clock.get_or_insert_with(|| PlayClock::new(frame.log_time_ns));
+                    let since_start = Duration::from_nanos(frame.log_time_ns.saturating_sub(clock.first_ns));
+                    if since_start < self.options.start {
+                        clock.skip_to(frame.log_time_ns);
+                        // What is told once is wanted by those who begin later, too.
+                        if matches!(frame.header.kind(), Some(Kind::StaticTransforms | Kind::SensorSettings))
+                        {
+                            self.send(&frame)?;
+                        }
+                        continue;
+                    }
+                    let end = self.options.duration.map(|duration| self.options.start + duration);
+                    if end.is_some_and(|end| since_start >= end) {
+                        return Ok(Ending::Played);
+                    }
+                    if !waited {
+                        waited = self.gather(&mut go_on)?;
+                    }
+                    if !waited || !self.wait_until_due(clock, frame.log_time_ns, &mut go_on)? {
+                        return Ok(Ending::Stopped);
+                    }
+                    self.send(&frame)?;
+                    self.count_step(&frame);
+                }
+                _ => {}
+            }
+        }
+        if clock.is_none() {
+            return Err(RecordingError::Foreign { library: recording.library().to_owned() });
+        }
+        Ok(Ending::Played)
+    }
+
+    fn add(&mut self, stream: &RecordedStream) -> Result<(), RecordingError> {
+        if self.streams.contains_key(&stream.topic) {
+            return Ok(());
+        }
+        let lossless = (!self.options.wait_for.is_empty()).then(|| Lossless {
+            consumers: self.options.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),
+            patience: self.options.patience,
+        });
+        let publisher = self.node.publisher(&StreamSpec { lossless, ..stream.spec() })?;
+        self.streams.insert(stream.topic.clone(), publisher);
+        Ok(())
+    }
+
+    /// Waits until all consumers that are waited for follow as many streams as they should; false if `go_on` ends it.
+    fn gather(&mut self, go_on: &mut impl FnMut(&Self) -> bool) -> Result<bool, RecordingError> {
+        loop {
+            let mut following: BTreeMap<String, usize> = BTreeMap::new();
+            for consumer in self.streams.values().flat_map(Publisher::consumers) {
+                *following.entry(consumer.name).or_default() += 1;
+            }
+            let is_there = |awaited: &Awaited| {
+                following.get(&awaited.name).is_some_and(|&count| count >= awaited.streams)
+            };
+            if self.options.wait_for.iter().all(is_there) {
+                return Ok(true);
+            }
+            if !go_on(self) {
+                return Ok(false);
+            }
+            self.node.clean_up_dead();
+            self.look_after(NAP)?;
+        }
+    }
+
+    /// Waits until a frame is due, through all pauses; false if `go_on` ends it.
+    fn wait_until_due(
+        &mut self,
+        clock: &mut PlayClock,
+        log_time_ns: u64,
+        go_on: &mut impl FnMut(&Self) -> bool,
+    ) -> Result<bool, RecordingError> {
+        loop {
+            let now = Instant::now();
+            if now >= self.next_update {
+                if !go_on(self) {
+                    return Ok(false);
+                }
+                self.next_update = now + UPDATE_INTERVAL;
+                self.streams.values().try_for_each(Publisher::update)?;
+            }
+            self.serve();
+            if self.paused && self.steps.is_none() {
+                clock.stand();
+                if !go_on(self) {
+                    return Ok(false);
+                }
+                self.look_after(NAP)?;
+                continue;
+            }
+            let left = match self.options.pace {
+                Pace::Rate(rate) if self.steps.is_none() => clock.left(log_time_ns, rate),
+                // Steps are done at once, and time goes on from where they end.
+                _ => {
+                    clock.skip_to(log_time_ns);
+                    Duration::ZERO
+                }
+            };
+            if left.is_zero() {
+                return Ok(true);
+            }
+            if left > NAP && !go_on(self) {
+                return Ok(false);
+            }
+            self.inbox.wait(left.min(NAP));
+        }
+    }
+
+    fn look_after(&mut self, nap: Duration) -> Result<(), RecordingError> {
+        self.streams.values().try_for_each(Publisher::update)?;
+        self.inbox.wait(nap);
+        self.serve();
+        Ok(())
+    }
+
+    fn serve(&mut self) {
+        while let Some(request) = self.inbox.take() {
+            if let Some(outcome) = self.obey(&request) {
+                self.inbox.answer(&request.command, self.time_ns, &outcome);
+            }
+        }
+    }
+
+    /// What became of a command; nothing yet for one that takes time.
+    fn obey(&mut self, request: &Request) -> Option<Result<(), String>> {
+        match request.operation() {
+            Some(Operation::Pause) => self.paused = true,
+            Some(Operation::Resume) => self.paused = false,
+            Some(Operation::Step) if request.command.steps > 0 => {
+                self.paused = true;
+                if let Some((_, before)) = self.steps.replace((request.command.steps, request.command)) {
+                    self.inbox.answer(&before, self.time_ns, &Err("another step was asked for".into()));
+                }
+                return None;
+            }
+            Some(Operation::Step) => {}
+            _ => return Some(Err("this is a replay, which can be paused, resumed and stepped".into())),
+        }
+        Some(Ok(()))
+    }
+
+    /// A step is from one message of the clock to the next.
+    fn count_step(&mut self, frame: &RecordedFrame) {
+        if frame.header.kind() != Some(Kind::Clock) {
+            return;
+        }
+        match &mut self.steps {
+            Some((left, _)) if *left > 1 => *left -= 1,
+            steps => {
+                if let Some((_, command)) = steps.take() {
+                    self.inbox.answer(&command, self.time_ns, &Ok(()));
+                }
+            }
+        }
+    }
+
+    fn send(&mut self, frame: &RecordedFrame) -> Result<(), RecordingError> {
+        let Some(publisher) = self.streams.get(&frame.topic) else {
+            return Err(RecordingError::Broken(format!(
+                "a frame is of /{}, which is nowhere described",
+                frame.topic
+            )));
+        };
+        let mut loaned = publisher.loan(frame.payload.len())?;
+        loaned.payload_mut().copy_from_slice(&frame.payload);
+        let flags = frame.header.flags | FrameHeader::REPLAYED;
+        *loaned.header_mut() =
+            FrameHeader { flags, payload_len: frame.payload.len() as u64, ..*frame.header };
+        loaned.send()?;
+        // Streams are recorded side by side, so that some are ahead of the clock by a message; a recording of others'
+        // streams may have none.
+        if frame.header.kind() == Some(Kind::Clock) {
+            (self.has_clock, self.time_ns) = (true, frame.header.stamp_ns);
+        } else if !self.has_clock {
+            self.time_ns = self.time_ns.max(frame.header.stamp_ns);
+        }
+        self.frames += 1;
+        Ok(())
+    }
+}
+
+/// When recorded times are due.
+struct PlayClock {
+    first_ns: u64,
+    /// A recorded time, and when it was.
+    last_ns: u64,
+    last_at: Instant,
+}
+
+impl PlayClock {
+    fn new(first_ns: u64) -> Self {
+        Self { first_ns, last_ns: first_ns, last_at: Instant::now() }
+    }
+
+    /// Time does not pass.
+    fn stand(&mut self) {
+        self.last_at = Instant::now();
+    }
+
+    /// This recorded time is now.
+    fn skip_to(&mut self, time_ns: u64) {
+        self.last_ns = time_ns;
+        self.stand();
+    }
+
+    /// How long it is to a recorded time; it becomes the last one when that is nothing.
+    fn left(&mut self, time_ns: u64, rate: f64) -> Duration {
+        let recorded = time_ns.saturating_sub(self.last_ns) as f64 * 1e-9;
+        // More than a year is for ever.
+        let due = Duration::from_secs_f64((recorded / rate).min(3e7));
+        let left = due.saturating_sub(self.last_at.elapsed());
+        if left.is_zero() {
+            (self.last_ns, self.last_at) = (time_ns, self.last_at + due);
+        }
+        left
+    }
+}

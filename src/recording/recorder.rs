@@ -1,0 +1,388 @@
+//! [`Recorder`]: all streams of a domain into a file.
+
+use super::stream::RecordedStream;
+use super::writer::{Compression, RecordingWriter, StreamId, StreamTally};
+use super::{NewFile, RecordingError};
+use belvedere_bridge::{Domain, FrameHeader, Node, StreamInfo, Subscriber, clock};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError, SyncSender};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// What is lost at most when the process is killed.
+const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
+/// How long a frame waits for those that were sent before it and are taken by other threads.
+const ORDER_NS: u64 = 250_000_000;
+/// How long a stream's thread sleeps before it looks whether it is to end.
+const NAP: Duration = Duration::from_millis(50);
+/// The topic that is always recorded: by it a reset is known.
+const CLOCK: &str = "clock";
+/// Memory of at most so many frames is kept for those to come, if it is large.
+const MOST_SPARE: usize = 16;
+const LARGE: usize = 1 << 16;
+/// Bytes of frames that may wait for the disk; then streams wait, and those that are not lossless lose frames.
+const MOST_WAITING: u64 = 1 << 29;
+
+/// What is recorded, and how.
+#[derive(Debug, Clone, Default)]
+pub struct RecorderOptions {
+    /// Topics, with or without a leading slash; all if there are none. The clock is always recorded.
+    pub topics: Vec<String>,
+    /// How the file is compressed.
+    pub compression: Compression,
+    /// Whether a file of that name is replaced.
+    pub replace: bool,
+    /// Words on how the recording came about.
+    pub about: BTreeMap<String, String>,
+}
+
+/// How far a recording is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Progress {
+    /// Streams that are followed.
+    pub streams: usize,
+    /// Of them, those that have a publisher now.
+    pub publishers: usize,
+    /// Frames taken.
+    pub frames: u64,
+    /// Frames that were sent and could not be taken in time.
+    pub missed: u64,
+    /// Bytes of messages written, before compression.
+    pub bytes: u64,
+}
+
+/// Records the streams of a domain, a thread each, until it is [finished](Self::finish).
+///
+/// As its node has a name, a simulation that waits for that name loses it no frame.
+pub struct Recorder {
+    node: Node,
+    file: NewFile,
+    wanted: BTreeSet<String>,
+    /// Topics that have been looked at.
+    known: BTreeSet<String>,
+    shared: Arc<Shared>,
+    sender: SyncSender<Note>,
+    followers: Vec<JoinHandle<()>>,
+    writer: JoinHandle<Result<Vec<StreamTally>, RecordingError>>,
+}
+
+/// What threads tell the one that writes.
+enum Note {
+    Stream(RecordedStream, usize),
+    Frame(usize, Box<FrameHeader>, Vec<u8>),
+}
+
+#[derive(Default)]
+struct Shared {
+    stop: AtomicBool,
+    /// The file cannot be written any more.
+    failed: AtomicBool,
+    publishers: AtomicUsize,
+    frames: AtomicU64,
+    missed: AtomicU64,
+    written: AtomicU64,
+    /// Memory of frames that were written, for those to come: what is got from the system and given back for each
+    /// picture is cleared page by page.
+    spare: Mutex<Vec<Vec<u8>>>,
+    waiting: Mutex<u64>,
+    room: Condvar,
+    missed_by_topic: Mutex<BTreeMap<String, u64>>,
+}
+
+impl Recorder {
+    /// Begins to record what there is in the domain, and what comes.
+    ///
+    /// # Errors
+    /// When the file cannot be made, or the domain cannot be joined.
+    pub fn start(node: Node, path: &Path, options: &RecorderOptions) -> Result<Self, RecordingError> {
+        let file = NewFile::create(path, options.replace)?;
+        let shared = Arc::new(Shared::default());
+        let (sender, notes) = mpsc::sync_channel(1024);
+        let writer = RecordingWriter::new(file.writer()?, options.compression, &options.about)?;
+        let writing = shared.clone();
+        let writer = std::thread::Builder::new()
+            .name("recording".into())
+            .spawn(move || write(writer, &notes, &writing))?;
+        let wanted = options.topics.iter().map(|topic| topic.trim_start_matches('/').to_owned()).collect();
+        let mut recorder = Self {
+            node,
+            file,
+            wanted,
+            known: BTreeSet::new(),
+            shared,
+            sender,
+            followers: Vec::new(),
+            writer,
+        };
+        recorder.look()?;
+        Ok(recorder)
+    }
+
+    /// Follows streams that have come since the last look.
+    ///
+    /// # Errors
+    /// When they cannot be listed or followed.
+    pub fn look(&mut self) -> Result<(), RecordingError> {
+        let mut new = Vec::new();
+        for info in self.node.streams()? {
+            let is_wanted =
+                self.wanted.is_empty() || self.wanted.contains(&info.topic) || info.topic == CLOCK;
+            // One that has no publisher yet does not tell its size.
+            let is_open = info.publishers > 0 || is_command(&info);
+            if !is_wanted || !is_open || !self.known.insert(info.topic.clone()) {
+                continue;
+            }
+            let Some(stream) = RecordedStream::new(&info) else { continue };
+            let mut subscriber = self.node.subscriber(&info.topic)?;
+            // Connected from here on: who waits for this consumer sees it.
+            subscriber.wait(Duration::ZERO)?;
+            let number = self.followers.len() + new.len();
+            // All of them are described before the first frame of any, so that a replay opens them together. The
+            // writer has ended when it could not write: it is asked at the end.
+            let _ = self.sender.send(Note::Stream(stream, number));
+            new.push((number, subscriber));
+        }
+        for (number, subscriber) in new {
+            let (sender, shared) = (self.sender.clone(), self.shared.clone());
+            let thread = std::thread::Builder::new()
+                .name(format!("record {number}"))
+                .spawn(move || follow(subscriber, number, &sender, &shared))?;
+            self.followers.push(thread);
+        }
+        Ok(())
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Progress {
+        let shared = &self.shared;
+        Progress {
+            streams: self.followers.len(),
+            publishers: shared.publishers.load(Ordering::Relaxed),
+            frames: shared.frames.load(Ordering::Relaxed),
+            missed: shared.missed.load(Ordering::Relaxed),
+            bytes: shared.written.load(Ordering::Relaxed),
+        }
+    }
+
+    /// Whether the file cannot be written any more; [`finish`](Self::finish) says why.
+    pub fn has_failed(&self) -> bool {
+        self.shared.failed.load(Ordering::Relaxed)
+    }
+
+    /// Frames that were lost of each topic.
+    pub fn missed(&self) -> BTreeMap<String, u64> {
+        self.shared.missed_by_topic.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Where the file is until it is complete.
+    pub fn active(&self) -> &Path {
+        self.file.active()
+    }
+
+    /// Takes what still waits, ends the file and gives it its name.
+    ///
+    /// # Errors
+    /// When the file could not be written; what was written stays under [`active`](Self::active).
+    pub fn finish(self) -> Result<Vec<StreamTally>, RecordingError> {
+        let Self { file, shared, sender, followers, writer, .. } = self;
+        shared.stop.store(true, Ordering::Relaxed);
+        shared.room.notify_all();
+        let all_ended = followers.into_iter().map(JoinHandle::join).all(|ended| ended.is_ok());
+        drop(sender);
+        let tallies = writer.join().map_err(|_| RecordingError::Broken("its thread panicked".into()))??;
+        if !all_ended {
+            return Err(RecordingError::Broken("a thread that follows a stream panicked".into()));
+        }
+        file.complete()?;
+        Ok(tallies)
+    }
+}
+
+/// Streams towards a robot, which exist before anybody sends.
+fn is_command(info: &StreamInfo) -> bool {
+    use belvedere_bridge::Kind::{MotorPower, ResetOdometry, VelocityCommand};
+    matches!(info.kind, Some(VelocityCommand | ResetOdometry | MotorPower))
+}
+
+/// Hands a stream's frames to the writer until it is to end.
+fn follow(mut subscriber: Subscriber, number: usize, sender: &SyncSender<Note>, shared: &Shared) {
+    let mut is_there = false;
+    loop {
+        let stopping = shared.stop.load(Ordering::Relaxed);
+        let nap = if stopping { Duration::ZERO } else { NAP };
+        match subscriber.wait(nap) {
+            Ok(true) => {}
+            Ok(false) if stopping => break,
+            Ok(false) => {
+                is_there = count(subscriber.publishers() > 0, is_there, &shared.publishers);
+                continue;
+            }
+            Err(error) => {
+                tracing::warn!(topic = subscriber.topic(), %error, "the stream cannot be followed");
+                std::thread::sleep(NAP);
+                if stopping {
+                    break;
+                }
+                continue;
+            }
+        }
+        is_there = count(true, is_there, &shared.publishers);
+        match subscriber.take() {
+            Ok(Some(frame)) => {
+                if frame.missed() > 0 {
+                    shared.missed.fetch_add(frame.missed(), Ordering::Relaxed);
+                    let mut missed = shared.missed_by_topic.lock().unwrap_or_else(PoisonError::into_inner);
+                    *missed.entry(subscriber.topic().to_owned()).or_default() += frame.missed();
+                }
+                // Copied, so that the stream has its memory back at once.
+                let (header, payload) = (Box::new(*frame.header()), shared.copied(frame.payload()));
+                drop(frame);
+                shared.wait_for_room(payload.len() as u64);
+                shared.frames.fetch_add(1, Ordering::Relaxed);
+                if sender.send(Note::Frame(number, header, payload)).is_err() {
+                    break;
+                }
+            }
+            Ok(None) => {}
+            Err(error) => tracing::warn!(topic = subscriber.topic(), %error, "a frame is not recorded"),
+        }
+    }
+    count(false, is_there, &shared.publishers);
+}
+
+/// Counts a change, and gives what is now.
+fn count(now: bool, before: bool, total: &AtomicUsize) -> bool {
+    match (before, now) {
+        (false, true) => {
+            total.fetch_add(1, Ordering::Relaxed);
+        }
+        (true, false) => {
+            total.fetch_sub(1, Ordering::Relaxed);
+        }
+        _ => {}
+    }
+    now
+}
+
+impl Shared {
+    fn copied(&self, bytes: &[u8]) -> Vec<u8> {
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        let fits =
+            (bytes.len() > LARGE).then(|| spare.iter().position(|memory| memory.capacity() >= bytes.len()));
+        let mut copy = fits.flatten().map_or_else(Vec::new, |at| spare.swap_remove(at));
+        drop(spare);
+        copy.clear();
+        copy.extend_from_slice(bytes);
+        copy
+    }
+
+    fn keep(&self, memory: Vec<u8>) {
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        if spare.len() < MOST_SPARE && memory.capacity() > LARGE {
+            spare.push(memory);
+        }
+    }
+
+    /// Waits while too much waits to be written.
+    fn wait_for_room(&self, bytes: u64) {
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        while *waiting > MOST_WAITING && !self.failed.load(Ordering::Relaxed) {
+            waiting = self.room.wait_timeout(waiting, NAP).unwrap_or_else(PoisonError::into_inner).0;
+        }
+        *waiting += bytes;
+    }
+
+    fn give_room(&self, bytes: u64) {
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        *waiting = waiting.saturating_sub(bytes);
+        self.room.notify_all();
+    }
+}
+
+/// A frame with the number of its stream.
+type Taken = (usize, Box<FrameHeader>, Vec<u8>);
+
+/// Frames that wait until those that were sent before them have come, too.
+#[derive(Default)]
+struct Order {
+    /// By the time of sending, and the order of arrival.
+    frames: BTreeMap<(u64, u64), Taken>,
+    arrived: u64,
+}
+
+impl Order {
+    fn add(&mut self, number: usize, header: Box<FrameHeader>, payload: Vec<u8>) {
+        self.arrived += 1;
+        self.frames.insert((header.publish_mono_ns, self.arrived), (number, header, payload));
+    }
+
+    /// The next frame, if it was sent before this time.
+    fn next(&mut self, before_mono_ns: u64) -> Option<Taken> {
+        let first = self.frames.first_entry()?;
+        (first.key().0 < before_mono_ns).then(|| first.remove())
+    }
+}
+
+/// Writes until all who send have ended.
+fn write<W: io::Write>(
+    mut writer: RecordingWriter<W>,
+    notes: &mpsc::Receiver<Note>,
+    shared: &Shared,
+) -> Result<Vec<StreamTally>, RecordingError> {
+    let written = write_all(&mut writer, notes, shared).and_then(|()| writer.finish());
+    if written.is_err() {
+        shared.failed.store(true, Ordering::Relaxed);
+        shared.room.notify_all();
+    }
+    written
+}
+
+fn write_all<W: io::Write>(
+    writer: &mut RecordingWriter<W>,
+    notes: &mpsc::Receiver<Note>,
+    shared: &Shared,
+) -> Result<(), RecordingError> {
+    let mut ids: BTreeMap<usize, StreamId> = BTreeMap::new();
+    let mut order = Order::default();
+    let mut next_flush = Instant::now() + FLUSH_INTERVAL;
+    let mut is_open = true;
+    while is_open {
+        match notes.recv_timeout(NAP) {
+            Ok(Note::Stream(stream, number)) => {
+                ids.insert(number, writer.add(&stream)?);
+            }
+            Ok(Note::Frame(number, header, payload)) => order.add(number, header, payload),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => is_open = false,
+        }
+        let before = if is_open { clock::mono_ns().saturating_sub(ORDER_NS) } else { u64::MAX };
+        while let Some((number, header, payload)) = order.next(before) {
+            if let Some(&id) = ids.get(&number) {
+                writer.write(id, &header, &payload)?;
+            }
+            shared.give_room(payload.len() as u64);
+            shared.keep(payload);
+        }
+        if Instant::now() >= next_flush {
+            next_flush = Instant::now() + FLUSH_INTERVAL;
+            writer.flush()?;
+        }
+        shared.written.store(writer.bytes(), Ordering::Relaxed);
+    }
+    Ok(())
+}
+
+/// The words of every recording: version, command line, domain.
+pub fn about(domain: &Domain) -> BTreeMap<String, String> {
+    let command_line: Vec<String> =
+        std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    BTreeMap::from([
+        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ("command_line".to_owned(), command_line.join(" ")),
+        ("domain".to_owned(), domain.to_string()),
+    ])
+}

@@ -1,0 +1,54 @@
+//! How ROS 1 lays a message out: little-endian, field after field, without alignment.
+
+/// Appends fields.
+pub(super) struct Bytes<'a>(pub(super) &'a mut Vec<u8>);
+
+impl Bytes<'_> {
+    pub(super) fn u8(&mut self, value: u8) {
+        self.0.push(value);
+    }
+
+    pub(super) fn u16(&mut self, value: u16) {
+        self.0.extend_from_slice(&value.to_le_bytes());
+    }
+
+    pub(super) fn u32(&mut self, value: u32) {
+        self.0.extend_from_slice(&value.to_le_bytes());
+    }
+
+    pub(super) fn u64(&mut self, value: u64) {
+        self.0.extend_from_slice(&value.to_le_bytes());
+    }
+
+    pub(super) fn f32(&mut self, value: f32) {
+        self.0.extend_from_slice(&value.to_le_bytes());
+    }
+
+    /// Numbers of a field whose count its type tells.
+    pub(super) fn f64s(&mut self, values: &[f64]) {
+        for value in values {
+            self.0.extend_from_slice(&value.to_le_bytes());
+        }
+    }
+
+    /// A field of any number of elements: their number.
+    pub(super) fn count(&mut self, count: usize) {
+        self.u32(count as u32);
+    }
+
+    pub(super) fn text(&mut self, text: &str) {
+        self.bytes(text.as_bytes());
+    }
+
+    /// A `uint8[]`.
+    pub(super) fn bytes(&mut self, bytes: &[u8]) {
+        self.count(bytes.len());
+        self.0.extend_from_slice(bytes);
+    }
+
+    /// Seconds and nanoseconds.
+    pub(super) fn time(&mut self, time_ns: u64) {
+        self.u32((time_ns / 1_000_000_000) as u32);
+        self.u32((time_ns % 1_000_000_000) as u32);
+    }
+}

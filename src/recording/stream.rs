@@ -1,0 +1,114 @@
+//! What a recording keeps of a stream, so that a replay can open it as it was.
+
+use belvedere_bridge::{Encoding, Kind, StreamInfo, StreamSpec};
+use std::collections::BTreeMap;
+
+/// A stream of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedStream {
+    /// Without a leading slash.
+    pub topic: String,
+    /// What it carries.
+    pub kind: Kind,
+    /// How it is coded.
+    pub encoding: Encoding,
+    /// The frame that the data are given in.
+    pub frame_id: String,
+    /// Frames per second that were intended.
+    pub rate_hz: Option<f64>,
+    /// Layers of a lidar.
+    pub layers: Option<u32>,
+    /// Largest payload in bytes; 0 if that was not known.
+    pub max_payload_len: usize,
+}
+
+/// Streams that a recording leaves out: commands to the simulator and its answers, which are about the run that was,
+/// and which a replay has of its own.
+const LEFT_OUT: [Kind; 2] = [Kind::SimulationCommand, Kind::SimulationResult];
+
+impl RecordedStream {
+    /// Of a stream of a domain; none for one that is not recorded, or of a kind that this version does not know.
+    pub fn new(info: &StreamInfo) -> Option<Self> {
+        let (kind, encoding) = (info.kind?, info.encoding?);
+        (!LEFT_OUT.contains(&kind)).then(|| Self {
+            topic: info.topic.clone(),
+            kind,
+            encoding,
+            frame_id: info.frame_id.clone(),
+            rate_hz: info.rate_hz,
+            layers: info.layers,
+            max_payload_len: info.max_payload_len,
+        })
+    }
+
+    /// As words of a metadata record.
+    pub(super) fn to_metadata(&self) -> BTreeMap<String, String> {
+        let mut words = BTreeMap::from([
+            ("topic", self.topic.clone()),
+            ("kind", self.kind.to_string()),
+            ("encoding", self.encoding.to_string()),
+            ("frame_id", self.frame_id.clone()),
+            ("max_payload_len", self.max_payload_len.to_string()),
+        ]);
+        if let Some(rate_hz) = self.rate_hz {
+            words.insert("rate_hz", rate_hz.to_string());
+        }
+        if let Some(layers) = self.layers {
+            words.insert("layers", layers.to_string());
+        }
+        words.into_iter().map(|(name, word)| (name.to_owned(), word)).collect()
+    }
+
+    /// The other way; none if a word is missing or wrong.
+    pub(super) fn from_metadata(words: &BTreeMap<String, String>) -> Option<Self> {
+        Some(Self {
+            topic: words.get("topic")?.clone(),
+            kind: words.get("kind")?.parse().ok()?,
+            encoding: words.get("encoding")?.parse().ok()?,
+            frame_id: words.get("frame_id")?.clone(),
+            rate_hz: words.get("rate_hz").map(|word| word.parse()).transpose().ok()?,
+            layers: words.get("layers").map(|word| word.parse()).transpose().ok()?,
+            max_payload_len: words.get("max_payload_len")?.parse().ok()?,
+        })
+    }
+
+    /// What a replay opens it with.
+    pub(super) fn spec(&self) -> StreamSpec {
+        let is_command = matches!(self.kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
+        let spec = if is_command {
+            StreamSpec::command(&self.topic, self.kind)
+        } else if self.encoding == Encoding::Struct {
+            StreamSpec::structs(&self.topic, self.kind, 1)
+        } else {
+            StreamSpec::new(&self.topic, self.kind, self.encoding, 0)
+        };
+        let max_payload_len = spec.max_payload_len.max(self.max_payload_len);
+        let (frame_id, rate_hz, layers) = (self.frame_id.clone(), self.rate_hz, self.layers);
+        StreamSpec { frame_id, rate_hz, layers, max_payload_len, ..spec }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn metadata_come_back() {
+        let full = RecordedStream {
+            topic: "robot1/scan".into(),
+            kind: Kind::LaserScan,
+            encoding: Encoding::RangesF32,
+            frame_id: "robot1/laser".into(),
+            rate_hz: Some(1.0 / 3.0),
+            layers: Some(16),
+            max_payload_len: 720 * 4,
+        };
+        let bare = RecordedStream { rate_hz: None, layers: None, frame_id: String::new(), ..full.clone() };
+        for stream in [full, bare] {
+            assert_eq!(RecordedStream::from_metadata(&stream.to_metadata()), Some(stream.clone()));
+            let mut words = stream.to_metadata();
+            words.insert("kind".into(), "of the future".into());
+            assert_eq!(RecordedStream::from_metadata(&words), None);
+        }
+    }
+}

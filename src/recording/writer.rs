@@ -1,0 +1,222 @@
+//! [`RecordingWriter`]: frames into MCAP.
+
+use super::RecordingError;
+use super::log_time::LogTime;
+use super::ros1::{self, MessageType, Payload, RosStream};
+use super::stream::RecordedStream;
+use belvedere_bridge::{FrameHeader, FrameView};
+use mcap::WriteOptions;
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
+use std::collections::BTreeMap;
+use std::io::Write;
+use xxhash_rust::xxh3::Xxh3;
+
+/// Bytes after which a chunk ends: what a reader has to take at once.
+const CHUNK_BYTES: u64 = 4 << 20;
+
+/// Before the topics of the frames beside ROS's messages.
+pub(super) const FRAMES: &str = "/belvedere/frames/";
+
+/// Name of the metadata record that is about the recording.
+pub(super) const ABOUT: &str = "belvedere";
+/// Name of those that are about a stream, each.
+pub(super) const STREAM: &str = "belvedere.stream";
+/// Name of the one with the hash of each stream, at the end.
+pub(super) const HASHES: &str = "belvedere.hashes";
+
+/// How chunks are compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Compression {
+    /// Not at all: the least work.
+    None,
+    /// LZ4: a third of the size for some milliseconds a picture.
+    #[default]
+    Lz4,
+}
+
+/// A stream by its place in a [`RecordingWriter`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StreamId(usize);
+
+/// What was recorded of a stream.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StreamTally {
+    /// Without a leading slash.
+    pub topic: String,
+    /// Frames.
+    pub frames: u64,
+    /// Hash of their stamps and payloads: that of `belvedere run --hash`, if all of them are here.
+    pub hash: u128,
+}
+
+/// Writes a recording.
+///
+/// Each frame of a stream that ROS has a message for becomes that message, on ROS's topic; beside it, on a topic of its
+/// own, is what the message leaves out, so that a replay has every byte. A recording that is not
+/// [finished](Self::finish) has no index; it can be read up to the last [`flush`](Self::flush).
+pub struct RecordingWriter<W: Write> {
+    file: mcap::Writer<NoSeek<W>>,
+    streams: Vec<Stream>,
+    time: LogTime,
+    message: Vec<u8>,
+    frame: Vec<u8>,
+    bytes: u64,
+}
+
+struct Stream {
+    topic: String,
+    ros: Option<RosStream>,
+    /// Of ROS's messages, and of the frames beside them; made at the first frame.
+    channels: Option<(Option<u16>, u16)>,
+    frames: u64,
+    hash: Xxh3,
+}
+
+impl<W: Write> RecordingWriter<W> {
+    /// Begins a recording; `about` are words on how it came about.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn new(
+        output: W,
+        compression: Compression,
+        about: &BTreeMap<String, String>,
+    ) -> Result<Self, RecordingError> {
+        let compression = match compression {
+            Compression::None => None,
+            Compression::Lz4 => Some(mcap::Compression::Lz4),
+        };
+        // Without seeking a chunk is written when it is whole: nothing is cut in two by a kill.
+        let options = WriteOptions::new()
+            .profile("ros1")
+            .library(format!("belvedere {}", env!("CARGO_PKG_VERSION")))
+            .compression(compression)
+            .chunk_size(Some(CHUNK_BYTES))
+            .disable_seeking(true);
+        let mut file = options.create(NoSeek::new(output))?;
+        file.write_metadata(&Metadata { name: ABOUT.into(), metadata: about.clone() })?;
+        Ok(Self {
+            file,
+            streams: Vec::new(),
+            time: LogTime::default(),
+            message: Vec::new(),
+            frame: Vec::new(),
+            bytes: 0,
+        })
+    }
+
+    /// Adds a stream.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn add(&mut self, stream: &RecordedStream) -> Result<StreamId, RecordingError> {
+        self.file.write_metadata(&Metadata { name: STREAM.into(), metadata: stream.to_metadata() })?;
+        self.streams.push(Stream {
+            topic: stream.topic.clone(),
+            ros: RosStream::new(stream.kind, &stream.topic, stream.layers),
+            channels: None,
+            frames: 0,
+            hash: Xxh3::new(),
+        });
+        Ok(StreamId(self.streams.len() - 1))
+    }
+
+    /// Records a frame.
+    ///
+    /// # Errors
+    /// When its header is wrong, or the file cannot be written.
+    pub fn write(
+        &mut self,
+        stream: StreamId,
+        header: &FrameHeader,
+        payload: &[u8],
+    ) -> Result<(), RecordingError> {
+        let stream = &mut self.streams[stream.0];
+        let view = FrameView::new(header, payload)
+            .map_err(|error| RecordingError::Frame { topic: stream.topic.clone(), error })?;
+        let within = match &stream.ros {
+            Some(ros) => ros.write(&view, &mut self.message),
+            None => None,
+        };
+        ros1::write_frame(header, payload, within.unwrap_or(Payload::Elsewhere), &mut self.frame);
+        let (ros_channel, frame_channel) = match stream.channels {
+            Some(channels) => channels,
+            None => *stream.channels.insert(open_channels(&mut self.file, stream)?),
+        };
+        let log_time = self.time.next(header.kind(), header.stamp_ns);
+        let of = |channel_id| MessageHeader {
+            channel_id,
+            sequence: header.seq as u32,
+            log_time,
+            publish_time: header.stamp_ns,
+        };
+        if let (Some(channel), Some(_)) = (ros_channel, within) {
+            self.file.write_to_known_channel(&of(channel), &self.message)?;
+            self.bytes += self.message.len() as u64;
+        }
+        self.file.write_to_known_channel(&of(frame_channel), &self.frame)?;
+        self.bytes += self.frame.len() as u64;
+        stream.frames += 1;
+        let mut hash = Xxh3::with_seed(header.stamp_ns);
+        hash.update(payload);
+        stream.hash.update(&hash.digest128().to_le_bytes());
+        Ok(())
+    }
+
+    /// Bytes of messages so far, before compression.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// What has been recorded so far.
+    pub fn tallies(&self) -> Vec<StreamTally> {
+        let tally = |stream: &Stream| StreamTally {
+            topic: stream.topic.clone(),
+            frames: stream.frames,
+            hash: stream.hash.digest128(),
+        };
+        self.streams.iter().map(tally).collect()
+    }
+
+    /// Writes what is kept back: it can be read whatever happens to this process then.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn flush(&mut self) -> Result<(), RecordingError> {
+        Ok(self.file.flush()?)
+    }
+
+    /// Ends the recording with its hashes and its index.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn finish(mut self) -> Result<Vec<StreamTally>, RecordingError> {
+        let tallies = self.tallies();
+        let metadata =
+            tallies.iter().map(|tally| (tally.topic.clone(), format!("{:032x}", tally.hash))).collect();
+        self.file.write_metadata(&Metadata { name: HASHES.into(), metadata })?;
+        self.file.finish()?;
+        Ok(tallies)
+    }
+}
+
+fn open_channels<W: Write>(
+    file: &mut mcap::Writer<NoSeek<W>>,
+    stream: &Stream,
+) -> Result<(Option<u16>, u16), RecordingError> {
+    let mut open = |topic: &str, message_type: &MessageType, latching: bool| {
+        let schema = file.add_schema(message_type.name, "ros1msg", message_type.definition().as_bytes())?;
+        let metadata = BTreeMap::from([
+            ("callerid".to_owned(), "/belvedere".to_owned()),
+            ("latching".to_owned(), latching.to_string()),
+        ]);
+        file.add_channel(schema, topic, "ros1", &metadata)
+    };
+    let ros = match &stream.ros {
+        Some(ros) => Some(open(&ros.topic, ros.message_type, ros.topic == "/tf_static")?),
+        None => None,
+    };
+    Ok((ros, open(&format!("{FRAMES}{}", stream.topic), ros1::frame_type(), false)?))
+}

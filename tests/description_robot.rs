@@ -208,7 +208,7 @@ fn assert_scan(
     topic: &str,
     frame: &str,
 ) {
-    let SensorKind::Ray(Lidar { ray, plugin: Some(plugin) }) = &lidar.kind else {
+    let SensorKind::Ray(Lidar { ray, plugin: Some(plugin), preset: None }) = &lidar.kind else {
         panic!("{:?}", lidar.kind)
     };
     let scan = ray.horizontal;

@@ -74,7 +74,6 @@ fn a_lidar_of_several_layers_has_them_from_the_lowest_up() {
     assert_eq!((header.width, header.height, header.frame_id.as_str()), (8, 4, "velodyne"));
     let geometry = header.scan_geometry().unwrap();
     assert!((geometry.vertical_angle_increment - 0.3).abs() < 1e-9);
-    // The plugin's limits.
     assert_eq!((geometry.range_min, geometry.range_max), (0.4, 50.0));
     let ranges: Vec<f32> = view.numbers::<f32>(view.rows()).collect();
     for (index, range) in ranges.into_iter().enumerate() {

@@ -10,8 +10,8 @@
 //! 5. [`trace`]: where rays meet the scene.
 //! 6. `shade`: what colour that is.
 //! 7. [`device`]: what a camera's sensor and electronics make of light.
-//! 8. [`camera`], [`depth`], [`lidar`]: the sensors. A configuration is checked once and makes a [`Sensor`], which
-//!    fills the caller's slices, and does not allocate. [`imu`]: what gyros and accelerometers make of a motion.
+//! 8. [`camera`], [`depth`], [`lidar`], [`scanner`]: the sensors. A configuration is checked once and makes a [`Sensor`],
+//!    which fills the caller's slices, and does not allocate. [`imu`]: what gyros and accelerometers make of a motion.
 //!
 //! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames
 //! (clouds, [`optics`]) have z forward, x right, y down. Pixel centres are integers.
@@ -82,7 +82,7 @@ pub mod srgb;
 pub mod trace;
 
 pub use execution::Execution;
-pub use moment::{Capture, Moment, Shutter, Slice};
+pub use moment::{Capture, Keyframe, Moment, Shutter, Slice};
 pub use pose::Pose;
-pub use sensor::{Sensor, camera, depth, imu, lidar};
+pub use sensor::{Sensor, camera, depth, imu, lidar, scanner};
 pub use trace::SenseError;

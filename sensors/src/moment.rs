@@ -43,6 +43,15 @@ pub struct Slice<'a> {
     pub at: Moment<'a>,
 }
 
+/// A moment, and when in a frame it is.
+#[derive(Debug, Clone, Copy)]
+pub struct Keyframe<'a> {
+    /// Seconds after the frame's beginning.
+    pub time_s: f64,
+    /// Where everything is then.
+    pub at: Moment<'a>,
+}
+
 /// When the lines of a frame are taken.
 #[derive(Debug, Clone, Copy)]
 pub enum Shutter<'a> {
@@ -54,6 +63,19 @@ pub enum Shutter<'a> {
     /// what is seen at their moments, in linear light: motion blur. What is measured or told as truth is that of the
     /// first slice of a line.
     Slices(&'a [Slice<'a>]),
+    /// Every ray at a time of its own: for sensors whose rays have one, those of a
+    /// [`Scanner`](crate::scanner::Scanner).
+    ///
+    /// Two keyframes or more in the order of their times, from the frame's beginning, 0 s, or before, to its end or after.
+    /// Between two, the sensor and every instance go as [`Pose::interpolate`] has it: where they turn by less than
+    /// 0.05 rad from one to the next, that is even motion to 1e-6 rad. The steps of a simulation are such moments.
+    Moving(&'a [Keyframe<'a>]),
+}
+
+impl<'a> From<&'a [Keyframe<'a>]> for Shutter<'a> {
+    fn from(keyframes: &'a [Keyframe<'a>]) -> Self {
+        Self::Moving(keyframes)
+    }
 }
 
 impl<'a> From<Moment<'a>> for Shutter<'a> {
@@ -69,10 +91,10 @@ impl<'a> From<&'a [Slice<'a>]> for Shutter<'a> {
 }
 
 impl<'a> Shutter<'a> {
-    /// The slices; none if all is taken at one moment.
+    /// The slices; none if all is taken at one moment, or each ray at its own.
     pub(crate) fn slices(&self) -> &'a [Slice<'a>] {
         match *self {
-            Self::Global(_) => &[],
+            Self::Global(_) | Self::Moving(_) => &[],
             Self::Slices(slices) => slices,
         }
     }

@@ -7,9 +7,10 @@ use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::depth::published;
 use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::optics::{Optics, PinholeGrid, RayTable};
+use belvedere_sensors::scanner::{Columns, Echoes, Laser, Pattern, Scanner, ScannerConfig, Spinning};
 use belvedere_sensors::scene::{SceneBuilder, visibility};
 use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
-use belvedere_sensors::{Capture, Pose, Sensor};
+use belvedere_sensors::{Capture, Keyframe, Pose, Sensor};
 use common::{LIDAR, camera, depth_camera, scenery};
 use core::cell::Cell;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -77,8 +78,16 @@ fn sensing_does_not_allocate() {
     let mut points = vec![0; depth_camera.pixels() * POINT_STEP];
     let (mut ranges, mut intensities) = (vec![0.0; lidar.beams()], vec![0.0; lidar.beams()]);
 
+    let lasers: Vec<_> = (0..16).map(|row| Laser::at_degrees(2.0 * f64::from(row) - 15.0, 0.0)).collect();
+    let columns = Columns::Turn { per_turn: 90, first: 0, count: 90 };
+    let head = Spinning { lasers: &lasers, columns, first_azimuth_rad: 0.0, clockwise: false };
+    let scanner = Scanner::new(ScannerConfig::new(Pattern::Spinning(head))).unwrap();
+    let mut fired = vec![0.0; scanner.most_firings()];
+
     let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(Pose::IDENTITY)));
+    let keyframes = [0.0, 0.05, 0.1].map(|time_s| Keyframe { time_s, at: builder.moment(Pose::IDENTITY) });
     for len in [
+        scanner.workspace_len(&scene, &Capture::new(0, &keyframes[..])),
         camera.workspace_len(&scene, &capture),
         depth_camera.workspace_len(&scene, &capture),
         lidar.workspace_len(&scene, &capture),
@@ -118,6 +127,12 @@ fn sensing_does_not_allocate() {
                     &mut workspace.lend(lidar.workspace_len(&scene, &capture)),
                     Scan::new().ranges(&mut ranges).intensities(&mut intensities),
                 )
+                .expect("outputs of the right size");
+            let keyframes = [0.0, 0.05, 0.1].map(|time_s| Keyframe { time_s, at: builder.moment(pose) });
+            let capture = Capture::new(frame, &keyframes[..]);
+            let memory = &mut workspace.lend(scanner.workspace_len(&scene, &capture));
+            scanner
+                .sense(&scene, &capture, memory, Echoes::new().ranges(&mut fired))
                 .expect("outputs of the right size");
         });
         assert_eq!(calls, 0, "frame {frame}");

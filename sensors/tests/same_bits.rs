@@ -8,10 +8,11 @@ use belvedere_sensors::device::depth::{SecondEye, published};
 use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::scanner::{Columns, Echoes, Laser, Pattern, Scanner, ScannerConfig, Spinning};
 use belvedere_sensors::scene::{ColourSpace, LightConfig, MaterialConfig, SceneBuilder, Shape, TextureAlpha};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Execution, Pose, Sensor};
+use belvedere_sensors::{Capture, Execution, Keyframe, Moment, Pose, Sensor};
 use common::casts::levels;
 use common::{LIDAR, add, camera, camera_of, depth_camera, picture_with, scenery, spot};
 use glam::DVec3;
@@ -66,6 +67,8 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         )
         .expect("outputs of the right size");
 
+    let firings = fire(&mut workspace, &builder, pose);
+
     // Few electrons and many, and a curve.
     let device = DeviceConfig::default()
         .exposure(Exposure { time_s: 1e-4, gain: 3.0 })
@@ -88,6 +91,7 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ("16uc1", millimetres.iter().flat_map(|x| x.to_le_bytes()).collect()),
         ("points", points),
         ("ranges", bytes(&ranges)),
+        ("firings", bytes(&firings)),
         ("32fc1 of a device", bytes(&measured)),
         ("points of a device", measured_points),
         ("bayer_gbrg16", picture_with(&builder, bayer, pose, 7, execution)),
@@ -97,6 +101,39 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
             picture_with(&gloss_and_glass(builder.clone()), camera, pose, 7, execution),
         ),
     ]
+}
+
+/// Ranges of a scanner that drives and turns among things of which every other moves.
+fn fire(workspace: &mut WorkspaceBuf, builder: &SceneBuilder, pose: Pose) -> Vec<f32> {
+    let laser = |id: u32| {
+        let id = f64::from(id);
+        let aside = Laser::at_degrees(2.0 * id - 15.0, 0.3 * id);
+        Laser { origin_m: [0.02, -0.01, 0.002 * id], time_s: 2.304e-6 * id, ..aside }
+    };
+    let lasers: Vec<_> = (0..16).map(laser).collect();
+    let columns = Columns::Every { time_ns: 55_296 };
+    let pattern = Spinning { lasers: &lasers, columns, first_azimuth_rad: 0.3, clockwise: true };
+    let scanner = Scanner::new(ScannerConfig::new(Pattern::Spinning(pattern))).unwrap();
+    let shift = |time: f64| Pose::from_xyz_rpy(DVec3::X * time, DVec3::new(0.1, 0.3, 2.0) * time);
+    let times: Vec<_> = (0..=20).map(|step| 5e-3 * f64::from(step)).collect();
+    let place = |time: f64| {
+        let places = builder.poses().iter().enumerate();
+        places.map(|(index, at)| if index % 2 == 0 { *at } else { *at * shift(time) }).collect()
+    };
+    let places: Vec<Vec<_>> = times.iter().map(|time| place(*time)).collect();
+    let keyframes: Vec<_> = (times.iter().zip(&places))
+        .map(|(&time_s, places)| Keyframe {
+            time_s,
+            at: Moment { world_from_sensor: pose * shift(time_s), world_from_instance: places },
+        })
+        .collect();
+    let (scene, capture) = (builder.scene(), Capture::new(3, keyframes.as_slice()));
+    let mut ranges = vec![0.0; scanner.most_firings()];
+    let memory = &mut workspace.lend(scanner.workspace_len(&scene, &capture));
+    scanner
+        .sense(&scene, &capture, memory, Echoes::new().ranges(&mut ranges))
+        .expect("outputs of the right size");
+    ranges
 }
 
 /// A scene with a glossy ball, a ball of glass and a pane with holes in it, in linear light.
@@ -154,13 +191,14 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 11] = [
+    let expected: [(&str, u64); 12] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
         ("16uc1", 0xbc3f_3d55_accd_1eab),
         ("points", 0x24cd_1139_23b9_13ef),
         ("ranges", 0x9814_84f6_b4ad_3848),
+        ("firings", 0x3932_041a_7598_5374),
         ("32fc1 of a device", 0x719f_dc96_6ec2_adaa),
         ("points of a device", 0x1dc3_128d_77c1_38a4),
         ("bayer_gbrg16", 0x7aca_656c_7299_b256),

@@ -22,7 +22,7 @@ pub use belvedere_sensors::camera::{Mosaic, PixelFormat};
 pub use device::{AutoExposed, CameraDevice};
 pub use earth::Earth;
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
-pub use plugin::{CameraPlugin, DepthCameraPlugin, LaserPlugin, Radiation, RangePlugin};
+pub use plugin::{CameraPlugin, CloudLayout, DepthCameraPlugin, LaserPlugin, Radiation, RangePlugin};
 pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis};
 pub use shape::{Collision, Fiducial, Geometry, Material, Mesh, Visual};
 

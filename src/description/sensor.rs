@@ -163,7 +163,7 @@ pub fn parse_sensor(
     let read = (kind.read)(&mut reader, sensor);
     let update_rate_hz = reader.rate(sensor, "update_rate");
     let plugin_rate_hz = reader.plugin_rate_hz;
-    let read = Sensor {
+    let mut read = Sensor {
         name,
         link,
         link_from_sensor: child_pose(sensor, diagnostics),
@@ -174,6 +174,7 @@ pub fn parse_sensor(
         source: sensor.source.clone(),
     };
     camera::warn_of_long_readout(&read, sensor, diagnostics);
+    lidar::turn(&mut read, sensor, diagnostics)?;
     Some(read)
 }
 

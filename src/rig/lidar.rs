@@ -7,6 +7,7 @@ use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
 use super::report::{self, Say, without_topics};
+use super::scanner::ScannerChannel;
 use super::truth::TruthOutlets;
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, LaserPlugin, RaySensor, ScanAxis, Sensor};
@@ -26,16 +27,28 @@ impl Behaviour for model::Lidar {
 
     fn open(&self, sensor: &Sensor, opening: &Opening<'_>) -> Result<Option<Box<dyn Channel>>, RigError> {
         let Some(plugin) = &self.plugin else { return Ok(None) };
-        Ok(Some(Box::new(LidarChannel::open(sensor, &self.ray, plugin, opening)?)))
+        Ok(Some(if self.is_scanner() {
+            Box::new(ScannerChannel::open(sensor, self, plugin, opening)?)
+        } else {
+            Box::new(LidarChannel::open(sensor, &self.ray, plugin, opening)?)
+        }))
     }
 
     fn settings(&self, rate_hz: f64) -> Settings {
         Settings::new(rate_hz).noise_of_ranges(&self.ray)
     }
 
-    fn report(&self, _gazebo_compat: bool, say: Say<'_>) {
+    fn report(&self, gazebo_compat: bool, say: Say<'_>) {
+        if let Some(preset) = &self.preset {
+            say("preset", preset.name.into());
+        }
         ray_report(&self.ray, say);
         let Some(plugin) = &self.plugin else { return without_topics(say) };
+        if let Some(layout) = &plugin.cloud {
+            let shape = if layout.is_organized { "a row a column of beams" } else { "what was hit" };
+            let times = if gazebo_compat { "at one moment" } else { "each beam at its own time" };
+            say("cloud", format!("{shape}, {times}"));
+        }
         say("topic", plugin.topic.clone());
         say("frame", plugin.frame_name.clone());
     }
@@ -176,17 +189,7 @@ pub(super) fn lidar_config(
     ray: &RaySensor,
     opening: &Opening<'_>,
 ) -> Result<LidarConfig, GaussianNoiseError> {
-    let beams = |axis: &ScanAxis| Beams {
-        samples: axis.samples,
-        min_angle_rad: axis.min_angle_rad,
-        max_angle_rad: axis.max_angle_rad,
-    };
-    // Gazebo renders on a GPU without back faces.
-    let (sees, faces) = if ray.sees_visuals {
-        (visibility::VISUAL, Faces::Front)
-    } else {
-        (visibility::COLLISION, Faces::Both)
-    };
+    let (sees, faces) = sight(ray);
     Ok(LidarConfig::new(beams(&ray.horizontal))
         .vertical(beams(&ray.vertical))
         .range_min_m(ray.range_min_m)
@@ -197,4 +200,15 @@ pub(super) fn lidar_config(
         .noise(noise(&ray.noise)?)
         .seed(opening.seed)
         .sensor(opening.sensor))
+}
+
+/// The beams of an axis.
+pub(super) fn beams(axis: &ScanAxis) -> Beams {
+    Beams { samples: axis.samples, min_angle_rad: axis.min_angle_rad, max_angle_rad: axis.max_angle_rad }
+}
+
+/// What it sees, and which sides of that.
+pub(super) fn sight(ray: &RaySensor) -> (u32, Faces) {
+    // Gazebo renders on a GPU without back faces.
+    if ray.sees_visuals { (visibility::VISUAL, Faces::Front) } else { (visibility::COLLISION, Faces::Both) }
 }

@@ -65,6 +65,8 @@ impl Moments {
         match shutter {
             // The lines of a single moment are not looked at.
             Shutter::Global(moment) => add(0..1, moment),
+            // A picture has none.
+            Shutter::Moving(_) => {}
             Shutter::Slices(slices) => {
                 let mut end = 0;
                 for Slice { lines, at } in *slices {

@@ -80,16 +80,39 @@ impl TruthOutlets {
         size: [u32; 2],
         opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
-        let open = |(name, kind, encoding): (&str, Kind, Encoding)| {
-            let element = encoding.elem_size().unwrap_or_default();
-            let bytes = size[0] as usize * size[1] as usize * element;
-            let spec = StreamSpec::new(format!("{topic}/truth/{name}"), kind, encoding, bytes);
-            opening.open_rendered(spec.frame_id(frame_id).rate_hz(opening.rate.hz()))
-        };
-        let channels = if opening.truth { &Channel::ALL[..] } else { &[] };
-        let outlets = channels.iter().map(|channel| open(channel.stream())).collect::<Result<_, _>>()?;
-        let forward = opening.truth.then(|| open(FLOW_FORWARD)).transpose()?;
-        Ok(Self { outlets, forward, size, before: None })
+        let made = Self::open_without_flow(topic, frame_id, size, opening)?;
+        if !opening.truth {
+            return Ok(made);
+        }
+        let open = |stream| Self::open_stream(topic, frame_id, size, opening, stream);
+        let mut outlets = made.outlets;
+        outlets.push(open(Channel::FlowBack.stream())?);
+        Ok(Self { outlets, forward: Some(open(FLOW_FORWARD)?), ..made })
+    }
+
+    /// The same for one of whose rays no flow is known.
+    pub(super) fn open_without_flow(
+        topic: &str,
+        frame_id: &str,
+        size: [u32; 2],
+        opening: &Opening<'_>,
+    ) -> Result<Self, RigError> {
+        let open = |channel: &Channel| Self::open_stream(topic, frame_id, size, opening, channel.stream());
+        let channels = if opening.truth { &Channel::ALL[..Channel::FlowBack as usize] } else { &[] };
+        let outlets = channels.iter().map(open).collect::<Result<_, _>>()?;
+        Ok(Self { outlets, forward: None, size, before: None })
+    }
+
+    fn open_stream(
+        topic: &str,
+        frame_id: &str,
+        size: [u32; 2],
+        opening: &Opening<'_>,
+        (name, kind, encoding): (&str, Kind, Encoding),
+    ) -> Result<Outlet, RigError> {
+        let bytes = size[0] as usize * size[1] as usize * encoding.elem_size().unwrap_or_default();
+        let spec = StreamSpec::new(format!("{topic}/truth/{name}"), kind, encoding, bytes);
+        opening.open_rendered(spec.frame_id(frame_id).rate_hz(opening.rate.hz()))
     }
 
     /// All of them.

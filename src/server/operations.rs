@@ -119,7 +119,12 @@ impl Server<'_> {
             Operation::Delete => self.delete(command.name.as_str())?,
             Operation::Configure => {
                 let text = request.text.as_deref().map_err(Clone::clone)?;
+                let window_ns = self.rig.window_ns();
                 self.rig.configure(command.name.as_str(), text, self.simulation.time_ns())?;
+                // A lidar that turns slower looks back farther.
+                if self.rig.window_ns() > window_ns {
+                    self.simulation.remember(self.rig.window_ns());
+                }
             }
         }
         Ok(())

@@ -163,6 +163,10 @@ enum bv_encoding
     BV_ENCODING_F32C3 = 20,
     // A number of a thing or of a class, 32 bit and signed; of things, -1 where nothing is seen.
     BV_ENCODING_I32C1 = 21,
+    // A point of 22 bytes, as Velodyne's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at
+    // 12, ring as u16 at 16, from the lowest up, time as f32 at 18 in seconds after the stamp. NaN coordinates: no
+    // point, which only clouds of several rows have.
+    BV_ENCODING_XYZ_IRT_F32 = 22,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

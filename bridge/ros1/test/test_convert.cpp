@@ -186,6 +186,25 @@ TEST(PointCloud, IsOrganisedWithGazebosFields) {
     }
 }
 
+TEST(PointCloud, OfALidarHasTheFieldsOfVelodynesDriver) {
+    Known known(BV_KIND_POINT_CLOUD, BV_ENCODING_XYZ_IRT_F32, 3, 1, 22);
+    const auto cloud = to_point_cloud(known.sample());
+    EXPECT_EQ(cloud->point_step, 22u);
+    EXPECT_EQ(cloud->row_step, 66u);
+    EXPECT_EQ(cloud->data, known.bytes);
+    EXPECT_TRUE(cloud->is_dense);
+    const char* names[] = {"x", "y", "z", "intensity", "ring", "time"};
+    const std::uint32_t offsets[] = {0, 4, 8, 12, 16, 18};
+    ASSERT_EQ(cloud->fields.size(), 6u);
+    for (std::size_t i = 0; i < 6; ++i) {
+        EXPECT_EQ(cloud->fields[i].name, names[i]);
+        EXPECT_EQ(cloud->fields[i].offset, offsets[i]);
+        const bool is_ring = i == 4;
+        EXPECT_EQ(cloud->fields[i].datatype, is_ring ? sensor_msgs::PointField::UINT16 : sensor_msgs::PointField::FLOAT32);
+    }
+    EXPECT_FALSE(to_point_cloud(Known(BV_KIND_POINT_CLOUD, BV_ENCODING_XYZ_IRT_F32, 3, 2, 22).sample())->is_dense);
+}
+
 TEST(Odometry, HasPoseVelocityAndCovariances) {
     bv_odometry from{};
     std::strcpy(from.child_frame_id, "base_footprint");

@@ -140,6 +140,10 @@ wire_enum! {
         F32C3 = 20 "32fc3" of [f32; 3],
         /// A number of a thing or of a class, 32 bit and signed; of things, -1 where nothing is seen.
         I32C1 = 21 "32sc1" of i32,
+        /// A point of 22 bytes, as Velodyne's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at
+        /// 12, ring as u16 at 16, from the lowest up, time as f32 at 18 in seconds after the stamp. NaN coordinates: no
+        /// point, which only clouds of several rows have.
+        XyzIrtF32 = 22 "xyzirt_f32" of [u8; 22],
     }
 }
 

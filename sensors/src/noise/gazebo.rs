@@ -134,6 +134,25 @@ impl GaussianNoise {
         if self.precision == 0.0 { noisy } else { round(noisy / self.precision) * self.precision }
     }
 
+    /// What is measured of a true range, from `min` to `max`: −∞ if that is too near, +∞ if it is too far (REP-117).
+    #[inline(always)]
+    pub(crate) fn apply_to_range(&self, truth: f32, bias: f32, z: f32, [min, max]: [f32; 2]) -> f32 {
+        if truth >= max || truth == f32::INFINITY {
+            f32::INFINITY
+        } else if truth <= min {
+            f32::NEG_INFINITY
+        } else {
+            let noisy = self.apply(truth, bias, z);
+            if noisy < min {
+                min
+            } else if noisy > max {
+                max
+            } else {
+                noisy
+            }
+        }
+    }
+
     /// [`GaussianNoise::apply`] to sixteen values.
     #[inline(always)]
     pub(crate) fn apply_vector<S: Simd>(

@@ -100,7 +100,7 @@ impl Lidar {
     fn slices_of_columns<'a>(&self, shutter: &Shutter<'a>) -> Option<&'a [Slice<'a>]> {
         match (self.config.sweep, *shutter) {
             (Sweep::Columns, Shutter::Slices(slices)) => Some(slices),
-            (Sweep::Columns, Shutter::Global(_)) | (Sweep::Rows, _) => None,
+            (Sweep::Columns, Shutter::Global(_) | Shutter::Moving(_)) | (Sweep::Rows, _) => None,
         }
     }
 
@@ -125,23 +125,9 @@ impl Lidar {
             let stream = Stream { seed: config.seed, sensor: config.sensor, frame, channel: Stream::RANGE };
             normals = normals64(simd, &stream, [4 * block, 4 * block + 1, 4 * block + 2, 4 * block + 3]);
         }
-        let (min, max) = (config.range_min_m as f32, config.range_max_m as f32);
+        let limits = [config.range_min_m, config.range_max_m].map(|limit| limit as f32);
         for (lane, range) in ranges.iter_mut().enumerate() {
-            let truth = *range;
-            *range = if truth >= max || truth == f32::INFINITY {
-                f32::INFINITY
-            } else if truth <= min {
-                f32::NEG_INFINITY
-            } else {
-                let noisy = config.noise.apply(truth, self.bias, normals[lane]);
-                if noisy < min {
-                    min
-                } else if noisy > max {
-                    max
-                } else {
-                    noisy
-                }
-            };
+            *range = config.noise.apply_to_range(*range, self.bias, normals[lane], limits);
         }
     }
 }

@@ -8,6 +8,7 @@ pub(crate) mod edges;
 pub mod imu;
 pub mod lidar;
 pub(crate) mod pixel;
+pub mod scanner;
 
 use crate::moment::Capture;
 use crate::scene::Scene;

@@ -63,6 +63,21 @@ pub enum SenseError {
     },
     /// Flow is wanted of a lidar whose columns are seen at moments of their own.
     FlowOfColumns,
+    /// Flow is wanted of a sensor each of whose rays has a time of its own.
+    FlowOfFirings,
+    /// The sensor's rays have no times of their own, and a [`Shutter::Moving`](crate::Shutter::Moving) is given; or they
+    /// have, and slices are.
+    Shutter {
+        /// What it takes instead.
+        rule: &'static str,
+    },
+    /// Keyframes that are not as a [`Shutter::Moving`](crate::Shutter::Moving) must have them.
+    Keyframes {
+        /// Which of them.
+        keyframe: usize,
+        /// What it must.
+        rule: &'static str,
+    },
     /// Slices of lines that are not as a [`Shutter`](crate::Shutter) must have them.
     Slices {
         /// Which of them.
@@ -103,6 +118,11 @@ impl core::fmt::Display for SenseError {
                 "flow is not worked out for a lidar whose columns have moments of their own: give all of the capture's \
                  shutters one moment, or leave `flow` and `flow_back` out",
             ),
+            Self::FlowOfFirings => {
+                f.write_str("flow is not worked out where each ray has a time of its own: leave `flow` and `flow_back` out")
+            }
+            Self::Shutter { rule } => write!(f, "the shutter must {rule}"),
+            Self::Keyframes { keyframe, rule } => write!(f, "keyframe {keyframe} of the shutter must {rule}"),
             Self::Slices { slice, rule } => write!(f, "slice {slice} of the shutter must {rule}"),
         }
     }

@@ -221,6 +221,8 @@ pub(super) fn at_its_line(
     let slices = match shutter {
         Shutter::Global(moment) => return pixel(moment).map(|to| (to, 0)),
         Shutter::Slices(slices) => *slices,
+        // These have been refused.
+        Shutter::Moving(_) => return None,
     };
     let mut seen = None;
     for _ in 0..MOST_STEPS {

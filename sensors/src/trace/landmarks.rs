@@ -161,6 +161,8 @@ fn moment_of<'a>(shutter: &'a Shutter<'_>, slice: usize) -> &'a Moment<'a> {
     match shutter {
         Shutter::Global(moment) => moment,
         Shutter::Slices(slices) => &slices[slice].at,
+        // These have been refused.
+        Shutter::Moving(keyframes) => &keyframes[slice].at,
     }
 }
 

@@ -32,6 +32,7 @@ mod too_near;
 mod top;
 pub(crate) mod truth;
 pub(crate) mod view;
+pub(crate) mod volley;
 
 pub use crate::memory::CacheLine;
 pub use boxes::{SeenBox, seen_boxes};

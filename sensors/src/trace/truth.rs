@@ -42,6 +42,35 @@ pub struct Truth<'a> {
     pub flow_back: Option<&'a mut [[f32; 2]]>,
 }
 
+/// What is true of one ray, as [`Truth`] has it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OfRay {
+    pub(crate) depth: f32,
+    pub(crate) range: f32,
+    pub(crate) normal: [f32; 3],
+    pub(crate) instance: u32,
+    pub(crate) class: u32,
+    pub(crate) incidence: f32,
+}
+
+impl OfRay {
+    /// Of one that meets nothing.
+    pub(crate) const NOTHING: Self = Self {
+        depth: f32::INFINITY,
+        range: f32::INFINITY,
+        normal: [0.0; 3],
+        instance: u32::MAX,
+        class: 0,
+        incidence: f32::NAN,
+    };
+}
+
+fn put<T>(output: &mut Option<&mut [T]>, index: usize, value: T) {
+    if let Some(output) = output {
+        output[index] = value;
+    }
+}
+
 /// That truth has a place for each ray, and moments for its flow.
 pub(crate) fn check_truth(
     truth: Option<&Truth<'_>>,
@@ -80,6 +109,16 @@ impl<'a> Truth<'a> {
 
     /// That each output holds `rays` elements, and that there is a moment for each flow.
     fn check(&self, rays: usize, capture: &Capture<'_>) -> Result<(), SenseError> {
+        self.check_len(rays)?;
+        match (&self.flow, &capture.after, &self.flow_back, &capture.before) {
+            (Some(_), None, ..) => Err(SenseError::OtherMoment { parameter: "after" }),
+            (.., Some(_), None) => Err(SenseError::OtherMoment { parameter: "before" }),
+            _ => Ok(()),
+        }
+    }
+
+    /// That each output holds `rays` elements.
+    pub(crate) fn check_len(&self, rays: usize) -> Result<(), SenseError> {
         check_output("depth", self.depth.as_ref().map(|values| values.len()), rays)?;
         check_output("range", self.range.as_ref().map(|values| values.len()), rays)?;
         check_output("normal", self.normal.as_ref().map(|values| values.len()), rays)?;
@@ -87,12 +126,17 @@ impl<'a> Truth<'a> {
         check_output("class", self.class.as_ref().map(|values| values.len()), rays)?;
         check_output("incidence", self.incidence.as_ref().map(|values| values.len()), rays)?;
         check_output("flow", self.flow.as_ref().map(|values| values.len()), rays)?;
-        check_output("flow_back", self.flow_back.as_ref().map(|values| values.len()), rays)?;
-        match (&self.flow, &capture.after, &self.flow_back, &capture.before) {
-            (Some(_), None, ..) => Err(SenseError::OtherMoment { parameter: "after" }),
-            (.., Some(_), None) => Err(SenseError::OtherMoment { parameter: "before" }),
-            _ => Ok(()),
-        }
+        check_output("flow_back", self.flow_back.as_ref().map(|values| values.len()), rays)
+    }
+
+    /// Writes what is true of a ray by itself; flow is not.
+    pub(crate) fn put(&mut self, ray: usize, of: &OfRay) {
+        put(&mut self.depth, ray, of.depth);
+        put(&mut self.range, ray, of.range);
+        put(&mut self.normal, ray, of.normal);
+        put(&mut self.instance, ray, of.instance);
+        put(&mut self.class, ray, of.class);
+        put(&mut self.incidence, ray, of.incidence);
     }
 
     /// The same outputs, of so many rays, in other memory; of flow, none.

@@ -68,28 +68,41 @@ pub(super) fn scan(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
 
 pub(super) fn cloud(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
     let header = frame.header();
-    if header.encoding()? != Encoding::XyzRgbF32 {
-        return None;
-    }
-    let point = |[x, y, z, _, rgb]: [f32; 5]| {
-        let [blue, green, red, _] = rgb.to_bits().to_le_bytes();
-        Map(vec![
-            ("xyz", List([x, y, z].map(|value| Number(value.into())).to_vec(), 0)),
-            ("rgb", List([red, green, blue].map(|value| Whole(value.into())).to_vec(), 0)),
-        ])
+    let points = match header.encoding()? {
+        Encoding::XyzRgbF32 => frame.numbers::<[f32; 5]>(frame.rows()).take(limit).map(coloured).collect(),
+        Encoding::XyzIrtF32 => frame.numbers::<[u8; 22]>(frame.rows()).take(limit).map(timed).collect(),
+        _ => return None,
     };
     Some(vec![
         ("height", Whole(header.height.into())),
         ("width", Whole(header.width.into())),
         ("point_step", Whole(header.elem_stride.into())),
         ("row_step", Whole(header.row_stride.into())),
-        (
-            "points",
-            List(
-                frame.numbers::<[f32; 5]>(frame.rows()).take(limit).map(point).collect(),
-                pixels(header).saturating_sub(limit),
-            ),
-        ),
+        ("points", List(points, pixels(header).saturating_sub(limit))),
+    ])
+}
+
+fn xyz_of(point: [f32; 3]) -> Tree {
+    List(point.map(|value| Number(value.into())).to_vec(), 0)
+}
+
+/// A point of `Encoding::XyzRgbF32`.
+fn coloured([x, y, z, _, rgb]: [f32; 5]) -> Tree {
+    let [blue, green, red, _] = rgb.to_bits().to_le_bytes();
+    Map(vec![
+        ("xyz", xyz_of([x, y, z])),
+        ("rgb", List([red, green, blue].map(|value| Whole(value.into())).to_vec(), 0)),
+    ])
+}
+
+/// A point of `Encoding::XyzIrtF32`.
+fn timed(point: [u8; 22]) -> Tree {
+    let float = |at: usize| f32::from_le_bytes([point[at], point[at + 1], point[at + 2], point[at + 3]]);
+    Map(vec![
+        ("xyz", xyz_of([float(0), float(4), float(8)])),
+        ("intensity", Number(float(12).into())),
+        ("ring", Whole(u16::from_le_bytes([point[16], point[17]]).into())),
+        ("time", Number(float(18).into())),
     ])
 }
 

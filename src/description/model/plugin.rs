@@ -72,4 +72,21 @@ pub struct LaserPlugin {
     pub topic: String,
     /// `frameName`.
     pub frame_name: String,
+    /// Of the plugins that send a cloud, as a driver does: how it is laid out.
+    pub cloud: Option<CloudLayout>,
+}
+
+/// Which points a cloud has, and in which order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CloudLayout {
+    /// `organize_cloud`: a row for each column of beams, NaN for those that hit nothing; otherwise what was hit alone.
+    pub is_organized: bool,
+    /// `min_intensity`: what sends less back is left out.
+    pub min_intensity: f64,
+}
+
+impl Default for CloudLayout {
+    fn default() -> Self {
+        Self { is_organized: false, min_intensity: f64::NEG_INFINITY }
+    }
 }

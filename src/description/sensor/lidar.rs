@@ -1,21 +1,35 @@
 //! Lidars: `<ray>` and `<lidar>` (angles of the beams, range, noise), and the plugins that publish scans.
 
 use super::gz::{frame_name, gz_topic};
-use super::plugin::{plain_name, topic};
+use super::instrument::{InstrumentPlugin, ros2_names};
+use super::plugin::{extension, plain_name, topic};
 use super::reader::Reader;
-use super::{Kind, SensorKind};
-use crate::description::model::{LaserPlugin, RaySensor, ScanAxis};
-use crate::description::values::child_text;
+use super::{Kind, Sensor, SensorKind};
+use crate::description::diagnostics::Diagnostics;
+use crate::description::model::{CloudLayout, LaserPlugin, Noise, RaySensor, ScanAxis};
+use crate::description::values::{child_bool, child_text, nearest};
 use crate::description::xml::Element;
 use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
+use belvedere_sensors::scanner::presets::{self, Preset};
+use belvedere_sensors::scanner::{Columns, Pattern};
+use std::f64::consts::{PI, TAU};
 
 /// A lidar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lidar {
-    /// Its beams.
+    /// Its beams; of a preset, as near to that as an even grid comes, but with its ranges and noise.
     pub ray: RaySensor,
+    /// The scanner of a maker that it is, if it is one.
+    pub preset: Option<Preset>,
     /// What publishes it.
     pub plugin: Option<LaserPlugin>,
+}
+
+impl Lidar {
+    /// Whether its beams each have a time of their own.
+    pub fn is_scanner(&self) -> bool {
+        self.preset.is_some() || self.plugin.as_ref().is_some_and(|plugin| plugin.cloud.is_some())
+    }
 }
 
 pub(super) const KIND: Kind = Kind {
@@ -27,16 +41,46 @@ pub(super) const KIND: Kind = Kind {
         "gazebo_ros_velodyne_laser",
         "gazebo_ros_velodyne_gpu_laser",
     ],
-    is_extended: false,
+    is_extended: true,
     read: |reader, sensor| reader.lidar(sensor).map(SensorKind::Ray),
 };
 
 impl Reader<'_> {
     fn lidar(&mut self, sensor: &Element) -> Option<Lidar> {
-        let mut ray = self.ray(sensor)?;
-        let plugin = self.plugin(sensor, &KIND).and_then(|plugin| self.laser_plugin(plugin, &mut ray));
-        let of_gz = || Some(LaserPlugin { topic: gz_topic(sensor)?, frame_name: frame_name(sensor) });
-        Some(Lidar { ray, plugin: plugin.or_else(of_gz) })
+        let preset = self.scanner_preset(sensor)?;
+        let is_cloud = preset.is_some_and(|preset| lasers(&preset) > 1);
+        let mut ray = match &preset {
+            Some(preset) => ray_of(preset, sensor),
+            None => self.ray(sensor)?,
+        };
+        let mut plugin = match self.plugin(sensor, &KIND) {
+            Some(plugin) => Some(self.laser_plugin(plugin, &mut ray)?),
+            None => gz_plugin(sensor, is_cloud),
+        };
+        if let (true, Some(plugin)) = (is_cloud, &mut plugin) {
+            plugin.cloud.get_or_insert_default();
+        }
+        Some(Lidar { ray, preset, plugin })
+    }
+
+    /// `<plugin filename="belvedere"><preset>`; the inner none means that there is none.
+    #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
+    fn scanner_preset(&mut self, sensor: &Element) -> Option<Option<Preset>> {
+        let Some(own) = extension(sensor) else { return Some(None) };
+        self.left_out(own, |name| name == "preset", "take it out: a lidar has preset");
+        let Some(name) = child_text(own, "preset") else { return Some(None) };
+        let preset = presets::named(&name);
+        if preset.is_none() {
+            let names = presets::ALL.map(|preset| preset.name);
+            let near = nearest(&name, names).unwrap_or(names[0]);
+            self.diagnostics.error(
+                Self::place(Some(own), "preset", own),
+                format!("{} is '{name}', which is none", self.what("preset")),
+                format!("did you mean {near}? There are: {}", names.join(", ")),
+            );
+            return None;
+        }
+        Some(preset)
     }
 
     /// The `<ray>` or `<lidar>` of a sensor.
@@ -65,7 +109,7 @@ impl Reader<'_> {
         }
         let (range_min_m, range_max_m) = limits?;
         Some(RaySensor {
-            sees_visuals: matches!(sensor.attribute("type"), Some("gpu_ray" | "gpu_lidar")),
+            sees_visuals: sees_visuals(sensor),
             horizontal,
             vertical,
             range_min_m,
@@ -119,11 +163,17 @@ impl Reader<'_> {
     /// What it does to what the sensor measures becomes the sensor's.
     fn laser_plugin(&mut self, plugin: &Element, ray: &mut RaySensor) -> Option<LaserPlugin> {
         let name = plain_name(plugin);
+        let is_velodyne = name.starts_with("gazebo_ros_velodyne");
         // Hokuyo's plugin leaves noise to the sensor.
         if !matches!(name, "gazebo_ros_laser" | "gazebo_ros_gpu_laser") {
             self.add_noise(plugin, ray)?;
         }
-        if name.starts_with("gazebo_ros_velodyne") {
+        let mut cloud = None;
+        if is_velodyne {
+            cloud = Some(CloudLayout {
+                is_organized: child_bool(plugin, "organize_cloud", self.diagnostics).unwrap_or(false),
+                min_intensity: self.number(Some(plugin), "min_intensity", f64::NEG_INFINITY)?,
+            });
             ray.range_min_m = ray.range_min_m.max(self.not_negative(Some(plugin), "min_range")?);
             if plugin.child("max_range").is_some() {
                 ray.range_max_m = ray.range_max_m.min(self.number(Some(plugin), "max_range", 0.0)?);
@@ -140,10 +190,15 @@ impl Reader<'_> {
                 return None;
             }
         }
+        if is_velodyne && (plugin.child("ros").is_some() || plugin.child("frame_name").is_some()) {
+            let InstrumentPlugin { topic, frame_name } = ros2_names(plugin);
+            return Some(LaserPlugin { topic, frame_name, cloud });
+        }
         self.plugin_rate_hz = self.rate(plugin, "updateRate")?;
         Some(LaserPlugin {
-            topic: topic(plugin, "", "topicName", "/world"),
+            topic: topic(plugin, "", "topicName", if is_velodyne { "/points" } else { "/world" }),
             frame_name: child_text(plugin, "frameName").unwrap_or_else(|| "/world".into()),
+            cloud,
         })
     }
 
@@ -152,5 +207,80 @@ impl Reader<'_> {
         let stddev = self.not_negative(Some(plugin), "gaussianNoise")?;
         ray.noise.stddev = libm::hypot(ray.noise.stddev, stddev);
         Some(())
+    }
+}
+
+/// That the head of a preset turns at a rate that it has: as it comes, unless the file says another.
+pub(super) fn turn(read: &mut Sensor, sensor: &Element, diagnostics: &mut Diagnostics) -> Option<()> {
+    let SensorKind::Ray(Lidar { preset: Some(preset), .. }) = &read.kind else { return Some(()) };
+    let Some(rate_hz) = read.effective_rate_hz() else {
+        read.update_rate_hz = Some(preset.rate_hz);
+        return Some(());
+    };
+    let [slowest, fastest] = preset.rates_hz;
+    if (slowest..=fastest).contains(&rate_hz) {
+        return Some(());
+    }
+    diagnostics.error(
+        Reader::place(Some(sensor), "update_rate", sensor),
+        format!("<update_rate> of sensor '{}' is {rate_hz}, and it is a {}", read.name, preset.name),
+        format!("write a rate from {slowest} to {fastest} Hz, or none for {} Hz", preset.rate_hz),
+    );
+    None
+}
+
+/// Whether it is one of Gazebo's GPU kinds.
+fn sees_visuals(sensor: &Element) -> bool {
+    matches!(sensor.attribute("type"), Some("gpu_ray" | "gpu_lidar"))
+}
+
+/// What publishes a sensor of gz-sim: its cloud has a topic of its own there.
+fn gz_plugin(sensor: &Element, is_cloud: bool) -> Option<LaserPlugin> {
+    let topic = gz_topic(sensor)?;
+    let topic = if is_cloud { format!("{topic}/points") } else { topic };
+    Some(LaserPlugin { topic, frame_name: frame_name(sensor), cloud: None })
+}
+
+/// How many lasers a preset has.
+fn lasers(preset: &Preset) -> usize {
+    match preset.pattern {
+        Pattern::Spinning(head) => head.lasers.len(),
+        _ => 1,
+    }
+}
+
+/// The beams, ranges and noise of a preset.
+fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
+    let mut vertical = ScanAxis { samples: 1, min_angle_rad: 0.0, max_angle_rad: 0.0 };
+    let mut horizontal = ScanAxis { samples: 1, min_angle_rad: -PI, max_angle_rad: PI };
+    if let Pattern::Spinning(head) = preset.pattern {
+        let elevations = || head.lasers.iter().map(|laser| laser.elevation_rad);
+        vertical.samples = head.lasers.len() as u32;
+        vertical.min_angle_rad = elevations().fold(f64::INFINITY, f64::min);
+        vertical.max_angle_rad = elevations().fold(f64::NEG_INFINITY, f64::max);
+        horizontal.samples = match head.columns {
+            Columns::Every { time_ns } => (1e9 / preset.rate_hz / time_ns as f64) as u32,
+            Columns::Turn { per_turn, first, count } => {
+                let step = TAU / f64::from(per_turn);
+                horizontal.min_angle_rad = head.first_azimuth_rad + f64::from(first) * step;
+                horizontal.max_angle_rad = horizontal.min_angle_rad + f64::from(count - 1) * step;
+                count
+            }
+        };
+    }
+    let [range_min_m, range_max_m] = preset.range_m;
+    RaySensor {
+        sees_visuals: sees_visuals(sensor),
+        horizontal,
+        vertical,
+        range_min_m,
+        range_max_m,
+        range_resolution_m: 0.0,
+        noise: Noise {
+            stddev: preset.stddev_m,
+            bias_stddev: preset.bias_stddev_m,
+            precision: preset.resolution_m,
+            ..Noise::default()
+        },
     }
 }

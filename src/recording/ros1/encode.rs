@@ -191,18 +191,22 @@ pub(super) fn scan_cloud(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<P
 
 pub(super) fn point_cloud(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
     let head = frame.header();
-    if head.encoding() != Some(Encoding::XyzRgbF32) {
-        return None;
-    }
+    let (own, is_dense) = match head.encoding()? {
+        Encoding::XyzRgbF32 => (&[("rgb", 16, FLOAT32)][..], false),
+        Encoding::XyzIrtF32 => {
+            (&[("intensity", 12, FLOAT32), ("ring", 16, UINT16), ("time", 18, FLOAT32)][..], head.height <= 1)
+        }
+        _ => return None,
+    };
     header(head, out);
     out.u32(head.height);
     out.u32(head.width);
-    fields(&[("x", 0, FLOAT32), ("y", 4, FLOAT32), ("z", 8, FLOAT32), ("rgb", 16, FLOAT32)], out);
+    fields(&[&[("x", 0, FLOAT32), ("y", 4, FLOAT32), ("z", 8, FLOAT32)], own].concat(), out);
     out.u8(0);
     out.u32(head.elem_stride);
     out.u32(head.elem_stride * head.width);
     let payload = rows(frame, out);
-    out.u8(0);
+    out.u8(is_dense.into());
     Some(payload)
 }
 

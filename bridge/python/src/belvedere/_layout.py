@@ -131,6 +131,10 @@ class Encoding(IntEnum):
     F32C3 = 20
     #: A number of a thing or of a class, 32 bit and signed; of things, -1 where nothing is seen.
     I32C1 = 21
+    #: A point of 22 bytes, as Velodyne's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at
+    #: 12, ring as u16 at 16, from the lowest up, time as f32 at 18 in seconds after the stamp. NaN coordinates: no
+    #: point, which only clouds of several rows have.
+    XYZIRT_F32 = 22
 
 
 class DistortionModel(IntEnum):
@@ -485,4 +489,5 @@ ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
     Encoding.F32C2: np.dtype(("<f4", 2)),
     Encoding.F32C3: np.dtype(("<f4", 3)),
     Encoding.I32C1: np.dtype("<i4"),
+    Encoding.XYZIRT_F32: np.dtype(("u1", 22)),
 }

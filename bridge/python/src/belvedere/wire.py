@@ -54,7 +54,19 @@ _POINT = np.dtype(
         "itemsize": 32,
     }
 )
-_ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {**ELEMENTS, Encoding.XYZRGB_F32: _POINT}
+_LIDAR_POINT = np.dtype(
+    {
+        "names": ["x", "y", "z", "intensity", "ring", "time"],
+        "formats": ["<f4", "<f4", "<f4", "<f4", "<u2", "<f4"],
+        "offsets": [0, 4, 8, 12, 16, 18],
+        "itemsize": 22,
+    }
+)
+_ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
+    **ELEMENTS,
+    Encoding.XYZRGB_F32: _POINT,
+    Encoding.XYZIRT_F32: _LIDAR_POINT,
+}
 
 
 class Intrinsics(NamedTuple):

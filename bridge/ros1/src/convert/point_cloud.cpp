@@ -8,28 +8,38 @@ namespace belvedere_ros {
 
 namespace {
 
-sensor_msgs::PointField float_field(const char* name, std::uint32_t offset) {
+sensor_msgs::PointField field_of(const char* name, std::uint32_t offset,
+                                 std::uint8_t datatype = sensor_msgs::PointField::FLOAT32) {
     sensor_msgs::PointField field;
     field.name = name;
     field.offset = offset;
-    field.datatype = sensor_msgs::PointField::FLOAT32;
+    field.datatype = datatype;
     field.count = 1;
     return field;
+}
+
+/// What a point has besides its place.
+std::vector<sensor_msgs::PointField> own_fields(std::uint16_t encoding) {
+    if (encoding == BV_ENCODING_XYZ_RGB_F32) return {field_of("rgb", 16)};
+    if (encoding == BV_ENCODING_XYZ_IRT_F32)
+        return {field_of("intensity", 12), field_of("ring", 16, sensor_msgs::PointField::UINT16), field_of("time", 18)};
+    throw Unrepresentable("points are of encoding " + std::to_string(encoding) + ", which is not known here");
 }
 
 }  // namespace
 
 sensor_msgs::PointCloud2Ptr to_point_cloud(const Sample& sample) {
     const belvedere::Header& header = sample.header;
-    if (header.encoding != BV_ENCODING_XYZ_RGB_F32)
-        throw Unrepresentable("points are not of x, y, z and colour, but of encoding " + std::to_string(header.encoding));
+    const auto own = own_fields(header.encoding);
     auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
     cloud->header = to_header(sample);
     cloud->width = header.width;
     cloud->height = header.height;
-    cloud->fields = {float_field("x", 0), float_field("y", 4), float_field("z", 8), float_field("rgb", 16)};
+    cloud->fields = {field_of("x", 0), field_of("y", 4), field_of("z", 8)};
+    cloud->fields.insert(cloud->fields.end(), own.begin(), own.end());
     cloud->is_bigendian = false;
-    cloud->is_dense = false;
+    // A lidar's points in one row are those that there are.
+    cloud->is_dense = header.encoding == BV_ENCODING_XYZ_IRT_F32 && header.height <= 1;
     cloud->point_step = header.elem_stride;
     cloud->row_step = copy_rows(sample, cloud->data);
     return cloud;

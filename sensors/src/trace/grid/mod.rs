@@ -94,7 +94,8 @@ impl<'a> Frame<'a> {
             Shutter::Global(ref moment) => {
                 When::Once(View::new(scene, moment, visibility, memory.views(scene.instances().len(), 1)))
             }
-            Shutter::Slices(_) => When::Slices { scene, shutter: *shutter, visibility },
+            // Moving ones have been refused.
+            Shutter::Slices(_) | Shutter::Moving(_) => When::Slices { scene, shutter: *shutter, visibility },
         };
         Ok(Self { optics, fan, first_column: 0, execution, when })
     }

@@ -28,6 +28,11 @@ pub(crate) fn check_shutter(scene: &Scene<'_>, shutter: &Shutter<'_>, height: u3
     let slices = match shutter {
         Shutter::Global(moment) => return check_moment(scene, moment),
         Shutter::Slices(slices) => *slices,
+        Shutter::Moving(_) => {
+            return Err(SenseError::Shutter {
+                rule: "be one moment or slices: this sensor's rays have no times",
+            });
+        }
     };
     let (mut start, mut end) = (0, 0);
     for (slice, Slice { lines, at }) in slices.iter().enumerate() {

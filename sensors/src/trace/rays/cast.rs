@@ -172,9 +172,7 @@ fn cast_chunk<S: Simd>(
                 let ray = rays.get(first + id.min(count - 1));
                 if only.is_turned() || only.translation != [0.0; 3] {
                     let [origin, direction] = in_instance(only, &ray);
-                    let (high, along) = (origin.as_vec3().to_array(), direction.as_vec3().to_array());
-                    wave.bundle.set(id, &FrameRay { origin: high, direction: along, ..ray });
-                    wave.bundle.set_low(id, origin, direction);
+                    wave.set(id, origin, direction, ray.range);
                 } else {
                     wave.bundle.set(id, &ray);
                 }

@@ -10,10 +10,12 @@ pub(crate) mod ray;
 pub(crate) mod scene;
 mod settle;
 mod walk;
-mod wave;
+pub(crate) mod wave;
 
 pub use cast::{Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays, workspace_len};
+pub(crate) use scene::mesh_tree;
 pub use walk::Tree;
+pub(crate) use walk::{Stack, nearest_in_tree};
 
 use crate::scene::tree::WideNode;
 use crate::simd::WIDTH;
@@ -21,7 +23,7 @@ use crate::simd::WIDTH;
 /// How far t may be off in single precision, besides a share of itself: coordinates are rounded, so this is 2⁻²⁰ of the
 /// largest one in the tree. It matters where t is near 0.
 #[inline(always)]
-fn doubt_of(root: Option<&WideNode>) -> f32 {
+pub(crate) fn doubt_of(root: Option<&WideNode>) -> f32 {
     let mut size = 0.0_f32;
     if let Some(root) = root {
         for axis in 0..3 {

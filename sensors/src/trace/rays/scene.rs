@@ -51,7 +51,7 @@ fn wide(v: [f32; 3]) -> DVec3 {
 }
 
 /// The tree of a mesh that is placed.
-pub(super) fn mesh_tree<'a>(view: &View<'a>, placed: &Placed) -> Tree<'a> {
+pub(crate) fn mesh_tree<'a>(view: &View<'a>, placed: &Placed) -> Tree<'a> {
     let mesh = &view.scene.meshes[view.scene.instances[placed.instance as usize].mesh as usize];
     Tree {
         nodes: &view.scene.nodes[mesh.first_node as usize..][..mesh.nodes as usize],

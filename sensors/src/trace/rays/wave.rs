@@ -16,12 +16,13 @@
 use super::block::{self, SLACK};
 use super::bundle::{Bundle, PerRay, RAYS};
 use super::node;
-use super::ray::Nearest;
+use super::ray::{FrameRay, Nearest};
 use super::settle::Settled;
 use super::walk::{Stack, Tree, nearest_in_tree};
 use crate::scene::tree::{LEAF, NONE};
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
+use glam::DVec3;
 
 /// Nodes on the way from the root whose children may wait, and the end; a ray that goes deeper is walked alone.
 const LEVELS: usize = 16;
@@ -80,7 +81,7 @@ impl Queue {
 }
 
 /// Memory of 64 rays under way.
-pub(super) struct Wave {
+pub(crate) struct Wave {
     pub(super) bundle: Bundle,
     /// The end, and the nodes on the way of which some child waits.
     frames: [[Frame; RAYS]; LEVELS],
@@ -99,7 +100,7 @@ pub(super) struct Wave {
 
 impl Wave {
     /// Nothing under way.
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             bundle: Bundle::new(),
             frames: [[Frame::END; RAYS]; LEVELS],
@@ -112,9 +113,47 @@ impl Wave {
         }
     }
 
-    /// Finds the nearest hits of the first `count` rays of the bundle, which has been prepared.
+    /// Puts a ray of the mesh's frame into lane `id` of the bundle, to be prepared.
     #[inline(always)]
+    pub(crate) fn set(&mut self, id: usize, origin: DVec3, direction: DVec3, range: [f32; 2]) {
+        let (high, along) = (origin.as_vec3().to_array(), direction.as_vec3().to_array());
+        self.bundle.set(id, &FrameRay { origin: high, direction: along, range });
+        self.bundle.set_low(id, origin, direction);
+    }
+
+    /// Prepares the first `count` rays of the bundle and finds their nearest hits. Lanes that are left over in the last
+    /// sixteen have to be rays, too.
+    #[inline(always)]
+    pub(crate) fn cast<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: Tree<'_>,
+        (count, doubt): (usize, f32),
+        cull_back: bool,
+    ) {
+        self.bundle.prepare(simd, count, doubt);
+        self.nearest_hits(simd, tree, count, cull_back);
+    }
+
+    /// t and slot of what a ray has hit; none if nothing.
+    #[inline(always)]
+    pub(crate) fn hit(&self, id: usize) -> Option<(f64, u32)> {
+        let slot = self.bundle.hit[id][0];
+        (slot != NONE).then(|| (self.settled.t[id] * f64::from(self.bundle.unit[id]), slot))
+    }
+
+    /// Finds the nearest hits of the first `count` rays of the bundle, which has been prepared. Compiled once a level,
+    /// whoever casts.
+    #[inline(never)]
     pub(super) fn nearest_hits<S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.find_nearest(simd, tree, count, cull_back),
+        );
+    }
+
+    #[inline(always)]
+    fn find_nearest<S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
         self.walk::<false, S>(simd, tree, count, cull_back);
         self.settled.compute(simd, tree, &self.bundle, count);
         for id in 0..count.min(RAYS) {

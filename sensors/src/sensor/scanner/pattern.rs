@@ -1,0 +1,142 @@
+//! Which way a laser scanner fires, from where, and when.
+
+use super::clock::Ticks;
+use super::error::ScannerError;
+use super::firing::{Firing, FiringLanes};
+use super::rosette::Rosette;
+use super::spinning::Spinning;
+
+/// Most firings of a frame.
+pub const MAX_FIRINGS: usize = 16_777_216;
+
+/// The firings of a scanner, frame after frame.
+///
+/// A frame begins at a multiple of its [time](super::ScannerConfig::frame_time_ns) and has all firings that begin
+/// before the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Pattern<'a> {
+    /// A head that turns once a frame, with lasers one above the other.
+    Spinning(Spinning<'a>),
+    /// Two prisms that turn.
+    Rosette(Rosette),
+    /// The same firings in each frame, in the order of their times: a raster, a flash, whatever else.
+    Table(&'a [Firing]),
+}
+
+impl Pattern<'_> {
+    /// That there are firings in each frame, in the order of time.
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
+        match self {
+            Self::Spinning(spinning) => spinning.check(frame_time_ns)?,
+            Self::Rosette(rosette) => rosette.check(frame_time_ns)?,
+            Self::Table(firings) => check_table(firings, frame_time_ns)?,
+        }
+        let most = self.most_firings(frame_time_ns);
+        if !(1..=MAX_FIRINGS as u128).contains(&most) {
+            return Err(ScannerError {
+                parameter: "firings of a frame",
+                index: None,
+                value: most as f64,
+                rule: "1 to 16777216",
+            });
+        }
+        Ok(())
+    }
+
+    /// Firings that no frame has more of.
+    pub(super) fn most_firings(&self, frame_time_ns: u64) -> u128 {
+        match self {
+            Self::Spinning(spinning) => spinning.most_firings(frame_time_ns),
+            Self::Rosette(rosette) => u128::from(rosette.clock().most(frame_time_ns)),
+            Self::Table(firings) => firings.len() as u128,
+        }
+    }
+
+    /// The firings of a frame.
+    pub(super) fn in_frame(&self, frame: u64, frame_time_ns: u64) -> FrameFirings<'_> {
+        let (ticks, count) = match self {
+            Self::Spinning(spinning) => {
+                let ticks = spinning.clock().map(|clock| clock.in_frame(frame, frame_time_ns));
+                let columns = ticks.map_or(spinning.columns_at_angles(), |ticks| ticks.count);
+                (ticks, columns as usize * spinning.lasers.len())
+            }
+            Self::Rosette(rosette) => {
+                let ticks = rosette.clock().in_frame(frame, frame_time_ns);
+                (Some(ticks), ticks.count as usize)
+            }
+            Self::Table(firings) => (None, firings.len()),
+        };
+        FrameFirings { pattern: self, frame_time_ns, ticks, count }
+    }
+}
+
+/// The firings of one frame, in the order of time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FrameFirings<'a> {
+    pattern: &'a Pattern<'a>,
+    frame_time_ns: u64,
+    /// Of a pattern that goes on without regard to frames.
+    ticks: Option<Ticks>,
+    pub(super) count: usize,
+}
+
+impl FrameFirings<'_> {
+    /// When one of them is, in seconds after the frame's beginning.
+    pub(super) fn time_s(&self, index: usize) -> f64 {
+        match self.pattern {
+            Pattern::Spinning(spinning) => spinning.time_s(self.ticks.as_ref(), self.frame_time_ns, index),
+            Pattern::Rosette(_) => self.ticks.map_or(0.0, |ticks| ticks.time_s(index as u64)),
+            Pattern::Table(firings) => firings[index].time_s,
+        }
+    }
+
+    /// One of them.
+    pub(super) fn firing(&self, index: usize) -> Firing {
+        let mut volley = FiringLanes::new();
+        self.fill(index, 1, &mut volley);
+        volley.lane(0)
+    }
+
+    /// Up to 64 of them.
+    #[inline(always)]
+    pub(super) fn fill(&self, first: usize, count: usize, lanes: &mut FiringLanes) {
+        match (self.pattern, &self.ticks) {
+            (Pattern::Spinning(spinning), ticks) => {
+                spinning.fill(ticks.as_ref(), self.frame_time_ns, (first, count), lanes);
+            }
+            (Pattern::Rosette(rosette), Some(ticks)) => rosette.fill(ticks, (first, count), lanes),
+            (Pattern::Table(firings), _) => {
+                for (lane, firing) in firings[first..][..count].iter().enumerate() {
+                    lanes.set(lane, firing);
+                }
+            }
+            // It ticks.
+            (Pattern::Rosette(_), None) => {}
+        }
+    }
+}
+
+fn check_table(firings: &[Firing], frame_time_ns: u64) -> Result<(), ScannerError> {
+    let end = frame_time_ns as f64 * 1e-9;
+    let mut before = 0.0;
+    for (index, firing) in firings.iter().enumerate() {
+        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: Some(index), value, rule });
+        let length = firing.direction.length();
+        if !firing.origin.is_finite() {
+            return wrong("origin of firing", firing.origin.x + firing.origin.y + firing.origin.z, "finite");
+        }
+        if !(0.999_999..=1.000_001).contains(&length) {
+            return wrong("length of the direction of firing", length, "1, to a millionth");
+        }
+        if !(before..end).contains(&firing.time_s) {
+            return wrong(
+                "time_s of firing",
+                firing.time_s,
+                "not before that of the firing before, and less than the frame's",
+            );
+        }
+        before = firing.time_s;
+    }
+    Ok(())
+}

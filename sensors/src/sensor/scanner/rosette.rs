@@ -1,0 +1,96 @@
+//! Scanners with two prisms that turn one behind the other (Risley), as Livox's Mid-40 and Mid-70.
+
+use super::clock::{Clock, Ticks};
+use super::error::ScannerError;
+use super::firing::{Firing, FiringLanes};
+use crate::simd::{sin_cos, sqrt};
+use core::f64::consts::TAU;
+use glam::DVec3;
+
+const MINUTE_NS: i128 = 60_000_000_000;
+
+/// One laser behind two wedges of glass that turn about +x, the flat sides outwards: its beam draws a rosette, which
+/// begins anew after minutes or never.
+///
+/// The beam is refracted at each face by Snell's law. Both wedges are thickest towards −y, which is where they bend it to, when
+/// time begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rosette {
+    /// From a firing to the next, in nanoseconds.
+    pub firing_time_ns: u64,
+    /// Turns a minute of the wedge at the laser and of that in front of it; negative ones turn the other way.
+    pub speeds_rpm: [i32; 2],
+    /// Angle between the faces of a wedge, in radians.
+    pub wedge_rad: f64,
+    /// Index of refraction of the glass, 1 to 4.
+    pub refractive_index: f64,
+}
+
+impl Rosette {
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
+        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+        if self.firing_time_ns == 0 || self.firing_time_ns > frame_time_ns {
+            return wrong("firing_time_ns", self.firing_time_ns as f64, "1 up to the frame's time");
+        }
+        if !(1.0..=4.0).contains(&self.refractive_index) {
+            return wrong("refractive_index", self.refractive_index, "1 to 4");
+        }
+        // Where both wedges bend the beam the same way it is bent most; beyond some angle it does not leave the glass.
+        let is_possible = self.wedge_rad > 0.0
+            && self.wedge_rad < core::f64::consts::FRAC_PI_2
+            && self.bent([0.0; 2]).is_some();
+        if !is_possible {
+            return wrong(
+                "wedge_rad",
+                self.wedge_rad,
+                "more than 0, and no more than what lets all light through",
+            );
+        }
+        Ok(())
+    }
+
+    pub(super) fn clock(&self) -> Clock {
+        Clock { tick_ns: self.firing_time_ns }
+    }
+
+    #[inline(always)]
+    pub(super) fn fill(&self, ticks: &Ticks, (first, count): (usize, usize), lanes: &mut FiringLanes) {
+        for lane in 0..count {
+            let tick = (first + lane) as u64;
+            // Whole turns are left out before anything is rounded: a wedge makes a whole number of them in a minute.
+            let at_ns = (ticks.begin_ns % MINUTE_NS as u128) as i128 + i128::from(ticks.at_ns(tick));
+            let turned = self
+                .speeds_rpm
+                .map(|rpm| (at_ns * i128::from(rpm)).rem_euclid(MINUTE_NS) as f64 / MINUTE_NS as f64 * TAU);
+            let direction = self.bent(turned).unwrap_or(DVec3::X);
+            lanes.set(lane, &Firing { time_s: ticks.time_s(tick), origin: DVec3::ZERO, direction, laser: 0 });
+        }
+    }
+
+    /// Which way the beam goes when the wedges are turned so; none if it does not leave the glass.
+    fn bent(&self, turned: [f64; 2]) -> Option<DVec3> {
+        let n = self.refractive_index;
+        let (sin, cos) = sin_cos(self.wedge_rad);
+        // The inner faces' normals, both ahead: the wedges face each other, so the second is turned by half.
+        let [first, second] = turned.map(|angle| {
+            let (across, along) = sin_cos(angle);
+            DVec3::new(cos, sin * along, sin * across)
+        });
+        let second = DVec3::new(second.x, -second.y, -second.z);
+        // Straight through the first flat side, which the beam meets at a right angle.
+        let between = refracted(DVec3::X, first, n)?;
+        let inside = refracted(between, second, 1.0 / n)?;
+        refracted(inside, DVec3::X, n)
+    }
+}
+
+/// A unit direction behind a face with a unit normal ahead of it; `ratio` is the index before over that behind.
+fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
+    let along = direction.dot(normal);
+    let rest = 1.0 - ratio * ratio * (1.0 - along * along);
+    if rest < 0.0 {
+        return None;
+    }
+    let bent = direction * ratio + normal * (sqrt(rest) - ratio * along);
+    Some(bent * (1.0 / sqrt(bent.length_squared())))
+}

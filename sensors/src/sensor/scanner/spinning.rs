@@ -1,0 +1,212 @@
+//! Scanners whose head turns: lasers one above the other, columns side by side.
+
+use super::clock::{Clock, Ticks};
+use super::error::ScannerError;
+use super::firing::FiringLanes;
+use crate::simd::{LANES, sin_cos};
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Most lasers of a head.
+pub const MAX_LASERS: usize = 4096;
+
+/// A laser of a head that turns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Laser {
+    /// Up from the plane in which the head turns, in radians.
+    pub elevation_rad: f64,
+    /// Counter-clockwise from where the head looks, in radians.
+    pub azimuth_rad: f64,
+    /// Where its beam starts, in metres, in axes that turn with the head: x to where it looks, z up.
+    pub origin_m: [f64; 3],
+    /// Seconds after the beginning of its column.
+    pub time_s: f64,
+}
+
+impl Laser {
+    /// A laser in the axis, that fires at the beginning of its column; angles in degrees, as data sheets have them.
+    pub const fn at_degrees(elevation: f64, azimuth: f64) -> Self {
+        Self {
+            elevation_rad: elevation * (PI / 180.0),
+            azimuth_rad: azimuth * (PI / 180.0),
+            origin_m: [0.0; 3],
+            time_s: 0.0,
+        }
+    }
+}
+
+/// When the columns of a turn are fired: each laser once a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Columns {
+    /// At fixed angles: so many to a turn, of which some are fired.
+    Turn {
+        /// Columns of a whole turn, 1 or more.
+        per_turn: u32,
+        /// The first that is fired, from 0.
+        first: u32,
+        /// How many are.
+        count: u32,
+    },
+    /// At fixed times, whatever the head's angle is: frames begin at 0°, and have one column more or less.
+    Every {
+        /// From a column to the next, in nanoseconds.
+        time_ns: u64,
+    },
+}
+
+/// Lasers on a head that turns evenly, once a frame.
+///
+/// Firings are in the order of time: column by column, of each all lasers in their order. The head turns on from laser to
+/// laser, as it does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spinning<'a> {
+    /// In the order in which they fire.
+    pub lasers: &'a [Laser],
+    /// When their columns are.
+    pub columns: Columns,
+    /// Where the head looks when a frame begins, in radians, counter-clockwise from +x.
+    pub first_azimuth_rad: f64,
+    /// Whether it turns clockwise, seen from above.
+    pub clockwise: bool,
+}
+
+impl Spinning<'_> {
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
+        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+        if !(1..=MAX_LASERS).contains(&self.lasers.len()) {
+            return wrong("lasers", self.lasers.len() as f64, "1 to 4096 of them");
+        }
+        if !self.first_azimuth_rad.is_finite() {
+            return wrong("first_azimuth_rad", self.first_azimuth_rad, "finite");
+        }
+        match self.columns {
+            Columns::Turn { per_turn: 0, .. } => return wrong("per_turn", 0.0, "1 or more"),
+            Columns::Turn { count: 0, .. } => return wrong("count", 0.0, "1 or more"),
+            Columns::Turn { per_turn, first, count }
+                if u64::from(first) + u64::from(count) > per_turn.into() =>
+            {
+                return wrong("first + count", f64::from(first) + f64::from(count), "no more than per_turn");
+            }
+            Columns::Every { time_ns } if time_ns == 0 || time_ns > frame_time_ns => {
+                return wrong("time_ns", time_ns as f64, "1 up to the frame's time");
+            }
+            Columns::Turn { .. } | Columns::Every { .. } => {}
+        }
+        let (column_s, mut before) = (self.column_time_s(frame_time_ns), 0.0);
+        for (index, laser) in self.lasers.iter().enumerate() {
+            let wrong =
+                |parameter, value, rule| Err(ScannerError { parameter, index: Some(index), value, rule });
+            if !(-FRAC_PI_2..=FRAC_PI_2).contains(&laser.elevation_rad) {
+                return wrong("elevation_rad of laser", laser.elevation_rad, "-π/2 to π/2");
+            }
+            if !(-TAU..=TAU).contains(&laser.azimuth_rad) {
+                return wrong("azimuth_rad of laser", laser.azimuth_rad, "-2π to 2π");
+            }
+            if let Some(value) = laser.origin_m.into_iter().find(|value| !(-100.0..=100.0).contains(value)) {
+                return wrong("origin_m of laser", value, "-100 to 100 m");
+            }
+            if !(before..column_s).contains(&laser.time_s) {
+                return wrong(
+                    "time_s of laser",
+                    laser.time_s,
+                    "not before that of the laser before, and less than a column's",
+                );
+            }
+            before = laser.time_s;
+        }
+        Ok(())
+    }
+
+    /// From a column to the next.
+    fn column_time_s(&self, frame_time_ns: u64) -> f64 {
+        match self.columns {
+            Columns::Turn { per_turn, .. } => frame_time_ns as f64 * 1e-9 / f64::from(per_turn),
+            Columns::Every { time_ns } => time_ns as f64 * 1e-9,
+        }
+    }
+
+    pub(super) fn most_firings(&self, frame_time_ns: u64) -> u128 {
+        let columns = match self.columns {
+            Columns::Turn { count, .. } => u64::from(count),
+            Columns::Every { time_ns } => Clock { tick_ns: time_ns }.most(frame_time_ns),
+        };
+        u128::from(columns) * self.lasers.len() as u128
+    }
+
+    /// That of columns at fixed times.
+    pub(super) fn clock(&self) -> Option<Clock> {
+        match self.columns {
+            Columns::Turn { .. } => None,
+            Columns::Every { time_ns } => Some(Clock { tick_ns: time_ns }),
+        }
+    }
+
+    /// How many columns at fixed angles there are.
+    pub(super) fn columns_at_angles(&self) -> u64 {
+        match self.columns {
+            Columns::Turn { count, .. } => count.into(),
+            Columns::Every { .. } => 0,
+        }
+    }
+
+    pub(super) fn time_s(&self, ticks: Option<&Ticks>, frame_time_ns: u64, index: usize) -> f64 {
+        let (column, laser) = (index / self.lasers.len(), index % self.lasers.len());
+        self.column_s(ticks, frame_time_ns, column) + self.lasers[laser].time_s
+    }
+
+    /// When a column begins, in seconds after the frame's beginning.
+    #[inline(always)]
+    fn column_s(&self, ticks: Option<&Ticks>, frame_time_ns: u64, column: usize) -> f64 {
+        match (self.columns, ticks) {
+            (Columns::Every { .. }, Some(ticks)) => ticks.time_s(column as u64),
+            (Columns::Turn { first, .. }, _) => {
+                (u64::from(first) + column as u64) as f64 * self.column_time_s(frame_time_ns)
+            }
+            (Columns::Every { time_ns }, None) => column as f64 * (time_ns as f64 * 1e-9),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn fill(
+        &self,
+        ticks: Option<&Ticks>,
+        frame_time_ns: u64,
+        (first, count): (usize, usize),
+        lanes: &mut FiringLanes,
+    ) {
+        let (mut column, mut number) = (first / self.lasers.len(), first % self.lasers.len());
+        let mut column_s = self.column_s(ticks, frame_time_ns, column);
+        let (mut azimuth, mut elevation, mut arm) = ([0.0; LANES], [0.0; LANES], [[0.0; LANES]; 2]);
+        for lane in 0..count {
+            let laser = &self.lasers[number];
+            lanes.laser[lane] = number as u32;
+            lanes.time_s[lane] = column_s + laser.time_s;
+            (azimuth[lane], elevation[lane]) = (laser.azimuth_rad, laser.elevation_rad);
+            [arm[0][lane], arm[1][lane], lanes.origin[2][lane]] = laser.origin_m;
+            number += 1;
+            if number == self.lasers.len() {
+                (number, column) = (0, column + 1);
+                column_s = self.column_s(ticks, frame_time_ns, column);
+            }
+        }
+        let turn_s = frame_time_ns as f64 * 1e-9;
+        let sense = if self.clockwise { -TAU } else { TAU };
+        for lane in 0..LANES {
+            let head = self.first_azimuth_rad + sense * (lanes.time_s[lane] / turn_s);
+            let (sin, cos) = sin_cos(head + azimuth[lane]);
+            let (up, level) = sin_cos(elevation[lane]);
+            lanes.direction[0][lane] = cos * level;
+            lanes.direction[1][lane] = sin * level;
+            lanes.direction[2][lane] = up;
+            azimuth[lane] = head;
+        }
+        if self.lasers.iter().all(|laser| laser.origin_m[0] == 0.0 && laser.origin_m[1] == 0.0) {
+            (lanes.origin[0], lanes.origin[1]) = ([0.0; LANES], [0.0; LANES]);
+            return;
+        }
+        for lane in 0..LANES {
+            let ((sin, cos), [x, y]) = (sin_cos(azimuth[lane]), [arm[0][lane], arm[1][lane]]);
+            lanes.origin[0][lane] = cos * x - sin * y;
+            lanes.origin[1][lane] = sin * x + cos * y;
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! Up to 64 rays, each from a place and at a time of its own between two moments.
+//!
+//! They go through the tree over the instances together, as a packet, and meet a solid all at once, in double precision.
+//! Through the triangles of a mesh those that meet its box go as a wave. What moves is met where it is at the ray's time.
+
+use super::grid::Sight;
+use super::packet::walk::{stack_len, walk_to_nearest};
+use super::packet::{Faces, MISS, Packet, PacketBounds};
+use super::rays::ray::{Nearest, Ray};
+use super::rays::wave::Wave;
+use super::rays::{Stack, doubt_of, mesh_tree, nearest_in_tree};
+use super::resolve::Resolver;
+use super::shapes::{self, LocalRays, commit, match_solid, solid_normal};
+use super::view::{self, Placed, View};
+use crate::pose::Pose;
+use crate::scene::{Kind, Triangles};
+use crate::simd::{LANES, Lanes, WIDTH};
+use fearless_simd::Simd;
+use glam::{DMat3, DVec3};
+
+/// What boxes around triangles are widened by, relatively: more than all roundings of a test together.
+const MARGIN: f64 = 1e-6;
+
+/// Rays of a view, and what they meet.
+pub(crate) struct Volley {
+    packet: Packet,
+    /// Times, as shares of the way from the view's moment to the next one.
+    share: Lanes<f64>,
+    /// The rays in the frame of the instance that is looked at.
+    local: LocalRays,
+    /// Those of them that go through a mesh.
+    wave: Wave,
+    /// Children of a height field's tree that wait.
+    stack: Stack,
+}
+
+/// What a ray has met.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Struck {
+    /// Index of the instance in the scene.
+    pub(crate) instance: u32,
+    /// How far away it is, in metres.
+    pub(crate) range: f64,
+    /// Unit, outwards, along the axes of the world.
+    pub(crate) normal: DVec3,
+    /// Cosine of the angle between the normal and the ray, backwards.
+    pub(crate) cos_incidence: f64,
+}
+
+impl Volley {
+    pub(crate) const fn new() -> Self {
+        let mut packet = Packet::new();
+        packet.shared_origin = false;
+        Self { packet, share: [0.0; LANES], local: LocalRays::new(), wave: Wave::new(), stack: Stack::new() }
+    }
+
+    /// No rays, to begin anew.
+    pub(crate) fn clear(&mut self) {
+        self.packet.t = [f64::NEG_INFINITY; LANES];
+        self.packet.hit = [MISS; LANES];
+    }
+
+    /// Sets a ray: its origin relative to the view's and its unit direction, both along the axes of the world, and its
+    /// time.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, origin: DVec3, direction: DVec3, share: f64, farthest: f64) {
+        for axis in 0..3 {
+            self.packet.origin[axis][lane] = origin[axis];
+            self.packet.direction[axis][lane] = direction[axis];
+        }
+        self.share[lane] = share;
+        self.packet.t[lane] = farthest;
+    }
+
+    /// How far the ray goes; none if it meets nothing.
+    #[inline(always)]
+    pub(crate) fn range(&self, lane: usize) -> Option<f64> {
+        self.slot(lane).map(|_| self.packet.t[lane])
+    }
+
+    /// The slot of what it meets; none if that is nothing.
+    #[inline(always)]
+    pub(crate) fn slot(&self, lane: usize) -> Option<u32> {
+        Some(self.packet.hit[lane]).filter(|slot| *slot != MISS)
+    }
+
+    /// Finds what each ray meets first.
+    #[inline(always)]
+    pub(crate) fn cast<S: Simd>(&mut self, simd: S, view: &View<'_>, sight: &Sight) {
+        let Self { packet, share, local, wave, stack } = self;
+        packet.t_min = sight.range[0];
+        let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
+        walk_to_nearest::<S, _, { stack_len(view::MAX_DEPTH) }>(
+            simd,
+            #[inline(always)]
+            |node| &view.nodes[node as usize],
+            &bounds,
+            packet,
+            #[inline(always)]
+            |index, packet| {
+                let placed = &view.placed[index as usize];
+                take_in(view, placed, packet, share, local);
+                match placed.kind() {
+                    Kind::Solid(solid) => match_solid!(
+                        solid,
+                        view.instance(index).size,
+                        inside => commit(local, packet, sight.faces, placed.first_slot, inside)
+                    ),
+                    Kind::Triangles(kind) => {
+                        let only_front = sight.faces == Faces::Front;
+                        let near = near(view, placed, local, packet);
+                        if near != 0 {
+                            let rays = (&*local, packet, near);
+                            match kind {
+                                Triangles::Mesh => {
+                                    through_mesh(simd, (view, placed), only_front, rays, wave);
+                                }
+                                Triangles::HeightField => {
+                                    through_height_field(simd, (view, placed), only_front, rays, stack);
+                                }
+                            }
+                        }
+                    }
+                }
+            },
+        );
+    }
+
+    /// What a ray has met; none if nothing.
+    pub(crate) fn struck(&self, view: &View<'_>, resolver: &mut Resolver<'_>, lane: usize) -> Option<Struck> {
+        let slot = self.slot(lane)?;
+        let hit = resolver.hit(slot);
+        let (placed, index) = (hit.instance, hit.instance.instance);
+        let instance = &view.scene.instances[index as usize];
+        let normal = match placed.kind() {
+            Kind::Triangles(_) => {
+                let [a, b, c] = view.corners(placed, hit.local);
+                (b - a).cross(c - a)
+            }
+            Kind::Solid(solid) => {
+                let [origin, direction] = self.in_instance(view, placed, lane);
+                let point = origin + direction * self.packet.t[lane];
+                DVec3::from_array(solid_normal(solid, instance.size, point.to_array()))
+            }
+        };
+        // Normals go by the transpose of the inverse.
+        let normal = match Motion::of(view, placed) {
+            Some(motion) => {
+                let turn = motion.from.interpolate(&motion.to, self.share[lane]).rotation_matrix();
+                turn * (normal * motion.inverse_scale)
+            }
+            None => DMat3::from_cols_array_2d(&placed.inverse) * normal,
+        };
+        let normal = normal.normalize_or_zero();
+        let cos_incidence = -normal.dot(of_lane(&self.packet.direction, lane));
+        Some(Struck { instance: index, range: self.packet.t[lane], normal, cos_incidence })
+    }
+
+    /// A ray in the frame of an instance.
+    fn in_instance(&self, view: &View<'_>, placed: &Placed, lane: usize) -> [DVec3; 2] {
+        let (origin, direction) = (of_lane(&self.packet.origin, lane), of_lane(&self.packet.direction, lane));
+        match Motion::of(view, placed) {
+            Some(motion) => motion.in_instance(origin, direction, self.share[lane]),
+            None => [
+                placed.vector_in_instance(origin - DVec3::from_array(placed.translation)),
+                placed.vector_in_instance(direction),
+            ],
+        }
+    }
+}
+
+/// The way of an instance from a view's moment to the next.
+struct Motion {
+    from: Pose,
+    to: Pose,
+    /// Where it is first, relative to the view's origin, and how far it goes.
+    translation: DVec3,
+    shift: DVec3,
+    /// Rotations as quaternions: the first, and what is added to it on the way; they are not of length 1 between.
+    rotation: [f64; 4],
+    turn: [f64; 4],
+    inverse_scale: DVec3,
+}
+
+impl Motion {
+    /// None of what stands still.
+    fn of(view: &View<'_>, placed: &Placed) -> Option<Self> {
+        let index = placed.instance as usize;
+        let (from, to) = (view.world_from_instance[index], view.next?.world_from_instance[index]);
+        if from == to {
+            return None;
+        }
+        let (first, last) = (from.rotation(), to.rotation());
+        let last = if first.dot(last) < 0.0 { -last } else { last };
+        Some(Self {
+            from,
+            to,
+            translation: from.translation() - view.origin_in_world,
+            shift: to.translation() - from.translation(),
+            rotation: first.to_array(),
+            turn: (last - first).to_array(),
+            inverse_scale: 1.0 / DVec3::from_array(view.scene.instances[index].scale),
+        })
+    }
+
+    /// Origin and direction in the frame of the instance, at a time.
+    #[inline(always)]
+    fn in_instance(&self, origin: DVec3, direction: DVec3, share: f64) -> [DVec3; 2] {
+        let [x, y, z, w] = [0, 1, 2, 3].map(|part| self.rotation[part] + self.turn[part] * share);
+        let per_square = 2.0 / ((x * x + y * y) + (z * z + w * w));
+        let axis = DVec3::new(x, y, z);
+        // Turned back: by the conjugate, as no length is 1.
+        let back = |v: DVec3| {
+            let across = axis.cross(v);
+            (v + (axis.cross(across) - across * w) * per_square) * self.inverse_scale
+        };
+        [back(origin - (self.translation + self.shift * share)), back(direction)]
+    }
+}
+
+#[inline(always)]
+fn of_lane([x, y, z]: &[Lanes<f64>; 3], lane: usize) -> DVec3 {
+    DVec3::new(x[lane], y[lane], z[lane])
+}
+
+/// The rays of a packet, in the frame of an instance.
+#[inline(always)]
+fn take_in(view: &View<'_>, placed: &Placed, packet: &Packet, share: &Lanes<f64>, local: &mut LocalRays) {
+    let mut put = |lane: usize, [origin, direction]: [DVec3; 2]| {
+        for axis in 0..3 {
+            local.origin[axis][lane] = origin[axis];
+            local.direction[axis][lane] = direction[axis];
+        }
+    };
+    if let Some(motion) = Motion::of(view, placed) {
+        for lane in 0..LANES {
+            put(
+                lane,
+                motion.in_instance(
+                    of_lane(&packet.origin, lane),
+                    of_lane(&packet.direction, lane),
+                    share[lane],
+                ),
+            );
+        }
+    } else {
+        let [a, b, c] = placed.inverse.map(DVec3::from_array);
+        let translation = DVec3::from_array(placed.translation);
+        for lane in 0..LANES {
+            let origin = of_lane(&packet.origin, lane) - translation;
+            let direction = of_lane(&packet.direction, lane);
+            let turned = |v: DVec3| DVec3::new(a.dot(v), b.dot(v), c.dot(v));
+            put(lane, [turned(origin), turned(direction)]);
+        }
+    }
+}
+
+/// The lanes whose rays may meet an instance's box before what they have met, a bit each.
+#[inline(always)]
+fn near(view: &View<'_>, placed: &Placed, local: &LocalRays, packet: &Packet) -> u64 {
+    let instance = &view.scene.instances[placed.instance as usize];
+    let [low, high] = view.scene.local_bounds(instance);
+    let middle = (low + high) * 0.5;
+    let half = ((high - low) * 0.5 + (low.abs().max(high.abs())) * MARGIN + DVec3::splat(1e-9)).to_array();
+    let mut inside = [false; LANES];
+    for lane in 0..LANES {
+        let origin = [0, 1, 2].map(|axis| local.origin[axis][lane] - middle[axis]);
+        let direction = [0, 1, 2].map(|axis| local.direction[axis][lane]);
+        let within = shapes::cuboid::inside(origin, direction, half);
+        inside[lane] =
+            within.enter <= within.exit && within.exit >= packet.t_min && within.enter <= packet.t[lane];
+    }
+    let mut lanes = 0;
+    for (lane, inside) in inside.into_iter().enumerate() {
+        lanes |= u64::from(inside) << lane;
+    }
+    lanes
+}
+
+/// How far a ray may go yet: a hair more than to what it has met, as boxes and hits are rounded.
+#[inline(always)]
+fn range_of(packet: &Packet, lane: usize) -> [f32; 2] {
+    [packet.t_min as f32, (packet.t[lane] * (1.0 + MARGIN)) as f32]
+}
+
+/// Takes a triangle that a ray meets, if it is nearer than what it has met.
+#[inline(always)]
+fn offer(packet: &mut Packet, lane: usize, t: f64, slot: u32) {
+    if t < packet.t[lane] && t >= packet.t_min {
+        (packet.t[lane], packet.hit[lane]) = (t, slot);
+    }
+}
+
+/// Takes some rays through the tree of a mesh, all together.
+#[inline(always)]
+fn through_mesh<S: Simd>(
+    simd: S,
+    (view, placed): (&View<'_>, &Placed),
+    only_front: bool,
+    (local, packet, lanes): (&LocalRays, &mut Packet, u64),
+    wave: &mut Wave,
+) {
+    let tree = mesh_tree(view, placed);
+    let (mut order, mut count, mut rest) = ([0_u8; LANES], 0, lanes);
+    while rest != 0 {
+        order[count] = rest.trailing_zeros() as u8;
+        rest &= rest - 1;
+        count += 1;
+    }
+    for id in 0..count.next_multiple_of(WIDTH) {
+        // Lanes that are left over repeat the last ray.
+        let lane = usize::from(order[id.min(count - 1)]);
+        let (origin, direction) = (of_lane(&local.origin, lane), of_lane(&local.direction, lane));
+        wave.set(id, origin, direction, range_of(packet, lane));
+    }
+    wave.cast(simd, tree, (count, doubt_of(tree.nodes.first())), only_front);
+    for (id, &lane) in order[..count].iter().enumerate() {
+        if let Some((t, slot)) = wave.hit(id) {
+            offer(packet, usize::from(lane), t, placed.first_slot + slot);
+        }
+    }
+}
+
+/// Takes some rays through the tree of a height field, which is made as they go: one by one.
+#[inline(always)]
+fn through_height_field<S: Simd>(
+    simd: S,
+    (view, placed): (&View<'_>, &Placed),
+    only_front: bool,
+    (local, packet, mut lanes): (&LocalRays, &mut Packet, u64),
+    stack: &mut Stack,
+) {
+    let grid = view.height_grid(placed);
+    let doubt = doubt_of(Some(&grid.node(0)));
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize % LANES;
+        lanes &= lanes - 1;
+        let (origin, direction) = (of_lane(&local.origin, lane), of_lane(&local.direction, lane));
+        let ray = Ray::new(origin.to_array(), direction.to_array(), range_of(packet, lane), doubt);
+        let mut nearest = Nearest::none(&ray);
+        nearest_in_tree(simd, &grid, &ray, only_front, stack, &mut nearest);
+        offer(packet, lane, nearest.t * f64::from(ray.unit), placed.first_slot.wrapping_add(nearest.slot));
+    }
+}

@@ -138,8 +138,7 @@ fn turns_of<S: Simd>(simd: S, sine: f32x16<S>, cosine: f32x16<S>) -> f32x16<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::best_level;
-    use fearless_simd::dispatch;
+    use crate::simd::{best_level, dispatch};
 
     #[test]
     fn all_the_way_round() {

@@ -8,9 +8,9 @@ use super::{DepthCamera, POINT_STEP};
 use crate::device::depth::{DepthDevice, Sampling};
 use crate::execution::{Execution, SplitRows, for_each_row, split_at};
 use crate::noise::{Stream, normal_lines};
-use crate::simd::WIDTH;
+use crate::simd::{WIDTH, dispatch};
 use crate::trace::tiling::{BLOCKS, Tiling};
-use fearless_simd::{Simd, SimdBase, dispatch, f32x16};
+use fearless_simd::{Simd, SimdBase, f32x16};
 
 /// Where measured depths go, cut between rows of pixels.
 pub(super) struct Measured<'a> {

@@ -5,9 +5,9 @@ use crate::device::depth::{Dots, Look, dot, find_dot, squares};
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::memory::{Cutter, lines};
 use crate::noise::Stream;
-use crate::simd::WIDTH;
+use crate::simd::{WIDTH, dispatch};
 use crate::trace::tiling::Tiling;
-use fearless_simd::{Select, Simd, SimdBase, dispatch, f32x16};
+use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
 /// The dots of a frame that are found.
 #[derive(Clone, Copy)]

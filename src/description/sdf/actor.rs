@@ -21,9 +21,9 @@ impl Loader<'_> {
             parsed.model.links.extend(self.skin(skin, scope));
         }
         if parsed.model.links.is_empty() {
-            self.diagnostics.error(
+            self.diagnostics.warning(
                 &element.source,
-                format!("the actor '{}' has nothing to be seen", parsed.model.name),
+                format!("the actor '{}' has nothing to be seen, and is left out", parsed.model.name),
                 "give it a <skin> or a <link> with a <visual>",
             );
             return None;

@@ -8,7 +8,7 @@
 //! | [`entities`] | who is in the world, by name |
 //! | [`rig`] | the sensors on their schedule, rendered straight into a sink's memory |
 //! | [`simulation`] | all of it, stepped and rendered by a caller: the library |
-//! | [`server`] | the same for other processes: shared memory, commands |
+//! | `server` | the same for other processes: shared memory, commands (feature `server`) |
 //! | `recording` | runs kept in MCAP files, and played again (feature `recording`) |
 //! | `picture` | frames as pictures for people (feature `cli`) |
 //! | `cli` | the `belvedere` command (feature `cli`) |
@@ -27,6 +27,7 @@ pub mod picture;
 pub mod recording;
 pub mod rig;
 pub mod robot;
+#[cfg(feature = "server")]
 pub mod server;
 pub mod simulation;
 pub mod world;

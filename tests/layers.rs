@@ -25,6 +25,8 @@ const BRIDGE: &[&str] = &[
     "wire",
     "consumer",
     "error",
+    "topic",
+    "spec",
     "domain",
     "node",
     "stream",

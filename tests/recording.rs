@@ -5,7 +5,7 @@ mod live;
 use belvedere::recording::{
     Compression, Item, RecordedFrame, RecordedStream, RecordingError, RecordingReader, RecordingWriter,
 };
-use belvedere_bridge::payload::SimulationCommand;
+use belvedere_bridge::payload::{Clock, SimulationCommand};
 use belvedere_bridge::{Domain, Encoding, FrameHeader, Kind, Node, Operation, SimulationControl};
 use live::control::{done, refusal, step};
 use live::{PATIENCE, Simulator, belvedere, output, own_domain};
@@ -326,6 +326,91 @@ fn what_was_written_before_the_disk_was_full_can_be_read() {
 }
 
 #[test]
+fn what_another_recorder_writes_or_has_left_is_not_lost() {
+    let simulator = Simulator::start(&[]);
+    live::follow(simulator.domain(), "test", &["clock"]);
+    let folder = tempfile::tempdir().unwrap();
+    let (file, active) = (folder.path().join("a.mcap"), folder.path().join("a.mcap.active"));
+    let record = |more: &[&str]| {
+        let mut record = belvedere();
+        record.args(["record", "/clock", "-o"]).arg(&file).args(["--domain", simulator.domain()]).args(more);
+        record
+    };
+    let first = Process::start(&mut record(&[]));
+    let started = Instant::now();
+    while !std::fs::metadata(&active).is_ok_and(|active| active.len() > 10_000) {
+        assert!(started.elapsed() < PATIENCE, "nothing is written");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    for more in [&[][..], &["--force"]] {
+        let (code, errors) = Process::start(&mut record(more)).end();
+        assert_eq!(code, Some(1), "{errors}");
+        assert!(errors.contains("another process is writing it"), "{more:?}: {errors}");
+    }
+    kill_process(Pid::from_child(&first.0), Signal::KILL).unwrap();
+    drop(first);
+    let left = std::fs::read(&active).unwrap();
+    assert!(!frames(&read(&left).0)["clock"].is_empty());
+    let (code, errors) = Process::start(&mut record(&[])).end();
+    assert!(code == Some(1) && errors.contains("a.mcap.active is there"), "{errors}");
+    assert!(errors.contains("rename it") && errors.contains("--force"), "{errors}");
+    assert!(std::fs::read(&active).unwrap() == left, "it was touched");
+    let (code, errors) = Process::start(&mut record(&["--force", "--duration", "0.3"])).end();
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(file.exists() && !active.exists());
+}
+
+#[test]
+fn frames_that_outgrow_their_stream_are_played() {
+    let folder = tempfile::tempdir().unwrap();
+    let (first, second) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
+    // As of a simulator that was started again with a larger camera.
+    let stream = RecordedStream {
+        topic: "picture".into(),
+        kind: Kind::Image,
+        encoding: Encoding::Mono8,
+        frame_id: "camera".into(),
+        rate_hz: Some(30.0),
+        layers: None,
+        max_payload_len: 32 * 24,
+    };
+    let file = std::fs::File::create(&first).unwrap();
+    let mut writer = RecordingWriter::new(file, Compression::Lz4, &BTreeMap::new()).unwrap();
+    let id = writer.add(&stream).unwrap();
+    // What stays, so that the recorder does not take the replay for gone.
+    let clock = RecordedStream {
+        topic: "clock".into(),
+        kind: Kind::Clock,
+        encoding: Encoding::Struct,
+        max_payload_len: size_of::<Clock>(),
+        ..stream.clone()
+    };
+    writer.add(&clock).unwrap();
+    for (number, (width, height)) in [(32, 24), (640, 480), (33, 25), (800, 600)].into_iter().enumerate() {
+        let mut header = FrameHeader::new(Kind::Image, Encoding::Mono8);
+        (header.stamp_ns, header.seq) = (number as u64 * 33_333_333, number as u64);
+        header.payload_len = header.set_packed(width, height) as u64;
+        let payload = vec![number as u8 + 1; header.payload_len as usize];
+        writer.write(id, &header, &payload).unwrap();
+    }
+    writer.finish().unwrap();
+    let domain = own_domain();
+    let mut replay = belvedere();
+    replay.arg("replay").arg(&first).args(["--domain", &domain, "--rate", "max", "--wait-for", "recorder=2"]);
+    let replay = Process::start(&mut replay);
+    let mut record = belvedere();
+    record.arg("record").arg("-o").arg(&second).args(["--domain", &domain, "--wait", "--until-gone"]);
+    let (code, errors) = Process::start(&mut record).end();
+    assert_eq!(code, Some(0), "{errors}");
+    let (code, errors) = replay.end();
+    assert_eq!(code, Some(0), "{errors}");
+    let (first, second) = (read(&std::fs::read(first).unwrap()).0, read(&std::fs::read(second).unwrap()).0);
+    let payloads = |items| frames(items)["picture"].iter().map(|frame| frame.payload.clone()).collect();
+    let (first, second): (Vec<Vec<u8>>, Vec<Vec<u8>>) = (payloads(&first), payloads(&second));
+    assert!(first == second && first.len() == 4, "{} frames of {}", second.len(), first.len());
+}
+
+#[test]
 fn what_cannot_be_recorded_or_played_is_said_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
@@ -366,4 +451,14 @@ fn what_cannot_be_recorded_or_played_is_said_in_one_sentence() {
     let refused = output(&["replay", &played, "--domain", taken.domain()]);
     let errors = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(refused.status.code() == Some(1) && errors.contains("in use"), "{errors}");
+    // After its end there is nothing to play, however often.
+    for again in [&[][..], &["--loop"]] {
+        let refused = output(&[&["replay", &played, "--domain", &domain, "--start", "1000"], again].concat());
+        let errors = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(
+            refused.status.code() == Some(1)
+                && errors.contains("it lasts 1.990 s only, and was to be played from 1000.000 s"),
+            "{errors}"
+        );
+    }
 }

@@ -19,7 +19,7 @@ pub struct Options {
     /// Fewer rounds: to see where it stands, not to record.
     #[arg(long)]
     pub quick: bool,
-    /// The SIMD level instead of the best one of this machine: sse2, sse4.2, avx2, avx512.
+    /// The SIMD level instead of the best one of this machine: sse2, avx2, avx512.
     #[arg(long, value_parser = parse_level)]
     pub level: Option<Level>,
     /// What `cargo bench` adds.

@@ -3,7 +3,7 @@
 use belvedere_sensors::simd::Level;
 
 /// Every name, weakest first.
-pub const NAMES: [&str; 6] = ["fallback", "neon", "sse2", "sse4.2", "avx2", "avx512"];
+pub const NAMES: [&str; 5] = ["fallback", "neon", "sse2", "avx2", "avx512"];
 
 /// The name of a level.
 pub fn name(level: Level) -> &'static str {
@@ -11,8 +11,8 @@ pub fn name(level: Level) -> &'static str {
     match level {
         Level::Avx512(_) => return "avx512",
         Level::Avx2(_) => return "avx2",
-        Level::Sse4_2(_) => return "sse4.2",
-        Level::Sse2(_) => return "sse2",
+        // The kernels have no version of their own for SSE4.2.
+        Level::Sse4_2(_) | Level::Sse2(_) => return "sse2",
         _ => {}
     }
     #[cfg(target_arch = "aarch64")]
@@ -30,7 +30,6 @@ pub fn named(name: &str) -> Option<Level> {
     let level = match name {
         "avx512" => best.as_avx512().map(Level::Avx512),
         "avx2" => best.as_avx2().map(Level::Avx2),
-        "sse4.2" => best.as_sse4_2().map(Level::Sse4_2),
         "sse2" => best.as_sse2().map(Level::Sse2),
         _ => None,
     };

@@ -21,4 +21,4 @@ pub use name::Domain;
 
 pub(crate) use keeper::Keeper;
 pub(crate) use name::Ipc;
-pub(crate) use topic::{canonical_topic, service_name, topic_of_service};
+pub(crate) use topic::{service_name, topic_of_service};

@@ -150,6 +150,7 @@ pub enum Error {
     },
 }
 
+#[cfg(feature = "shared-memory")]
 impl Error {
     pub(crate) fn transport(what: impl Into<String>, detail: impl std::fmt::Debug) -> Self {
         Self::Transport { what: what.into(), detail: format!("{detail:?}") }

@@ -77,29 +77,51 @@
 //! membership. [`StreamSpec`], [`StreamInfo`]: streams. [`Publisher`], [`LoanedFrame`], [`Subscriber`],
 //! [`Frame`], [`FrameView`]: the two ends. [`Synchronizer`]: several streams at once. [`SimulationControl`]: commands to a
 //! simulator. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
+//!
+//! Without the feature `shared-memory`, which is a default, there are the bytes and [`StreamSpec`] alone.
 #![deny(unsafe_code)]
+// The examples above are of shared memory.
+#![cfg_attr(not(feature = "shared-memory"), allow(rustdoc::broken_intra_doc_links))]
 
+#[cfg(feature = "shared-memory")]
 pub mod clock;
 mod consumer;
+#[cfg(feature = "shared-memory")]
 mod control;
+#[cfg(feature = "shared-memory")]
 mod domain;
 mod error;
+#[cfg(feature = "shared-memory")]
 mod node;
+#[cfg(feature = "shared-memory")]
 mod publisher;
 mod session;
+mod spec;
+#[cfg(feature = "shared-memory")]
 mod stream;
+#[cfg(feature = "shared-memory")]
 mod subscriber;
+#[cfg(feature = "shared-memory")]
 mod synchronizer;
+mod topic;
 mod wire;
 
 pub use consumer::Consumer;
+#[cfg(feature = "shared-memory")]
 pub use control::SimulationControl;
+#[cfg(feature = "shared-memory")]
 pub use domain::{Domain, Group};
 pub use error::{Error, ICEORYX2_VERSION};
+#[cfg(feature = "shared-memory")]
 pub use node::Node;
+#[cfg(feature = "shared-memory")]
 pub use publisher::{LoanedFrame, Publisher};
-pub use stream::{Lossless, StreamInfo, StreamSpec};
+pub use spec::{Lossless, StreamSpec};
+#[cfg(feature = "shared-memory")]
+pub use stream::StreamInfo;
+#[cfg(feature = "shared-memory")]
 pub use subscriber::{Frame, Subscriber};
+#[cfg(feature = "shared-memory")]
 pub use synchronizer::Synchronizer;
 pub use wire::{
     DistortionModel, Encoding, FrameError, FrameHeader, FrameView, Intrinsics, Kind, MAX_DISTORTION,

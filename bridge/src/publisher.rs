@@ -16,6 +16,7 @@ use std::{
 use iceoryx2::{
     port::{
         LoanError,
+        backpressure_strategy::BackpressureStrategy,
         notifier::Notifier,
         publisher::{Publisher as Port, PublisherCreateError},
         update_connections::UpdateConnections,
@@ -26,10 +27,11 @@ use iceoryx2::{
 
 use crate::{
     Consumer, Error, FrameHeader, Node, StreamSpec, clock,
-    domain::{Ipc, canonical_topic},
+    domain::Ipc,
     payload::Message,
     session,
     stream::{self, Events, Frames, ports},
+    topic::canonical_topic,
 };
 use pool::{Booking, Pool};
 use queue::Queue;
@@ -83,6 +85,10 @@ impl Publisher {
         let booking = pool::book(node, &topic, spec.pool_bytes())?;
         let (frames, events) = stream::open_or_create(node, spec)?;
         let queue = spec.lossless.clone().map(|lossless| Arc::new(Queue::new(lossless, node.clone())));
+        let when_full = match queue {
+            Some(_) => BackpressureStrategy::RetryUntilDelivered,
+            None => BackpressureStrategy::DiscardData,
+        };
         let mut tried_again = false;
         let deadline = Instant::now() + Duration::from_secs(1);
         let port = loop {
@@ -90,7 +96,7 @@ impl Publisher {
                 .publisher_builder()
                 .initial_max_slice_len(spec.max_payload_len.max(1))
                 .max_loaned_samples(spec.loaned)
-                .backpressure_strategy(spec.backpressure());
+                .backpressure_strategy(when_full);
             if let Some(queue) = queue.clone() {
                 builder = builder.set_backpressure_handler(move |full| queue.wait(full));
             }

@@ -1,16 +1,12 @@
-//! Streams: what one is made with, and what a domain has.
+//! Streams: how one is opened, and what a domain has.
 
 mod attributes;
 mod info;
-mod lossless;
 mod opening;
 pub(crate) mod ports;
-mod spec;
 mod versions;
 
 pub use info::StreamInfo;
-pub use lossless::Lossless;
-pub use spec::StreamSpec;
 
 pub(crate) use opening::{Opened, open, open_or_create};
 

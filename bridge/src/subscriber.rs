@@ -15,7 +15,7 @@ use std::{
 
 use iceoryx2::{port::ReceiveError, service::port_factory::PortFactory as _};
 
-use crate::{Error, FrameHeader, Node, StreamSpec, domain::canonical_topic};
+use crate::{Error, FrameHeader, Node, StreamSpec, topic::canonical_topic};
 use busy_poll::BusyPoll;
 use connection::Connection;
 use frame::{Sample, checked_header};

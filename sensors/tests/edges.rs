@@ -322,7 +322,6 @@ fn the_same_bits_for_all_levels_and_threads() {
     #[cfg(target_arch = "x86_64")]
     levels.extend([
         ("SSE2", best.as_sse2().map(Level::Sse2)),
-        ("SSE4.2", best.as_sse4_2().map(Level::Sse4_2)),
         ("AVX2", best.as_avx2().map(Level::Avx2)),
         ("AVX-512", best.as_avx512().map(Level::Avx512)),
     ]);

@@ -425,7 +425,6 @@ fn the_same_bytes() {
         let best = Level::new();
         let levels = [
             best.as_sse2().map(Level::Sse2),
-            best.as_sse4_2().map(Level::Sse4_2),
             best.as_avx2().map(Level::Avx2),
             best.as_avx512().map(Level::Avx512),
         ];

@@ -92,7 +92,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
             }
             ending => ending.map_err(failed)?,
         };
-        if ending == Ending::Stopped || !args.again || player.frames() == 0 {
+        if ending == Ending::Stopped || !args.again || stop_wanted() {
             break;
         }
         recording = open(&args.file)?;

@@ -9,6 +9,7 @@ mod lens;
 mod plugin;
 mod sensor;
 mod shape;
+mod trajectory;
 
 pub use super::sensor::{
     AirPressure, Altimeter, Camera, DepthCamera, Imu, InstrumentPlugin, Lidar, Magnetometer, NavSat,
@@ -25,6 +26,7 @@ pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensPro
 pub use plugin::{CameraPlugin, CloudLayout, DepthCameraPlugin, LaserPlugin, Radiation, RangePlugin};
 pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis};
 pub use shape::{Collision, Fiducial, Geometry, Material, Mesh, Visual};
+pub use trajectory::{Leg, Trajectory, Waypoint};
 
 use super::diagnostics::Source;
 use belvedere_sensors::Pose;
@@ -99,11 +101,28 @@ pub struct Model {
     pub sensors: Vec<Sensor>,
     /// What its own plugins make of it, in the order of the file.
     pub plugins: Vec<ModelPlugin>,
+    /// What it follows instead of physics, if it is an actor that moves.
+    pub trajectory: Option<Trajectory>,
     /// Where it stands.
     pub source: Source,
 }
 
 impl Model {
+    /// A model of nothing yet.
+    pub(crate) fn empty(name: String, source: Source) -> Self {
+        Self {
+            name,
+            world_from_model: Pose::IDENTITY,
+            is_static: false,
+            links: Vec::new(),
+            joints: Vec::new(),
+            sensors: Vec::new(),
+            plugins: Vec::new(),
+            trajectory: None,
+            source,
+        }
+    }
+
     /// Index of the link of that name.
     pub fn link_named(&self, name: &str) -> Option<LinkIndex> {
         self.links.iter().position(|link| link.name == name)
@@ -165,6 +184,23 @@ pub struct Link {
     pub is_static: bool,
     /// Where it stands.
     pub source: Source,
+}
+
+impl Link {
+    /// A mere frame, at the model's own.
+    pub(crate) fn empty(name: String, source: Source) -> Self {
+        Self {
+            name,
+            model_from_link: Pose::IDENTITY,
+            inertial: None,
+            visuals: Vec::new(),
+            collisions: Vec::new(),
+            gravity: true,
+            self_collide: false,
+            is_static: false,
+            source,
+        }
+    }
 }
 
 /// Mass properties.

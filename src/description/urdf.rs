@@ -32,7 +32,6 @@ use super::package::PackagePath;
 use super::rules::Rules;
 use super::values::nearest;
 use super::xml::Element;
-use belvedere_sensors::Pose;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -64,16 +63,7 @@ pub(super) fn load_urdf(
     let mut loader =
         Loader { packages, rules, diagnostics, materials: HashMap::new(), meshes: HashMap::new() };
     loader.define_materials(robot);
-    let mut model = Model {
-        name: robot.attribute("name").unwrap_or("robot").to_owned(),
-        world_from_model: Pose::IDENTITY,
-        is_static: false,
-        links: Vec::new(),
-        joints: Vec::new(),
-        sensors: Vec::new(),
-        plugins: Vec::new(),
-        source: robot.source.clone(),
-    };
+    let mut model = Model::empty(robot.attribute("name").unwrap_or("robot").to_owned(), robot.source.clone());
     loader.links(robot, &mut model);
     loader.joints(robot, &mut model);
     let is_tree = loader.build_tree(robot, &mut model);

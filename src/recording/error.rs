@@ -9,6 +9,27 @@ pub enum RecordingError {
     /// The system's words.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    /// Another process writes it now.
+    #[error("another process is writing it; choose another name, or end that one")]
+    BeingWritten,
+    /// What a process that was killed has left.
+    #[error(
+        "{} is there, from a recording that was not ended; it can be played under that name: rename it, or replace it \
+         with --force",
+        active.display()
+    )]
+    Unfinished {
+        /// Where it is.
+        active: std::path::PathBuf,
+    },
+    /// A replay was to begin after the end.
+    #[error("it lasts {lasts_s:.3} s only, and was to be played from {start_s:.3} s on")]
+    TooShort {
+        /// Seconds from its first frame to its last.
+        lasts_s: f64,
+        /// Where it was to begin, seconds.
+        start_s: f64,
+    },
     /// It does not begin as MCAP does.
     #[error("it is no MCAP file")]
     NotMcap,

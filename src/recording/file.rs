@@ -1,6 +1,7 @@
 //! [`NewFile`]: nothing half-written under the final name.
 
-use std::fs::{self, File};
+use super::RecordingError;
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -13,18 +14,45 @@ pub struct NewFile {
 }
 
 impl NewFile {
-    /// Begins a file. One that is there is replaced only with `replace`, and only when this one is complete.
+    /// Begins a file. One that is there is replaced only with `replace`, and only when this one is complete; so is what
+    /// a killed process left under `.active`, which is lost at once.
     ///
     /// # Errors
-    /// [`io::ErrorKind::AlreadyExists`], and the system's.
-    pub fn create(path: &Path, replace: bool) -> io::Result<Self> {
+    /// [`io::ErrorKind::AlreadyExists`], [`RecordingError::Unfinished`], [`RecordingError::BeingWritten`], and the
+    /// system's.
+    pub fn create(path: &Path, replace: bool) -> Result<Self, RecordingError> {
         if !replace && path.exists() {
-            return Err(io::ErrorKind::AlreadyExists.into());
+            return Err(io::Error::from(io::ErrorKind::AlreadyExists).into());
         }
         let mut active = path.as_os_str().to_owned();
         active.push(".active");
         let active = PathBuf::from(active);
-        Ok(Self { file: File::create(&active)?, active, path: path.to_owned() })
+        let (file, is_new) = match OpenOptions::new().write(true).create_new(true).open(&active) {
+            Ok(file) => (file, true),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                (OpenOptions::new().write(true).open(&active)?, false)
+            }
+            Err(error) => return Err(error.into()),
+        };
+        // Whoever writes it holds the lock, and the system takes it from the dead. Where files cannot be locked, those
+        // that are there are taken to be finished.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(RecordingError::BeingWritten);
+        }
+        if !is_new {
+            if !replace {
+                return Err(RecordingError::Unfinished { active });
+            }
+            file.set_len(0)?;
+        }
+        Ok(Self { file, active, path: path.to_owned() })
+    }
+
+    /// Nothing of worth was written: nothing is left of it.
+    pub(super) fn discard(self) {
+        if let Err(error) = fs::remove_file(&self.active) {
+            tracing::warn!("{}: {error}", self.active.display());
+        }
     }
 
     /// Where it is until it is complete.

@@ -16,10 +16,12 @@
 mod error;
 mod file;
 mod log_time;
+mod play_clock;
 mod player;
 mod reader;
 mod recorder;
 pub mod ros1;
+mod send_order;
 mod stream;
 mod writer;
 

@@ -1,5 +1,6 @@
 //! [`Player`]: a recording as if the simulator ran.
 
+use super::play_clock::PlayClock;
 use super::reader::{Item, RecordedFrame, RecordingReader};
 use super::{RecordedStream, RecordingError};
 use crate::server::attendance::Awaited;
@@ -63,6 +64,7 @@ pub struct Player {
     inbox: Inbox,
     options: PlayerOptions,
     streams: HashMap<String, Publisher>,
+    specs: HashMap<String, RecordedStream>,
     paused: bool,
     /// Steps to go, and who is told when they are done.
     steps: Option<(u64, SimulationCommand)>,
@@ -94,6 +96,7 @@ impl Player {
             paused: options.paused,
             options,
             streams: HashMap::new(),
+            specs: HashMap::new(),
             steps: None,
             next_update: Instant::now(),
             time_ns: 0,
@@ -115,7 +118,8 @@ impl Player {
     /// Plays a recording once. `go_on` is asked some fifty times a second.
     ///
     /// # Errors
-    /// [`RecordingError::Foreign`] when no frame is in it; [`RecordingError::Cut`] at the end of one that is cut, all
+    /// [`RecordingError::Foreign`] when no frame is in it; [`RecordingError::TooShort`] when it ends before the time at
+    /// which it was to begin; [`RecordingError::Cut`] at the end of one that is cut, all
     /// of which was played; those of the streams.
     pub fn play<R: Read>(
         &mut self,
@@ -123,54 +127,124 @@ impl Player {
         mut go_on: impl FnMut(&Self) -> bool,
     ) -> Result<Ending, RecordingError> {
         let mut clock: Option<PlayClock> = None;
+        let mut last_ns = 0;
         let mut waited = self.options.wait_for.is_empty();
-        while let Some(item) = recording.next_item()? {
-            match item {
-                Item::Stream(stream) => self.add(&stream)?,
-                Item::Frame(frame) => {
-                    let clock = clock.get_or_insert_with(|| PlayClock::new(frame.log_time_ns));
-                    let since_start = Duration::from_nanos(frame.log_time_ns.saturating_sub(clock.first_ns));
-                    if since_start < self.options.start {
-                        clock.skip_to(frame.log_time_ns);
-                        // What is told once is wanted by those who begin later, too.
-                        if matches!(frame.header.kind(), Some(Kind::StaticTransforms | Kind::SensorSettings))
-                        {
-                            self.send(&frame)?;
-                        }
-                        continue;
-                    }
-                    let end = self.options.duration.map(|duration| self.options.start + duration);
-                    if end.is_some_and(|end| since_start >= end) {
-                        return Ok(Ending::Played);
-                    }
-                    if !waited {
-                        waited = self.gather(&mut go_on)?;
-                    }
-                    if !waited || !self.wait_until_due(clock, frame.log_time_ns, &mut go_on)? {
-                        return Ok(Ending::Stopped);
-                    }
-                    self.send(&frame)?;
-                    self.count_step(&frame);
+        let ending = loop {
+            let frame = match recording.next_item() {
+                Ok(Some(Item::Frame(frame))) => frame,
+                Ok(Some(Item::Stream(stream))) => {
+                    self.add(&stream)?;
+                    continue;
                 }
-                _ => {}
+                Ok(Some(_)) => continue,
+                Ok(None) => break Ok(Ending::Played),
+                Err(error) => break Err(error),
+            };
+            last_ns = frame.log_time_ns;
+            let clock = clock.get_or_insert_with(|| PlayClock::new(frame.log_time_ns));
+            let since_start = Duration::from_nanos(frame.log_time_ns.saturating_sub(clock.first_ns));
+            if since_start < self.options.start {
+                clock.skip_to(frame.log_time_ns);
+                // What is told once is wanted by those who begin later, too.
+                if matches!(frame.header.kind(), Some(Kind::StaticTransforms | Kind::SensorSettings)) {
+                    self.send(&frame)?;
+                }
+                if !self.is_wanted(Instant::now(), &mut go_on)? {
+                    return Ok(Ending::Stopped);
+                }
+                continue;
             }
+            clock.has_begun = true;
+            let end = self.options.duration.map(|duration| self.options.start + duration);
+            if end.is_some_and(|end| since_start >= end) {
+                return Ok(Ending::Played);
+            }
+            if !waited {
+                waited = self.gather(&mut go_on)?;
+            }
+            if !waited || !self.wait_until_due(clock, frame.log_time_ns, &mut go_on)? {
+                return Ok(Ending::Stopped);
+            }
+            self.send(&frame)?;
+            self.count_step(&frame);
+        };
+        match (&ending, clock) {
+            (Ok(_), None) => Err(RecordingError::Foreign { library: recording.library().to_owned() }),
+            (Ok(_) | Err(RecordingError::Cut), Some(PlayClock { has_begun: false, first_ns, .. })) => {
+                Err(RecordingError::TooShort {
+                    lasts_s: last_ns.saturating_sub(first_ns) as f64 * 1e-9,
+                    start_s: self.options.start.as_secs_f64(),
+                })
+            }
+            _ => ending,
         }
-        if clock.is_none() {
-            return Err(RecordingError::Foreign { library: recording.library().to_owned() });
+    }
+
+    /// Whether the caller wants more; asked from time to time, when late consumers are given their frames, too.
+    fn is_wanted(
+        &mut self,
+        now: Instant,
+        go_on: &mut impl FnMut(&Self) -> bool,
+    ) -> Result<bool, RecordingError> {
+        if now < self.next_update {
+            return Ok(true);
         }
-        Ok(Ending::Played)
+        self.next_update = now + UPDATE_INTERVAL;
+        self.streams.values().try_for_each(Publisher::update)?;
+        Ok(go_on(self))
     }
 
     fn add(&mut self, stream: &RecordedStream) -> Result<(), RecordingError> {
-        if self.streams.contains_key(&stream.topic) {
-            return Ok(());
+        if !self.streams.contains_key(&stream.topic) {
+            let publisher = self.publisher(stream)?;
+            self.streams.insert(stream.topic.clone(), publisher);
+            self.specs.insert(stream.topic.clone(), stream.clone());
         }
+        Ok(())
+    }
+
+    fn publisher(&self, stream: &RecordedStream) -> Result<Publisher, RecordingError> {
         let lossless = (!self.options.wait_for.is_empty()).then(|| Lossless {
             consumers: self.options.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),
             patience: self.options.patience,
         });
-        let publisher = self.node.publisher(&StreamSpec { lossless, ..stream.spec() })?;
-        self.streams.insert(stream.topic.clone(), publisher);
+        Ok(self.node.publisher(&StreamSpec { lossless, ..stream.spec() })?)
+    }
+
+    /// Makes room for a larger frame than the stream was described with: the simulator was started again, with another
+    /// robot or world, while it was recorded. Consumers see what they see then, another publisher.
+    fn enlarge(&mut self, topic: &str, len: usize) -> Result<(), RecordingError> {
+        let Some(stream) = self.specs.get_mut(topic) else { return Ok(()) };
+        stream.max_payload_len = len;
+        let stream = stream.clone();
+        // One publisher a stream: the old one goes first, and consumers let go of it.
+        let awaited = |name: &String| self.options.wait_for.iter().any(|awaited| awaited.name == *name);
+        let old = self.streams.remove(topic);
+        let names = old.iter().flat_map(Publisher::consumers).map(|consumer| consumer.name);
+        let names: Vec<String> = names.filter(awaited).collect();
+        drop(old);
+        let is_left = |node: &Node| {
+            let streams = node.streams()?;
+            let followed = streams.iter().any(|info| info.topic == topic && info.subscribers > 0);
+            Ok::<_, RecordingError>(names.is_empty() || !followed)
+        };
+        self.until(|| is_left(&self.node))?;
+        let publisher = self.publisher(&stream)?;
+        self.until(|| {
+            publisher.update()?;
+            let there = publisher.consumers();
+            Ok(names.iter().all(|name| there.iter().any(|consumer| consumer.name == *name)))
+        })?;
+        self.streams.insert(stream.topic, publisher);
+        Ok(())
+    }
+
+    /// Waits until something holds, or patience ends.
+    fn until(&self, holds: impl Fn() -> Result<bool, RecordingError>) -> Result<(), RecordingError> {
+        let deadline = Instant::now() + self.options.patience;
+        while !holds()? && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(1));
+        }
         Ok(())
     }
 
@@ -204,12 +278,8 @@ impl Player {
     ) -> Result<bool, RecordingError> {
         loop {
             let now = Instant::now();
-            if now >= self.next_update {
-                if !go_on(self) {
-                    return Ok(false);
-                }
-                self.next_update = now + UPDATE_INTERVAL;
-                self.streams.values().try_for_each(Publisher::update)?;
+            if !self.is_wanted(now, go_on)? {
+                return Ok(false);
             }
             self.serve();
             if self.paused && self.steps.is_none() {
@@ -287,17 +357,20 @@ impl Player {
     }
 
     fn send(&mut self, frame: &RecordedFrame) -> Result<(), RecordingError> {
+        let len = frame.payload.len();
+        if self.streams.get(&frame.topic).is_some_and(|publisher| len > publisher.max_payload_len()) {
+            self.enlarge(&frame.topic, len)?;
+        }
         let Some(publisher) = self.streams.get(&frame.topic) else {
             return Err(RecordingError::Broken(format!(
                 "a frame is of /{}, which is nowhere described",
                 frame.topic
             )));
         };
-        let mut loaned = publisher.loan(frame.payload.len())?;
+        let mut loaned = publisher.loan(len)?;
         loaned.payload_mut().copy_from_slice(&frame.payload);
         let flags = frame.header.flags | FrameHeader::REPLAYED;
-        *loaned.header_mut() =
-            FrameHeader { flags, payload_len: frame.payload.len() as u64, ..*frame.header };
+        *loaned.header_mut() = FrameHeader { flags, payload_len: len as u64, ..*frame.header };
         loaned.send()?;
         // Streams are recorded side by side, so that some are ahead of the clock by a message; a recording of others'
         // streams may have none.
@@ -308,42 +381,5 @@ impl Player {
         }
         self.frames += 1;
         Ok(())
-    }
-}
-
-/// When recorded times are due.
-struct PlayClock {
-    first_ns: u64,
-    /// A recorded time, and when it was.
-    last_ns: u64,
-    last_at: Instant,
-}
-
-impl PlayClock {
-    fn new(first_ns: u64) -> Self {
-        Self { first_ns, last_ns: first_ns, last_at: Instant::now() }
-    }
-
-    /// Time does not pass.
-    fn stand(&mut self) {
-        self.last_at = Instant::now();
-    }
-
-    /// This recorded time is now.
-    fn skip_to(&mut self, time_ns: u64) {
-        self.last_ns = time_ns;
-        self.stand();
-    }
-
-    /// How long it is to a recorded time; it becomes the last one when that is nothing.
-    fn left(&mut self, time_ns: u64, rate: f64) -> Duration {
-        let recorded = time_ns.saturating_sub(self.last_ns) as f64 * 1e-9;
-        // More than a year is for ever.
-        let due = Duration::from_secs_f64((recorded / rate).min(3e7));
-        let left = due.saturating_sub(self.last_at.elapsed());
-        if left.is_zero() {
-            (self.last_ns, self.last_at) = (time_ns, self.last_at + due);
-        }
-        left
     }
 }

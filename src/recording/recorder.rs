@@ -1,5 +1,6 @@
 //! [`Recorder`]: all streams of a domain into a file.
 
+use super::send_order::SendOrder;
 use super::stream::RecordedStream;
 use super::writer::{Compression, RecordingWriter, StreamId, StreamTally};
 use super::{NewFile, RecordingError};
@@ -100,13 +101,13 @@ impl Recorder {
     /// When the file cannot be made, or the domain cannot be joined.
     pub fn start(node: Node, path: &Path, options: &RecorderOptions) -> Result<Self, RecordingError> {
         let file = NewFile::create(path, options.replace)?;
-        let shared = Arc::new(Shared::default());
-        let (sender, notes) = mpsc::sync_channel(1024);
-        let writer = RecordingWriter::new(file.writer()?, options.compression, &options.about)?;
-        let writing = shared.clone();
-        let writer = std::thread::Builder::new()
-            .name("recording".into())
-            .spawn(move || write(writer, &notes, &writing))?;
+        let (shared, sender, writer) = match start_to_write(&file, options) {
+            Ok(started) => started,
+            Err(error) => {
+                file.discard();
+                return Err(error);
+            }
+        };
         let wanted = options.topics.iter().map(|topic| topic.trim_start_matches('/').to_owned()).collect();
         let mut recorder = Self {
             node,
@@ -118,8 +119,13 @@ impl Recorder {
             followers: Vec::new(),
             writer,
         };
-        recorder.look()?;
-        Ok(recorder)
+        match recorder.look() {
+            Ok(()) => Ok(recorder),
+            Err(error) => {
+                recorder.discard();
+                Err(error)
+            }
+        }
     }
 
     /// Follows streams that have come since the last look.
@@ -128,32 +134,44 @@ impl Recorder {
     /// When they cannot be listed or followed.
     pub fn look(&mut self) -> Result<(), RecordingError> {
         let mut new = Vec::new();
+        let mut failed = None;
         for info in self.node.streams()? {
             let is_wanted =
                 self.wanted.is_empty() || self.wanted.contains(&info.topic) || info.topic == CLOCK;
             // One that has no publisher yet does not tell its size.
             let is_open = info.publishers > 0 || is_command(&info);
-            if !is_wanted || !is_open || !self.known.insert(info.topic.clone()) {
+            if !is_wanted || !is_open || self.known.contains(&info.topic) {
                 continue;
             }
             let Some(stream) = RecordedStream::new(&info) else { continue };
-            let mut subscriber = self.node.subscriber(&info.topic)?;
-            // Connected from here on: who waits for this consumer sees it.
-            subscriber.wait(Duration::ZERO)?;
-            let number = self.followers.len() + new.len();
-            // All of them are described before the first frame of any, so that a replay opens them together. The
-            // writer has ended when it could not write: it is asked at the end.
-            let _ = self.sender.send(Note::Stream(stream, number));
-            new.push((number, subscriber));
+            match self.subscribe(&info.topic) {
+                Ok(subscriber) => new.push((stream, subscriber)),
+                // It is tried again at the next look; the others do not wait for it.
+                Err(error) => failed = Some(error),
+            }
         }
-        for (number, subscriber) in new {
+        let first = self.followers.len();
+        // All of them are described before the first frame of any, so that a replay opens them together.
+        for (number, (stream, _)) in (first..).zip(&new) {
+            // The writer has ended when it could not write: it is asked at the end.
+            let _ = self.sender.send(Note::Stream(stream.clone(), number));
+        }
+        for (number, (stream, subscriber)) in (first..).zip(new) {
             let (sender, shared) = (self.sender.clone(), self.shared.clone());
             let thread = std::thread::Builder::new()
                 .name(format!("record {number}"))
                 .spawn(move || follow(subscriber, number, &sender, &shared))?;
             self.followers.push(thread);
+            self.known.insert(stream.topic);
         }
-        Ok(())
+        failed.map_or(Ok(()), Err)
+    }
+
+    fn subscribe(&self, topic: &str) -> Result<Subscriber, RecordingError> {
+        let mut subscriber = self.node.subscriber(topic)?;
+        // Connected from here on: who waits for this consumer sees it.
+        subscriber.wait(Duration::ZERO)?;
+        Ok(subscriber)
     }
 
     /// How far it is.
@@ -188,18 +206,42 @@ impl Recorder {
     /// # Errors
     /// When the file could not be written; what was written stays under [`active`](Self::active).
     pub fn finish(self) -> Result<Vec<StreamTally>, RecordingError> {
+        let (file, tallies) = self.end();
+        let tallies = tallies?;
+        file.complete()?;
+        Ok(tallies)
+    }
+
+    /// Ends it and leaves nothing of it.
+    fn discard(self) {
+        self.end().0.discard();
+    }
+
+    fn end(self) -> (NewFile, Result<Vec<StreamTally>, RecordingError>) {
         let Self { file, shared, sender, followers, writer, .. } = self;
         shared.stop.store(true, Ordering::Relaxed);
         shared.room.notify_all();
         let all_ended = followers.into_iter().map(JoinHandle::join).all(|ended| ended.is_ok());
         drop(sender);
-        let tallies = writer.join().map_err(|_| RecordingError::Broken("its thread panicked".into()))??;
-        if !all_ended {
-            return Err(RecordingError::Broken("a thread that follows a stream panicked".into()));
-        }
-        file.complete()?;
-        Ok(tallies)
+        let panicked = |what: &str| Err(RecordingError::Broken(format!("{what} panicked")));
+        let written = writer.join().unwrap_or_else(|_| panicked("the thread that writes it"));
+        let written = if all_ended { written } else { panicked("a thread that follows a stream") };
+        (file, written)
     }
+}
+
+/// What the writer shares with others, how it is told of frames, and itself.
+type Writing = (Arc<Shared>, SyncSender<Note>, JoinHandle<Result<Vec<StreamTally>, RecordingError>>);
+
+fn start_to_write(file: &NewFile, options: &RecorderOptions) -> Result<Writing, RecordingError> {
+    let shared = Arc::new(Shared::default());
+    let (sender, notes) = mpsc::sync_channel(1024);
+    let writer = RecordingWriter::new(file.writer()?, options.compression, &options.about)?;
+    let writing = shared.clone();
+    let writer = std::thread::Builder::new()
+        .name("recording".into())
+        .spawn(move || write(writer, &notes, &writing))?;
+    Ok((shared, sender, writer))
 }
 
 /// Streams towards a robot, which exist before anybody sends.
@@ -303,30 +345,6 @@ impl Shared {
     }
 }
 
-/// A frame with the number of its stream.
-type Taken = (usize, Box<FrameHeader>, Vec<u8>);
-
-/// Frames that wait until those that were sent before them have come, too.
-#[derive(Default)]
-struct Order {
-    /// By the time of sending, and the order of arrival.
-    frames: BTreeMap<(u64, u64), Taken>,
-    arrived: u64,
-}
-
-impl Order {
-    fn add(&mut self, number: usize, header: Box<FrameHeader>, payload: Vec<u8>) {
-        self.arrived += 1;
-        self.frames.insert((header.publish_mono_ns, self.arrived), (number, header, payload));
-    }
-
-    /// The next frame, if it was sent before this time.
-    fn next(&mut self, before_mono_ns: u64) -> Option<Taken> {
-        let first = self.frames.first_entry()?;
-        (first.key().0 < before_mono_ns).then(|| first.remove())
-    }
-}
-
 /// Writes until all who send have ended.
 fn write<W: io::Write>(
     mut writer: RecordingWriter<W>,
@@ -347,7 +365,7 @@ fn write_all<W: io::Write>(
     shared: &Shared,
 ) -> Result<(), RecordingError> {
     let mut ids: BTreeMap<usize, StreamId> = BTreeMap::new();
-    let mut order = Order::default();
+    let mut order = SendOrder::default();
     let mut next_flush = Instant::now() + FLUSH_INTERVAL;
     let mut is_open = true;
     while is_open {
@@ -360,7 +378,7 @@ fn write_all<W: io::Write>(
             Err(RecvTimeoutError::Disconnected) => is_open = false,
         }
         let before = if is_open { clock::mono_ns().saturating_sub(ORDER_NS) } else { u64::MAX };
-        while let Some((number, header, payload)) = order.next(before) {
+        while let Some((number, header, payload)) = order.next_sent_before(before) {
             if let Some(&id) = ids.get(&number) {
                 writer.write(id, &header, &payload)?;
             }

@@ -1,7 +1,9 @@
 //! Where the frames of streams go: shared memory, or the memory of a caller.
 
+#[cfg(feature = "server")]
+use belvedere_bridge::LoanedFrame;
 use belvedere_bridge::payload::Message;
-use belvedere_bridge::{Consumer, Error, FrameHeader, FrameView, LoanedFrame, StreamSpec};
+use belvedere_bridge::{Consumer, Error, FrameHeader, FrameView, StreamSpec};
 use bytemuck::{Pod, Zeroable};
 
 /// What streams are opened at.
@@ -61,6 +63,7 @@ pub trait Port {
 #[derive(Debug)]
 pub enum Frame {
     /// In shared memory.
+    #[cfg(feature = "server")]
     Shared(LoanedFrame),
     /// In a caller's memory.
     Owned(Box<FrameBuf>),
@@ -70,6 +73,7 @@ impl Frame {
     /// What the payload is.
     pub fn header(&self) -> &FrameHeader {
         match self {
+            #[cfg(feature = "server")]
             Self::Shared(frame) => frame.header(),
             Self::Owned(frame) => &frame.header,
         }
@@ -78,6 +82,7 @@ impl Frame {
     /// The same, to be filled in.
     pub fn header_mut(&mut self) -> &mut FrameHeader {
         match self {
+            #[cfg(feature = "server")]
             Self::Shared(frame) => frame.header_mut(),
             Self::Owned(frame) => &mut frame.header,
         }
@@ -86,6 +91,7 @@ impl Frame {
     /// The data.
     pub fn payload(&self) -> &[u8] {
         match self {
+            #[cfg(feature = "server")]
             Self::Shared(frame) => frame.payload(),
             Self::Owned(frame) => frame.payload(),
         }
@@ -94,6 +100,7 @@ impl Frame {
     /// The same, to be written: all of it, aligned to 64 bytes.
     pub fn payload_mut(&mut self) -> &mut [u8] {
         match self {
+            #[cfg(feature = "server")]
             Self::Shared(frame) => frame.payload_mut(),
             Self::Owned(frame) => frame.payload_mut(),
         }

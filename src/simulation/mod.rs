@@ -200,6 +200,12 @@ impl Simulation {
         if !(world_from_model.is_finite() && linear.is_finite() && angular.is_finite()) {
             return Err(SimulationError::Refused("a pose or velocity is not finite".into()));
         }
+        if self.physics.follows_script(id.index()) {
+            let name = &self.get(id)?.name;
+            return Err(SimulationError::Refused(format!(
+                "'{name}' follows its script, and cannot be moved"
+            )));
+        }
         let before = self.bases();
         self.physics.move_model(id.index(), world_from_model, linear, angular);
         self.carried(&before);
@@ -318,6 +324,7 @@ impl Simulation {
     }
 
     /// Does something with a robot, if it is there.
+    #[cfg(feature = "server")]
     pub(crate) fn with_robot(&mut self, id: EntityId, act: impl FnOnce(&mut Robot, &Physics)) {
         if let Some(robot) = self.entities.get_mut(id).and_then(|entity| entity.robot.as_mut()) {
             act(robot, &self.physics);

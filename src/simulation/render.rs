@@ -143,9 +143,14 @@ impl Port for Ending {
     }
 
     fn send(&self, frame: Frame) -> Result<(), Error> {
-        if let Frame::Owned(frame) = frame {
-            let mut inside = self.slot.lock();
-            (inside.frame, inside.is_filled) = (Some(frame), true);
+        match frame {
+            Frame::Owned(frame) => {
+                let mut inside = self.slot.lock();
+                (inside.frame, inside.is_filled) = (Some(frame), true);
+            }
+            // Loaned elsewhere.
+            #[cfg(feature = "server")]
+            Frame::Shared(_) => {}
         }
         Ok(())
     }

@@ -7,6 +7,7 @@
 //!   does, those that a joint connects still do not.
 //! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
 //! - The wheels of a base that drives are part of its body and only shown turning: see `robot::grip`.
+//! - An actor goes where its script says, as one piece: it pushes and is not pushed.
 //! - Time is counted in whole nanoseconds, so it never drifts. Between the last two steps every pose can be
 //!   asked for at any stamp.
 //! - The same calls give the same bits: rapier's `enhanced-determinism`, one thread, single precision inside.
@@ -18,6 +19,7 @@ mod insert;
 mod joint;
 mod lump;
 mod place;
+mod query;
 mod shape;
 mod touch;
 
@@ -25,15 +27,16 @@ pub use joint::JointState;
 
 use crate::description::diagnostics::{Problem, Severity};
 pub use crate::description::model::JointIndex;
-use crate::description::model::{LinkIndex, Model, World};
+use crate::description::model::{LinkIndex, Model, Trajectory, World};
 use belvedere_sensors::Pose;
-use convert::{from_rapier, vector};
+use convert::{from_rapier, to_rapier, vector};
 use glam::DVec3;
 use history::History;
 use joint::{Motion, MovingJoint};
 use rapier3d::dynamics::{FrictionModel, RigidBodyHandle};
 use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
 use rapier3d::pipeline::{PairFilterContext, PhysicsHooks, PhysicsWorld};
+use std::sync::Arc;
 
 /// Index of a model: those of the world file first, in its order, then the robots.
 pub type ModelIndex = usize;
@@ -62,15 +65,24 @@ pub struct Physics {
 /// A rigid body that can move.
 struct Body {
     handle: RigidBodyHandle,
-    /// The body and the joint of its model that carry it, if it is a wheel: its handle is the carrier's.
-    carrier: Option<(usize, ModelIndex, JointIndex)>,
-    /// Stands still: of static links in a model that moves otherwise.
-    is_fixed: bool,
+    follows: Follows,
     /// Its pose in its model with every joint at zero.
     model_at_rest: Pose,
     /// World poses after the last step but one, and after the last.
     previous: Pose,
     current: Pose,
+}
+
+/// What a body's pose comes from.
+enum Follows {
+    /// Forces, contacts and joints.
+    Dynamics,
+    /// Nothing: of static links in a model that moves otherwise.
+    Nothing,
+    /// As a wheel, the body and the joint of its model that carry it: its handle is the carrier's.
+    Carried(usize, ModelIndex, JointIndex),
+    /// The script of an actor, whatever is in its way.
+    Path(Arc<Trajectory>),
 }
 
 /// A model that is to take part, and how.
@@ -84,6 +96,17 @@ pub struct Placement<'a> {
     pub carried: Vec<JointIndex>,
     /// Whether its bodies never sleep: who sleeps feels no force that is set on him each step.
     pub stays_awake: bool,
+}
+
+impl Body {
+    fn is_carried(&self) -> bool {
+        matches!(self.follows, Follows::Carried(..))
+    }
+
+    /// Whether it stays where it is put: others follow what they follow.
+    fn can_be_put(&self) -> bool {
+        matches!(self.follows, Follows::Dynamics | Follows::Nothing)
+    }
 }
 
 impl<'a> Placement<'a> {
@@ -246,11 +269,19 @@ impl Physics {
 
     /// Advances by one step.
     pub fn step(&mut self) {
-        self.rapier.step_with_events(&SelfCollision, &());
         self.time_ns += self.step_ns;
         for body in &mut self.bodies {
             body.previous = body.current;
-            if body.carrier.is_none() {
+            if let Follows::Path(trajectory) = &body.follows
+                && let Some(pose) = trajectory.pose_at(self.time_ns)
+            {
+                body.current = pose;
+                self.rapier.bodies[body.handle].set_next_kinematic_position(to_rapier(&pose));
+            }
+        }
+        self.rapier.step_with_events(&SelfCollision, &());
+        for body in &mut self.bodies {
+            if let Follows::Dynamics = body.follows {
                 body.current = from_rapier(self.rapier.bodies[body.handle].position());
             }
         }
@@ -280,66 +311,12 @@ impl Physics {
     /// Takes the wheels along with the bodies that carry them.
     fn carry(&mut self) {
         for index in 0..self.bodies.len() {
-            if let Some((carrier, model, joint)) = self.bodies[index].carrier
+            if let Follows::Carried(carrier, model, joint) = self.bodies[index].follows
                 && let Some(joint) = &self.models[model].joints[joint]
             {
                 self.bodies[index].current = joint.carried(self.bodies[carrier].current);
             }
         }
-    }
-
-    /// Pose of a link now.
-    ///
-    /// # Panics
-    /// If there is no such model or link; so do the other methods that take an index.
-    pub fn world_from_link(&self, model: ModelIndex, link: LinkIndex) -> Pose {
-        let placed = &self.models[model].links[link];
-        placed.body.map_or(placed.body_from_link, |body| self.bodies[body].current * placed.body_from_link)
-    }
-
-    /// Pose of a link at a time between the last two steps; a stamp outside takes the nearer of the two. Before that,
-    /// poses are those that [`Physics::remember`] keeps.
-    pub fn world_from_link_at(&self, model: ModelIndex, link: LinkIndex, stamp_ns: u64) -> Pose {
-        let placed = &self.models[model].links[link];
-        placed.body.map_or(placed.body_from_link, |body| self.body_at(body, stamp_ns) * placed.body_from_link)
-    }
-
-    /// Every link that can move, with its pose now.
-    pub fn moving_links(&self) -> impl Iterator<Item = (ModelIndex, LinkIndex, Pose)> + '_ {
-        self.moving_links_at(self.time_ns)
-    }
-
-    /// Every link that can move, with its pose at a time between the last two steps.
-    pub fn moving_links_at(&self, stamp_ns: u64) -> impl Iterator<Item = (ModelIndex, LinkIndex, Pose)> + '_ {
-        self.moving.iter().map(move |moving| {
-            (moving.model, moving.link, self.body_at(moving.body, stamp_ns) * moving.body_from_link)
-        })
-    }
-
-    /// Velocity of a link's origin in m/s and its rate of turn in rad/s, both in the world frame; zero for a
-    /// link that never moves.
-    pub fn link_velocity(&self, model: ModelIndex, link: LinkIndex) -> (DVec3, DVec3) {
-        let Some(body) = self.models[model].links[link].body else { return (DVec3::ZERO, DVec3::ZERO) };
-        let origin = vector(self.world_from_link(model, link).translation());
-        let body = &self.rapier.bodies[self.bodies[body].handle];
-        (body.velocity_at_point(origin).as_dvec3(), body.angvel().as_dvec3())
-    }
-
-    /// State of a joint now; none for a joint that does not move.
-    pub fn joint_state(&self, model: ModelIndex, joint: JointIndex) -> Option<JointState> {
-        self.models[model].joints[joint].as_ref().map(|joint| joint.current)
-    }
-
-    /// State of a joint at a time between the last two steps; none for a joint that does not move.
-    pub fn joint_state_at(&self, model: ModelIndex, joint: JointIndex, stamp_ns: u64) -> Option<JointState> {
-        let (joint, fraction) = (self.models[model].joints[joint].as_ref()?, self.fraction(stamp_ns));
-        let between = |from: f64, to: f64| from + (to - from) * fraction;
-        let (from, to) = (&joint.previous, &joint.current);
-        Some(JointState {
-            position: between(from.position, to.position),
-            velocity: between(from.velocity, to.velocity),
-            effort: between(from.effort, to.effort),
-        })
     }
 
     /// Lets a joint's motor hold a velocity in rad/s or m/s from the next step on, with at most `max_effort` in
@@ -360,29 +337,6 @@ impl Physics {
         }
     }
 
-    /// Mass in kg, centre of mass in the world, and moment of inertia in kg·m² about an axis through it, of the
-    /// body that a link belongs to; none for a link that never moves.
-    pub(crate) fn body_mass(
-        &self,
-        model: ModelIndex,
-        link: LinkIndex,
-        axis_in_world: DVec3,
-    ) -> Option<(f64, DVec3, f64)> {
-        let body = &self.bodies[self.models[model].links[link].body?];
-        let rigid = &self.rapier.bodies[body.handle];
-        let inertia = rigid.mass_properties().local_mprops.reconstruct_inertia_matrix().as_dmat3();
-        let axis = from_rapier(rigid.position()).inverse().transform_vector(axis_in_world);
-        Some((f64::from(rigid.mass()), rigid.center_of_mass().as_dvec3(), axis.dot(inertia * axis)))
-    }
-
-    /// Mass in kg of all of a model that moves.
-    pub(crate) fn model_mass(&self, model: ModelIndex) -> f64 {
-        let placed = &self.models[model];
-        let own =
-            self.bodies[placed.first_body..placed.end_body].iter().filter(|body| body.carrier.is_none());
-        own.map(|body| f64::from(self.rapier.bodies[body.handle].mass())).sum()
-    }
-
     /// Lets a force in N through its centre of mass, and a torque in N·m, both in the world frame, act on the
     /// body that a link belongs to, from the next step on and in place of any earlier one.
     ///
@@ -398,33 +352,6 @@ impl Physics {
         }
     }
 
-    /// The normal of the ground that a link stood on in the last step, as the mean of its contacts whose
-    /// normals point along `up_in_world` within 60°; none if it stood on nothing.
-    pub(crate) fn ground_normal(
-        &self,
-        model: ModelIndex,
-        link: LinkIndex,
-        up_in_world: DVec3,
-    ) -> Option<DVec3> {
-        let mut sum = DVec3::ZERO;
-        for collider in &self.models[model].links[link].colliders {
-            for pair in self.rapier.narrow_phase.contact_pairs_with(*collider) {
-                let Some(contacts) = pair.rigid().filter(|_| pair.has_any_active_contact()) else { continue };
-                // A manifold's normal points from the first collider to the second.
-                let sign = if pair.collider1 == *collider { -1.0 } else { 1.0 };
-                let normals =
-                    contacts.manifolds.iter().map(|manifold| manifold.data.normal.as_dvec3() * sign);
-                sum += normals.filter(|normal| normal.dot(up_in_world) > 0.5).sum::<DVec3>();
-            }
-        }
-        sum.try_normalize()
-    }
-
-    /// Gravity in m/s², in the world frame.
-    pub fn gravity(&self) -> DVec3 {
-        self.rapier.gravity.as_dvec3()
-    }
-
     /// Sets the coefficient of friction of all shapes of a link.
     pub fn set_link_friction(&mut self, model: ModelIndex, link: LinkIndex, friction: f64) {
         for handle in &self.models[model].links[link].colliders {
@@ -432,24 +359,5 @@ impl Physics {
                 collider.set_friction(friction as f32);
             }
         }
-    }
-
-    /// Where `stamp_ns` lies between the last two steps, in [0, 1].
-    fn fraction(&self, stamp_ns: u64) -> f64 {
-        let before_ns = self.time_ns.saturating_sub(stamp_ns).min(self.step_ns);
-        1.0 - before_ns as f64 / self.step_ns as f64
-    }
-
-    fn body_at(&self, index: usize, stamp_ns: u64) -> Pose {
-        let body = &self.bodies[index];
-        if stamp_ns >= self.time_ns {
-            return body.current;
-        }
-        if self.time_ns - stamp_ns > self.step_ns
-            && let Some(pose) = self.history.pose(index, stamp_ns)
-        {
-            return pose;
-        }
-        body.previous.interpolate(&body.current, self.fraction(stamp_ns))
     }
 }

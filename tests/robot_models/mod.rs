@@ -56,6 +56,7 @@ pub(crate) fn empty_model(name: &str) -> Model {
         joints: Vec::new(),
         sensors: Vec::new(),
         plugins: Vec::new(),
+        trajectory: None,
         source: source(),
     }
 }

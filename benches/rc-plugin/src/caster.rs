@@ -33,7 +33,6 @@ fn level() -> Level {
     #[cfg(target_arch = "x86_64")]
     let forced = match wanted.as_str() {
         "sse2" => best.as_sse2().map(Level::Sse2),
-        "sse4.2" => best.as_sse4_2().map(Level::Sse4_2),
         "avx2" => best.as_avx2().map(Level::Avx2),
         "avx512" => best.as_avx512().map(Level::Avx512),
         _ => None,

@@ -1,4 +1,4 @@
-//! Topics, and the services that they are to iceoryx2.
+//! The services that topics are to iceoryx2.
 
 use iceoryx2::prelude::ServiceName;
 
@@ -6,25 +6,6 @@ use crate::Error;
 
 /// What every service name begins with.
 const SERVICE_ROOT: &str = "belvedere/";
-
-/// The topic without its leading slash, checked.
-pub(crate) fn canonical_topic(topic: &str) -> Result<&str, Error> {
-    let bare = topic.strip_prefix('/').unwrap_or(topic);
-    let invalid = |reason| Err(Error::InvalidTopic { topic: topic.to_owned(), reason });
-    if bare.is_empty() {
-        return invalid("it is empty");
-    }
-    if bare.len() > 200 {
-        return invalid("it is longer than 200 characters");
-    }
-    if !bare.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_/-.~".contains(&byte)) {
-        return invalid("only a-z A-Z 0-9 _ - . ~ and / are allowed");
-    }
-    if bare.starts_with('/') || bare.ends_with('/') || bare.contains("//") {
-        return invalid("a part between slashes is empty");
-    }
-    Ok(bare)
-}
 
 /// The service of a canonical topic.
 pub(crate) fn service_name(topic: &str) -> Result<ServiceName, Error> {
@@ -35,18 +16,4 @@ pub(crate) fn service_name(topic: &str) -> Result<ServiceName, Error> {
 /// The topic of a service, if it is one of ours.
 pub(crate) fn topic_of_service(service: &str) -> Option<&str> {
     service.strip_prefix(SERVICE_ROOT)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn topics_lose_their_leading_slash_only() {
-        assert_eq!(canonical_topic("/camera/rgb/image_raw").unwrap(), "camera/rgb/image_raw");
-        assert_eq!(canonical_topic("scan").unwrap(), "scan");
-        for bad in ["", "/", "a//b", "a/", "a b", "//a"] {
-            assert!(canonical_topic(bad).is_err(), "{bad}");
-        }
-    }
 }

@@ -1,7 +1,8 @@
 //! What a stream tells of itself to whoever finds it, in attributes that its maker gives it.
 
-use super::{Frames, StreamSpec};
+use super::Frames;
 use crate::Error;
+use crate::StreamSpec;
 use iceoryx2::{
     prelude::AttributeSpecifier,
     service::{

@@ -1,14 +1,11 @@
 //! Opening a stream that exists, or making it.
 
 use super::{
-    Events, Frames, StreamSpec,
+    Events, Frames,
     attributes::{attributes, kind_told},
     versions,
 };
-use crate::{
-    Error, FrameHeader, Node,
-    domain::{canonical_topic, service_name},
-};
+use crate::{Error, FrameHeader, Node, StreamSpec, domain::service_name, topic::canonical_topic};
 use iceoryx2::service::{
     builder::{
         event::{EventCreateError, EventOpenError, EventOpenOrCreateError},

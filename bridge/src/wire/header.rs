@@ -1,6 +1,7 @@
 //! [`FrameHeader`]: the 384 bytes before every payload.
 
 use bytemuck::Zeroable as _;
+#[cfg(feature = "shared-memory")]
 use iceoryx2::prelude::ZeroCopySend;
 
 use super::{DistortionModel, Encoding, FrameError, Kind, MAX_DISTORTION, Text, layout::wire_structs};
@@ -9,9 +10,9 @@ wire_structs! {
     /// The 384 bytes that describe a payload: what it is, when and from where it was taken, how it lies in memory.
     ///
     /// Aligned to 64 bytes, so that the payload behind it starts on a cache line and a SIMD register boundary.
-    with #[derive(ZeroCopySend)]
+    with #[cfg_attr(feature = "shared-memory", derive(ZeroCopySend))]
     with #[repr(align(64))]
-    with #[type_name("belvedere.FrameHeader.v2")]
+    with #[cfg_attr(feature = "shared-memory", type_name("belvedere.FrameHeader.v2"))]
     pub struct FrameHeader, 384 bytes {
         /// [`FrameHeader::MAGIC`].
         pub magic: u32 = 0,

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use bytemuck::{Pod, Zeroable};
+#[cfg(feature = "shared-memory")]
 use iceoryx2::prelude::ZeroCopySend;
 
 /// UTF-8 text in `N` bytes, padded with NUL; C sees a `char[N]`. The last byte is always NUL.
@@ -13,6 +14,7 @@ pub struct Text<const N: usize>([u8; N]);
 // The derive macro wants `repr(C)`, bytemuck's wants `repr(transparent)` for a generic type.
 // SAFETY: it has the layout of `[u8; N]`, which may be sent: no pointer, no padding, no `Drop`, `'static`.
 #[allow(unsafe_code)]
+#[cfg(feature = "shared-memory")]
 unsafe impl<const N: usize> ZeroCopySend for Text<N> {}
 
 /// The text does not fit: it is longer than `N - 1` bytes or holds a NUL.

@@ -18,8 +18,9 @@
 //! The relative error of a normal is below 3e-6.
 
 use super::Stream;
+use crate::simd::dispatch;
 use fearless_simd::{
-    Bytes, Level, Select, Simd, SimdBase, SimdCombine, SimdFloat, dispatch, f32x4, f32x16, i32x16, u32x16,
+    Bytes, Level, Select, Simd, SimdBase, SimdCombine, SimdFloat, f32x4, f32x16, i32x16, u32x16,
 };
 
 /// Samples of a block.

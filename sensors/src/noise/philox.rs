@@ -80,8 +80,7 @@ fn times<S: Simd>(simd: S, words: u64x8<S>, multiplier: u32) -> u64x8<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::best_level;
-    use fearless_simd::dispatch;
+    use crate::simd::{best_level, dispatch};
 
     #[test]
     fn eight_at_once() {

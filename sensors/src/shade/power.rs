@@ -58,7 +58,8 @@ fn two_to<S: Simd>(simd: S, power: f32x16<S>) -> f32x16<S> {
 #[cfg(test)]
 mod tests {
     use super::power;
-    use fearless_simd::{Level, SimdBase, dispatch, f32x16};
+    use crate::simd::dispatch;
+    use fearless_simd::{Level, SimdBase, f32x16};
 
     #[test]
     fn powers_are_those_of_libm() {

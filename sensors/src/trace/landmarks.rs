@@ -12,8 +12,8 @@ use crate::optics::Optics;
 use crate::optics::rays::Rays;
 use crate::scene::tree::NONE;
 use crate::scene::{Scene, visibility};
+use crate::simd::dispatch;
 use crate::trace::rays::ray::FrameRay;
-use fearless_simd::dispatch;
 use glam::DVec3;
 
 /// So many rays across and down are compared with the direction of a point, to begin the search for its pixel.

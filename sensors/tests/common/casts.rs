@@ -108,7 +108,6 @@ pub(crate) fn levels() -> Vec<(&'static str, Option<Level>)> {
     #[cfg(target_arch = "x86_64")]
     return vec![
         ("SSE2", best.as_sse2().map(Level::Sse2)),
-        ("SSE4.2", best.as_sse4_2().map(Level::Sse4_2)),
         ("AVX2", best.as_avx2().map(Level::Avx2)),
         ("AVX-512", best.as_avx512().map(Level::Avx512)),
     ];

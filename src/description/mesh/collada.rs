@@ -2,8 +2,8 @@
 //!
 //! Read: units and, if wanted, the up axis, nodes with all their transforms and instances, `triangles`, `polylist`, `polygons`,
 //! `trifans`, `tristrips`, diffuse as colour or picture, emission, specular, shininess, and what is
-//! transparent if it says how (`opaque="…"`), as in Gazebo. Passed over: lines, splines, skins,
-//! animation, lights and cameras, with the nodes that hold nothing else. Materials and looks that are missing or wrong
+//! transparent if it says how (`opaque="…"`), as in Gazebo. Skins are in the pose in which they were bound. Passed over:
+//! lines, splines, skeletons, animation, lights and cameras, with the nodes that hold nothing else. Materials and looks that are missing or wrong
 //! cost a warning, not the mesh.
 
 mod numbers;
@@ -141,7 +141,9 @@ impl<'a> Document<'a> {
 
     fn node(&mut self, node: &'a Element, world_from_parent: DAffine3, parts: &mut Vec<Part>) -> Outcome<()> {
         // What stands on a camera's or lamp's node moves no triangle.
-        let holds = |name: &str| matches!(name, "node" | "instance_node" | "instance_geometry");
+        let holds = |name: &str| {
+            matches!(name, "node" | "instance_node" | "instance_geometry" | "instance_controller")
+        };
         if !node.elements().any(|child| holds(&child.name)) {
             return Ok(());
         }
@@ -164,11 +166,27 @@ impl<'a> Document<'a> {
                     let materials = self.bound_materials(child);
                     self.geometry(self.referenced(child, "url")?, world_from_node, &materials, parts)?;
                 }
+                "instance_controller" => self.skin(child, parts)?,
                 _ => {}
             }
         }
         self.budget.leave(1);
         Ok(())
+    }
+
+    /// A skin in the pose that its mesh was bound in: no skeleton moves it.
+    fn skin(&mut self, instance: &'a Element, parts: &mut Vec<Part>) -> Outcome<()> {
+        let controller = self.referenced(instance, "url")?;
+        let Some(skin) = controller.child("skin") else {
+            self.left_out.push(Wrong(controller.source.clone(), "only skins are read of controllers".into()));
+            return Ok(());
+        };
+        let bind_shape = skin.child("bind_shape_matrix").map(transform).transpose()?.flatten();
+        let materials = self.bound_materials(instance);
+        let geometry = self.referenced(skin, "source")?;
+        // Where a skin is comes from its joints, not from the node that it stands on.
+        let world_from_geometry = self.world_from_file()? * bind_shape.unwrap_or(DAffine3::IDENTITY);
+        self.geometry(geometry, world_from_geometry, &materials, parts)
     }
 
     /// The materials that an instance gives to the symbols of its primitives.

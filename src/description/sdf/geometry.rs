@@ -103,7 +103,18 @@ impl Loader<'_> {
             None if shape.child("scale").is_some() => return None,
             scale => scale.unwrap_or(DVec3::ONE),
         };
-        let path = self.existing_file(shape, &uri, scope.folder, "mesh")?;
+        self.mesh_file(shape, &uri, scale, scope)
+    }
+
+    /// The parts of a mesh's file, each of one material; none after an error.
+    pub(super) fn mesh_file(
+        &mut self,
+        shape: &Element,
+        uri: &str,
+        scale: DVec3,
+        scope: Scope<'_>,
+    ) -> Option<Vec<Arc<Mesh>>> {
+        let path = self.existing_file(shape, uri, scope.folder, "mesh")?;
         let key = (path.clone(), scale.to_array().map(f64::to_bits));
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();

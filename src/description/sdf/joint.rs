@@ -18,17 +18,7 @@ const WORLD: &str = "world";
 
 /// The world as a link: what a joint moves against.
 fn world_link(source: &Source) -> Link {
-    Link {
-        name: WORLD.into(),
-        model_from_link: Pose::IDENTITY,
-        inertial: None,
-        visuals: Vec::new(),
-        collisions: Vec::new(),
-        gravity: true,
-        self_collide: false,
-        is_static: true,
-        source: source.clone(),
-    }
+    Link { is_static: true, ..Link::empty(WORLD.into(), source.clone()) }
 }
 
 impl Loader<'_> {

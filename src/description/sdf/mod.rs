@@ -13,6 +13,7 @@
 //! Elements that change neither motion nor picture here are passed over in silence (`<gui>`, `<audio>`,
 //! solver parameters); those that a user would count on give a warning.
 
+mod actor;
 mod frames;
 mod geometry;
 mod joint;

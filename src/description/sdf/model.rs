@@ -10,7 +10,6 @@ use crate::description::model::{Joint, JointKind, Light, Link, Model, ModelPlugi
 use crate::description::plugin;
 use crate::description::values::{child_bool, child_text, nearest};
 use crate::description::xml::{Element, Weight};
-use belvedere_sensors::Pose;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -110,14 +109,12 @@ impl Loader<'_> {
         }
         let source = element.source.clone();
         let mut model = Model {
-            name,
-            world_from_model: Pose::IDENTITY,
             is_static: is_static || stands,
             links: parts.links,
             joints: parts.joints,
             sensors: parts.sensors,
             plugins: parts.plugins,
-            source,
+            ..Model::empty(name, source)
         };
         plugin::read(element, &mut model, self.rules, self.diagnostics);
         Some(ParsedModel { model, pose, lights: parts.lights })
@@ -260,6 +257,7 @@ impl Loader<'_> {
         for child in root.elements() {
             match child.name.as_str() {
                 "model" => included.models.extend(self.model(child, scope)),
+                "actor" => included.models.extend(self.actor(child, scope)),
                 "light" => {
                     let pose = self.pose(child, version);
                     included.lights.extend(self.light(child, pose.pose).map(|light| (light, pose)));

@@ -34,7 +34,8 @@ impl Loader<'_> {
                     lights.extend(self.light(child, pose.pose).map(|light| (light, pose)));
                 }
                 "plugin" => self.ignored(child, "plugins of a world are not run"),
-                "road" | "population" | "actor" | "joint" => self.ignored(child, "it is not simulated"),
+                "actor" => models.extend(self.actor(child, scope)),
+                "road" | "population" | "joint" => self.ignored(child, "it is not simulated"),
                 _ => {}
             }
         }

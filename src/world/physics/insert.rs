@@ -4,17 +4,18 @@ use super::convert::{from_rapier, to_rapier, vector};
 use super::joint::{JointState, Motion, MovingJoint};
 use super::lump::{BodyMass, Lumps, joints_in, root_above, tree_order};
 use super::{
-    Body, JointIndex, ModelIndex, MovingLink, Owner, Physics, PlacedLink, PlacedModel, Placement, shape,
+    Body, Follows, ModelIndex, MovingLink, Owner, Physics, PlacedLink, PlacedModel, Placement, shape,
 };
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::inertia::is_positive_definite;
-use crate::description::model::{Geometry, Inertial, Joint, JointKind, LinkIndex, Model};
+use crate::description::model::{Geometry, Inertial, Joint, JointKind, LinkIndex, Model, Trajectory};
 use belvedere_sensors::Pose;
 use glam::{DMat3, DVec3};
 use rapier3d::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBuilder, RigidBodyHandle};
 use rapier3d::geometry::ColliderBuilder;
 use rapier3d::math::Matrix;
 use rapier3d::pipeline::ActiveHooks;
+use std::sync::Arc;
 
 /// ODE's and SDF's coefficient of friction where a file gives none.
 const DEFAULT_FRICTION: f64 = 1.0;
@@ -38,7 +39,9 @@ impl Physics {
                 shapes: Vec::new(),
             })
             .collect();
-        if !model.is_static {
+        if let Some(trajectory) = &model.trajectory {
+            leading = Some(self.insert_actor(index, trajectory, world_from_model, &mut links));
+        } else if !model.is_static {
             let lumps = Lumps::of(model, &order, carried, &mut self.notes);
             let wheel_of = |root: LinkIndex| {
                 carried.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
@@ -62,24 +65,26 @@ impl Physics {
                     .chain((0..model.links.len()).filter(|link| lumps.root[*link] != root).filter(carries))
                     .collect();
                 if let Some(handle) = self.insert_body(model, root, &members, world_from_model, stays_awake) {
-                    self.place_links(model, index, &lumps, root, handle, None, &mut links);
+                    let is_fixed = self.rapier.bodies[handle].is_fixed();
+                    let follows = if is_fixed { Follows::Nothing } else { Follows::Dynamics };
+                    self.place_links(model, index, &lumps, root, handle, follows, &mut links);
                 }
             }
             for root in roots {
                 let Some(joint) = wheel_of(root) else { continue };
                 if let Some(carrier) = links[model.joints[joint].parent].body {
                     let handle = self.bodies[carrier].handle;
-                    let carrier = Some((carrier, index, joint));
-                    self.place_links(model, index, &lumps, root, handle, carrier, &mut links);
+                    let follows = Follows::Carried(carrier, index, joint);
+                    self.place_links(model, index, &lumps, root, handle, follows, &mut links);
                 }
             }
             for number in joints_in(&order, model) {
                 let joint = &model.joints[number];
                 joints[number] = self.join(joint, &links, carried.contains(&number));
             }
-            leading = root_above(model, 0).and_then(|root| links[root].body).or_else(|| {
-                (first_body..self.bodies.len()).find(|body| self.bodies[*body].carrier.is_none())
-            });
+            leading = root_above(model, 0)
+                .and_then(|root| links[root].body)
+                .or_else(|| (first_body..self.bodies.len()).find(|body| !self.bodies[*body].is_carried()));
         }
         for link in order {
             self.add_colliders(model, index, link, &mut links[link]);
@@ -105,7 +110,8 @@ impl Physics {
             return None;
         };
         let bodies = [parent, child];
-        if parent == child || bodies.iter().all(|body| self.bodies[*body].is_fixed) {
+        if parent == child || bodies.iter().all(|body| matches!(self.bodies[*body].follows, Follows::Nothing))
+        {
             return None;
         }
         let child_from_joint = Pose::new(joint.pivot, MovingJoint::x_onto(joint.axis));
@@ -191,39 +197,63 @@ impl Physics {
         lumps: &Lumps,
         root: LinkIndex,
         handle: RigidBodyHandle,
-        carrier: Option<(usize, ModelIndex, JointIndex)>,
+        follows: Follows,
         links: &mut [PlacedLink],
     ) {
         let model_from_body = model.links[root].model_from_link;
         let body = self.bodies.len();
-        let is_fixed = self.rapier.bodies[handle].is_fixed();
+        let moves = !matches!(follows, Follows::Nothing);
         for link in lumps.links(root) {
             let body_from_link = model_from_body.inverse() * model.links[link].model_from_link;
             (links[link].body, links[link].body_from_link) = (Some(body), body_from_link);
-            if !is_fixed {
+            if moves {
                 self.moving.push(MovingLink { model: index, link, body, body_from_link });
             }
         }
-        let current = match carrier {
-            None => from_rapier(self.rapier.bodies[handle].position()),
-            Some((carrier, ..)) => {
+        let current = match follows {
+            Follows::Carried(carrier, ..) => {
                 let carrier = &self.bodies[carrier];
                 carrier.current * carrier.model_at_rest.inverse() * model_from_body
             }
+            _ => from_rapier(self.rapier.bodies[handle].position()),
         };
         self.bodies.push(Body {
             handle,
-            carrier,
-            is_fixed,
+            follows,
             model_at_rest: model_from_body,
             previous: current,
             current,
         });
     }
 
+    /// Makes the one body of an actor, and gives its index.
+    fn insert_actor(
+        &mut self,
+        index: ModelIndex,
+        trajectory: &Trajectory,
+        world_from_model: &Pose,
+        links: &mut [PlacedLink],
+    ) -> usize {
+        let current = trajectory.pose_at(self.time_ns).unwrap_or(*world_from_model);
+        let rigid = RigidBodyBuilder::kinematic_position_based().pose(to_rapier(&current));
+        let body = self.bodies.len();
+        for (link, placed) in links.iter_mut().enumerate() {
+            (placed.body, placed.body_from_link) = (Some(body), placed.model_from_link);
+            self.moving.push(MovingLink { model: index, link, body, body_from_link: placed.model_from_link });
+        }
+        self.bodies.push(Body {
+            handle: self.rapier.insert_body(rigid),
+            follows: Follows::Path(Arc::new(trajectory.clone())),
+            model_at_rest: Pose::IDENTITY,
+            previous: current,
+            current,
+        });
+        body
+    }
+
     /// The body that carries another in the end; itself if nothing does.
     fn outermost_carrier(&self, mut body: usize) -> usize {
-        while let Some((carrier, ..)) = self.bodies[body].carrier {
+        while let Follows::Carried(carrier, ..) = self.bodies[body].follows {
             body = carrier;
         }
         body
@@ -231,7 +261,8 @@ impl Physics {
 
     fn add_colliders(&mut self, model: &Model, index: ModelIndex, link: LinkIndex, placed: &mut PlacedLink) {
         for collision in &model.links[link].collisions {
-            let moves = placed.body.is_some_and(|body| !self.bodies[body].is_fixed);
+            let moves =
+                placed.body.is_some_and(|body| !matches!(self.bodies[body].follows, Follows::Nothing));
             let (shape, collision_from_shape) = match shape::shape(&collision.geometry, moves) {
                 Ok(shape) => shape,
                 Err(why) => {
@@ -250,9 +281,11 @@ impl Physics {
             // A wheel's shapes are fixed to the body that carries it.
             let rapier_from_body = placed.body.map_or(Pose::IDENTITY, |body| {
                 let at_rest = self.bodies[body].model_at_rest;
-                match self.bodies[body].carrier {
-                    None => Pose::IDENTITY,
-                    Some(_) => self.bodies[self.outermost_carrier(body)].model_at_rest.inverse() * at_rest,
+                match self.bodies[body].follows {
+                    Follows::Carried(..) => {
+                        self.bodies[self.outermost_carrier(body)].model_at_rest.inverse() * at_rest
+                    }
+                    _ => Pose::IDENTITY,
                 }
             });
             let link_from_shape = collision.link_from_collision * collision_from_shape;

@@ -2,7 +2,7 @@
 
 use super::convert::{from_rapier, to_rapier, vector};
 use super::joint::{JointState, Motion};
-use super::{ModelIndex, Physics, PlacedModel, Placement};
+use super::{Follows, ModelIndex, Physics, PlacedModel, Placement};
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::model::Model;
 use belvedere_sensors::Pose;
@@ -35,12 +35,17 @@ impl Physics {
     pub fn move_model(&mut self, model: ModelIndex, world_from_model: &Pose, linear: DVec3, angular: DVec3) {
         let moved_from_world = *world_from_model * self.world_from_model(model).inverse();
         for index in self.models[model].first_body..self.models[model].end_body {
-            if self.bodies[index].carrier.is_none() {
+            if self.bodies[index].can_be_put() {
                 let pose = moved_from_world * self.bodies[index].current;
                 self.set_body(index, &pose, world_from_model.translation(), linear, angular);
             }
         }
         self.settle(model, world_from_model);
+    }
+
+    /// Whether a model follows a script, so that it cannot be moved.
+    pub fn follows_script(&self, model: ModelIndex) -> bool {
+        self.models[model].leading.is_some_and(|body| matches!(self.bodies[body].follows, Follows::Path(_)))
     }
 
     /// Puts a model somewhere as it was at the start: at rest, with its joints at zero. The wheels of a Kobuki keep
@@ -54,7 +59,7 @@ impl Physics {
             }
         }
         for index in self.models[model].first_body..self.models[model].end_body {
-            if self.bodies[index].carrier.is_none() {
+            if self.bodies[index].can_be_put() {
                 let pose = *world_from_model * self.bodies[index].model_at_rest;
                 self.set_body(index, &pose, DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
             }
@@ -120,7 +125,7 @@ impl Physics {
             }
         }
         let (first, end) = (removed.first_body, removed.end_body);
-        for body in self.bodies.drain(first..end).filter(|body| body.carrier.is_none()) {
+        for body in self.bodies.drain(first..end).filter(|body| !body.is_carried()) {
             self.rapier.remove_body_with_colliders(body.handle, true);
         }
         self.history.remove(first..end);
@@ -133,7 +138,7 @@ impl Physics {
             }
         };
         for body in &mut self.bodies {
-            if let Some((carrier, ..)) = &mut body.carrier {
+            if let Follows::Carried(carrier, ..) = &mut body.follows {
                 up(carrier);
             }
         }

@@ -39,8 +39,7 @@ pub(super) fn slant_of(incidence_rad: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::best_level;
-    use fearless_simd::dispatch;
+    use crate::simd::{best_level, dispatch};
 
     #[test]
     fn of_all_angles() {

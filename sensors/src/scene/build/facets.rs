@@ -2,8 +2,8 @@
 
 use crate::Execution;
 use crate::scene::tree::{Facet, TriangleBlock};
-use crate::simd::WIDTH;
-use fearless_simd::{Simd, SimdBase, dispatch, f32x16, f64x8, prelude::*};
+use crate::simd::{WIDTH, dispatch};
+use fearless_simd::{Simd, SimdBase, f32x16, f64x8, prelude::*};
 
 /// Works out the facets of blocks, sixteen for each. (Within [`refit`](super::refit), block by block, it is no faster:
 /// that waits for memory, and this would come between.)

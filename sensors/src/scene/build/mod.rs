@@ -29,10 +29,9 @@ use super::SceneError;
 use super::tree::{NONE, TriangleBlock, WideNode};
 use super::vertices::{check_vertices, corners};
 use crate::Execution;
-use crate::simd::WIDTH;
+use crate::simd::{WIDTH, dispatch};
 use bytemuck::Zeroable;
 use cost::Power;
-use fearless_simd::dispatch;
 
 /// How much effort goes into a tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -5,8 +5,8 @@ use crate::Execution;
 use crate::scene::SceneError;
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WideNode};
 use crate::scene::vertices::check_vertices;
-use crate::simd::WIDTH;
-use fearless_simd::{Simd, SimdBase, dispatch, f32x16};
+use crate::simd::{WIDTH, dispatch};
+use fearless_simd::{Simd, SimdBase, f32x16};
 
 /// Takes over moved vertices: the same triangles, the same tree, new boxes. `nodes` and `blocks` are what
 /// [`build`](super::build) wrote for `triangles`, no more and no less.

@@ -7,9 +7,9 @@ use crate::device::depth::DepthDevice;
 use crate::execution::{Execution, SplitRows, for_each_row, split_at};
 use crate::noise::{Stream, normal_lines};
 use crate::optics::rays::Rays;
-use crate::simd::WIDTH;
+use crate::simd::{WIDTH, dispatch};
 use crate::trace::tiling::{BLOCKS, Tiling};
-use fearless_simd::{Simd, SimdBase, SimdFloat, dispatch, f32x16, i32x16};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, i32x16};
 
 /// Rows of pixels whose random numbers are drawn together.
 const LINES: usize = Tiling::Square.size()[1];

@@ -9,10 +9,11 @@ use crate::memory::{CacheLine, Cutter, lines};
 use crate::moment::{Capture, Slice};
 use crate::optics::Optics;
 use crate::scene::Scene;
+use crate::simd::dispatch;
 use crate::trace::Truth;
 use crate::trace::grid::Frame;
 use core::ops::Range;
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::Simd;
 
 /// Pieces that slices are dealt out in, at the most: each needs memory of its own for a view. Nothing else depends on it.
 const MOST_PIECES: usize = 16;

@@ -18,9 +18,9 @@ use crate::moment::{Moment, Shutter};
 use crate::optics::rays::{Fan, PinholeFan, Projection, Rays, SphericalFan, Steps, TableFan, each};
 use crate::optics::{Optics, SphericalGrid};
 use crate::scene::Scene;
-use crate::simd::WIDTH;
+use crate::simd::{WIDTH, dispatch};
 use band::{BandOutput, Part};
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::Simd;
 use shutter::fan_of;
 
 /// What counts as seen.

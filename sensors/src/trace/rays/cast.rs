@@ -10,13 +10,13 @@ use super::wave::Wave;
 use crate::execution::{SplitRows, for_each_row};
 use crate::scene::Scene;
 use crate::scene::tree::NONE;
-use crate::simd::{Level, WIDTH};
+use crate::simd::{Level, WIDTH, dispatch};
 use crate::trace::error::check_output;
 use crate::trace::memory::view_lines;
 use crate::trace::view::{View, check_moment};
 use crate::trace::{Faces, Hits, SenseError, Workspace};
 use crate::{Moment, Pose};
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::Simd;
 use glam::DVec3;
 
 /// Rays p(t) = origin + t·direction, in metres, relative to a reference point, along the world's axes.

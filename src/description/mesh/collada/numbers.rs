@@ -107,12 +107,15 @@ pub(super) fn offset(input: &Element) -> Outcome<usize> {
 
 /// The transform that an element of a node stands for, if it does.
 pub(super) fn transform(element: &Element) -> Outcome<Option<DAffine3>> {
-    if !matches!(element.name.as_str(), "matrix" | "translate" | "rotate" | "scale" | "lookat") {
+    if !matches!(
+        element.name.as_str(),
+        "matrix" | "bind_shape_matrix" | "translate" | "rotate" | "scale" | "lookat"
+    ) {
         return Ok(None);
     }
     let numbers = list::<f64>(element)?;
     let transform = match (element.name.as_str(), &numbers[..]) {
-        ("matrix", numbers) if numbers.len() == 16 => {
+        ("matrix" | "bind_shape_matrix", numbers) if numbers.len() == 16 => {
             let mut rows = [0.0; 16];
             rows.copy_from_slice(numbers);
             DAffine3::from_mat4(DMat4::from_cols_array(&rows).transpose())

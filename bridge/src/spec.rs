@@ -1,8 +1,10 @@
 //! What a stream is made with.
 
-use super::Lossless;
-use crate::{Encoding, Error, FrameHeader, Kind, Text, domain::canonical_topic};
-use iceoryx2::port::backpressure_strategy::BackpressureStrategy;
+mod lossless;
+
+pub use lossless::Lossless;
+
+use crate::{Encoding, Error, FrameHeader, Kind, Text, topic::canonical_topic};
 
 /// What a stream is made with.
 ///
@@ -164,13 +166,5 @@ impl StreamSpec {
     /// When the name of the frame is too long for it.
     pub fn header(&self) -> Result<FrameHeader, Error> {
         Ok(FrameHeader { frame_id: Text::new(&self.frame_id)?, ..FrameHeader::new(self.kind, self.encoding) })
-    }
-
-    pub(crate) fn backpressure(&self) -> BackpressureStrategy {
-        if self.lossless.is_some() {
-            BackpressureStrategy::RetryUntilDelivered
-        } else {
-            BackpressureStrategy::DiscardData
-        }
     }
 }

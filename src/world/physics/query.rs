@@ -1,0 +1,131 @@
+//! What is asked of physics: where things are, how fast, on what they stand.
+
+use super::convert::{from_rapier, vector};
+use super::{JointIndex, JointState, ModelIndex, Physics};
+use crate::description::model::LinkIndex;
+use belvedere_sensors::Pose;
+use glam::DVec3;
+
+impl Physics {
+    /// Pose of a link now.
+    ///
+    /// # Panics
+    /// If there is no such model or link; so do the other methods that take an index.
+    pub fn world_from_link(&self, model: ModelIndex, link: LinkIndex) -> Pose {
+        let placed = &self.models[model].links[link];
+        placed.body.map_or(placed.body_from_link, |body| self.bodies[body].current * placed.body_from_link)
+    }
+
+    /// Pose of a link at a time between the last two steps; a stamp outside takes the nearer of the two. Before that,
+    /// poses are those that [`Physics::remember`] keeps.
+    pub fn world_from_link_at(&self, model: ModelIndex, link: LinkIndex, stamp_ns: u64) -> Pose {
+        let placed = &self.models[model].links[link];
+        placed.body.map_or(placed.body_from_link, |body| self.body_at(body, stamp_ns) * placed.body_from_link)
+    }
+
+    /// Every link that can move, with its pose now.
+    pub fn moving_links(&self) -> impl Iterator<Item = (ModelIndex, LinkIndex, Pose)> + '_ {
+        self.moving_links_at(self.time_ns)
+    }
+
+    /// Every link that can move, with its pose at a time between the last two steps.
+    pub fn moving_links_at(&self, stamp_ns: u64) -> impl Iterator<Item = (ModelIndex, LinkIndex, Pose)> + '_ {
+        self.moving.iter().map(move |moving| {
+            (moving.model, moving.link, self.body_at(moving.body, stamp_ns) * moving.body_from_link)
+        })
+    }
+
+    /// Velocity of a link's origin in m/s and its rate of turn in rad/s, both in the world frame; zero for a
+    /// link that never moves.
+    pub fn link_velocity(&self, model: ModelIndex, link: LinkIndex) -> (DVec3, DVec3) {
+        let Some(body) = self.models[model].links[link].body else { return (DVec3::ZERO, DVec3::ZERO) };
+        let origin = vector(self.world_from_link(model, link).translation());
+        let body = &self.rapier.bodies[self.bodies[body].handle];
+        (body.velocity_at_point(origin).as_dvec3(), body.angvel().as_dvec3())
+    }
+
+    /// State of a joint now; none for a joint that does not move.
+    pub fn joint_state(&self, model: ModelIndex, joint: JointIndex) -> Option<JointState> {
+        self.models[model].joints[joint].as_ref().map(|joint| joint.current)
+    }
+
+    /// State of a joint at a time between the last two steps; none for a joint that does not move.
+    pub fn joint_state_at(&self, model: ModelIndex, joint: JointIndex, stamp_ns: u64) -> Option<JointState> {
+        let (joint, fraction) = (self.models[model].joints[joint].as_ref()?, self.fraction(stamp_ns));
+        let between = |from: f64, to: f64| from + (to - from) * fraction;
+        let (from, to) = (&joint.previous, &joint.current);
+        Some(JointState {
+            position: between(from.position, to.position),
+            velocity: between(from.velocity, to.velocity),
+            effort: between(from.effort, to.effort),
+        })
+    }
+
+    /// Mass in kg, centre of mass in the world, and moment of inertia in kg·m² about an axis through it, of the
+    /// body that a link belongs to; none for a link that never moves.
+    pub(crate) fn body_mass(
+        &self,
+        model: ModelIndex,
+        link: LinkIndex,
+        axis_in_world: DVec3,
+    ) -> Option<(f64, DVec3, f64)> {
+        let body = &self.bodies[self.models[model].links[link].body?];
+        let rigid = &self.rapier.bodies[body.handle];
+        let inertia = rigid.mass_properties().local_mprops.reconstruct_inertia_matrix().as_dmat3();
+        let axis = from_rapier(rigid.position()).inverse().transform_vector(axis_in_world);
+        Some((f64::from(rigid.mass()), rigid.center_of_mass().as_dvec3(), axis.dot(inertia * axis)))
+    }
+
+    /// Mass in kg of all of a model that moves.
+    pub(crate) fn model_mass(&self, model: ModelIndex) -> f64 {
+        let placed = &self.models[model];
+        let own = self.bodies[placed.first_body..placed.end_body].iter().filter(|body| !body.is_carried());
+        own.map(|body| f64::from(self.rapier.bodies[body.handle].mass())).sum()
+    }
+
+    /// The normal of the ground that a link stood on in the last step, as the mean of its contacts whose
+    /// normals point along `up_in_world` within 60°; none if it stood on nothing.
+    pub(crate) fn ground_normal(
+        &self,
+        model: ModelIndex,
+        link: LinkIndex,
+        up_in_world: DVec3,
+    ) -> Option<DVec3> {
+        let mut sum = DVec3::ZERO;
+        for collider in &self.models[model].links[link].colliders {
+            for pair in self.rapier.narrow_phase.contact_pairs_with(*collider) {
+                let Some(contacts) = pair.rigid().filter(|_| pair.has_any_active_contact()) else { continue };
+                // A manifold's normal points from the first collider to the second.
+                let sign = if pair.collider1 == *collider { -1.0 } else { 1.0 };
+                let normals =
+                    contacts.manifolds.iter().map(|manifold| manifold.data.normal.as_dvec3() * sign);
+                sum += normals.filter(|normal| normal.dot(up_in_world) > 0.5).sum::<DVec3>();
+            }
+        }
+        sum.try_normalize()
+    }
+
+    /// Gravity in m/s², in the world frame.
+    pub fn gravity(&self) -> DVec3 {
+        self.rapier.gravity.as_dvec3()
+    }
+
+    /// Where `stamp_ns` lies between the last two steps, in [0, 1].
+    fn fraction(&self, stamp_ns: u64) -> f64 {
+        let before_ns = self.time_ns.saturating_sub(stamp_ns).min(self.step_ns);
+        1.0 - before_ns as f64 / self.step_ns as f64
+    }
+
+    pub(super) fn body_at(&self, index: usize, stamp_ns: u64) -> Pose {
+        let body = &self.bodies[index];
+        if stamp_ns >= self.time_ns {
+            return body.current;
+        }
+        if self.time_ns - stamp_ns > self.step_ns
+            && let Some(pose) = self.history.pose(index, stamp_ns)
+        {
+            return pose;
+        }
+        body.previous.interpolate(&body.current, self.fraction(stamp_ns))
+    }
+}

@@ -1,0 +1,279 @@
+//! A scene being put together: shapes, looks and textures of links as the sensors' scene has them.
+
+use crate::description::diagnostics::{Problem, Severity, Source};
+use crate::description::housing::Part;
+use crate::description::model as description;
+use crate::description::model::{Geometry, LinkIndex, Mesh};
+use crate::world::physics::ModelIndex;
+use belvedere_sensors::Pose;
+use belvedere_sensors::scene::{
+    InstanceConfig, InstanceId, MaterialConfig, MaterialId, MeshId, SceneBuilder, SceneError, Shape,
+    TextureAlpha, TextureId, visibility,
+};
+use glam::{DMat3, DQuat, DVec3};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::PlacedFiducial;
+
+/// Edge length of the rectangle that stands for an infinite collision plane, in metres.
+const INFINITE_M: f64 = 20_000.0;
+
+/// An instance, where it is in its link, and what it is made of.
+#[derive(Debug)]
+pub(super) struct Placed {
+    pub(super) instance: InstanceId,
+    pub(super) link_from_shape: Pose,
+    pub(super) shape: Shape,
+    pub(super) material: MaterialId,
+    /// What it is of the link.
+    pub(super) part: Part,
+}
+
+/// A scene being put together; files and meshes that are used twice are taken in once.
+#[derive(Debug, Default)]
+pub(super) struct Assembly {
+    pub(super) builder: SceneBuilder,
+    /// By path, with whether they are opaque.
+    textures: HashMap<PathBuf, (TextureId, bool)>,
+    normal_maps: HashMap<PathBuf, TextureId>,
+    /// By address: only for as long as the models that they are of are borrowed.
+    pub(super) meshes: HashMap<*const Mesh, MeshId>,
+    /// By model and link: all that move are looked up in each frame.
+    pub(super) placed: Vec<Vec<Vec<Placed>>>,
+    pub(super) fiducials: Vec<PlacedFiducial>,
+    pub(super) bare: Option<MaterialId>,
+}
+
+impl Assembly {
+    pub(super) fn add_link(
+        &mut self,
+        key: (ModelIndex, LinkIndex),
+        link: &description::Link,
+        world_from_link: &Pose,
+    ) -> Result<(), Problem> {
+        // Without a label, a thing's class is its model: its place, from 1, in the simulator's list of models.
+        let class = 1 + key.0 as u32;
+        for (number, visual) in link.visuals.iter().enumerate() {
+            let material = self.material(&visual.material, &visual.source)?;
+            let (shape, shape_pose) = self.shape(&visual.geometry, false, &visual.source)?;
+            let link_from_shape = visual.link_from_visual * shape_pose;
+            let config = |world_from_instance| InstanceConfig {
+                shape,
+                world_from_instance,
+                material,
+                visibility: visibility::VISUAL,
+                laser_retro: visual.laser_retro,
+                class: visual.label.unwrap_or(class),
+                ..Default::default()
+            };
+            let place = (key, Part::Visual(number));
+            let instance = self.place(place, world_from_link, link_from_shape, &visual.source, config)?;
+            self.fiducials.extend(visual.fiducials.iter().map(|tag| PlacedFiducial {
+                instance: instance.0,
+                instance_from_fiducial: shape_pose.inverse() * tag.visual_from_fiducial,
+                family: tag.family.clone(),
+                id: tag.id,
+                size_m: tag.size_m,
+            }));
+        }
+        for (number, collision) in link.collisions.iter().enumerate() {
+            let material = match self.bare {
+                Some(material) => material,
+                None => self.material(&description::Material::default(), &collision.source)?,
+            };
+            self.bare = Some(material);
+            let (shape, shape_pose) = self.shape(&collision.geometry, true, &collision.source)?;
+            let link_from_shape = collision.link_from_collision * shape_pose;
+            let key = (key, Part::Collision(number));
+            self.place(key, world_from_link, link_from_shape, &collision.source, |world_from_instance| {
+                InstanceConfig {
+                    shape,
+                    world_from_instance,
+                    material,
+                    visibility: visibility::COLLISION,
+                    laser_retro: collision.laser_retro,
+                    class,
+                    ..Default::default()
+                }
+            })?;
+        }
+        Ok(())
+    }
+
+    fn place(
+        &mut self,
+        (key, part): ((ModelIndex, LinkIndex), Part),
+        world_from_link: &Pose,
+        link_from_shape: Pose,
+        source: &Source,
+        config: impl FnOnce(Pose) -> InstanceConfig,
+    ) -> Result<InstanceId, Problem> {
+        let config = config(*world_from_link * link_from_shape);
+        let instance = self.builder.add_instance(&config).map_err(|error| refused(error, source))?;
+        let InstanceConfig { shape, material, .. } = config;
+        let (model, link) = key;
+        if self.placed.len() <= model {
+            self.placed.resize_with(model + 1, Vec::new);
+        }
+        let links = &mut self.placed[model];
+        if links.len() <= link {
+            links.resize_with(link + 1, Vec::new);
+        }
+        links[link].push(Placed { instance, link_from_shape, shape, material, part });
+        Ok(instance)
+    }
+
+    pub(super) fn set_pose(&mut self, key: (ModelIndex, LinkIndex), world_from_link: &Pose) {
+        for Placed { instance, link_from_shape, .. } in of_link(&self.placed, key) {
+            // Fails only for a pose that is not finite: what physics lost keeps its last place.
+            let _ = self.builder.set_pose(*instance, *world_from_link * *link_from_shape);
+        }
+    }
+
+    /// The shape and its pose in the frame of the visual or collision.
+    fn shape(
+        &mut self,
+        geometry: &Geometry,
+        collides: bool,
+        source: &Source,
+    ) -> Result<(Shape, Pose), Problem> {
+        let upright = |shape| (shape, Pose::IDENTITY);
+        Ok(match geometry {
+            Geometry::Box { size } => upright(Shape::Box { size: size.to_array() }),
+            Geometry::Sphere { radius } => upright(Shape::Sphere { radius: *radius }),
+            Geometry::Cylinder { radius, length } => {
+                upright(Shape::Cylinder { radius: *radius, length: *length })
+            }
+            Geometry::Capsule { radius, length } => {
+                upright(Shape::Capsule { radius: *radius, length: *length })
+            }
+            Geometry::Plane { normal, size } => {
+                let size = if collides { [INFINITE_M; 2] } else { *size };
+                (Shape::Rectangle { size }, Pose::new(DVec3::ZERO, facing(*normal)))
+            }
+            Geometry::Mesh(mesh) => upright(Shape::Mesh(self.mesh(mesh, source)?)),
+        })
+    }
+
+    fn mesh(&mut self, mesh: &Arc<Mesh>, source: &Source) -> Result<MeshId, Problem> {
+        if let Some(known) = self.meshes.get(&Arc::as_ptr(mesh)) {
+            return Ok(*known);
+        }
+        let added = self.builder.add_mesh(&mesh.positions, &mesh.uvs, &mesh.triangles).map_err(|error| {
+            refused(error, &Source { file: mesh.path.as_path().into(), ..source.clone() })
+        })?;
+        self.meshes.insert(Arc::as_ptr(mesh), added);
+        Ok(added)
+    }
+
+    fn material(&mut self, material: &description::Material, source: &Source) -> Result<MaterialId, Problem> {
+        let found = material.texture.as_deref().map(|path| self.texture(path, source)).transpose()?;
+        let normal_map =
+            material.normal_map.as_deref().map(|path| self.normal_map(path, source)).transpose()?;
+        let (texture, is_opaque) = found.map_or((None, true), |(texture, opaque)| (Some(texture), opaque));
+        let texture_alpha = if is_opaque { TextureAlpha::Ignored } else { material.texture_alpha };
+        let config = MaterialConfig {
+            diffuse: material.diffuse,
+            ambient: material.ambient,
+            emissive: material.emissive,
+            specular: material.specular,
+            shininess: material.shininess,
+            alpha: material.alpha,
+            texture_alpha,
+            normal_map,
+            texture,
+            texture_repeat: material.texture_repeat,
+        };
+        self.builder.add_material(&config).map_err(|error| refused(error, source))
+    }
+
+    fn normal_map(&mut self, path: &Path, source: &Source) -> Result<TextureId, Problem> {
+        if let Some(known) = self.normal_maps.get(path) {
+            return Ok(*known);
+        }
+        let picture = open(path, source)?;
+        let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
+        let added = self.builder.add_normal_map(picture.width(), picture.height(), texels);
+        let added = added.map_err(|error| refused(error, source))?;
+        self.normal_maps.insert(path.to_path_buf(), added);
+        Ok(added)
+    }
+
+    /// A picture, and whether all of it is opaque.
+    fn texture(&mut self, path: &Path, source: &Source) -> Result<(TextureId, bool), Problem> {
+        if let Some(known) = self.textures.get(path) {
+            return Ok(*known);
+        }
+        let picture = open(path, source)?;
+        let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
+        let added = self
+            .builder
+            .add_texture(picture.width(), picture.height(), texels)
+            .map_err(|error| refused(error, source))?;
+        let found = (added, texels.iter().all(|texel| texel[3] == u8::MAX));
+        self.textures.insert(path.to_path_buf(), found);
+        Ok(found)
+    }
+}
+
+/// What was placed of a link.
+pub(super) fn of_link(placed: &[Vec<Vec<Placed>>], (model, link): (ModelIndex, LinkIndex)) -> &[Placed] {
+    placed.get(model).and_then(|links| links.get(link)).map_or(&[], Vec::as_slice)
+}
+
+fn open(path: &Path, source: &Source) -> Result<image::RgbaImage, Problem> {
+    let picture = image::open(path).map_err(|error| Problem {
+        severity: Severity::Error,
+        source: source.clone(),
+        what: format!("texture {} cannot be read: {error}", path.display()),
+        remedy: "use a PNG, JPEG, TGA or BMP picture".into(),
+    })?;
+    Ok(picture.into_rgba8())
+}
+
+/// The rotation that turns a rectangle's outside (+z) to `normal`, the picture on it as on the face of a box that
+/// looks the same way.
+fn facing(normal: DVec3) -> DQuat {
+    let normal = normal.normalize_or(DVec3::Z);
+    let (right, up) = if normal.z.abs() > 0.999 {
+        (DVec3::X, normal.cross(DVec3::X).normalize())
+    } else {
+        let right = DVec3::Z.cross(normal).normalize();
+        (right, normal.cross(right))
+    };
+    DQuat::from_mat3(&DMat3::from_cols(up.cross(normal).normalize_or(right), up, normal))
+}
+
+pub(super) fn refused(error: SceneError, source: &Source) -> Problem {
+    Problem {
+        severity: Severity::Error,
+        source: source.clone(),
+        what: format!("cannot be shown: {error}"),
+        remedy: "correct the shape, or remove it".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_face_as_boxes_do() {
+        // Normal, right, up: the table of `sensors::scene`.
+        for (normal, right, up) in [
+            (DVec3::Z, DVec3::X, DVec3::Y),
+            (DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y),
+            (DVec3::X, DVec3::Y, DVec3::Z),
+            (DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z),
+            (DVec3::Y, DVec3::NEG_X, DVec3::Z),
+            (DVec3::NEG_Y, DVec3::X, DVec3::Z),
+        ] {
+            let turn = facing(normal);
+            assert!((turn * DVec3::Z - normal).length() < 1e-12);
+            assert!((turn * DVec3::X - right).length() < 1e-12, "{normal}: right is {}", turn * DVec3::X);
+            assert!((turn * DVec3::Y - up).length() < 1e-12, "{normal}: up is {}", turn * DVec3::Y);
+        }
+    }
+}

@@ -229,7 +229,8 @@ fn the_kinect_and_the_hokuyo_are_the_articles() {
     assert_place(&robot, "hokuyo_link", [0.10, 0.0, 0.425]);
     let kinect = sensor(&robot, "camera");
     assert_eq!((kinect.update_rate_hz, kinect.effective_rate_hz()), (Some(20.0), Some(10.0)));
-    let SensorKind::Depth(DepthCamera { camera: lens, plugin: Some(plugin) }) = &kinect.kind else {
+    let SensorKind::Depth(DepthCamera { camera: lens, plugin: Some(plugin), preset: None }) = &kinect.kind
+    else {
         panic!("{:?}", kinect.kind)
     };
     assert_eq!((lens.width, lens.height, lens.near_m, lens.far_m), (640, 480, 0.05, 8.0));

@@ -10,7 +10,7 @@
 
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
-use belvedere_sensors::device::depth::{AxialNoise, DepthModel, LateralNoise};
+use belvedere_sensors::device::depth::{DepthModel, presets, published};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape};
@@ -75,17 +75,20 @@ fn room() -> Result<SceneBuilder, Box<dyn Error>> {
 fn main() -> Result<(), Box<dyn Error>> {
     let builder = room()?;
     let gaussian = DepthModel::from(GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0)?);
-    let axial = AxialNoise {
-        polynomial: [0.001_504, -0.001_52, 0.0019],
-        slant: [0.0001, 0.0],
-        slant_from_rad: 60_f64.to_radians(),
-    };
-    let lateral = LateralNoise { stddev_px: 0.8, slant_px: 0.035 };
+    let kinect = |name| presets::named(name).map_or(gaussian, |preset| preset.model(580.0));
+    let mut without_shadow = kinect("kinect_v1");
+    without_shadow.second_eye = None;
     let models = [
         ("none", DepthModel::new()),
         ("gaussian", gaussian),
-        ("axial", DepthModel::new().noise(axial)),
-        ("axial and lateral", DepthModel::new().noise(axial).lateral(lateral)),
+        ("axial", published::fankhauser()),
+        ("nguyen", published::nguyen()),
+        ("kinect_v1 without shadow", without_shadow),
+        ("kinect_v1", kinect("kinect_v1")),
+        ("redwood", published::redwood()),
+        ("icl_nuim", published::icl_nuim()),
+        ("d435", kinect("d435")),
+        ("kinect_v2", kinect("kinect_v2")),
     ];
     let best = best_level();
     #[cfg(target_arch = "x86_64")]

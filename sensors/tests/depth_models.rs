@@ -6,77 +6,22 @@ mod common;
 
 use belvedere_sensors::camera::{CameraConfig, CameraError};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
-use belvedere_sensors::device::depth::{AxialNoise, DepthModel, LateralNoise};
+use belvedere_sensors::device::depth::{
+    AxialNoise, DepthModel, DisparitySteps, LateralNoise, SecondEye, TimeOfFlight, published,
+};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
-use belvedere_sensors::trace::{Truth, WorkspaceBuf};
+use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Pose, Sensor, Shutter, Slice};
+use common::planes::{assert_near, narrow, nguyen_m, plane, rms, take};
 use common::{add_grey, camera_of, depth_camera, depth_frame, scenery};
 use core::f64::consts::{FRAC_PI_2, SQRT_2};
 use glam::DVec3;
 
-/// Nguyen, Izadi, Lovell, "Modeling Kinect Sensor Noise for Improved 3D Reconstruction and Tracking", 2012.
-const NGUYEN: AxialNoise = AxialNoise {
-    polynomial: [0.001_504, -0.001_52, 0.0019],
-    slant: [0.0001, 0.0],
-    slant_from_rad: 60.0 / 180.0 * core::f64::consts::PI,
-};
-const NGUYEN_LATERAL: LateralNoise = LateralNoise { stddev_px: 0.8, slant_px: 0.035 };
-
-fn nguyen_m(depth: f64, incidence: f64) -> f64 {
-    let flat = 0.0012 + 0.0019 * (depth - 0.4).powi(2);
-    let slant = incidence * incidence / (FRAC_PI_2 - incidence).powi(2);
-    if incidence < 60_f64.to_radians() { flat } else { flat + 0.0001 / depth.sqrt() * slant }
-}
-
-/// A large plane that the axis of a camera at the origin meets at a depth, turned to it by an angle about the vertical.
-fn plane(depth: f64, angle: f64) -> SceneBuilder {
-    let mut builder = SceneBuilder::new();
-    // A rectangle looks along its z: here against the camera.
-    let pose = Pose::from_xyz_rpy(DVec3::X * depth, DVec3::new(0.0, -FRAC_PI_2, angle));
-    add_grey(&mut builder, Shape::Rectangle { size: [100.0, 100.0] }, pose);
-    builder
-}
-
-/// A camera that sees so little that all of its rays are one.
-fn narrow(size: [u32; 2]) -> DepthCameraConfig<'static> {
-    depth_camera().camera(camera_of(size, 1e-3).far_m(1e3))
-}
-
-/// What is measured, and what is true: depths and angles of incidence.
-struct Frame {
-    depth: Vec<f32>,
-    true_depth: Vec<f32>,
-    incidence: Vec<f32>,
-}
-
-fn take(builder: &SceneBuilder, config: DepthCameraConfig<'_>, frame: u64) -> Frame {
-    let camera = DepthCamera::new(config).unwrap();
-    let new = || vec![0.0; camera.pixels()];
-    let mut taken = Frame { depth: new(), true_depth: new(), incidence: new() };
-    let truth = Truth::new().depth(&mut taken.true_depth).incidence(&mut taken.incidence);
-    let output = DepthFrame::new().depth_32fc1(&mut taken.depth).truth(truth);
-    let (scene, capture) = (builder.scene(), Capture::new(frame, builder.moment(Pose::IDENTITY)));
-    let mut memory = WorkspaceBuf::default();
-    camera.sense(&scene, &capture, &mut memory.lend(camera.workspace_len(&scene, &capture)), output).unwrap();
-    taken
-}
-
-/// Root mean square.
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
-    (sum / count).sqrt()
-}
-
-#[track_caller]
-fn assert_near(found: f64, expected: f64, share: f64) {
-    assert!((found / expected - 1.0).abs() < share, "{found} instead of {expected}");
-}
-
 #[test]
 fn axial_noise_by_depth_and_incidence() {
-    let config = narrow([320, 240]).model(DepthModel::new().noise(NGUYEN));
+    let config = narrow([320, 240]).model(DepthModel::new().noise(published::KINECT_AXIAL));
     let errors = |depth, degrees: f64| {
         let frame = take(&plane(depth, degrees.to_radians()), config, 0);
         rms(frame.depth.iter().zip(&frame.true_depth).map(|(found, truth)| f64::from(found - truth)))
@@ -104,7 +49,7 @@ fn axial_noise_of_each_pixel_of_a_wide_picture() {
         Pose::from_translation(DVec3::new(1.0, -0.1, 0.0)),
     );
     let camera = depth_camera().camera(camera_of([640, 480], 1.0));
-    let frame = take(&builder, camera.model(DepthModel::new().noise(NGUYEN)), 3);
+    let frame = take(&builder, camera.model(DepthModel::new().noise(published::KINECT_AXIAL)), 3);
     let mut by_angle = [(); 9].map(|()| Vec::new());
     for ((found, truth), angle) in frame.depth.iter().zip(&frame.true_depth).zip(&frame.incidence) {
         if found.is_finite() && angle.to_degrees() < 85.0 {
@@ -155,8 +100,9 @@ fn lateral_noise_by_incidence() {
             let camera = CameraConfig::new(
                 PinholeGrid::from_fov(size[0], size[1], 1e-3 * f64::from(size[0]) / 4000.0).unwrap(),
             );
-            let config =
-                depth_camera().camera(camera.seed(5)).model(DepthModel::new().lateral(NGUYEN_LATERAL));
+            let config = depth_camera()
+                .camera(camera.seed(5))
+                .model(DepthModel::new().window(published::KINECT_LATERAL));
             let mut shares = [0.0; 32];
             for number in 0..2 {
                 let depth = depth_frame(&builder, config, Pose::IDENTITY, number);
@@ -200,7 +146,7 @@ fn all_outputs_are_of_one_measurement() {
     let eye = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
     let moment = || Shutter::Global(builder.moment(eye));
     let plain = depth_camera().camera(camera_of([333, 245], 1.2)).min_depth_m(0.4).max_depth_m(6.0);
-    let config = plain.model(DepthModel::new().noise(NGUYEN).lateral(NGUYEN_LATERAL));
+    let config = plain.model(published::nguyen());
     let (metres, millimetres, points) = outputs(config, moment(), &builder);
     let (true_metres, _, plain_points) = outputs(plain, moment(), &builder);
     let lens = common::pinhole(&plain.camera).intrinsics();
@@ -250,12 +196,12 @@ fn what_noise_takes_out_of_the_range_is_out_of_it() {
 fn gaussian_noise_is_a_model() {
     // With a lateral noise too small to reach the next pixel it is the second pass that adds it.
     let noise = GaussianNoise::new(0.01, 0.02, 0.5, 0.0, 0.001).unwrap();
-    let lateral = LateralNoise { stddev_px: 1e-9, slant_px: 0.0 };
+    let lateral = LateralNoise { stddev_px: 1e-9, ..LateralNoise::NONE };
     let wide = depth_camera().camera(camera_of([333, 245], 1.2));
     let builder = plane(2.0, 0.5);
     let first = depth_frame(&builder, wide.model(noise), Pose::IDENTITY, 4);
     let second =
-        depth_frame(&builder, wide.model(DepthModel::from(noise).lateral(lateral)), Pose::IDENTITY, 4);
+        depth_frame(&builder, wide.model(DepthModel::from(noise).window(lateral)), Pose::IDENTITY, 4);
     assert!(first == second);
 }
 
@@ -265,11 +211,17 @@ fn bad_parameters_are_named() {
         Err(CameraError::Device(error)) => error,
         other => panic!("{other:?}"),
     };
-    let nan = error(DepthModel::new().lateral(LateralNoise { stddev_px: f64::NAN, slant_px: 0.0 }));
+    let nan = error(DepthModel::new().window(LateralNoise { stddev_px: f64::NAN, ..LateralNoise::NONE }));
     assert_eq!((nan.parameter, nan.range), ("lateral.stddev_px", [0.0, 100.0]));
     let negative = error(DepthModel::new().noise(AxialNoise { slant: [0.0, -0.1], ..AxialNoise::NONE }));
     assert_eq!((negative.parameter, negative.value), ("noise.slant", -0.1));
     assert_eq!(negative.to_string(), "a device's noise.slant of -0.1: it must be from 0 to 1000");
     let beyond = AxialNoise { slant_from_rad: 1.6, ..AxialNoise::NONE };
     assert_eq!(error(DepthModel::new().noise(beyond)).parameter, "noise.slant_from_rad");
+    let steps = DisparitySteps { focal_px: 580.0, baseline_m: 0.0, step_px: 0.1 };
+    assert_eq!(error(DepthModel::new().steps(steps)).parameter, "steps.baseline_m");
+    let eye = SecondEye { half_view_rad: 2.0, ..SecondEye::at(0.1) };
+    assert_eq!(error(DepthModel::new().second_eye(eye)).parameter, "second_eye.half_view_rad");
+    let light = TimeOfFlight { modulation_hz: f64::INFINITY, footprint_px: 0.5 };
+    assert_eq!(error(DepthModel::new().window(light)).parameter, "time_of_flight.modulation_hz");
 }

@@ -4,7 +4,7 @@ mod common;
 
 use belvedere_sensors::camera::{Camera, Edges, Picture};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
-use belvedere_sensors::device::depth::{DepthModel, LateralNoise};
+use belvedere_sensors::device::depth::published;
 use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::optics::{Optics, PinholeGrid, RayTable};
 use belvedere_sensors::scanner::{Columns, Echoes, Laser, Pattern, Scanner, ScannerConfig, Spinning};
@@ -69,8 +69,7 @@ fn sensing_does_not_allocate() {
     let moving = scenery(&mut builder);
     let mut workspace = WorkspaceBuf::default();
     let camera = Camera::new(camera().edges(Edges::Smooth)).unwrap();
-    let model = DepthModel::new().lateral(LateralNoise { stddev_px: 0.8, slant_px: 0.035 });
-    let depth_camera = DepthCamera::new(depth_camera().model(model)).unwrap();
+    let depth_camera = DepthCamera::new(depth_camera().model(published::icl_nuim())).unwrap();
     let lidar = Lidar::new(LIDAR).unwrap();
     let mut pixels = vec![0; camera.frame_len()];
     let mut colour = vec![0; camera.frame_len()];

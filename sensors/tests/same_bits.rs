@@ -4,7 +4,7 @@ mod common;
 
 use belvedere_sensors::camera::{Mosaic, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
-use belvedere_sensors::device::depth::{AxialNoise, DepthModel, LateralNoise};
+use belvedere_sensors::device::depth::{SecondEye, published};
 use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
@@ -39,20 +39,21 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         .sense(&scene, &capture, &mut workspace.lend(depth_camera.workspace_len(&scene, &capture)), output)
         .expect("outputs of the right size");
 
-    // A second pass over the frame.
-    let axial = AxialNoise {
-        polynomial: [0.001_504, -0.001_52, 0.0019],
-        slant: [0.0001, 0.0003],
-        slant_from_rad: 0.7,
-    };
-    let lateral = LateralNoise { stddev_px: 0.8, slant_px: 0.035 };
-    let model = DepthModel::new().noise(axial).lateral(lateral);
-    let device_camera = DepthCamera::new(depth_camera.config().model(model)).unwrap();
-    let (mut measured, mut measured_points) = (metres.clone(), points.clone());
-    let output = DepthFrame::new().depth_32fc1(&mut measured).points(&mut measured_points);
-    device_camera
-        .sense(&scene, &capture, &mut workspace.lend(device_camera.workspace_len(&scene, &capture)), output)
-        .expect("outputs of the right size");
+    // Second passes over the frame: shadows and noise beside the ray, dots, and light.
+    let device_camera = |model| DepthCamera::new(depth_camera.config().model(model)).unwrap();
+    let kinect = published::nguyen().steps(published::KINECT_STEPS).second_eye(SecondEye::at(0.075));
+    let stereo = published::active_stereo(240.0, 0.05, 0.08, 0.6);
+    let light = published::fankhauser().window(published::KINECT_V2_LIGHT);
+    let (mut measured, mut measured_points) = (Vec::new(), points.clone());
+    for model in [kinect, published::redwood(), published::icl_nuim(), stereo, light] {
+        let camera = device_camera(model);
+        let mut depths = metres.clone();
+        let output = DepthFrame::new().depth_32fc1(&mut depths).points(&mut measured_points);
+        camera
+            .sense(&scene, &capture, &mut workspace.lend(camera.workspace_len(&scene, &capture)), output)
+            .expect("outputs of the right size");
+        measured.extend(depths);
+    }
 
     let vertical = Beams { samples: 16, min_angle_rad: -0.4, max_angle_rad: 0.3 };
     let lidar = Lidar::new(LIDAR.vertical(vertical).noise(noise)).unwrap();
@@ -198,8 +199,8 @@ fn every_machine() {
         ("points", 0x24cd_1139_23b9_13ef),
         ("ranges", 0x9814_84f6_b4ad_3848),
         ("firings", 0x3932_041a_7598_5374),
-        ("32fc1 of a device", 0xbf6f_be3b_2626_4d2f),
-        ("points of a device", 0x26bc_a025_8b2e_842e),
+        ("32fc1 of a device", 0x719f_dc96_6ec2_adaa),
+        ("points of a device", 0x1dc3_128d_77c1_38a4),
         ("bayer_gbrg16", 0x7aca_656c_7299_b256),
         ("rgba8 of sRGB", 0x7375_06ee_4fcd_8bef),
         ("rgb8 of gloss and glass", 0xd2ca_211b_5c9a_334c),

@@ -5,6 +5,7 @@ mod world;
 
 use super::error::CliError;
 use super::follow::print_line;
+use super::sensor_models::Devices;
 use crate::description::mesh::UpAxis;
 use crate::description::package::PackagePath;
 use crate::description::robot::{LoadOptions, default_robot_name, load_robot, robot_names, xacro_argument};
@@ -44,12 +45,16 @@ pub struct CheckArgs {
     /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
     #[arg(long)]
     pub apply_up_axis: bool,
+    /// What sensors are whose files ask for no preset: as their elements say, or the devices that they stand for
+    #[arg(long, value_enum, default_value_t)]
+    pub sensor_models: Devices,
 }
 
 impl CheckArgs {
     fn rules(&self) -> Rules {
         let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
-        Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis }
+        let sensor_models = self.sensor_models.into();
+        Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis, sensor_models }
     }
 }
 

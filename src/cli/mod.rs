@@ -16,6 +16,7 @@ mod recording_thread;
 pub mod replay;
 pub mod robots;
 pub mod run;
+mod sensor_models;
 pub mod snapshot;
 pub mod statistics;
 mod status;

@@ -6,6 +6,7 @@ use super::pacer::Pacer;
 use super::record::RECORDER;
 use super::recording_thread::RecordingThread;
 use super::robots::RobotArgs;
+use super::sensor_models::Devices;
 use super::status::Status;
 use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
@@ -78,6 +79,10 @@ pub struct RunArgs {
     /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
     #[arg(long)]
     apply_up_axis: bool,
+    /// What sensors are whose files ask for no preset: as their elements say, or the devices that they stand for, with
+    /// their noise, shadows and range: a Kinect's plugin is a Kinect
+    #[arg(long, value_enum, default_value_t)]
+    sensor_models: Devices,
     /// Publish what is true of every pixel and beam as well: TOPIC/truth/depth, range, normal, instance, class,
     /// incidence, flow_back, flow_forward
     #[arg(long)]
@@ -119,7 +124,8 @@ impl RunArgs {
 
     fn rules(&self) -> Rules {
         let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
-        Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis }
+        let sensor_models = self.sensor_models.into();
+        Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis, sensor_models }
     }
 }
 

@@ -27,4 +27,4 @@ pub mod xacro;
 pub mod xml;
 
 pub use diagnostics::{Diagnostics, Problem, Severity, Source};
-pub use rules::Rules;
+pub use rules::{Rules, SensorModels};

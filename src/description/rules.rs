@@ -11,4 +11,16 @@ pub struct Rules {
     pub skip_missing: bool,
     /// Collada's `<up_axis>`.
     pub up_axis: UpAxis,
+    /// Which devices sensors are.
+    pub sensor_models: SensorModels,
+}
+
+/// Which devices sensors are where files ask for none.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SensorModels {
+    /// None: they measure as their elements say.
+    #[default]
+    AsWritten,
+    /// Those that they are known to stand for: what a Kinect's plugin publishes is a Kinect.
+    Real,
 }

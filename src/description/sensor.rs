@@ -18,6 +18,7 @@ mod magnetometer;
 mod navsat;
 mod noise;
 mod plugin;
+mod preset;
 mod range;
 mod reader;
 #[cfg(test)]
@@ -36,6 +37,7 @@ pub use range::Rangefinder;
 
 use super::diagnostics::{Diagnostics, Source};
 use super::model::{LinkIndex, RaySensor};
+use super::rules::Rules;
 use super::values::{child_bool, child_pose};
 use super::xml::Element;
 use belvedere_sensors::Pose;
@@ -135,7 +137,12 @@ static KINDS: [Kind; 9] = [
 
 /// Reads a `<sensor>` with its plugin. A sensor of a type that is not simulated gives none and a warning; one
 /// with a wrong value gives none and an error for each.
-pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnostics) -> Option<Sensor> {
+pub fn parse_sensor(
+    sensor: &Element,
+    link: LinkIndex,
+    rules: Rules,
+    diagnostics: &mut Diagnostics,
+) -> Option<Sensor> {
     let name = sensor.attribute("name").unwrap_or_default().to_owned();
     if name.is_empty() {
         diagnostics.error(&sensor.source, "<sensor> has no name", "write <sensor name=\"…\" type=\"…\">");
@@ -152,7 +159,7 @@ pub fn parse_sensor(sensor: &Element, link: LinkIndex, diagnostics: &mut Diagnos
         );
         return None;
     };
-    let mut reader = Reader { sensor: name.clone(), plugin_rate_hz: None, diagnostics };
+    let mut reader = Reader { sensor: name.clone(), plugin_rate_hz: None, rules, diagnostics };
     let read = (kind.read)(&mut reader, sensor);
     let update_rate_hz = reader.rate(sensor, "update_rate");
     let plugin_rate_hz = reader.plugin_rate_hz;

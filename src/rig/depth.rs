@@ -19,6 +19,8 @@ use belvedere_bridge::{Encoding, Intrinsics, Kind, StreamSpec};
 use belvedere_sensors::Shutter;
 use belvedere_sensors::camera::CameraError;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
+use belvedere_sensors::device::depth::DepthModel;
+use belvedere_sensors::optics::Optics;
 use std::time::Instant;
 
 impl Behaviour for model::DepthCamera {
@@ -28,7 +30,7 @@ impl Behaviour for model::DepthCamera {
 
     fn open(&self, sensor: &Sensor, opening: &Opening<'_>) -> Result<Option<Box<dyn Channel>>, RigError> {
         let Some(plugin) = &self.plugin else { return Ok(None) };
-        Ok(Some(Box::new(DepthChannel::open(sensor, &self.camera, plugin, opening)?)))
+        Ok(Some(Box::new(DepthChannel::open(sensor, self, plugin, opening)?)))
     }
 
     fn settings(&self, rate_hz: f64) -> Settings {
@@ -43,11 +45,17 @@ impl Behaviour for model::DepthCamera {
         say("", format!("{}, {}", depth.depth_image_topic, depth.depth_camera_info_topic));
         say("", depth.point_cloud_topic.clone());
         let coding = if depth.depth_16uc1 { "16UC1 in millimetres" } else { "32FC1 in metres" };
-        let (from, to) = (number(depth.cutoff_m), number(depth.cutoff_max_m));
+        let [from, to] = self.range_m().map(number);
         say("depth", format!("{coding}, valid from {from} to {to} m"));
+        if let Some(preset) = self.preset {
+            say("device", format!("{}: {}", preset.name, preset.source));
+        }
         report::plugin(&depth.camera, say);
     }
 }
+
+/// Wider pictures have no one focal length; their disparities are counted as in one of this angle.
+const WIDEST_RAD: f64 = 2.0;
 
 /// A running depth camera.
 pub(super) struct DepthChannel {
@@ -73,15 +81,17 @@ pub(super) struct DepthChannel {
 impl DepthChannel {
     pub(super) fn open(
         sensor: &Sensor,
-        camera: &CameraSensor,
+        described: &model::DepthCamera,
         plugin: &DepthCameraPlugin,
         opening: &Opening<'_>,
     ) -> Result<Self, RigError> {
+        let camera = &described.camera;
         let refused = |error: &dyn std::error::Error| RigError::sensor(sensor, error);
         let lens = drawn_lens(camera, &plugin.camera, opening.gazebo_compat);
         let eye = Eye::new(camera, &lens, opening).map_err(|error| refused(&*error))?;
         let limits = Limits {
-            range_m: [plugin.cutoff_m, plugin.cutoff_max_m],
+            range_m: described.range_m(),
+            model: described.preset.map_or(DepthModel::new(), |preset| preset.model(focal_px(&eye, camera))),
             out_of_range: if opening.gazebo_compat { OutOfRange::Nan } else { OutOfRange::Infinite },
             too_near: if opening.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
         };
@@ -98,7 +108,7 @@ impl DepthChannel {
         let (depth_encoding, depth_bytes) =
             if plugin.depth_16uc1 { (Encoding::U16C1, 2) } else { (Encoding::F32C1, 4) };
         let names = &plugin.camera;
-        let (near, far) = (plugin.cutoff_m, plugin.cutoff_max_m);
+        let [near, far] = described.range_m();
         let size = [camera.width, camera.height];
         Ok(Self {
             colour: open(StreamSpec::new(
@@ -246,16 +256,26 @@ impl Channel for DepthChannel {
     }
 }
 
-/// Which depths there are, and what stands for the others.
+/// Which depths there are, what the device makes of them, and what stands for the others.
 struct Limits {
     range_m: [f64; 2],
+    model: DepthModel,
     out_of_range: OutOfRange,
     too_near: TooNear,
+}
+
+/// Focal length of a picture in pixels, through other lenses than a pinhole that of its angle of view.
+fn focal_px(eye: &Eye, camera: &CameraSensor) -> f64 {
+    match eye.config().optics {
+        Optics::Pinhole(grid) => grid.intrinsics().fx,
+        _ => 0.5 * f64::from(camera.width) / libm::tan(0.5 * camera.horizontal_fov_rad.min(WIDEST_RAD)),
+    }
 }
 
 /// SDF's `<noise>` is the colour picture's; Gazebo classic knows none for depth.
 fn depth_camera<'a>(eye: &'a Eye, limits: &Limits) -> Result<DepthCamera<'a>, CameraError> {
     let [min_m, max_m] = limits.range_m;
     let config = DepthCameraConfig::new(eye.config()).min_depth_m(min_m).max_depth_m(max_m);
+    let config = config.model(limits.model);
     DepthCamera::new(config.out_of_range(limits.out_of_range).too_near(limits.too_near))
 }

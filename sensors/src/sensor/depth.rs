@@ -1,20 +1,28 @@
 //! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
 
+mod config;
 mod develop;
+mod ends;
+mod look;
+mod pattern;
 mod rows;
 mod seen;
+mod surface;
 mod too_near;
 
 use super::Sensor;
 use super::camera::brush::{Brush, ColourRows, sums_len};
 use super::camera::{Camera, CameraConfig, CameraError};
 use super::edges::Smoothing;
+pub use config::{DepthCameraConfig, OutOfRange};
 use develop::{Developer, Measured};
+use look::Looker;
+use pattern::Pattern;
 use rows::{Retouched, Rows};
 use seen::Seen;
 use too_near::{Blocked, Blocking, Obstacles};
 
-use crate::device::depth::{DepthDevice, DepthModel, DepthNoise};
+use crate::device::depth::{DepthDevice, DepthNoise, Look};
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normal_columns, normal_lines};
@@ -33,68 +41,6 @@ use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
 /// Bytes of a point of the cloud: x 0, y 4, z 8, rgb 16, all f32, as `gazebo_ros_openni_kinect` lays it out.
 pub const POINT_STEP: usize = 32;
-
-/// What a depth camera is like.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct DepthCameraConfig<'a> {
-    /// Geometry, clip distances, and the colour picture.
-    pub camera: CameraConfig<'a>,
-    /// Depth at or below is too near, in metres.
-    pub min_depth_m: f64,
-    /// Depth at or above is too far, in metres; may be infinite.
-    pub max_depth_m: f64,
-    /// What stands for too near and too far.
-    pub out_of_range: OutOfRange,
-    /// What happens to depths nearer than the camera's `near_m`. The colour picture does not show what is there in
-    /// either case, as that of a [`Camera`].
-    pub too_near: TooNear,
-    /// What the device makes of true depths; what it takes to the limits or beyond is too near or too far.
-    pub model: DepthModel,
-}
-
-impl<'a> DepthCameraConfig<'a> {
-    /// A depth camera without noise, whose depths are limited by the clip distances alone.
-    pub fn new(camera: CameraConfig<'a>) -> Self {
-        Self {
-            camera,
-            min_depth_m: 0.0,
-            max_depth_m: f64::INFINITY,
-            out_of_range: OutOfRange::Infinite,
-            too_near: TooNear::Blocks,
-            model: DepthModel::new(),
-        }
-    }
-
-    setters! {
-        /// Sets the camera.
-        camera: CameraConfig<'a>,
-        /// Sets the depth at and below which is too near, in metres.
-        min_depth_m: f64,
-        /// Sets the depth at and above which is too far, in metres.
-        max_depth_m: f64,
-        /// Sets what stands for too near and too far.
-        out_of_range: OutOfRange,
-        /// Sets what happens to depths nearer than the camera's `near_m`.
-        too_near: TooNear,
-    }
-
-    /// Sets what the device makes of true depths: a model, or Gaussian noise in metres alone.
-    #[must_use]
-    pub fn model(mut self, model: impl Into<DepthModel>) -> Self {
-        self.model = model.into();
-        self
-    }
-}
-
-/// What a 32FC1 depth outside the valid range becomes. In 16UC1 it is 0 in any case, and in the cloud NaN.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OutOfRange {
-    /// REP-117: too near is −∞, too far or nothing there +∞.
-    Infinite,
-    /// As Gazebo's Kinect plugin: NaN.
-    Nan,
-}
 
 /// Where the parts of a depth frame go; what is none is not worked out. Rows run from the top, not padded.
 #[derive(Debug, Default)]
@@ -154,7 +100,7 @@ impl<'a> DepthCamera<'a> {
         let camera = Camera::new(config.camera)?;
         let noise = match config.model.noise {
             DepthNoise::Gaussian(noise) => noise,
-            DepthNoise::Axial(_) => GaussianNoise::NONE,
+            DepthNoise::Axial(_) | DepthNoise::Disparity(_) => GaussianNoise::NONE,
         };
         let bias = noise.bias(config.camera.seed, config.camera.sensor, 1);
         let device = DepthDevice::new(&config.model, bias).map_err(CameraError::Device)?;
@@ -225,7 +171,11 @@ impl Sensor for DepthCamera<'_> {
         let fan = Frame::fan_of(optics, shutter);
         let marks = lines(self.camera.marks(shutter) * size_of::<u32>());
         let blocked = lines(fan.blocks_across() * fan.blocks_down() * size_of::<u16>());
-        let seen = self.device.map_or(0, |_| Seen::workspace_len(self.pixels()));
+        let seen = self.device.map_or(0, |device| {
+            let pattern =
+                matches!(device.look, Look::Dots(_)).then(|| Pattern::workspace_len(self.camera.size()));
+            Seen::workspace_len(self.pixels()) + pattern.unwrap_or(0)
+        });
         Frame::workspace_len(scene, optics, shutter) + sums_len(&fan, shutter) + blocked + marks + seen
     }
 
@@ -280,11 +230,15 @@ impl Sensor for DepthCamera<'_> {
         };
         let work = Measurer { camera: self, capture, obstacles: Obstacles(blocked) };
         frame.trace(&sight, &mut Cutter(&mut *memory.0), rows, &work);
-        if let (Some(device), Some(seen)) = (device, seen) {
+        if let (Some(device), Some(Seen(seen))) = (device, seen) {
+            let CameraConfig { seed, sensor, .. } = self.config.camera;
             let rays = rays_of(optics, (*frame.fan(), 0), execution, &mut memory);
-            let developer = Developer { camera: self, device, rays, frame: capture.frame, seen };
+            let numbers = Stream { seed, sensor, frame: capture.frame, channel: 0 };
+            let looker = Looker::new(&rays, self.camera.size(), numbers, seen);
+            let pattern = Pattern::find(&looker, &device.look, execution, &mut memory);
             let (points, width) = (points.as_deref_mut(), self.camera.size()[0]);
-            developer.develop(execution, Measured { depth_32fc1, depth_16uc1, points, width });
+            let output = Measured { depth_32fc1, depth_16uc1, points, width };
+            Developer { camera: self, device, looker, pattern }.develop(execution, output);
         }
         if let Some(smoothing) = Smoothing::new(&frame, optics, sight, marks) {
             let camera = &self.camera;

@@ -25,6 +25,7 @@ pub(crate) mod prefetch;
 pub mod rays;
 mod recent;
 pub(crate) mod resolve;
+pub(crate) mod second_look;
 pub(crate) mod shapes;
 pub(crate) mod tiling;
 mod too_near;

@@ -7,6 +7,7 @@ pub(crate) mod brute;
 pub(crate) mod casts;
 pub(crate) mod exactness;
 pub(crate) mod oracle;
+pub(crate) mod planes;
 pub(crate) mod random;
 
 use belvedere_sensors::camera::{Camera, CameraConfig, Picture};

@@ -61,7 +61,7 @@ impl Loader<'_> {
                 "visual" => self.visual(child, scope, frames, &mut link),
                 "collision" => self.collision(child, scope, frames, &mut link),
                 "sensor" => {
-                    if let Some(mut sensor) = parse_sensor(child, index, self.diagnostics) {
+                    if let Some(mut sensor) = parse_sensor(child, index, self.rules, self.diagnostics) {
                         sensor.link_from_sensor = self.pose_in_link(child, scope.version, &name, frames);
                         parts.sensors.push(sensor);
                     }

@@ -2,12 +2,14 @@
 
 use super::camera_plugin::{CameraTopics, gz_camera};
 use super::gz::gz_topic;
-use super::plugin::{absolute, topic};
+use super::plugin::{absolute, extension, plain_name, topic};
 use super::reader::Reader;
 use super::{Kind, SensorKind};
 use crate::description::model::{CameraSensor, DepthCameraPlugin};
+use crate::description::rules::SensorModels;
 use crate::description::values::child_bool;
 use crate::description::xml::Element;
+use belvedere_sensors::device::depth::presets::{self, DepthPreset};
 
 /// Far clip distance in metres if none is given.
 const FAR_M: f64 = 10.0;
@@ -29,12 +31,26 @@ pub struct DepthCamera {
     pub camera: CameraSensor,
     /// What publishes it.
     pub plugin: Option<DepthCameraPlugin>,
+    /// Which device it is; without one its depths are true.
+    pub preset: Option<&'static DepthPreset>,
+}
+
+impl DepthCamera {
+    /// Least and greatest valid depth in metres: those of the plugin, and no more than the device measures.
+    pub fn range_m(&self) -> [f64; 2] {
+        let [least, most] = self
+            .plugin
+            .as_ref()
+            .map_or([self.camera.near_m, self.camera.far_m], |plugin| [plugin.cutoff_m, plugin.cutoff_max_m]);
+        self.preset
+            .map_or([least, most], |preset| [least.max(preset.range_m[0]), most.min(preset.range_m[1])])
+    }
 }
 
 pub(super) const KIND: Kind = Kind {
     types: &["depth", "depth_camera", "rgbd", "rgbd_camera"],
     plugins: &["gazebo_ros_openni_kinect"],
-    is_extended: false,
+    is_extended: true,
     read: |reader, sensor| reader.depth_camera(sensor).map(SensorKind::Depth),
 };
 
@@ -47,7 +63,47 @@ impl Reader<'_> {
             Some(plugin)
         });
         let plugin = plugin.or_else(|| Some(gz_depth(sensor, &gz_topic(sensor)?, &camera)));
-        Some(DepthCamera { camera, plugin })
+        let written = match extension(sensor) {
+            Some(own) => {
+                self.left_out(
+                    own,
+                    |name| name == "preset",
+                    "take it out: the plugin of belvedere has preset",
+                );
+                Some(self.preset_name(own, &presets::NAMES)?)
+            }
+            None => None,
+        };
+        let preset = written.or_else(|| self.known(sensor, plugin.as_ref()?)).and_then(presets::named);
+        let depth = DepthCamera { camera, plugin, preset };
+        if let (Some(preset), [least, most]) = (preset, depth.range_m())
+            && least >= most
+        {
+            let [from, to] = preset.range_m;
+            self.diagnostics.error(
+                &sensor.source,
+                format!(
+                    "sensor '{}' has no valid depth: a {} measures {from} to {to} m",
+                    self.sensor, preset.name
+                ),
+                "write <pointCloudCutoff> and <pointCloudCutoffMax>, or <clip>, within that",
+            );
+            return None;
+        }
+        Some(depth)
+    }
+
+    /// The device that a sensor is known to be, if real ones are asked for: that of which its name, or its camera's,
+    /// has the preset's name in it, and else the Kinect that the plugin is made for.
+    fn known(&self, sensor: &Element, plugin: &DepthCameraPlugin) -> Option<&'static str> {
+        if self.rules.sensor_models != SensorModels::Real {
+            return None;
+        }
+        let names = [&self.sensor, &plugin.camera.camera_name].map(|name| name.to_ascii_lowercase());
+        let is_named = |preset: &&&str| names.iter().any(|name| name.contains(**preset));
+        let has_plugin =
+            sensor.elements_named("plugin").any(|plugin| KIND.plugins.contains(&plain_name(plugin)));
+        presets::NAMES.iter().find(is_named).copied().or(has_plugin.then_some("kinect_v1"))
     }
 
     fn depth_plugin(&mut self, plugin: &Element) -> Option<DepthCameraPlugin> {

@@ -1,12 +1,12 @@
 //! Sensors of gz-sim: they have a `<topic>` and no plugin, and publish under the names that gz-sim's bridge to ROS sees.
 
-use super::plugin::absolute;
+use super::plugin::{absolute, is_ours};
 use crate::description::values::child_text;
 use crate::description::xml::Element;
 
-/// Whether a sensor publishes as those of gz-sim do.
+/// Whether a sensor publishes as those of gz-sim do: no plugin but ours.
 pub(super) fn is_gz(sensor: &Element) -> bool {
-    sensor.child("plugin").is_none() && child_text(sensor, "topic").is_some()
+    sensor.elements_named("plugin").all(is_ours) && child_text(sensor, "topic").is_some()
 }
 
 /// The absolute topic of such a sensor.

@@ -6,7 +6,7 @@ use super::noise::instrument;
 use super::plugin::{absolute, extension};
 use super::reader::Reader;
 use super::{Kind, SensorKind};
-use crate::description::values::{child_bool, child_text, nearest, numbers};
+use crate::description::values::{child_bool, child_text, numbers};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
 use belvedere_sensors::imu::{ImuConfig, presets};
@@ -239,17 +239,8 @@ impl Reader<'_> {
             .collect();
         let remedy = format!("take it out: there are preset, {}", words.join(", "));
         self.left_out(own, |name| name == "preset" || words.iter().any(|word| word == name), &remedy);
-        if let Some(name) = child_text(own, "preset") {
-            let Some(preset) = presets::named(&name) else {
-                let near = nearest(&name, presets::NAMES).unwrap_or(presets::NAMES[0]);
-                self.diagnostics.error(
-                    Self::place(Some(own), "preset", own),
-                    format!("{} is '{name}', which is none", self.what("preset")),
-                    format!("did you mean {near}? There are: {}", presets::NAMES.join(", ")),
-                );
-                return None;
-            };
-            config = preset;
+        if own.child("preset").is_some() {
+            config = presets::named(self.preset_name(own, &presets::NAMES)?)?;
         }
         config.gyro = self.figures(own, "gyroscope", config.gyro)?;
         config.accelerometer = self.figures(own, "accelerometer", config.accelerometer)?;

@@ -13,7 +13,7 @@ impl Reader<'_> {
     pub(super) fn plugin<'e>(&mut self, sensor: &'e Element, kind: &Kind) -> Option<&'e Element> {
         let mut chosen = None;
         for element in sensor.elements_named("plugin") {
-            if kind.is_extended && plain_name(element) == OWN {
+            if kind.is_extended && is_ours(element) {
                 continue;
             }
             let file = element.attribute("filename").unwrap_or_default();
@@ -57,7 +57,12 @@ impl Reader<'_> {
 
 /// Our own, which tells a sensor what SDF has no element for.
 pub(super) fn extension(sensor: &Element) -> Option<&Element> {
-    sensor.elements_named("plugin").find(|plugin| plain_name(plugin) == OWN)
+    sensor.elements_named("plugin").find(|plugin| is_ours(plugin))
+}
+
+/// Whether a plugin is our own.
+pub(super) fn is_ours(plugin: &Element) -> bool {
+    plain_name(plugin) == OWN
 }
 
 /// A plugin's file without its folder, `lib` and `.so`, which Gazebo itself adds where they are missing.

@@ -1,6 +1,7 @@
 //! Checked values out of a sensor's elements.
 
 use crate::description::diagnostics::{Diagnostics, Source};
+use crate::description::rules::Rules;
 use crate::description::values::number;
 use crate::description::xml::Element;
 
@@ -17,6 +18,7 @@ pub(super) struct Reader<'a> {
     pub(super) sensor: String,
     /// Rate of its plugin, when that has been read.
     pub(super) plugin_rate_hz: Option<f64>,
+    pub(super) rules: Rules,
     pub(super) diagnostics: &'a mut Diagnostics,
 }
 

@@ -3,6 +3,7 @@
 mod camera;
 mod device;
 mod lens;
+mod preset;
 
 use super::{Camera, DepthCamera, KINDS, Lidar, Rangefinder, kind_of, parse_sensor};
 use crate::description::diagnostics::{Diagnostics, Severity};
@@ -10,14 +11,19 @@ use crate::description::model::{
     AngleFunction, AngleMap, AutoExposed, CameraDevice, CameraSensor, CloudLayout, LensIntrinsics, LensModel,
     LensProjection, Mosaic, Noise, PixelFormat, Radiation, ScanAxis, Sensor, SensorKind,
 };
+use crate::description::rules::Rules;
 use crate::description::xml::Element;
 use std::f64::consts::PI;
 use std::path::Path;
 
 fn parse(text: &str) -> (Option<Sensor>, Vec<String>) {
+    parse_with(text, Rules::default())
+}
+
+fn parse_with(text: &str, rules: Rules) -> (Option<Sensor>, Vec<String>) {
     let element = Element::parse(text, Path::new("s.sdf")).unwrap();
     let mut diagnostics = Diagnostics::default();
-    let sensor = parse_sensor(&element, 7, &mut diagnostics);
+    let sensor = parse_sensor(&element, 7, rules, &mut diagnostics);
     (sensor, diagnostics.problems().iter().map(ToString::to_string).collect())
 }
 

@@ -58,7 +58,7 @@ impl Loader<'_> {
 
     fn extend_link(&mut self, element: &Element, index: LinkIndex, model: &mut Model) {
         for sensor in element.elements_named("sensor") {
-            model.sensors.extend(parse_sensor(sensor, index, self.diagnostics));
+            model.sensors.extend(parse_sensor(sensor, index, self.rules, self.diagnostics));
         }
         let link = &mut model.links[index];
         // Gazebo puts what stands in <visual> into each visual of the link.

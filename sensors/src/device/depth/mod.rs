@@ -1,55 +1,91 @@
 //! The device behind a depth camera's lens: what it makes of true depths.
 //!
 //! ```text
-//! true depth, incidence ─► lateral ─► noise ─► range ─► picture
-//!                          pixels     metres   too near,
-//!                          trade                too far
-//!                          places
+//! true depth, ─► second eye ─► window ─► noise ─► steps ─► range ─► picture
+//! incidence      hidden:       own ray,  metres   of       too near,
+//!                NaN           beside,   or       1/z      too far
+//!                              dots,     pixels
+//!                              light
 //! ```
 //!
 //! A [`DepthModel`] is set by [`DepthCameraConfig::model`](crate::depth::DepthCameraConfig::model()); each of its stages may
-//! be left out. One that is [noise of one size](DepthNoise::Gaussian) alone is added while the rays are traced; all others are a second
-//! pass over the frame, which reads true depths, and the angles at which the rays meet the surfaces, from the workspace.
+//! be left out. [Models of the literature](published) and [presets](presets) of cameras are there. A model of
+//! [Gaussian noise](DepthNoise::Gaussian) alone adds it while rays are traced; all others are a second pass over the frame,
+//! which reads true depths, and the angles at which the rays meet the surfaces, from the workspace.
 
+mod dots;
 mod incidence;
 mod lateral;
 mod noise;
+pub mod presets;
+pub mod published;
+mod second_eye;
+mod steps;
+mod time_of_flight;
+mod window;
 
 use super::DeviceError;
 use crate::noise::GaussianNoise;
+pub use dots::DotWindow;
+pub(crate) use dots::{Dots, dot, find_dot, squares};
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
-pub use lateral::LateralNoise;
-pub(crate) use lateral::Shift;
-pub use noise::{AxialNoise, DepthNoise};
+pub use lateral::{LateralNoise, Sampling};
+pub use noise::{AxialNoise, DepthNoise, DisparityNoise};
+pub(crate) use second_eye::Eye;
+pub use second_eye::SecondEye;
+pub use steps::DisparitySteps;
+pub use time_of_flight::TimeOfFlight;
+pub(crate) use time_of_flight::{Around, Light};
+pub(crate) use window::Look;
+pub use window::Window;
 
 /// What a depth camera makes of true depths; nothing at first.
 ///
 /// ```
-/// use belvedere_sensors::device::depth::{AxialNoise, DepthModel};
+/// use belvedere_sensors::device::depth::{AxialNoise, DepthModel, SecondEye};
 /// use belvedere_sensors::noise::GaussianNoise;
 /// let gazebo = DepthModel::from(GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0)?);
-/// let flat = DepthModel::new().noise(AxialNoise { polynomial: [0.001, 0.0, 0.002], ..AxialNoise::NONE });
-/// assert_ne!(gazebo, flat);
+/// let noise = AxialNoise { polynomial: [0.001, 0.0, 0.002], ..AxialNoise::NONE };
+/// let shadows = DepthModel::new().noise(noise).second_eye(SecondEye::at(0.075));
+/// assert_ne!(gazebo, shadows);
 /// # Ok::<(), belvedere_sensors::noise::GaussianNoiseError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct DepthModel {
-    /// By how much pixels see beside their own ray.
-    pub lateral: LateralNoise,
+    /// Where a point must be seen from as well.
+    pub second_eye: Option<SecondEye>,
+    /// What a pixel's depth is taken from.
+    pub window: Window,
     /// Noise of a depth; what it takes to the limits of the range or beyond is too near or too far.
     pub noise: DepthNoise,
+    /// Steps that noisy depths are rounded to.
+    pub steps: Option<DisparitySteps>,
 }
 
 impl DepthModel {
     /// True depths.
     pub const fn new() -> Self {
-        Self { lateral: LateralNoise::NONE, noise: DepthNoise::Gaussian(GaussianNoise::NONE) }
+        Self {
+            second_eye: None,
+            window: Window::Own,
+            noise: DepthNoise::Gaussian(GaussianNoise::NONE),
+            steps: None,
+        }
     }
 
-    setters! {
-        /// Sets by how much pixels see beside their own ray.
-        lateral: LateralNoise,
+    /// Sets where a point must be seen from as well.
+    #[must_use]
+    pub fn second_eye(mut self, eye: impl Into<Option<SecondEye>>) -> Self {
+        self.second_eye = eye.into();
+        self
+    }
+
+    /// Sets what a pixel's depth is taken from.
+    #[must_use]
+    pub fn window(mut self, window: impl Into<Window>) -> Self {
+        self.window = window.into();
+        self
     }
 
     /// Sets the noise of a depth.
@@ -59,13 +95,24 @@ impl DepthModel {
         self
     }
 
+    /// Sets the steps that noisy depths are rounded to.
+    #[must_use]
+    pub fn steps(mut self, steps: impl Into<Option<DisparitySteps>>) -> Self {
+        self.steps = steps.into();
+        self
+    }
+
     /// Whether a camera can have it.
     ///
     /// # Errors
     /// Names the first parameter that is out of its range.
     pub fn check(&self) -> Result<(), DeviceError> {
-        self.lateral.check()?;
-        self.noise.check()
+        if let Some(eye) = &self.second_eye {
+            eye.check()?;
+        }
+        self.window.check()?;
+        self.noise.check()?;
+        self.steps.as_ref().map_or(Ok(()), DisparitySteps::check)
     }
 }
 
@@ -89,31 +136,33 @@ fn check(parameter: &'static str, value: f64, range: [f64; 2]) -> Result<(), Dev
 /// A checked model of more than Gaussian noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DepthDevice {
-    lateral: Option<Shift>,
+    pub(crate) eye: Option<Eye>,
+    pub(crate) look: Look,
     noise: noise::Sigma,
     /// Of the Gaussian noise.
     bias: f32,
+    steps: Option<steps::Steps>,
 }
 
 impl DepthDevice {
     /// None for Gaussian noise alone, which has this bias.
     pub(crate) fn new(model: &DepthModel, bias: f32) -> Result<Option<Self>, DeviceError> {
         model.check()?;
-        let lateral = Shift::new(&model.lateral);
-        if matches!(model.noise, DepthNoise::Gaussian(_)) && lateral.is_none() {
-            return Ok(None);
-        }
-        Ok(Some(Self { lateral, noise: noise::Sigma::new(&model.noise), bias }))
-    }
-
-    /// By how much pixels see beside their own ray.
-    pub(crate) fn lateral(&self) -> Option<Shift> {
-        self.lateral
+        let step_m = model.steps.map_or(0.0, |steps| steps.step_m(1.0));
+        let device = Self {
+            eye: model.second_eye.as_ref().map(Eye::new),
+            look: Look::new(&model.window),
+            noise: noise::Sigma::new(&model.noise, step_m),
+            bias,
+            steps: model.steps.as_ref().map(steps::Steps::new),
+        };
+        let is_plain = device.eye.is_none() && device.look == Look::Own && device.steps.is_none();
+        Ok((!is_plain || !matches!(model.noise, DepthNoise::Gaussian(_))).then_some(device))
     }
 
     /// Whether it asks how the rays meet the surfaces.
     pub(crate) fn wants_incidence(&self) -> bool {
-        self.noise.wants_incidence() || self.lateral.is_some_and(Shift::wants_incidence)
+        self.noise.wants_incidence() || self.look.wants_incidence()
     }
 
     /// Whether it draws random numbers for depths.
@@ -131,7 +180,10 @@ impl DepthDevice {
         cosines: f32x16<S>,
         normals: f32x16<S>,
     ) -> f32x16<S> {
-        let noisy = self.noise.apply(simd, depths, cosines, self.bias, normals);
+        let mut noisy = self.noise.apply(simd, depths, cosines, self.bias, normals);
+        if let Some(steps) = self.steps {
+            noisy = steps.round(simd, noisy);
+        }
         depths.abs().simd_lt(f32x16::splat(simd, f32::INFINITY)).select(noisy, depths)
     }
 }

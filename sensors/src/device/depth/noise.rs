@@ -12,8 +12,11 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
 pub enum DepthNoise {
     /// The same at every depth, as SDF's `<noise>` describes it.
     Gaussian(GaussianNoise),
-    /// That grows with depth, and where rays meet surfaces flat.
+    /// That grows with depth, and where rays meet surfaces flat. It is that of measured depths: what
+    /// [steps](super::DisparitySteps) add to it, a twelfth of their square, is taken off first.
     Axial(AxialNoise),
+    /// Of the disparities of a triangulating sensor, in pixels.
+    Disparity(DisparityNoise),
 }
 
 impl From<GaussianNoise> for DepthNoise {
@@ -28,11 +31,18 @@ impl From<AxialNoise> for DepthNoise {
     }
 }
 
+impl From<DisparityNoise> for DepthNoise {
+    fn from(noise: DisparityNoise) -> Self {
+        Self::Disparity(noise)
+    }
+}
+
 impl DepthNoise {
     pub(super) fn check(&self) -> Result<(), DeviceError> {
         match self {
             Self::Gaussian(_) => Ok(()),
             Self::Axial(noise) => noise.check(),
+            Self::Disparity(noise) => noise.check(),
         }
     }
 }
@@ -90,22 +100,67 @@ impl AxialNoise {
     }
 }
 
+/// Normal noise of the disparity `focal_px` · `baseline_m` / z. At a depth of z metres it is one of
+/// z² · `stddev_px` / (`focal_px` · `baseline_m`).
+///
+/// ```
+/// use belvedere_sensors::device::depth::DisparityNoise;
+/// // RealSense D435: 848 pixels in 90°, eyes 50 mm apart.
+/// let d435 = DisparityNoise { focal_px: 424.0, baseline_m: 0.05, stddev_px: 0.08 };
+/// assert!((d435.stddev_m(2.0) - 0.0151).abs() < 1e-5);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DisparityNoise {
+    /// Focal length in the pixels that disparities are counted in, 10⁻⁶ … 10⁶.
+    pub focal_px: f64,
+    /// From one eye to the other, 10⁻⁶ … 1000 m.
+    pub baseline_m: f64,
+    /// In pixels, 0 … 1000.
+    pub stddev_px: f64,
+}
+
+impl DisparityNoise {
+    /// σ in metres.
+    #[must_use]
+    pub fn stddev_m(&self, depth_m: f64) -> f64 {
+        depth_m * depth_m * self.stddev_px / (self.focal_px * self.baseline_m)
+    }
+
+    fn check(&self) -> Result<(), DeviceError> {
+        check("noise.focal_px", self.focal_px, [1e-6, 1e6])?;
+        check("noise.baseline_m", self.baseline_m, [1e-6, 1e3])?;
+        check("noise.stddev_px", self.stddev_px, [0.0, 1e3])
+    }
+}
+
 /// Noise of a checked device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Sigma {
     Gaussian(GaussianNoise),
-    Axial { polynomial: [f32; 3], slant: [f32; 2], slant_below: f32 },
+    Axial {
+        polynomial: [f32; 3],
+        slant: [f32; 2],
+        /// Cosine of the angle that slant counts from.
+        slant_below: f32,
+        /// Standard deviation that rounding adds at 1 m.
+        rounding: f32,
+    },
+    /// In steps of 1/z.
+    Inverse(f32),
 }
 
 impl Sigma {
-    pub(super) fn new(noise: &DepthNoise) -> Self {
+    /// Before steps that are so wide at 1 m.
+    pub(super) fn new(noise: &DepthNoise, step_m: f64) -> Self {
         match *noise {
             DepthNoise::Gaussian(noise) => Self::Gaussian(noise),
             DepthNoise::Axial(AxialNoise { polynomial, slant, slant_from_rad }) => Self::Axial {
                 polynomial: polynomial.map(|term| term as f32),
                 slant: slant.map(|term| term as f32),
                 slant_below: libm::cos(slant_from_rad) as f32,
+                rounding: (step_m / libm::sqrt(12.0)) as f32,
             },
+            DepthNoise::Disparity(noise) => Self::Inverse(noise.stddev_m(1.0) as f32),
         }
     }
 
@@ -127,19 +182,28 @@ impl Sigma {
         bias: f32,
         normals: f32x16<S>,
     ) -> f32x16<S> {
+        let number = |value: f32| f32x16::splat(simd, value);
         match self {
             Self::Gaussian(noise) => noise.apply_vector(simd, depths, bias, normals),
-            Self::Axial { polynomial: [p0, p1, p2], slant: [s0, s1], slant_below } => {
+            Self::Axial { polynomial: [p0, p1, p2], slant: [s0, s1], slant_below, rounding } => {
                 let mut sigma = (depths * *p2 + *p1) * depths + *p0;
                 let is_slanted = cosines.simd_le(*slant_below);
                 if self.wants_incidence() && is_slanted.any_true() {
                     let slant = slant(simd, cosines);
                     let root = depths.sqrt();
-                    let factor = f32x16::splat(simd, *s0) / root + depths * root * *s1;
+                    let factor = number(*s0) / root + depths * root * *s1;
                     let more = sigma + factor * (slant * slant);
                     sigma = is_slanted.select(more, sigma);
                 }
-                depths + sigma.max(f32x16::splat(simd, 0.0)) * normals
+                if *rounding > 0.0 {
+                    let rounded = depths * depths * *rounding;
+                    sigma = (sigma * sigma - rounded * rounded).max(number(0.0)).sqrt();
+                }
+                depths + sigma.max(number(0.0)) * normals
+            }
+            // What noise takes beyond infinity is at infinity.
+            Self::Inverse(stddev) => {
+                number(1.0) / (number(1.0) / depths + normals * *stddev).max(number(0.0))
             }
         }
     }

@@ -1,19 +1,23 @@
 //! What a device reads: true depths of a frame, and how the rays meet the surfaces, in the workspace.
 
 use super::too_near::Obstacles;
-use crate::device::depth::DepthDevice;
+use crate::device::depth::{DepthDevice, Eye, Look};
 use crate::memory::{Cutter, lines};
+use crate::simd::WIDTH;
 use crate::trace::grid::Band;
+use crate::trace::hit_point::block_index;
 use crate::trace::measure::Measure;
 use crate::trace::normals::NormalFinder;
 use crate::trace::packet::Faces;
-use crate::trace::place::for_each_block;
-use crate::trace::resolve::Resolver;
-use fearless_simd::{Simd, SimdBase, f32x16};
+use crate::trace::place::Place;
+use crate::trace::resolve::{Resolver, hit_lanes};
+use crate::trace::second_look::SecondLook;
+use crate::trace::tiling::BLOCKS;
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 
-/// What is seen of pixels, row after row: the true depth in metres, +∞ where nothing is met and −∞ where something too near
-/// is in the way, and the cosine of the angle of incidence, 1 where nothing is met or nobody asks. Side by side, since
-/// who looks beside its own ray looks at both.
+/// What is seen of pixels, row after row: the true depth in metres, of light the range; +∞ where nothing is met, −∞ where
+/// something too near is in the way, NaN where the second eye does not see it. And the cosine of the angle of incidence, 1 where
+/// nothing is met or nobody asks: side by side, since who looks beside its own ray looks at both.
 pub(super) struct Seen<'a>(pub(super) &'a mut [[f32; 2]]);
 
 impl<'a> Seen<'a> {
@@ -49,26 +53,98 @@ impl<'a> Seen<'a> {
     ) {
         simd.vectorize(
             #[inline(always)]
-            || {
-                let measure = Measure::new(&band.view.world_from_sensor);
-                let axes = band.view.world_from_sensor.rotation_matrix().as_mat3().to_cols_array_2d();
-                let mut resolver = Resolver::new(band.view);
-                let mut finder = NormalFinder::new(faces);
-                let across = band.rays.fan().blocks_across();
-                for_each_block(
-                    band,
-                    #[inline(always)]
-                    |place, block| {
-                        let depths = measure.block::<S, true>(simd, band, &mut resolver, block);
-                        let depths = obstacles.hide(simd, block[1] * across + block[0], depths);
-                        let mut cosines = f32x16::splat(simd, 1.0);
-                        if device.wants_incidence() {
-                            cosines = finder.cosines(simd, band, &axes, &mut resolver, block);
-                        }
-                        place.write_pairs(simd, [depths, cosines], self.0);
-                    },
-                );
-            },
+            || self.write_rows(simd, band, device, faces, obstacles),
         );
     }
+
+    #[inline(always)]
+    fn write_rows<S: Simd>(
+        &mut self,
+        simd: S,
+        band: &Band<'_>,
+        device: &DepthDevice,
+        faces: Faces,
+        obstacles: Obstacles<'_>,
+    ) {
+        let fan = band.rays.fan();
+        let across = fan.blocks_across();
+        let measure = Measure::new(&band.view.world_from_sensor);
+        let axes = band.view.world_from_sensor.rotation_matrix();
+        let columns = axes.as_mat3().to_cols_array_2d();
+        let mut resolver = Resolver::new(band.view);
+        let mut finder = NormalFinder::new(faces);
+        let mut second = device.eye.map(|eye| (eye, SecondLook::new(eye.place(&axes))));
+        for row in band.block_rows() {
+            if ((row << fan.shift_y) as i32) < band.fresh_from {
+                continue;
+            }
+            let mut place = Place::new(fan, band, 0, row);
+            for first in (0..across).step_by(BLOCKS) {
+                let nothing = [f32x16::splat(simd, f32::INFINITY); BLOCKS];
+                let (mut depths, mut cosines) = (nothing, [f32x16::splat(simd, 1.0); BLOCKS]);
+                let parts = BLOCKS.min(across - first);
+                for part in 0..parts {
+                    let block = [first + part, row];
+                    let depth = if matches!(device.look, Look::Light(_)) {
+                        measure.block::<S, false>(simd, band, &mut resolver, block)
+                    } else {
+                        measure.block::<S, true>(simd, band, &mut resolver, block)
+                    };
+                    depths[part] = obstacles.hide(simd, row * across + first + part, depth);
+                    if device.wants_incidence() {
+                        cosines[part] = finder.cosines(simd, band, &columns, &mut resolver, block);
+                    }
+                }
+                if let Some((eye, look)) = &mut second {
+                    let hidden = hidden(simd, band, faces, (*eye, look), (&columns, [first, row]));
+                    for part in 0..parts {
+                        let hidden = simd.from_bitmask_mask32x16(hidden >> (part * WIDTH) & 0xffff);
+                        depths[part] = hidden.select(f32x16::splat(simd, f32::NAN), depths[part]);
+                    }
+                }
+                for part in 0..parts {
+                    place.write_pairs(simd, [depths[part], cosines[part]], self.0);
+                    place.step();
+                }
+            }
+        }
+    }
+}
+
+/// The lanes of four blocks of a row whose rays meet what the second eye does not see, sixteen bits to each block.
+#[inline(always)]
+fn hidden<S: Simd>(
+    simd: S,
+    band: &Band<'_>,
+    faces: Faces,
+    (eye, look): (Eye, &mut SecondLook),
+    (axes, [first, row]): (&[[f32; 3]; 3], [usize; 2]),
+) -> u64 {
+    let (mut met, mut beyond) = (0, 0);
+    let across = band.rays.fan().blocks_across();
+    for part in 0..BLOCKS.min(across - first) {
+        let block = [first + part, row];
+        let index = block_index(band, block);
+        let hits = u64::from(hit_lanes(simd, &band.target.slot[index]));
+        if hits == 0 {
+            continue;
+        }
+        let t = f32x16::splat(simd, 1.0) / f32x16::load_array_ref(simd, &band.target.inverse[index]);
+        let mut local = band.rays.directions(simd, block[0], block[1]);
+        for axis in 0..3 {
+            local[axis] *= t;
+        }
+        let [x, y, z] = local;
+        beyond |= (!eye.has_in_view(simd, [x, y]).to_bitmask() & 0xffff) << (part * WIDTH);
+        // Single precision is enough: what is nearer by a thousandth counts as the same.
+        let mut points = local;
+        for axis in 0..3 {
+            points[axis] = (x * axes[0][axis] + y * axes[1][axis]) + z * axes[2][axis];
+        }
+        look.aim(part, points);
+        met |= hits << (part * WIDTH);
+    }
+    let beyond = beyond & met;
+    let looked_at = met & !beyond;
+    if looked_at == 0 { beyond } else { beyond | look.hidden(simd, band.view, faces, looked_at) }
 }

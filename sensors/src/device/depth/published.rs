@@ -1,0 +1,97 @@
+//! Models of the literature, each with its own numbers.
+
+use super::{
+    AxialNoise, DepthModel, DisparityNoise, DisparitySteps, DotWindow, LateralNoise, Sampling, SecondEye,
+    TimeOfFlight,
+};
+use core::f64::consts::FRAC_PI_3;
+
+/// A Kinect v1's lateral noise: [`nguyen`].
+pub const KINECT_LATERAL: LateralNoise =
+    LateralNoise { stddev_px: 0.8, slant_px: 0.035, sampling: Sampling::Edges };
+
+/// A Kinect v1's axial noise, 0.0012 + 0.0019·(z − 0.4)² and more beyond 60°: [`nguyen`].
+pub const KINECT_AXIAL: AxialNoise = AxialNoise {
+    polynomial: [0.0012 + 0.0019 * 0.4 * 0.4, -2.0 * 0.0019 * 0.4, 0.0019],
+    slant: [0.0001, 0.0],
+    slant_from_rad: FRAC_PI_3,
+};
+
+/// A Kinect v1's disparities, in eighths of a pixel of 1/580 of the distance: steps of 2.85e-3·z²: [`khoshelham`].
+pub const KINECT_STEPS: DisparitySteps =
+    DisparitySteps { focal_px: 580.0, baseline_m: 0.125 / (580.0 * 2.85e-3), step_px: 0.125 };
+
+/// A Kinect v2's axial noise: [`fankhauser`].
+pub const KINECT_V2_AXIAL: AxialNoise =
+    AxialNoise { polynomial: [0.0015, -0.0005, 0.0003], slant: [0.0, 0.0001], slant_from_rad: 0.0 };
+
+/// Kinect v1 by its noise: C. V. Nguyen, S. Izadi, D. Lovell, "Modeling Kinect sensor noise for improved 3D reconstruction
+/// and tracking", 3DIMPVT 2012. Lateral σ of 0.8 + 0.035·θ/(π/2 − θ) pixels, axial σ of 1.2 + 1.9·(z − 0.4)² mm, and
+/// 0.1/√z · θ²/(π/2 − θ)² mm more beyond 60°.
+#[must_use]
+pub fn nguyen() -> DepthModel {
+    DepthModel::new().window(KINECT_LATERAL).noise(KINECT_AXIAL)
+}
+
+/// Kinect v1 by its disparities: K. Khoshelham, S. Oude Elberink, "Accuracy and resolution of Kinect depth data for indoor
+/// mapping applications", Sensors 12 (2012) 1437. Steps of 2.85·z² mm and a standard deviation of half of that, of which
+/// rounding is a part: what comes before it is √⅔ of it.
+#[must_use]
+pub fn khoshelham() -> DepthModel {
+    let DisparitySteps { focal_px, baseline_m, step_px } = KINECT_STEPS;
+    let stddev_px = 0.5 * step_px * libm::sqrt(2.0 / 3.0);
+    DepthModel::new().noise(DisparityNoise { focal_px, baseline_m, stddev_px }).steps(KINECT_STEPS)
+}
+
+/// The depth noise of S. Choi, Q.-Y. Zhou, V. Koltun, "Robust reconstruction of indoor scenes", CVPR 2015, as simulators of
+/// robots use it, without its table of distortions: a pixel sees that 0.25 pixels (σ) beside it, and disparities of
+/// 35.13/z with a σ of 1/36 are rounded to eighths. Beyond 10 m it has no depths: set
+/// [`max_depth_m`](crate::depth::DepthCameraConfig::max_depth_m).
+#[must_use]
+pub fn redwood() -> DepthModel {
+    let (focal_px, baseline_m) = (468.4, 0.075);
+    DepthModel::new()
+        .window(LateralNoise { stddev_px: 0.25, ..LateralNoise::NONE })
+        .noise(DisparityNoise { focal_px, baseline_m, stddev_px: 0.027_778 })
+        .steps(DisparitySteps { focal_px, baseline_m, step_px: 0.125 })
+}
+
+/// The noise of ICL-NUIM: A. Handa, T. Whelan, J. `McDonald`, A. J. Davison, "A benchmark for RGB-D visual odometry, 3D
+/// reconstruction and SLAM", ICRA 2014. A pixel sees what lies 0.5 pixels (σ) beside it; a [`DotWindow`] of a focal length of
+/// 480 pixels and a baseline of 75 mm leaves holes at edges; of what it finds, 35130/z, z in cm, gets a σ of 1/6 and is
+/// rounded; and the projector leaves shadows. Their programs round z to centimetres first and add half a step, which is
+/// left out.
+#[must_use]
+pub fn icl_nuim() -> DepthModel {
+    let (focal_px, baseline_m) = (480.0, 0.075);
+    let lateral = LateralNoise { stddev_px: 0.5, slant_px: 0.0, sampling: Sampling::Bilinear };
+    // 35130 cm are 1 step: eighths of a pixel of 585.5 at 75 mm.
+    let (fine_px, step_px) = (585.5, 0.125);
+    DepthModel::new()
+        .second_eye(SecondEye::at(baseline_m))
+        .window(DotWindow { focal_px, baseline_m, lateral })
+        .noise(DisparityNoise { focal_px: fine_px, baseline_m, stddev_px: step_px / 6.0 })
+        .steps(DisparitySteps { focal_px: fine_px, baseline_m, step_px })
+}
+
+/// Active stereo as Intel's white paper on the D4xx has it (A. Grunnet-Jepsen, J. N. Sweetser, J. Woodfill, "Tuning depth
+/// cameras for best performance"): an RMS of z²·s/(f·B) with a subpixel accuracy of s; and no depth where the other imager,
+/// `baseline_m` to the right and as wide, does not see.
+#[must_use]
+pub fn active_stereo(focal_px: f64, baseline_m: f64, subpixel_px: f64, half_view_rad: f64) -> DepthModel {
+    DepthModel::new().second_eye(SecondEye { right_m: baseline_m, half_view_rad }).noise(DisparityNoise {
+        focal_px,
+        baseline_m,
+        stddev_px: subpixel_px,
+    })
+}
+
+/// Kinect v2 by its noise: P. Fankhauser et al., "Kinect v2 for mobile robot navigation: evaluation and modeling", ICAR 2015.
+/// Axial σ of 1.5 − 0.5·z + 0.3·z² + 0.1·z^1.5·θ²/(π/2 − θ)² mm.
+#[must_use]
+pub fn fankhauser() -> DepthModel {
+    DepthModel::new().noise(KINECT_V2_AXIAL)
+}
+
+/// Light of 120, 80 and 16 MHz, as a Kinect v2's, whose ranges come again after 18.7 m; the footprint is assumed.
+pub const KINECT_V2_LIGHT: TimeOfFlight = TimeOfFlight { modulation_hz: 8e6, footprint_px: 0.5 };

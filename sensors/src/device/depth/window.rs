@@ -1,0 +1,82 @@
+//! What a pixel sees around itself.
+
+use super::dots::{DotWindow, Dots};
+use super::lateral::{LateralNoise, Shift};
+use super::time_of_flight::{Light, TimeOfFlight};
+use crate::device::DeviceError;
+
+/// What a pixel's depth is taken from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Window {
+    /// What its own ray meets.
+    Own,
+    /// What a ray beside it meets.
+    Lateral(LateralNoise),
+    /// The dots of a pattern around it.
+    Dots(DotWindow),
+    /// All light that reaches it.
+    TimeOfFlight(TimeOfFlight),
+}
+
+impl From<LateralNoise> for Window {
+    fn from(noise: LateralNoise) -> Self {
+        Self::Lateral(noise)
+    }
+}
+
+impl From<DotWindow> for Window {
+    fn from(dots: DotWindow) -> Self {
+        Self::Dots(dots)
+    }
+}
+
+impl From<TimeOfFlight> for Window {
+    fn from(time_of_flight: TimeOfFlight) -> Self {
+        Self::TimeOfFlight(time_of_flight)
+    }
+}
+
+impl Window {
+    pub(super) fn check(&self) -> Result<(), DeviceError> {
+        match self {
+            Self::Own => Ok(()),
+            Self::Lateral(noise) => noise.check(),
+            Self::Dots(dots) => dots.check(),
+            Self::TimeOfFlight(time_of_flight) => time_of_flight.check(),
+        }
+    }
+}
+
+/// The window of a checked device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Look {
+    Own,
+    Beside(Shift),
+    Dots(Dots),
+    Light(Light),
+}
+
+impl Look {
+    pub(super) fn new(window: &Window) -> Self {
+        match window {
+            Window::Own => Self::Own,
+            Window::Lateral(noise) => Shift::new(noise).map_or(Self::Own, Self::Beside),
+            Window::Dots(dots) => Self::Dots(Dots::new(dots)),
+            Window::TimeOfFlight(time_of_flight) => Self::Light(Light::new(time_of_flight)),
+        }
+    }
+
+    /// How far pixels look beside their own ray.
+    pub(crate) fn shift(&self) -> Option<Shift> {
+        match self {
+            Self::Beside(shift) => Some(*shift),
+            Self::Dots(dots) => dots.shift,
+            Self::Own | Self::Light(_) => None,
+        }
+    }
+
+    pub(super) fn wants_incidence(&self) -> bool {
+        matches!(self, Self::Light(_)) || self.shift().is_some_and(Shift::wants_incidence)
+    }
+}

@@ -1,0 +1,71 @@
+//! A second look at what rays have met, from another point.
+
+use super::packet::walk::{stack_len, walk};
+use super::packet::{Faces, Packet, PacketBounds};
+use super::packet_hits::{Search, activate, hit_lanes, intersect_instance};
+use super::shapes::LocalRays;
+use super::view::{MAX_DEPTH, View};
+use crate::simd::{LANES, WIDTH};
+use fearless_simd::{Simd, f32x16};
+use glam::DVec3;
+
+/// What is nearer than a point by this share of its distance, or by less, does not hide it. Points come from depths in single
+/// precision, and surfaces so near to each other are one to sensors that triangulate.
+const TOUCHING: f64 = 1e-3;
+
+/// Rays from one point to others, up to sixty-four at a time.
+pub(crate) struct SecondLook {
+    from: DVec3,
+    packet: Packet,
+    local: LocalRays,
+}
+
+impl SecondLook {
+    /// Looks from a point in the axes of the world, relative to the sensor.
+    pub(crate) fn new(from: DVec3) -> Self {
+        let mut packet = Packet::new();
+        packet.origin = from.to_array().map(|axis| [axis; LANES]);
+        Self { from, packet, local: LocalRays::new() }
+    }
+
+    /// Aims the sixteen lanes from 16·`part` on at points in the same axes.
+    #[inline(always)]
+    pub(crate) fn aim<S: Simd>(&mut self, part: usize, points: [f32x16<S>; 3]) {
+        for axis in 0..3 {
+            let points: [f32; WIDTH] = points[axis].into();
+            let direction = &mut self.packet.direction[axis].as_chunks_mut::<WIDTH>().0[part];
+            for lane in 0..WIDTH {
+                direction[lane] = f64::from(points[lane]) - self.from[axis];
+            }
+        }
+    }
+
+    /// Which of the lanes, all of which are aimed, are aimed at a point that something stands before. Compiled once a level.
+    #[inline(never)]
+    pub(crate) fn hidden<S: Simd>(&mut self, simd: S, view: &View<'_>, faces: Faces, lanes: u64) -> u64 {
+        let Self { packet, local, .. } = self;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                activate(packet, lanes, 1.0 - TOUCHING);
+                let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
+                let mut hidden = 0;
+                walk::<S, _, { stack_len(MAX_DEPTH) }>(
+                    simd,
+                    #[inline(always)]
+                    |node| &view.nodes[node as usize],
+                    &bounds,
+                    1.0,
+                    #[inline(always)]
+                    |index| {
+                        activate(packet, lanes & !hidden, 1.0 - TOUCHING);
+                        intersect_instance(simd, view, index, (packet, local), (faces, Search::Any(1.0)));
+                        hidden |= hit_lanes(packet);
+                        hidden != lanes
+                    },
+                );
+                hidden
+            },
+        )
+    }
+}

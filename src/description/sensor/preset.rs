@@ -1,0 +1,25 @@
+//! `<preset>` of our own plugin in a sensor: the device that it is. Gazebo goes on without it.
+
+use super::reader::Reader;
+use crate::description::values::{child_text, nearest};
+use crate::description::xml::Element;
+
+impl Reader<'_> {
+    /// The name in the `<preset>` of our plugin, one of these; none after an error.
+    pub(super) fn preset_name(&mut self, own: &Element, names: &[&'static str]) -> Option<&'static str> {
+        let written = child_text(own, "preset").unwrap_or_default();
+        if let Some(name) = names.iter().find(|name| **name == written) {
+            return Some(name);
+        }
+        let what = if written.is_empty() {
+            format!("the plugin 'belvedere' of sensor '{}' has no <preset>", self.sensor)
+        } else {
+            format!("{} is '{written}', which is none", self.what("preset"))
+        };
+        let near = nearest(&written, names.iter().copied());
+        let meant = near.map_or(String::new(), |near| format!("did you mean {near}? "));
+        let remedy = format!("{meant}there are {}", names.join(", "));
+        self.diagnostics.error(Self::place(Some(own), "preset", own), what, remedy);
+        None
+    }
+}

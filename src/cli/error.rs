@@ -29,6 +29,9 @@ pub enum CliError {
     /// The system gives no thread.
     #[error("the system gives no thread that sends frames: {0}; end other programs, or raise `ulimit -u`")]
     NoThread(std::io::Error),
+    /// Packets of a lidar cannot be sent.
+    #[error("{0}")]
+    Packets(String),
     /// Nobody publishes anything.
     #[error(
         "nothing is published in domain \"{0}\": start a simulator (belvedere run --domain {0}), or name its domain with --domain"

@@ -15,6 +15,7 @@ use crate::description::world::{default_world, load_world};
 use crate::description::{Diagnostics, Rules, Severity};
 use crate::entities::Origin;
 use crate::rig::Rig;
+use crate::rig::packets::{Feed, PacketTarget};
 use crate::robot::Autopilot;
 use crate::server::attendance::{Attendance, Awaited};
 use crate::server::post::Post;
@@ -22,6 +23,7 @@ use crate::server::{ModelFiles, Server, ServerOptions, SharedMemory};
 use crate::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Domain, Lossless, Node};
 use std::collections::BTreeMap;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -38,6 +40,7 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run --truth
   belvedere run --rate max --duration 10 --hash
   belvedere run --record run.mcap --duration 60
+  belvedere run --robot car.urdf --udp velodyne_points=127.0.0.1:2368
   belvedere run --rate max --wait-for recorder=3 --patience 30")]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RunArgs {
@@ -96,6 +99,13 @@ pub struct RunArgs {
     /// Replace the file of --record if it is there
     #[arg(long, requires = "record")]
     force: bool,
+    /// Send the data packets of a lidar with the preset vlp16 or hdl32e, named or told by its topic, to this address; may be
+    /// repeated
+    #[arg(long, value_name = "SENSOR=ADDRESS:PORT")]
+    udp: Vec<Feed<SocketAddr>>,
+    /// Write them into this pcap file, as Wireshark and drivers read it; may be repeated
+    #[arg(long, value_name = "SENSOR=FILE")]
+    pcap: Vec<Feed<PathBuf>>,
     /// Lose no frame of this consumer (the name of its node): simulated time begins when it follows a stream (or as
     /// many as follow =) and waits while it has no room; may be repeated
     #[arg(long, value_name = "NAME[=STREAMS]")]
@@ -168,6 +178,11 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     }
     tracing::info!("{}", headline(&simulation, args));
     let mut server = Server::attach_to(&mut simulation, sink, options)?;
+    let udp = args.udp.iter().map(|feed| (&feed.sensor, PacketTarget::Udp(feed.to)));
+    let pcap = args.pcap.iter().map(|feed| (&feed.sensor, PacketTarget::Pcap(feed.to.clone())));
+    for (sensor, target) in udp.chain(pcap) {
+        server.send_packets(sensor, &target).map_err(CliError::Packets)?;
+    }
     if args.paused {
         server.pause();
     }

@@ -3,6 +3,7 @@
 use super::RigError;
 use super::annotations::Census;
 use super::outlet::Outlet;
+use super::packets::PacketTarget;
 use super::rate::Rate;
 use super::settings::Settings;
 use super::sink::Sink;
@@ -17,6 +18,7 @@ use belvedere_sensors::{Capture, Sensor};
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::error::Error;
+use std::io;
 use std::time::{Duration, Instant};
 
 /// What a channel needs to open.
@@ -134,6 +136,14 @@ pub(super) trait Channel {
     /// When one of them is out of range.
     fn configure(&mut self, _settings: &Settings) -> Result<(), Box<dyn Error>> {
         Ok(())
+    }
+
+    /// Sends the data packets of its device to somebody as well.
+    ///
+    /// # Errors
+    /// When it has none, or they cannot go there.
+    fn send_packets(&mut self, _target: &PacketTarget) -> io::Result<()> {
+        Err(io::Error::other("this sensor has none; a lidar with the preset vlp16 or hdl32e has"))
     }
 }
 

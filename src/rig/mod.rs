@@ -25,6 +25,7 @@ mod motion;
 mod mount;
 mod navsat;
 mod outlet;
+pub mod packets;
 pub mod pictures;
 mod range;
 pub mod rate;

@@ -6,6 +6,7 @@ use super::lidar::{beams, sight};
 use super::motion::Motion;
 use super::mount::Mount;
 use super::outlet::Outlet;
+use super::packets::{Column, PacketTarget, Packets};
 use super::pictures::noise;
 use super::sink::Frame;
 use super::truth::TruthOutlets;
@@ -18,6 +19,7 @@ use belvedere_sensors::scanner::{Columns, Echoes, Firing, Pattern, Scanner, Scan
 use belvedere_sensors::{Capture, Pose, Shutter};
 use glam::DVec3;
 use std::f64::consts::TAU;
+use std::io;
 use std::time::Instant;
 
 /// Bytes of a point: x, y, z, intensity, ring, time.
@@ -38,6 +40,8 @@ pub(super) struct ScannerChannel {
     truth: TruthOutlets,
     motion: Motion,
     found: Found,
+    /// Of a preset whose packets are known.
+    packets: Option<Packets>,
 }
 
 /// What it sends.
@@ -174,6 +178,7 @@ impl ScannerChannel {
             is_still: opening.gazebo_compat,
             motion: Motion::default(),
             found: Found::default(),
+            packets: lidar.preset.as_ref().and_then(Packets::of),
             rings,
             form,
             config,
@@ -256,6 +261,29 @@ impl ScannerChannel {
     }
 }
 
+impl ScannerChannel {
+    fn sends_packets(&self) -> bool {
+        self.packets.as_ref().is_some_and(Packets::is_wanted)
+    }
+
+    /// Sends what was found in packets, if somebody wants them; what would have been before time 0 is left out.
+    fn send_columns(&mut self, firings: usize, stamp_ns: u64) {
+        let Some(packets) = self.packets.as_mut().filter(|packets| packets.is_wanted()) else { return };
+        let (period_ns, lasers) = (self.config.frame_time_ns, self.rings.len());
+        let Found { ranges, intensities, times, .. } = &self.found;
+        for first in (0..firings).step_by(lasers) {
+            let after_ns = (times[first] * 1e9).round() as u64;
+            let Some(time_ns) = (stamp_ns + after_ns).checked_sub(period_ns) else { continue };
+            packets.push(&Column {
+                time_ns,
+                turned: after_ns as f64 / period_ns as f64,
+                ranges: &ranges[first..first + lasers],
+                intensities: &intensities[first..first + lasers],
+            });
+        }
+    }
+}
+
 /// The angles of a single beam that is measured at even steps; its times are those of the head.
 fn angles(head: &Head, ray: &RaySensor) -> ScanGeometry {
     let (mut angle_min, mut angle_increment) = (ray.horizontal.min_angle_rad, 0.0);
@@ -295,7 +323,7 @@ impl Channel for ScannerChannel {
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |_| {});
         let mut output = Echoes::new();
         output.truth = truth.truth();
-        let is_wanted = self.outlet.is_wanted();
+        let is_wanted = self.outlet.is_wanted() || self.sends_packets();
         if is_wanted {
             self.found.resize(scanner.most_firings());
             let Found { ranges, points, intensities, times, lasers } = &mut self.found;
@@ -316,6 +344,7 @@ impl Channel for ScannerChannel {
         }
         let firings = if taken && is_wanted { scanner.firings(frame_number) } else { 0 };
         let frame = self.write(firings, &world_from_sensor, context.stamp_ns);
+        self.send_columns(firings, context.stamp_ns);
         let outcome = self.outlet.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);
         self.outlet.record(outcome, started.elapsed());
@@ -323,7 +352,20 @@ impl Channel for ScannerChannel {
     }
 
     fn is_rendered(&self) -> bool {
-        is_any_wanted(self.outlets())
+        self.sends_packets() || is_any_wanted(self.outlets())
+    }
+
+    fn restart(&mut self) {
+        if let Some(packets) = &mut self.packets {
+            packets.restart();
+        }
+    }
+
+    fn send_packets(&mut self, target: &PacketTarget) -> io::Result<()> {
+        match &mut self.packets {
+            Some(packets) => packets.open(target),
+            None => Err(io::Error::other("packets are known of the presets vlp16 and hdl32e alone")),
+        }
     }
 
     fn window_ns(&self) -> u64 {

@@ -45,7 +45,8 @@ impl Rig {
         Ok(())
     }
 
-    fn find(&mut self, sensor: &str) -> Result<&mut Scheduled, String> {
+    /// A sensor by its name, or by a topic that it sends.
+    pub(super) fn find(&mut self, sensor: &str) -> Result<&mut Scheduled, String> {
         let topic = format!("/{}", sensor.trim_start_matches('/'));
         let is_meant = |scheduled: &Scheduled| {
             scheduled.tuning.as_ref().is_some_and(|tuning| tuning.sensor == sensor)

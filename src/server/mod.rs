@@ -30,6 +30,7 @@ pub use shared_memory::SharedMemory;
 
 use crate::entities::EntityId;
 use crate::rig::cost::Cost;
+use crate::rig::packets::PacketTarget;
 use crate::rig::{Rig, RigError, RigOptions};
 use crate::simulation::Simulation;
 use belvedere_bridge::Node;
@@ -134,6 +135,14 @@ impl<'a> Server<'a> {
     /// The simulation.
     pub fn simulation(&self) -> &Simulation {
         self.simulation
+    }
+
+    /// Sends the data packets of a lidar, named or told by a topic that it sends, to somebody as well.
+    ///
+    /// # Errors
+    /// In words: there is no such sensor, it has no packets, or they cannot go there.
+    pub fn send_packets(&mut self, sensor: &str, target: &PacketTarget) -> Result<(), String> {
+        self.rig.send_packets(sensor, target)
     }
 
     /// Opens the streams of one who has come.

@@ -154,7 +154,8 @@ class Frame:
 
         Shape and type: colour images (height, width, 3) of uint8, grey ones (height, width); depth (height, width)
         of float32 in metres or uint16 in millimetres; scans (layers, rays) of float32 in metres; clouds (height,
-        width) of x, y, z, rgb, or of x, y, z, intensity, ring, time; all else (count,) of the struct in ``belvedere.wire.STRUCTS``.
+        width) of x, y, z, rgb, or of x, y, z, intensity, ring, time; all else (count,) of the struct in
+        ``belvedere.wire.STRUCTS``.
         """
         return self._plane(0)
 

@@ -2,7 +2,7 @@
 //!
 //! A [`Lidar`](crate::lidar::Lidar) is Gazebo's: an even grid of beams from one point. A [`Scanner`] has a
 //! [`Pattern`] of firings, and traces each from where the sensor and everything else is at its time
-//! ([`Shutter::Moving`](crate::Shutter::Moving)).
+//! ([`Shutter::Moving`]).
 
 mod clock;
 mod config;

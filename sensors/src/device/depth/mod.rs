@@ -9,7 +9,7 @@
 //! ```
 //!
 //! A [`DepthModel`] is set by [`DepthCameraConfig::model`](crate::depth::DepthCameraConfig::model()); each of its stages may
-//! be left out. [Models of the literature](published) and [presets](presets) of cameras are there. A model of
+//! be left out. [Models of the literature](published) and [presets] of cameras are there. A model of
 //! [Gaussian noise](DepthNoise::Gaussian) alone adds it while rays are traced; all others are a second pass over the frame,
 //! which reads true depths, and the angles at which the rays meet the surfaces, from the workspace.
 

@@ -19,7 +19,7 @@ pub struct DepthCameraConfig<'a> {
     /// What stands for too near and too far.
     pub out_of_range: OutOfRange,
     /// What happens to depths nearer than the camera's `near_m`. The colour picture does not show what is there in
-    /// either case, as that of a [`Camera`].
+    /// either case, as that of a [`Camera`](crate::camera::Camera).
     pub too_near: TooNear,
     /// What the device makes of true depths; what it takes to the limits or beyond is too near or too far.
     pub model: DepthModel,

@@ -1,37 +1,54 @@
 //! What the lidar of a robot measures while that stands in a world, for other programs to hold packets against: of each
-//! firing that hits, time in s, x, y, z, ring, as f64, little-endian.
+//! point of its clouds time in s, x, y, z, ring, as f64, little-endian; of an Ouster's range in mm and reflectivity, too.
 //!
-//! `cargo run --example lidar_cloud -- ROBOT WORLD TOPIC FRAMES > cloud.bin`: frames of a tenth of a second, from time 0 on.
+//! `cargo run --example lidar_cloud -- ROBOT WORLD TOPIC FRAMES HZ > cloud.bin`: so many frames a second, from time 0 on.
 
 use belvedere::description::read;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
+use belvedere_bridge::Encoding;
 use std::io::{BufWriter, Write};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [robot, world, topic, frames] = &arguments[..] else {
-        return Err("give ROBOT WORLD TOPIC FRAMES".into());
+    let [robot, world, topic, frames, rate_hz] = &arguments[..] else {
+        return Err("give ROBOT WORLD TOPIC FRAMES HZ".into());
     };
     let mut simulation = Simulation::builder(read::world(world)?).seed(1).build()?;
     simulation.spawn(&read::robot(robot)?, SpawnOptions::default())?;
     let mut out = BufWriter::new(std::io::stdout().lock());
     let mut frame = FrameBuf::default();
     for number in 0..frames.parse::<u64>()? {
-        simulation.run_until(number * 100_000_000);
+        simulation.run_until(number * 1_000_000_000 / rate_hz.parse::<u64>()?);
         simulation.render(topic, &mut frame)?;
         let stamp_s = frame.header().stamp_ns as f64 * 1e-9;
         let view = frame.view();
-        for point in view.numbers::<[u8; 22]>(view.rows()) {
-            let float = |at: usize| {
-                f64::from(f32::from_le_bytes([point[at], point[at + 1], point[at + 2], point[at + 3]]))
-            };
-            let ring = f64::from(u16::from_le_bytes([point[16], point[17]]));
-            for value in [stamp_s + float(18), float(0), float(4), float(8), ring] {
-                out.write_all(&value.to_le_bytes())?;
+        let mut write = |values: &[f64]| out.write_all(bytemuck::cast_slice(values));
+        if view.header().encoding() == Some(Encoding::OusterPoint) {
+            for point in view.numbers::<[u8; 48]>(view.rows()) {
+                let [x, y, z] = place(&point);
+                let (time_ns, reflectivity) = (at::<u32>(&point, 20), at::<u16>(&point, 24));
+                let (ring, range) = (at::<u16>(&point, 26), at::<u32>(&point, 32));
+                let time_s = (frame.header().stamp_ns + u64::from(time_ns)) as f64 * 1e-9;
+                write(&[time_s, x, y, z, ring.into(), range.into(), reflectivity.into()])?;
+            }
+        } else {
+            for point in view.numbers::<[u8; 22]>(view.rows()) {
+                let [x, y, z] = place(&point);
+                let time_s = stamp_s + f64::from(at::<f32>(&point, 18));
+                write(&[time_s, x, y, z, at::<u16>(&point, 16).into()])?;
             }
         }
     }
     out.flush()?;
     Ok(())
+}
+
+/// A number in a point, at a byte of it.
+fn at<T: bytemuck::AnyBitPattern>(point: &[u8], at: usize) -> T {
+    bytemuck::pod_read_unaligned(&point[at..at + size_of::<T>()])
+}
+
+fn place(point: &[u8]) -> [f64; 3] {
+    at::<[f32; 3]>(point, 0).map(f64::from)
 }

@@ -75,9 +75,10 @@ pub fn draw(frame: &FrameView<'_>) -> Result<RgbImage, PictureError> {
             let depths: Vec<f32> = frame.numbers(frame.rows()).map(|[_, _, z]: [f32; 3]| z).collect();
             Ok(depth(frame, &depths))
         }
-        (_, Some(Encoding::XyzRgbF32 | Encoding::XyzIrtF32)) => {
-            Ok(plan(frame.numbers(frame.rows()).map(|[x, y, _]: [f32; 3]| [x, y]), 0.0))
-        }
+        (
+            _,
+            Some(Encoding::XyzRgbF32 | Encoding::XyzIrtF32 | Encoding::OusterPoint | Encoding::LivoxPoint),
+        ) => Ok(plan(frame.numbers(frame.rows()).map(|[x, y, _]: [f32; 3]| [x, y]), 0.0)),
         (kind, _) => Err(PictureError::Kind(kind)),
     }
 }

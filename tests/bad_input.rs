@@ -128,6 +128,13 @@ const CASES: &[Case] = &[
         line: 16,
         says: &["angle"],
     },
+    Case {
+        name: "a topic that ROS forbids",
+        find: "<topicName>/l</topicName>",
+        replace: "<topicName>/my scan</topicName>",
+        line: 18,
+        says: &["<topicName> is '/my scan'", "' ' cannot be in a topic"],
+    },
 ];
 
 fn write(folder: &Path, name: &str, text: &str) -> PathBuf {

@@ -208,7 +208,7 @@ fn assert_scan(
     topic: &str,
     frame: &str,
 ) {
-    let SensorKind::Ray(Lidar { ray, plugin: Some(plugin), preset: None }) = &lidar.kind else {
+    let SensorKind::Ray(Lidar { ray, plugin: Some(plugin), preset: None, .. }) = &lidar.kind else {
         panic!("{:?}", lidar.kind)
     };
     let scan = ray.horizontal;
@@ -229,7 +229,8 @@ fn the_kinect_and_the_hokuyo_are_the_articles() {
     assert_place(&robot, "hokuyo_link", [0.10, 0.0, 0.425]);
     let kinect = sensor(&robot, "camera");
     assert_eq!((kinect.update_rate_hz, kinect.effective_rate_hz()), (Some(20.0), Some(10.0)));
-    let SensorKind::Depth(DepthCamera { camera: lens, plugin: Some(plugin), preset: None }) = &kinect.kind
+    let SensorKind::Depth(DepthCamera { camera: lens, plugin: Some(plugin), preset: None, .. }) =
+        &kinect.kind
     else {
         panic!("{:?}", kinect.kind)
     };

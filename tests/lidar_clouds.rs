@@ -9,6 +9,7 @@ use belvedere_bridge::{Encoding, FrameHeader, Kind};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scanner::{Pattern, presets};
 use glam::DVec3;
+use std::f64::consts::{PI, TAU};
 use std::time::Duration;
 
 /// How fast the sensor goes and turns.
@@ -220,8 +221,65 @@ fn presets_fire_as_their_manuals_say() {
         }
         let stddev = (squares / points.len() as f64).sqrt();
         println!("{name}: {} points, σ {stddev:.4} m, at most {worst:.3} m", points.len());
-        let expected = presets::named(name).unwrap().stddev_m;
-        assert!((stddev / expected - 1.0).abs() < 0.03 && worst < 6.0 * expected, "{stddev} {worst}");
+        let device = presets::named(name).unwrap();
+        // What the steps of ranges add.
+        let expected = device.stddev_m.hypot(device.resolution_m / f64::sqrt(12.0));
+        assert!((stddev / expected - 1.0).abs() < 0.02 && worst < 6.0 * expected, "{stddev} {worst}");
+    }
+}
+
+/// An image whose rows are lasers and whose columns are directions, of a sensor that goes and turns.
+#[test]
+fn ousters_clouds_are_images_of_directions() {
+    for (name, lasers, columns) in [("os0_128", 128, 1024), ("os1_64", 64, 512)] {
+        let own = format!(
+            "<plugin filename='belvedere'><preset>{name}</preset><columns>{columns}</columns></plugin>"
+        );
+        let (header, _, frame) = cloud(&(own + &plugin("")), false, "points");
+        assert_eq!(header.encoding(), Some(Encoding::OusterPoint));
+        assert_eq!((header.width, header.height, header.elem_stride), (columns, lasers, 48));
+        assert_eq!(header.stamp_ns, 250_000_000);
+        let Pattern::Spinning(head) = presets::named(name).unwrap().pattern else { panic!() };
+        let (mut count, mut squares, mut seen) = (0.0, 0.0, [0; 6]);
+        let view = frame.view();
+        for (pixel, bytes) in view.numbers::<[u8; 48]>(view.rows()).enumerate() {
+            let (row, column) = (pixel / columns as usize, pixel % columns as usize);
+            let f32_at = |at: usize| f64::from(f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()));
+            let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+            let u16_at = |at: usize| u16::from_le_bytes(bytes[at..at + 2].try_into().unwrap());
+            assert_eq!(usize::from(u16_at(26)), row);
+            let (laser, time_s) = (&head.lasers[row], f64::from(u32_at(20)) * 1e-9);
+            let turned = time_s / 0.1 * f64::from(columns);
+            assert!((turned - turned.round()).abs() < 1e-5 && turned < f64::from(columns) - 0.5);
+            // From behind, clockwise: the column's direction within half a column.
+            let looks = PI - TAU * time_s / 0.1;
+            let off = looks + laser.azimuth_rad - (PI - TAU * column as f64 / f64::from(columns));
+            let off = (off + PI).rem_euclid(TAU) - PI;
+            assert!(off.abs() < (0.5 + 1e-5) * TAU / f64::from(columns), "{off}");
+            let point = DVec3::new(f32_at(0), f32_at(4), f32_at(8));
+            if point.is_nan() {
+                assert_eq!(u32_at(32), 0);
+                continue;
+            }
+            let [along, _, up] = laser.origin_m;
+            let origin = DVec3::new(along * looks.cos(), along * looks.sin(), up);
+            let direction = (point - origin).normalize();
+            assert!((direction.z.asin() - laser.elevation_rad).abs() < 1e-5);
+            let azimuth = direction.y.atan2(direction.x) - looks - laser.azimuth_rad;
+            assert!(((azimuth + PI).rem_euclid(TAU) - PI).abs() < 1e-5);
+            let (measured, pose) = ((point - origin).length(), world_from_sensor(0.25 + time_s));
+            // From the axis.
+            assert!((f64::from(u32_at(32)) * 1e-3 - measured - along).abs() < 0.51e-3);
+            let truth = to_wall(pose.transform_point(origin), pose.transform_vector(direction));
+            (count, squares) = (count + 1.0, squares + (measured - truth).powi(2));
+            let intensity = f32_at(16);
+            seen[(intensity / 10.0) as usize] += 1;
+            assert_eq!(f64::from(u16_at(24)), intensity);
+        }
+        let stddev = (squares / count).sqrt();
+        println!("{name}: {count} points, σ {stddev:.5} m; {seen:?}");
+        assert!(count > 0.9 * f64::from(lasers * columns) && seen.iter().all(|wall| *wall > 100));
+        assert!((stddev / 0.015 - 1.0).abs() < 0.02, "{stddev}");
     }
 }
 
@@ -297,7 +355,7 @@ fn files_say_which_scanner_it_is() {
     // Without an <update_rate> it turns as it comes; ranges and noise are its own.
     let sensor = read(&format!("{}{plugin}", own("vlp16"))).unwrap();
     assert_eq!(sensor.effective_rate_hz(), Some(10.0));
-    let SensorKind::Ray(Lidar { ray, plugin: Some(laser), preset: Some(device) }) = sensor.kind else {
+    let SensorKind::Ray(Lidar { ray, plugin: Some(laser), preset: Some(device), .. }) = sensor.kind else {
         panic!()
     };
     assert_eq!(device.name, "vlp16");
@@ -309,9 +367,37 @@ fn files_say_which_scanner_it_is() {
         read(&format!("<topic>lidar</topic><update_rate>20</update_rate>{}", own("hdl32e"))).unwrap();
     let SensorKind::Ray(Lidar { plugin: Some(laser), .. }) = sensor.kind else { panic!() };
     assert_eq!((laser.topic.as_str(), laser.cloud), ("/lidar/points", Some(CloudLayout::default())));
+    // Columns and rates in the choices that there are.
+    let columns = |name: &str, columns: &str, rate: &str| {
+        let own = own(name).replace("</preset>", &format!("</preset><columns>{columns}</columns>"));
+        format!("<update_rate>{rate}</update_rate>{own}")
+    };
+    for (text, rate_hz, samples) in [
+        (own("os1_32"), 10.0, 1024),
+        (columns("os1_32", "512", "20"), 20.0, 512),
+        (format!("<update_rate>20</update_rate>{}", own("os1_32")), 20.0, 1024),
+        (own("lms511"), 25.0, 1141),
+        (format!("<update_rate>50</update_rate>{}", own("lms111")), 50.0, 541),
+    ] {
+        let sensor = read(&text).unwrap();
+        assert_eq!(sensor.effective_rate_hz(), Some(rate_hz));
+        let SensorKind::Ray(Lidar { ray, .. }) = sensor.kind else { panic!() };
+        assert_eq!(ray.horizontal.samples, samples);
+    }
     for (text, expected) in [
         (own("vlp-16"), "<preset> of sensor 's' is 'vlp-16', which is none; did you mean vlp16?"),
         (format!("<update_rate>30</update_rate>{}", own("vlp16")), "<update_rate> of sensor 's' is 30"),
+        (
+            columns("os2_32", "2048", "20"),
+            "<columns> of sensor 's' is 2048, <update_rate> of sensor 's' is 20, and it is a os2_32; \
+             there are 1024 columns at 10 Hz, 1024 columns at 20 Hz, 512 columns at 10 Hz",
+        ),
+        (columns("lms511", "1e3", "25"), "<columns> of sensor 's' is 1e3"),
+        (columns("vlp16", "1800", "10"), "write a rate from 5 to 20 Hz, or none for 10 Hz, and no <columns>"),
+        (
+            own("os1_32").replace("</plugin>", "<udp_profile_lidar>RNG20</udp_profile_lidar></plugin>"),
+            "<udp_profile_lidar> of sensor 's' is 'RNG20', which is none of its packets'; there are LEGACY",
+        ),
     ] {
         let refused = read(&text).unwrap_err().to_string();
         assert!(refused.contains(expected), "{refused}");

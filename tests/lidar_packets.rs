@@ -9,11 +9,20 @@ use std::net::UdpSocket;
 use std::time::Duration;
 use tempfile::TempDir;
 
-const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/lidars/vlp16.urdf");
+const ROBOT: &str = include_str!("lidars/lidar.urdf");
 
+/// Runs a robot with a VLP-16.
 fn run(more: &[&str]) -> (bool, String) {
-    let domain = own_domain();
-    let all = ["run", "--robot", ROBOT, "--world", "playground", "--rate", "max", "--duration", "0.5"];
+    run_with("<preset>vlp16</preset>", more)
+}
+
+/// Runs a robot with a lidar of which our plugin says this.
+fn run_with(own: &str, more: &[&str]) -> (bool, String) {
+    let (domain, folder) = (own_domain(), TempDir::new().unwrap());
+    let robot = folder.path().join("robot.urdf");
+    fs::write(&robot, ROBOT.replace("PRESET", own).replace("RATE", "10")).unwrap();
+    let robot = robot.to_str().unwrap();
+    let all = ["run", "--robot", robot, "--world", "playground", "--rate", "max", "--duration", "0.5"];
     let output = output(&[&all[..], &["--domain", &domain], more].concat());
     (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
@@ -63,6 +72,40 @@ fn packets_go_to_an_address_and_into_a_file_alike() {
 }
 
 #[test]
+fn an_ousters_packets_come_with_its_metadata() {
+    let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
+    receiver.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
+    let folder = TempDir::new().unwrap();
+    let (file, other) = (folder.path().join("run.pcap"), folder.path().join("other.json"));
+    let udp = format!("points={}", receiver.local_addr().unwrap());
+    let (pcap, metadata) = (format!("lidar={}", file.display()), format!("lidar={}", other.display()));
+    let own = "<preset>os0_32</preset><columns>512</columns>";
+    let flags = ["--udp", &udp, "--pcap", &pcap, "--lidar-metadata", &metadata];
+    let (succeeded, said) = run_with(own, &flags);
+    assert!(succeeded, "{said}");
+    let bytes = fs::read(&file).unwrap();
+    let records: Vec<_> = bytes[24..].chunks(16 + 42 + 6400).collect();
+    // 32 packets a frame of a tenth of a second; those of the first frame would have been before time 0.
+    assert!(records.len() >= 3 * 32 && records.len() % 32 == 0, "{}", records.len());
+    // From port 7502 to 7502; to an address as into the file.
+    assert!(records.iter().all(|record| record[16 + 34..16 + 38] == [0x1D, 0x4E, 0x1D, 0x4E]));
+    let mut packet = [0; 10_000];
+    let mut received = 0;
+    while let Ok(len) = receiver.recv(&mut packet) {
+        assert_eq!(packet[..len], records[received][16 + 42..]);
+        received += 1;
+    }
+    assert!(received >= 10, "{received}");
+    let metadata = fs::read_to_string(other).unwrap();
+    assert_eq!(metadata, fs::read_to_string(file.with_extension("json")).unwrap());
+    let metadata: serde_json::Value = serde_json::from_str(&metadata).unwrap();
+    assert_eq!(metadata["sensor_info"]["prod_line"], "OS-0-32");
+    assert_eq!(metadata["config_params"]["lidar_mode"], "512x10");
+    assert_eq!(metadata["beam_intrinsics"]["lidar_origin_to_beam_origin_mm"], 27.67);
+    assert_eq!(metadata["beam_intrinsics"]["beam_altitude_angles"].as_array().map(Vec::len), Some(32));
+}
+
+#[test]
 fn who_cannot_get_packets_is_told() {
     let folder = TempDir::new().unwrap();
     let nowhere = format!("points={}", folder.path().join("none/a.pcap").display());
@@ -71,10 +114,13 @@ fn who_cannot_get_packets_is_told() {
         (["--udp", "points=somewhere"], "is no address and port"),
         (["--udp", "127.0.0.1:2368"], "is not SENSOR="),
         (["--pcap", nowhere.as_str()], "packets of points: "),
+        (["--lidar-metadata", "points=a.json"], "its packets need no metadata"),
     ] {
         let (succeeded, said) = run(&flags);
         assert!(!succeeded && said.contains(says), "{flags:?}: {said}");
     }
+    let (succeeded, said) = run_with("<preset>rplidar_a1</preset>", &["--udp", "points=127.0.0.1:2368"]);
+    assert!(!succeeded && said.contains("of presets of Ouster and Velodyne alone"), "{said}");
     // Nobody listens there: the run goes on.
     let (succeeded, said) = run(&["--udp", "points=127.0.0.1:9"]);
     assert!(succeeded, "{said}");

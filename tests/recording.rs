@@ -11,8 +11,9 @@ use live::control::{done, refusal, step};
 use live::{PATIENCE, Simulator, belvedere, output, own_domain};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
+use std::cell::Cell;
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -33,7 +34,7 @@ impl Process {
             std::thread::sleep(Duration::from_millis(5));
         }
         let mut errors = String::new();
-        io::Read::read_to_string(self.0.stderr.as_mut().unwrap(), &mut errors).unwrap();
+        self.0.stderr.as_mut().unwrap().read_to_string(&mut errors).unwrap();
         (self.0.wait().unwrap().code(), errors)
     }
 }
@@ -159,6 +160,140 @@ fn a_run_is_recorded_played_and_recorded_again_with_every_byte() {
             assert_eq!((flag(frame), flag(again)), (0, FrameHeader::REPLAYED));
         }
     }
+}
+
+/// The robot as xacro made it and the world's file come out of a recording as they went in, and run.
+#[test]
+fn a_recording_keeps_robot_and_world() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, kept) = (folder.path().join("a.mcap"), folder.path().join("kept"));
+    let published = record_a_run(&file);
+    let told = info(&file)["files"].clone();
+    let names: Vec<&str> =
+        told.as_array().unwrap().iter().map(|file| file["name"].as_str().unwrap()).collect();
+    let [world, robot] = names[..] else { panic!("{names:?}") };
+    let extract = ["info", file.to_str().unwrap(), "--extract", kept.to_str().unwrap()];
+    assert!(output(&extract).status.success());
+    let again = output(&extract);
+    let said = String::from_utf8_lossy(&again.stderr).into_owned();
+    assert!(!again.status.success() && said.contains("cannot write") && said.contains("exists"), "{said}");
+    let [world, robot] = [world, robot].map(|name| kept.join(name).to_str().unwrap().to_owned());
+    let domain = own_domain();
+    let run = [
+        "run",
+        "--robot",
+        &robot,
+        "--world",
+        &world,
+        "--domain",
+        &domain,
+        "--rate",
+        "max",
+        "--duration",
+        "2",
+    ];
+    let run = output(&[&run[..], &["--hash", "--drive", "loop"]].concat());
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let text = String::from_utf8(run.stdout).unwrap();
+    for (topic, (hash, _)) in published {
+        // A plain URDF has optical frames as links, which come in another order.
+        assert!(
+            topic == "/tf_static" || text.contains(&hash),
+            "{topic} of the robot and the world that were kept differs:\n{text}"
+        );
+    }
+}
+
+/// A file that counts what is read of it.
+struct Counted<'a> {
+    file: Cursor<&'a [u8]>,
+    read: &'a Cell<usize>,
+}
+
+impl Read for Counted<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = self.file.read(buffer)?;
+        self.read.set(self.read.get() + read);
+        Ok(read)
+    }
+}
+
+impl Seek for Counted<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+/// By the index what comes before the start is not read, but for what is told once; the rest is the same.
+#[test]
+fn a_later_start_is_found_by_the_index() {
+    let stream = |topic: &str, kind, encoding, max_payload_len| RecordedStream {
+        topic: topic.into(),
+        kind,
+        encoding,
+        frame_id: "camera".into(),
+        rate_hz: None,
+        layers: None,
+        max_payload_len,
+    };
+    let mut bytes = Vec::new();
+    let mut writer = RecordingWriter::new(&mut bytes, Compression::None, &BTreeMap::new()).unwrap();
+    let picture = writer.add(&stream("picture", Kind::Image, Encoding::Mono8, 640 * 480)).unwrap();
+    let clock = writer.add(&stream("clock", Kind::Clock, Encoding::Struct, size_of::<Clock>())).unwrap();
+    let settings = stream("simulation/sensor_settings", Kind::SensorSettings, Encoding::Struct, 0);
+    let settings = writer.add(&settings).unwrap();
+    let mut header = FrameHeader::new(Kind::Image, Encoding::Mono8);
+    header.payload_len = header.set_packed(640, 480) as u64;
+    let mut ticks = FrameHeader::new(Kind::Clock, Encoding::Struct);
+    ticks.payload_len = size_of::<Clock>() as u64;
+    for number in 0..400_u64 {
+        // Times do not begin at zero.
+        (header.stamp_ns, header.seq) = (5_000_000_000 + number * 10_000_000, number);
+        (ticks.stamp_ns, ticks.seq) = (header.stamp_ns, number);
+        writer.write(clock, &ticks, bytemuck::bytes_of(&Clock { now_ns: ticks.stamp_ns })).unwrap();
+        if number == 100 {
+            let told = FrameHeader {
+                stamp_ns: header.stamp_ns,
+                ..FrameHeader::new(Kind::SensorSettings, Encoding::Struct)
+            };
+            writer.write(settings, &told, &[]).unwrap();
+        }
+        writer.write(picture, &header, &vec![number as u8; 640 * 480]).unwrap();
+    }
+    writer.finish().unwrap();
+    let (whole, end) = read(&bytes);
+    assert!(end.is_none());
+    for start_ms in [10, 995, 1000, 3333, 3990, 9000] {
+        let read = Cell::new(0);
+        let counted = Counted { file: Cursor::new(&bytes), read: &read };
+        let mut reader = RecordingReader::starting_at(counted, Duration::from_millis(start_ms)).unwrap();
+        let mut found = Vec::new();
+        while let Some(item) = reader.next_item().unwrap() {
+            found.push(item);
+        }
+        let from_ns = 5_000_000_000 + start_ms * 1_000_000;
+        let later = |items: &[Item]| {
+            let frames = items.iter().filter_map(|item| match item {
+                Item::Frame(frame) if frame.log_time_ns >= from_ns => Some(frame.clone()),
+                _ => None,
+            });
+            frames.collect::<Vec<_>>()
+        };
+        assert!(later(&found) == later(&whole), "from {start_ms} ms on");
+        assert!(frames(&found).contains_key("simulation/sensor_settings"), "{start_ms}");
+        let share = read.get() as f64 / bytes.len() as f64;
+        let expected = (1.0 - start_ms as f64 / 4000.0).max(0.0);
+        // A chunk before, one with the settings, and the index.
+        assert!(share < expected + 0.15, "{share} of the file is read from {start_ms} ms on");
+    }
+    // What has no index is read from its beginning.
+    let cut = &bytes[..bytes.len() - 100];
+    let mut reader = RecordingReader::starting_at(Cursor::new(cut), Duration::from_secs(3)).unwrap();
+    let mut count = 0;
+    while let Ok(Some(_)) = reader.next_item() {
+        count += 1;
+    }
+    assert!(count > 1200, "{count}");
 }
 
 #[test]

@@ -7,7 +7,9 @@ use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::depth::published;
 use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::optics::{Optics, PinholeGrid, RayTable};
-use belvedere_sensors::scanner::{Columns, Echoes, Laser, Pattern, Scanner, ScannerConfig, Spinning};
+use belvedere_sensors::scanner::{
+    Beam, Columns, Echoes, Laser, Pattern, Returns, Scanner, ScannerConfig, Spinning, Weather,
+};
 use belvedere_sensors::scene::{SceneBuilder, visibility};
 use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use belvedere_sensors::{Capture, Keyframe, Pose, Sensor};
@@ -83,6 +85,12 @@ fn sensing_does_not_allocate() {
     let head = Spinning { lasers: &lasers, columns, first_azimuth_rad: 0.0, clockwise: false };
     let scanner = Scanner::new(ScannerConfig::new(Pattern::Spinning(head))).unwrap();
     let mut fired = vec![0.0; scanner.most_firings()];
+    let wide = ScannerConfig::new(Pattern::Spinning(head))
+        .beam(Beam { divergence_rad: [3e-3; 2], aperture_m: [0.01; 2], rays: 19 })
+        .returns(Returns::Several(5))
+        .weather(Weather { visibility_m: 50.0, rain_mm_per_h: 30.0, snow_mm_per_h: 3.0 });
+    let wide = Scanner::new(wide).unwrap();
+    let mut returned = vec![0.0; 5 * wide.most_firings()];
 
     let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(Pose::IDENTITY)));
     let keyframes = [0.0, 0.05, 0.1].map(|time_s| Keyframe { time_s, at: builder.moment(Pose::IDENTITY) });
@@ -133,6 +141,9 @@ fn sensing_does_not_allocate() {
             let memory = &mut workspace.lend(scanner.workspace_len(&scene, &capture));
             scanner
                 .sense(&scene, &capture, memory, Echoes::new().ranges(&mut fired))
+                .expect("outputs of the right size");
+            let memory = &mut workspace.lend(wide.workspace_len(&scene, &capture));
+            wide.sense(&scene, &capture, memory, Echoes::new().ranges(&mut returned))
                 .expect("outputs of the right size");
         });
         assert_eq!(calls, 0, "frame {frame}");

@@ -8,7 +8,10 @@ use belvedere_sensors::device::depth::{SecondEye, published};
 use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
-use belvedere_sensors::scanner::{Columns, Echoes, Laser, Pattern, Scanner, ScannerConfig, Spinning};
+use belvedere_sensors::scanner::{
+    Beam, Columns, Echoes, Intensity, Laser, Pattern, Receiver, Returns, Scanner, ScannerConfig, Spinning,
+    Weather,
+};
 use belvedere_sensors::scene::{ColourSpace, LightConfig, MaterialConfig, SceneBuilder, Shape, TextureAlpha};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
@@ -67,7 +70,16 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         )
         .expect("outputs of the right size");
 
-    let firings = fire(&mut workspace, &builder, pose);
+    let plain = ScannerConfig::new(Pattern::Table(&[]));
+    let firings = fire(&mut workspace, &builder, pose, plain);
+    // Wide beams in fog, rain and snow.
+    let wide = plain
+        .beam(Beam { divergence_rad: [3e-3, 1.5e-3], aperture_m: [0.0127, 0.0095], rays: 8 })
+        .returns(Returns::Dual)
+        .intensity(Intensity::Reflectivity)
+        .receiver(Some(Receiver { resolution_m: 0.09, ..Receiver::new(60.0) }))
+        .weather(Weather { visibility_m: 50.0, rain_mm_per_h: 30.0, snow_mm_per_h: 3.0 });
+    let returns = fire(&mut workspace, &builder, pose, wide);
 
     // Few electrons and many, and a curve.
     let device = DeviceConfig::default()
@@ -91,7 +103,8 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ("16uc1", millimetres.iter().flat_map(|x| x.to_le_bytes()).collect()),
         ("points", points),
         ("ranges", bytes(&ranges)),
-        ("firings", bytes(&firings)),
+        ("firings", bytes(&firings[0])),
+        ("returns", bytes(&returns.concat())),
         ("32fc1 of a device", bytes(&measured)),
         ("points of a device", measured_points),
         ("bayer_gbrg16", picture_with(&builder, bayer, pose, 7, execution)),
@@ -103,8 +116,13 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-/// Ranges of a scanner that drives and turns among things of which every other moves.
-fn fire(workspace: &mut WorkspaceBuf, builder: &SceneBuilder, pose: Pose) -> Vec<f32> {
+/// Ranges and intensities of a scanner that drives and turns among things of which every other moves.
+fn fire(
+    workspace: &mut WorkspaceBuf,
+    builder: &SceneBuilder,
+    pose: Pose,
+    config: ScannerConfig<'_>,
+) -> [Vec<f32>; 2] {
     let laser = |id: u32| {
         let id = f64::from(id);
         let aside = Laser::at_degrees(2.0 * id - 15.0, 0.3 * id);
@@ -113,7 +131,7 @@ fn fire(workspace: &mut WorkspaceBuf, builder: &SceneBuilder, pose: Pose) -> Vec
     let lasers: Vec<_> = (0..16).map(laser).collect();
     let columns = Columns::Every { time_ns: 55_296 };
     let pattern = Spinning { lasers: &lasers, columns, first_azimuth_rad: 0.3, clockwise: true };
-    let scanner = Scanner::new(ScannerConfig::new(Pattern::Spinning(pattern))).unwrap();
+    let scanner = Scanner::new(config.pattern(Pattern::Spinning(pattern))).unwrap();
     let shift = |time: f64| Pose::from_xyz_rpy(DVec3::X * time, DVec3::new(0.1, 0.3, 2.0) * time);
     let times: Vec<_> = (0..=20).map(|step| 5e-3 * f64::from(step)).collect();
     let place = |time: f64| {
@@ -128,12 +146,12 @@ fn fire(workspace: &mut WorkspaceBuf, builder: &SceneBuilder, pose: Pose) -> Vec
         })
         .collect();
     let (scene, capture) = (builder.scene(), Capture::new(3, keyframes.as_slice()));
-    let mut ranges = vec![0.0; scanner.most_firings()];
+    let values = scanner.most_firings() * scanner.returns();
+    let (mut ranges, mut intensities) = (vec![0.0; values], vec![0.0; values]);
     let memory = &mut workspace.lend(scanner.workspace_len(&scene, &capture));
-    scanner
-        .sense(&scene, &capture, memory, Echoes::new().ranges(&mut ranges))
-        .expect("outputs of the right size");
-    ranges
+    let output = Echoes::new().ranges(&mut ranges).intensities(&mut intensities);
+    scanner.sense(&scene, &capture, memory, output).expect("outputs of the right size");
+    [ranges, intensities]
 }
 
 /// A scene with a glossy ball, a ball of glass and a pane with holes in it, in linear light.
@@ -191,7 +209,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 12] = [
+    let expected: [(&str, u64); 13] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
@@ -199,6 +217,7 @@ fn every_machine() {
         ("points", 0x24cd_1139_23b9_13ef),
         ("ranges", 0x9814_84f6_b4ad_3848),
         ("firings", 0x3932_041a_7598_5374),
+        ("returns", 0xc01c_05d5_c720_4582),
         ("32fc1 of a device", 0x719f_dc96_6ec2_adaa),
         ("points of a device", 0x1dc3_128d_77c1_38a4),
         ("bayer_gbrg16", 0x7aca_656c_7299_b256),

@@ -3,23 +3,30 @@
 use super::error::CliError;
 use super::follow::print_line;
 use super::replay::open;
-use crate::recording::{Item, RecordedStream, RecordingError};
+use crate::recording::{Attachment, Item, RecordedStream, RecordingError};
 use indicatif::HumanBytes;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Show what is in a recording: how it came about, its streams, how much of each.
 ///
 /// Every byte is looked at, and what is whole of a file that was cut off is told; then the exit code is 1.
 #[derive(Clone, Debug, clap::Args)]
-#[command(after_help = "Examples:\n  belvedere info run.mcap\n  belvedere info run.mcap.active --json")]
+#[command(
+    after_help = "Examples:\n  belvedere info run.mcap\n  belvedere info run.mcap.active --json\n  belvedere info run.mcap --extract description     (the robots and the world of the run)"
+)]
 pub struct InfoArgs {
     /// The recording
     file: PathBuf,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    /// Write the files that are kept in it into this folder, which is made
+    #[arg(long, value_name = "FOLDER")]
+    extract: Option<PathBuf>,
 }
 
 /// What is found.
@@ -28,6 +35,7 @@ struct Found {
     about: BTreeMap<String, String>,
     streams: BTreeMap<String, RecordedStream>,
     hashes: BTreeMap<String, String>,
+    attachments: Vec<Attachment>,
     /// By topic: type of the messages, how many, bytes.
     channels: BTreeMap<String, (String, u64, u64)>,
     frames: BTreeMap<String, u64>,
@@ -39,7 +47,7 @@ struct Found {
 /// # Errors
 /// [`CliError::Recording`] when the file is none, or not whole.
 pub fn run(args: &InfoArgs) -> Result<(), CliError> {
-    let mut recording = open(&args.file)?;
+    let mut recording = open(&args.file, Duration::ZERO)?;
     let mut found = Found::default();
     let ended = loop {
         match recording.next_item() {
@@ -56,6 +64,9 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
             print_line(found.text(recording.library(), bytes).trim_end())?;
         }
     }
+    if let Some(folder) = &args.extract {
+        found.extract(folder)?;
+    }
     ended.map_err(|source| CliError::Recording {
         action: "read all of",
         path: args.file.clone(),
@@ -68,6 +79,7 @@ impl Found {
         match item {
             Item::About(about) => self.about = about,
             Item::Hashes(hashes) => self.hashes = hashes,
+            Item::Attachment(attachment) => self.attachments.push(attachment),
             Item::Stream(stream) => {
                 self.streams.insert(stream.topic.clone(), stream);
             }
@@ -85,6 +97,20 @@ impl Found {
         }
     }
 
+    /// Writes the files that are kept in it; none in the place of one that is there.
+    fn extract(&self, folder: &Path) -> Result<(), CliError> {
+        let failed = |path: &Path, source| CliError::Output { path: path.to_owned(), source };
+        std::fs::create_dir_all(folder).map_err(|source| failed(folder, source))?;
+        for Attachment { name, data, .. } in &self.attachments {
+            // A file that others wrote may name any place.
+            let Some(name) = Path::new(name).file_name() else { continue };
+            let path = folder.join(name);
+            let mut file = std::fs::File::create_new(&path).map_err(|source| failed(&path, source))?;
+            file.write_all(data).map_err(|source| failed(&path, source))?;
+        }
+        Ok(())
+    }
+
     fn cover(&mut self, time_ns: u64) {
         let [first, last] = self.times_ns.unwrap_or([time_ns; 2]);
         self.times_ns = Some([first.min(time_ns), last.max(time_ns)]);
@@ -98,6 +124,9 @@ impl Found {
             last - first
         )];
         lines.extend(self.about.iter().map(|(name, word)| format!("  {name}: {word}")));
+        for Attachment { name, media_type, data } in &self.attachments {
+            lines.push(format!("  file: {name}, {media_type}, {}", HumanBytes(data.len() as u64)));
+        }
         if !self.streams.is_empty() {
             lines.push("streams".to_owned());
         }
@@ -125,6 +154,7 @@ impl Found {
                 "hash": self.hashes.get(topic),
             })
         };
+        let file = |file: &Attachment| json!({ "name": file.name, "type": file.media_type, "bytes": file.data.len() });
         let channel = |(topic, (type_name, count, bytes)): (&String, &(String, u64, u64))| json!({ "topic": topic, "type": type_name, "messages": count, "bytes": bytes });
         json!({
             "library": library,
@@ -132,6 +162,7 @@ impl Found {
             "complete": is_complete,
             "times_ns": self.times_ns,
             "about": self.about,
+            "files": self.attachments.iter().map(file).collect::<Vec<_>>(),
             "streams": self.streams.iter().map(stream).collect::<Vec<_>>(),
             "messages": self.channels.iter().map(channel).collect::<Vec<_>>(),
         })

@@ -1,5 +1,6 @@
 //! The `belvedere` command and its subcommands.
 
+mod attachments;
 pub mod check;
 pub mod control;
 pub mod echo;

@@ -79,6 +79,7 @@ pub fn run(args: &RecordArgs) -> Result<(), CliError> {
         compression: args.compression,
         replace: args.force,
         about: about(&args.domain.domain),
+        attachments: Vec::new(),
     };
     let mut recorder = start(node, &args.output, &options)?;
     let started = Instant::now();

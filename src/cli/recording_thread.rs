@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::follow::NAP;
 use super::record::{RECORDER, finish, start};
-use crate::recording::{Recorder, RecorderOptions, about};
+use crate::recording::{Attachment, Recorder, RecorderOptions, about};
 use belvedere_bridge::{Domain, Node};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,17 +23,18 @@ pub(super) struct RecordingThread {
 }
 
 impl RecordingThread {
-    /// Begins to record all that is published in the domain now; `words` are added to those on how it came about.
+    /// Begins to record all that is published in the domain now; `words` are added to those on how it came about, and files are kept in it.
     pub(super) fn start(
         domain: &Domain,
         path: &Path,
         replace: bool,
         words: BTreeMap<String, String>,
+        attachments: Vec<Attachment>,
     ) -> Result<Self, CliError> {
         // A node of its own: by its name the simulation waits for it.
         let node = Node::open(domain, RECORDER)?;
         let about = about(domain).into_iter().chain(words).collect();
-        let options = RecorderOptions { replace, about, ..RecorderOptions::default() };
+        let options = RecorderOptions { replace, about, attachments, ..RecorderOptions::default() };
         let mut recorder = start(node, path, &options)?;
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();

@@ -2,7 +2,7 @@
 
 use super::error::CliError;
 use super::follow::{DomainArgs, listen_for_stop, print_line, seconds, stop_wanted};
-use crate::recording::{Ending, Pace, Player, PlayerOptions, RecordingError, RecordingReader};
+use crate::recording::{Ending, Pace, Player, PlayerOptions, RecordingError, RecordingReader, Skipping};
 use crate::server::attendance::Awaited;
 use belvedere_bridge::Node;
 use std::fs::File;
@@ -66,7 +66,7 @@ fn pace(text: &str) -> Result<Pace, String> {
 pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     let failed =
         |source| CliError::Recording { action: "play", path: args.file.clone(), source: Box::new(source) };
-    let mut recording = open(&args.file)?;
+    let mut recording = open(&args.file, args.start)?;
     listen_for_stop()?;
     let node = Node::open(&args.domain.domain, "belvedere")?;
     let options = PlayerOptions {
@@ -95,15 +95,20 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
         if ending == Ending::Stopped || !args.again || stop_wanted() {
             break;
         }
-        recording = open(&args.file)?;
+        recording = open(&args.file, args.start)?;
     }
     print_line(&format!("{}: {} frames played", args.file.display(), player.frames()))
 }
 
-/// Opens a recording.
-pub(super) fn open(path: &Path) -> Result<RecordingReader<BufReader<File>>, CliError> {
+/// Opens a recording, to be played from so long after its beginning on.
+pub(super) fn open(
+    path: &Path,
+    start: Duration,
+) -> Result<RecordingReader<Skipping<BufReader<File>>>, CliError> {
     let file = File::open(path).map_err(|source| CliError::Input { path: path.to_owned(), source })?;
-    Ok(RecordingReader::new(BufReader::with_capacity(1 << 20, file)))
+    RecordingReader::starting_at(BufReader::with_capacity(1 << 20, file), start).map_err(|source| {
+        CliError::Recording { action: "read", path: path.to_owned(), source: Box::new(source) }
+    })
 }
 
 #[cfg(test)]

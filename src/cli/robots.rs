@@ -83,6 +83,11 @@ impl PlanarPose {
 }
 
 impl RobotArgs {
+    /// Arguments of the robots' xacro.
+    pub(super) fn xacro_args(&self) -> &[(String, String)] {
+        &self.xacro_args
+    }
+
     /// Whether our own robot runs, because none was asked for.
     pub(super) fn are_ours(&self) -> bool {
         self.robot.is_empty()

@@ -1,5 +1,6 @@
 //! `belvedere run`: the simulator.
 
+use super::attachments::attachments;
 use super::error::CliError;
 use super::follow::{NAP, listen_for_stop, print_line, seconds, stop_wanted};
 use super::pacer::Pacer;
@@ -99,13 +100,17 @@ pub struct RunArgs {
     /// Replace the file of --record if it is there
     #[arg(long, requires = "record")]
     force: bool,
-    /// Send the data packets of a lidar with the preset vlp16 or hdl32e, named or told by its topic, to this address; may be
-    /// repeated
+    /// Send the data packets of a lidar with a preset of Velodyne or Ouster, named or told by its topic, to this address;
+    /// may be repeated
     #[arg(long, value_name = "SENSOR=ADDRESS:PORT")]
     udp: Vec<Feed<SocketAddr>>,
-    /// Write them into this pcap file, as Wireshark and drivers read it; may be repeated
+    /// Write them into this pcap file, as Wireshark and drivers read it, and an Ouster's metadata into one beside it that
+    /// ends in .json; may be repeated
     #[arg(long, value_name = "SENSOR=FILE")]
     pcap: Vec<Feed<PathBuf>>,
+    /// Write an Ouster's metadata into this file, for whoever gets its packets by --udp; may be repeated
+    #[arg(long, value_name = "SENSOR=FILE")]
+    lidar_metadata: Vec<Feed<PathBuf>>,
     /// Lose no frame of this consumer (the name of its node): simulated time begins when it follows a stream (or as
     /// many as follow =) and waits while it has no room; may be repeated
     #[arg(long, value_name = "NAME[=STREAMS]")]
@@ -148,6 +153,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let packages = packages(args);
     let (world, robots) = load(args, &packages)?;
     listen_for_stop()?;
+    let kept =
+        args.record.as_ref().map(|_| attachments(&world, &robots, &packages, args.robots.xacro_args()));
     let node = Node::open(&args.domain, "belvedere")?;
     let mut simulation =
         Simulation::builder(world).seed(args.seed).gazebo_compat(args.gazebo_compat).build()?;
@@ -180,7 +187,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let mut server = Server::attach_to(&mut simulation, sink, options)?;
     let udp = args.udp.iter().map(|feed| (&feed.sensor, PacketTarget::Udp(feed.to)));
     let pcap = args.pcap.iter().map(|feed| (&feed.sensor, PacketTarget::Pcap(feed.to.clone())));
-    for (sensor, target) in udp.chain(pcap) {
+    let metadata = args.lidar_metadata.iter();
+    let metadata = metadata.map(|feed| (&feed.sensor, PacketTarget::Metadata(feed.to.clone())));
+    for (sensor, target) in udp.chain(pcap).chain(metadata) {
         server.send_packets(sensor, &target).map_err(CliError::Packets)?;
     }
     if args.paused {
@@ -189,7 +198,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let recording = args
         .record
         .as_ref()
-        .map(|path| RecordingThread::start(&args.domain, path, args.force, words(args)))
+        .zip(kept)
+        .map(|(path, kept)| RecordingThread::start(&args.domain, path, args.force, words(args), kept))
         .transpose()?;
     let mut status = Status::new(server.rig());
     let ended = run_loop(&mut server, args, &node, &mut status, post.as_deref());

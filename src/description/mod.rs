@@ -20,6 +20,7 @@ mod sdf;
 pub mod sensor;
 pub mod single;
 pub mod text;
+mod topic;
 mod urdf;
 pub mod values;
 pub mod world;

@@ -13,7 +13,7 @@ mod trajectory;
 
 pub use super::sensor::{
     AirPressure, Altimeter, Camera, DepthCamera, Imu, InstrumentPlugin, Lidar, Magnetometer, NavSat,
-    OrientationReference, PluginField, Rangefinder, Sensor, SensorKind,
+    OrientationReference, PacketProfile, PluginField, Rangefinder, Sensor, SensorKind, choices,
 };
 pub use base::{
     AckermannDrive, BasePlugin, DifferentialDrive, Drive, JointStatesPlugin, ModelPlugin, OdometryOrigin,

@@ -11,8 +11,9 @@
 //! definition, and for each stream a channel `/belvedere/frames/TOPIC` of the type `belvedere/Frame`: the header of each
 //! frame, and its payload unless the message before has it byte by byte, as those of pictures and clouds do. Times are
 //! simulated: `publish_time` is the stamp, `log_time` never goes back. Metadata: `belvedere` on how it came about,
-//! `belvedere.stream` for each stream, `belvedere.hashes` at the end.
+//! `belvedere.stream` for each stream, `belvedere.hashes` at the end. Attachments: the robots and the world as they were read.
 
+mod attachment;
 mod error;
 mod file;
 mod log_time;
@@ -22,13 +23,16 @@ mod reader;
 mod recorder;
 pub mod ros1;
 mod send_order;
+mod skip;
 mod stream;
 mod writer;
 
+pub use attachment::Attachment;
 pub use error::RecordingError;
 pub use file::NewFile;
 pub use player::{Ending, Pace, Player, PlayerOptions};
 pub use reader::{Item, Message, RecordedFrame, RecordingReader};
 pub use recorder::{Progress, Recorder, RecorderOptions, about};
+pub use skip::Skipping;
 pub use stream::RecordedStream;
 pub use writer::{Compression, RecordingWriter, StreamId, StreamTally};

@@ -126,7 +126,7 @@ impl Player {
         mut recording: RecordingReader<R>,
         mut go_on: impl FnMut(&Self) -> bool,
     ) -> Result<Ending, RecordingError> {
-        let mut clock: Option<PlayClock> = None;
+        let mut clock = recording.begins_ns().map(PlayClock::new);
         let mut last_ns = 0;
         let mut waited = self.options.wait_for.is_empty();
         let ending = loop {

@@ -1,15 +1,17 @@
 //! [`RecordingReader`]: what is in an MCAP file, in the order in which it was written.
 
-use super::RecordingError;
 use super::ros1;
+use super::skip::{Skipping, chunks_before, summary};
 use super::stream::RecordedStream;
 use super::writer::{ABOUT, FRAMES, HASHES, STREAM};
+use super::{Attachment, RecordingError};
 use belvedere_bridge::{FrameHeader, FrameView};
 use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::{BTreeMap, HashMap};
-use std::io::{ErrorKind, Read};
+use std::io::{ErrorKind, Read, Seek};
 use std::sync::Arc;
+use std::time::Duration;
 
 /// The largest record or chunk that is taken into memory, bytes; larger ones are no chunks of ours.
 const LARGEST: usize = 1 << 30;
@@ -20,6 +22,8 @@ const LARGEST: usize = 1 << 30;
 pub enum Item {
     /// Words on how the recording came about.
     About(BTreeMap<String, String>),
+    /// A file that is kept in it.
+    Attachment(Attachment),
     /// The hash of each stream, by topics without a leading slash, as `belvedere run --hash` prints it.
     Hashes(BTreeMap<String, String>),
     /// A stream; before its first frame.
@@ -72,6 +76,8 @@ pub struct RecordingReader<R: Read> {
     channels: HashMap<u16, Channel>,
     /// The message before the next frame.
     last: Option<Arc<Vec<u8>>>,
+    /// Time of the first message, if chunks are left out.
+    begins_ns: Option<u64>,
     ended: bool,
 }
 
@@ -81,13 +87,42 @@ struct Channel {
     type_name: String,
 }
 
+impl<R: Read + Seek> RecordingReader<Skipping<R>> {
+    /// Reads what there is from so long after the beginning on, and before that at least what is told once, as static
+    /// transforms. By the index most of what is before is not read; a file that has none is read from its beginning.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn starting_at(mut source: R, start: Duration) -> Result<Self, RecordingError> {
+        let index = (start > Duration::ZERO).then(|| summary(&mut source)).flatten();
+        let left_out = index.as_ref().map_or_else(Vec::new, |index| chunks_before(index, start));
+        let is_whole = left_out.is_empty();
+        let mut reader = Self::checking(Skipping::new(source, left_out)?, is_whole);
+        if let Some(index) = index.filter(|_| !is_whole) {
+            // Their descriptions may be in what is left out.
+            for channel in index.channels.values() {
+                let type_name =
+                    channel.schema.as_ref().map_or_else(String::new, |schema| schema.name.clone());
+                reader.channels.insert(channel.id, Channel { topic: channel.topic.clone(), type_name });
+            }
+            reader.begins_ns = index.stats.map(|stats| stats.message_start_time);
+        }
+        Ok(reader)
+    }
+}
+
 impl<R: Read> RecordingReader<R> {
     /// Reads from here.
     pub fn new(source: R) -> Self {
+        Self::checking(source, true)
+    }
+
+    /// With the sum over all that is before the index, or without.
+    fn checking(source: R, is_whole: bool) -> Self {
         // Checked before anything of a chunk is given: what is given is whole.
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
-            .with_validate_data_section_crc(true)
+            .with_validate_data_section_crc(is_whole)
             .with_validate_summary_section_crc(true)
             .with_record_length_limit(LARGEST);
         Self {
@@ -97,8 +132,14 @@ impl<R: Read> RecordingReader<R> {
             schemas: HashMap::new(),
             channels: HashMap::new(),
             last: None,
+            begins_ns: None,
             ended: false,
         }
+    }
+
+    /// Time of the file's first message, nanoseconds, where its index told it.
+    pub(super) fn begins_ns(&self) -> Option<u64> {
+        self.begins_ns
     }
 
     /// Who wrote the file, as it says.
@@ -172,6 +213,11 @@ impl<R: Read> RecordingReader<R> {
                 },
                 _ => Step::Nothing,
             },
+            Record::Attachment { header, data, .. } => Step::Item(Item::Attachment(Attachment {
+                name: header.name,
+                media_type: header.media_type,
+                data: data.into_owned(),
+            })),
             Record::Message { header, data } => {
                 let Some(channel) = self.channels.get(&header.channel_id) else {
                     return Err(RecordingError::Broken(format!(
@@ -180,7 +226,11 @@ impl<R: Read> RecordingReader<R> {
                     )));
                 };
                 let (channel, data) = (channel.clone(), data.into_owned());
-                Step::Item(self.message(channel, header.log_time, data)?)
+                match self.message(channel, header.log_time, data) {
+                    // Of the first frame after a gap the message may be in the gap.
+                    Err(RecordingError::Broken(_)) if self.begins_ns.is_some() => Step::Nothing,
+                    item => Step::Item(item?),
+                }
             }
             _ => Step::Nothing,
         })

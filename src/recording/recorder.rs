@@ -3,7 +3,7 @@
 use super::send_order::SendOrder;
 use super::stream::RecordedStream;
 use super::writer::{Compression, RecordingWriter, StreamId, StreamTally};
-use super::{NewFile, RecordingError};
+use super::{Attachment, NewFile, RecordingError};
 use belvedere_bridge::{Domain, FrameHeader, Node, StreamInfo, Subscriber, clock};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -39,6 +39,8 @@ pub struct RecorderOptions {
     pub replace: bool,
     /// Words on how the recording came about.
     pub about: BTreeMap<String, String>,
+    /// Files that are kept in it.
+    pub attachments: Vec<Attachment>,
 }
 
 /// How far a recording is.
@@ -236,7 +238,8 @@ type Writing = (Arc<Shared>, SyncSender<Note>, JoinHandle<Result<Vec<StreamTally
 fn start_to_write(file: &NewFile, options: &RecorderOptions) -> Result<Writing, RecordingError> {
     let shared = Arc::new(Shared::default());
     let (sender, notes) = mpsc::sync_channel(1024);
-    let writer = RecordingWriter::new(file.writer()?, options.compression, &options.about)?;
+    let mut writer = RecordingWriter::new(file.writer()?, options.compression, &options.about)?;
+    options.attachments.iter().try_for_each(|attachment| writer.attach(attachment))?;
     let writing = shared.clone();
     let writer = std::thread::Builder::new()
         .name("recording".into())

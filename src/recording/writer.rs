@@ -1,9 +1,9 @@
 //! [`RecordingWriter`]: frames into MCAP.
 
-use super::RecordingError;
 use super::log_time::LogTime;
 use super::ros1::{self, MessageType, Payload, RosStream};
 use super::stream::RecordedStream;
+use super::{Attachment, RecordingError};
 use belvedere_bridge::{FrameHeader, FrameView};
 use mcap::WriteOptions;
 use mcap::records::{MessageHeader, Metadata};
@@ -105,6 +105,21 @@ impl<W: Write> RecordingWriter<W> {
             frame: Vec::new(),
             bytes: 0,
         })
+    }
+
+    /// Keeps a file in the recording.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn attach(&mut self, attachment: &Attachment) -> Result<(), RecordingError> {
+        let Attachment { name, media_type, data } = attachment;
+        Ok(self.file.attach(&mcap::Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: name.clone(),
+            media_type: media_type.clone(),
+            data: data.into(),
+        })?)
     }
 
     /// Adds a stream.

@@ -24,6 +24,7 @@ mod moments;
 mod motion;
 mod mount;
 mod navsat;
+mod ouster;
 mod outlet;
 pub mod packets;
 pub mod pictures;

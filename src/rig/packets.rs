@@ -1,32 +1,17 @@
-//! Data packets as a scanner's maker sends them, over UDP and into files.
-//!
-//! Of Velodyne (VLP-16 User Manual 63-9243, chapter 9): 1206 bytes, little-endian; 12 blocks of 100 bytes (0xEEFF, azimuth in
-//! 0.01° clockwise, 32 × (distance in 2 mm, reflectivity)), time of the first firing in µs after the hour, return mode,
-//! product. A block has two columns of 16 lasers, or one of 32, in the order in which they fire; the azimuth is that of its
-//! first. Packets go on from frame to frame: what does not fill one waits for the next.
+//! Data packets as a scanner's maker sends them, over UDP and into files: a file a maker, and a row of it below.
 
+mod ouster;
 mod pcap;
+mod velodyne;
 
 use super::Rig;
-use belvedere_sensors::scanner::presets::Preset;
+use crate::description::model;
+use belvedere_sensors::scanner::presets::Maker;
 use pcap::Pcap;
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::path::PathBuf;
 use std::str::FromStr;
-
-/// Bytes of a packet.
-const LEN: usize = 1206;
-/// Blocks of a packet, bytes of one, and lasers in it.
-const BLOCKS: usize = 12;
-const BLOCK: usize = 100;
-const LASERS: usize = 32;
-/// Metres of a distance of 1.
-const STEP_M: f32 = 0.002;
-/// Return mode: the strongest.
-const STRONGEST: u8 = 0x37;
-/// Nanoseconds of an hour, after which the time of packets begins again.
-const HOUR_NS: u64 = 3_600_000_000_000;
 
 /// Where packets go.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,6 +20,8 @@ pub enum PacketTarget {
     Udp(SocketAddr),
     /// Into a file as Wireshark and drivers read it.
     Pcap(PathBuf),
+    /// Nowhere: what a decoder has to know of the device goes into this file.
+    Metadata(PathBuf),
 }
 
 /// Whose packets go where.
@@ -63,6 +50,9 @@ impl<T: FromStr> FromStr for Feed<T> {
 
 /// What is fired together, in the order of the lasers.
 pub(super) struct Column<'a> {
+    /// Number of the frame, and of the column in it.
+    pub(super) frame: u64,
+    pub(super) number: usize,
     /// Of its first firing, in ns.
     pub(super) time_ns: u64,
     /// Of the head then, clockwise, as a share of a turn.
@@ -72,30 +62,61 @@ pub(super) struct Column<'a> {
     pub(super) intensities: &'a [f32],
 }
 
+/// How a maker packs columns.
+trait Protocol {
+    /// The port that they are sent to.
+    fn port(&self) -> u16;
+
+    /// Puts a column into the packet; that, if it is full now.
+    fn push(&mut self, column: &Column<'_>) -> Option<&[u8]>;
+
+    /// Forgets what waits.
+    fn restart(&mut self);
+
+    /// What a decoder has to know of the device, as JSON; none if packets say it all.
+    fn metadata(&self) -> Option<String> {
+        None
+    }
+}
+
+/// Makers whose packets are known, and those of a lidar of theirs.
+type Row = (Maker, fn(&model::Lidar) -> Option<Box<dyn Protocol>>);
+const PROTOCOLS: [Row; 2] = [(Maker::Ouster, ouster::of), (Maker::Velodyne, velodyne::of)];
+
 /// A scanner's packets, and everybody who gets them.
 pub(super) struct Packets {
-    product: u8,
-    packet: [u8; LEN],
-    /// Lasers that are in it.
-    filled: usize,
-    begun_ns: u64,
+    protocol: Box<dyn Protocol>,
     sinks: Vec<PacketSink>,
 }
 
 impl Packets {
-    /// Of a preset; none if its packets are not known.
-    pub(super) fn of(preset: &Preset) -> Option<Self> {
-        let product = match preset.name {
-            "hdl32e" => 0x21,
-            "vlp16" => 0x22,
-            _ => return None,
-        };
-        Some(Self { product, packet: [0; LEN], filled: 0, begun_ns: 0, sinks: Vec::new() })
+    /// Of a lidar; none if its packets are not known.
+    pub(super) fn of(lidar: &model::Lidar) -> Option<Self> {
+        let maker = lidar.preset?.maker;
+        let (_, open) = PROTOCOLS.iter().find(|(known, _)| *known == maker)?;
+        Some(Self { protocol: open(lidar)?, sinks: Vec::new() })
     }
 
-    /// Sends them to somebody more.
+    /// That they are not.
+    pub(super) fn unknown() -> io::Error {
+        let makers = PROTOCOLS.map(|(maker, _)| format!("{maker:?}"));
+        io::Error::other(format!("packets are known of presets of {} alone", makers.join(" and ")))
+    }
+
+    /// Sends them to somebody more, or writes what a decoder has to know of the device.
     pub(super) fn open(&mut self, target: &PacketTarget) -> io::Result<()> {
-        self.sinks.push(PacketSink::open(target)?);
+        let metadata = self.protocol.metadata();
+        match (target, metadata) {
+            (PacketTarget::Metadata(path), Some(metadata)) => return std::fs::write(path, metadata),
+            (PacketTarget::Metadata(_), None) => {
+                return Err(io::Error::other("its packets need no metadata"));
+            }
+            (PacketTarget::Pcap(path), Some(metadata)) => {
+                std::fs::write(path.with_extension("json"), metadata)?;
+            }
+            (PacketTarget::Pcap(_) | PacketTarget::Udp(_), _) => {}
+        }
+        self.sinks.extend(PacketSink::open(target)?);
         Ok(())
     }
 
@@ -105,36 +126,14 @@ impl Packets {
 
     /// Forgets what waits.
     pub(super) fn restart(&mut self) {
-        self.filled = 0;
+        self.protocol.restart();
     }
 
     /// Puts a column into the packet, and sends that if it is full.
     pub(super) fn push(&mut self, column: &Column<'_>) {
-        if self.filled == 0 {
-            self.begun_ns = column.time_ns;
-        }
-        let block = &mut self.packet[self.filled / LASERS * BLOCK..][..BLOCK];
-        let first = self.filled % LASERS;
-        if first == 0 {
-            let hundredths = (column.turned * 36_000.0).round().rem_euclid(36_000.0) as u16;
-            block[..2].copy_from_slice(&[0xFF, 0xEE]);
-            block[2..4].copy_from_slice(&hundredths.to_le_bytes());
-        }
-        let places = block[4 + 3 * first..].chunks_exact_mut(3);
-        for ((place, range), intensity) in places.zip(column.ranges).zip(column.intensities) {
-            let distance = if range.is_finite() { (range / STEP_M).round() as u16 } else { 0 };
-            place[..2].copy_from_slice(&distance.to_le_bytes());
-            place[2] = if distance == 0 { 0 } else { intensity.round() as u8 };
-        }
-        self.filled += column.ranges.len();
-        if self.filled >= BLOCKS * LASERS {
-            let micros = (self.begun_ns + 500) / 1000 % (HOUR_NS / 1000);
-            self.packet[1200..1204].copy_from_slice(&(micros as u32).to_le_bytes());
-            self.packet[1204..].copy_from_slice(&[STRONGEST, self.product]);
-            for sink in &mut self.sinks {
-                sink.send(&self.packet, column.time_ns);
-            }
-            self.filled = 0;
+        let port = self.protocol.port();
+        if let Some(packet) = self.protocol.push(column) {
+            self.sinks.iter_mut().for_each(|sink| sink.send(packet, port, column.time_ns));
         }
     }
 }
@@ -152,22 +151,24 @@ enum SinkKind {
 }
 
 impl PacketSink {
-    fn open(target: &PacketTarget) -> io::Result<Self> {
+    /// None if packets go nowhere.
+    fn open(target: &PacketTarget) -> io::Result<Option<Self>> {
         let (kind, name) = match target {
             PacketTarget::Udp(to) => {
                 let any: SocketAddr = if to.is_ipv4() { ([0; 4], 0).into() } else { ([0_u16; 8], 0).into() };
                 (SinkKind::Udp(UdpSocket::bind(any)?, *to), to.to_string())
             }
             PacketTarget::Pcap(path) => (SinkKind::Pcap(Pcap::create(path)?), path.display().to_string()),
+            PacketTarget::Metadata(_) => return Ok(None),
         };
-        Ok(Self { kind, name, has_failed: false })
+        Ok(Some(Self { kind, name, has_failed: false }))
     }
 
     /// Whoever does not get it is told of once; the simulation goes on.
-    fn send(&mut self, packet: &[u8; LEN], time_ns: u64) {
+    fn send(&mut self, packet: &[u8], port: u16, time_ns: u64) {
         let sent = match &mut self.kind {
             SinkKind::Udp(socket, to) => socket.send_to(packet, *to).map(|_| ()),
-            SinkKind::Pcap(pcap) => pcap.write(packet, time_ns),
+            SinkKind::Pcap(pcap) => pcap.write(packet, port, time_ns),
         };
         if let Err(error) = sent
             && !std::mem::replace(&mut self.has_failed, true)
@@ -193,16 +194,30 @@ impl Rig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use belvedere_sensors::scanner::presets::{HDL_32E, RPLIDAR_A1, VLP_16};
+    use crate::description::model::{Lidar, SensorKind};
     use std::time::Duration;
+    use velodyne::HOUR_NS;
+
+    /// A lidar with a preset and whatever else stands beside that.
+    fn lidar(own: &str) -> Lidar {
+        let model = format!(
+            "<sdf version='1.6'><model name='m'><link name='l'><sensor name='s' type='ray'>
+             <plugin filename='belvedere'>{own}</plugin></sensor></link></model></sdf>"
+        );
+        let SensorKind::Ray(lidar) = crate::description::read::model(&model).unwrap().sensors.remove(0).kind
+        else {
+            panic!()
+        };
+        lidar
+    }
 
     /// Bytes at the places that the manual gives.
     #[test]
     fn columns_become_the_packets_of_the_manual() {
         let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
         receiver.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
-        for (preset, lasers, product) in [(VLP_16, 16, 0x22), (HDL_32E, 32, 0x21)] {
-            let mut packets = Packets::of(&preset).unwrap();
+        for (preset, lasers, product) in [("vlp16", 16, 0x22), ("hdl32e", 32, 0x21)] {
+            let mut packets = Packets::of(&lidar(&format!("<preset>{preset}</preset>"))).unwrap();
             packets.open(&PacketTarget::Udp(receiver.local_addr().unwrap())).unwrap();
             let columns = 384 / lasers;
             for column in 0..columns {
@@ -210,6 +225,8 @@ mod tests {
                     .map(|id| if id == 3 { f32::INFINITY } else { 1.0 + 0.002 * id as f32 })
                     .collect();
                 packets.push(&Column {
+                    frame: 1,
+                    number: column,
                     time_ns: 2 * HOUR_NS + 1_234_567 + 55_296 * column as u64,
                     turned: 0.999_96 + 0.0004 * column as f64,
                     ranges: &ranges,
@@ -237,7 +254,71 @@ mod tests {
             assert_eq!(u32::from_le_bytes(packet[1200..1204].try_into().unwrap()), 1235);
             assert_eq!(packet[1204..1206], [0x37, product]);
         }
-        assert!(Packets::of(&RPLIDAR_A1).is_none());
+        assert!(Packets::of(&lidar("<preset>rplidar_a1</preset>")).is_none());
+    }
+
+    /// Bytes at the places that Ouster's documents give.
+    #[test]
+    fn columns_become_the_packets_of_ousters_profiles() {
+        let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
+        receiver.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        for (profile, length, header, column_header, channel) in [
+            ("LEGACY", 6464, 0, 16, 12),
+            ("RNG19_RFL8_SIG16_NIR16", 6400, 32, 12, 12),
+            ("RNG15_RFL8_NIR8", 2304, 32, 12, 4),
+        ] {
+            let own = format!("<preset>os1_32</preset><udp_profile_lidar>{profile}</udp_profile_lidar>");
+            let mut packets = Packets::of(&lidar(&own)).unwrap();
+            packets.open(&PacketTarget::Udp(receiver.local_addr().unwrap())).unwrap();
+            let ranges: Vec<f32> =
+                (0..32).map(|id| if id == 3 { f32::INFINITY } else { 1.0 + 0.5 * id as f32 }).collect();
+            // What a reset cuts off is not sent.
+            for number in (0..5).chain(32..48) {
+                packets.push(&Column {
+                    frame: 65_536 + 7,
+                    number,
+                    time_ns: 1_000_000_007 + 97_656 * number as u64,
+                    turned: number as f64 / 1024.0,
+                    ranges: &ranges,
+                    intensities: &[300.0; 32],
+                });
+            }
+            let mut packet = [0; 10_000];
+            assert_eq!(receiver.recv(&mut packet).unwrap(), length);
+            let u16_at = |at: usize| u16::from_le_bytes([packet[at], packet[at + 1]]);
+            let u32_at = |at: usize| u32::from_le_bytes(packet[at..at + 4].try_into().unwrap());
+            let is_legacy = profile == "LEGACY";
+            if !is_legacy {
+                assert_eq!((u16_at(0), u16_at(2), packet[4], packet[7]), (1, 7, 1, 1));
+                assert!(packet[length - 32..length - 8].iter().all(|byte| *byte == 0));
+            }
+            let column = column_header + 32 * channel + if is_legacy { 4 } else { 0 };
+            for index in 0..16 {
+                let at = header + index * column;
+                let time = u64::from_le_bytes(packet[at..at + 8].try_into().unwrap());
+                assert_eq!(time, 1_000_000_007 + 97_656 * (32 + index as u64));
+                assert_eq!(usize::from(u16_at(at + 8)), 32 + index);
+                if is_legacy {
+                    assert_eq!((u16_at(at + 10), u32_at(at + 12)), (7, 88 * (32 + index as u32)));
+                    assert_eq!(u32_at(at + column - 4), u32::MAX);
+                } else {
+                    assert_eq!(u16_at(at + 10), 1);
+                }
+                for id in 0..32 {
+                    let at = at + column_header + id * channel;
+                    let (hit, millimetres) = (id != 3, 1015.806 + 500.0 * id as f64);
+                    if channel == 12 {
+                        let range = if hit { millimetres.round() as u32 } else { 0 };
+                        let signal = if hit { 300 } else { 0 };
+                        assert_eq!((u32_at(at), u16_at(at + 6)), (range, signal));
+                        assert_eq!(packet[at + 4], if hit { 255 } else { 0 });
+                    } else {
+                        let range = if hit { (millimetres / 8.0).round() as u16 } else { 0 };
+                        assert_eq!((u16_at(at), packet[at + 2]), (range, if hit { 255 } else { 0 }));
+                    }
+                }
+            }
+        }
     }
 
     #[test]

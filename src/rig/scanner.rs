@@ -1,8 +1,10 @@
-//! A lidar whose beams each have a time of their own. Its cloud is as a driver of ROS sends it, stamped with the end of the
-//! scan; the scan of a single beam is stamped with its first ray, as `sensor_msgs/LaserScan` has it.
+//! A lidar whose beams each have a time of their own. Its cloud is as its driver of ROS sends it; the scan of a single beam is stamped with its first ray, as `sensor_msgs/LaserScan` has it.
+
+mod cloud;
+mod head;
 
 use super::channel::{Channel, is_any_wanted};
-use super::lidar::{beams, sight};
+use super::lidar::sight;
 use super::motion::Motion;
 use super::mount::Mount;
 use super::outlet::Outlet;
@@ -11,27 +13,23 @@ use super::pictures::noise;
 use super::sink::Frame;
 use super::truth::TruthOutlets;
 use super::{Opening, Rate, RigContext, RigError, Settings};
-use crate::description::model::{self, CloudLayout, LaserPlugin, RaySensor, Sensor};
+use crate::description::model::{self, CloudLayout, LaserPlugin, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
-use belvedere_sensors::lidar::Beams;
-use belvedere_sensors::scanner::presets::Preset;
-use belvedere_sensors::scanner::{Columns, Echoes, Firing, Pattern, Scanner, ScannerConfig};
+use belvedere_sensors::scanner::{Echoes, Pattern, Scanner, ScannerConfig};
 use belvedere_sensors::{Capture, Pose, Shutter};
-use glam::DVec3;
+use cloud::{CloudForm, Found, Scan};
+use head::{Head, angles, config_of};
 use std::f64::consts::TAU;
 use std::io;
 use std::time::Instant;
-
-/// Bytes of a point: x, y, z, intensity, ring, time.
-const POINT_STEP: usize = 22;
 
 /// A running scanner.
 pub(super) struct ScannerChannel {
     /// All but its pattern.
     config: ScannerConfig<'static>,
     head: Head,
-    /// The rank of each laser, from the lowest up.
-    rings: Vec<u16>,
+    /// How many lasers it has.
+    lasers: usize,
     form: Form,
     /// Gazebo's take all beams at one moment.
     is_still: bool,
@@ -47,90 +45,9 @@ pub(super) struct ScannerChannel {
 /// What it sends.
 enum Form {
     /// Points.
-    Cloud(CloudLayout),
+    Cloud(CloudLayout, Box<dyn CloudForm>),
     /// Ranges, all but the times of its angles.
     Scan(Box<ScanGeometry>),
-}
-
-/// Which way it fires, and when.
-enum Head {
-    /// As a maker's scanner does.
-    Preset(Preset),
-    /// By the angles of a `<ray>`, horizontal and vertical.
-    Grid { angles: [Beams; 2], firings: Vec<Firing> },
-}
-
-impl Head {
-    fn of(lidar: &model::Lidar, frame_time_ns: u64) -> Self {
-        match lidar.preset {
-            Some(preset) => Self::Preset(preset),
-            None => Self::grid([beams(&lidar.ray.horizontal), beams(&lidar.ray.vertical)], frame_time_ns),
-        }
-    }
-
-    fn grid(angles: [Beams; 2], frame_time_ns: u64) -> Self {
-        Self::Grid { angles, firings: firings(&angles, frame_time_ns) }
-    }
-
-    fn pattern(&self) -> Pattern<'_> {
-        match self {
-            Self::Preset(preset) => preset.pattern,
-            Self::Grid { firings, .. } => Pattern::Table(firings),
-        }
-    }
-
-    /// The elevation of each laser.
-    fn elevations(&self) -> Vec<f64> {
-        match self {
-            Self::Preset(Preset { pattern: Pattern::Spinning(head), .. }) => {
-                head.lasers.iter().map(|laser| laser.elevation_rad).collect()
-            }
-            Self::Preset(_) => vec![0.0],
-            Self::Grid { angles: [_, vertical], .. } => {
-                (0..vertical.samples).map(|row| vertical.angle(row)).collect()
-            }
-        }
-    }
-}
-
-/// The firings of a grid of beams on a head that turns once a frame, clockwise as Velodyne's do: columns one after the
-/// other, the beams of each at once.
-fn firings([horizontal, vertical]: &[Beams; 2], frame_time_ns: u64) -> Vec<Firing> {
-    // Both ends of a whole circle have a time of their own.
-    let turn = TAU.max(horizontal.max_angle_rad - horizontal.min_angle_rad + horizontal.increment());
-    let mut firings = Vec::with_capacity(horizontal.samples as usize * vertical.samples as usize);
-    for column in (0..horizontal.samples).rev() {
-        let azimuth = horizontal.angle(column);
-        let (sin, cos) = libm::sincos(azimuth);
-        let begun = (horizontal.max_angle_rad - azimuth).max(0.0) / turn;
-        let time_s = frame_time_ns as f64 * 1e-9 * begun;
-        for row in 0..vertical.samples {
-            let (up, along) = libm::sincos(vertical.angle(row));
-            let direction = DVec3::new(along * cos, along * sin, up);
-            firings.push(Firing { time_s, origin: DVec3::ZERO, direction, laser: row });
-        }
-    }
-    firings
-}
-
-/// What a frame has found, a value a firing.
-#[derive(Default)]
-struct Found {
-    ranges: Vec<f32>,
-    points: Vec<[f32; 3]>,
-    intensities: Vec<f32>,
-    times: Vec<f64>,
-    lasers: Vec<u32>,
-}
-
-impl Found {
-    fn resize(&mut self, firings: usize) {
-        self.ranges.resize(firings, 0.0);
-        self.points.resize(firings, [0.0; 3]);
-        self.intensities.resize(firings, 0.0);
-        self.times.resize(firings, 0.0);
-        self.lasers.resize(firings, 0);
-    }
 }
 
 impl ScannerChannel {
@@ -157,15 +74,14 @@ impl ScannerChannel {
         let head = Head::of(lidar, frame_time_ns);
         let scanner = Scanner::new(config_of(&config, &head)).map_err(|error| refused(&error))?;
         let most = scanner.most_firings();
-        let elevations = head.elevations();
-        let rank = |elevation: &f64| elevations.iter().filter(|other| *other < elevation).count() as u16;
-        let rings = elevations.iter().map(rank).collect();
-        let size = [elevations.len() as u32, (most / elevations.len()) as u32];
+        let lasers = head.elevations().len();
+        let size = [lasers as u32, (most / lasers) as u32];
         let frame = opening.frame_id(sensor, &plugin.frame_name);
         let (form, spec) = if let Some(layout) = plugin.cloud {
-            let bytes = most * POINT_STEP;
-            let spec = StreamSpec::new(&plugin.topic, Kind::PointCloud, Encoding::XyzIrtF32, bytes);
-            (Form::Cloud(layout), spec)
+            let form = cloud::form_of(&head);
+            let bytes = most * form.encoding().elem_size().unwrap_or_default();
+            let spec = StreamSpec::new(&plugin.topic, Kind::PointCloud, form.encoding(), bytes);
+            (Form::Cloud(layout, form), spec)
         } else {
             let bytes = most * size_of::<f32>() * 2;
             let spec = StreamSpec::new(&plugin.topic, Kind::LaserScan, Encoding::RangesF32, bytes).layers(1);
@@ -178,8 +94,8 @@ impl ScannerChannel {
             is_still: opening.gazebo_compat,
             motion: Motion::default(),
             found: Found::default(),
-            packets: lidar.preset.as_ref().and_then(Packets::of),
-            rings,
+            packets: Packets::of(lidar),
+            lasers,
             form,
             config,
             head,
@@ -193,7 +109,11 @@ impl ScannerChannel {
     /// Puts what was found into a frame.
     fn write(&self, firings: usize, world_from_sensor: &Pose, stamp_ns: u64) -> Option<Frame> {
         let mut frame = match &self.form {
-            Form::Cloud(layout) => self.write_cloud(layout, firings, stamp_ns)?,
+            Form::Cloud(layout, form) => {
+                let taken_s = (!self.is_still).then(|| self.frame_time_s());
+                let scan = Scan { found: &self.found, firings, layout: *layout, stamp_ns, taken_s };
+                form.write(&scan, &self.outlet)?
+            }
             Form::Scan(geometry) => self.write_scan(geometry, firings, stamp_ns)?,
         };
         Mount::write(world_from_sensor, frame.header_mut());
@@ -220,45 +140,6 @@ impl ScannerChannel {
         intensities.copy_from_slice(&self.found.intensities[..firings]);
         Some(frame)
     }
-
-    /// What goes into the cloud.
-    fn write_cloud(&self, layout: &CloudLayout, firings: usize, stamp_ns: u64) -> Option<Frame> {
-        let Found { points, intensities, times, lasers, .. } = &self.found;
-        let CloudLayout { is_organized, min_intensity } = *layout;
-        let is_point =
-            |firing: usize| !points[firing][0].is_nan() && f64::from(intensities[firing]) >= min_intensity;
-        let shown =
-            if is_organized { firings } else { (0..firings).filter(|&firing| is_point(firing)).count() };
-        let mut frame = self.outlet.loan(shown * POINT_STEP)?;
-        let lasers_in_all = self.rings.len();
-        let header = frame.header_mut();
-        if is_organized {
-            header.set_packed(lasers_in_all as u32, (firings / lasers_in_all) as u32);
-        } else {
-            header.set_packed(shown as u32, 1);
-        }
-        header.stamp_ns = stamp_ns;
-        let end_s = (!self.is_still).then(|| self.frame_time_s());
-        let mut places = frame.payload_mut().chunks_exact_mut(POINT_STEP);
-        for firing in 0..firings {
-            let is_point = is_point(firing);
-            if !is_point && !is_organized {
-                continue;
-            }
-            let Some(place) = places.next() else { break };
-            let point = if is_point { points[firing] } else { [f32::NAN; 3] };
-            let time_s = end_s.map_or(0.0, |end_s| times[firing] - end_s);
-            let ring = self.rings[lasers[firing] as usize];
-            let [x, y, z] = point.map(f32::to_le_bytes);
-            place[..4].copy_from_slice(&x);
-            place[4..8].copy_from_slice(&y);
-            place[8..12].copy_from_slice(&z);
-            place[12..16].copy_from_slice(&intensities[firing].to_le_bytes());
-            place[16..18].copy_from_slice(&ring.to_le_bytes());
-            place[18..].copy_from_slice(&(time_s as f32).to_le_bytes());
-        }
-        Some(frame)
-    }
 }
 
 impl ScannerChannel {
@@ -267,14 +148,16 @@ impl ScannerChannel {
     }
 
     /// Sends what was found in packets, if somebody wants them; what would have been before time 0 is left out.
-    fn send_columns(&mut self, firings: usize, stamp_ns: u64) {
+    fn send_columns(&mut self, firings: usize, frame: u64, stamp_ns: u64) {
         let Some(packets) = self.packets.as_mut().filter(|packets| packets.is_wanted()) else { return };
-        let (period_ns, lasers) = (self.config.frame_time_ns, self.rings.len());
+        let (period_ns, lasers) = (self.config.frame_time_ns, self.lasers);
         let Found { ranges, intensities, times, .. } = &self.found;
-        for first in (0..firings).step_by(lasers) {
+        for (number, first) in (0..firings).step_by(lasers).enumerate() {
             let after_ns = (times[first] * 1e9).round() as u64;
             let Some(time_ns) = (stamp_ns + after_ns).checked_sub(period_ns) else { continue };
             packets.push(&Column {
+                frame,
+                number,
                 time_ns,
                 turned: after_ns as f64 / period_ns as f64,
                 ranges: &ranges[first..first + lasers],
@@ -282,33 +165,6 @@ impl ScannerChannel {
             });
         }
     }
-}
-
-/// The angles of a single beam that is measured at even steps; its times are those of the head.
-fn angles(head: &Head, ray: &RaySensor) -> ScanGeometry {
-    let (mut angle_min, mut angle_increment) = (ray.horizontal.min_angle_rad, 0.0);
-    if let Head::Preset(Preset { pattern: Pattern::Spinning(head), .. }) = head
-        && let Columns::Turn { per_turn, first, .. } = head.columns
-    {
-        angle_increment = TAU / f64::from(per_turn);
-        angle_min = head.first_azimuth_rad + f64::from(first) * angle_increment;
-    }
-    ScanGeometry {
-        angle_min,
-        angle_increment,
-        time_increment: 0.0,
-        scan_time: 0.0,
-        range_min: ray.range_min_m as f32,
-        range_max: ray.range_max_m as f32,
-        vertical_angle_min: 0.0,
-        vertical_angle_increment: 0.0,
-        reserved: [0; 19],
-    }
-}
-
-/// The scanner's, with its pattern.
-fn config_of<'a>(config: &ScannerConfig<'a>, head: &'a Head) -> ScannerConfig<'a> {
-    config.pattern(head.pattern())
 }
 
 impl Channel for ScannerChannel {
@@ -344,7 +200,7 @@ impl Channel for ScannerChannel {
         }
         let firings = if taken && is_wanted { scanner.firings(frame_number) } else { 0 };
         let frame = self.write(firings, &world_from_sensor, context.stamp_ns);
-        self.send_columns(firings, context.stamp_ns);
+        self.send_columns(firings, frame_number, context.stamp_ns);
         let outcome = self.outlet.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);
         self.outlet.record(outcome, started.elapsed());
@@ -364,7 +220,7 @@ impl Channel for ScannerChannel {
     fn send_packets(&mut self, target: &PacketTarget) -> io::Result<()> {
         match &mut self.packets {
             Some(packets) => packets.open(target),
-            None => Err(io::Error::other("packets are known of the presets vlp16 and hdl32e alone")),
+            None => Err(Packets::unknown()),
         }
     }
 
@@ -375,13 +231,14 @@ impl Channel for ScannerChannel {
     fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
         let rate_hz = settings.update_rate_hz();
         if let Head::Preset(preset) = &self.head {
-            let [slowest, fastest] = preset.rates_hz;
-            if !(slowest..=fastest).contains(&rate_hz) {
-                return Err(format!(
-                    "update_rate is {rate_hz}; a {} turns {slowest} to {fastest} times a second",
-                    preset.name
-                )
-                .into());
+            let columns = preset.columns();
+            if preset.in_mode(columns, Some(rate_hz)).is_none() {
+                let choices = model::choices(preset);
+                let choices = match columns {
+                    None => format!("a {} turns {choices} times a second", preset.name),
+                    Some(columns) => format!("a {} of {columns} columns has of {choices}", preset.name),
+                };
+                return Err(format!("update_rate is {rate_hz}; {choices}").into());
             }
         }
         let frame_time_ns = Rate::from_hz(rate_hz).map_or(self.config.frame_time_ns, |rate| rate.stamp_ns(1));

@@ -167,6 +167,14 @@ enum bv_encoding
     // 12, ring as u16 at 16, from the lowest up, time as f32 at 18 in seconds after the stamp. NaN coordinates: no
     // point, which only clouds of several rows have.
     BV_ENCODING_XYZ_IRT_F32 = 22,
+    // A point of 48 bytes, as Ouster's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at 16,
+    // t as u32 at 20 in nanoseconds after the stamp, reflectivity as u16 at 24, ring as u16 at 26, from the highest
+    // down, ambient as u16 at 28, range as u32 at 32 in millimetres, 0 for none. NaN coordinates: no point. A row is
+    // a laser, a column a direction.
+    BV_ENCODING_OUSTER_POINT = 23,
+    // A point of 26 bytes, as Livox's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at 12,
+    // tag as u8 at 16, line as u8 at 17, timestamp as f64 at 18 in nanoseconds since time 0.
+    BV_ENCODING_LIVOX_POINT = 24,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

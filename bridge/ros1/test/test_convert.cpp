@@ -205,6 +205,38 @@ TEST(PointCloud, OfALidarHasTheFieldsOfVelodynesDriver) {
     EXPECT_FALSE(to_point_cloud(Known(BV_KIND_POINT_CLOUD, BV_ENCODING_XYZ_IRT_F32, 3, 2, 22).sample())->is_dense);
 }
 
+void expect_fields(std::uint16_t encoding, std::uint32_t size, const std::vector<sensor_msgs::PointField>& expected) {
+    const auto cloud = to_point_cloud(Known(BV_KIND_POINT_CLOUD, encoding, 3, 2, size).sample());
+    EXPECT_EQ(cloud->point_step, size);
+    EXPECT_FALSE(cloud->is_dense);
+    ASSERT_EQ(cloud->fields.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_EQ(cloud->fields[i].name, expected[i].name);
+        EXPECT_EQ(cloud->fields[i].offset, expected[i].offset);
+        EXPECT_EQ(cloud->fields[i].datatype, expected[i].datatype);
+    }
+}
+
+TEST(PointCloud, OfOustersAndLivoxsLidarsHaveTheFieldsOfTheirDrivers) {
+    using Field = sensor_msgs::PointField;
+    const auto field = [](const char* name, std::uint32_t offset, std::uint8_t datatype) {
+        Field field;
+        field.name = name;
+        field.offset = offset;
+        field.datatype = datatype;
+        return field;
+    };
+    expect_fields(BV_ENCODING_OUSTER_POINT, 48,
+                  {field("x", 0, Field::FLOAT32), field("y", 4, Field::FLOAT32), field("z", 8, Field::FLOAT32),
+                   field("intensity", 16, Field::FLOAT32), field("t", 20, Field::UINT32),
+                   field("reflectivity", 24, Field::UINT16), field("ring", 26, Field::UINT16),
+                   field("ambient", 28, Field::UINT16), field("range", 32, Field::UINT32)});
+    expect_fields(BV_ENCODING_LIVOX_POINT, 26,
+                  {field("x", 0, Field::FLOAT32), field("y", 4, Field::FLOAT32), field("z", 8, Field::FLOAT32),
+                   field("intensity", 12, Field::FLOAT32), field("tag", 16, Field::UINT8),
+                   field("line", 17, Field::UINT8), field("timestamp", 18, Field::FLOAT64)});
+}
+
 TEST(Odometry, HasPoseVelocityAndCovariances) {
     bv_odometry from{};
     std::strcpy(from.child_frame_id, "base_footprint");

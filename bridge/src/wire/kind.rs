@@ -144,6 +144,14 @@ wire_enum! {
         /// 12, ring as u16 at 16, from the lowest up, time as f32 at 18 in seconds after the stamp. NaN coordinates: no
         /// point, which only clouds of several rows have.
         XyzIrtF32 = 22 "xyzirt_f32" of [u8; 22],
+        /// A point of 48 bytes, as Ouster's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at 16,
+        /// t as u32 at 20 in nanoseconds after the stamp, reflectivity as u16 at 24, ring as u16 at 26, from the highest
+        /// down, ambient as u16 at 28, range as u32 at 32 in millimetres, 0 for none. NaN coordinates: no point. A row is
+        /// a laser, a column a direction.
+        OusterPoint = 23 "ouster_point" of [u8; 48],
+        /// A point of 26 bytes, as Livox's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at 12,
+        /// tag as u8 at 16, line as u8 at 17, timestamp as f64 at 18 in nanoseconds since time 0.
+        LivoxPoint = 24 "livox_point" of [u8; 26],
     }
 }
 

@@ -71,6 +71,8 @@ pub(super) fn cloud(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
     let points = match header.encoding()? {
         Encoding::XyzRgbF32 => frame.numbers::<[f32; 5]>(frame.rows()).take(limit).map(coloured).collect(),
         Encoding::XyzIrtF32 => frame.numbers::<[u8; 22]>(frame.rows()).take(limit).map(timed).collect(),
+        Encoding::OusterPoint => frame.numbers::<[u8; 48]>(frame.rows()).take(limit).map(ouster).collect(),
+        Encoding::LivoxPoint => frame.numbers::<[u8; 26]>(frame.rows()).take(limit).map(livox).collect(),
         _ => return None,
     };
     Some(vec![
@@ -95,14 +97,42 @@ fn coloured([x, y, z, _, rgb]: [f32; 5]) -> Tree {
     ])
 }
 
+/// A number in a point, at a byte of it.
+fn at<T: bytemuck::AnyBitPattern>(point: &[u8], at: usize) -> T {
+    bytemuck::pod_read_unaligned(&point[at..at + size_of::<T>()])
+}
+
 /// A point of `Encoding::XyzIrtF32`.
 fn timed(point: [u8; 22]) -> Tree {
-    let float = |at: usize| f32::from_le_bytes([point[at], point[at + 1], point[at + 2], point[at + 3]]);
     Map(vec![
-        ("xyz", xyz_of([float(0), float(4), float(8)])),
-        ("intensity", Number(float(12).into())),
-        ("ring", Whole(u16::from_le_bytes([point[16], point[17]]).into())),
-        ("time", Number(float(18).into())),
+        ("xyz", xyz_of(at(&point, 0))),
+        ("intensity", Number(at::<f32>(&point, 12).into())),
+        ("ring", Whole(at::<u16>(&point, 16).into())),
+        ("time", Number(at::<f32>(&point, 18).into())),
+    ])
+}
+
+/// A point of `Encoding::OusterPoint`.
+fn ouster(point: [u8; 48]) -> Tree {
+    Map(vec![
+        ("xyz", xyz_of(at(&point, 0))),
+        ("intensity", Number(at::<f32>(&point, 16).into())),
+        ("t", Whole(at::<u32>(&point, 20).into())),
+        ("reflectivity", Whole(at::<u16>(&point, 24).into())),
+        ("ring", Whole(at::<u16>(&point, 26).into())),
+        ("ambient", Whole(at::<u16>(&point, 28).into())),
+        ("range", Whole(at::<u32>(&point, 32).into())),
+    ])
+}
+
+/// A point of `Encoding::LivoxPoint`.
+fn livox(point: [u8; 26]) -> Tree {
+    Map(vec![
+        ("xyz", xyz_of(at(&point, 0))),
+        ("intensity", Number(at::<f32>(&point, 12).into())),
+        ("tag", Whole(point[16].into())),
+        ("line", Whole(point[17].into())),
+        ("timestamp", Number(at::<f64>(&point, 18))),
     ])
 }
 

@@ -5,6 +5,7 @@ use crate::description::diagnostics::Diagnostics;
 use crate::description::model::{
     JointIndex, JointKind, LinkIndex, Model, OdometryOrigin, OdometryPlugin, Sensor, SensorKind, Wheels,
 };
+use crate::description::topic;
 use crate::description::values::{child_bool, nearest, number, numbers};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
@@ -41,6 +42,7 @@ impl<'a> Parameters<'a> {
         rules: Rules,
         diagnostics: &'a mut Diagnostics,
     ) -> Self {
+        topic::check(plugin, diagnostics);
         Self { plugin, model, rules, diagnostics, asked: RefCell::default() }
     }
 

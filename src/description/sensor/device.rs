@@ -3,7 +3,7 @@
 
 use super::reader::Reader;
 use crate::description::model::{AutoExposed, CameraDevice};
-use crate::description::values::{child_text, nearest};
+use crate::description::values::child_text;
 use crate::description::xml::Element;
 use belvedere_sensors::device::{
     AutoExposure, AutoExposureConfig, DeviceConfig, DeviceError, Metering, presets,
@@ -90,16 +90,12 @@ impl Reader<'_> {
 
     /// The figures of a preset, and the time of its readout.
     fn preset(&mut self, element: &Element) -> Option<(DeviceConfig, f64)> {
-        let Some(name) = child_text(element, "preset") else { return Some((DeviceConfig::default(), 0.0)) };
-        let device = presets::named(&name);
-        if device.is_none() {
-            let what = format!("{} is '{name}', which is none", self.what("preset"));
-            let near = nearest(&name, presets::NAMES).unwrap_or_default();
-            let remedy = format!("did you mean {near}? there are {}", presets::NAMES.join(", "));
-            self.diagnostics.error(Self::place(Some(element), "preset", element), what, remedy);
+        if element.child("preset").is_none() {
+            return Some((DeviceConfig::default(), 0.0));
         }
+        let name = self.preset_name(element, &presets::NAMES)?;
         let readout = READOUT_TIMES_S.iter().find(|(preset, _)| *preset == name);
-        Some((device?, readout.map_or(0.0, |(_, time_s)| *time_s)))
+        Some((presets::named(name)?, readout.map_or(0.0, |(_, time_s)| *time_s)))
     }
 
     fn auto_exposure(

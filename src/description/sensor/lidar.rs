@@ -7,10 +7,10 @@ use super::reader::Reader;
 use super::{Kind, Sensor, SensorKind};
 use crate::description::diagnostics::Diagnostics;
 use crate::description::model::{CloudLayout, LaserPlugin, Noise, RaySensor, ScanAxis};
-use crate::description::values::{child_bool, child_text, nearest};
+use crate::description::values::{child_bool, child_text};
 use crate::description::xml::Element;
 use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
-use belvedere_sensors::scanner::presets::{self, Preset};
+use belvedere_sensors::scanner::presets::{self, Maker, Mode, Preset};
 use belvedere_sensors::scanner::{Columns, Pattern};
 use std::f64::consts::{PI, TAU};
 
@@ -21,6 +21,8 @@ pub struct Lidar {
     pub ray: RaySensor,
     /// The scanner of a maker that it is, if it is one.
     pub preset: Option<Preset>,
+    /// How its packets are laid out, if its maker has several ways.
+    pub profile: PacketProfile,
     /// What publishes it.
     pub plugin: Option<LaserPlugin>,
 }
@@ -29,6 +31,29 @@ impl Lidar {
     /// Whether its beams each have a time of their own.
     pub fn is_scanner(&self) -> bool {
         self.preset.is_some() || self.plugin.as_ref().is_some_and(|plugin| plugin.cloud.is_some())
+    }
+}
+
+/// A layout of Ouster's packets, as `udp_profile_lidar` of its configuration names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PacketProfile {
+    /// That of the first firmware.
+    Legacy,
+    /// 12 bytes a beam: range in mm, reflectivity, signal, near infrared.
+    #[default]
+    Rng19Rfl8Sig16Nir16,
+    /// 4 bytes a beam: range in 8 mm, reflectivity, near infrared.
+    Rng15Rfl8Nir8,
+}
+
+impl PacketProfile {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Legacy, Self::Rng19Rfl8Sig16Nir16, Self::Rng15Rfl8Nir8];
+    const NAMES: [&str; 3] = ["LEGACY", "RNG19_RFL8_SIG16_NIR16", "RNG15_RFL8_NIR8"];
+
+    /// As Ouster names it.
+    pub const fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
     }
 }
 
@@ -48,7 +73,8 @@ pub(super) const KIND: Kind = Kind {
 impl Reader<'_> {
     fn lidar(&mut self, sensor: &Element) -> Option<Lidar> {
         let preset = self.scanner_preset(sensor)?;
-        let is_cloud = preset.is_some_and(|preset| lasers(&preset) > 1);
+        let profile = self.packet_profile(sensor, preset.as_ref())?;
+        let is_cloud = preset.as_ref().is_some_and(is_cloud);
         let mut ray = match &preset {
             Some(preset) => ray_of(preset, sensor),
             None => self.ray(sensor)?,
@@ -60,27 +86,37 @@ impl Reader<'_> {
         if let (true, Some(plugin)) = (is_cloud, &mut plugin) {
             plugin.cloud.get_or_insert_default();
         }
-        Some(Lidar { ray, preset, plugin })
+        Some(Lidar { ray, preset, profile, plugin })
     }
 
     /// `<plugin filename="belvedere"><preset>`; the inner none means that there is none.
     #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
     fn scanner_preset(&mut self, sensor: &Element) -> Option<Option<Preset>> {
         let Some(own) = extension(sensor) else { return Some(None) };
-        self.left_out(own, |name| name == "preset", "take it out: a lidar has preset");
-        let Some(name) = child_text(own, "preset") else { return Some(None) };
-        let preset = presets::named(&name);
-        if preset.is_none() {
-            let names = presets::ALL.map(|preset| preset.name);
-            let near = nearest(&name, names).unwrap_or(names[0]);
-            self.diagnostics.error(
-                Self::place(Some(own), "preset", own),
-                format!("{} is '{name}', which is none", self.what("preset")),
-                format!("did you mean {near}? There are: {}", names.join(", ")),
-            );
-            return None;
+        let is_read = |name: &str| matches!(name, "preset" | "columns" | "udp_profile_lidar");
+        self.left_out(own, is_read, "take it out: a lidar has preset, columns and udp_profile_lidar");
+        if child_text(own, "preset").is_none() {
+            return Some(None);
         }
-        Some(preset)
+        self.preset_name(own, &presets::NAMES).map(presets::named)
+    }
+
+    /// `<udp_profile_lidar>` beside it.
+    fn packet_profile(&mut self, sensor: &Element, preset: Option<&Preset>) -> Option<PacketProfile> {
+        let written = extension(sensor).and_then(|own| Some((own, child_text(own, "udp_profile_lidar")?)));
+        let Some((own, name)) = written else { return Some(PacketProfile::default()) };
+        let is_ouster = preset.is_some_and(|preset| preset.maker == Maker::Ouster);
+        let found = PacketProfile::ALL.into_iter().find(|profile| profile.name() == name);
+        if is_ouster && found.is_some() {
+            return found;
+        }
+        let names = PacketProfile::NAMES.join(", ");
+        let remedy =
+            if is_ouster { format!("there are {names}") } else { "take it out: Ouster's have one".into() };
+        let place = Self::place(Some(own), "udp_profile_lidar", own);
+        let what = format!("{} is '{name}', which is none of its packets'", self.what("udp_profile_lidar"));
+        self.diagnostics.error(place, what, remedy);
+        None
     }
 
     /// The `<ray>` or `<lidar>` of a sensor.
@@ -210,23 +246,53 @@ impl Reader<'_> {
     }
 }
 
-/// That the head of a preset turns at a rate that it has: as it comes, unless the file says another.
+/// That a preset has the columns and the rate that the file says; as it comes, if it says none.
 pub(super) fn turn(read: &mut Sensor, sensor: &Element, diagnostics: &mut Diagnostics) -> Option<()> {
-    let SensorKind::Ray(Lidar { preset: Some(preset), .. }) = &read.kind else { return Some(()) };
-    let Some(rate_hz) = read.effective_rate_hz() else {
-        read.update_rate_hz = Some(preset.rate_hz);
-        return Some(());
-    };
-    let [slowest, fastest] = preset.rates_hz;
-    if (slowest..=fastest).contains(&rate_hz) {
+    let rate_hz = read.effective_rate_hz();
+    let SensorKind::Ray(Lidar { preset: Some(preset), ray, .. }) = &mut read.kind else { return Some(()) };
+    let own = extension(sensor);
+    let columns = own.and_then(|own| child_text(own, "columns"));
+    // There are never 0.
+    let count = columns.as_ref().map(|columns| columns.parse().unwrap_or(0));
+    if let Some(chosen) = preset.in_mode(count, rate_hz) {
+        ray.horizontal = horizontal_of(&chosen);
+        if rate_hz.is_none() {
+            read.update_rate_hz = Some(chosen.rate_hz);
+        }
+        *preset = chosen;
         return Some(());
     }
-    diagnostics.error(
-        Reader::place(Some(sensor), "update_rate", sensor),
-        format!("<update_rate> of sensor '{}' is {rate_hz}, and it is a {}", read.name, preset.name),
-        format!("write a rate from {slowest} to {fastest} Hz, or none for {} Hz", preset.rate_hz),
-    );
+    let place = match columns {
+        Some(_) => Reader::place(own, "columns", sensor),
+        None => Reader::place(Some(sensor), "update_rate", sensor),
+    };
+    let written =
+        [columns.map(|columns| ("columns", columns)), rate_hz.map(|rate| ("update_rate", rate.to_string()))];
+    let what = written
+        .into_iter()
+        .flatten()
+        .map(|(name, value)| format!("<{name}> of sensor '{}' is {value}", read.name));
+    let what = what.collect::<Vec<_>>().join(", ");
+    let remedy = match preset.modes {
+        [] => format!(
+            "write a rate from {} Hz, or none for {} Hz, and no <columns>",
+            choices(preset),
+            preset.rate_hz
+        ),
+        _ => format!("there are {}", choices(preset)),
+    };
+    diagnostics.error(place, format!("{what}, and it is a {}", preset.name), remedy);
     None
+}
+
+/// How many turns a second a preset may make, with how many columns.
+pub fn choices(preset: &Preset) -> String {
+    let [slowest, fastest] = preset.rates_hz;
+    if preset.modes.is_empty() {
+        return format!("{slowest} to {fastest}");
+    }
+    let mode = |mode: &Mode| format!("{} columns at {} Hz", mode.columns.at_angles(), mode.rate_hz);
+    preset.modes.iter().map(mode).collect::<Vec<_>>().join(", ")
 }
 
 /// Whether it is one of Gazebo's GPU kinds.
@@ -241,37 +307,40 @@ fn gz_plugin(sensor: &Element, is_cloud: bool) -> Option<LaserPlugin> {
     Some(LaserPlugin { topic, frame_name: frame_name(sensor), cloud: None })
 }
 
-/// How many lasers a preset has.
-fn lasers(preset: &Preset) -> usize {
-    match preset.pattern {
-        Pattern::Spinning(head) => head.lasers.len(),
-        _ => 1,
+/// Whether a preset measures in space, not in a plane.
+fn is_cloud(preset: &Preset) -> bool {
+    !matches!(preset.pattern, Pattern::Spinning(head) if head.lasers.len() == 1)
+}
+
+/// Where a preset measures in a turn.
+fn horizontal_of(preset: &Preset) -> ScanAxis {
+    let whole = |samples| ScanAxis { samples, min_angle_rad: -PI, max_angle_rad: PI };
+    let Pattern::Spinning(head) = preset.pattern else { return whole(1) };
+    match head.columns {
+        Columns::Every { time_ns } => whole((1e9 / preset.rate_hz / time_ns as f64) as u32),
+        Columns::Turn { per_turn, count, .. } if per_turn == count => whole(count),
+        Columns::Turn { per_turn, first, count } => {
+            let step = TAU / f64::from(per_turn);
+            let min_angle_rad = head.first_azimuth_rad + f64::from(first) * step;
+            let max_angle_rad = min_angle_rad + f64::from(count - 1) * step;
+            ScanAxis { samples: count, min_angle_rad, max_angle_rad }
+        }
     }
 }
 
 /// The beams, ranges and noise of a preset.
 fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
     let mut vertical = ScanAxis { samples: 1, min_angle_rad: 0.0, max_angle_rad: 0.0 };
-    let mut horizontal = ScanAxis { samples: 1, min_angle_rad: -PI, max_angle_rad: PI };
     if let Pattern::Spinning(head) = preset.pattern {
         let elevations = || head.lasers.iter().map(|laser| laser.elevation_rad);
         vertical.samples = head.lasers.len() as u32;
         vertical.min_angle_rad = elevations().fold(f64::INFINITY, f64::min);
         vertical.max_angle_rad = elevations().fold(f64::NEG_INFINITY, f64::max);
-        horizontal.samples = match head.columns {
-            Columns::Every { time_ns } => (1e9 / preset.rate_hz / time_ns as f64) as u32,
-            Columns::Turn { per_turn, first, count } => {
-                let step = TAU / f64::from(per_turn);
-                horizontal.min_angle_rad = head.first_azimuth_rad + f64::from(first) * step;
-                horizontal.max_angle_rad = horizontal.min_angle_rad + f64::from(count - 1) * step;
-                count
-            }
-        };
     }
     let [range_min_m, range_max_m] = preset.range_m;
     RaySensor {
         sees_visuals: sees_visuals(sensor),
-        horizontal,
+        horizontal: horizontal_of(preset),
         vertical,
         range_min_m,
         range_max_m,

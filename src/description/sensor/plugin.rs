@@ -2,6 +2,7 @@
 
 use super::reader::Reader;
 use super::{KINDS, Kind};
+use crate::description::topic as topics;
 use crate::description::values::child_text;
 use crate::description::xml::Element;
 
@@ -11,6 +12,7 @@ const OWN: &str = "belvedere";
 impl Reader<'_> {
     /// The first plugin of a sensor that publishes its kind; warnings for the others.
     pub(super) fn plugin<'e>(&mut self, sensor: &'e Element, kind: &Kind) -> Option<&'e Element> {
+        topics::check(sensor, self.diagnostics);
         let mut chosen = None;
         for element in sensor.elements_named("plugin") {
             if kind.is_extended && is_ours(element) {
@@ -20,6 +22,7 @@ impl Reader<'_> {
             let name = plain_name(element);
             if kind.plugins.contains(&name) {
                 if chosen.is_none() {
+                    topics::check(element, self.diagnostics);
                     chosen = Some(element);
                     continue;
                 }

@@ -157,7 +157,9 @@ fn velodynes_plugin_limits_the_range_and_adds_noise() {
     let sensor = accepted(&lidar(
         "<min_range>0.9</min_range><max_range>130</max_range><gaussianNoise>0.008</gaussianNoise>",
     ));
-    let SensorKind::Ray(Lidar { ray, plugin: Some(plugin), preset: None }) = &sensor.kind else { panic!() };
+    let SensorKind::Ray(Lidar { ray, plugin: Some(plugin), preset: None, .. }) = &sensor.kind else {
+        panic!()
+    };
     assert_eq!((plugin.topic.as_str(), plugin.cloud), ("/points", Some(CloudLayout::default())));
     assert_eq!((ray.range_min_m, ray.range_max_m, ray.noise.stddev), (0.9, 130.0, 0.008));
     let (_, problems) = parse(&lidar("<max_range>0.2</max_range>"));

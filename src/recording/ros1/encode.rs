@@ -12,8 +12,11 @@ use belvedere_bridge::{Encoding, FrameHeader, FrameView};
 pub(super) type Encode = fn(&FrameView<'_>, &mut Bytes<'_>) -> Option<Payload>;
 
 /// `datatype` of a `sensor_msgs/PointField`.
+const UINT8: u8 = 2;
 const UINT16: u8 = 4;
+const UINT32: u8 = 6;
 const FLOAT32: u8 = 7;
+const FLOAT64: u8 = 8;
 
 /// Motors and analogue inputs of a Kobuki, of which nothing is simulated.
 const MOTORS: usize = 2;
@@ -196,6 +199,26 @@ pub(super) fn point_cloud(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<
         Encoding::XyzIrtF32 => {
             (&[("intensity", 12, FLOAT32), ("ring", 16, UINT16), ("time", 18, FLOAT32)][..], head.height <= 1)
         }
+        Encoding::OusterPoint => (
+            &[
+                ("intensity", 16, FLOAT32),
+                ("t", 20, UINT32),
+                ("reflectivity", 24, UINT16),
+                ("ring", 26, UINT16),
+                ("ambient", 28, UINT16),
+                ("range", 32, UINT32),
+            ][..],
+            false,
+        ),
+        Encoding::LivoxPoint => (
+            &[
+                ("intensity", 12, FLOAT32),
+                ("tag", 16, UINT8),
+                ("line", 17, UINT8),
+                ("timestamp", 18, FLOAT64),
+            ][..],
+            head.height <= 1,
+        ),
         _ => return None,
     };
     header(head, out);

@@ -4,8 +4,6 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// The port of Velodyne's data, and the host's.
-const PORT: u16 = 2368;
 /// Bytes of the headers of IPv4 and UDP.
 const IP: u16 = 20;
 const UDP: u16 = 8;
@@ -24,8 +22,8 @@ impl Pcap {
         Ok(Self(file))
     }
 
-    /// Adds a packet that was sent so long after the epoch.
-    pub(super) fn write(&mut self, data: &[u8], time_ns: u64) -> io::Result<()> {
+    /// Adds a packet that was sent to a port, from the same one, so long after the epoch.
+    pub(super) fn write(&mut self, data: &[u8], port: u16, time_ns: u64) -> io::Result<()> {
         let length = u16::try_from(data.len()).map_err(io::Error::other)?;
         let total = 14 + u32::from(IP + UDP + length);
         let (seconds, micros) = (time_ns / 1_000_000_000, time_ns % 1_000_000_000 / 1000);
@@ -35,7 +33,7 @@ impl Pcap {
         // To everybody, from an address of Velodyne's.
         self.0.write_all(&[0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x60, 0x76, 0x88, 0, 0, 0, 8, 0])?;
         self.0.write_all(&ip_header(IP + UDP + length))?;
-        for word in [PORT, PORT, UDP + length, 0] {
+        for word in [port, port, UDP + length, 0] {
             self.0.write_all(&word.to_be_bytes())?;
         }
         self.0.write_all(data)

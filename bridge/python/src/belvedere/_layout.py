@@ -135,6 +135,14 @@ class Encoding(IntEnum):
     #: 12, ring as u16 at 16, from the lowest up, time as f32 at 18 in seconds after the stamp. NaN coordinates: no
     #: point, which only clouds of several rows have.
     XYZIRT_F32 = 22
+    #: A point of 48 bytes, as Ouster's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at 16,
+    #: t as u32 at 20 in nanoseconds after the stamp, reflectivity as u16 at 24, ring as u16 at 26, from the highest
+    #: down, ambient as u16 at 28, range as u32 at 32 in millimetres, 0 for none. NaN coordinates: no point. A row is
+    #: a laser, a column a direction.
+    OUSTER_POINT = 23
+    #: A point of 26 bytes, as Livox's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at 12,
+    #: tag as u8 at 16, line as u8 at 17, timestamp as f64 at 18 in nanoseconds since time 0.
+    LIVOX_POINT = 24
 
 
 class DistortionModel(IntEnum):
@@ -490,4 +498,6 @@ ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
     Encoding.F32C3: np.dtype(("<f4", 3)),
     Encoding.I32C1: np.dtype("<i4"),
     Encoding.XYZIRT_F32: np.dtype(("u1", 22)),
+    Encoding.OUSTER_POINT: np.dtype(("u1", 48)),
+    Encoding.LIVOX_POINT: np.dtype(("u1", 26)),
 }

@@ -62,10 +62,28 @@ _LIDAR_POINT = np.dtype(
         "itemsize": 22,
     }
 )
+_OUSTER_POINT = np.dtype(
+    {
+        "names": ["x", "y", "z", "intensity", "t", "reflectivity", "ring", "ambient", "range"],
+        "formats": ["<f4", "<f4", "<f4", "<f4", "<u4", "<u2", "<u2", "<u2", "<u4"],
+        "offsets": [0, 4, 8, 16, 20, 24, 26, 28, 32],
+        "itemsize": 48,
+    }
+)
+_LIVOX_POINT = np.dtype(
+    {
+        "names": ["x", "y", "z", "intensity", "tag", "line", "timestamp"],
+        "formats": ["<f4", "<f4", "<f4", "<f4", "u1", "u1", "<f8"],
+        "offsets": [0, 4, 8, 12, 16, 17, 18],
+        "itemsize": 26,
+    }
+)
 _ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
     **ELEMENTS,
     Encoding.XYZRGB_F32: _POINT,
     Encoding.XYZIRT_F32: _LIDAR_POINT,
+    Encoding.OUSTER_POINT: _OUSTER_POINT,
+    Encoding.LIVOX_POINT: _LIVOX_POINT,
 }
 
 

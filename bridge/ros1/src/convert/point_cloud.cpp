@@ -23,6 +23,17 @@ std::vector<sensor_msgs::PointField> own_fields(std::uint16_t encoding) {
     if (encoding == BV_ENCODING_XYZ_RGB_F32) return {field_of("rgb", 16)};
     if (encoding == BV_ENCODING_XYZ_IRT_F32)
         return {field_of("intensity", 12), field_of("ring", 16, sensor_msgs::PointField::UINT16), field_of("time", 18)};
+    if (encoding == BV_ENCODING_OUSTER_POINT)
+        return {field_of("intensity", 16),
+                field_of("t", 20, sensor_msgs::PointField::UINT32),
+                field_of("reflectivity", 24, sensor_msgs::PointField::UINT16),
+                field_of("ring", 26, sensor_msgs::PointField::UINT16),
+                field_of("ambient", 28, sensor_msgs::PointField::UINT16),
+                field_of("range", 32, sensor_msgs::PointField::UINT32)};
+    if (encoding == BV_ENCODING_LIVOX_POINT)
+        return {field_of("intensity", 12), field_of("tag", 16, sensor_msgs::PointField::UINT8),
+                field_of("line", 17, sensor_msgs::PointField::UINT8),
+                field_of("timestamp", 18, sensor_msgs::PointField::FLOAT64)};
     throw Unrepresentable("points are of encoding " + std::to_string(encoding) + ", which is not known here");
 }
 
@@ -39,7 +50,7 @@ sensor_msgs::PointCloud2Ptr to_point_cloud(const Sample& sample) {
     cloud->fields.insert(cloud->fields.end(), own.begin(), own.end());
     cloud->is_bigendian = false;
     // A lidar's points in one row are those that there are.
-    cloud->is_dense = header.encoding == BV_ENCODING_XYZ_IRT_F32 && header.height <= 1;
+    cloud->is_dense = header.encoding != BV_ENCODING_XYZ_RGB_F32 && header.height <= 1;
     cloud->point_step = header.elem_stride;
     cloud->row_step = copy_rows(sample, cloud->data);
     return cloud;

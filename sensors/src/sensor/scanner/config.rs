@@ -1,7 +1,11 @@
 //! What a scanner is like.
 
+use super::beam::Beam;
 use super::error::ScannerError;
+use super::intensity::{Intensity, Receiver};
 use super::pattern::Pattern;
+use super::returns::Returns;
+use super::weather::Weather;
 use crate::noise::GaussianNoise;
 use crate::scene::visibility;
 use crate::trace::Faces;
@@ -54,6 +58,19 @@ pub struct ScannerConfig<'a> {
     pub noise: GaussianNoise,
     /// What depends on the range of it, nearest first: variances add.
     pub spreads: &'a [Spread],
+    /// How wide its beams are.
+    pub beam: Beam,
+    /// How far apart in range what a beam meets is told apart, in metres: half the length of a pulse.
+    pub pulse_m: f64,
+    /// Which returns of a firing are reported.
+    pub returns: Returns,
+    /// What is reported as their intensity.
+    pub intensity: Intensity,
+    /// How little is noticed of what comes back; without one, all is, but for weather, in which it reaches as far as ranges
+    /// go.
+    pub receiver: Option<Receiver>,
+    /// What stands in the air.
+    pub weather: Weather,
     /// Seed of the simulation.
     pub seed: u64,
     /// Number of the sensor in the simulation.
@@ -61,7 +78,8 @@ pub struct ScannerConfig<'a> {
 }
 
 impl<'a> ScannerConfig<'a> {
-    /// Ten frames a second, seen from 0 to 100 m without noise, of seed and number 0. Both sides of collision shapes are hit.
+    /// Ten frames a second, seen from 0 to 100 m without noise, of seed and number 0. Both sides of collision shapes are hit,
+    /// by single rays, in clear air; returns are told apart by a metre.
     pub const fn new(pattern: Pattern<'a>) -> Self {
         Self {
             pattern,
@@ -72,6 +90,12 @@ impl<'a> ScannerConfig<'a> {
             faces: Faces::Both,
             noise: GaussianNoise::NONE,
             spreads: &[],
+            beam: Beam::RAY,
+            pulse_m: 1.0,
+            returns: Returns::Strongest,
+            intensity: Intensity::Retro,
+            receiver: None,
+            weather: Weather::CLEAR,
             seed: 0,
             sensor: 0,
         }
@@ -94,6 +118,18 @@ impl<'a> ScannerConfig<'a> {
         noise: GaussianNoise,
         /// Sets what depends on the range of it.
         spreads: &'a [Spread],
+        /// Sets how wide its beams are.
+        beam: Beam,
+        /// Sets how far apart in range what a beam meets is told apart, in metres.
+        pulse_m: f64,
+        /// Sets which returns of a firing are reported.
+        returns: Returns,
+        /// Sets what is reported as their intensity.
+        intensity: Intensity,
+        /// Sets how little is noticed of what comes back.
+        receiver: Option<Receiver>,
+        /// Sets what stands in the air.
+        weather: Weather,
         /// Sets the seed of the simulation.
         seed: u64,
         /// Sets the number of the sensor in the simulation.
@@ -132,6 +168,23 @@ impl<'a> ScannerConfig<'a> {
             }
             before = spread.from_m;
         }
+        self.beam.check()?;
+        if !(0.0..f64::INFINITY).contains(&self.pulse_m) {
+            return wrong("pulse_m", self.pulse_m, "0 or more, and finite");
+        }
+        self.returns.check()?;
+        self.weather.check()?;
+        if self.weather != Weather::CLEAR && self.receiver.is_none() && self.range_max_m == f64::INFINITY {
+            return wrong("range_max_m", self.range_max_m, "finite in weather, or there must be a receiver");
+        }
+        if let Some(receiver) = &self.receiver {
+            receiver.check()?;
+        }
         self.pattern.check(self.frame_time_ns)
+    }
+
+    /// The receiver that there is, if not all is noticed.
+    pub(super) fn effective_receiver(&self) -> Option<Receiver> {
+        self.receiver.or((self.weather != Weather::CLEAR).then_some(Receiver::new(self.range_max_m)))
     }
 }

@@ -58,7 +58,7 @@ impl Pattern<'_> {
         let (ticks, count) = match self {
             Self::Spinning(spinning) => {
                 let ticks = spinning.clock().map(|clock| clock.in_frame(frame, frame_time_ns));
-                let columns = ticks.map_or(spinning.columns_at_angles(), |ticks| ticks.count);
+                let columns = ticks.map_or(spinning.columns.at_angles(), |ticks| ticks.count);
                 (ticks, columns as usize * spinning.lasers.len())
             }
             Self::Rosette(rosette) => {

@@ -53,6 +53,17 @@ pub enum Columns {
     },
 }
 
+impl Columns {
+    /// How many of a frame are at fixed angles; none of those at fixed times.
+    #[must_use]
+    pub const fn at_angles(self) -> u64 {
+        match self {
+            Self::Turn { count, .. } => count as u64,
+            Self::Every { .. } => 0,
+        }
+    }
+}
+
 /// Lasers on a head that turns evenly, once a frame.
 ///
 /// Firings are in the order of time: column by column, of each all lasers in their order. The head turns on from laser to
@@ -137,14 +148,6 @@ impl Spinning<'_> {
         match self.columns {
             Columns::Turn { .. } => None,
             Columns::Every { time_ns } => Some(Clock { tick_ns: time_ns }),
-        }
-    }
-
-    /// How many columns at fixed angles there are.
-    pub(super) fn columns_at_angles(&self) -> u64 {
-        match self.columns {
-            Columns::Turn { count, .. } => count.into(),
-            Columns::Every { .. } => 0,
         }
     }
 

@@ -1,0 +1,315 @@
+//! A frame of a scanner as it is taken: firing by firing, 64 rays at a time.
+
+use super::Scanner;
+use super::beam::{Bundle, MAX_BEAM_RAYS};
+use super::echoes::Echoes;
+use super::firing::{Firing, FiringLanes};
+use super::intensity::reflected;
+use super::motions::Motions;
+use super::pattern::FrameFirings;
+use super::returns::{Echo, Echoing, MAX_RETURNS};
+use super::weather::{MOST_IN_AIR, Weather};
+use crate::execution::Execution;
+use crate::memory::{CacheLine, Cutter};
+use crate::noise::{Stream, fill_standard_normal};
+use crate::scene::Scene;
+use crate::simd::LANES;
+use crate::trace::resolve::Resolver;
+use crate::trace::truth::OfRay;
+use crate::trace::view::View;
+use crate::trace::volley::{Struck, Volley};
+use core::ops::Range;
+use fearless_simd::Simd;
+use glam::DVec3;
+
+/// A frame that is being taken.
+pub(super) struct Frame<'a> {
+    pub(super) scanner: &'a Scanner<'a>,
+    pub(super) scene: &'a Scene<'a>,
+    pub(super) execution: Execution,
+    /// Where its noise comes from.
+    pub(super) noise: Stream,
+    pub(super) firings: FrameFirings<'a>,
+    pub(super) motions: Motions<'a>,
+    /// What all firings see, if there is but one motion.
+    pub(super) view: Option<View<'a>>,
+    /// Firings of a piece; the last may have fewer.
+    pub(super) in_piece: usize,
+}
+
+/// What up to 64 firings are worked out in.
+struct Bench {
+    lanes: FiringLanes,
+    volley: Volley,
+    /// A standard normal for each return.
+    normals: [f32; LANES * MAX_RETURNS],
+    /// What comes back of one firing.
+    echoing: Echoing<{ MAX_BEAM_RAYS + MOST_IN_AIR }>,
+}
+
+impl Bench {
+    const fn new() -> Self {
+        Self {
+            lanes: FiringLanes::new(),
+            volley: Volley::new(),
+            normals: [0.0; LANES * MAX_RETURNS],
+            echoing: Echoing::new(),
+        }
+    }
+}
+
+impl<'a> Frame<'a> {
+    /// The first of some firings that is not in a motion, or the end of them.
+    fn end_of(&self, motion: usize, firings: Range<usize>) -> usize {
+        match self.motions.next_s(motion) {
+            Some(next_s) => {
+                firings.start
+                    + partition(firings.len(), |index| self.firings.time_s(firings.start + index) < next_s)
+            }
+            None => firings.end,
+        }
+    }
+
+    /// What is seen during a motion.
+    pub(super) fn view<'m>(&self, motion: usize, memory: &'m mut [CacheLine]) -> View<'m>
+    where
+        'a: 'm,
+    {
+        let memory = Cutter(memory).views(self.scene.instances().len(), 1);
+        let last_s = self.firings.time_s(self.firings.count.saturating_sub(1));
+        self.motions.view(self.scene, (motion, last_s), self.scanner.config.visibility, memory)
+    }
+
+    /// Takes the firings of a piece.
+    #[inline(always)]
+    pub(super) fn take_piece<S: Simd>(
+        &self,
+        simd: S,
+        piece: usize,
+        memory: &mut [CacheLine],
+        mut echoes: Echoes<'_>,
+    ) {
+        let end = ((piece + 1) * self.in_piece).min(self.firings.count);
+        let mut next = (piece * self.in_piece).min(end);
+        let mut bench = Bench::new();
+        let returns = self.scanner.returns();
+        while next < end {
+            let motion = self.motions.at(self.firings.time_s(next));
+            let until = self.end_of(motion, next..end);
+            let own;
+            let view = if let Some(view) = &self.view {
+                view
+            } else {
+                own = self.view(motion, memory);
+                &own
+            };
+            let mut resolver = Resolver::new(view);
+            while next < until {
+                let count = LANES.min(until - next);
+                let (part, rest) = echoes.split_at(count, returns);
+                echoes = rest;
+                self.take(simd, (view, &mut resolver), motion, next..next + count, &mut bench, part);
+                next += count;
+            }
+        }
+    }
+
+    /// Takes up to 64 firings.
+    #[inline(always)]
+    fn take<S: Simd>(
+        &self,
+        simd: S,
+        (view, resolver): (&View<'_>, &mut Resolver<'_>),
+        motion: usize,
+        firings: Range<usize>,
+        bench: &mut Bench,
+        mut echoes: Echoes<'_>,
+    ) {
+        let sight = self.scanner.sight();
+        let (first, count, returns) = (firings.start, firings.len(), self.scanner.returns());
+        self.firings.fill(first, count, &mut bench.lanes);
+        if !self.scanner.is_exact() {
+            let normals = &mut bench.normals[..count * returns];
+            fill_standard_normal(self.execution.level, &self.noise, (first * returns) as u32, normals);
+        }
+        // As many firings as there are rays for.
+        let (mut lane, most) = (0, LANES / self.scanner.bundle.rays);
+        while lane < count {
+            let lanes = lane..count.min(lane + most);
+            self.aim(view, motion, lanes.clone(), bench);
+            bench.volley.cast(simd, view, &sight);
+            if self.scanner.is_line {
+                self.measure_lines(resolver, lanes.clone(), bench, &mut echoes);
+            } else {
+                self.measure_beams((view, resolver), first, lanes.clone(), bench, &mut echoes);
+            }
+            if let Some(truth) = &mut echoes.truth {
+                for (lane, ray) in lanes.clone().zip((0..LANES).step_by(self.scanner.bundle.rays)) {
+                    let met = bench.volley.struck(view, resolver, ray);
+                    let firing = bench.lanes.lane(lane);
+                    truth.put(lane, &met.map_or(OfRay::NOTHING, |met| self.truth_of(&firing, &met)));
+                }
+            }
+            lane = lanes.end;
+        }
+        for lane in 0..count {
+            echoes.put_firing(lane, &bench.lanes.lane(lane));
+        }
+    }
+
+    /// The rays of some firings, those of each one after the other.
+    #[inline(always)]
+    fn aim(&self, view: &View<'_>, motion: usize, firings: Range<usize>, bench: &mut Bench) {
+        let Bench { lanes, volley, .. } = bench;
+        let (bundle, farthest) = (&self.scanner.bundle, self.scanner.config.range_max_m);
+        volley.clear();
+        for (number, lane) in firings.enumerate() {
+            let firing = lanes.lane(lane);
+            let (pose, share) = self.motions.pose(motion, firing.time_s);
+            let turn = pose.rotation();
+            let origin = (pose.translation() - view.origin_in_world) + turn * firing.origin;
+            let ahead = turn * firing.direction;
+            if bundle.rays == 1 {
+                volley.set(number, origin, ahead, share, farthest);
+                continue;
+            }
+            let axes = Bundle::axes(&firing).map(|axis| turn * axis);
+            for ray in 0..bundle.rays {
+                let [origin, direction] = bundle.ray(ray, origin, ahead, axes);
+                volley.set(number * bundle.rays + ray, origin, direction, share, farthest);
+            }
+        }
+    }
+
+    /// What single rays measure, of which all comes back.
+    #[inline(always)]
+    fn measure_lines(
+        &self,
+        resolver: &mut Resolver<'_>,
+        firings: Range<usize>,
+        bench: &Bench,
+        echoes: &mut Echoes<'_>,
+    ) {
+        let (volley, wants_intensities) = (&bench.volley, echoes.intensities.is_some());
+        for lane in firings {
+            let met = volley.range(lane).unwrap_or(f64::INFINITY);
+            let range = self.scanner.measured(met, bench.normals[lane], 0.0);
+            let slot = volley.slot(lane).filter(|_| wants_intensities && range.is_finite());
+            let intensity = slot.map_or(0.0, |slot| resolver.laser_retro(slot));
+            echoes.put(lane, range, self.point(&bench.lanes.lane(lane), met, range), intensity);
+        }
+    }
+
+    /// What beams measure: their returns.
+    fn measure_beams(
+        &self,
+        (view, resolver): (&View<'_>, &mut Resolver<'_>),
+        first: usize,
+        firings: Range<usize>,
+        bench: &mut Bench,
+        echoes: &mut Echoes<'_>,
+    ) {
+        let Scanner { config, bundle, least, .. } = self.scanner;
+        let Bench { lanes, volley, normals, echoing } = bench;
+        let returns = self.scanner.returns();
+        for (number, lane) in firings.enumerate() {
+            let rays = number * bundle.rays..(number + 1) * bundle.rays;
+            echoing.clear();
+            self.listen((view, resolver), volley, rays.clone(), echoing);
+            self.listen_to_air(volley, (first + lane) as u32, rays, echoing);
+            let firing = lanes.lane(lane);
+            let found = echoing.returns(config.returns, config.pulse_m, *least);
+            for (place, echo) in found[..returns].iter().enumerate() {
+                let index = lane * returns + place;
+                let met = echo.map_or(f64::INFINITY, |echo| echo.range);
+                let spread = echo.map_or(0.0, |echo| self.scanner.spread(&echo));
+                let range = self.scanner.measured(met, normals[index], spread);
+                let intensity = echo.filter(|_| range.is_finite());
+                let intensity = intensity.map_or(0.0, |echo| config.intensity.of(&echo));
+                echoes.put(index, range, self.point(&firing, met, range), intensity);
+            }
+        }
+    }
+
+    /// What surfaces send back of one firing.
+    fn listen(
+        &self,
+        (view, resolver): (&View<'_>, &mut Resolver<'_>),
+        volley: &Volley,
+        rays: Range<usize>,
+        echoing: &mut Echoing<{ MAX_BEAM_RAYS + MOST_IN_AIR }>,
+    ) {
+        let Scanner { config, bundle, air, is_lit, .. } = self.scanner;
+        let share = 1.0 / bundle.rays as f64;
+        for ray in rays {
+            let (Some(range), Some(slot)) = (volley.range(ray), volley.slot(ray)) else { continue };
+            let met = if *is_lit { volley.struck(view, resolver, ray) } else { None };
+            let weight = met.map_or(share, |met| {
+                let reflected = reflected(self.scene, met.instance, met.cos_incidence);
+                share * reflected * air.clearness(range) / (range * range)
+            });
+            let signal = config.intensity.signal(range, weight, resolver.laser_retro(slot));
+            echoing.push(Echo { range, weight, signal });
+        }
+    }
+
+    /// What the air sends back of one firing.
+    fn listen_to_air(
+        &self,
+        volley: &Volley,
+        firing: u32,
+        rays: Range<usize>,
+        echoing: &mut Echoing<{ MAX_BEAM_RAYS + MOST_IN_AIR }>,
+    ) {
+        let Scanner { config, air, .. } = self.scanner;
+        if config.weather == Weather::CLEAR {
+            return;
+        }
+        let ranges = rays.map(|ray| volley.range(ray).unwrap_or(config.range_max_m));
+        let passing = |range| ranges.clone().filter(|met| *met > range).count() as f64 / ranges.len() as f64;
+        let farthest = ranges.clone().fold(0.0, f64::max);
+        let mut push = |[range, weight]: [f64; 2]| {
+            let signal = config.intensity.signal(range, weight, 0.0);
+            echoing.push(Echo { range, weight, signal });
+        };
+        if let Some(fog) = air.fog(passing) {
+            push(fog);
+        }
+        let within = [config.range_min_m, farthest];
+        air.for_each_drop(self.execution.level, &self.noise, firing, within, push);
+    }
+
+    /// Where a range leads to, in the frame of the sensor: without noise to more than a range in f32 says.
+    #[inline(always)]
+    fn point(&self, firing: &Firing, met: f64, range: f32) -> DVec3 {
+        if !range.is_finite() {
+            return DVec3::NAN;
+        }
+        firing.origin + firing.direction * if self.scanner.is_exact() { met } else { f64::from(range) }
+    }
+
+    fn truth_of(&self, firing: &Firing, met: &Struck) -> OfRay {
+        OfRay {
+            depth: (firing.origin + firing.direction * met.range).x as f32,
+            range: met.range as f32,
+            normal: met.normal.as_vec3().to_array(),
+            instance: met.instance,
+            class: self.scene.instances()[met.instance as usize].class,
+            incidence: libm::acos(met.cos_incidence.clamp(-1.0, 1.0)) as f32,
+        }
+    }
+}
+
+/// How many of the first indices a condition holds for.
+fn partition(count: usize, holds: impl Fn(usize) -> bool) -> usize {
+    let (mut low, mut high) = (0, count);
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if holds(middle) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}

@@ -1,0 +1,124 @@
+//! How the sensor and everything else go during a frame.
+
+use crate::Pose;
+use crate::moment::{Keyframe, Moment, Shutter};
+use crate::scene::Scene;
+use crate::trace::SenseError;
+use crate::trace::view::{View, ViewMemory, check_moment};
+
+/// The farthest that the last motion goes on behind its end, as a share of it.
+const MOST_SHARE: f64 = 2.0;
+
+/// The motions of a frame: from each keyframe to the next, or none at a single moment.
+#[derive(Clone, Copy)]
+pub(super) enum Motions<'a> {
+    Still(Moment<'a>),
+    Between(&'a [Keyframe<'a>]),
+}
+
+impl<'a> Motions<'a> {
+    pub(super) fn of(
+        scene: &Scene<'_>,
+        shutter: &Shutter<'a>,
+        frame_time_s: f64,
+    ) -> Result<Self, SenseError> {
+        match *shutter {
+            Shutter::Global(moment) => check_moment(scene, &moment).map(|()| Self::Still(moment)),
+            Shutter::Slices(_) => Err(SenseError::Shutter {
+                rule: "be one moment or keyframes: this sensor's rays have times of their own",
+            }),
+            Shutter::Moving(keyframes) => {
+                check_keyframes(scene, keyframes, frame_time_s)?;
+                Ok(Self::Between(keyframes))
+            }
+        }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        match self {
+            Self::Still(_) => 1,
+            Self::Between(keyframes) => keyframes.len() - 1,
+        }
+    }
+
+    /// The motion that a time is in.
+    pub(super) fn at(&self, time_s: f64) -> usize {
+        let Self::Between(keyframes) = self else { return 0 };
+        let begun = keyframes.partition_point(|keyframe| keyframe.time_s <= time_s);
+        // Before the first and after the last, those go on.
+        begun.saturating_sub(1).min(keyframes.len() - 2)
+    }
+
+    /// When the motion after one begins, if there is one.
+    pub(super) fn next_s(&self, motion: usize) -> Option<f64> {
+        match self {
+            Self::Between(keyframes) if motion + 2 < keyframes.len() => Some(keyframes[motion + 1].time_s),
+            _ => None,
+        }
+    }
+
+    /// What is seen during a motion; of the last, up to a time.
+    pub(super) fn view<'m>(
+        &self,
+        scene: &Scene<'a>,
+        (motion, last_s): (usize, f64),
+        visibility: u32,
+        memory: ViewMemory<'m>,
+    ) -> View<'m>
+    where
+        'a: 'm,
+    {
+        match self {
+            Self::Still(moment) => View::new(scene, moment, visibility, memory),
+            Self::Between(keyframes) => {
+                let [from, to] = [&keyframes[motion], &keyframes[motion + 1]];
+                let until = share(from, to, last_s).max(1.0);
+                let until = if motion + 2 == keyframes.len() { until } else { 1.0 };
+                View::until(scene, (&from.at, Some((to.at, until))), visibility, memory)
+            }
+        }
+    }
+
+    /// Where the sensor is at a time, and what share of the motion is over then.
+    #[inline(always)]
+    pub(super) fn pose(&self, motion: usize, time_s: f64) -> (Pose, f64) {
+        match self {
+            Self::Still(moment) => (moment.world_from_sensor, 0.0),
+            Self::Between(keyframes) => {
+                let [from, to] = [&keyframes[motion], &keyframes[motion + 1]];
+                let share = share(from, to, time_s);
+                (from.at.world_from_sensor.interpolate(&to.at.world_from_sensor, share), share)
+            }
+        }
+    }
+}
+
+/// That there is motion from the beginning of a frame to its end.
+fn check_keyframes(scene: &Scene<'_>, keyframes: &[Keyframe<'_>], end_s: f64) -> Result<(), SenseError> {
+    let wrong = |keyframe, rule| Err(SenseError::Keyframes { keyframe, rule });
+    if keyframes.len() < 2 {
+        return wrong(keyframes.len(), "be there: motion is between two at least");
+    }
+    for (index, keyframe) in keyframes.iter().enumerate() {
+        if !keyframe.time_s.is_finite() {
+            return wrong(index, "have a time that is finite");
+        }
+        if index > 0 && keyframe.time_s <= keyframes[index - 1].time_s {
+            return wrong(index, "be later than that before it");
+        }
+        check_moment(scene, &keyframe.at)?;
+    }
+    if keyframes[0].time_s > 0.0 {
+        return wrong(0, "be at the beginning of the frame, 0 s, or before");
+    }
+    // Of a whole number of nanoseconds, a simulator may know its time to less.
+    if keyframes[keyframes.len() - 1].time_s < end_s - 1e-9 {
+        return wrong(keyframes.len() - 1, "be at the end of the frame or after");
+    }
+    Ok(())
+}
+
+/// The share of the way between two keyframes that is over at a time.
+fn share(from: &Keyframe<'_>, to: &Keyframe<'_>, time_s: f64) -> f64 {
+    ((time_s - from.time_s) / (to.time_s - from.time_s)).clamp(0.0, MOST_SHARE)
+}

@@ -1,0 +1,40 @@
+//! Hokuyo.
+
+use super::{Maker, Preset, some, steps};
+use crate::scanner::Spread;
+
+/// Hokuyo URG-04LX (specification C-42-03320): 682 of 1024 steps of a turn, ±10 mm up to a metre and 1 % beyond.
+pub const URG_04LX: Preset = Preset {
+    name: "urg04lx",
+    maker: Maker::Hokuyo,
+    pattern: steps(some(1024, 44, 682), 384),
+    modes: &[],
+    rates_hz: [10.0, 10.0],
+    rate_hz: 10.0,
+    range_m: [0.02, 5.6],
+    stddev_m: 0.0,
+    spreads: &[
+        Spread { from_m: 0.0, stddev: [0.01 / 3.0, 0.0, 0.0] },
+        Spread { from_m: 1.0, stddev: [0.0, 0.01 / 3.0, 0.0] },
+    ],
+    bias_stddev_m: 0.0,
+    resolution_m: 0.001,
+};
+
+/// Hokuyo UTM-30LX: 1081 of 1440 steps of a turn; repeatability σ 10 mm up to 10 m, 30 mm beyond.
+pub const UTM_30LX: Preset = Preset {
+    name: "utm30lx",
+    maker: Maker::Hokuyo,
+    pattern: steps(some(1440, 0, 1081), 540),
+    modes: &[],
+    rates_hz: [40.0, 40.0],
+    rate_hz: 40.0,
+    range_m: [0.1, 30.0],
+    stddev_m: 0.0,
+    spreads: &[
+        Spread { from_m: 0.0, stddev: [0.01, 0.0, 0.0] },
+        Spread { from_m: 10.0, stddev: [0.03, 0.0, 0.0] },
+    ],
+    bias_stddev_m: 0.0,
+    resolution_m: 0.001,
+};

@@ -1,0 +1,112 @@
+//! Ouster: heads of 128 lasers, of which the smaller ones have every second or fourth.
+//!
+//! Each unit is calibrated, and tells its own angles. These are what units' angles lie about, as cubic polynomials of the
+//! laser's number: within 0.2° (OS0), 0.03° (OS1) and 0.02° (OS2) of one unit, and 1.5° of others.
+
+use super::{Maker, Mode, Preset};
+use crate::scanner::{Columns, Laser, Pattern, Spinning};
+use core::f64::consts::PI;
+
+/// What the lasers of a kind of head are.
+struct Optics {
+    /// Elevation of the middle in degrees; a laser down; its third power.
+    elevation_deg: [f64; 3],
+    /// Of four lasers, clockwise as metadata have it; and what that grows by with the square of the number from the middle.
+    azimuths_deg: [(f64, f64); 4],
+    /// From the axis to where beams start (n), and up to there, in metres.
+    beam_m: [f64; 2],
+}
+
+const OS0: Optics = Optics {
+    elevation_deg: [-0.33, -0.7035, -4.753e-6],
+    azimuths_deg: [(8.31, 6.1e-4), (2.78, 2.0e-4), (-2.76, -2.2e-4), (-8.28, -6.3e-4)],
+    beam_m: [0.027_67, 0.036_18],
+};
+const OS1: Optics = Optics {
+    elevation_deg: [0.03, -0.3539, 3.887e-6],
+    azimuths_deg: [(4.25, 0.0), (1.42, 0.0), (-1.42, 0.0), (-4.25, 0.0)],
+    beam_m: [0.015_806, 0.036_18],
+};
+const OS2: Optics = Optics {
+    elevation_deg: [-0.154, -0.1744, 5.95e-7],
+    azimuths_deg: [(2.08, 0.0), (0.70, 0.0), (-0.68, 0.0), (-2.06, 0.0)],
+    beam_m: [0.013_762, 0.078_296],
+};
+
+/// OS0, 90° high. Repeatability of all three is what the first OS1's data sheet has of a strong return.
+pub const OS0_32: Preset = preset("os0_32", &OS0_32_LASERS, [0.3, 55.0]);
+/// OS0-64.
+pub const OS0_64: Preset = preset("os0_64", &OS0_64_LASERS, [0.3, 55.0]);
+/// OS0-128.
+pub const OS0_128: Preset = preset("os0_128", &OS0_128_LASERS, [0.3, 55.0]);
+/// OS1, 43° high.
+pub const OS1_32: Preset = preset("os1_32", &OS1_32_LASERS, [0.8, 120.0]);
+/// OS1-64.
+pub const OS1_64: Preset = preset("os1_64", &OS1_64_LASERS, [0.8, 120.0]);
+/// OS1-128.
+pub const OS1_128: Preset = preset("os1_128", &OS1_128_LASERS, [0.8, 120.0]);
+/// OS2, 22° high.
+pub const OS2_32: Preset = preset("os2_32", &OS2_32_LASERS, [1.0, 240.0]);
+/// OS2-64.
+pub const OS2_64: Preset = preset("os2_64", &OS2_64_LASERS, [1.0, 240.0]);
+/// OS2-128.
+pub const OS2_128: Preset = preset("os2_128", &OS2_128_LASERS, [1.0, 240.0]);
+
+const OS0_32_LASERS: [Laser; 32] = lasers(&OS0);
+const OS0_64_LASERS: [Laser; 64] = lasers(&OS0);
+const OS0_128_LASERS: [Laser; 128] = lasers(&OS0);
+const OS1_32_LASERS: [Laser; 32] = lasers(&OS1);
+const OS1_64_LASERS: [Laser; 64] = lasers(&OS1);
+const OS1_128_LASERS: [Laser; 128] = lasers(&OS1);
+const OS2_32_LASERS: [Laser; 32] = lasers(&OS2);
+const OS2_64_LASERS: [Laser; 64] = lasers(&OS2);
+const OS2_128_LASERS: [Laser; 128] = lasers(&OS2);
+
+/// The choices of `lidar_mode`.
+const MODES: [Mode; 5] =
+    [turn(1024, 10.0), turn(1024, 20.0), turn(512, 10.0), turn(512, 20.0), turn(2048, 10.0)];
+
+const fn turn(per_turn: u32, rate_hz: f64) -> Mode {
+    Mode { columns: Columns::Turn { per_turn, first: 0, count: per_turn }, rate_hz }
+}
+
+/// From the top down: of 128 each, every second or every fourth, the lowest among them.
+const fn lasers<const N: usize>(optics: &Optics) -> [Laser; N] {
+    let mut made = [Laser::at_degrees(0.0, 0.0); N];
+    let mut index = 0;
+    while index < N {
+        let row = (index + 1) * (128 / N) - 1;
+        let from_middle = row as f64 - 63.5;
+        let square = from_middle * from_middle;
+        let [level, step, cube] = optics.elevation_deg;
+        let (azimuth, bend) = optics.azimuths_deg[row % 4];
+        let [along, up] = optics.beam_m;
+        let elevation = level + step * from_middle + cube * square * from_middle;
+        made[index] =
+            Laser { origin_m: [along, 0.0, up], ..Laser::at_degrees(elevation, -(azimuth + bend * square)) };
+        index += 1;
+    }
+    made
+}
+
+/// A head that looks back, at its plug, when a frame begins, in the axes of the sensor (x ahead) and from its bottom.
+const fn preset(name: &'static str, lasers: &'static [Laser], range_m: [f64; 2]) -> Preset {
+    Preset {
+        name,
+        maker: Maker::Ouster,
+        pattern: Pattern::Spinning(Spinning {
+            lasers,
+            columns: MODES[0].columns,
+            first_azimuth_rad: PI,
+            clockwise: true,
+        }),
+        modes: &MODES,
+        rates_hz: [10.0, 20.0],
+        rate_hz: 10.0,
+        range_m,
+        stddev_m: 0.015,
+        spreads: &[],
+        bias_stddev_m: 0.0,
+        resolution_m: 0.001,
+    }
+}

@@ -1,0 +1,192 @@
+//! What of a pulse comes back, and which of it is reported.
+
+use super::error::ScannerError;
+
+/// Most returns of a firing.
+pub const MAX_RETURNS: usize = 5;
+
+/// Which returns of a firing are reported.
+///
+/// What the rays of a [`Beam`](super::Beam) meet is one return as long as each is nearer to the one before it than the
+/// scanner's [`pulse_m`](super::ScannerConfig::pulse_m); its range is their mean, weighted by what comes back of each. Where
+/// there is no such return, there is no range: +∞.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Returns {
+    /// That of which most comes back; of two alike, the nearer.
+    #[default]
+    Strongest,
+    /// The nearest.
+    First,
+    /// The farthest.
+    Last,
+    /// Two: the last, and the strongest, or if that is the last, the second strongest.
+    Dual,
+    /// So many, 1 to 5, the nearest first; of more, the strongest.
+    Several(u8),
+    /// One: the mean of all that the beam meets, as scanners measure it that compare phases. At edges it is between.
+    Mean,
+}
+
+impl Returns {
+    /// Values of a firing.
+    pub const fn count(self) -> usize {
+        match self {
+            Self::Strongest | Self::First | Self::Last | Self::Mean => 1,
+            Self::Dual => 2,
+            Self::Several(count) => count as usize,
+        }
+    }
+
+    pub(super) fn check(self) -> Result<(), ScannerError> {
+        match self {
+            Self::Several(count) if !(1..=MAX_RETURNS).contains(&count.into()) => Err(ScannerError {
+                parameter: "returns",
+                index: None,
+                value: f64::from(count),
+                rule: "1 to 5 of them",
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Something that sends part of a pulse back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Echo {
+    /// Metres.
+    pub(super) range: f64,
+    /// How much of the pulse comes back.
+    pub(super) weight: f64,
+    /// What the scanner's intensity is worked out of; adds up.
+    pub(super) signal: f64,
+}
+
+impl Echo {
+    const NONE: Self = Self { range: f64::INFINITY, weight: 0.0, signal: 0.0 };
+}
+
+/// All that sends part of a pulse back, nearest first.
+pub(super) struct Echoing<const N: usize> {
+    echoes: [Echo; N],
+    count: usize,
+}
+
+impl<const N: usize> Echoing<N> {
+    pub(super) const fn new() -> Self {
+        Self { echoes: [Echo::NONE; N], count: 0 }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Takes another; those beyond the last place are left out.
+    #[inline(always)]
+    pub(super) fn push(&mut self, echo: Echo) {
+        if self.count == N {
+            return;
+        }
+        let mut place = self.count;
+        while place > 0 && self.echoes[place - 1].range > echo.range {
+            self.echoes[place] = self.echoes[place - 1];
+            place -= 1;
+        }
+        self.echoes[place] = echo;
+        self.count += 1;
+    }
+
+    /// The returns that are reported, in the order of [`Returns`], of those that are at least so strong.
+    pub(super) fn returns(
+        &mut self,
+        which: Returns,
+        pulse_m: f64,
+        least: f64,
+    ) -> [Option<Echo>; MAX_RETURNS] {
+        let apart = if which == Returns::Mean { f64::INFINITY } else { pulse_m };
+        self.merge(apart);
+        self.leave(least);
+        let found = &self.echoes[..self.count];
+        let at = |index: Option<usize>| index.map(|index| found[index]);
+        let mut returns = [None; MAX_RETURNS];
+        match which {
+            Returns::Strongest | Returns::Mean => returns[0] = at(strongest(found, None)),
+            Returns::First => returns[0] = found.first().copied(),
+            Returns::Last => returns[0] = found.last().copied(),
+            Returns::Dual => {
+                let last = found.len().checked_sub(1);
+                returns[0] = at(last);
+                let most = strongest(found, None);
+                returns[1] = at(if most == last { strongest(found, last) } else { most });
+            }
+            Returns::Several(count) => {
+                let count = usize::from(count).min(MAX_RETURNS);
+                while self.count > count {
+                    self.take_out_weakest();
+                }
+                for (place, echo) in returns.iter_mut().zip(&self.echoes[..self.count]) {
+                    *place = Some(*echo);
+                }
+            }
+        }
+        returns
+    }
+
+    /// Makes one of those that are nearer to the one before than a distance.
+    fn merge(&mut self, apart: f64) {
+        let (mut merged, mut next) = (0, 0);
+        while next < self.count {
+            let (mut sum, mut farthest) =
+                (Echo { range: 0.0, weight: 0.0, signal: 0.0 }, self.echoes[next].range);
+            let first = next;
+            while next < self.count && (next == first || self.echoes[next].range - farthest < apart) {
+                let Echo { range, weight, signal } = self.echoes[next];
+                // From the first on, so that equal ranges stay what they are.
+                sum.range += (range - self.echoes[first].range) * weight;
+                sum.weight += weight;
+                sum.signal += signal;
+                farthest = range;
+                next += 1;
+            }
+            let beyond = if sum.weight > 0.0 { sum.range / sum.weight } else { 0.0 };
+            self.echoes[merged] = Echo { range: self.echoes[first].range + beyond, ..sum };
+            merged += 1;
+        }
+        self.count = merged;
+    }
+
+    /// Leaves out those that are weaker than what is noticed, and those of which nothing comes back.
+    fn leave(&mut self, least: f64) {
+        let mut kept = 0;
+        for index in 0..self.count {
+            let echo = self.echoes[index];
+            if echo.weight >= least && echo.weight > 0.0 {
+                self.echoes[kept] = echo;
+                kept += 1;
+            }
+        }
+        self.count = kept;
+    }
+
+    fn take_out_weakest(&mut self) {
+        let mut weakest = 0;
+        for index in 1..self.count {
+            if self.echoes[index].weight <= self.echoes[weakest].weight {
+                weakest = index;
+            }
+        }
+        self.echoes.copy_within(weakest + 1..self.count, weakest);
+        self.count -= 1;
+    }
+}
+
+/// Which is the strongest, but for one; the nearer of two alike.
+fn strongest(echoes: &[Echo], but: Option<usize>) -> Option<usize> {
+    let mut most: Option<usize> = None;
+    for (index, echo) in echoes.iter().enumerate() {
+        if Some(index) != but && most.is_none_or(|most| echo.weight > echoes[most].weight) {
+            most = Some(index);
+        }
+    }
+    most
+}

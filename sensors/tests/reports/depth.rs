@@ -1,0 +1,117 @@
+//! Depth cameras, before planes.
+
+use super::common::planes::{Frame, narrow, nguyen_m, plane, rms, take};
+use super::page::{Bound, Page, Row, digits};
+use super::plot::{Plot, curve};
+use belvedere_sensors::depth::DepthCameraConfig;
+use belvedere_sensors::device::depth::presets::DepthPreset;
+use belvedere_sensors::device::depth::{DepthModel, DisparitySteps};
+use core::f64::consts::FRAC_PI_2;
+
+/// How far planes are turned: nobody sees them all from the front.
+const TURNED_RAD: f64 = 0.1;
+
+/// Standard deviation of depths in metres as it is published, by depth and angle of incidence.
+type Published = fn(f64, f64) -> f64;
+
+/// By its preset's name; whether it depends on the angle.
+fn published(name: &str) -> (Published, bool) {
+    /// z²·s/(f·B) of half the picture's width over the tangent of half the view.
+    fn stereo(z: f64, width: f64, degrees: f64, baseline: f64) -> f64 {
+        z * z * 0.08 / (0.5 * width / libm::tan(0.5 * degrees.to_radians()) * baseline)
+    }
+    match name {
+        "kinect_v1" | "xtion" => (nguyen_m, true),
+        "d415" => (|z, _| stereo(z, 1280.0, 65.0, 0.055), false),
+        "d435" => (|z, _| stereo(z, 848.0, 90.0, 0.05), false),
+        "d455" => (|z, _| stereo(z, 848.0, 87.0, 0.095), false),
+        "kinect_v2" => (
+            |z, angle| {
+                let slant = angle * angle / ((FRAC_PI_2 - angle) * (FRAC_PI_2 - angle));
+                1e-3 * (1.5 - 0.5 * z + 0.3 * z * z + 0.1 * z * z.sqrt() * slant)
+            },
+            true,
+        ),
+        "azure_kinect" => (|z, _| 0.017 * (z / 3.5) * (z / 3.5), false),
+        _ => panic!("{name} has no report"),
+    }
+}
+
+/// Places in a step that depths lie at, where they are rounded to steps.
+const PLACES: u32 = 8;
+
+/// Standard deviation of measured depths in a few pixels about the axis.
+fn stddev(preset: &DepthPreset, depth: f64, angle: f64) -> f64 {
+    let step_m = preset.model(preset.focal_px()).steps.map_or(0.0, |steps| steps.step_m(depth));
+    let config = DepthCameraConfig::of_preset(preset).unwrap().camera(narrow([64, 40]).camera);
+    let frames = (0..PLACES).map(|place| {
+        let depth = depth + step_m * (f64::from(place) / f64::from(PLACES) - 0.5);
+        take(&plane(depth, angle), config, place.into())
+    });
+    let errors = |frame: Frame| {
+        frame.depth.into_iter().zip(frame.true_depth).map(|(found, truth)| f64::from(found - truth))
+    };
+    rms(frames.flat_map(errors).filter(|error| error.is_finite()))
+}
+
+/// The step of depths at a depth, on a ramp without noise.
+fn step(steps: DisparitySteps, depth: f64) -> f64 {
+    let model = DepthModel::new().steps(steps);
+    let ramp = plane(depth, f64::to_radians(45.0));
+    let camera = super::common::camera_of([640, 480], 0.5 / depth);
+    let frame = take(&ramp, super::common::depth_camera().camera(camera).model(model), 0);
+    let mut values: Vec<f64> = frame.depth.iter().map(|depth| f64::from(*depth)).collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values.dedup();
+    let nearest = values.partition_point(|value| *value < depth);
+    values[nearest] - values[nearest - 1]
+}
+
+/// The page of a preset.
+pub(crate) fn page(preset: &DepthPreset) -> Page {
+    let (published, is_slanted) = published(preset.name);
+    let [least, most] = preset.range_m;
+    let mut rows = Vec::new();
+    let mut points = Vec::new();
+    for share in [0.1, 0.2, 0.35, 0.5, 0.65, 0.8] {
+        let depth = least + share * (most - least);
+        let (expected, found) = (published(depth, TURNED_RAD), stddev(preset, depth, TURNED_RAD));
+        let what = format!("σ of depths at {} m", digits(depth));
+        rows.push(Row::new(what, "mm", expected * 1e3, found * 1e3, Bound::Share(0.02)));
+        points.push((depth, found * 1e3));
+    }
+    let mut plots = vec![Plot {
+        title: format!("{}: σ of depths", preset.name),
+        axes: ["depth in m", "σ in mm"],
+        curve: curve([least, most], |depth| published(depth, TURNED_RAD) * 1e3),
+        points,
+        is_logarithmic: false,
+    }];
+    if is_slanted {
+        let depth = 1.5;
+        let mut points = Vec::new();
+        for degrees in [10.0, 30.0, 50.0, 65.0, 75.0, 80.0_f64] {
+            let angle = degrees.to_radians();
+            let (expected, found) = (published(depth, angle), stddev(preset, depth, angle));
+            let what = format!("σ at {depth} m and an incidence of {degrees}°");
+            rows.push(Row::new(what, "mm", expected * 1e3, found * 1e3, Bound::Share(0.02)));
+            points.push((degrees, found * 1e3));
+        }
+        plots.push(Plot {
+            title: format!("{}: σ of depths at {depth} m", preset.name),
+            axes: ["incidence in degrees", "σ in mm"],
+            curve: curve([0.0, 82.0], |degrees| published(depth, degrees.to_radians()) * 1e3),
+            points,
+            is_logarithmic: false,
+        });
+    }
+    if let Some(steps) = preset.model(preset.focal_px()).steps {
+        // Khoshelham and Oude Elberink 2012.
+        for depth in [1.0, 2.0, 3.0] {
+            let (expected, found) = (2.85e-3 * depth * depth, step(steps, depth));
+            let what = format!("step of depths at {depth} m");
+            rows.push(Row::new(what, "mm", expected * 1e3, found * 1e3, Bound::Share(0.02)));
+        }
+    }
+    Page { name: preset.name, source: preset.source.into(), notes: String::new(), rows, plots }
+}

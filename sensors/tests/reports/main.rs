@@ -1,0 +1,70 @@
+//! What each preset measures beside what is published of its device: a page a preset in `docs/sensors`, which
+//! `BELVEDERE_BLESS=1 cargo test -p belvedere-sensors --test reports` writes. The test fails when a figure leaves its bound,
+//! when a page is not current, and for a preset without one.
+
+mod cameras;
+#[path = "../common/mod.rs"]
+mod common;
+mod depth;
+mod imu;
+mod page;
+mod plot;
+mod scanners;
+
+use belvedere_sensors::device::{depth::presets as depth_presets, presets as camera_presets};
+use belvedere_sensors::{imu::presets as imu_presets, scanner::presets as scanner_presets};
+use page::{Page, check, index};
+
+/// What stands before the figures of a source.
+fn device(source: &str) -> String {
+    source.split(':').next().unwrap_or_default().to_owned()
+}
+
+fn hold(pages: &[Page]) {
+    let missed: Vec<String> = pages.iter().flat_map(Page::missed).collect();
+    assert!(missed.is_empty(), "out of bounds:\n{}", missed.join("\n"));
+    for page in pages {
+        check(&format!("{}.md", page.name), &page.markdown());
+        for (number, plot) in page.plots.iter().enumerate() {
+            check(&page.plot_name(number), &plot.svg());
+        }
+    }
+}
+
+#[test]
+fn scanners_hold() {
+    hold(&scanner_presets::ALL.iter().map(scanners::page).collect::<Vec<_>>());
+}
+
+#[test]
+fn depth_cameras_hold() {
+    hold(&depth_presets::PRESETS.iter().map(depth::page).collect::<Vec<_>>());
+}
+
+#[test]
+fn inertial_units_hold() {
+    hold(&imu_presets::NAMES.map(imu::page));
+}
+
+#[test]
+fn cameras_hold() {
+    hold(&camera_presets::NAMES.map(cameras::page));
+}
+
+#[test]
+fn the_list_is_of_all() {
+    let scanners =
+        scanner_presets::ALL.iter().map(|preset| (preset.name, scanners::sheet(preset.name).device));
+    let depth = depth_presets::PRESETS.iter().map(|preset| (preset.name, device(preset.source)));
+    let cameras = camera_presets::NAMES.into_iter().map(|name| (name, cameras::sheet(name).device));
+    let inertial = imu_presets::NAMES.into_iter().map(|name| (name, imu::sheet(name).device));
+    check(
+        "README.md",
+        &index(&[
+            ("Lidars", scanners.collect()),
+            ("Depth cameras", depth.collect()),
+            ("Cameras", cameras.collect()),
+            ("Inertial units", inertial.collect()),
+        ]),
+    );
+}

@@ -1,0 +1,40 @@
+//! The files of a run, to be kept in its recording.
+
+use crate::description::model::{Model, World};
+use crate::description::package::PackagePath;
+use crate::description::robot::expand_robot;
+use crate::description::{Diagnostics, Source};
+use crate::recording::Attachment;
+use crate::simulation::SpawnOptions;
+use std::path::Path;
+
+/// The world's file, and each robot as one plain URDF: what xacro and ROS packages made of it is not in its file.
+pub(super) fn attachments(
+    world: &World,
+    robots: &[(Model, SpawnOptions)],
+    packages: &PackagePath,
+    xacro_args: &[(String, String)],
+) -> Vec<Attachment> {
+    let robots = robots.iter().filter_map(|(model, _)| robot(model, packages, xacro_args));
+    file(&world.source).into_iter().chain(robots).collect()
+}
+
+fn robot(model: &Model, packages: &PackagePath, xacro_args: &[(String, String)]) -> Option<Attachment> {
+    let path: &Path = &model.source.file;
+    if path.extension().is_some_and(|extension| extension == "sdf") {
+        return file(&model.source);
+    }
+    // What is wrong with it was told when it was loaded.
+    let robot = expand_robot(path.to_str()?, packages, xacro_args, &mut Diagnostics::default())?;
+    Some(xml(format!("{}.urdf", model.name), robot.to_string().into_bytes()))
+}
+
+/// A file as it is; none of what was no file, as an empty world.
+fn file(source: &Source) -> Option<Attachment> {
+    let name = source.file.file_name()?.to_str()?;
+    Some(xml(name.to_owned(), std::fs::read(&source.file).ok()?))
+}
+
+fn xml(name: String, data: Vec<u8>) -> Attachment {
+    Attachment { name, media_type: "application/xml".into(), data }
+}

@@ -1,0 +1,85 @@
+//! A recording without the chunks that end before a time, by its index: what is left out is not even read.
+
+use super::writer::FRAMES;
+use mcap::Summary;
+use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader};
+use std::collections::VecDeque;
+use std::io::{Read, Result, Seek, SeekFrom};
+use std::ops::Range;
+use std::time::Duration;
+
+/// A file of which some ranges are left out.
+#[derive(Debug)]
+pub struct Skipping<R> {
+    source: R,
+    at: u64,
+    /// Bytes, in their order.
+    left_out: VecDeque<Range<u64>>,
+}
+
+impl<R: Seek> Skipping<R> {
+    /// From the beginning, without these.
+    pub(super) fn new(mut source: R, left_out: Vec<Range<u64>>) -> Result<Self> {
+        source.rewind()?;
+        Ok(Self { source, at: 0, left_out: left_out.into() })
+    }
+}
+
+impl<R: Read + Seek> Read for Skipping<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        while let Some(next) = self.left_out.front()
+            && next.start <= self.at
+        {
+            self.at = next.end.max(self.at);
+            self.left_out.pop_front();
+            self.source.seek(SeekFrom::Start(self.at))?;
+        }
+        let left = self.left_out.front().map_or(u64::MAX, |next| next.start - self.at);
+        let most = buffer.len().min(usize::try_from(left).unwrap_or(usize::MAX));
+        let read = self.source.read(&mut buffer[..most])?;
+        self.at += read as u64;
+        Ok(read)
+    }
+}
+
+/// The index at the end of a file; none of a file that is not whole.
+pub(super) fn summary(source: &mut (impl Read + Seek)) -> Option<Summary> {
+    let mut reader = SummaryReader::new();
+    while let Some(event) = reader.next_event() {
+        match event.ok()? {
+            SummaryReadEvent::ReadRequest(need) => {
+                let read = source.read(reader.insert(need)).ok()?;
+                reader.notify_read(read);
+            }
+            SummaryReadEvent::SeekRequest(to) => reader.notify_seeked(source.seek(to).ok()?),
+        }
+    }
+    reader.finish()
+}
+
+/// The chunks that a replay does without which begins so long after the first message: all that end before, but for the
+/// last of them, as a frame's payload may be in the message before it, and for those with what is told once.
+pub(super) fn chunks_before(summary: &Summary, start: Duration) -> Vec<Range<u64>> {
+    let Some(stats) = &summary.stats else { return Vec::new() };
+    let start_ns =
+        u64::try_from(start.as_nanos()).unwrap_or(u64::MAX).saturating_add(stats.message_start_time);
+    let is_told_once =
+        |id: &u16| summary.channels.get(id).is_some_and(|channel| is_told_once(&channel.topic));
+    let mut chunks: Vec<_> = summary.chunk_indexes.iter().collect();
+    chunks.sort_unstable_by_key(|chunk| chunk.chunk_start_offset);
+    let before = chunks.partition_point(|chunk| chunk.message_end_time < start_ns);
+    chunks[..before.saturating_sub(1)]
+        .iter()
+        .filter(|chunk| !chunk.message_index_offsets.keys().any(is_told_once))
+        .map(|chunk| {
+            let end = chunk.chunk_start_offset + chunk.chunk_length + chunk.message_index_length;
+            chunk.chunk_start_offset..end
+        })
+        .collect()
+}
+
+/// Whether frames of a channel are wanted by those who begin later, too: static transforms, settings of sensors.
+fn is_told_once(topic: &str) -> bool {
+    let stream = topic.strip_prefix(FRAMES).and_then(|topic| topic.rsplit('/').next());
+    matches!(stream, Some("tf_static" | "sensor_settings"))
+}

@@ -1,0 +1,78 @@
+//! Clouds, as the drivers of scanners send them.
+
+mod ouster;
+mod velodyne;
+
+use super::head::Head;
+use crate::description::model::CloudLayout;
+use crate::rig::outlet::Outlet;
+use crate::rig::sink::Frame;
+use belvedere_bridge::Encoding;
+use belvedere_sensors::scanner::presets::Maker;
+
+/// What a frame has found, a value a firing.
+#[derive(Default)]
+pub(super) struct Found {
+    pub(super) ranges: Vec<f32>,
+    pub(super) points: Vec<[f32; 3]>,
+    pub(super) intensities: Vec<f32>,
+    pub(super) times: Vec<f64>,
+    pub(super) lasers: Vec<u32>,
+}
+
+impl Found {
+    pub(super) fn resize(&mut self, firings: usize) {
+        self.ranges.resize(firings, 0.0);
+        self.points.resize(firings, [0.0; 3]);
+        self.intensities.resize(firings, 0.0);
+        self.times.resize(firings, 0.0);
+        self.lasers.resize(firings, 0);
+    }
+}
+
+/// A scan that is to be sent.
+pub(super) struct Scan<'a> {
+    pub(super) found: &'a Found,
+    /// How many firings it has.
+    pub(super) firings: usize,
+    pub(super) layout: CloudLayout,
+    /// When it ends.
+    pub(super) stamp_ns: u64,
+    /// How long it took, in seconds; none if it was taken at one moment.
+    pub(super) taken_s: Option<f64>,
+}
+
+impl Scan<'_> {
+    /// Whether a firing has met something that is to be shown.
+    fn is_point(&self, firing: usize) -> bool {
+        !self.found.points[firing][0].is_nan()
+            && f64::from(self.found.intensities[firing]) >= self.layout.min_intensity
+    }
+
+    /// When it began.
+    fn begin_ns(&self) -> u64 {
+        self.stamp_ns.saturating_sub((self.taken_s.unwrap_or(0.0) * 1e9).round() as u64)
+    }
+
+    /// When a firing was, in seconds after the beginning.
+    fn time_s(&self, firing: usize) -> f64 {
+        if self.taken_s.is_some() { self.found.times[firing] } else { 0.0 }
+    }
+}
+
+/// How a driver lays out its clouds.
+pub(super) trait CloudForm {
+    /// What its points are.
+    fn encoding(&self) -> Encoding;
+
+    /// Puts a scan into a frame of the stream's; none if there is none.
+    fn write(&self, scan: &Scan<'_>, outlet: &Outlet) -> Option<Frame>;
+}
+
+/// That of the driver of a scanner: its maker's, or Velodyne's.
+pub(super) fn form_of(head: &Head) -> Box<dyn CloudForm> {
+    match head {
+        Head::Preset(preset) if preset.maker == Maker::Ouster => Box::new(ouster::OusterCloud::of(preset)),
+        _ => Box::new(velodyne::VelodyneCloud::of(&head.elevations())),
+    }
+}

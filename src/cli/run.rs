@@ -9,12 +9,14 @@ use super::recording_thread::RecordingThread;
 use super::robots::RobotArgs;
 use super::sensor_models::Devices;
 use super::status::Status;
+use super::view::{PageArgs, open_page};
 use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::world::{default_world, load_world};
 use crate::description::{Diagnostics, Rules, Severity};
 use crate::entities::Origin;
+use crate::gltf::{self, Thing};
 use crate::rig::Rig;
 use crate::rig::packets::{Feed, PacketTarget};
 use crate::robot::Autopilot;
@@ -38,6 +40,7 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run --robot kobuki_hexagons_kinect --world playground --drive spin
   belvedere run --robot my_robot.urdf.xacro --package-path ~/catkin_ws/src --domain lab
   belvedere run --robot my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
+  belvedere run --view
   belvedere run --truth
   belvedere run --rate max --duration 10 --hash
   belvedere run --record run.mcap --duration 60
@@ -100,6 +103,11 @@ pub struct RunArgs {
     /// Replace the file of --record if it is there
     #[arg(long, requires = "record")]
     force: bool,
+    /// Show the simulation on a page in the browser
+    #[arg(long)]
+    view: bool,
+    #[command(flatten)]
+    page: PageArgs,
     /// Send the data packets of a lidar with a preset of Velodyne or Ouster, named or told by its topic, to this address;
     /// may be repeated
     #[arg(long, value_name = "SENSOR=ADDRESS:PORT")]
@@ -201,11 +209,20 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         .zip(kept)
         .map(|(path, kept)| RecordingThread::start(&args.domain, path, args.force, words(args), kept))
         .transpose()?;
+    let page = args
+        .view
+        .then(|| {
+            let page = open_page(&Node::open(&args.domain, "view")?, &args.page)?;
+            page.set_scene(scene(server.simulation()));
+            Ok::<_, CliError>(page)
+        })
+        .transpose()?;
     let mut status = Status::new(server.rig());
     let ended = run_loop(&mut server, args, &node, &mut status, post.as_deref());
     if let Some(post) = &post {
         post.flush();
     }
+    drop(page);
     let table = status.finish(server.rig(), server.simulated_ns());
     eprint!("{table}");
     // If it failed, that is why the run ended.
@@ -218,6 +235,17 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
 fn words(args: &RunArgs) -> BTreeMap<String, String> {
     let world = args.world.clone().unwrap_or_else(default_world);
     BTreeMap::from([("seed".to_owned(), args.seed.to_string()), ("world".to_owned(), world)])
+}
+
+/// All models as they are at the start.
+fn scene(simulation: &Simulation) -> Vec<u8> {
+    let things = simulation.entities().iter().map(|(_, entity)| Thing {
+        name: &entity.name,
+        model: &entity.model,
+        world_from_model: entity.start,
+        is_robot: entity.robot.is_some(),
+    });
+    gltf::write(things)
 }
 
 /// Who runs where.

@@ -1,0 +1,115 @@
+//! `belvedere view`: a page in the browser.
+
+use super::error::CliError;
+use super::follow::{DomainArgs, NAP, check_topics, listen_for_stop, print_line, stop_wanted};
+use crate::view::{DEFAULT_PORT, ViewOptions, ViewServer, token};
+use belvedere_bridge::Node;
+use std::net::{IpAddr, Ipv4Addr};
+use std::process::{Command, Stdio};
+
+/// How the page is served.
+#[derive(Clone, Debug, clap::Args)]
+#[group(skip)]
+pub struct PageArgs {
+    /// Port of the page; 0 for any that is free
+    #[arg(long, value_name = "PORT", default_value_t = DEFAULT_PORT)]
+    port: u16,
+    /// Address to listen at; any but 127.0.0.1 lets other machines look, if they know the token
+    #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    listen: IpAddr,
+    /// What a page has to know, 8 or more letters and digits [default: made up at each start]
+    #[arg(long, value_name = "TEXT", env = "BELVEDERE_VIEW_TOKEN", value_parser = token, hide_env_values = true)]
+    token: Option<String>,
+    /// Another page that may connect, such as https://app.foxglove.dev; may be repeated
+    #[arg(long, value_name = "ORIGIN")]
+    allow_origin: Vec<String>,
+    /// Print the page's address and open no browser
+    #[arg(long)]
+    no_browser: bool,
+}
+
+/// Show a running simulation on a page in the browser.
+///
+/// The page has the world in 3D with the robot, its scans and depth clouds, and the pictures of its cameras; from it time
+/// is paused, stepped and reset, and the robot driven by keys. What no panel shows is not rendered. It goes on when the
+/// simulator is started again. `belvedere run --view` is simulator and page in one.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  belvedere run --view
+  belvedere view
+  belvedere view --no-browser --port 0
+  ssh -L 8765:127.0.0.1:8765 robot belvedere view --no-browser")]
+pub struct ViewArgs {
+    #[command(flatten)]
+    domain: DomainArgs,
+    #[command(flatten)]
+    page: PageArgs,
+    /// Wait for the simulator when there is none yet
+    #[arg(long)]
+    wait: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CliError::NoSimulator`]; [`CliError::View`] when the page cannot be served.
+pub fn run(args: &ViewArgs) -> Result<(), CliError> {
+    listen_for_stop()?;
+    let node = Node::open(&args.domain.domain, "view")?;
+    if !args.wait {
+        check_topics(&node, &args.domain.domain, &[])?;
+    }
+    let page = open_page(&node, &args.page)?;
+    while !stop_wanted() {
+        std::thread::sleep(NAP);
+    }
+    page.stop();
+    Ok(())
+}
+
+/// Serves the page, says where, and opens it.
+pub(super) fn open_page(node: &Node, args: &PageArgs) -> Result<ViewServer, CliError> {
+    let options = ViewOptions {
+        address: args.listen,
+        port: args.port,
+        token: args.token.clone(),
+        origins: args.allow_origin.clone(),
+    };
+    let page = ViewServer::start(node.clone(), options)?;
+    print_line(&format!("page: {}", page.url()))?;
+    if !args.no_browser {
+        open_browser(page.url());
+    }
+    Ok(page)
+}
+
+/// Asks the desktop for a browser. Without one the user opens the page himself.
+fn open_browser(url: &str) {
+    let opened = Command::new("xdg-open")
+        .arg(url)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    let failed = match opened {
+        Ok(mut child) => {
+            // Waited for beside, since some browsers stay in front.
+            let watched = std::thread::Builder::new().name("browser".into()).spawn(move || {
+                if !child.wait().is_ok_and(|status| status.success()) {
+                    tell_of_no_browser("xdg-open found none");
+                }
+            });
+            watched.err()
+        }
+        Err(error) => Some(error),
+    };
+    if let Some(error) = failed {
+        tell_of_no_browser(&format!("xdg-open: {error}"));
+    }
+}
+
+fn tell_of_no_browser(why: &str) {
+    tracing::warn!(
+        "no browser was opened ({why}); open the page's address in one yourself, or give --no-browser"
+    );
+}

@@ -17,6 +17,7 @@ export class Space {
   private robot: THREE.Object3D | undefined;
   private readonly robotWas = new THREE.Vector3();
   private changed = true;
+  private isDrawn = false;
   followsRobot = true;
   /** Height of what there is, metres. */
   height = 3;
@@ -43,6 +44,12 @@ export class Space {
       this.resize();
     }).observe(place);
     this.resize();
+  }
+
+  /** Begins to draw, if it has not. */
+  start() {
+    if (this.isDrawn) return;
+    this.isDrawn = true;
     const draw = () => {
       requestAnimationFrame(draw);
       // What has not changed is not drawn again.
@@ -145,6 +152,7 @@ export class Space {
   scanDistances(topic: string): number[] {
     const points = this.scene.getObjectByName(topic);
     if (!(points instanceof THREE.Points)) return [];
+    this.scene.updateMatrixWorld();
     const geometry = points.geometry as THREE.BufferGeometry;
     const places = geometry.getAttribute("position") as THREE.BufferAttribute | undefined;
     const things = [...this.links.values()].filter((link) => link.userData.robot !== true);

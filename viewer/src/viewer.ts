@@ -7,8 +7,8 @@ import { Layers, type Choice } from "./layers";
 import { Space } from "./space";
 
 const LINK_STATES = "simulation/link_states";
-/** Time that stands for so long is said to stand. */
-const STANDS_MS = 400;
+/** The 3D view waits so long for the first picture, which comes sooner while it has not begun. */
+const HEAD_START_MS = 600;
 
 function element<T extends HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
@@ -21,7 +21,8 @@ const [pause, driven] = [element<HTMLButtonElement>("pause"), element<HTMLSelect
 const cut = element<HTMLInputElement>("cut");
 
 let stamp = 0;
-let moved = performance.now();
+/** States that came with the same stamp: while time stands they are repeated. */
+let repeated = 0;
 let isConnected = false;
 let scene = 0;
 let firstPictureMs: number | null = null;
@@ -113,13 +114,13 @@ function row(choice: Choice): HTMLElement {
 }
 
 layers.follow(LINK_STATES, (frame) => {
-  if (frame.header.stamp !== stamp) moved = performance.now();
+  repeated = frame.header.stamp === stamp ? repeated + 1 : 0;
   stamp = frame.header.stamp;
   space.move(linkStates(frame));
 });
 
 function stands(): boolean {
-  return performance.now() - moved > STANDS_MS;
+  return repeated > 1;
 }
 
 async function control(operation: string, more: object = {}) {
@@ -163,7 +164,11 @@ function showState() {
 setInterval(showState, 100);
 layers.onPicture = () => {
   firstPictureMs ??= performance.now();
+  space.start();
 };
+setTimeout(() => {
+  space.start();
+}, HEAD_START_MS);
 setInterval(() => {
   layers.takeRates();
   for (const rate of document.querySelectorAll<HTMLElement>(".rate")) {

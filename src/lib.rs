@@ -31,3 +31,12 @@ pub mod robot;
 pub mod server;
 pub mod simulation;
 pub mod world;
+
+/// The Rust code of the book.
+#[cfg(doctest)]
+mod book {
+    #[doc = include_str!("../docs/library.md")]
+    mod library {}
+    #[doc = include_str!("../docs/sensors.md")]
+    mod sensors {}
+}

@@ -36,3 +36,12 @@ pub mod simulation;
 #[cfg(feature = "view")]
 pub mod view;
 pub mod world;
+
+/// The Rust code of the book.
+#[cfg(doctest)]
+mod book {
+    #[doc = include_str!("../docs/library.md")]
+    mod library {}
+    #[doc = include_str!("../docs/sensors.md")]
+    mod sensors {}
+}

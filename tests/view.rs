@@ -69,12 +69,17 @@ impl Server {
     }
 
     fn page(&self) -> Page {
+        self.connect("")
+    }
+
+    /// A WebSocket with this header more.
+    fn connect(&self, header: &str) -> Page {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         let (host, token) = (&self.host, &self.token);
         let request = format!(
             "GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
-             Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+             {header}Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
         );
         stream.write_all(request.as_bytes()).unwrap();
         let mut answer = Vec::new();
@@ -86,6 +91,9 @@ impl Server {
         let answer = String::from_utf8(answer).unwrap();
         // What RFC 6455 has for this key.
         assert!(answer.contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), "{answer}");
+        if let Some(offered) = header.strip_suffix("\r\n") {
+            assert!(answer.contains(offered.split(", ").next().unwrap()), "{answer}");
+        }
         Page { socket: WebSocket::from_raw_socket(stream, Role::Client, None), heard: Vec::new() }
     }
 
@@ -139,6 +147,17 @@ impl Page {
                         return Shown { header, payload: bytes[4 + len..].to_vec() };
                     }
                 }
+                Message::Text(text) => self.heard.push(serde_json::from_str(&text).unwrap()),
+                _ => {}
+            }
+        }
+    }
+
+    /// The next binary message with this first byte.
+    fn binary(&mut self, opcode: u8) -> Vec<u8> {
+        loop {
+            match self.socket.read().unwrap() {
+                Message::Binary(bytes) if bytes[0] == opcode => return bytes.to_vec(),
                 Message::Text(text) => self.heard.push(serde_json::from_str(&text).unwrap()),
                 _ => {}
             }
@@ -376,4 +395,64 @@ fn what_cannot_be_served_is_said_in_a_sentence() {
     fails(&["run", "--view", "--domain", &domain, "--port", &port], &[&port, "in use", "--port"]);
     fails(&["view", "--wait", "--domain", &domain, "--listen", "192.0.2.1"], &["192.0.2.1", "cannot serve"]);
     fails(&["view", "--token", "short"], &["8 or more"]);
+}
+
+#[test]
+fn foxglove_is_spoken_on_the_same_port() {
+    let server = Server::run(&own_domain(), &KINECT);
+    for protocol in ["foxglove.websocket.v1", "foxglove.sdk.v1, foxglove.websocket.v1"] {
+        let mut client = server.connect(&format!("Sec-WebSocket-Protocol: {protocol}\r\n"));
+        assert_eq!(client.told("serverInfo")["metadata"]["ROS_DISTRO"], "noetic");
+        let advertised = client.told("advertise");
+        let channel = |topic: &str| {
+            let channels = advertised["channels"].as_array().unwrap().iter();
+            channels.clone().find(|channel| channel["topic"] == topic).cloned()
+        };
+        assert!(channel("/cmd_vel").is_none() && channel("/simulation/command").is_none());
+        let fixed = channel("/tf_static").unwrap();
+        assert_eq!(
+            (&fixed["schemaName"], &fixed["encoding"]),
+            (&json!("tf2_msgs/TFMessage"), &json!("ros1"))
+        );
+        // What was said once comes at each subscription.
+        for id in [7_u32, 8] {
+            client
+                .say(json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": fixed["id"] }] }));
+            let message = client.binary(1);
+            assert_eq!(message[1..5], id.to_le_bytes());
+            // A count of transforms, and the first one's header.
+            assert!(u32::from_le_bytes(message[13..17].try_into().unwrap()) > 5);
+        }
+        let picture = channel("/camera/rgb/image_raw").unwrap();
+        client.say(json!({ "op": "subscribe", "subscriptions": [{ "id": 9, "channelId": picture["id"] }] }));
+        let image = loop {
+            let message = client.binary(1);
+            if message[1..5] == 9_u32.to_le_bytes() {
+                break message;
+            }
+        };
+        assert!(image.len() > 640 * 480 * 3);
+        // Time is told before.
+        let stamp_ns = u64::from_le_bytes(image[5..13].try_into().unwrap());
+        let now_ns = u64::from_le_bytes(client.binary(2)[1..9].try_into().unwrap());
+        assert!(now_ns.abs_diff(stamp_ns) < 10_000_000_000, "{now_ns} and {stamp_ns}");
+        client.say(json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
+        let values = client.told("parameterValues");
+        assert_eq!(values["id"], "a");
+        assert!(values["parameters"][0]["value"].as_str().unwrap().contains("<robot"));
+        for wrong in [
+            json!({ "op": "subscribe", "subscriptions": [{ "id": 1, "channelId": 4711 }] }),
+            json!({ "op": 1 }),
+        ] {
+            client.say(wrong);
+            assert_eq!(client.told("status")["level"], 1);
+        }
+    }
+    let (host, token) = (&server.host, &server.token);
+    let answer = server.ask(&format!(
+        "GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+         Sec-WebSocket-Protocol: mqtt\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    ));
+    assert!(answer.starts_with("HTTP/1.1 400 ") && answer.contains("foxglove.sdk.v1"), "{answer}");
 }

@@ -12,6 +12,6 @@ export default ts.config(
   },
   {
     files: ["*.js", "test/**/*.js"],
-    languageOptions: { globals: { process: "readonly", console: "readonly", URL: "readonly", setTimeout: "readonly", performance: "readonly", fetch: "readonly", window: "readonly", document: "readonly" } },
+    languageOptions: { globals: { process: "readonly", console: "readonly", URL: "readonly", setTimeout: "readonly", performance: "readonly", fetch: "readonly", window: "readonly", document: "readonly", TextEncoder: "readonly" } },
   },
 );

@@ -9,14 +9,13 @@ use super::recording_thread::RecordingThread;
 use super::robots::RobotArgs;
 use super::sensor_models::Devices;
 use super::status::Status;
-use super::view::{PageArgs, open_page};
+use super::view::{PageArgs, Shown, open_page};
 use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::world::{default_world, load_world};
 use crate::description::{Diagnostics, Rules, Severity};
 use crate::entities::Origin;
-use crate::gltf::{self, Thing};
 use crate::rig::Rig;
 use crate::rig::packets::{Feed, PacketTarget};
 use crate::robot::Autopilot;
@@ -163,6 +162,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     let kept =
         args.record.as_ref().map(|_| attachments(&world, &robots, &packages, args.robots.xacro_args()));
+    let shown = args.view.then(|| Shown::new(&world, &robots, &packages, args.robots.xacro_args()));
     let node = Node::open(&args.domain, "belvedere")?;
     let mut simulation =
         Simulation::builder(world).seed(args.seed).gazebo_compat(args.gazebo_compat).build()?;
@@ -209,14 +209,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         .zip(kept)
         .map(|(path, kept)| RecordingThread::start(&args.domain, path, args.force, words(args), kept))
         .transpose()?;
-    let page = args
-        .view
-        .then(|| {
-            let page = open_page(&Node::open(&args.domain, "view")?, &args.page)?;
-            page.set_scene(scene(server.simulation()));
-            Ok::<_, CliError>(page)
-        })
-        .transpose()?;
+    let page =
+        shown.map(|shown| open_page(&Node::open(&args.domain, "view")?, &args.page, shown)).transpose()?;
     let mut status = Status::new(server.rig());
     let ended = run_loop(&mut server, args, &node, &mut status, post.as_deref());
     if let Some(post) = &post {
@@ -235,17 +229,6 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
 fn words(args: &RunArgs) -> BTreeMap<String, String> {
     let world = args.world.clone().unwrap_or_else(default_world);
     BTreeMap::from([("seed".to_owned(), args.seed.to_string()), ("world".to_owned(), world)])
-}
-
-/// All models as they are at the start.
-fn scene(simulation: &Simulation) -> Vec<u8> {
-    let things = simulation.entities().iter().map(|(_, entity)| Thing {
-        name: &entity.name,
-        model: &entity.model,
-        world_from_model: entity.start,
-        is_robot: entity.robot.is_some(),
-    });
-    gltf::write(things)
 }
 
 /// Who runs where.

@@ -6,6 +6,8 @@
 //! | `access` | who may look |
 //! | `bundle` | the page's files |
 //! | `socket` | a WebSocket that keeps no thread waiting |
+//! | `waiting` | how a client's thread sleeps |
+//! | `foxglove` | Foxglove's protocol, for whoever speaks it |
 //! | `page` | what a page of ours says and is told |
 //! | `payload` | frames as that page takes them |
 //! | `listing` | which streams there are |
@@ -19,27 +21,32 @@ mod access;
 mod bundle;
 mod commander;
 mod drivers;
+mod foxglove;
 mod http;
 mod listing;
 mod page;
 mod payload;
 mod scene;
 mod socket;
+mod waiting;
 
 pub use access::token;
 
 use access::{Access, random_token};
 use belvedere_bridge::Node;
+use foxglove::{Foxglove, SUBPROTOCOLS, common_protocol};
 use http::{Request, Status, refuse, respond};
 use listing::Listing;
 use page::Page;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use scene::Scene;
+use serde_json::{Value, json};
 use socket::{Socket, is_complete};
+use std::collections::BTreeMap;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -96,6 +103,10 @@ struct Shared {
     access: Access,
     listing: Listing,
     scene: Scene,
+    /// For Foxglove's clients: what parameters of ROS are.
+    parameters: Mutex<BTreeMap<String, Value>>,
+    /// Another one for each server.
+    session: String,
     stop: AtomicBool,
     connections: AtomicUsize,
     clients: AtomicUsize,
@@ -104,6 +115,13 @@ struct Shared {
 impl Shared {
     fn is_stopping(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Parameters of these names, or all.
+    fn parameters(&self, names: &[String]) -> Vec<Value> {
+        let parameters = self.parameters.lock().unwrap_or_else(PoisonError::into_inner);
+        let wanted = parameters.iter().filter(|(name, _)| names.is_empty() || names.contains(name));
+        wanted.map(|(name, value)| json!({ "name": name, "value": value })).collect()
     }
 }
 
@@ -131,11 +149,15 @@ impl ViewServer {
         let token = options.token.map_or_else(random_token, Ok).map_err(failed)?;
         let shown = if address.ip().is_unspecified() { Ipv4Addr::LOCALHOST.into() } else { address.ip() };
         let url = format!("http://{}/?token={token}", SocketAddr::new(shown, address.port()));
+        let parameters = BTreeMap::from([("/use_sim_time".to_owned(), Value::Bool(true))]);
+        let session = random_token().map_err(failed)?;
         let shared = Arc::new(Shared {
             listing: Listing::new(node.clone()),
             node,
             access: Access::new(token, address, options.origins),
             scene: Scene::default(),
+            parameters: Mutex::new(parameters),
+            session,
             stop: AtomicBool::new(false),
             connections: AtomicUsize::new(0),
             clients: AtomicUsize::new(0),
@@ -162,6 +184,14 @@ impl ViewServer {
     /// Shows these models from now on: a binary glTF file.
     pub fn set_scene(&self, glb: Vec<u8>) {
         self.shared.scene.set(glb);
+    }
+
+    /// Tells Foxglove's clients of a robot: a plain URDF, which is the parameter `/robot_description`, or
+    /// `/NAMESPACE/robot_description`.
+    pub fn set_robot_description(&self, namespace: &str, urdf: String) {
+        let scope = if namespace.is_empty() { String::new() } else { format!("/{namespace}") };
+        let mut parameters = self.shared.parameters.lock().unwrap_or_else(PoisonError::into_inner);
+        parameters.insert(format!("{scope}/robot_description"), Value::String(urdf));
     }
 
     /// Ends it.
@@ -259,14 +289,26 @@ fn serve_socket(mut stream: TcpStream, request: &Request, shared: &Shared) -> io
     if !is_complete(request) {
         return refuse(&mut stream, Status::Bad, "this is not a WebSocket of version 13");
     }
+    let offered = request.header("sec-websocket-protocol");
+    let protocol = offered.map(common_protocol);
+    if protocol == Some(None) {
+        let sentence = format!("of subprotocols {} are spoken", SUBPROTOCOLS.join(" and "));
+        return refuse(&mut stream, Status::Bad, &sentence);
+    }
+    let protocol = protocol.flatten();
     if shared.clients.fetch_add(1, Ordering::Relaxed) >= MAX_CLIENTS {
         shared.clients.fetch_sub(1, Ordering::Relaxed);
         let sentence = format!("{MAX_CLIENTS} clients look already; close one");
         return refuse(&mut stream, Status::Full, &sentence);
     }
-    let served = http::upgrade(&mut stream, request, None)
-        .and_then(|()| Socket::new(stream))
-        .and_then(|socket| Page::new(shared, socket).serve().map_err(io::Error::other));
+    let served =
+        http::upgrade(&mut stream, request, protocol).and_then(|()| Socket::new(stream)).and_then(|socket| {
+            let served = match protocol {
+                Some(_) => Foxglove::new(shared, socket).serve(),
+                None => Page::new(shared, socket).serve(),
+            };
+            served.map_err(io::Error::other)
+        });
     shared.clients.fetch_sub(1, Ordering::Relaxed);
     served
 }

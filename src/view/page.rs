@@ -15,17 +15,17 @@ use super::drivers::Drivers;
 use super::listing;
 use super::payload;
 use super::socket::{Said, Socket};
+use super::waiting::wait;
 use belvedere_bridge::{Operation, Subscriber};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 use tungstenite::{Error, Message};
 
 /// How long is waited for somebody to say something.
-const NAP_NS: i64 = 50_000_000;
+const NAP: Duration = Duration::from_millis(50);
 /// The same while an answer of the simulator is on its way.
-const SHORT_NAP_NS: i64 = 4_000_000;
+const SHORT_NAP: Duration = Duration::from_millis(4);
 /// A page that has not asked for so long, a hidden one, follows the stream no more.
 const FORGOTTEN: Duration = Duration::from_secs(3);
 /// Streams that a page may follow at a time.
@@ -116,24 +116,15 @@ impl<'a> Page<'a> {
 
     /// Sleeps until the page says something, or there is something for it.
     fn wait(&mut self) {
-        let unsent = self.socket.has_unsent();
-        let flags = if unsent { PollFlags::IN | PollFlags::OUT } else { PollFlags::IN };
-        let mut fds = vec![PollFd::from_borrowed_fd(self.socket.descriptor(), flags)];
-        // While the page is slow, frames wait where they are, and the oldest give way.
-        for followed in self.followed.iter_mut().filter(|followed| followed.wanted && !unsent) {
-            if let Ok(readiness) = followed.subscriber.readiness() {
-                fds.push(PollFd::from_borrowed_fd(readiness, PollFlags::IN));
-            }
-        }
-        let nap = if self.awaited > 0 { SHORT_NAP_NS } else { NAP_NS };
-        // Interrupted: looked at again at once.
-        let _ = poll(&mut fds, Some(&Timespec { tv_sec: 0, tv_nsec: nap }));
+        let wanted = self.followed.iter_mut().filter(|followed| followed.wanted);
+        let nap = if self.awaited > 0 { SHORT_NAP } else { NAP };
+        wait(&self.socket, wanted.map(|followed| &mut followed.subscriber), nap);
     }
 
     fn take(&mut self, said: &Said) -> Result<(), Error> {
         let request = match said {
             Said::Text(text) => serde_json::from_str(text).map_err(|error| error.to_string()),
-            Said::Binary => Err("it is binary".to_owned()),
+            Said::Binary(_) => Err("it is binary".to_owned()),
         };
         let done = match request {
             Ok(Request::Next { topic }) => self.want(&topic),

@@ -5,7 +5,7 @@ use std::io;
 use std::net::TcpStream;
 use std::os::fd::{AsFd as _, BorrowedFd};
 use tungstenite::protocol::{Role, WebSocketConfig};
-use tungstenite::{Error, Message, WebSocket};
+use tungstenite::{Bytes, Error, Message, WebSocket};
 
 /// Longest message that a client may send.
 const MAX_MESSAGE_BYTES: usize = 64 << 10;
@@ -14,7 +14,7 @@ const MAX_MESSAGE_BYTES: usize = 64 << 10;
 #[derive(Debug)]
 pub(super) enum Said {
     Text(String),
-    Binary,
+    Binary(Bytes),
 }
 
 /// The server's end.
@@ -43,7 +43,7 @@ impl Socket {
         loop {
             match self.web.read() {
                 Ok(Message::Text(text)) => return Ok(Some(Said::Text(text.as_str().to_owned()))),
-                Ok(Message::Binary(_)) => return Ok(Some(Said::Binary)),
+                Ok(Message::Binary(bytes)) => return Ok(Some(Said::Binary(bytes))),
                 // Answered by the library.
                 Ok(_) => self.flush()?,
                 Err(Error::Io(error)) if error.kind() == io::ErrorKind::WouldBlock => return Ok(None),

@@ -1,50 +1,11 @@
 // The page in Chromium against a live simulator: belvedere's program, then the folder for screenshots.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { createInterface } from "node:readline";
 import { chromium } from "playwright-core";
+import { end, killAll, sleep, start, until } from "./simulator.js";
 
-const [program, pictures] = process.argv.slice(2);
-const TOKEN = "token-of-the-test";
+const pictures = process.argv[3];
 const KINECT = ["--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "still"];
 const PICTURE = "camera/rgb/image_raw";
-
-const children = new Set();
-
-/** Starts a simulator with its page, and gives it and its address. */
-async function start(domain, port, args) {
-  const child = spawn(
-    program,
-    ["run", "--view", "--no-browser", "--port", String(port), "--token", TOKEN, "--domain", domain, ...args],
-    { stdio: ["ignore", "pipe", "ignore"] },
-  );
-  children.add(child);
-  child.once("exit", () => children.delete(child));
-  for await (const line of createInterface({ input: child.stdout })) {
-    const url = /^page: (http:.*)$/.exec(line)?.[1];
-    if (url !== undefined) return { child, url };
-  }
-  throw new Error("the simulator printed no address");
-}
-
-async function end({ child }, signal = "SIGINT") {
-  const gone = new Promise((resolve) => child.once("exit", resolve));
-  child.kill(signal);
-  await gone;
-}
-
-const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
-
-/** Waits until something holds. */
-async function until(what, holds, ms = 30000) {
-  const deadline = performance.now() + ms;
-  while (performance.now() < deadline) {
-    const value = await holds();
-    if (value) return value;
-    await sleep(20);
-  }
-  throw new Error(`not within ${ms} ms: ${what}`);
-}
 
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
@@ -144,6 +105,6 @@ try {
   assert.deepEqual(problems, []);
   console.log("no console error");
 } finally {
-  for (const child of children) child.kill("SIGINT");
+  killAll();
   await browser.close();
 }

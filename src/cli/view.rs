@@ -16,6 +16,7 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// How the page is served.
 #[derive(Clone, Debug, clap::Args)]
 #[group(skip)]
@@ -37,6 +38,7 @@ pub struct PageArgs {
     no_browser: bool,
 }
 
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// Show a running simulation on a page in the browser.
 ///
 /// The page has the world in 3D with the robot, its scans and depth clouds, and the pictures of its cameras; from it time

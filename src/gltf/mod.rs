@@ -108,7 +108,7 @@ fn write_mesh(file: &mut File, triangles: &Triangles<'_>, look: usize) -> usize 
         let uvs: Vec<[f32; 2]> = triangles.uvs.iter().map(|[u, v]| [*u, 1.0 - v]).collect();
         attributes.insert("TEXCOORD_0".into(), file.pairs(&uvs).into());
     }
-    let indices = file.indices(&triangles.triangles);
+    let indices = file.indices(&triangles.corners);
     file.add(
         "meshes",
         json!({ "primitives": [{ "attributes": attributes, "indices": indices, "material": look }] }),

@@ -15,7 +15,7 @@ pub(super) struct Triangles<'a> {
     pub(super) positions: Cow<'a, [[f32; 3]]>,
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) uvs: Cow<'a, [[f32; 2]]>,
-    pub(super) triangles: Cow<'a, [[u32; 3]]>,
+    pub(super) corners: Cow<'a, [[u32; 3]]>,
 }
 
 impl<'a> Triangles<'a> {
@@ -28,7 +28,7 @@ impl<'a> Triangles<'a> {
                     positions: Cow::Borrowed(&mesh.positions),
                     normals: Vec::new(),
                     uvs: Cow::Borrowed(&mesh.uvs),
-                    triangles: Cow::Borrowed(&mesh.triangles),
+                    corners: Cow::Borrowed(&mesh.triangles),
                 };
             }
             Geometry::Box { size } => {
@@ -71,7 +71,7 @@ impl<'a> Triangles<'a> {
         let [a, b, c, d] = corners.map(|(u, v)| {
             self.vertex(middle + right * u + up * v, normal, [f64::midpoint(u, 1.0), f64::midpoint(v, 1.0)])
         });
-        self.triangles.to_mut().extend([[a, b, c], [a, c, d]]);
+        self.corners.to_mut().extend([[a, b, c], [a, c, d]]);
     }
 
     /// Rings from one pole to the other, apart by twice `lift` in the middle.
@@ -108,7 +108,7 @@ impl<'a> Triangles<'a> {
                 let uv = [0.5 + 0.5 * edge.x, 0.5 + 0.5 * edge.y * side];
                 let vertex = self.vertex(edge * radius + normal * half, normal, uv);
                 if column > 0 {
-                    self.triangles.to_mut().push([middle, vertex - 1, vertex]);
+                    self.corners.to_mut().push([middle, vertex - 1, vertex]);
                 }
             }
         }
@@ -117,7 +117,7 @@ impl<'a> Triangles<'a> {
     /// Triangles between rings of vertices, from below.
     fn join(&mut self, first: u32, rows: u32) {
         let at = |row: u32, column: u32| first + row * (ROUND + 1) + column;
-        let triangles = self.triangles.to_mut();
+        let triangles = self.corners.to_mut();
         for row in 1..rows {
             for column in 1..=ROUND {
                 let [a, b] = [at(row - 1, column - 1), at(row - 1, column)];
@@ -154,7 +154,7 @@ mod tests {
             Geometry::Capsule { radius: 0.3, length: 1.0 },
         ] {
             let shape = Triangles::of(&geometry);
-            for triangle in shape.triangles.iter() {
+            for triangle in shape.corners.iter() {
                 let [a, b, c] =
                     triangle.map(|vertex| glam::Vec3::from(shape.positions[vertex as usize]).as_dvec3());
                 let normal = (b - a).cross(c - a);

@@ -72,7 +72,7 @@ impl Commander {
 
 fn carry_out(node: &Node, control: &mut Option<SimulationControl>, order: &Order) -> Result<(), String> {
     let operation: Operation =
-        order.operation.parse().map_err(|_| format!("there is no operation '{}'", order.operation))?;
+        order.operation.parse().map_err(|()| format!("there is no operation '{}'", order.operation))?;
     let mut command = SimulationCommand::new(operation);
     command.steps = order.steps;
     command.name = Text::new(&order.name).map_err(|error| error.to_string())?;

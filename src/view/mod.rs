@@ -1,4 +1,4 @@
-//! A page in the browser that shows a simulation: a server on one port, of that page and of WebSockets.
+//! A page in the browser that shows a simulation: a server on one port, of that page and of what it connects to.
 //!
 //! | file | is |
 //! |---|---|
@@ -52,7 +52,7 @@ use std::time::Duration;
 
 /// The port that Foxglove looks at.
 pub const DEFAULT_PORT: u16 = 8765;
-/// WebSockets at a time: a stream has room for eight followers, who may be others.
+/// Clients at a time: a stream has room for eight followers, who may be others.
 const MAX_CLIENTS: usize = 6;
 /// Connections at a time, of any kind.
 const MAX_CONNECTIONS: usize = 32;

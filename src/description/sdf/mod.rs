@@ -79,8 +79,25 @@ pub(super) fn load_world_file(
     rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<World> {
-    let mut loader = Loader::new(path, packages, rules, diagnostics);
-    let (root, version) = loader.read_root(path)?;
+    match Element::parse_file(path) {
+        Ok(root) => load_world(&root, packages, rules, diagnostics),
+        Err(problem) => {
+            diagnostics.add(problem);
+            None
+        }
+    }
+}
+
+/// Reads the first `<world>` of an SDF text that was parsed already.
+pub(super) fn load_world(
+    root: &Element,
+    packages: &PackagePath,
+    rules: Rules,
+    diagnostics: &mut Diagnostics,
+) -> Option<World> {
+    let path = root.source.file.clone();
+    let mut loader = Loader::new(&path, packages, rules, diagnostics);
+    let version = loader.version(root)?;
     let Some(world) = root.child("world") else {
         loader.diagnostics.error(
             &root.source,

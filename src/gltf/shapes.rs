@@ -1,13 +1,15 @@
 //! Shapes as triangles.
 
-use crate::description::model::Geometry;
-use glam::{DMat3, DQuat, DVec3};
+use crate::description::model::{Geometry, HeightMap};
+use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Parts of a full circle; of half of one for a ball.
 const ROUND: u32 = 32;
 const HALF_ROUND: u32 = 16;
+/// Rows and columns of a terrain.
+const MAX_TERRAIN: u32 = 256;
 
 /// Triangles counter-clockwise seen from outside; normals and texture coordinates (v up) for each vertex, or none.
 #[derive(Debug, Default)]
@@ -53,7 +55,24 @@ impl<'a> Triangles<'a> {
             }
             Geometry::Sphere { radius } => shape.ball(*radius, 0.0),
             Geometry::Capsule { radius, length } => shape.ball(*radius, length * 0.5),
-            Geometry::Cylinder { radius, length } => shape.cylinder(*radius, length * 0.5),
+            Geometry::Cylinder { radius, length } => {
+                shape.tube([*radius; 2], length * 0.5);
+                shape.lid(*radius, length * 0.5, 1.0);
+                shape.lid(*radius, length * 0.5, -1.0);
+            }
+            Geometry::Cone { radius, length } => {
+                shape.tube([*radius, 0.0], length * 0.5);
+                shape.lid(*radius, length * 0.5, -1.0);
+            }
+            Geometry::Ellipsoid { radii } => {
+                shape.ball(1.0, 0.0);
+                for (place, normal) in shape.positions.to_mut().iter_mut().zip(&mut shape.normals) {
+                    let unit = Vec3::from(*normal).as_dvec3();
+                    *place = (unit * *radii).as_vec3().to_array();
+                    *normal = (unit / *radii).normalize_or(DVec3::Z).as_vec3().to_array();
+                }
+            }
+            Geometry::HeightMap(map) => shape.terrain(map),
         }
         shape
     }
@@ -89,37 +108,68 @@ impl<'a> Triangles<'a> {
                 self.vertex(normal * radius + DVec3::Z * *lift, normal, [turn, v]);
             }
         }
-        self.join(0, rows.len() as u32);
+        self.join(rows.len() as u32, ROUND);
     }
 
-    fn cylinder(&mut self, radius: f64, half: f64) {
-        for (v, z) in [(0.0, -half), (1.0, half)] {
+    /// The side of a cylinder, or of a cone, by its radii below and above.
+    fn tube(&mut self, [below, above]: [f64; 2], half: f64) {
+        let slope = (below - above) / (2.0 * half);
+        for (v, radius, z) in [(0.0, below, -half), (1.0, above, half)] {
             for column in 0..=ROUND {
                 let turn = f64::from(column) / f64::from(ROUND);
-                self.vertex(round(turn) * radius + DVec3::Z * z, round(turn), [turn, v]);
+                let normal = (round(turn) + DVec3::Z * slope).normalize_or(DVec3::Z);
+                self.vertex(round(turn) * radius + DVec3::Z * z, normal, [turn, v]);
             }
         }
-        self.join(0, 2);
-        for side in [-1.0, 1.0] {
-            let normal = DVec3::Z * side;
-            let middle = self.vertex(normal * half, normal, [0.5, 0.5]);
-            for column in 0..=ROUND {
-                let edge = round(f64::from(column) / f64::from(ROUND) * side);
-                let uv = [0.5 + 0.5 * edge.x, 0.5 + 0.5 * edge.y * side];
-                let vertex = self.vertex(edge * radius + normal * half, normal, uv);
-                if column > 0 {
-                    self.corners.to_mut().push([middle, vertex - 1, vertex]);
-                }
+        self.join(2, ROUND);
+    }
+
+    /// A disc that faces up (1) or down (-1).
+    fn lid(&mut self, radius: f64, half: f64, side: f64) {
+        let normal = DVec3::Z * side;
+        let middle = self.vertex(normal * half, normal, [0.5, 0.5]);
+        for column in 0..=ROUND {
+            let edge = round(f64::from(column) / f64::from(ROUND) * side);
+            let uv = [0.5 + 0.5 * edge.x, 0.5 + 0.5 * edge.y * side];
+            let vertex = self.vertex(edge * radius + normal * half, normal, uv);
+            if column > 0 {
+                self.corners.to_mut().push([middle, vertex - 1, vertex]);
             }
         }
     }
 
-    /// Triangles between rings of vertices, from below.
-    fn join(&mut self, first: u32, rows: u32) {
-        let at = |row: u32, column: u32| first + row * (ROUND + 1) + column;
+    /// A terrain of at most so many rows and columns; a reader makes it flat between them.
+    fn terrain(&mut self, map: &HeightMap) {
+        let heights = &map.heights;
+        let [rows, columns] = heights.grid;
+        let picked = |count: u32| -> Vec<u32> {
+            let step = count.div_ceil(MAX_TERRAIN).max(1);
+            let last = count.saturating_sub(1);
+            (0..last).step_by(step as usize).chain([last]).collect()
+        };
+        let (rows_picked, columns_picked) = (picked(rows), picked(columns));
+        // From -y to +y, as rings of vertices go up.
+        for row in rows_picked.iter().rev() {
+            for column in &columns_picked {
+                let u = f64::from(*column) / f64::from(columns.saturating_sub(1).max(1));
+                let v = 1.0 - f64::from(*row) / f64::from(rows.saturating_sub(1).max(1));
+                let height =
+                    heights.metres.get((row * columns + column) as usize).copied().unwrap_or_default();
+                let flat =
+                    DVec3::new((u - 0.5) * heights.size[0], (v - 0.5) * heights.size[1], height.into());
+                self.vertex(map.offset + flat, DVec3::Z, [u, v]);
+            }
+        }
+        self.normals.clear();
+        self.join(rows_picked.len() as u32, columns_picked.len() as u32 - 1);
+    }
+
+    /// Triangles between rows of vertices, of so many steps each, from below.
+    fn join(&mut self, rows: u32, steps: u32) {
         let triangles = self.corners.to_mut();
         for row in 1..rows {
-            for column in 1..=ROUND {
+            for column in 1..=steps {
+                let at = |row: u32, column: u32| row * (steps + 1) + column;
                 let [a, b] = [at(row - 1, column - 1), at(row - 1, column)];
                 let [d, c] = [at(row, column - 1), at(row, column)];
                 triangles.extend([[a, b, c], [a, c, d]]);
@@ -144,6 +194,8 @@ fn facing(normal: DVec3) -> DQuat {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::description::model::Heights;
+    use std::sync::Arc;
 
     #[test]
     fn surfaces_face_outwards() {
@@ -152,19 +204,40 @@ mod tests {
             Geometry::Sphere { radius: 0.5 },
             Geometry::Cylinder { radius: 0.3, length: 2.0 },
             Geometry::Capsule { radius: 0.3, length: 1.0 },
+            Geometry::Cone { radius: 0.3, length: 1.0 },
+            Geometry::Ellipsoid { radii: DVec3::new(0.2, 1.0, 0.5) },
         ] {
             let shape = Triangles::of(&geometry);
             for triangle in shape.corners.iter() {
                 let [a, b, c] =
-                    triangle.map(|vertex| glam::Vec3::from(shape.positions[vertex as usize]).as_dvec3());
+                    triangle.map(|vertex| Vec3::from(shape.positions[vertex as usize]).as_dvec3());
                 let normal = (b - a).cross(c - a);
                 assert!(normal.dot(a + b + c) >= -1e-9, "{geometry:?}: {triangle:?}");
                 for vertex in triangle {
-                    let told = glam::Vec3::from(shape.normals[*vertex as usize]).as_dvec3();
+                    let told = Vec3::from(shape.normals[*vertex as usize]).as_dvec3();
                     // Triangles at the poles have no area.
                     assert!(normal.length() < 1e-9 || told.dot(normal) > 0.0);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_terrain_has_north_at_the_top_and_faces_up() {
+        let heights = Heights {
+            path: "picture.png".into(),
+            grid: [2, 3],
+            size: [4.0, 2.0],
+            metres: vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+        };
+        let map = HeightMap { heights: Arc::new(heights), offset: DVec3::Z, material: None };
+        let geometry = Geometry::HeightMap(map);
+        let shape = Triangles::of(&geometry);
+        assert!(shape.positions.contains(&[-2.0, 1.0, 2.0]) && shape.positions.contains(&[2.0, -1.0, 7.0]));
+        assert_eq!(shape.corners.len(), 4);
+        for triangle in shape.corners.iter() {
+            let [a, b, c] = triangle.map(|vertex| Vec3::from(shape.positions[vertex as usize]));
+            assert!((b - a).cross(c - a).z > 0.0);
         }
     }
 

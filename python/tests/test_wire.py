@@ -12,7 +12,7 @@ import pytest
 
 from belvedere import BadFrameError, DistortionModel, Encoding, Kind, wire
 
-WIRE_MD = Path(__file__).parents[2] / "WIRE.md"
+WIRE_MD = Path(__file__).parents[2] / "bridge" / "WIRE.md"
 
 
 def test_every_encoding_is_that_of_wire_md() -> None:

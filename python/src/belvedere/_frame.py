@@ -167,25 +167,7 @@ class Frame:
         return self._plane(self.height * int(self._header["row_stride"]))
 
     def _plane(self, offset: int) -> np.ndarray[Any, np.dtype[Any]]:
-        payload = self.payload
-        element = wire.element(int(self._header["kind"]), int(self._header["encoding"]))
-        if element is None:
-            raise BadFrameError(
-                f"kind {self._header['kind']} in encoding {self._header['encoding']} is of a later version: "
-                "read frame.payload, or update this package"
-            )
-        row_stride, elem_stride = int(self._header["row_stride"]), int(self._header["elem_stride"])
-        shape: tuple[int, ...] = (self.height, self.width)
-        strides: tuple[int, ...] = (row_stride, elem_stride)
-        if element.names is not None and self.encoding == wire.Encoding.STRUCT:
-            # Without elements a row's stride means nothing, and was not checked.
-            shape, strides = (self.height if self.width > 0 else 0,), (row_stride,)
-        if 0 in shape:
-            return np.empty(shape + element.shape, element.base)
-        base = element.base
-        shape += element.shape
-        strides += (base.itemsize,) * len(element.shape)
-        return np.ndarray(shape, base, payload, offset, strides)
+        return wire.plane(self._header, self.payload, offset)
 
     def release(self) -> None:
         """Give the memory back to the publisher. Doing it twice is no error.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,6 +43,7 @@ __all__ = [
     "check",
     "element",
     "intrinsics",
+    "plane",
     "scan_geometry",
 ]
 
@@ -140,6 +141,36 @@ def element(kind: int, encoding: int) -> np.dtype[np.generic] | None:
         return _ELEMENTS[Encoding(encoding)]
     except ValueError:
         return None
+
+
+def plane(
+    header: np.void, payload: np.ndarray[Any, np.dtype[np.uint8]], offset: int = 0
+) -> np.ndarray[Any, np.dtype[Any]]:
+    """The elements of a payload whose header was checked, as a view: ``Frame.array`` has shapes and types.
+
+    Raises:
+        BadFrameError: its kind or encoding is of a later version.
+
+    """
+    known = element(int(header["kind"]), int(header["encoding"]))
+    if known is None:
+        raise BadFrameError(
+            f"kind {header['kind']} in encoding {header['encoding']} is of a later version: "
+            "read frame.payload, or update this package"
+        )
+    row_stride, elem_stride = int(header["row_stride"]), int(header["elem_stride"])
+    width, height = int(header["width"]), int(header["height"])
+    shape: tuple[int, ...] = (height, width)
+    strides: tuple[int, ...] = (row_stride, elem_stride)
+    if known.names is not None and int(header["encoding"]) == Encoding.STRUCT:
+        # Without elements a row's stride means nothing, and was not checked.
+        shape, strides = (height if width > 0 else 0,), (row_stride,)
+    if 0 in shape:
+        return np.empty(shape + known.shape, known.base)
+    base = known.base
+    shape += known.shape
+    strides += (base.itemsize,) * len(known.shape)
+    return np.ndarray(shape, base, payload, offset, strides)
 
 
 def check(header: np.void, available: int) -> None:

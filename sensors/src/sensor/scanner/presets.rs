@@ -6,7 +6,7 @@ mod sick;
 mod slamtec;
 mod velodyne;
 
-use super::{Columns, Laser, Pattern, ScannerConfig, Spinning, Spread};
+use super::{Beam, Columns, Laser, Pattern, ScannerConfig, Spinning, Spread};
 use crate::noise::GaussianNoise;
 use core::f64::consts::TAU;
 pub use hokuyo::{URG_04LX, UTM_30LX};
@@ -66,6 +66,8 @@ pub struct Preset {
     pub bias_stddev_m: f64,
     /// Step of a range, in metres.
     pub resolution_m: f64,
+    /// How wide its beams are, as single rays; lines where nothing is published.
+    pub beam: Beam,
 }
 
 impl Preset {
@@ -89,6 +91,7 @@ impl Preset {
             .range_max_m(max_m)
             .noise(noise.unwrap_or_default())
             .spreads(self.spreads)
+            .beam(self.beam)
     }
 
     /// Columns of a frame; none if there is no choice of them.
@@ -149,6 +152,11 @@ pub const NAMES: [&str; ALL.len()] = {
 #[must_use]
 pub fn named(name: &str) -> Option<Preset> {
     ALL.iter().find(|preset| preset.name == name).copied()
+}
+
+/// A beam that is traced as a single ray, and is so wide: what drops of rain in it are counted by.
+const fn line_of(divergence_rad: [f64; 2], aperture_m: [f64; 2]) -> Beam {
+    Beam { divergence_rad, aperture_m, rays: 1 }
 }
 
 /// A single beam.

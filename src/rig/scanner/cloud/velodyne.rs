@@ -25,31 +25,37 @@ impl CloudForm for VelodyneCloud {
         Encoding::XyzIrtF32
     }
 
-    fn write(&self, scan: &Scan<'_>, outlet: &Outlet) -> Option<Frame> {
-        let Scan { found, firings, .. } = *scan;
-        let is_organized = scan.layout.is_organized;
+    fn write(&self, scan: &Scan<'_>, _: usize, outlet: &Outlet) -> Option<Frame> {
+        let Scan { found, firings, returns, .. } = *scan;
+        let (is_organized, lasers) = (scan.layout.is_organized, self.rings.len());
+        let echoes = firings * returns;
         let shown =
-            if is_organized { firings } else { (0..firings).filter(|&firing| scan.is_point(firing)).count() };
+            if is_organized { echoes } else { (0..echoes).filter(|&echo| scan.is_point(echo)).count() };
         let mut frame = outlet.loan(shown * POINT_STEP)?;
         let header = frame.header_mut();
         if is_organized {
-            header.set_packed(self.rings.len() as u32, (firings / self.rings.len()) as u32);
+            header.set_packed(lasers as u32, (echoes / lasers) as u32);
         } else {
             header.set_packed(shown as u32, 1);
         }
         header.stamp_ns = scan.stamp_ns;
         let mut places = frame.payload_mut().chunks_exact_mut(POINT_STEP);
-        for firing in 0..firings {
-            let is_point = scan.is_point(firing);
+        for index in 0..echoes {
+            // In rows there are first all first returns of a column, then all second ones.
+            let (row, laser) = (index / lasers, index % lasers);
+            let in_rows = (row / returns * lasers + laser) * returns + row % returns;
+            let echo = if is_organized { in_rows } else { index };
+            let is_point = scan.is_point(echo);
             if !is_point && !is_organized {
                 continue;
             }
             let Some(place) = places.next() else { break };
-            let point = if is_point { found.points[firing] } else { [f32::NAN; 3] };
+            let firing = echo / returns;
+            let point = if is_point { found.points[echo] } else { [f32::NAN; 3] };
             let time_s = scan.time_s(firing) - scan.taken_s.unwrap_or(0.0);
             let ring = self.rings[found.lasers[firing] as usize];
             place[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
-            place[12..16].copy_from_slice(&found.intensities[firing].to_le_bytes());
+            place[12..16].copy_from_slice(&found.intensities[echo].to_le_bytes());
             place[16..18].copy_from_slice(&ring.to_le_bytes());
             place[18..].copy_from_slice(&(time_s as f32).to_le_bytes());
         }

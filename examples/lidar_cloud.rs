@@ -15,17 +15,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let [robot, world, topic, frames, rate_hz] = &arguments[..] else {
         return Err("give ROBOT WORLD TOPIC FRAMES HZ".into());
     };
-    let mut simulation = Simulation::builder(read::world(world)?).seed(1).build()?;
-    simulation.spawn(&read::robot(robot)?, SpawnOptions::default())?;
+    let hz = rate_hz.parse::<u64>()?;
     let mut out = BufWriter::new(std::io::stdout().lock());
     let mut frame = FrameBuf::default();
+    // Ouster's have a cloud a return. Each is taken of a simulation of its own: what is asked for is always the next frame.
+    let topics = [topic.clone(), format!("{topic}2")];
+    let mut simulations = Vec::new();
+    for topic in topics {
+        let mut simulation = Simulation::builder(read::world(world)?).seed(1).build()?;
+        simulation.spawn(&read::robot(robot)?, SpawnOptions::default())?;
+        simulations.push((topic, simulation));
+    }
     for number in 0..frames.parse::<u64>()? {
-        simulation.run_until(number * 1_000_000_000 / rate_hz.parse::<u64>()?);
-        simulation.render(topic, &mut frame)?;
-        write(&frame, &mut out)?;
-        // Ouster's have a cloud a return.
-        if simulation.render(&format!("{topic}2"), &mut frame).is_ok() {
-            write(&frame, &mut out)?;
+        for index in 0..simulations.len() {
+            let (topic, simulation) = &mut simulations[index];
+            simulation.run_until(number * 1_000_000_000 / hz);
+            match simulation.render(topic, &mut frame) {
+                Err(_) if index == 1 => drop(simulations.pop()),
+                rendered => {
+                    rendered?;
+                    write(&frame, &mut out)?;
+                }
+            }
         }
     }
     out.flush()?;

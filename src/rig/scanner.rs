@@ -28,10 +28,10 @@ pub(super) struct ScannerChannel {
     /// All but its pattern.
     config: ScannerConfig<'static>,
     head: Head,
-    /// How many lasers it has.
+    /// How many firings belong together: one of each laser.
     lasers: usize,
     form: Form,
-    /// Gazebo's take all beams at one moment.
+    /// Gazebo's, and flashes, take all beams at the stamp.
     is_still: bool,
     mount: Mount,
     outlet: Outlet,
@@ -77,11 +77,11 @@ impl ScannerChannel {
         let head = Head::of(lidar, frame_time_ns);
         let scanner = Scanner::new(config_of(&config, &head)).map_err(|error| refused(&error))?;
         let most = scanner.most_firings();
-        let lasers = head.elevations().len();
+        let lasers = head.in_row();
         let size = [lasers as u32, (most / lasers) as u32];
         let frame = opening.frame_id(sensor, &plugin.frame_name);
         let (form, spec) = if let Some(layout) = plugin.cloud {
-            let form = cloud::form_of(&head);
+            let form = cloud::form_of(&head, config.intensity);
             let shared = scanner.returns() / form.streams(scanner.returns());
             let bytes = most * shared * form.encoding().elem_size().unwrap_or_default();
             let spec = StreamSpec::new(&plugin.topic, Kind::PointCloud, form.encoding(), bytes);
@@ -101,7 +101,7 @@ impl ScannerChannel {
             outlet: opening.open_rendered(spec)?,
             truth: TruthOutlets::open_without_flow(&plugin.topic, &frame, size, opening)?,
             mount: Mount::new(sensor, opening),
-            is_still: opening.gazebo_compat,
+            is_still: opening.gazebo_compat || head.is_flash(),
             motion: Motion::default(),
             found: Found::default(),
             packets: Packets::of(lidar),

@@ -14,7 +14,7 @@ use crate::description::values::{child_bool, child_text};
 use crate::description::xml::Element;
 use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
 use belvedere_sensors::scanner::presets::{self, Mode, Preset};
-use belvedere_sensors::scanner::{Columns, Pattern, Weather};
+use belvedere_sensors::scanner::{Columns, Pattern, Raster, Weather};
 pub use physics::BeamPhysics;
 pub use profile::PacketProfile;
 use std::f64::consts::{PI, TAU};
@@ -319,7 +319,16 @@ fn is_cloud(preset: &Preset) -> bool {
 /// Where a preset measures in a turn.
 fn horizontal_of(preset: &Preset) -> ScanAxis {
     let whole = |samples| ScanAxis { samples, min_angle_rad: -PI, max_angle_rad: PI };
-    let Pattern::Spinning(head) = preset.pattern else { return whole(1) };
+    let head = match preset.pattern {
+        Pattern::Spinning(head) => head,
+        Pattern::Raster(raster) => return pixels_of(&raster, 0),
+        Pattern::Rosette(rosette) => {
+            let most = rosette.half_angle_rad().unwrap_or(0.0);
+            let samples = (1e9 / preset.rate_hz / rosette.firing_time_ns as f64) as u32;
+            return ScanAxis { samples, min_angle_rad: -most, max_angle_rad: most };
+        }
+        _ => return whole(1),
+    };
     match head.columns {
         Columns::Every { time_ns } => whole((1e9 / preset.rate_hz / time_ns as f64) as u32),
         Columns::Turn { per_turn, count, .. } if per_turn == count => whole(count),
@@ -332,6 +341,12 @@ fn horizontal_of(preset: &Preset) -> ScanAxis {
     }
 }
 
+/// The middles of pixels, across or up.
+fn pixels_of(raster: &Raster, axis: usize) -> ScanAxis {
+    let [most, _] = raster.angles(axis);
+    ScanAxis { samples: raster.pixels[axis], min_angle_rad: -most, max_angle_rad: most }
+}
+
 /// The beams, ranges and noise of a preset.
 fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
     let mut vertical = ScanAxis { samples: 1, min_angle_rad: 0.0, max_angle_rad: 0.0 };
@@ -340,6 +355,9 @@ fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
         vertical.samples = head.lasers.len() as u32;
         vertical.min_angle_rad = elevations().fold(f64::INFINITY, f64::min);
         vertical.max_angle_rad = elevations().fold(f64::NEG_INFINITY, f64::max);
+    }
+    if let Pattern::Raster(raster) = &preset.pattern {
+        vertical = pixels_of(raster, 1);
     }
     let [range_min_m, range_max_m] = preset.range_m;
     RaySensor {

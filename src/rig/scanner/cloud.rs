@@ -1,5 +1,6 @@
 //! Clouds, as the drivers of scanners send them.
 
+mod livox;
 mod ouster;
 mod velodyne;
 
@@ -8,6 +9,7 @@ use crate::description::model::CloudLayout;
 use crate::rig::outlet::Outlet;
 use crate::rig::sink::Frame;
 use belvedere_bridge::Encoding;
+use belvedere_sensors::scanner::Intensity;
 use belvedere_sensors::scanner::presets::Maker;
 
 /// What a frame has found: times and lasers one a firing, of the others as many as there are returns.
@@ -78,9 +80,10 @@ pub(super) trait CloudForm {
 }
 
 /// That of the driver of a scanner: its maker's, or Velodyne's.
-pub(super) fn form_of(head: &Head) -> Box<dyn CloudForm> {
+pub(super) fn form_of(head: &Head, intensity: Intensity) -> Box<dyn CloudForm> {
     match head {
         Head::Preset(preset) if preset.maker == Maker::Ouster => Box::new(ouster::OusterCloud::of(preset)),
-        _ => Box::new(velodyne::VelodyneCloud::of(&head.elevations())),
+        Head::Preset(preset) if preset.maker == Maker::Livox => Box::new(livox::LivoxCloud::of(intensity)),
+        _ => Box::new(velodyne::VelodyneCloud::of(&head.elevations(), head.in_row())),
     }
 }

@@ -1,26 +1,36 @@
 //! Scanners as their makers' manuals have them.
 
+mod continental;
 mod hokuyo;
+mod livox;
 mod ouster;
 mod sick;
 mod slamtec;
 mod velodyne;
+mod vls128;
 
 use super::{Beam, Columns, Laser, Pattern, ScannerConfig, Spinning, Spread};
 use crate::noise::GaussianNoise;
+pub use continental::HFL_110;
 use core::f64::consts::TAU;
 pub use hokuyo::{URG_04LX, UTM_30LX};
+pub use livox::MID_70;
 pub use ouster::{OS0_32, OS0_64, OS0_128, OS1_32, OS1_64, OS1_128, OS2_32, OS2_64, OS2_128};
 pub use sick::{LMS_111, LMS_511};
 pub use slamtec::{RPLIDAR_A1, RPLIDAR_A2};
 pub use velodyne::{HDL_32E, VLP_16};
+pub use vls128::VLS_128;
 
 /// Who makes scanners; by which a driver knows how to send what they measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Maker {
+    /// Continental.
+    Continental,
     /// Hokuyo.
     Hokuyo,
+    /// Livox.
+    Livox,
     /// Ouster.
     Ouster,
     /// SICK.
@@ -133,8 +143,8 @@ impl Preset {
 
 /// All presets.
 pub const ALL: &[Preset] = &[
-    URG_04LX, UTM_30LX, OS0_32, OS0_64, OS0_128, OS1_32, OS1_64, OS1_128, OS2_32, OS2_64, OS2_128, LMS_111,
-    LMS_511, RPLIDAR_A1, RPLIDAR_A2, HDL_32E, VLP_16,
+    HFL_110, URG_04LX, UTM_30LX, MID_70, OS0_32, OS0_64, OS0_128, OS1_32, OS1_64, OS1_128, OS2_32, OS2_64,
+    OS2_128, LMS_111, LMS_511, RPLIDAR_A1, RPLIDAR_A2, HDL_32E, VLP_16, VLS_128,
 ];
 
 /// The names of all.

@@ -10,13 +10,15 @@ const POINT_STEP: usize = 22;
 pub(super) struct VelodyneCloud {
     /// The rank of each laser, from the lowest up.
     rings: Vec<u16>,
+    /// Firings of a row: those of a column of lasers, or of a row of pixels.
+    in_row: usize,
 }
 
 impl VelodyneCloud {
     /// Of lasers that look up so much.
-    pub(super) fn of(elevations: &[f64]) -> Self {
+    pub(super) fn of(elevations: &[f64], in_row: usize) -> Self {
         let rank = |elevation: &f64| elevations.iter().filter(|other| *other < elevation).count() as u16;
-        Self { rings: elevations.iter().map(rank).collect() }
+        Self { rings: elevations.iter().map(rank).collect(), in_row }
     }
 }
 
@@ -27,23 +29,23 @@ impl CloudForm for VelodyneCloud {
 
     fn write(&self, scan: &Scan<'_>, _: usize, outlet: &Outlet) -> Option<Frame> {
         let Scan { found, firings, returns, .. } = *scan;
-        let (is_organized, lasers) = (scan.layout.is_organized, self.rings.len());
+        let (is_organized, in_row) = (scan.layout.is_organized, self.in_row);
         let echoes = firings * returns;
         let shown =
             if is_organized { echoes } else { (0..echoes).filter(|&echo| scan.is_point(echo)).count() };
         let mut frame = outlet.loan(shown * POINT_STEP)?;
         let header = frame.header_mut();
         if is_organized {
-            header.set_packed(lasers as u32, (echoes / lasers) as u32);
+            header.set_packed(in_row as u32, (echoes / in_row) as u32);
         } else {
             header.set_packed(shown as u32, 1);
         }
         header.stamp_ns = scan.stamp_ns;
         let mut places = frame.payload_mut().chunks_exact_mut(POINT_STEP);
         for index in 0..echoes {
-            // In rows there are first all first returns of a column, then all second ones.
-            let (row, laser) = (index / lasers, index % lasers);
-            let in_rows = (row / returns * lasers + laser) * returns + row % returns;
+            // There is a row of first returns, then one of the second.
+            let (row, place) = (index / in_row, index % in_row);
+            let in_rows = (row / returns * in_row + place) * returns + row % returns;
             let echo = if is_organized { in_rows } else { index };
             let is_point = scan.is_point(echo);
             if !is_point && !is_organized {

@@ -102,8 +102,8 @@ fn sheets() -> Vec<Sheet> {
         Sheet {
             name: "hfl110",
             device: "Continental HFL110".into(),
-            source: "Its driver: 128 × 32 pixels, 50 m in 65536 steps; press release: 120° × 30°, 25 Hz",
-            notes: "The field is from the middle of the first pixel to that of the last. σ is not published: 20 mm is assumed.",
+            source: "Its driver: 128 × 32 pixels, 50 m in 65536 steps; announcements: 120° × 30°, 25 Hz",
+            notes: "The field is from the middle of the first pixel to that of the last; it and the rate are not from a data sheet. σ is not published: 20 mm is assumed.",
             lasers: 32.0,
             elevation: [-15.0 + 15.0 / 32.0, 15.0 - 15.0 / 32.0],
             elevation_bound: 1e-3,

@@ -12,8 +12,8 @@ mod shape;
 mod trajectory;
 
 pub use super::sensor::{
-    AirPressure, Altimeter, Camera, DepthCamera, Imu, InstrumentPlugin, Lidar, Magnetometer, NavSat,
-    OrientationReference, PacketProfile, PluginField, Rangefinder, Sensor, SensorKind, choices,
+    AirPressure, Altimeter, BeamPhysics, Camera, DepthCamera, Imu, InstrumentPlugin, Lidar, Magnetometer,
+    NavSat, OrientationReference, PacketProfile, PluginField, Rangefinder, Sensor, SensorKind, choices,
 };
 pub use base::{
     AckermannDrive, BasePlugin, DifferentialDrive, Drive, JointStatesPlugin, ModelPlugin, OdometryOrigin,

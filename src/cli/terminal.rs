@@ -17,7 +17,8 @@ const COLUMNS_AND_ROWS: (u32, u32) = (80, 24);
 /// Shows the frames of a topic, the first camera's or lidar's if it is none, until the user or the count ends it.
 pub(super) fn show(node: &Node, topic: &str, count: Option<u64>) -> Result<(), CliError> {
     let topic = if topic.is_empty() {
-        let found = first_of_kinds(node, &[Kind::Image, Kind::DepthImage, Kind::LaserScan, Kind::PointCloud])?;
+        let found =
+            first_of_kinds(node, &[Kind::Image, Kind::DepthImage, Kind::LaserScan, Kind::PointCloud])?;
         found.ok_or_else(|| CliError::NoSimulator(node.domain().clone()))?
     } else {
         check_topics(node, node.domain(), &[topic.to_owned()])?;

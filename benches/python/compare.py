@@ -17,7 +17,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 # Before anything starts threads.
-os.environ.setdefault("MUJOCO_GL", "egl")
+os.environ.setdefault("MUJOCO_GL", "osmesa")
+os.environ.setdefault("PYOPENGL_PLATFORM", "osmesa")
 os.environ.setdefault("LP_NUM_THREADS", "1")
 
 import numpy as np
@@ -382,7 +383,6 @@ def pybullet(scene: Scene, width: int, height: int, threads: int, channels: tupl
 def pyrender(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Take:
     if threads != 1:
         raise NotImplementedError("LP_NUM_THREADS=1")
-    os.environ.setdefault("PYOPENGL_PLATFORM", "osmesa")
     import pyrender as pr
     import trimesh
 

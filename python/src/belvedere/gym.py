@@ -6,20 +6,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
 
 from belvedere._batch import Batch
 from belvedere._sensors import DepthCamera
 from belvedere._world import World
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 __all__ = ["WallEnv", "WallVectorEnv"]
 

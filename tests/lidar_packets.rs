@@ -71,6 +71,56 @@ fn packets_go_to_an_address_and_into_a_file_alike() {
     assert!(hits > records.len() * 384 / 2 - 384, "{hits}");
 }
 
+/// The blocks of a pair have the same azimuth and, where there is but one return, the same in them.
+#[test]
+fn dual_returns_are_pairs_of_blocks() {
+    let folder = TempDir::new().unwrap();
+    for (own, mode, per_s, banks) in [
+        ("<preset>vlp16</preset><returns>dual</returns>", [0x39, 0x22], 1507.0, &[0xEEFF_u16][..]),
+        (
+            "<preset>vls128</preset><returns>last</returns>",
+            [0x38, 0xA1],
+            6253.9,
+            &[0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF],
+        ),
+    ] {
+        let file = folder.path().join("a.pcap");
+        let (succeeded, said) = run_with(own, &["--pcap", &format!("points={}", file.display())]);
+        assert!(succeeded, "{said}");
+        let bytes = fs::read(&file).unwrap();
+        let packets: Vec<_> = bytes[24..].chunks(16 + 1248).map(|record| &record[16 + 42..]).collect();
+        assert!((0.4 * per_s - 2.0..=0.5 * per_s).contains(&(packets.len() as f64)), "{}", packets.len());
+        let (mut differ, mut hits) = (0, 0);
+        for packet in packets {
+            assert_eq!(packet[1204..], mode);
+            let blocks: Vec<_> = packet[..1200].chunks(100).collect();
+            for (index, block) in blocks.iter().enumerate() {
+                assert_eq!(u16::from_le_bytes([block[0], block[1]]), banks[index % banks.len()]);
+                hits += block[4..].chunks(3).filter(|firing| firing[..2] != [0, 0]).count();
+            }
+            if mode[0] == 0x39 {
+                for pair in blocks.chunks(2) {
+                    assert_eq!(pair[0][..4], pair[1][..4]);
+                    let places = pair[0][4..].chunks(3).zip(pair[1][4..].chunks(3));
+                    for (last, strongest) in places {
+                        // Where nothing is last, nothing is strongest.
+                        assert_eq!(last[..2] == [0, 0], strongest[..2] == [0, 0]);
+                        let [last, strongest] =
+                            [last, strongest].map(|of| u16::from_le_bytes([of[0], of[1]]));
+                        assert!(strongest <= last);
+                        differ += u32::from(strongest != last);
+                    }
+                }
+            } else {
+                assert!(
+                    blocks.chunks(4).all(|column| column.iter().all(|block| block[2..4] == column[0][2..4]))
+                );
+            }
+        }
+        assert!(hits > 10_000 && (differ > 100 || mode[0] == 0x38), "{hits} {differ}");
+    }
+}
+
 #[test]
 fn an_ousters_packets_come_with_its_metadata() {
     let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();

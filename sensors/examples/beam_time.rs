@@ -2,8 +2,9 @@
 //! firing at its own time.
 //!
 //! Prints how much of a core a lidar at 10 Hz takes, by the least time of many frames, and how many times as long as of
-//! single rays that is, at each SIMD level of this machine. With a name as argument it takes ten frames of it at AVX2 and
-//! prints nothing, for a profiler to count instructions.
+//! single rays that is, at each SIMD level of this machine; and of an OS1-128, how many times as long as while all stands
+//! still. With a name as argument it takes ten frames of it at AVX2 and prints nothing, for a profiler to count
+//! instructions.
 //!
 //! ```text
 //! $ cargo run --release -p belvedere-sensors --example beam_time
@@ -27,12 +28,13 @@ const FRAME_S: f64 = 0.1;
 /// Steps of physics in a frame.
 const STEPS: u32 = 20;
 
-/// Takes so many frames; seconds of the fastest.
+/// Takes so many frames, of which the sensor and every other thing move, or nothing does; seconds of the fastest.
 fn fastest(
     config: ScannerConfig<'_>,
     builder: &SceneBuilder,
     level: Level,
     frames: u64,
+    moves: bool,
 ) -> Result<f64, Box<dyn Error>> {
     let scanner = Scanner::new(config)?;
     let times: Vec<_> = (0..=STEPS).map(|step| FRAME_S * f64::from(step) / f64::from(STEPS)).collect();
@@ -60,7 +62,8 @@ fn fastest(
     let (mut points, mut intensities) = (vec![[0.0; 3]; values], vec![0.0; values]);
     let mut least = f64::INFINITY;
     for frame in 0..frames {
-        let capture = Capture::new(frame, keyframes.as_slice());
+        let moving = Capture::new(frame, keyframes.as_slice());
+        let capture = if moves { moving } else { Capture::new(frame, keyframes[0].at) };
         let workspace = &mut workspace.lend(scanner.workspace_len(&scene, &capture));
         let output = Echoes::new().points(black_box(&mut points)).intensities(black_box(&mut intensities));
         let started = Instant::now();
@@ -125,17 +128,26 @@ fn main() -> Result<(), Box<dyn Error>> {
     let levels = [("the best", Some(best))];
     if let Some(wanted) = std::env::args().nth(1) {
         let config = configs.iter().find(|(name, _)| *name == wanted).ok_or("none of that name")?;
-        fastest(config.1, &builder, levels[0].1.unwrap_or(best), 10)?;
+        fastest(config.1, &builder, levels[0].1.unwrap_or(best), 10, true)?;
         return Ok(());
     }
     for (level_name, level) in levels {
         let Some(level) = level else { continue };
-        let single = fastest(plain, &builder, level, FRAMES)?;
+        let single = fastest(plain, &builder, level, FRAMES, true)?;
         for (name, config) in configs {
-            let seconds = fastest(config, &builder, level, FRAMES)?;
+            let seconds = fastest(config, &builder, level, FRAMES, true)?;
             let share = 100.0 * seconds / FRAME_S;
             println!("{level_name:7} {name:13} {share:5.1} % of a core {:5.2} ×", seconds / single);
         }
+        let ouster = presets::OS1_128.config(100_000_000);
+        let [moving, standing] = [true, false].map(|moves| fastest(ouster, &builder, level, FRAMES, moves));
+        let (moving, standing) = (moving?, standing?);
+        let share = 100.0 * moving / FRAME_S;
+        println!(
+            "{level_name:7} {:13} {share:5.1} % of a core {:5.2} × standing",
+            "os1_128",
+            moving / standing
+        );
     }
     Ok(())
 }

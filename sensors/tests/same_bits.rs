@@ -9,8 +9,8 @@ use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scanner::{
-    Beam, Columns, Echoes, Intensity, Laser, Pattern, Receiver, Returns, Scanner, ScannerConfig, Spinning,
-    Weather,
+    Beam, Columns, Echoes, Intensity, Laser, Pattern, Raster, Receiver, Returns, Scanner, ScannerConfig,
+    Spinning, Weather, presets,
 };
 use belvedere_sensors::scene::{ColourSpace, LightConfig, MaterialConfig, SceneBuilder, Shape, TextureAlpha};
 use belvedere_sensors::simd::Level;
@@ -70,7 +70,10 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         )
         .expect("outputs of the right size");
 
-    let plain = ScannerConfig::new(Pattern::Table(&[]));
+    let lasers = lasers();
+    let columns = Columns::Every { time_ns: 55_296 };
+    let head = Spinning { lasers: &lasers, columns, first_azimuth_rad: 0.3, clockwise: true };
+    let plain = ScannerConfig::new(Pattern::Spinning(head));
     let firings = fire(&mut workspace, &builder, pose, plain);
     // Wide beams in fog, rain and snow.
     let wide = plain
@@ -80,6 +83,11 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         .receiver(Some(Receiver { resolution_m: 0.09, ..Receiver::new(60.0) }))
         .weather(Weather { visibility_m: 50.0, rain_mm_per_h: 30.0, snow_mm_per_h: 3.0 });
     let returns = fire(&mut workspace, &builder, pose, wide);
+    let raster =
+        Raster { pixels: [61, 33], field_rad: [1.9, 0.8], pixel_time_ns: 20_000, row_time_ns: 1_300_000 };
+    let ranked = wide.returns(Returns::Ranked(3));
+    let pixels = fire(&mut workspace, &builder, pose, ranked.pattern(Pattern::Raster(raster)));
+    let rosette = fire(&mut workspace, &builder, pose, plain.pattern(presets::MID_70.pattern));
 
     // Few electrons and many, and a curve.
     let device = DeviceConfig::default()
@@ -105,6 +113,8 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ("ranges", bytes(&ranges)),
         ("firings", bytes(&firings[0])),
         ("returns", bytes(&returns.concat())),
+        ("pixels", bytes(&pixels.concat())),
+        ("rosette", bytes(&rosette[0])),
         ("32fc1 of a device", bytes(&measured)),
         ("points of a device", measured_points),
         ("bayer_gbrg16", picture_with(&builder, bayer, pose, 7, execution)),
@@ -116,6 +126,16 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
+/// Sixteen, aside and off the axis.
+fn lasers() -> Vec<Laser> {
+    let laser = |id: u32| {
+        let id = f64::from(id);
+        let aside = Laser::at_degrees(2.0 * id - 15.0, 0.3 * id);
+        Laser { origin_m: [0.02, -0.01, 0.002 * id], time_s: 2.304e-6 * id, ..aside }
+    };
+    (0..16).map(laser).collect()
+}
+
 /// Ranges and intensities of a scanner that drives and turns among things of which every other moves.
 fn fire(
     workspace: &mut WorkspaceBuf,
@@ -123,15 +143,7 @@ fn fire(
     pose: Pose,
     config: ScannerConfig<'_>,
 ) -> [Vec<f32>; 2] {
-    let laser = |id: u32| {
-        let id = f64::from(id);
-        let aside = Laser::at_degrees(2.0 * id - 15.0, 0.3 * id);
-        Laser { origin_m: [0.02, -0.01, 0.002 * id], time_s: 2.304e-6 * id, ..aside }
-    };
-    let lasers: Vec<_> = (0..16).map(laser).collect();
-    let columns = Columns::Every { time_ns: 55_296 };
-    let pattern = Spinning { lasers: &lasers, columns, first_azimuth_rad: 0.3, clockwise: true };
-    let scanner = Scanner::new(config.pattern(Pattern::Spinning(pattern))).unwrap();
+    let scanner = Scanner::new(config).unwrap();
     let shift = |time: f64| Pose::from_xyz_rpy(DVec3::X * time, DVec3::new(0.1, 0.3, 2.0) * time);
     let times: Vec<_> = (0..=20).map(|step| 5e-3 * f64::from(step)).collect();
     let place = |time: f64| {
@@ -209,7 +221,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 13] = [
+    let expected: [(&str, u64); 15] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
@@ -218,6 +230,8 @@ fn every_machine() {
         ("ranges", 0x9814_84f6_b4ad_3848),
         ("firings", 0x3932_041a_7598_5374),
         ("returns", 0xc01c_05d5_c720_4582),
+        ("pixels", 0xf8cf_d26b_a644_bfab),
+        ("rosette", 0x432a_af89_722c_cd70),
         ("32fc1 of a device", 0x719f_dc96_6ec2_adaa),
         ("points of a device", 0x1dc3_128d_77c1_38a4),
         ("bayer_gbrg16", 0x7aca_656c_7299_b256),

@@ -1,7 +1,7 @@
 //! Presets of scanners against the numbers of their makers.
 
 use belvedere_sensors::scanner::presets::{self, Preset};
-use belvedere_sensors::scanner::{Laser, Pattern, Scanner};
+use belvedere_sensors::scanner::{Laser, Pattern, Raster, Scanner, ScannerConfig};
 
 fn lasers(preset: &Preset) -> &'static [Laser] {
     let Pattern::Spinning(head) = preset.pattern else { panic!() };
@@ -92,6 +92,75 @@ fn ousters_columns_are_those_of_lidar_mode() {
     assert_eq!(presets::OS0_32.in_mode(None, None), Some(presets::OS0_32));
     assert_eq!(presets::VLP_16.in_mode(None, Some(12.5)).map(|preset| preset.rate_hz), Some(12.5));
     assert!(presets::VLP_16.in_mode(Some(1800), None).is_none());
+}
+
+/// Groups of eight lasers, one every 2.665 µs, and elevations that are 0.11° apart in the middle.
+#[test]
+fn a_vls_128_fires_eight_at_once() {
+    let all = lasers(&presets::VLS_128);
+    for (id, laser) in all.iter().enumerate() {
+        let group = id / 8 + if id < 64 { 0 } else { 2 };
+        assert!((laser.time_s - 2.665e-6 * group as f64).abs() < 1e-12);
+        assert!((laser.azimuth_rad - all[id % 8].azimuth_rad).abs() < 1e-15);
+    }
+    assert!((all[0].azimuth_rad + all[7].azimuth_rad).abs() < 1e-15);
+    let mut elevations: Vec<f64> = all.iter().map(|laser| laser.elevation_rad.to_degrees()).collect();
+    elevations.sort_unstable_by(f64::total_cmp);
+    assert!((elevations[0] + 25.0).abs() < 1e-9 && (elevations[127] - 15.0).abs() < 1e-9);
+    let steps: Vec<f64> = elevations.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert!(steps.iter().all(|step| *step > 0.109));
+    assert_eq!(steps.iter().filter(|step| (**step - 0.11).abs() < 1e-9).count(), 103);
+    let scanner = Scanner::new(presets::VLS_128.config(100_000_000)).unwrap();
+    assert!((scanner.firing(0, 128 * 1000 + 127).time_s - 53.3e-3 - 2.665e-6 * 17.0).abs() < 1e-12);
+}
+
+/// A cone of 70.4°, a point every 10 µs, and another way each time: 8.7 % of the points are within 5° of the axis.
+#[test]
+fn a_mid_70_draws_a_rosette() {
+    let scanner = Scanner::new(presets::MID_70.config(1_000_000_000)).unwrap();
+    assert_eq!(scanner.firings(0), 100_000);
+    let angle = |index| scanner.firing(0, index).direction.x.acos().to_degrees();
+    let (mut most, mut within) = (0.0_f64, 0);
+    for index in 0..100_000 {
+        most = most.max(angle(index));
+        within += u32::from(angle(index) < 5.0);
+        assert!((scanner.firing(0, index).time_s - 1e-5 * index as f64).abs() < 1e-12);
+    }
+    assert!((most - 35.2).abs() < 0.02 && (f64::from(within) / 1e5 - 0.087).abs() < 0.002, "{most} {within}");
+    let Pattern::Rosette(rosette) = presets::MID_70.pattern else { panic!() };
+    assert!((rosette.half_angle_rad().unwrap().to_degrees() - most).abs() < 0.02);
+}
+
+/// Rows from the top down, each from left to right, at the same time or one after the other.
+#[test]
+fn a_raster_is_a_picture() {
+    let scanner = Scanner::new(presets::HFL_110.config(40_000_000)).unwrap();
+    assert_eq!(scanner.firings(7), 128 * 32);
+    for (index, azimuth, elevation, row) in [
+        (0, 59.531_25, 14.531_25, 0),
+        (127, -59.531_25, 14.531_25, 0),
+        (31 * 128, 59.531_25, -14.531_25, 31),
+        (128 + 64, -0.468_75, 13.593_75, 1),
+    ] {
+        let firing = scanner.firing(7, index);
+        assert_eq!((firing.laser, firing.time_s), (row, 0.0));
+        assert!((firing.direction.y.atan2(firing.direction.x).to_degrees() - azimuth).abs() < 1e-9);
+        assert!((firing.direction.z.asin().to_degrees() - elevation).abs() < 1e-9);
+    }
+    let swung = Raster { pixels: [4, 3], field_rad: [1.0, 0.5], pixel_time_ns: 1000, row_time_ns: 5000 };
+    let config = ScannerConfig::new(Pattern::Raster(swung)).frame_time_ns(20_000);
+    let scanner = Scanner::new(config).unwrap();
+    assert!((scanner.firing(0, 11).time_s - 13e-6).abs() < 1e-15);
+    for (wrong, parameter) in [
+        (Raster { pixels: [0, 3], ..swung }, "pixels"),
+        (Raster { field_rad: [f64::NAN, 1.0], ..swung }, "field_rad"),
+        (Raster { field_rad: [1.0, 3.2], ..swung }, "field_rad"),
+        (Raster { row_time_ns: 2999, ..swung }, "row_time_ns"),
+        (Raster { row_time_ns: 8500, ..swung }, "row_time_ns"),
+    ] {
+        let refused = Scanner::new(config.pattern(Pattern::Raster(wrong))).unwrap_err();
+        assert_eq!(refused.parameter, parameter, "{wrong:?}");
+    }
 }
 
 /// Every choice of every preset is a scanner, called by its name.

@@ -30,7 +30,7 @@ pub use camera::Camera;
 pub use depth::DepthCamera;
 pub use imu::{Imu, OrientationReference};
 pub use instrument::InstrumentPlugin;
-pub use lidar::{Lidar, PacketProfile, choices};
+pub use lidar::{BeamPhysics, Lidar, PacketProfile, choices};
 pub use magnetometer::{Magnetometer, PluginField};
 pub use navsat::NavSat;
 pub use range::Rangefinder;

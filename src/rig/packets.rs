@@ -57,7 +57,9 @@ pub(super) struct Column<'a> {
     pub(super) time_ns: u64,
     /// Of the head then, clockwise, as a share of a turn.
     pub(super) turned: f64,
-    /// Metres; those that are not finite are no return.
+    /// Of each laser.
+    pub(super) returns: usize,
+    /// Metres, those of a laser one after the other; those that are not finite are no return.
     pub(super) ranges: &'a [f32],
     pub(super) intensities: &'a [f32],
 }
@@ -89,6 +91,13 @@ pub(super) struct Packets {
     sinks: Vec<PacketSink>,
 }
 
+impl Column<'_> {
+    /// Ranges and intensities of each laser.
+    fn lasers(&self) -> impl Iterator<Item = (&[f32], &[f32])> {
+        self.ranges.chunks_exact(self.returns).zip(self.intensities.chunks_exact(self.returns))
+    }
+}
+
 impl Packets {
     /// Of a lidar; none if its packets are not known.
     pub(super) fn of(lidar: &model::Lidar) -> Option<Self> {
@@ -100,7 +109,10 @@ impl Packets {
     /// That they are not.
     pub(super) fn unknown() -> io::Error {
         let makers = PROTOCOLS.map(|(maker, _)| format!("{maker:?}"));
-        io::Error::other(format!("packets are known of presets of {} alone", makers.join(" and ")))
+        io::Error::other(format!(
+            "packets are known of presets of {} alone, Velodyne's of the strongest, the last or dual returns",
+            makers.join(" and ")
+        ))
     }
 
     /// Sends them to somebody more, or writes what a decoder has to know of the device.
@@ -229,6 +241,7 @@ mod tests {
                     number: column,
                     time_ns: 2 * HOUR_NS + 1_234_567 + 55_296 * column as u64,
                     turned: 0.999_96 + 0.0004 * column as f64,
+                    returns: 1,
                     ranges: &ranges,
                     intensities: &vec![300.0 - 100.0 * (column % 3) as f32; lasers],
                 });
@@ -279,6 +292,7 @@ mod tests {
                     number,
                     time_ns: 1_000_000_007 + 97_656 * number as u64,
                     turned: number as f64 / 1024.0,
+                    returns: 1,
                     ranges: &ranges,
                     intensities: &[300.0; 32],
                 });

@@ -28,13 +28,15 @@ pub(super) struct ScannerChannel {
     /// All but its pattern.
     config: ScannerConfig<'static>,
     head: Head,
-    /// How many lasers it has.
+    /// How many firings belong together: one of each laser.
     lasers: usize,
     form: Form,
-    /// Gazebo's take all beams at one moment.
+    /// Gazebo's, and flashes, take all beams at the stamp.
     is_still: bool,
     mount: Mount,
     outlet: Outlet,
+    /// Of a driver that has a stream for each return but the first.
+    others: Vec<Outlet>,
     truth: TruthOutlets,
     motion: Motion,
     found: Found,
@@ -71,15 +73,17 @@ impl ScannerChannel {
             .spreads(lidar.preset.map_or(&[], |preset| preset.spreads))
             .seed(opening.seed)
             .sensor(opening.sensor);
+        let config = lidar.physics.applied_to(config);
         let head = Head::of(lidar, frame_time_ns);
         let scanner = Scanner::new(config_of(&config, &head)).map_err(|error| refused(&error))?;
         let most = scanner.most_firings();
-        let lasers = head.elevations().len();
+        let lasers = head.in_row();
         let size = [lasers as u32, (most / lasers) as u32];
         let frame = opening.frame_id(sensor, &plugin.frame_name);
         let (form, spec) = if let Some(layout) = plugin.cloud {
-            let form = cloud::form_of(&head);
-            let bytes = most * form.encoding().elem_size().unwrap_or_default();
+            let form = cloud::form_of(&head, config.intensity);
+            let shared = scanner.returns() / form.streams(scanner.returns());
+            let bytes = most * shared * form.encoding().elem_size().unwrap_or_default();
             let spec = StreamSpec::new(&plugin.topic, Kind::PointCloud, form.encoding(), bytes);
             (Form::Cloud(layout, form), spec)
         } else {
@@ -87,11 +91,17 @@ impl ScannerChannel {
             let spec = StreamSpec::new(&plugin.topic, Kind::LaserScan, Encoding::RangesF32, bytes).layers(1);
             (Form::Scan(Box::new(angles(&head, ray))), StreamSpec { buffer: 16, ..spec })
         };
+        let spec = spec.frame_id(&frame).rate_hz(opening.rate.hz());
+        let streams = if let Form::Cloud(_, form) = &form { form.streams(scanner.returns()) } else { 1 };
+        let more = (2..=streams).map(|number| {
+            opening.open_rendered(StreamSpec { topic: format!("{}{number}", plugin.topic), ..spec.clone() })
+        });
         Ok(Self {
-            outlet: opening.open_rendered(spec.frame_id(&frame).rate_hz(opening.rate.hz()))?,
+            others: more.collect::<Result<_, _>>()?,
+            outlet: opening.open_rendered(spec)?,
             truth: TruthOutlets::open_without_flow(&plugin.topic, &frame, size, opening)?,
             mount: Mount::new(sensor, opening),
-            is_still: opening.gazebo_compat,
+            is_still: opening.gazebo_compat || head.is_flash(),
             motion: Motion::default(),
             found: Found::default(),
             packets: Packets::of(lidar),
@@ -106,13 +116,19 @@ impl ScannerChannel {
         self.config.frame_time_ns as f64 * 1e-9
     }
 
-    /// Puts what was found into a frame.
-    fn write(&self, firings: usize, world_from_sensor: &Pose, stamp_ns: u64) -> Option<Frame> {
+    /// Puts what was found into a frame of one of its streams.
+    fn write(
+        &self,
+        (number, outlet): (usize, &Outlet),
+        firings: usize,
+        (world_from_sensor, stamp_ns): (&Pose, u64),
+    ) -> Option<Frame> {
         let mut frame = match &self.form {
             Form::Cloud(layout, form) => {
                 let taken_s = (!self.is_still).then(|| self.frame_time_s());
-                let scan = Scan { found: &self.found, firings, layout: *layout, stamp_ns, taken_s };
-                form.write(&scan, &self.outlet)?
+                let (found, returns) = (&self.found, self.config.returns.count());
+                let scan = Scan { found, firings, returns, layout: *layout, stamp_ns, taken_s };
+                form.write(&scan, number, outlet)?
             }
             Form::Scan(geometry) => self.write_scan(geometry, firings, stamp_ns)?,
         };
@@ -150,7 +166,8 @@ impl ScannerChannel {
     /// Sends what was found in packets, if somebody wants them; what would have been before time 0 is left out.
     fn send_columns(&mut self, firings: usize, frame: u64, stamp_ns: u64) {
         let Some(packets) = self.packets.as_mut().filter(|packets| packets.is_wanted()) else { return };
-        let (period_ns, lasers) = (self.config.frame_time_ns, self.lasers);
+        let (period_ns, lasers, returns) =
+            (self.config.frame_time_ns, self.lasers, self.config.returns.count());
         let Found { ranges, intensities, times, .. } = &self.found;
         for (number, first) in (0..firings).step_by(lasers).enumerate() {
             let after_ns = (times[first] * 1e9).round() as u64;
@@ -160,8 +177,9 @@ impl ScannerChannel {
                 number,
                 time_ns,
                 turned: after_ns as f64 / period_ns as f64,
-                ranges: &ranges[first..first + lasers],
-                intensities: &intensities[first..first + lasers],
+                returns,
+                ranges: &ranges[first * returns..(first + lasers) * returns],
+                intensities: &intensities[first * returns..(first + lasers) * returns],
             });
         }
     }
@@ -169,7 +187,7 @@ impl ScannerChannel {
 
 impl Channel for ScannerChannel {
     fn outlets(&self) -> Vec<&Outlet> {
-        [&self.outlet].into_iter().chain(self.truth.outlets()).collect()
+        [&self.outlet].into_iter().chain(&self.others).chain(self.truth.outlets()).collect()
     }
 
     fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
@@ -179,9 +197,10 @@ impl Channel for ScannerChannel {
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |_| {});
         let mut output = Echoes::new();
         output.truth = truth.truth();
-        let is_wanted = self.outlet.is_wanted() || self.sends_packets();
+        let is_wanted =
+            self.outlet.is_wanted() || self.others.iter().any(Outlet::is_wanted) || self.sends_packets();
         if is_wanted {
-            self.found.resize(scanner.most_firings());
+            self.found.resize(scanner.most_firings(), scanner.returns());
             let Found { ranges, points, intensities, times, lasers } = &mut self.found;
             output = output.ranges(ranges).points(points).intensities(intensities);
             output = output.times(times).lasers(lasers);
@@ -199,11 +218,19 @@ impl Channel for ScannerChannel {
             taken = context.take(&scanner, &Capture::new(frame_number, shutter), output);
         }
         let firings = if taken && is_wanted { scanner.firings(frame_number) } else { 0 };
-        let frame = self.write(firings, &world_from_sensor, context.stamp_ns);
+        let outcomes: Vec<_> = [&self.outlet]
+            .into_iter()
+            .chain(&self.others)
+            .enumerate()
+            .map(|stream| {
+                let frame = self.write(stream, firings, (&world_from_sensor, context.stamp_ns));
+                stream.1.send(frame.filter(|_| taken))
+            })
+            .collect();
         self.send_columns(firings, frame_number, context.stamp_ns);
-        let outcome = self.outlet.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);
-        self.outlet.record(outcome, started.elapsed());
+        let outlets = [&mut self.outlet].into_iter().chain(&mut self.others);
+        outlets.zip(outcomes).for_each(|(outlet, outcome)| outlet.record(outcome, started.elapsed()));
         self.truth.record(truths, started.elapsed());
     }
 

@@ -46,7 +46,7 @@ impl WorldScene {
             let added = assembly.builder.add_light(&lamp(light, world.shadows));
             added.map_err(|error| refused(error, &light.source))?;
         }
-        assembly.meshes.clear();
+        assembly.forget_files();
         Ok(Self { assembly, stamp_ns: None, edition: 0 })
     }
 
@@ -92,7 +92,7 @@ impl WorldScene {
         let added = model.links.iter().enumerate().try_for_each(|(number, link)| {
             self.assembly.add_link((index, number), link, &(*world_from_model * link.model_from_link))
         });
-        self.assembly.meshes.clear();
+        self.assembly.forget_files();
         if added.is_err() {
             self.remove_model(index);
         }

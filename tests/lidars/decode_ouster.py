@@ -15,7 +15,10 @@ def main(name: str, pcap: str, cloud: str, columns: int, rate: int) -> None:
     shape = (info.format.columns_per_frame, info.format.fps, str(info.config.lidar_mode))
     assert shape == (columns, rate, f"{columns}x{rate}"), shape
     # Images of Ouster's driver: time in s, x, y, z, ring, range in mm, reflectivity. The first frame was before time 0.
-    truth = np.fromfile(cloud, "<f8").reshape(-1, rows, columns, 7)[1:]
+    # Of two returns there are two images each.
+    fields = [("RANGE", "REFLECTIVITY"), ("RANGE2", "REFLECTIVITY2")]
+    fields = fields if "DUAL" in str(info.format.udp_profile_lidar) else fields[:1]
+    truth = np.fromfile(cloud, "<f8").reshape(-1, len(fields), rows, columns, 7)[1:]
 
     packets = [packet for _, packet in PcapPacketSource(pcap, sensor_info=[info])]
     size, each = Path(pcap).stat().st_size, 16 + 42 + layout.lidar_packet_size
@@ -38,22 +41,26 @@ def main(name: str, pcap: str, cloud: str, columns: int, rate: int) -> None:
     step = 8 if "RNG15" in str(info.format.udp_profile_lidar) else 1
     place = XYZLut(info, False)
     off = {"time": 0.0, "range": 0, "place": 0.0}
-    for number, (frame, image) in enumerate(zip(frames, truth)):
+    hits = np.zeros(len(fields))
+    for number, (frame, images) in enumerate(zip(frames, truth)):
         assert (frame.measurement_id == np.arange(columns)).all()
         assert (frame.frame_id & 0xFFFF) == number + 1
         # The image has a pixel's time where the pixel is; staggered again they are the columns'.
-        ranges = destagger(info, frame.field("RANGE")).astype(np.int64)
         times = destagger(info, np.tile(frame.timestamp, (rows, 1)).astype(np.int64))
-        off["time"] = max(off["time"], np.abs(times - np.rint(image[:, :, 0] * 1e9)).max())
-        hit = ~np.isnan(image[:, :, 1])
-        assert ((ranges > 0) == hit).all() and (image[:, :, 4] == np.arange(rows)[:, None]).all()
-        off["range"] = max(off["range"], np.abs(ranges - image[:, :, 5])[hit].max())
-        points = destagger(info, place(frame))
-        off["place"] = max(off["place"], np.linalg.norm(points - image[:, :, 1:4], axis=2)[hit].max())
-        reflectivity = destagger(info, frame.field("REFLECTIVITY"))
-        assert (reflectivity[hit] == image[:, :, 6][hit]).all()
-        assert hit.mean() > 0.3, hit.mean()
+        for index, (image, (range_field, reflectivity_field)) in enumerate(zip(images, fields)):
+            ranges = destagger(info, frame.field(range_field)).astype(np.int64)
+            off["time"] = max(off["time"], np.abs(times - np.rint(image[:, :, 0] * 1e9)).max())
+            hit = ~np.isnan(image[:, :, 1])
+            hits[index] += hit.mean() / len(frames)
+            assert ((ranges > 0) == hit).all() and (image[:, :, 4] == np.arange(rows)[:, None]).all()
+            off["range"] = max(off["range"], np.abs(ranges - image[:, :, 5])[hit].max())
+            points = destagger(info, place(frame.field(range_field)))
+            off["place"] = max(off["place"], np.linalg.norm(points - image[:, :, 1:4], axis=2)[hit].max())
+            reflectivity = destagger(info, frame.field(reflectivity_field))
+            assert (reflectivity[hit] == image[:, :, 6][hit]).all()
+    assert hits[0] > 0.3 and (hits > 1e-3).all(), hits
     print(f"{name} {columns}x{rate} {info.format.udp_profile_lidar}: {sent} packets, 0 refused, {len(frames)} frames")
+    print(f"  {', '.join(f'{share:.1%}' for share in hits)} of the pixels have returns")
     print(f"  times off by {off['time']:.0f} ns, ranges by {off['range']} mm of {step}, places by {off['place'] * 1e3:.3f} mm")
     # Ranges of the cloud are those of packets in 1 mm. Its places were measured in millimetres from where beams start;
     # ranges are from the axis, so that they are rounded once more.

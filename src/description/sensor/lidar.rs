@@ -1,5 +1,8 @@
 //! Lidars: `<ray>` and `<lidar>` (angles of the beams, range, noise), and the plugins that publish scans.
 
+mod physics;
+mod profile;
+
 use super::gz::{frame_name, gz_topic};
 use super::instrument::{InstrumentPlugin, ros2_names};
 use super::plugin::{extension, plain_name, topic};
@@ -10,8 +13,10 @@ use crate::description::model::{CloudLayout, LaserPlugin, Noise, RaySensor, Scan
 use crate::description::values::{child_bool, child_text};
 use crate::description::xml::Element;
 use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
-use belvedere_sensors::scanner::presets::{self, Maker, Mode, Preset};
-use belvedere_sensors::scanner::{Columns, Pattern};
+use belvedere_sensors::scanner::presets::{self, Mode, Preset};
+use belvedere_sensors::scanner::{Columns, Pattern, Raster, Weather};
+pub use physics::BeamPhysics;
+pub use profile::PacketProfile;
 use std::f64::consts::{PI, TAU};
 
 /// A lidar.
@@ -21,6 +26,8 @@ pub struct Lidar {
     pub ray: RaySensor,
     /// The scanner of a maker that it is, if it is one.
     pub preset: Option<Preset>,
+    /// What its beams are, meet and bring back, if each has a time of its own.
+    pub physics: BeamPhysics,
     /// How its packets are laid out, if its maker has several ways.
     pub profile: PacketProfile,
     /// What publishes it.
@@ -31,29 +38,6 @@ impl Lidar {
     /// Whether its beams each have a time of their own.
     pub fn is_scanner(&self) -> bool {
         self.preset.is_some() || self.plugin.as_ref().is_some_and(|plugin| plugin.cloud.is_some())
-    }
-}
-
-/// A layout of Ouster's packets, as `udp_profile_lidar` of its configuration names it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PacketProfile {
-    /// That of the first firmware.
-    Legacy,
-    /// 12 bytes a beam: range in mm, reflectivity, signal, near infrared.
-    #[default]
-    Rng19Rfl8Sig16Nir16,
-    /// 4 bytes a beam: range in 8 mm, reflectivity, near infrared.
-    Rng15Rfl8Nir8,
-}
-
-impl PacketProfile {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Legacy, Self::Rng19Rfl8Sig16Nir16, Self::Rng15Rfl8Nir8];
-    const NAMES: [&str; 3] = ["LEGACY", "RNG19_RFL8_SIG16_NIR16", "RNG15_RFL8_NIR8"];
-
-    /// As Ouster names it.
-    pub const fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
     }
 }
 
@@ -73,7 +57,7 @@ pub(super) const KIND: Kind = Kind {
 impl Reader<'_> {
     fn lidar(&mut self, sensor: &Element) -> Option<Lidar> {
         let preset = self.scanner_preset(sensor)?;
-        let profile = self.packet_profile(sensor, preset.as_ref())?;
+        let (physics, profile) = self.beam_physics(sensor, preset.as_ref())?;
         let is_cloud = preset.as_ref().is_some_and(is_cloud);
         let mut ray = match &preset {
             Some(preset) => ray_of(preset, sensor),
@@ -86,37 +70,57 @@ impl Reader<'_> {
         if let (true, Some(plugin)) = (is_cloud, &mut plugin) {
             plugin.cloud.get_or_insert_default();
         }
-        Some(Lidar { ray, preset, profile, plugin })
+        let lidar = Lidar { ray, preset, physics, profile, plugin };
+        self.check_physics(sensor, &lidar)?;
+        Some(lidar)
     }
 
     /// `<plugin filename="belvedere"><preset>`; the inner none means that there is none.
     #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
     fn scanner_preset(&mut self, sensor: &Element) -> Option<Option<Preset>> {
         let Some(own) = extension(sensor) else { return Some(None) };
-        let is_read = |name: &str| matches!(name, "preset" | "columns" | "udp_profile_lidar");
-        self.left_out(own, is_read, "take it out: a lidar has preset, columns and udp_profile_lidar");
+        let names = || ["preset", "columns", "udp_profile_lidar"].into_iter().chain(physics::NAMES);
+        let remedy = format!("take it out: a lidar has {}", names().collect::<Vec<_>>().join(", "));
+        self.left_out(own, |name| names().any(|known| known == name), &remedy);
         if child_text(own, "preset").is_none() {
             return Some(None);
         }
         self.preset_name(own, &presets::NAMES).map(presets::named)
     }
 
-    /// `<udp_profile_lidar>` beside it.
-    fn packet_profile(&mut self, sensor: &Element, preset: Option<&Preset>) -> Option<PacketProfile> {
-        let written = extension(sensor).and_then(|own| Some((own, child_text(own, "udp_profile_lidar")?)));
-        let Some((own, name)) = written else { return Some(PacketProfile::default()) };
-        let is_ouster = preset.is_some_and(|preset| preset.maker == Maker::Ouster);
-        let found = PacketProfile::ALL.into_iter().find(|profile| profile.name() == name);
-        if is_ouster && found.is_some() {
-            return found;
+    /// That what is written of its beams can be, as the rest of it is.
+    fn check_physics(&mut self, sensor: &Element, lidar: &Lidar) -> Option<()> {
+        let Some(own) = extension(sensor) else { return Some(()) };
+        let wrong = |reader: &mut Self, name: &str, what: &str, remedy: &str| {
+            let what = format!("{} {what}", reader.what(name));
+            reader.diagnostics.error(Self::place(Some(own), name, own), what, remedy);
+            None
+        };
+        let written = physics::NAMES.into_iter().find(|name| own.child(name).is_some());
+        if let (Some(name), false) = (written, lidar.is_scanner()) {
+            let remedy = "write a <preset>, or publish it by libgazebo_ros_velodyne_laser.so";
+            return wrong(self, name, "is of a scanner, and this lidar is Gazebo's", remedy);
         }
-        let names = PacketProfile::NAMES.join(", ");
-        let remedy =
-            if is_ouster { format!("there are {names}") } else { "take it out: Ouster's have one".into() };
-        let place = Self::place(Some(own), "udp_profile_lidar", own);
-        let what = format!("{} is '{name}', which is none of its packets'", self.what("udp_profile_lidar"));
-        self.diagnostics.error(place, what, remedy);
-        None
+        let is_scan = lidar.plugin.as_ref().is_some_and(|plugin| plugin.cloud.is_none());
+        if is_scan && lidar.physics.returns.count() > 1 {
+            let remedy =
+                "write strongest, first, last or mean, or publish clouds by libgazebo_ros_velodyne_laser.so";
+            return wrong(self, "returns", "asks for several returns, and a scan has one a ray", remedy);
+        }
+        let BeamPhysics { receiver, weather, .. } = lidar.physics;
+        if weather != Weather::CLEAR && receiver.is_none() && lidar.ray.range_max_m == f64::INFINITY {
+            let name = ["fog_visibility", "rain_rate", "snow_rate"]
+                .into_iter()
+                .find(|name| own.child(name).is_some());
+            let remedy = "write <receiver_reach> in metres, or a <max> of <range> that is finite";
+            return wrong(
+                self,
+                name.unwrap_or_default(),
+                "is weather, in which no lidar reaches for ever",
+                remedy,
+            );
+        }
+        Some(())
     }
 
     /// The `<ray>` or `<lidar>` of a sensor.
@@ -315,7 +319,16 @@ fn is_cloud(preset: &Preset) -> bool {
 /// Where a preset measures in a turn.
 fn horizontal_of(preset: &Preset) -> ScanAxis {
     let whole = |samples| ScanAxis { samples, min_angle_rad: -PI, max_angle_rad: PI };
-    let Pattern::Spinning(head) = preset.pattern else { return whole(1) };
+    let head = match preset.pattern {
+        Pattern::Spinning(head) => head,
+        Pattern::Raster(raster) => return pixels_of(&raster, 0),
+        Pattern::Rosette(rosette) => {
+            let most = rosette.half_angle_rad().unwrap_or(0.0);
+            let samples = (1e9 / preset.rate_hz / rosette.firing_time_ns as f64) as u32;
+            return ScanAxis { samples, min_angle_rad: -most, max_angle_rad: most };
+        }
+        _ => return whole(1),
+    };
     match head.columns {
         Columns::Every { time_ns } => whole((1e9 / preset.rate_hz / time_ns as f64) as u32),
         Columns::Turn { per_turn, count, .. } if per_turn == count => whole(count),
@@ -328,6 +341,12 @@ fn horizontal_of(preset: &Preset) -> ScanAxis {
     }
 }
 
+/// The middles of pixels, across or up.
+fn pixels_of(raster: &Raster, axis: usize) -> ScanAxis {
+    let [most, _] = raster.angles(axis);
+    ScanAxis { samples: raster.pixels[axis], min_angle_rad: -most, max_angle_rad: most }
+}
+
 /// The beams, ranges and noise of a preset.
 fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
     let mut vertical = ScanAxis { samples: 1, min_angle_rad: 0.0, max_angle_rad: 0.0 };
@@ -336,6 +355,9 @@ fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
         vertical.samples = head.lasers.len() as u32;
         vertical.min_angle_rad = elevations().fold(f64::INFINITY, f64::min);
         vertical.max_angle_rad = elevations().fold(f64::NEG_INFINITY, f64::max);
+    }
+    if let Pattern::Raster(raster) = &preset.pattern {
+        vertical = pixels_of(raster, 1);
     }
     let [range_min_m, range_max_m] = preset.range_m;
     RaySensor {

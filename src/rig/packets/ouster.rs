@@ -37,6 +37,9 @@ const fn layout(profile: PacketProfile) -> Layout {
         PacketProfile::Rng19Rfl8Sig16Nir16 => {
             Layout { header: 32, column_header: 12, channel: 12, column_footer: 0, footer: 32 }
         }
+        PacketProfile::Rng19Rfl8Sig16Nir16Dual => {
+            Layout { header: 32, column_header: 12, channel: 16, column_footer: 0, footer: 32 }
+        }
         PacketProfile::Rng15Rfl8Nir8 => {
             Layout { header: 32, column_header: 12, channel: 4, column_footer: 0, footer: 32 }
         }
@@ -70,22 +73,30 @@ impl Ouster {
         self.profile == PacketProfile::Legacy
     }
 
-    /// Range in steps, reflectivity, signal and near infrared of a beam, as far as the layout has them.
-    fn write_channel(profile: PacketProfile, place: &mut [u8], range: u32, intensity: f32) {
-        let (reflectivity, signal) = (intensity.round() as u8, intensity.round() as u16);
+    /// Range in steps, reflectivity, signal and near infrared of a beam's returns, as far as the layout has them.
+    fn write_channel(profile: PacketProfile, place: &mut [u8], echoes: impl Iterator<Item = (u32, f32)>) {
         place.fill(0);
-        match profile {
-            PacketProfile::Legacy | PacketProfile::Rng19Rfl8Sig16Nir16 => {
-                let bits = if profile == PacketProfile::Legacy { 20 } else { 19 };
-                let range = if range < 1 << bits { range } else { 0 };
-                place[..4].copy_from_slice(&range.to_le_bytes());
-                place[4] = reflectivity;
-                place[6..8].copy_from_slice(&signal.to_le_bytes());
-            }
-            PacketProfile::Rng15Rfl8Nir8 => {
-                let range = if range < 1 << 15 { range as u16 } else { 0 };
-                place[..2].copy_from_slice(&range.to_le_bytes());
-                place[2] = reflectivity;
+        let returns = if profile == PacketProfile::Rng19Rfl8Sig16Nir16Dual { 2 } else { 1 };
+        for (number, (range, intensity)) in echoes.take(returns).enumerate() {
+            let (reflectivity, signal) = (intensity.round() as u8, intensity.round() as u16);
+            let within = |bits: u32| if range < 1 << bits { range } else { 0 };
+            match profile {
+                PacketProfile::Legacy | PacketProfile::Rng19Rfl8Sig16Nir16 => {
+                    let range = within(if profile == PacketProfile::Legacy { 20 } else { 19 });
+                    place[..4].copy_from_slice(&range.to_le_bytes());
+                    place[4] = reflectivity;
+                    place[6..8].copy_from_slice(&signal.to_le_bytes());
+                }
+                PacketProfile::Rng19Rfl8Sig16Nir16Dual => {
+                    let (first, second) = (4 * number, 8 + 2 * number);
+                    place[first..first + 3].copy_from_slice(&within(19).to_le_bytes()[..3]);
+                    place[first + 3] = reflectivity;
+                    place[second..second + 2].copy_from_slice(&signal.to_le_bytes());
+                }
+                PacketProfile::Rng15Rfl8Nir8 => {
+                    place[..2].copy_from_slice(&(within(15) as u16).to_le_bytes());
+                    place[2] = reflectivity;
+                }
             }
         }
     }
@@ -134,13 +145,11 @@ impl Protocol for Ouster {
         }
         let step_mm = if profile == PacketProfile::Rng15Rfl8Nir8 { 8.0 } else { 1.0 };
         let channels = place[column_header..].chunks_exact_mut(channel);
-        for ((place, range), intensity) in channels.zip(column.ranges).zip(column.intensities) {
-            Self::write_channel(
-                profile,
-                place,
-                self.head.told(*range, step_mm),
-                if range.is_finite() { *intensity } else { 0.0 },
-            );
+        for (place, (ranges, intensities)) in channels.zip(column.lasers()) {
+            let told = |(range, intensity): (&f32, &f32)| {
+                (self.head.told(*range, step_mm), if range.is_finite() { *intensity } else { 0.0 })
+            };
+            Self::write_channel(profile, place, ranges.iter().zip(intensities).map(told));
         }
         self.filled += 1;
         if self.filled < COLUMNS {

@@ -1,43 +1,101 @@
 //! Velodyne's data packets (VLP-16 User Manual 63-9243, chapter 9).
 //!
-//! 1206 bytes, little-endian; 12 blocks of 100 bytes (0xEEFF, azimuth in 0.01° clockwise, 32 × (distance in 2 mm,
+//! 1206 bytes, little-endian; 12 blocks of 100 bytes (0xEEFF, azimuth in 0.01° clockwise, 32 × (distance in 2 or 4 mm,
 //! reflectivity)), time of the first firing in µs after the hour, return mode, product. A block has two columns of 16
-//! lasers, or one of 32, in the order in which they fire; the azimuth is that of its first. Packets go on from frame to
-//! frame: what does not fill one waits for the next.
+//! lasers, one of 32, or a quarter of one of 128, in the order in which they fire; the azimuth is that of its first. Packets go on from frame to
+//! frame: what does not fill one waits for the next. Of dual returns, each block is followed by another of the same
+//! firings: the first has the last returns, the second the strongest, or the second strongest where that is the last;
+//! where there is but one return, both have it.
 
 use super::{Column, Protocol};
 use crate::description::model;
+use belvedere_sensors::scanner::Returns;
 
 /// Bytes of a packet.
 const LEN: usize = 1206;
-/// Blocks of a packet, bytes of one, and lasers in it.
-const BLOCKS: usize = 12;
+/// Bytes of a block, and lasers in it.
 const BLOCK: usize = 100;
 const LASERS: usize = 32;
-/// Metres of a distance of 1.
-const STEP_M: f32 = 0.002;
-/// Return mode: the strongest.
+/// Marks of a block of the first, second, third and fourth 32 lasers.
+const BANKS: [u16; 4] = [0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF];
+/// Return modes.
 const STRONGEST: u8 = 0x37;
+const LAST: u8 = 0x38;
+const DUAL: u8 = 0x39;
 /// Nanoseconds of an hour, after which the time of packets begins again.
 pub(super) const HOUR_NS: u64 = 3_600_000_000_000;
 
+/// What is different of each model.
+struct Model {
+    name: &'static str,
+    product: u8,
+    /// Metres of a distance of 1.
+    step_m: f32,
+    /// Firings of a packet.
+    firings: usize,
+    /// The same if each has two returns.
+    pairs: usize,
+    /// From the first of a packet to the firing that the packet has the time of.
+    ahead_ns: u64,
+}
+
+const MODELS: [Model; 3] = [
+    Model { name: "hdl32e", product: 0x21, step_m: 0.002, firings: 384, pairs: 192, ahead_ns: 0 },
+    Model { name: "vlp16", product: 0x22, step_m: 0.002, firings: 384, pairs: 192, ahead_ns: 0 },
+    // A column is four blocks, of pairs eight: the rest of the packet is empty. Its time is that of the fourth eight.
+    Model { name: "vls128", product: 0xA1, step_m: 0.004, firings: 384, pairs: 128, ahead_ns: 7000 },
+];
+
 struct Velodyne {
     packet: [u8; LEN],
-    /// Lasers that are in it.
+    model: &'static Model,
+    /// Firings that are in it.
     filled: usize,
+    /// Blocks of the same firings.
+    returns: usize,
     begun_ns: u64,
 }
 
 /// Those of a lidar; none if its packets are not known.
 pub(super) fn of(lidar: &model::Lidar) -> Option<Box<dyn Protocol>> {
-    let product = match lidar.preset?.name {
-        "hdl32e" => 0x21,
-        "vlp16" => 0x22,
+    let name = lidar.preset?.name;
+    let model = MODELS.iter().find(|model| model.name == name)?;
+    let (mode, returns) = match lidar.physics.returns {
+        Returns::Strongest => (STRONGEST, 1),
+        Returns::Last => (LAST, 1),
+        Returns::Dual => (DUAL, 2),
         _ => return None,
     };
     let mut packet = [0; LEN];
-    packet[1204..].copy_from_slice(&[STRONGEST, product]);
-    Some(Box::new(Velodyne { packet, filled: 0, begun_ns: 0 }))
+    packet[1204..].copy_from_slice(&[mode, model.product]);
+    Some(Box::new(Velodyne { packet, model, filled: 0, returns, begun_ns: 0 }))
+}
+
+impl Velodyne {
+    /// Puts a firing into its block, or that of each of its returns.
+    fn write(
+        &mut self,
+        firing: usize,
+        hundredths: u16,
+        lasers: usize,
+        (ranges, intensities): (&[f32], &[f32]),
+    ) {
+        let (group, place) = (firing / LASERS, firing % LASERS);
+        let blocks = self.packet[group * self.returns * BLOCK..].chunks_exact_mut(BLOCK);
+        for (number, block) in blocks.take(self.returns).enumerate() {
+            if place == 0 {
+                let bank = BANKS[group % lasers.div_ceil(LASERS)];
+                block[..2].copy_from_slice(&bank.to_le_bytes());
+                block[2..4].copy_from_slice(&hundredths.to_le_bytes());
+            }
+            let number = if ranges[number].is_finite() { number } else { 0 };
+            let range = ranges[number];
+            let distance = if range.is_finite() { (range / self.model.step_m).round() as u16 } else { 0 };
+            let place = &mut block[4 + 3 * place..][..3];
+            place[..2].copy_from_slice(&distance.to_le_bytes());
+            place[2] = if distance == 0 { 0 } else { intensities[number].round() as u8 };
+        }
+    }
 }
 
 impl Protocol for Velodyne {
@@ -51,23 +109,15 @@ impl Protocol for Velodyne {
 
     fn push(&mut self, column: &Column<'_>) -> Option<&[u8]> {
         if self.filled == 0 {
-            self.begun_ns = column.time_ns;
+            self.begun_ns = column.time_ns + self.model.ahead_ns;
         }
-        let block = &mut self.packet[self.filled / LASERS * BLOCK..][..BLOCK];
-        let first = self.filled % LASERS;
-        if first == 0 {
-            let hundredths = (column.turned * 36_000.0).round().rem_euclid(36_000.0) as u16;
-            block[..2].copy_from_slice(&[0xFF, 0xEE]);
-            block[2..4].copy_from_slice(&hundredths.to_le_bytes());
+        let hundredths = (column.turned * 36_000.0).round().rem_euclid(36_000.0) as u16;
+        let lasers = column.ranges.len() / self.returns;
+        for (laser, echoes) in column.lasers().enumerate() {
+            self.write(self.filled + laser, hundredths, lasers, echoes);
         }
-        let places = block[4 + 3 * first..].chunks_exact_mut(3);
-        for ((place, range), intensity) in places.zip(column.ranges).zip(column.intensities) {
-            let distance = if range.is_finite() { (range / STEP_M).round() as u16 } else { 0 };
-            place[..2].copy_from_slice(&distance.to_le_bytes());
-            place[2] = if distance == 0 { 0 } else { intensity.round() as u8 };
-        }
-        self.filled += column.ranges.len();
-        if self.filled < BLOCKS * LASERS {
+        self.filled += lasers;
+        if self.filled < if self.returns == 1 { self.model.firings } else { self.model.pairs } {
             return None;
         }
         self.filled = 0;

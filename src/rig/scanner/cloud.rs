@@ -1,5 +1,6 @@
 //! Clouds, as the drivers of scanners send them.
 
+mod livox;
 mod ouster;
 mod velodyne;
 
@@ -8,9 +9,10 @@ use crate::description::model::CloudLayout;
 use crate::rig::outlet::Outlet;
 use crate::rig::sink::Frame;
 use belvedere_bridge::Encoding;
+use belvedere_sensors::scanner::Intensity;
 use belvedere_sensors::scanner::presets::Maker;
 
-/// What a frame has found, a value a firing.
+/// What a frame has found: times and lasers one a firing, of the others as many as there are returns.
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) ranges: Vec<f32>,
@@ -21,10 +23,10 @@ pub(super) struct Found {
 }
 
 impl Found {
-    pub(super) fn resize(&mut self, firings: usize) {
-        self.ranges.resize(firings, 0.0);
-        self.points.resize(firings, [0.0; 3]);
-        self.intensities.resize(firings, 0.0);
+    pub(super) fn resize(&mut self, firings: usize, returns: usize) {
+        self.ranges.resize(firings * returns, 0.0);
+        self.points.resize(firings * returns, [0.0; 3]);
+        self.intensities.resize(firings * returns, 0.0);
         self.times.resize(firings, 0.0);
         self.lasers.resize(firings, 0);
     }
@@ -35,6 +37,8 @@ pub(super) struct Scan<'a> {
     pub(super) found: &'a Found,
     /// How many firings it has.
     pub(super) firings: usize,
+    /// Of each firing.
+    pub(super) returns: usize,
     pub(super) layout: CloudLayout,
     /// When it ends.
     pub(super) stamp_ns: u64,
@@ -43,10 +47,10 @@ pub(super) struct Scan<'a> {
 }
 
 impl Scan<'_> {
-    /// Whether a firing has met something that is to be shown.
-    fn is_point(&self, firing: usize) -> bool {
-        !self.found.points[firing][0].is_nan()
-            && f64::from(self.found.intensities[firing]) >= self.layout.min_intensity
+    /// Whether a return is of something that is to be shown.
+    fn is_point(&self, echo: usize) -> bool {
+        !self.found.points[echo][0].is_nan()
+            && f64::from(self.found.intensities[echo]) >= self.layout.min_intensity
     }
 
     /// When it began.
@@ -65,14 +69,21 @@ pub(super) trait CloudForm {
     /// What its points are.
     fn encoding(&self) -> Encoding;
 
-    /// Puts a scan into a frame of the stream's; none if there is none.
-    fn write(&self, scan: &Scan<'_>, outlet: &Outlet) -> Option<Frame>;
+    /// In how many streams they go, of so many returns a firing.
+    fn streams(&self, returns: usize) -> usize {
+        let _ = returns;
+        1
+    }
+
+    /// Puts a scan, or what of it goes into a stream, into a frame of that; none if there is none.
+    fn write(&self, scan: &Scan<'_>, stream: usize, outlet: &Outlet) -> Option<Frame>;
 }
 
 /// That of the driver of a scanner: its maker's, or Velodyne's.
-pub(super) fn form_of(head: &Head) -> Box<dyn CloudForm> {
+pub(super) fn form_of(head: &Head, intensity: Intensity) -> Box<dyn CloudForm> {
     match head {
         Head::Preset(preset) if preset.maker == Maker::Ouster => Box::new(ouster::OusterCloud::of(preset)),
-        _ => Box::new(velodyne::VelodyneCloud::of(&head.elevations())),
+        Head::Preset(preset) if preset.maker == Maker::Livox => Box::new(livox::LivoxCloud::of(intensity)),
+        _ => Box::new(velodyne::VelodyneCloud::of(&head.elevations(), head.in_row())),
     }
 }

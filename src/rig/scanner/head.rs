@@ -42,10 +42,28 @@ impl Head {
             Self::Preset(Preset { pattern: Pattern::Spinning(head), .. }) => {
                 head.lasers.iter().map(|laser| laser.elevation_rad).collect()
             }
+            Self::Preset(Preset { pattern: Pattern::Raster(raster), .. }) => {
+                let [top, down] = raster.angles(1);
+                (0..raster.pixels[1]).map(|row| top - down * f64::from(row)).collect()
+            }
             Self::Preset(_) => vec![0.0],
             Self::Grid { angles: [_, vertical], .. } => {
                 (0..vertical.samples).map(|row| vertical.angle(row)).collect()
             }
+        }
+    }
+
+    /// Whether it fires all at once.
+    pub(super) fn is_flash(&self) -> bool {
+        matches!(self, Self::Preset(Preset { pattern: Pattern::Raster(raster), .. })
+            if raster.pixel_time_ns == 0 && raster.row_time_ns == 0)
+    }
+
+    /// Firings that belong together: a row of a picture, or one of each laser.
+    pub(super) fn in_row(&self) -> usize {
+        match self {
+            Self::Preset(Preset { pattern: Pattern::Raster(raster), .. }) => raster.pixels[0] as usize,
+            _ => self.elevations().len(),
         }
     }
 }

@@ -1,26 +1,36 @@
 //! Scanners as their makers' manuals have them.
 
+mod continental;
 mod hokuyo;
+mod livox;
 mod ouster;
 mod sick;
 mod slamtec;
 mod velodyne;
+mod vls128;
 
-use super::{Columns, Laser, Pattern, ScannerConfig, Spinning, Spread};
+use super::{Beam, Columns, Laser, Pattern, ScannerConfig, Spinning, Spread};
 use crate::noise::GaussianNoise;
+pub use continental::HFL_110;
 use core::f64::consts::TAU;
 pub use hokuyo::{URG_04LX, UTM_30LX};
+pub use livox::MID_70;
 pub use ouster::{OS0_32, OS0_64, OS0_128, OS1_32, OS1_64, OS1_128, OS2_32, OS2_64, OS2_128};
 pub use sick::{LMS_111, LMS_511};
 pub use slamtec::{RPLIDAR_A1, RPLIDAR_A2};
 pub use velodyne::{HDL_32E, VLP_16};
+pub use vls128::VLS_128;
 
 /// Who makes scanners; by which a driver knows how to send what they measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Maker {
+    /// Continental.
+    Continental,
     /// Hokuyo.
     Hokuyo,
+    /// Livox.
+    Livox,
     /// Ouster.
     Ouster,
     /// SICK.
@@ -66,6 +76,8 @@ pub struct Preset {
     pub bias_stddev_m: f64,
     /// Step of a range, in metres.
     pub resolution_m: f64,
+    /// How wide its beams are, as single rays; lines where nothing is published.
+    pub beam: Beam,
 }
 
 impl Preset {
@@ -89,6 +101,7 @@ impl Preset {
             .range_max_m(max_m)
             .noise(noise.unwrap_or_default())
             .spreads(self.spreads)
+            .beam(self.beam)
     }
 
     /// Columns of a frame; none if there is no choice of them.
@@ -130,8 +143,8 @@ impl Preset {
 
 /// All presets.
 pub const ALL: &[Preset] = &[
-    URG_04LX, UTM_30LX, OS0_32, OS0_64, OS0_128, OS1_32, OS1_64, OS1_128, OS2_32, OS2_64, OS2_128, LMS_111,
-    LMS_511, RPLIDAR_A1, RPLIDAR_A2, HDL_32E, VLP_16,
+    HFL_110, URG_04LX, UTM_30LX, MID_70, OS0_32, OS0_64, OS0_128, OS1_32, OS1_64, OS1_128, OS2_32, OS2_64,
+    OS2_128, LMS_111, LMS_511, RPLIDAR_A1, RPLIDAR_A2, HDL_32E, VLP_16, VLS_128,
 ];
 
 /// The names of all.
@@ -149,6 +162,11 @@ pub const NAMES: [&str; ALL.len()] = {
 #[must_use]
 pub fn named(name: &str) -> Option<Preset> {
     ALL.iter().find(|preset| preset.name == name).copied()
+}
+
+/// A beam that is traced as a single ray, and is so wide: what drops of rain in it are counted by.
+const fn line_of(divergence_rad: [f64; 2], aperture_m: [f64; 2]) -> Beam {
+    Beam { divergence_rad, aperture_m, rays: 1 }
 }
 
 /// A single beam.

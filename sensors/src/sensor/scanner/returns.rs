@@ -24,6 +24,8 @@ pub enum Returns {
     Dual,
     /// So many, 1 to 5, the nearest first; of more, the strongest.
     Several(u8),
+    /// So many, 1 to 5, the strongest first.
+    Ranked(u8),
     /// One: the mean of all that the beam meets, as scanners measure it that compare phases. At edges it is between.
     Mean,
 }
@@ -34,18 +36,20 @@ impl Returns {
         match self {
             Self::Strongest | Self::First | Self::Last | Self::Mean => 1,
             Self::Dual => 2,
-            Self::Several(count) => count as usize,
+            Self::Several(count) | Self::Ranked(count) => count as usize,
         }
     }
 
     pub(super) fn check(self) -> Result<(), ScannerError> {
         match self {
-            Self::Several(count) if !(1..=MAX_RETURNS).contains(&count.into()) => Err(ScannerError {
-                parameter: "returns",
-                index: None,
-                value: f64::from(count),
-                rule: "1 to 5 of them",
-            }),
+            Self::Several(count) | Self::Ranked(count) if !(1..=MAX_RETURNS).contains(&count.into()) => {
+                Err(ScannerError {
+                    parameter: "returns",
+                    index: None,
+                    value: f64::from(count),
+                    rule: "1 to 5 of them",
+                })
+            }
             _ => Ok(()),
         }
     }
@@ -128,6 +132,13 @@ impl<const N: usize> Echoing<N> {
                     *place = Some(*echo);
                 }
             }
+            Returns::Ranked(count) => {
+                for place in returns.iter_mut().take(count.into()) {
+                    let Some(most) = strongest(&self.echoes[..self.count], None) else { break };
+                    *place = Some(self.echoes[most]);
+                    self.take_out(most);
+                }
+            }
         }
         returns
     }
@@ -175,7 +186,11 @@ impl<const N: usize> Echoing<N> {
                 weakest = index;
             }
         }
-        self.echoes.copy_within(weakest + 1..self.count, weakest);
+        self.take_out(weakest);
+    }
+
+    fn take_out(&mut self, index: usize) {
+        self.echoes.copy_within(index + 1..self.count, index);
         self.count -= 1;
     }
 }

@@ -49,6 +49,11 @@ impl Rosette {
         Ok(())
     }
 
+    /// How far from straight ahead its beam goes at the most, in radians; none if it does not leave the glass there.
+    pub fn half_angle_rad(&self) -> Option<f64> {
+        self.bent([0.0; 2]).map(|most| libm::acos(most.x.clamp(-1.0, 1.0)))
+    }
+
     pub(super) fn clock(&self) -> Clock {
         Clock { tick_ns: self.firing_time_ns }
     }

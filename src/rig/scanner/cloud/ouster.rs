@@ -1,5 +1,5 @@
 //! The cloud of Ouster's driver: an image of a row a laser, the highest first, whose columns are directions, not times.
-//! It is stamped with the beginning of the scan.
+//! It is stamped with the beginning of the scan. Each return has a cloud of its own.
 
 use super::{CloudForm, Scan};
 use crate::rig::ouster::OusterHead;
@@ -30,7 +30,11 @@ impl CloudForm for OusterCloud {
         Encoding::OusterPoint
     }
 
-    fn write(&self, scan: &Scan<'_>, outlet: &Outlet) -> Option<Frame> {
+    fn streams(&self, returns: usize) -> usize {
+        returns
+    }
+
+    fn write(&self, scan: &Scan<'_>, stream: usize, outlet: &Outlet) -> Option<Frame> {
         let found = scan.found;
         let rows = self.shifts.len();
         let columns = scan.firings / rows;
@@ -42,11 +46,12 @@ impl CloudForm for OusterCloud {
         for ((row, &shift), points) in self.shifts.iter().enumerate().zip(rows_of_points) {
             for (at, place) in points.chunks_exact_mut(POINT_STEP).enumerate() {
                 let firing = (at + columns - shift) % columns * rows + row;
-                let is_point = scan.is_point(firing);
-                let point = if is_point { found.points[firing] } else { [f32::NAN; 3] };
-                let intensity = found.intensities[firing];
+                let echo = firing * scan.returns + stream;
+                let is_point = scan.is_point(echo);
+                let point = if is_point { found.points[echo] } else { [f32::NAN; 3] };
+                let intensity = found.intensities[echo];
                 let time_ns = (scan.time_s(firing) * 1e9).round() as u32;
-                let range = if is_point { self.head.told(found.ranges[firing], 1.0) } else { 0 };
+                let range = if is_point { self.head.told(found.ranges[echo], 1.0) } else { 0 };
                 let mut bytes = [0; POINT_STEP];
                 bytes[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
                 bytes[16..20].copy_from_slice(&intensity.to_le_bytes());

@@ -1,9 +1,10 @@
 //! Hokuyo.
 
-use super::{Maker, Preset, some, steps};
+use super::{Maker, Preset, line_of, some, steps};
 use crate::scanner::Spread;
 
-/// Hokuyo URG-04LX (specification C-42-03320): 682 of 1024 steps of a turn, ±10 mm up to a metre and 1 % beyond.
+/// Hokuyo URG-04LX (specification C-42-03320): 682 of 1024 steps of a turn, ±10 mm up to a metre and 1 % beyond; a spot of
+/// 40 mm at 4 m.
 pub const URG_04LX: Preset = Preset {
     name: "urg04lx",
     maker: Maker::Hokuyo,
@@ -19,9 +20,11 @@ pub const URG_04LX: Preset = Preset {
     ],
     bias_stddev_m: 0.0,
     resolution_m: 0.001,
+    beam: line_of([0.01; 2], [0.0; 2]),
 };
 
-/// Hokuyo UTM-30LX: 1081 of 1440 steps of a turn; repeatability σ 10 mm up to 10 m, 30 mm beyond.
+/// Hokuyo UTM-30LX: 1081 of 1440 steps of a turn; repeatability σ 10 mm up to 10 m, 30 mm beyond. Its beam
+/// is taken as two σ to each side, of 1.5 mm and 0.6 mrad (F. Pomerleau et al., 2012).
 pub const UTM_30LX: Preset = Preset {
     name: "utm30lx",
     maker: Maker::Hokuyo,
@@ -37,4 +40,5 @@ pub const UTM_30LX: Preset = Preset {
     ],
     bias_stddev_m: 0.0,
     resolution_m: 0.001,
+    beam: line_of([2.4e-3; 2], [6e-3; 2]),
 };

@@ -1,9 +1,9 @@
 //! Ouster: heads of 128 lasers, of which the smaller ones have every second or fourth.
 //!
 //! Each unit is calibrated, and tells its own angles. These are what units' angles lie about, as cubic polynomials of the
-//! laser's number: within 0.2° (OS0), 0.03° (OS1) and 0.02° (OS2) of one unit, and 1.5° of others.
+//! laser's number: within 0.2° (OS0), 0.03° (OS1) and 0.02° (OS2) of one unit, and 1.5° of others. Beams begin 10 mm wide, as an OS1's.
 
-use super::{Maker, Mode, Preset};
+use super::{Maker, Mode, Preset, line_of};
 use crate::scanner::{Columns, Laser, Pattern, Spinning};
 use core::f64::consts::PI;
 
@@ -34,23 +34,23 @@ const OS2: Optics = Optics {
 };
 
 /// OS0, 90° high. Repeatability of all three is what the first OS1's data sheet has of a strong return.
-pub const OS0_32: Preset = preset("os0_32", &OS0_32_LASERS, [0.3, 55.0]);
+pub const OS0_32: Preset = preset("os0_32", &OS0_32_LASERS, [0.3, 55.0], 6.1e-3);
 /// OS0-64.
-pub const OS0_64: Preset = preset("os0_64", &OS0_64_LASERS, [0.3, 55.0]);
+pub const OS0_64: Preset = preset("os0_64", &OS0_64_LASERS, [0.3, 55.0], 6.1e-3);
 /// OS0-128.
-pub const OS0_128: Preset = preset("os0_128", &OS0_128_LASERS, [0.3, 55.0]);
+pub const OS0_128: Preset = preset("os0_128", &OS0_128_LASERS, [0.3, 55.0], 6.1e-3);
 /// OS1, 43° high.
-pub const OS1_32: Preset = preset("os1_32", &OS1_32_LASERS, [0.8, 120.0]);
+pub const OS1_32: Preset = preset("os1_32", &OS1_32_LASERS, [0.8, 120.0], 2.27e-3);
 /// OS1-64.
-pub const OS1_64: Preset = preset("os1_64", &OS1_64_LASERS, [0.8, 120.0]);
+pub const OS1_64: Preset = preset("os1_64", &OS1_64_LASERS, [0.8, 120.0], 2.27e-3);
 /// OS1-128.
-pub const OS1_128: Preset = preset("os1_128", &OS1_128_LASERS, [0.8, 120.0]);
+pub const OS1_128: Preset = preset("os1_128", &OS1_128_LASERS, [0.8, 120.0], 3.14e-3);
 /// OS2, 22° high.
-pub const OS2_32: Preset = preset("os2_32", &OS2_32_LASERS, [1.0, 240.0]);
+pub const OS2_32: Preset = preset("os2_32", &OS2_32_LASERS, [1.0, 240.0], 1.6e-3);
 /// OS2-64.
-pub const OS2_64: Preset = preset("os2_64", &OS2_64_LASERS, [1.0, 240.0]);
+pub const OS2_64: Preset = preset("os2_64", &OS2_64_LASERS, [1.0, 240.0], 1.6e-3);
 /// OS2-128.
-pub const OS2_128: Preset = preset("os2_128", &OS2_128_LASERS, [1.0, 240.0]);
+pub const OS2_128: Preset = preset("os2_128", &OS2_128_LASERS, [1.0, 240.0], 1.6e-3);
 
 const OS0_32_LASERS: [Laser; 32] = lasers(&OS0);
 const OS0_64_LASERS: [Laser; 64] = lasers(&OS0);
@@ -90,7 +90,12 @@ const fn lasers<const N: usize>(optics: &Optics) -> [Laser; N] {
 }
 
 /// A head that looks back, at its plug, when a frame begins, in the axes of the sensor (x ahead) and from its bottom.
-const fn preset(name: &'static str, lasers: &'static [Laser], range_m: [f64; 2]) -> Preset {
+const fn preset(
+    name: &'static str,
+    lasers: &'static [Laser],
+    range_m: [f64; 2],
+    divergence_rad: f64,
+) -> Preset {
     Preset {
         name,
         maker: Maker::Ouster,
@@ -108,5 +113,6 @@ const fn preset(name: &'static str, lasers: &'static [Laser], range_m: [f64; 2])
         spreads: &[],
         bias_stddev_m: 0.0,
         resolution_m: 0.001,
+        beam: line_of([divergence_rad; 2], [0.01; 2]),
     }
 }

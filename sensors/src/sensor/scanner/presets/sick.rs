@@ -1,9 +1,10 @@
 //! SICK.
 
-use super::{Maker, Mode, Preset, some, steps};
+use super::{Maker, Mode, Preset, line_of, some, steps};
 use crate::scanner::Spread;
 
-/// SICK LMS111: 270° by 0.25° at 25 Hz, or by 0.5° at 50 Hz; statistical error σ 12 mm, systematic ±30 mm.
+/// SICK LMS111: 270° by 0.25° at 25 Hz, or by 0.5° at 50 Hz; statistical error σ 12 mm, systematic ±30 mm;
+/// a beam of 15 mrad from 8 mm.
 pub const LMS_111: Preset = Preset {
     name: "lms111",
     maker: Maker::Sick,
@@ -16,6 +17,7 @@ pub const LMS_111: Preset = Preset {
     spreads: &[],
     bias_stddev_m: 0.01,
     resolution_m: 0.001,
+    beam: line_of([0.015; 2], [0.008; 2]),
 };
 
 const LMS_111_MODES: [Mode; 2] = [
@@ -24,7 +26,8 @@ const LMS_111_MODES: [Mode; 2] = [
 ];
 
 /// SICK LMS511 (operating instructions 8013796), with standard resolution: 190°, by 0.1667° at 25 Hz up to 1° at 100 Hz.
-/// Statistical error σ 6 mm up to 10 m, 8 mm up to 20 m, 14 mm beyond; systematic ±25 mm and more.
+/// Statistical error σ 6 mm up to 10 m, 8 mm up to 20 m, 14 mm beyond; systematic ±25 mm and more. A beam
+/// of 11 mrad from 13 mm.
 pub const LMS_511: Preset = Preset {
     name: "lms511",
     maker: Maker::Sick,
@@ -41,6 +44,7 @@ pub const LMS_511: Preset = Preset {
     ],
     bias_stddev_m: 0.025 / 3.0,
     resolution_m: 0.001,
+    beam: line_of([0.011; 2], [0.013; 2]),
 };
 
 /// The finest steps at each rate, then the coarsest.

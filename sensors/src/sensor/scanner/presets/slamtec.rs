@@ -1,7 +1,7 @@
 //! Slamtec.
 
 use super::{Maker, Preset, some, steps};
-use crate::scanner::Spread;
+use crate::scanner::{Beam, Spread};
 
 /// Slamtec RPLIDAR A1M8 (data sheet rev. 1.0): 360 beams; triangulation errs by 3.3·10⁻⁴·r².
 pub const RPLIDAR_A1: Preset = Preset {
@@ -16,6 +16,7 @@ pub const RPLIDAR_A1: Preset = Preset {
     spreads: &[Spread { from_m: 0.0, stddev: [0.0, 0.0, 3.3e-4] }],
     bias_stddev_m: 0.0,
     resolution_m: 0.000_25,
+    beam: Beam::RAY,
 };
 
 /// Slamtec RPLIDAR A2M8 (data sheet rev. 2.5): 800 beams, within 1 %.
@@ -31,4 +32,5 @@ pub const RPLIDAR_A2: Preset = Preset {
     spreads: &[Spread { from_m: 0.0, stddev: [0.0, 0.01 / 3.0, 0.0] }],
     bias_stddev_m: 0.0,
     resolution_m: 0.000_25,
+    beam: Beam::RAY,
 };

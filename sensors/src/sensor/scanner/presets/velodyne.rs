@@ -1,9 +1,10 @@
 //! Velodyne.
 
-use super::{Maker, Preset};
-use crate::scanner::{Columns, Laser, Pattern, Spinning};
+use super::{Maker, Preset, line_of};
+use crate::scanner::{Beam, Columns, Laser, Pattern, Spinning};
 
-/// Velodyne VLP-16 (User Manual 63-9243): 16 lasers that fire one after the other, each a little above its like.
+/// Velodyne VLP-16 (User Manual 63-9243): 16 lasers that fire one after the other, each a little above its like. Beams of
+/// 3 × 1.5 mrad from 12.7 × 9.5 mm.
 pub const VLP_16: Preset = Preset {
     name: "vlp16",
     maker: Maker::Velodyne,
@@ -16,6 +17,7 @@ pub const VLP_16: Preset = Preset {
     spreads: &[],
     bias_stddev_m: 0.0,
     resolution_m: 0.002,
+    beam: line_of([3e-3, 1.5e-3], [0.0127, 0.0095]),
 };
 
 /// Velodyne HDL-32E (User's Manual): 32 lasers.
@@ -31,6 +33,7 @@ pub const HDL_32E: Preset = Preset {
     spreads: &[],
     bias_stddev_m: 0.0,
     resolution_m: 0.002,
+    beam: Beam::RAY,
 };
 
 /// Elevation in degrees and height of the beam's origin in millimetres, −41.91·tan of the elevation.

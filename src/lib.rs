@@ -3,6 +3,7 @@
 //! | module | is |
 //! |---|---|
 //! | [`description`] | robot and world files (xacro, URDF, SDF) as one typed model, every problem with file and line |
+//! | [`gltf`] | models as a file that other programs show |
 //! | [`world`] | the running world: physics, and the scene that the sensors see |
 //! | [`robot`] | the Kobuki base: drive, odometry, transforms, joint states |
 //! | [`entities`] | who is in the world, by name |
@@ -10,6 +11,7 @@
 //! | [`simulation`] | all of it, stepped and rendered by a caller: the library |
 //! | `server` | the same for other processes: shared memory, commands (feature `server`) |
 //! | `recording` | runs kept in MCAP files, and played again (feature `recording`) |
+//! | `view` | a page in the browser (feature `view`) |
 //! | `picture` | frames as pictures for people (feature `cli`) |
 //! | `cli` | the `belvedere` command (feature `cli`) |
 //!
@@ -21,6 +23,7 @@
 pub mod cli;
 pub mod description;
 pub mod entities;
+pub mod gltf;
 #[cfg(feature = "cli")]
 pub mod picture;
 #[cfg(feature = "recording")]
@@ -30,4 +33,15 @@ pub mod robot;
 #[cfg(feature = "server")]
 pub mod server;
 pub mod simulation;
+#[cfg(feature = "view")]
+pub mod view;
 pub mod world;
+
+/// The Rust code of the book.
+#[cfg(doctest)]
+mod book {
+    #[doc = include_str!("../docs/library.md")]
+    mod library {}
+    #[doc = include_str!("../docs/sensors.md")]
+    mod sensors {}
+}

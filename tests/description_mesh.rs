@@ -3,7 +3,7 @@
 mod sdf;
 
 use belvedere::description::mesh::{UpAxis, load_mesh, load_mesh_parts};
-use belvedere::description::model::Mesh;
+use belvedere::description::model::{Geometry, Mesh};
 use belvedere::description::{Diagnostics, Severity, Source};
 use glam::DVec3;
 use sdf::*;
@@ -173,7 +173,8 @@ fn collada_instances_and_materials() {
     let path = folder.write("b.dae", dae("", &node, |p| p));
     let mut diagnostics = Diagnostics::default();
     let parts =
-        load_mesh_parts(&path, DVec3::ONE, UpAxis::Ignored, &Source::new("w", 1), &mut diagnostics).unwrap();
+        load_mesh_parts(&path, None, DVec3::ONE, UpAxis::Ignored, &Source::new("w", 1), &mut diagnostics)
+            .unwrap();
     let [textured, red] = &parts[..] else { panic!("{}", parts.len()) };
     assert!(textured.material.as_ref().unwrap().texture.is_some());
     let look = red.material.as_ref().unwrap();
@@ -189,6 +190,44 @@ fn collada_instances_and_materials() {
     let link = &world.unwrap().models[0].links[0];
     assert_eq!((link.visuals.len(), link.collisions.len()), (2, 1));
     assert_eq!(link.visuals[1].material.diffuse, [1.0, 0.0, 0.0]);
+}
+
+/// `<submesh>` takes a part by the name of its node, its geometry or its group, and may bring its middle to the origin.
+#[test]
+fn parts_of_a_mesh() {
+    let folder = Folder::new();
+    let here = instance("red");
+    let node = format!("{here}<node name='far'><translate>5 0 0</translate>{here}</node>");
+    folder.write("two.dae", dae("", &node, |p| p));
+    let object = |name: &str, first: usize, x: f64| {
+        format!("g {name}\nv {x} 0 0\nv {} 0 0\nv {x} 3 0\nf {first} {} {}\n", x + 2.0, first + 1, first + 2)
+    };
+    folder.write("two.obj", object("one", 1, 0.0) + &object("other", 4, 7.0));
+    let visual = |uri: &str, part: &str| {
+        model(&format!("<visual name='v'><geometry><mesh><uri>{uri}</uri>{part}</mesh></geometry></visual>"))
+    };
+    let load = |uri, part: &str| {
+        let (world, problems) = folder.load("1.6", &visual(uri, part), false);
+        assert!(problems.is_empty(), "{problems:#?}");
+        let Geometry::Mesh(mesh) = &world.unwrap().models[0].links[0].visuals[0].geometry else { panic!() };
+        bounds_and_volume(mesh)
+    };
+    let far = "<submesh><name>far</name></submesh>";
+    assert_eq!(load("two.dae", far).0, DVec3::new(5.0, 0.0, 0.0));
+    assert_eq!(load("two.dae", far).1, DVec3::new(6.0, 2.0, 3.0));
+    let centred = "<submesh><name>far</name><center>true</center></submesh>";
+    assert_eq!(load("two.dae", centred).1, DVec3::new(0.5, 1.0, 1.5));
+    // Both are of one geometry.
+    assert_eq!(load("two.dae", "<submesh><name>box</name></submesh>").1, DVec3::new(6.0, 2.0, 3.0));
+    let other = "<submesh><name>other</name><center>1</center></submesh><scale>2 2 2</scale>";
+    assert_eq!(load("two.obj", other).0, DVec3::new(-2.0, -3.0, 0.0));
+    for (part, words) in [
+        ("<submesh><name>fra</name></submesh>", "did you mean 'far'"),
+        ("<submesh/>", "<submesh> has no <name>"),
+    ] {
+        let (_, problems) = folder.load("1.6", &visual("two.dae", part), false);
+        assert!(matches!(&problems[..], [only] if only.to_string().contains(words)), "{problems:#?}");
+    }
 }
 
 /// What a file says beside its triangles may be wrong, and costs at most a warning.

@@ -420,7 +420,6 @@ fn what_is_ignored_is_said() {
         "<plugin name='p' filename='libfoo.so'/>",
         "<model name='m'><link name='l'/><plugin name='p' filename='libfoo.so'/></model>",
         "<actor name='a'/>",
-        &visual("<geometry><heightmap><uri>x.png</uri></heightmap></geometry>"),
         &box_visual("<material><lighting>0</lighting></material>"),
         &box_visual("<material><double_sided>1</double_sided></material>"),
         &box_visual("<material><pbr><metal><roughness>0.5</roughness></metal></pbr></material>"),

@@ -7,6 +7,7 @@ use std::path::Path;
 /// Of the simulator, bottom up.
 const SIMULATOR: &[&str] = &[
     "description",
+    "gltf",
     "world",
     "robot",
     "entities",
@@ -14,6 +15,7 @@ const SIMULATOR: &[&str] = &[
     "simulation",
     "server",
     "recording",
+    "view",
     "picture",
     "cli",
 ];

@@ -130,22 +130,26 @@ fn a_server_publishes_what_the_library_renders() {
     }
 }
 
-/// What has sensors and no base is a robot, too: it never comes to rest as a thing does, which would move its rays.
+/// What has sensors never comes to rest as things do, whether it is called a robot or not: its rays would move.
 #[test]
-fn what_senses_is_a_robot() {
-    let frames = |is_robot| {
+fn what_senses_never_rests() {
+    const SENSOR: &str =
+        "<sensor name='s' type='ray'><pose>0 0 0.5 0 0 0</pose><topic>scan</topic><ray><range><min>0.1</min>
+        <max>9</max></range></ray></sensor>";
+    let stands = |sensor, is_robot| {
         let mut simulation = Simulation::builder(read::world("playground").unwrap()).seed(7).build().unwrap();
-        let text = "<sdf version='1.6'><model name='m'><pose>0 0 0.2 0 0 0</pose><link name='l'><inertial><mass>50</mass>
+        let text = format!(
+            "<sdf version='1.6'><model name='m'><pose>0 0 0.2 0 0 0</pose><link name='l'><inertial><mass>50</mass>
             <inertia><ixx>4</ixx><iyy>4</iyy><izz>4</izz></inertia></inertial><collision name='c'><geometry><box>
-            <size>0.6 0.6 0.4</size></box></geometry></collision><sensor name='s' type='ray'><pose>0 0 0.5 0 0 0</pose>
-            <topic>scan</topic><ray><range><min>0.1</min><max>9</max></range></ray></sensor></link></model></sdf>";
+            <size>0.6 0.6 0.4</size></box></geometry></collision>{sensor}</link></model></sdf>"
+        );
         let options = SpawnOptions { is_robot, ..SpawnOptions::default() };
-        let id = simulation.spawn(&read::model(text).unwrap(), options).unwrap();
+        let id = simulation.spawn(&read::model(&text).unwrap(), options).unwrap();
         simulation.run_for(Duration::from_millis(1500));
         simulation.pose(id).unwrap()
     };
-    assert_eq!(frames(None), frames(Some(true)));
-    assert_ne!(frames(None), frames(Some(false)));
+    assert_eq!(stands(SENSOR, None), stands(SENSOR, Some(true)));
+    assert_ne!(stands("", None), stands("", Some(true)));
 }
 
 /// One clear error each.

@@ -15,18 +15,32 @@ pub(super) fn attachments(
     packages: &PackagePath,
     xacro_args: &[(String, String)],
 ) -> Vec<Attachment> {
-    let robots = robots.iter().filter_map(|(model, _)| robot(model, packages, xacro_args));
+    let robots = robots.iter().filter_map(|(model, _)| robot_file(model, packages, xacro_args));
     file(&world.source).into_iter().chain(robots).collect()
 }
 
-fn robot(model: &Model, packages: &PackagePath, xacro_args: &[(String, String)]) -> Option<Attachment> {
+fn robot_file(model: &Model, packages: &PackagePath, xacro_args: &[(String, String)]) -> Option<Attachment> {
     let path: &Path = &model.source.file;
     if path.extension().is_some_and(|extension| extension == "sdf") {
         return file(&model.source);
     }
+    let urdf = robot_urdf(model, packages, xacro_args)?;
+    Some(xml(format!("{}.urdf", model.name), urdf.into_bytes()))
+}
+
+/// A robot as one plain URDF; none of what is SDF.
+pub(super) fn robot_urdf(
+    model: &Model,
+    packages: &PackagePath,
+    xacro_args: &[(String, String)],
+) -> Option<String> {
+    let path: &Path = &model.source.file;
+    if path.extension().is_some_and(|extension| extension == "sdf") {
+        return None;
+    }
     // What is wrong with it was told when it was loaded.
     let robot = expand_robot(path.to_str()?, packages, xacro_args, &mut Diagnostics::default())?;
-    Some(xml(format!("{}.urdf", model.name), robot.to_string().into_bytes()))
+    Some(robot.to_string())
 }
 
 /// A file as it is; none of what was no file, as an empty world.

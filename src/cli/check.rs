@@ -6,14 +6,13 @@ mod world;
 use super::error::CliError;
 use super::follow::print_line;
 use super::sensor_models::Devices;
+use crate::description::any::{self, Described};
 use crate::description::mesh::UpAxis;
 use crate::description::package::PackagePath;
-use crate::description::robot::{LoadOptions, default_robot_name, load_robot, robot_names, xacro_argument};
-use crate::description::world::{load_world, world_names};
-use crate::description::xml::Element;
+use crate::description::robot::{LoadOptions, default_robot_name, xacro_argument};
 use crate::description::{Diagnostics, Rules, Severity};
 use crate::robot::base;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// Show what a robot or world file is understood to be, and everything that is wrong with it.
@@ -67,18 +66,16 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
     let file = args.file.clone().unwrap_or_else(default_robot_name);
     let mut diagnostics = Diagnostics::default();
-    let report = if is_world(&file, &packages) {
-        load_world(&file, &packages, args.rules(), &mut diagnostics)
-            .map(|world| world::report(&world, args.gazebo_compat))
-    } else {
-        let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
-        load_robot(&file, &options, &mut diagnostics).map(|robot| {
+    let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
+    let report = any::load(&file, &options, &mut diagnostics).map(|read| match read {
+        Described::World(world) => world::report(&world, args.gazebo_compat),
+        Described::Model(robot) => {
             if let Err(problem) = base::check(&robot) {
                 diagnostics.add(problem);
             }
             robot::report(&robot, args.gazebo_compat)
-        })
-    };
+        }
+    });
     for line in report.into_iter().flatten() {
         print_line(&line)?;
     }
@@ -95,38 +92,4 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
         1 => "no errors, 1 remark".to_owned(),
         _ => format!("no errors, {count} remarks"),
     })
-}
-
-/// Whether it is a world: a file that says so in its first element, or else a name that only worlds have.
-fn is_world(file: &str, packages: &PackagePath) -> bool {
-    let path = Path::new(file);
-    if path.is_file() {
-        return match Element::parse_file(path) {
-            // An SDF file of one model is a robot, or a thing.
-            Ok(root) => root.name == "sdf" && root.child("model").is_none() || root.name == "gazebo",
-            Err(_) => path.extension().is_some_and(|extension| extension == "world" || extension == "sdf"),
-        };
-    }
-    let stem = file.strip_suffix(".world").or(file.strip_suffix(".sdf")).unwrap_or(file);
-    let has = |names: Vec<String>| names.iter().any(|name| name == stem);
-    stem != file || (!has(robot_names(packages)) && has(world_names(packages)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_of_robots_and_worlds_are_told_apart() {
-        let packages = PackagePath::new([], None);
-        for (name, expected) in [
-            ("kobuki_nostack_camera", false),
-            ("tag_ceiling", true),
-            ("playground.world", true),
-            ("no_such_thing", false),
-            ("no/such.urdf", false),
-        ] {
-            assert_eq!(is_world(name, &packages), expected, "{name}");
-        }
-    }
 }

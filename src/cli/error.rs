@@ -29,6 +29,9 @@ pub enum CliError {
     /// The system gives no thread.
     #[error("the system gives no thread that sends frames: {0}; end other programs, or raise `ulimit -u`")]
     NoThread(std::io::Error),
+    /// The page cannot be served.
+    #[error(transparent)]
+    View(#[from] crate::view::ViewError),
     /// Packets of a lidar cannot be sent.
     #[error("{0}")]
     Packets(String),

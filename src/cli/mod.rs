@@ -22,6 +22,7 @@ pub mod snapshot;
 pub mod statistics;
 mod status;
 pub mod urdf;
+pub mod view;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
@@ -58,6 +59,7 @@ enum Command {
     Hz(hz::HzArgs),
     Echo(echo::EchoArgs),
     Snapshot(snapshot::SnapshotArgs),
+    View(view::ViewArgs),
     Record(record::RecordArgs),
     Replay(replay::ReplayArgs),
     Info(info::InfoArgs),
@@ -81,6 +83,7 @@ fn command_names() -> impl Iterator<Item = &'static str> {
         "hz",
         "echo",
         "snapshot",
+        "view",
         "record",
         "replay",
         "info",
@@ -104,6 +107,7 @@ pub fn main() -> ExitCode {
         Some(Command::Hz(args)) => hz::run(args),
         Some(Command::Echo(args)) => echo::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
+        Some(Command::View(args)) => view::run(args),
         Some(Command::Record(args)) => record::run(args),
         Some(Command::Replay(args)) => replay::run(args),
         Some(Command::Info(args)) => info::run(args),

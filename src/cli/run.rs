@@ -9,6 +9,7 @@ use super::recording_thread::RecordingThread;
 use super::robots::RobotArgs;
 use super::sensor_models::Devices;
 use super::status::Status;
+use super::view::{PageArgs, Shown, open_page};
 use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
@@ -38,6 +39,7 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run --robot kobuki_hexagons_kinect --world playground --drive spin
   belvedere run --robot my_robot.urdf.xacro --package-path ~/catkin_ws/src --domain lab
   belvedere run --robot my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
+  belvedere run --view
   belvedere run --truth
   belvedere run --rate max --duration 10 --hash
   belvedere run --record run.mcap --duration 60
@@ -100,6 +102,11 @@ pub struct RunArgs {
     /// Replace the file of --record if it is there
     #[arg(long, requires = "record")]
     force: bool,
+    /// Show the simulation on a page in the browser
+    #[arg(long)]
+    view: bool,
+    #[command(flatten)]
+    page: PageArgs,
     /// Send the data packets of a lidar with a preset of Velodyne or Ouster, named or told by its topic, to this address;
     /// may be repeated
     #[arg(long, value_name = "SENSOR=ADDRESS:PORT")]
@@ -155,6 +162,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     let kept =
         args.record.as_ref().map(|_| attachments(&world, &robots, &packages, args.robots.xacro_args()));
+    let shown = args.view.then(|| Shown::new(&world, &robots, &packages, args.robots.xacro_args()));
     let node = Node::open(&args.domain, "belvedere")?;
     let mut simulation =
         Simulation::builder(world).seed(args.seed).gazebo_compat(args.gazebo_compat).build()?;
@@ -201,11 +209,14 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         .zip(kept)
         .map(|(path, kept)| RecordingThread::start(&args.domain, path, args.force, words(args), kept))
         .transpose()?;
+    let page =
+        shown.map(|shown| open_page(&Node::open(&args.domain, "view")?, &args.page, shown)).transpose()?;
     let mut status = Status::new(server.rig());
     let ended = run_loop(&mut server, args, &node, &mut status, post.as_deref());
     if let Some(post) = &post {
         post.flush();
     }
+    drop(page);
     let table = status.finish(server.rig(), server.simulated_ns());
     eprint!("{table}");
     // If it failed, that is why the run ended.

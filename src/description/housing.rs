@@ -106,8 +106,13 @@ fn encloses(geometry: &Geometry, point: DVec3) -> bool {
         Geometry::Capsule { radius, length } => {
             DVec3::new(point.x, point.y, beyond(*length).max(0.0)).length() <= radius + ON_SURFACE_M
         }
+        Geometry::Ellipsoid { radii } => (point / (*radii + ON_SURFACE_M)).length() <= 1.0,
+        Geometry::Cone { radius, length } => {
+            let here = radius * (0.5 - point.z / length);
+            beyond(*length) <= ON_SURFACE_M && across <= here + ON_SURFACE_M
+        }
         // Without an inside.
-        Geometry::Plane { .. } => false,
+        Geometry::Plane { .. } | Geometry::HeightMap(_) => false,
         Geometry::Mesh(mesh) => surrounds(mesh, point),
     }
 }

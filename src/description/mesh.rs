@@ -9,6 +9,7 @@ mod obj;
 
 use super::diagnostics::{Diagnostics, Source};
 use super::model::{Material, Mesh};
+use super::values::nearest;
 use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
 use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
@@ -27,11 +28,22 @@ pub enum UpAxis {
     Applied,
 }
 
+/// A part of a file that stands for the whole: `<submesh>` of SDF.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Submesh {
+    /// What the file calls it: a node or a geometry of Collada, a group of OBJ.
+    pub name: String,
+    /// Whether the middle of its box comes to the origin.
+    pub is_centred: bool,
+}
+
 /// Triangles of one material as a file gives them.
 #[derive(Debug, Default)]
 struct Part {
     /// Name in the file, for errors.
     name: String,
+    /// What else the file calls it.
+    aliases: Vec<String>,
     positions: Vec<[f32; 3]>,
     /// As many as positions, or none.
     uvs: Vec<[f32; 2]>,
@@ -52,15 +64,16 @@ pub fn load_mesh(
     source: &Source,
     diagnostics: &mut Diagnostics,
 ) -> Option<Arc<Mesh>> {
-    merge_parts(&load_mesh_parts(path, scale, up_axis, source, diagnostics)?)
+    merge_parts(&load_mesh_parts(path, None, scale, up_axis, source, diagnostics)?)
 }
 
-/// Like [`load_mesh`], with a mesh for each material.
+/// Like [`load_mesh`], with a mesh for each material; of `submesh` alone, if one is given.
 ///
 /// # Errors
-/// As [`load_mesh`].
+/// As [`load_mesh`], and if the file has no such part.
 pub fn load_mesh_parts(
     path: &Path,
+    submesh: Option<&Submesh>,
     scale: DVec3,
     up_axis: UpAxis,
     source: &Source,
@@ -75,7 +88,7 @@ pub fn load_mesh_parts(
         return None;
     }
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let parts = match extension.to_ascii_lowercase().as_str() {
+    let mut parts = match extension.to_ascii_lowercase().as_str() {
         "dae" => collada::load(path, up_axis, diagnostics)?,
         "stl" | "obj" => match mesh_loader::Loader::default().load_with_reader(path, obj_or_stl) {
             Ok(scene) => scene.meshes.into_iter().zip(scene.materials).map(from_scene).collect(),
@@ -97,6 +110,9 @@ pub fn load_mesh_parts(
             return None;
         }
     };
+    if let Some(submesh) = submesh {
+        parts = select(parts, submesh, path, source, diagnostics)?;
+    }
     let mut meshes: Vec<Mesh> = Vec::new();
     for mut part in parts {
         check_texture(&mut part, path, source, diagnostics);
@@ -118,6 +134,41 @@ pub fn load_mesh_parts(
         return None;
     }
     Some(meshes.into_iter().map(Arc::new).collect())
+}
+
+/// The parts that a submesh means; none after an error.
+fn select(
+    parts: Vec<Part>,
+    submesh: &Submesh,
+    path: &Path,
+    source: &Source,
+    diagnostics: &mut Diagnostics,
+) -> Option<Vec<Part>> {
+    let names = |part: &Part| std::iter::once(&part.name).chain(&part.aliases).cloned().collect::<Vec<_>>();
+    let known: Vec<String> = parts.iter().flat_map(names).filter(|name| !name.is_empty()).collect();
+    let mut chosen: Vec<Part> =
+        parts.into_iter().filter(|part| names(part).contains(&submesh.name)).collect();
+    if chosen.is_empty() {
+        let near = nearest(&submesh.name, known.iter().map(String::as_str));
+        diagnostics.error(
+            source,
+            format!("the mesh {} has no part '{}'", path.display(), submesh.name),
+            match near {
+                Some(near) => format!("did you mean '{near}'?"),
+                None => "correct <submesh>, or take it out for the whole mesh".into(),
+            },
+        );
+        return None;
+    }
+    if submesh.is_centred {
+        let points = || chosen.iter().flat_map(|part| &part.positions).map(|point| Vec3::from(*point));
+        let low = points().fold(Vec3::INFINITY, Vec3::min);
+        let middle = (low + points().fold(Vec3::NEG_INFINITY, Vec3::max)) * 0.5;
+        for point in chosen.iter_mut().flat_map(|part| &mut part.positions) {
+            *point = (Vec3::from(*point) - middle).to_array();
+        }
+    }
+    Some(chosen)
 }
 
 /// All parts as one mesh, with the material of most triangles.
@@ -167,6 +218,7 @@ fn from_scene((mesh, material): (mesh_loader::Mesh, mesh_loader::Material)) -> P
     };
     Part {
         name: mesh.name,
+        aliases: Vec::new(),
         uvs: if uvs.len() == mesh.vertices.len() { uvs } else { Vec::new() },
         positions: mesh.vertices,
         triangles: mesh.faces,
@@ -252,7 +304,7 @@ fn finish(
     source: &Source,
     diagnostics: &mut Diagnostics,
 ) -> Option<Mesh> {
-    let Part { name, mut positions, mut uvs, mut triangles, material } = part;
+    let Part { name, mut positions, mut uvs, mut triangles, material, .. } = part;
     let mut fail = |what: String| {
         let name = if name.is_empty() { String::new() } else { format!(" of '{name}'") };
         diagnostics.error(source, format!("the mesh {}: {what}{name}", path.display()), "export it again");

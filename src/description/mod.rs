@@ -1,5 +1,6 @@
 //! Robot and world files: text in, one typed model out, every problem with its file and line.
 
+pub mod any;
 mod budget;
 pub mod diagnostics;
 mod fiducial;

@@ -25,7 +25,7 @@ pub use earth::Earth;
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
 pub use plugin::{CameraPlugin, CloudLayout, DepthCameraPlugin, LaserPlugin, Radiation, RangePlugin};
 pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis};
-pub use shape::{Collision, Fiducial, Geometry, Material, Mesh, Visual};
+pub use shape::{Collision, Fiducial, Geometry, HeightMap, Heights, Material, Mesh, Visual};
 pub use trajectory::{Leg, Trajectory, Waypoint};
 
 use super::diagnostics::Source;

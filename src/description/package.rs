@@ -46,6 +46,12 @@ impl PackagePath {
         Self { user, ours: models_folder() }
     }
 
+    /// The same with our own models in another folder: that of a package which brings them along.
+    #[must_use]
+    pub fn with_ours(self, folder: impl Into<PathBuf>) -> Self {
+        Self { ours: folder.into(), ..self }
+    }
+
     /// Our own `models/` folder.
     pub fn ours(&self) -> &Path {
         &self.ours

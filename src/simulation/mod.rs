@@ -166,6 +166,12 @@ impl Simulation {
         &self.physics
     }
 
+    /// What sensors see, everything where it is now.
+    pub fn scene(&mut self) -> &WorldScene {
+        self.scene.move_to(&self.physics, self.physics.time_ns());
+        &self.scene
+    }
+
     /// Simulated time in ns that physics has reached.
     pub fn time_ns(&self) -> u64 {
         self.physics.time_ns()

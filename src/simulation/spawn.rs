@@ -17,8 +17,8 @@ pub struct SpawnOptions {
     pub namespace: String,
     /// Where its frame is to be.
     pub world_from_model: Pose,
-    /// Whether it tells of itself as a robot does, by transforms and joint states, and never comes to rest as things do; if
-    /// it is not said, whatever has a base, plugins or sensors does.
+    /// Whether it tells of itself as a robot does, by transforms and joint states; if it is not said, whatever has a base
+    /// or plugins does. A robot never comes to rest as things do, nor does what has sensors.
     pub is_robot: Option<bool>,
 }
 
@@ -62,11 +62,11 @@ impl Simulation {
         let namespace = namespace(&given).map_err(SimulationError::Refused)?;
         let start = world_from_model * model.world_from_model;
         let model = Model { name: name.clone(), ..model.clone() };
-        let is_robot = is_robot
-            .unwrap_or_else(|| has_base(&model) || !model.plugins.is_empty() || !model.sensors.is_empty());
+        let is_robot = is_robot.unwrap_or_else(|| has_base(&model) || !model.plugins.is_empty());
         let mut placement = robot::placement(&model, start);
         if !is_robot {
-            placement = Placement::of_thing(&model, start);
+            let stays_awake = !model.sensors.is_empty();
+            placement = Placement { stays_awake, ..Placement::of_thing(&model, start) };
         }
         let index = self.physics.insert_model(&placement)?;
         let starts = origin == Origin::Start && has_base(&model);

@@ -5,10 +5,12 @@ mod assembly;
 use crate::description::diagnostics::Problem;
 use crate::description::housing::{Part, ShapeIndex};
 use crate::description::model as description;
-use crate::description::model::{Model, World};
+use crate::description::model::{LinkIndex, Model, World};
 use crate::world::physics::{ModelIndex, Physics};
 use assembly::{Assembly, Placed, of_link, refused};
-use belvedere_sensors::scene::{ColourSpace, Environment, LightConfig, LightKind, Scene, Shape, visibility};
+use belvedere_sensors::scene::{
+    ColourSpace, Environment, InstanceId, LightConfig, LightKind, Scene, SceneBuilder, Shape, visibility,
+};
 use belvedere_sensors::{Moment, Pose};
 
 /// The bit of visibility of what no sensor sees.
@@ -44,7 +46,7 @@ impl WorldScene {
             let added = assembly.builder.add_light(&lamp(light, world.shadows));
             added.map_err(|error| refused(error, &light.source))?;
         }
-        assembly.meshes.clear();
+        assembly.forget_files();
         Ok(Self { assembly, stamp_ns: None, edition: 0 })
     }
 
@@ -90,7 +92,7 @@ impl WorldScene {
         let added = model.links.iter().enumerate().try_for_each(|(number, link)| {
             self.assembly.add_link((index, number), link, &(*world_from_model * link.model_from_link))
         });
-        self.assembly.meshes.clear();
+        self.assembly.forget_files();
         if added.is_err() {
             self.remove_model(index);
         }
@@ -170,6 +172,20 @@ impl WorldScene {
     /// The tags that there are, in the order in which they were added.
     pub fn fiducials(&self) -> &[PlacedFiducial] {
         &self.assembly.fiducials
+    }
+
+    /// All that is seen, and where each instance stands now.
+    pub fn builder(&self) -> &SceneBuilder {
+        &self.assembly.builder
+    }
+
+    /// What was made of each link: its instances, and where they are in the frame of the link.
+    pub fn parts(&self) -> impl Iterator<Item = (ModelIndex, LinkIndex, InstanceId, Pose)> + '_ {
+        self.assembly.placed.iter().enumerate().flat_map(|(model, links)| {
+            links.iter().enumerate().flat_map(move |(link, parts)| {
+                parts.iter().map(move |placed| (model, link, placed.instance, placed.link_from_shape))
+            })
+        })
     }
 
     /// What there is to see.

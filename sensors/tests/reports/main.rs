@@ -14,7 +14,7 @@ mod sheets;
 
 use belvedere_sensors::device::{depth::presets as depth_presets, presets as camera_presets};
 use belvedere_sensors::{imu::presets as imu_presets, scanner::presets as scanner_presets};
-use page::{Page, check, index};
+use page::{Page, check, index, summary};
 
 /// What stands before the figures of a source.
 fn device(source: &str) -> String {
@@ -58,13 +58,12 @@ fn the_list_is_of_all() {
     let depth = depth_presets::PRESETS.iter().map(|preset| (preset.name, device(preset.source)));
     let cameras = camera_presets::NAMES.into_iter().map(|name| (name, cameras::sheet(name).device));
     let inertial = imu_presets::NAMES.into_iter().map(|name| (name, imu::sheet(name).device));
-    check(
-        "README.md",
-        &index(&[
-            ("Lidars", scanners.collect()),
-            ("Depth cameras", depth.collect()),
-            ("Cameras", cameras.collect()),
-            ("Inertial units", inertial.collect()),
-        ]),
-    );
+    let groups = [
+        ("Lidars", scanners.collect()),
+        ("Depth cameras", depth.collect()),
+        ("Cameras", cameras.collect()),
+        ("Inertial units", inertial.collect()),
+    ];
+    check("README.md", &index(&groups));
+    check("../SUMMARY.md", &summary(&groups));
 }

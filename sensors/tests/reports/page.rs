@@ -108,6 +108,26 @@ pub(crate) fn index(groups: &[(&str, Vec<(&'static str, String)>)]) -> String {
     text
 }
 
+/// The book's table of contents, with a line for each page below that of their list.
+pub(crate) fn summary(groups: &[(&str, Vec<(&'static str, String)>)]) -> String {
+    const LIST: &str = "(sensors/README.md)";
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/SUMMARY.md");
+    let mut text = String::new();
+    for line in fs::read_to_string(path)
+        .unwrap()
+        .lines()
+        .filter(|line| !line.contains("](sensors/") || line.contains(LIST))
+    {
+        writeln!(text, "{line}").unwrap();
+        if line.contains(LIST) {
+            for (name, device) in groups.iter().flat_map(|(_, pages)| pages) {
+                writeln!(text, "  - [{device}](sensors/{name}.md)").unwrap();
+            }
+        }
+    }
+    text
+}
+
 /// A file of `docs/sensors` is what is made now; or it becomes that.
 pub(crate) fn check(file: &str, made: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/sensors").join(file);

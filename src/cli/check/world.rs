@@ -70,6 +70,17 @@ fn shape(geometry: &Geometry) -> String {
         Geometry::Capsule { radius, length } => {
             format!("capsule r {} l {}", number(*radius), number(*length))
         }
+        Geometry::Ellipsoid { radii } => format!("ellipsoid {}", vector(*radii)),
+        Geometry::Cone { radius, length } => format!("cone r {} l {}", number(*radius), number(*length)),
+        Geometry::HeightMap(map) => {
+            let ([rows, columns], [x, y]) = (map.heights.grid, map.heights.size);
+            format!(
+                "height map {} of {columns} × {rows} heights, {} × {} m",
+                map.heights.path.display(),
+                number(x),
+                number(y)
+            )
+        }
         Geometry::Plane { size: [x, y], .. } => format!("plane {} {}", number(*x), number(*y)),
         Geometry::Mesh(mesh) => format!("mesh {} of {} triangles", mesh.path.display(), mesh.triangles.len()),
     }

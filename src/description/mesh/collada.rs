@@ -164,7 +164,13 @@ impl<'a> Document<'a> {
                 "instance_node" => self.node(self.referenced(child, "url")?, world_from_node, parts)?,
                 "instance_geometry" => {
                     let materials = self.bound_materials(child);
+                    let first = parts.len();
                     self.geometry(self.referenced(child, "url")?, world_from_node, &materials, parts)?;
+                    // Gazebo knows a part by its node.
+                    let names = ["name", "id"].iter().filter_map(|name| node.attribute(name));
+                    for part in &mut parts[first..] {
+                        part.aliases.extend(names.clone().map(str::to_owned));
+                    }
                 }
                 "instance_controller" => self.skin(child, parts)?,
                 _ => {}
@@ -273,6 +279,7 @@ impl<'a> Document<'a> {
             let material = primitive.attribute("material").and_then(|symbol| materials.get(symbol)).cloned();
             let mut part = Part {
                 name: geometry.attribute("id").unwrap_or_default().into(),
+                aliases: geometry.attribute("name").map(str::to_owned).into_iter().collect(),
                 material,
                 ..Part::default()
             };

@@ -103,14 +103,52 @@ pub enum Geometry {
         /// Full edge lengths of the visible part.
         size: [f64; 2],
     },
+    /// The points with (x/a)² + (y/b)² + (z/c)² ≤ 1.
+    Ellipsoid {
+        /// a, b, c.
+        radii: DVec3,
+    },
+    /// Axis along z, the base at −`length`/2, the apex at +`length`/2.
+    Cone {
+        /// Radius of the base.
+        radius: f64,
+        /// Full length.
+        length: f64,
+    },
     /// Triangles from a file, already in metres.
     Mesh(Arc<Mesh>),
+    /// A terrain, which never moves.
+    HeightMap(HeightMap),
+}
+
+/// A terrain whose heights are a picture's.
+#[derive(Debug, Clone)]
+pub struct HeightMap {
+    /// What the file holds; that of a visual and of its collision are the same.
+    pub heights: Arc<Heights>,
+    /// Where its middle is at height 0.
+    pub offset: DVec3,
+    /// Its own look: the first of its textures.
+    pub material: Option<Material>,
+}
+
+/// Heights at the crossings of a grid.
+#[derive(Debug)]
+pub struct Heights {
+    /// The picture.
+    pub path: PathBuf,
+    /// Rows from +y to −y, and columns from −x to +x; two of each at least.
+    pub grid: [u32; 2],
+    /// Full lengths along x and y, in metres.
+    pub size: [f64; 2],
+    /// Row by row, in metres.
+    pub metres: Vec<f32>,
 }
 
 /// Triangles of a file with the scale of the description applied.
 #[derive(Debug, Clone)]
 pub struct Mesh {
-    /// The file.
+    /// The file that it is from.
     pub path: PathBuf,
     /// Vertices in metres.
     pub positions: Vec<[f32; 3]>,

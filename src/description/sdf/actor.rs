@@ -63,7 +63,7 @@ impl Loader<'_> {
             return None;
         };
         let scale = child_number(skin, "scale", self.diagnostics).unwrap_or(1.0);
-        let parts = self.mesh_file(skin, &file, DVec3::splat(scale), scope)?;
+        let parts = self.mesh_file(skin, &file, None, DVec3::splat(scale), scope)?;
         let visuals = parts.into_iter().map(|mesh| Visual {
             name: SKIN.into(),
             link_from_visual: Pose::IDENTITY,

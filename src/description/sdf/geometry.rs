@@ -2,9 +2,9 @@
 
 use super::resources::Resolved;
 use super::{Loader, Scope, resources};
-use crate::description::mesh::{MESH_FORMATS, load_mesh_parts, merge_parts};
+use crate::description::mesh::{MESH_FORMATS, Submesh, load_mesh_parts, merge_parts};
 use crate::description::model::{Geometry, Material, Mesh};
-use crate::description::values::{child_text, numbers};
+use crate::description::values::{child_bool, child_text, numbers};
 use crate::description::xml::Element;
 use glam::DVec3;
 use std::path::Path;
@@ -15,6 +15,7 @@ impl Geometry {
     pub(super) fn own_material(&self) -> Option<Material> {
         match self {
             Self::Mesh(mesh) => mesh.material.clone(),
+            Self::HeightMap(map) => map.material.clone(),
             _ => None,
         }
     }
@@ -43,7 +44,7 @@ impl Loader<'_> {
             self.diagnostics.error(
                 &parent.source,
                 format!("<{}> has no <geometry>", parent.name),
-                "give it a box, cylinder, sphere, capsule, plane or mesh",
+                "give it a box, cylinder, sphere, capsule, ellipsoid, cone, plane, polyline, heightmap or mesh",
             );
             return None;
         };
@@ -59,7 +60,14 @@ impl Loader<'_> {
                 length: self.length(shape, "length")?,
             },
             "sphere" => Geometry::Sphere { radius: self.length(shape, "radius")? },
+            "ellipsoid" => Geometry::Ellipsoid { radii: DVec3::from_array(self.lengths(shape, "radii")?) },
+            "cone" => Geometry::Cone {
+                radius: self.length(shape, "radius")?,
+                length: self.length(shape, "length")?,
+            },
             "plane" => self.plane(shape)?,
+            "polyline" => return self.polylines(element).map(|mesh| Shape::Mesh(vec![mesh])),
+            "heightmap" => self.height_map(shape, scope)?,
             "mesh" => return self.mesh(shape, scope).map(Shape::Mesh),
             "empty" => return None,
             _ => {
@@ -96,14 +104,29 @@ impl Loader<'_> {
             self.diagnostics.error(&shape.source, "<mesh> has no <uri>", "write <uri>model://…</uri>");
             return None;
         };
-        if let Some(submesh) = shape.child("submesh") {
-            self.ignored(submesh, "the whole mesh is used");
-        }
+        let part = match shape.child("submesh") {
+            None => None,
+            Some(submesh) => Some(self.submesh(submesh)?),
+        };
         let scale = match self.vector(shape, "scale") {
             None if shape.child("scale").is_some() => return None,
             scale => scale.unwrap_or(DVec3::ONE),
         };
-        self.mesh_file(shape, &uri, scale, scope)
+        self.mesh_file(shape, &uri, part, scale, scope)
+    }
+
+    /// Which part of a file `<submesh>` asks for.
+    fn submesh(&mut self, element: &Element) -> Option<Submesh> {
+        let Some(name) = child_text(element, "name") else {
+            self.diagnostics.error(
+                &element.source,
+                "<submesh> has no <name>",
+                "write the name of a part of the mesh, or take <submesh> out for the whole of it",
+            );
+            return None;
+        };
+        let is_centred = child_bool(element, "center", self.diagnostics).unwrap_or(false);
+        Some(Submesh { name, is_centred })
     }
 
     /// The parts of a mesh's file, each of one material; none after an error.
@@ -111,15 +134,17 @@ impl Loader<'_> {
         &mut self,
         shape: &Element,
         uri: &str,
+        submesh: Option<Submesh>,
         scale: DVec3,
         scope: Scope<'_>,
     ) -> Option<Vec<Arc<Mesh>>> {
         let path = self.existing_file(shape, uri, scope.folder, "mesh")?;
-        let key = (path.clone(), scale.to_array().map(f64::to_bits));
+        let key = (path.clone(), submesh.clone(), scale.to_array().map(f64::to_bits));
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();
         }
-        let parts = load_mesh_parts(&path, scale, self.rules.up_axis, &shape.source, self.diagnostics);
+        let (up_axis, submesh) = (self.rules.up_axis, submesh.as_ref());
+        let parts = load_mesh_parts(&path, submesh, scale, up_axis, &shape.source, self.diagnostics);
         self.meshes.insert(key, parts.clone());
         parts
     }
@@ -179,7 +204,7 @@ impl Loader<'_> {
         self.positive(shape, name, values)
     }
 
-    fn positive<const N: usize>(
+    pub(super) fn positive<const N: usize>(
         &mut self,
         shape: &Element,
         name: &str,

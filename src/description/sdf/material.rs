@@ -108,7 +108,7 @@ impl Loader<'_> {
     }
 
     /// The picture that an element names.
-    fn map(&mut self, map: &Element, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
+    pub(super) fn map(&mut self, map: &Element, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
         let uri = map.text();
         if uri.is_empty() || uri == "__default__" {
             return None;

@@ -6,7 +6,7 @@
 //! | `world` | `<world>`: scene, physics, models, lights, `<state>` |
 //! | `model` | `<model>` with nested models flattened, and `<include>` |
 //! | `link`, `joint`, `light` | those elements |
-//! | `geometry`, `material` | shapes and their looks |
+//! | `geometry`, `polyline`, `height_map`, `material` | shapes and their looks |
 //! | `frames` | `<pose>`, and `relative_to` from SDF 1.7 on |
 //! | `resources` | where `model://` and other URIs point to |
 //!
@@ -16,17 +16,20 @@
 mod actor;
 mod frames;
 mod geometry;
+mod height_map;
 mod joint;
 mod light;
 mod link;
 mod material;
 mod model;
+mod polyline;
 mod resources;
 mod world;
 
 use super::budget::{Budget, Spent};
 use super::diagnostics::{Diagnostics, Source};
-use super::model::{Mesh, Model, World};
+use super::mesh::Submesh;
+use super::model::{Heights, Mesh, Model, World};
 use super::ogre_material::OgreMaterial;
 use super::package::PackagePath;
 use super::rules::Rules;
@@ -43,8 +46,8 @@ type Version = (u32, u32);
 /// What is taken for a file that names no version.
 const ASSUMED_VERSION: Version = (1, 6);
 
-/// Meshes already read, by file and scale.
-type MeshCache = HashMap<(PathBuf, [u64; 3]), Option<Vec<Arc<Mesh>>>>;
+/// Meshes already read, by file, part and scale.
+type MeshCache = HashMap<(PathBuf, Option<Submesh>, [u64; 3]), Option<Vec<Arc<Mesh>>>>;
 
 /// State of one load.
 struct Loader<'a> {
@@ -56,6 +59,8 @@ struct Loader<'a> {
     /// Files being read, outermost first: a file in here that is included again is a cycle.
     open_files: Vec<PathBuf>,
     meshes: MeshCache,
+    /// Height maps already read, by file and size.
+    heights: HashMap<(PathBuf, [u64; 3]), Option<Arc<Heights>>>,
     material_scripts: HashMap<PathBuf, Arc<Vec<OgreMaterial>>>,
 }
 
@@ -74,8 +79,25 @@ pub(super) fn load_world_file(
     rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<World> {
-    let mut loader = Loader::new(path, packages, rules, diagnostics);
-    let (root, version) = loader.read_root(path)?;
+    match Element::parse_file(path) {
+        Ok(root) => load_world(&root, packages, rules, diagnostics),
+        Err(problem) => {
+            diagnostics.add(problem);
+            None
+        }
+    }
+}
+
+/// Reads the first `<world>` of an SDF text that was parsed already.
+pub(super) fn load_world(
+    root: &Element,
+    packages: &PackagePath,
+    rules: Rules,
+    diagnostics: &mut Diagnostics,
+) -> Option<World> {
+    let path = root.source.file.clone();
+    let mut loader = Loader::new(&path, packages, rules, diagnostics);
+    let version = loader.version(root)?;
     let Some(world) = root.child("world") else {
         loader.diagnostics.error(
             &root.source,
@@ -131,6 +153,7 @@ impl<'a> Loader<'a> {
             budget: Budget::default(),
             open_files: vec![canonical(path)],
             meshes: HashMap::new(),
+            heights: HashMap::new(),
             material_scripts: HashMap::new(),
         }
     }

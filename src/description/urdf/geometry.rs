@@ -114,7 +114,7 @@ impl Loader<'_> {
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();
         }
-        let parts = load_mesh_parts(&key.0, scale, self.rules.up_axis, &shape.source, self.diagnostics);
+        let parts = load_mesh_parts(&key.0, None, scale, self.rules.up_axis, &shape.source, self.diagnostics);
         self.meshes.insert(key, parts.clone());
         parts
     }

@@ -31,7 +31,20 @@ pub fn expand(
     arguments: &[(String, String)],
     diagnostics: &mut Diagnostics,
 ) -> Result<Element, Problem> {
-    let root = Element::parse_file(path)?;
+    expand_root(Element::parse_file(path)?, path, packages, arguments, diagnostics)
+}
+
+/// The same of a file that was parsed already, or of a text: `path` is what its relative names refer to.
+///
+/// # Errors
+/// As [`expand`].
+pub fn expand_root(
+    root: Element,
+    path: &Path,
+    packages: &PackagePath,
+    arguments: &[(String, String)],
+    diagnostics: &mut Diagnostics,
+) -> Result<Element, Problem> {
     let mut expander = Expander {
         packages,
         diagnostics,

@@ -35,4 +35,4 @@ mod text;
 mod value;
 mod yaml;
 
-pub use expand::expand;
+pub use expand::{expand, expand_root};

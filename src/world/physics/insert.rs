@@ -8,7 +8,9 @@ use super::{
 };
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::inertia::is_positive_definite;
-use crate::description::model::{Geometry, Inertial, Joint, JointKind, LinkIndex, Model, Trajectory};
+use crate::description::model::{
+    Collision, Geometry, Inertial, Joint, JointKind, LinkIndex, Model, Trajectory,
+};
 use belvedere_sensors::Pose;
 use glam::{DMat3, DVec3};
 use rapier3d::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBuilder, RigidBodyHandle};
@@ -155,13 +157,15 @@ impl Physics {
         let collisions = || links().flat_map(|link| &link.collisions);
         let root = &model.links[root];
         let pose = to_rapier(&(*world_from_model * root.model_from_link));
-        let plane = collisions().find(|shape| matches!(shape.geometry, Geometry::Plane { .. }));
+        let endless =
+            |shape: &&Collision| matches!(shape.geometry, Geometry::Plane { .. } | Geometry::HeightMap(_));
+        let plane = collisions().find(endless);
         if let Some(plane) = plane {
             self.notes.push(Problem {
                 severity: Severity::Note,
                 source: plane.source.clone(),
                 what: format!(
-                    "link '{}' of model '{}' never moves: it has an infinite plane",
+                    "link '{}' of model '{}' never moves: it has an infinite plane or a height map",
                     root.name, model.name
                 ),
                 remedy: "write <static>true</static>, or use a box".into(),

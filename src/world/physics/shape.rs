@@ -1,11 +1,12 @@
 //! What touches: collision geometry as rapier's shapes.
 
-use crate::description::model::{Geometry, Mesh};
+use crate::description::model::{Geometry, Heights, Mesh};
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
 use rapier3d::geometry::SharedShape;
 use rapier3d::math::Vector;
-use std::f64::consts::FRAC_1_SQRT_2;
+use rapier3d::parry::utils::Array2;
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 /// A shape and its pose in the geometry's frame, or why it cannot collide.
 ///
@@ -40,8 +41,42 @@ pub(super) fn shape(geometry: &Geometry, moves: bool) -> Result<(SharedShape, Po
             let normal = normal.try_normalize().ok_or("its normal has no direction")?;
             (SharedShape::halfspace(normal.as_vec3().normalize()), Pose::IDENTITY)
         }
+        Geometry::Ellipsoid { radii } => {
+            let radii = radii.to_array().map(|radius| positive(radius, "radius"));
+            let [x, y, z] = radii;
+            (ellipsoid(Vector::new(x?, y?, z?))?, Pose::IDENTITY)
+        }
+        Geometry::Cone { radius, length } => {
+            (SharedShape::cone(positive(length * 0.5, "length")?, positive(*radius, "radius")?), z_from_y)
+        }
         Geometry::Mesh(mesh) => (triangles(mesh, moves)?, Pose::IDENTITY),
+        Geometry::HeightMap(map) => {
+            let ([rows, columns], [x, y]) = (map.heights.grid, map.heights.size);
+            let metres = Array2::new(rows as usize, columns as usize, by_columns(&map.heights));
+            let size = Vector::new(positive(x, "size")?, 1.0, positive(y, "size")?);
+            // parry's rows go along z, which this turns to −y: from the top of the picture to its bottom.
+            (SharedShape::heightfield(metres, size), Pose::new(map.offset, z_from_y.rotation()))
+        }
     })
+}
+
+/// parry has no ellipsoids: the hull of points on it, 4 % of a radius inside at most.
+fn ellipsoid(radii: Vector) -> Result<SharedShape, String> {
+    const SLICES: usize = 16;
+    let points = (0..=SLICES / 2).flat_map(|row| {
+        let (ring, up) = libm::sincos(row as f64 / SLICES as f64 * TAU);
+        (0..SLICES).map(move |column| {
+            let (y, x) = libm::sincos(column as f64 / SLICES as f64 * TAU);
+            Vector::new((ring * x) as f32, (ring * y) as f32, up as f32) * radii
+        })
+    });
+    SharedShape::convex_hull(&points.collect::<Vec<_>>()).ok_or_else(|| "its radii enclose nothing".into())
+}
+
+/// Heights in the order of parry's arrays.
+fn by_columns(heights: &Heights) -> Vec<f32> {
+    let [rows, columns] = heights.grid.map(|count| count as usize);
+    (0..columns).flat_map(|column| (0..rows).map(move |row| heights.metres[row * columns + column])).collect()
 }
 
 fn triangles(mesh: &Mesh, moves: bool) -> Result<SharedShape, String> {

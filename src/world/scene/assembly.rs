@@ -3,12 +3,12 @@
 use crate::description::diagnostics::{Problem, Severity, Source};
 use crate::description::housing::Part;
 use crate::description::model as description;
-use crate::description::model::{Geometry, LinkIndex, Mesh};
+use crate::description::model::{Geometry, Heights, LinkIndex, Mesh};
 use crate::world::physics::ModelIndex;
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
-    InstanceConfig, InstanceId, MaterialConfig, MaterialId, MeshId, SceneBuilder, SceneError, Shape,
-    TextureAlpha, TextureId, visibility,
+    HeightFieldId, InstanceConfig, InstanceId, MaterialConfig, MaterialId, MeshId, SceneBuilder, SceneError,
+    Shape, TextureAlpha, TextureId, visibility,
 };
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashMap;
@@ -39,7 +39,8 @@ pub(super) struct Assembly {
     textures: HashMap<PathBuf, (TextureId, bool)>,
     normal_maps: HashMap<PathBuf, TextureId>,
     /// By address: only for as long as the models that they are of are borrowed.
-    pub(super) meshes: HashMap<*const Mesh, MeshId>,
+    meshes: HashMap<*const Mesh, MeshId>,
+    height_fields: HashMap<*const Heights, HeightFieldId>,
     /// By model and link: all that move are looked up in each frame.
     pub(super) placed: Vec<Vec<Vec<Placed>>>,
     pub(super) fiducials: Vec<PlacedFiducial>,
@@ -153,8 +154,21 @@ impl Assembly {
                 let size = if collides { [INFINITE_M; 2] } else { *size };
                 (Shape::Rectangle { size }, Pose::new(DVec3::ZERO, facing(*normal)))
             }
+            Geometry::Ellipsoid { radii } => upright(Shape::Ellipsoid { radii: radii.to_array() }),
+            Geometry::Cone { radius, length } => upright(Shape::Cone { radius: *radius, length: *length }),
             Geometry::Mesh(mesh) => upright(Shape::Mesh(self.mesh(mesh, source)?)),
+            Geometry::HeightMap(map) => {
+                let field = self.height_field(&map.heights, source)?;
+                (Shape::HeightField(field), Pose::from_translation(map.offset))
+            }
         })
+    }
+
+    /// Forgets whose meshes and height maps are which: models that are no longer borrowed may end, and others have
+    /// their addresses.
+    pub(super) fn forget_files(&mut self) {
+        self.meshes.clear();
+        self.height_fields.clear();
     }
 
     fn mesh(&mut self, mesh: &Arc<Mesh>, source: &Source) -> Result<MeshId, Problem> {
@@ -165,6 +179,19 @@ impl Assembly {
             refused(error, &Source { file: mesh.path.as_path().into(), ..source.clone() })
         })?;
         self.meshes.insert(Arc::as_ptr(mesh), added);
+        Ok(added)
+    }
+
+    fn height_field(&mut self, heights: &Arc<Heights>, source: &Source) -> Result<HeightFieldId, Problem> {
+        if let Some(known) = self.height_fields.get(&Arc::as_ptr(heights)) {
+            return Ok(*known);
+        }
+        let [rows, columns] = heights.grid;
+        let added = self.builder.add_height_field(rows, columns, heights.size, &heights.metres);
+        let added = added.map_err(|error| {
+            refused(error, &Source { file: heights.path.as_path().into(), ..source.clone() })
+        })?;
+        self.height_fields.insert(Arc::as_ptr(heights), added);
         Ok(added)
     }
 

@@ -12,13 +12,13 @@ use belvedere_bridge::{Kind, schema};
 
 /// The file is what is made now; or it becomes that.
 fn check(file: &str, made: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
     if std::env::var_os("BELVEDERE_BLESS").is_some() {
         fs::write(&path, made).unwrap();
     }
     assert!(
         fs::read_to_string(&path).unwrap_or_default() == made,
-        "bridge/{file} is not current; run BELVEDERE_BLESS=1 cargo test -p belvedere-bridge-c --test bindings"
+        "{file} is not current; run BELVEDERE_BLESS=1 cargo test -p belvedere-bridge-c --test bindings"
     );
 }
 
@@ -38,12 +38,12 @@ fn the_c_header_is_current() {
     builder.generate().unwrap().write(&mut made);
     // Rust's heading for what a caller must see to, in the words of a C reader.
     let made = String::from_utf8(made).unwrap().replace("//\n// # Safety\n// ", "// Requires: ");
-    check("c/include/belvedere.h", &made);
+    check("bridge/c/include/belvedere.h", &made);
 }
 
 #[test]
 fn the_cpp_header_is_current() {
-    check("cpp/include/belvedere/wire.hpp", &cpp::layout());
+    check("bridge/cpp/include/belvedere/wire.hpp", &cpp::layout());
 }
 
 #[test]

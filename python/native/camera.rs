@@ -1,0 +1,155 @@
+//! Colour cameras.
+
+use crate::errors::{of, value_error};
+use crate::lens::Rays;
+use crate::outputs::Outputs;
+use crate::pool::Threads;
+use crate::shots::Shots;
+use crate::world::World;
+use belvedere_sensors::Sensor;
+use belvedere_sensors::camera::{self, CameraConfig, CameraError, Edges, Picture, PixelFormat};
+use belvedere_sensors::device::{DeviceConfig, presets};
+use belvedere_sensors::noise::GaussianNoise;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+/// What a camera is, without its seed.
+pub(crate) struct Eye {
+    pub(crate) rays: Rays,
+    pub(crate) size: [u32; 2],
+    format: PixelFormat,
+    clip: [f64; 2],
+    exposure: f32,
+    edges: Edges,
+    noise: GaussianNoise,
+    device: Option<DeviceConfig>,
+}
+
+/// Lens as Python hands it over: a name and numbers, or a field of view.
+type GivenLens = (Option<(String, Vec<f64>)>, Option<f64>);
+
+impl Eye {
+    pub(crate) fn new(
+        [width, height]: [u32; 2],
+        (lens, fov): GivenLens,
+        clip: [f64; 2],
+        exposure: f32,
+        (grey, smooth): (bool, bool),
+        noise: [f32; 2],
+        device: Option<&str>,
+    ) -> PyResult<Self> {
+        let most = camera::MAX_IMAGE_SIZE;
+        if ![width, height].iter().all(|side| (1..=most).contains(side)) {
+            return Err(value_error(CameraError::ImageSize { size: [width, height] }));
+        }
+        let rays = match (lens, fov) {
+            (Some((name, numbers)), _) => Rays::new(width, height, &name, &numbers)?,
+            (None, fov) => Rays::from_fov(width, height, fov.unwrap_or_default())?,
+        };
+        let device = device.map(|name| {
+            presets::named(name).ok_or_else(|| {
+                of(
+                    "device",
+                    format_args!("there is no preset {name:?}; there are {}", presets::NAMES.join(", ")),
+                )
+            })
+        });
+        let eye = Self {
+            rays,
+            size: [width, height],
+            format: if grey { PixelFormat::Mono8 } else { PixelFormat::Rgb8 },
+            clip,
+            exposure,
+            edges: if smooth { Edges::Smooth } else { Edges::Sharp },
+            noise: gaussian(noise)?,
+            device: device.transpose()?,
+        };
+        camera::Camera::new(eye.config(0)).map_err(value_error)?;
+        Ok(eye)
+    }
+
+    /// The camera of a seed.
+    pub(crate) fn config(&self, seed: u64) -> CameraConfig<'_> {
+        let [near_m, far_m] = self.clip;
+        CameraConfig::new(self.rays.optics())
+            .format(self.format)
+            .near_m(near_m)
+            .far_m(far_m)
+            .exposure(self.exposure)
+            .edges(self.edges)
+            .noise(self.noise)
+            .device(self.device)
+            .seed(seed)
+    }
+
+    /// Pixels of a frame.
+    pub(crate) fn pixels(&self) -> usize {
+        self.size.into_iter().product::<u32>() as usize
+    }
+
+    /// Bytes of a picture.
+    pub(crate) fn bytes(&self) -> usize {
+        self.pixels() * self.format.bytes()
+    }
+}
+
+/// Noise of a mean and a standard deviation.
+pub(crate) fn gaussian([mean, stddev]: [f32; 2]) -> PyResult<GaussianNoise> {
+    GaussianNoise::new(mean, stddev, 0.0, 0.0, 0.0).map_err(|error| of("noise", error))
+}
+
+#[pyclass(frozen, module = "belvedere._native")]
+pub(crate) struct Camera(Eye);
+
+#[pymethods]
+impl Camera {
+    #[new]
+    #[pyo3(signature = (size, lens, clip, exposure, grey, smooth, noise, device))]
+    fn new(
+        size: [u32; 2],
+        lens: GivenLens,
+        clip: [f64; 2],
+        exposure: f32,
+        grey: bool,
+        smooth: bool,
+        noise: [f32; 2],
+        device: Option<&str>,
+    ) -> PyResult<Self> {
+        Eye::new(size, lens, clip, exposure, (grey, smooth), noise, device).map(Self)
+    }
+
+    fn render(
+        &self,
+        py: Python<'_>,
+        world: &World,
+        now: &Bound<'_, PyTuple>,
+        after: Option<&Bound<'_, PyTuple>>,
+        before: Option<&Bound<'_, PyTuple>>,
+        seeds: Vec<u64>,
+        outputs: &Bound<'_, PyDict>,
+        threads: usize,
+    ) -> PyResult<()> {
+        let shots = Shots::read(world.data(), now, after, before, seeds)?;
+        let mut outputs = Outputs::borrow(outputs)?;
+        let mut slices = outputs.lend(shots.len())?;
+        let mut colour = slices.u8::<u8>("rgb", self.0.bytes())?;
+        let mut truth = slices.truth("depth", "range", self.0.pixels())?;
+        slices.finish()?;
+        shots.check_flows(truth.flows())?;
+        let frames: Vec<_> = (0..shots.len()).map(|_| (colour.next(), truth.next())).collect();
+        let threads = Threads::new(threads, shots.len() * self.0.pixels())?;
+        let done = py.detach(|| {
+            threads.for_each(frames, |index, (colour, truth), memory| {
+                let camera =
+                    camera::Camera::new(self.0.config(shots.seeds[index])).map_err(|why| why.to_string())?;
+                let mut picture = Picture::new().truth(truth);
+                picture.colour = colour;
+                shots.take(index, memory, |scene, capture, workspace, _| {
+                    let workspace = &mut workspace.lend(camera.workspace_len(scene, capture));
+                    camera.sense(scene, capture, workspace, picture).map_err(|why| why.to_string())
+                })
+            })
+        });
+        done.map_err(value_error)
+    }
+}

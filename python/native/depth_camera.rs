@@ -1,0 +1,120 @@
+//! Depth cameras.
+
+use crate::camera::{Eye, gaussian};
+use crate::errors::{of, value_error};
+use crate::outputs::Outputs;
+use crate::pool::Threads;
+use crate::shots::Shots;
+use crate::world::World;
+use belvedere_sensors::Sensor;
+use belvedere_sensors::depth::{self, DepthCameraConfig, DepthFrame, POINT_STEP};
+use belvedere_sensors::device::depth::{DepthModel, presets};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+#[pyclass(frozen, module = "belvedere._native")]
+pub(crate) struct DepthCamera {
+    eye: Eye,
+    range: [f64; 2],
+    model: DepthModel,
+}
+
+impl DepthCamera {
+    fn config(&self, seed: u64) -> DepthCameraConfig<'_> {
+        let [min_m, max_m] = self.range;
+        DepthCameraConfig::new(self.eye.config(seed)).min_depth_m(min_m).max_depth_m(max_m).model(self.model)
+    }
+}
+
+#[pymethods]
+impl DepthCamera {
+    #[new]
+    #[pyo3(signature = (size, lens, clip, exposure, grey, smooth, noise, device, range, depth_noise, model))]
+    fn new(
+        size: [u32; 2],
+        lens: (Option<(String, Vec<f64>)>, Option<f64>),
+        clip: [f64; 2],
+        exposure: f32,
+        grey: bool,
+        smooth: bool,
+        noise: [f32; 2],
+        device: Option<&str>,
+        range: [Option<f64>; 2],
+        depth_noise: [f32; 2],
+        model: Option<&str>,
+    ) -> PyResult<Self> {
+        let eye = Eye::new(size, lens, clip, exposure, (grey, smooth), noise, device)?;
+        let mut limits = [0.0, f64::INFINITY];
+        let mut depth_model = DepthModel::from(gaussian(depth_noise)?);
+        if let Some(name) = model {
+            let preset = presets::named(name).ok_or_else(|| {
+                of(
+                    "model",
+                    format_args!("there is no preset {name:?}; there are {}", presets::NAMES.join(", ")),
+                )
+            })?;
+            limits = preset.range_m;
+            depth_model = preset.model(eye.rays.focal_px().unwrap_or_else(|| preset.focal_px()));
+        }
+        let range = [range[0].unwrap_or(limits[0]), range[1].unwrap_or(limits[1])];
+        let camera = Self { eye, range, model: depth_model };
+        depth::DepthCamera::new(camera.config(0)).map_err(value_error)?;
+        Ok(camera)
+    }
+
+    /// The presets: name, size, horizontal field of view in degrees, range in metres.
+    #[staticmethod]
+    fn presets() -> Vec<(&'static str, [u32; 2], f64, [f64; 2])> {
+        let all = presets::PRESETS.iter();
+        all.map(|preset| (preset.name, preset.size, preset.horizontal_fov_deg, preset.range_m)).collect()
+    }
+
+    fn render(
+        &self,
+        py: Python<'_>,
+        world: &World,
+        now: &Bound<'_, PyTuple>,
+        after: Option<&Bound<'_, PyTuple>>,
+        before: Option<&Bound<'_, PyTuple>>,
+        seeds: Vec<u64>,
+        outputs: &Bound<'_, PyDict>,
+        threads: usize,
+    ) -> PyResult<()> {
+        let shots = Shots::read(world.data(), now, after, before, seeds)?;
+        let pixels = self.eye.pixels();
+        let mut outputs = Outputs::borrow(outputs)?;
+        let mut slices = outputs.lend(shots.len())?;
+        let mut colour = slices.u8::<u8>("rgb", self.eye.bytes())?;
+        let mut depth = slices.f32::<f32>("depth", pixels)?;
+        let mut millimetres = slices.u16::<u16>("depth_mm", pixels)?;
+        let mut points = slices.f32::<[f32; 3]>("points", pixels)?;
+        let mut truth = slices.truth("true_depth", "range", pixels)?;
+        slices.finish()?;
+        shots.check_flows(truth.flows())?;
+        let frames: Vec<_> = (0..shots.len())
+            .map(|_| (colour.next(), depth.next(), millimetres.next(), points.next(), truth.next()))
+            .collect();
+        let threads = Threads::new(threads, shots.len() * pixels)?;
+        let done = py.detach(|| {
+            threads.for_each(frames, |index, (colour, depth, millimetres, points, truth), memory| {
+                let camera = depth::DepthCamera::new(self.config(shots.seeds[index]))
+                    .map_err(|why| why.to_string())?;
+                shots.take(index, memory, |scene, capture, workspace, bytes| {
+                    let mut frame = DepthFrame::new().truth(truth);
+                    (frame.colour, frame.depth_32fc1, frame.depth_16uc1) = (colour, depth, millimetres);
+                    if points.is_some() {
+                        bytes.resize(pixels * POINT_STEP, 0);
+                        frame.points = Some(bytes);
+                    }
+                    let workspace = &mut workspace.lend(camera.workspace_len(scene, capture));
+                    camera.sense(scene, capture, workspace, frame).map_err(|why| why.to_string())?;
+                    for (point, from) in points.into_iter().flatten().zip(bytes.chunks_exact(POINT_STEP)) {
+                        *point = bytemuck::pod_read_unaligned(&from[..12]);
+                    }
+                    Ok(())
+                })
+            })
+        });
+        done.map_err(value_error)
+    }
+}

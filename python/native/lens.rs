@@ -1,0 +1,74 @@
+//! Lenses: which way the rays of a camera go.
+
+use crate::errors::{of, value_error};
+use belvedere_sensors::optics::{
+    BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics, KannalaBrandt, Lens, LensError, Mei,
+    Optics, Pinhole, PinholeGrid, RayTableBuf,
+};
+use pyo3::PyResult;
+
+/// The rays of a camera, in memory of their own.
+pub(crate) enum Rays {
+    Pinhole(PinholeGrid),
+    Table(Box<RayTableBuf>),
+}
+
+impl Rays {
+    /// Of a lens by its name; the numbers are fx, fy, cx, cy, skew and then those of the model.
+    pub(crate) fn new(width: u32, height: u32, lens: &str, numbers: &[f64]) -> PyResult<Self> {
+        let &[fx, fy, cx, cy, skew, ref model @ ..] = numbers else {
+            return Err(of("lens", "fx, fy, cx, cy and skew are expected"));
+        };
+        let intrinsics = Intrinsics { fx, fy, cx, cy, skew };
+        let lens = named(lens, intrinsics, model).map_err(|error| of("lens", error))?;
+        match lens {
+            None => {
+                let grid =
+                    Pinhole::new(intrinsics).and_then(|pinhole| PinholeGrid::new(width, height, pinhole));
+                grid.map(Self::Pinhole).map_err(|error| of("lens", error))
+            }
+            Some(lens) => {
+                let table =
+                    RayTableBuf::from_lens(width, height, &*lens).map_err(|error| of("lens", error))?;
+                Ok(Self::Table(Box::new(table)))
+            }
+        }
+    }
+
+    /// Of a pinhole with square pixels: the horizontal field of view in radians.
+    pub(crate) fn from_fov(width: u32, height: u32, fov: f64) -> PyResult<Self> {
+        PinholeGrid::from_fov(width, height, fov).map(Self::Pinhole).map_err(value_error)
+    }
+
+    /// Lends it to a sensor.
+    pub(crate) fn optics(&self) -> Optics<'_> {
+        match self {
+            Self::Pinhole(grid) => Optics::Pinhole(*grid),
+            Self::Table(table) => Optics::Table(table.table()),
+        }
+    }
+
+    /// The focal length along rows in pixels, as depth models take it, if it is a pinhole.
+    pub(crate) fn focal_px(&self) -> Option<f64> {
+        match self {
+            Self::Pinhole(grid) => Some(grid.intrinsics().fx),
+            Self::Table(_) => None,
+        }
+    }
+}
+
+/// The model of a lens; none for a pinhole without skew, which is a rule and no table.
+fn named(name: &str, intrinsics: Intrinsics, numbers: &[f64]) -> Result<Option<Box<dyn Lens>>, LensError> {
+    Ok(Some(match (name, numbers) {
+        ("pinhole", []) if intrinsics.skew == 0.0 => return Ok(None),
+        ("pinhole", []) => Box::new(Pinhole::new(intrinsics)?),
+        ("brown_conrady", coefficients) => Box::new(BrownConrady::new(intrinsics, coefficients)?),
+        ("kannala_brandt", &[k1, k2, k3, k4]) => Box::new(KannalaBrandt::new(intrinsics, [k1, k2, k3, k4])?),
+        ("eucm", &[alpha, beta]) => Box::new(Eucm::new(intrinsics, alpha, beta)?),
+        ("double_sphere", &[xi, alpha]) => Box::new(DoubleSphere::new(intrinsics, xi, alpha)?),
+        ("mei", &[xi, k1, k2, p1, p2]) => Box::new(Mei::new(intrinsics, xi, [k1, k2, p1, p2])?),
+        ("equirectangular", []) => Box::new(Equirectangular::with_intrinsics(intrinsics)?),
+        // The Python package gives names and numbers of its own alone.
+        _ => return Ok(None),
+    }))
+}

@@ -1,0 +1,57 @@
+//! The module `belvedere._native`: the sensors and the simulator for Python.
+//!
+//! Here arrays become slices and slices are rendered into; what arguments mean, defaults and shapes are the Python
+//! package's (`src/belvedere`), which alone uses this module. Whatever takes time runs without the interpreter's lock.
+//!
+//! | module | is |
+//! |---|---|
+//! | `errors` | exceptions that name the argument |
+//! | `poses` | arrays of poses |
+//! | `outputs` | the caller's arrays, as slices frame by frame |
+//! | `pool` | threads, and the memory that each works in |
+//! | `world` | shapes, looks and bodies |
+//! | `load` | worlds and robots from files |
+//! | `shots` | from where and when a batch is seen |
+//! | `lens`, `camera`, `depth_camera`, `lidar`, `scanner` | the sensors |
+//! | `cast` | rays with nothing in common |
+//! | `simulation` | a world that runs |
+#![forbid(unsafe_code)]
+#![allow(missing_docs, reason = "the interface is Python's, and described in `_native.pyi`")]
+#![allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+#![allow(clippy::too_many_arguments, reason = "keywords of Python")]
+
+mod camera;
+mod cast;
+mod depth_camera;
+mod errors;
+mod lens;
+mod lidar;
+mod load;
+mod outputs;
+mod pool;
+mod poses;
+mod scanner;
+mod shots;
+mod simulation;
+mod world;
+
+use pyo3::prelude::*;
+
+/// Sensors and simulator, for the package `belvedere` alone.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use crate::camera::Camera;
+    #[pymodule_export]
+    use crate::depth_camera::DepthCamera;
+    #[pymodule_export]
+    use crate::lidar::Lidar;
+    #[pymodule_export]
+    use crate::poses::poses_of_matrices;
+    #[pymodule_export]
+    use crate::scanner::Scanner;
+    #[pymodule_export]
+    use crate::simulation::Simulation;
+    #[pymodule_export]
+    use crate::world::World;
+}

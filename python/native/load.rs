@@ -1,0 +1,52 @@
+//! Worlds and robots from files, names and texts.
+
+use crate::errors::value_error;
+use belvedere::description::any::{self, Described};
+use belvedere::description::package::PackagePath;
+use belvedere::description::robot::LoadOptions;
+use belvedere::description::{Diagnostics, Rules, Severity};
+use pyo3::PyResult;
+use std::path::PathBuf;
+
+/// Where packages are found, and what xacro is told.
+pub(crate) struct Options {
+    /// Folders of packages, looked into first.
+    pub(crate) package_path: Vec<PathBuf>,
+    /// The folder of the worlds and robots that have names, if the package brings it along.
+    pub(crate) models: PathBuf,
+    /// What `$(arg name)` gives.
+    pub(crate) xacro_args: Vec<(String, String)>,
+}
+
+impl Options {
+    fn load_options(self) -> LoadOptions {
+        let mut packages =
+            PackagePath::new(self.package_path, std::env::var_os("ROS_PACKAGE_PATH").as_deref());
+        if std::env::var_os("BELVEDERE_MODELS").is_none() && self.models.is_dir() {
+            packages = packages.with_ours(self.models);
+        }
+        LoadOptions { packages, rules: Rules::default(), xacro_args: self.xacro_args }
+    }
+}
+
+/// Reads a file, a name, or a text, which begins with `<`. What is ignored comes along.
+///
+/// # Errors
+/// The lines that the command line prints.
+pub(crate) fn load(source: &str, options: Options) -> PyResult<(Described, Vec<String>)> {
+    let options = options.load_options();
+    let mut diagnostics = Diagnostics::default();
+    let read = if source.trim_start().starts_with('<') {
+        any::load_text(source, "text", &options, &mut diagnostics)
+    } else {
+        any::load(source, &options, &mut diagnostics)
+    };
+    let lines = |severity| {
+        let problems = diagnostics.problems().iter().filter(move |problem| problem.severity == severity);
+        problems.map(ToString::to_string).collect::<Vec<_>>()
+    };
+    match read {
+        Some(read) if !diagnostics.has_errors() => Ok((read, lines(Severity::Warning))),
+        _ => Err(value_error(lines(Severity::Error).join("\n"))),
+    }
+}

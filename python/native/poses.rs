@@ -1,0 +1,80 @@
+//! Arrays of poses: x y z, then the quaternion x y z w, as ROS writes them.
+
+use crate::errors::of;
+use belvedere_sensors::Pose;
+use glam::{DMat3, DQuat, DVec3};
+use numpy::{PyArray1, PyReadonlyArrayDyn, ndarray::ArrayView1};
+use pyo3::prelude::*;
+
+/// Numbers of a pose.
+const NUMBERS: usize = 7;
+/// How far the length of a quaternion may be from 1: what single precision and files of few digits leave.
+const TOLERANCE: f64 = 1e-2;
+
+/// The poses of an array of (…, 7) that lies without gaps, each checked.
+pub(crate) fn read(argument: &str, array: &PyReadonlyArrayDyn<'_, f64>) -> PyResult<Vec<Pose>> {
+    let numbers = array.as_slice().map_err(|error| of(argument, error))?;
+    numbers
+        .chunks_exact(NUMBERS)
+        .enumerate()
+        .map(|(index, pose)| {
+            one(pose).map_err(|why| of(argument, format_args!("pose {index} {why}: {pose:?}")))
+        })
+        .collect()
+}
+
+/// A pose of seven numbers.
+pub(crate) fn one(numbers: &[f64]) -> Result<Pose, &'static str> {
+    let &[x, y, z, qx, qy, qz, qw] = numbers else { return Err("is not of 7 numbers (x y z, qx qy qz qw)") };
+    let (translation, rotation) = (DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw));
+    if !(translation.is_finite() && rotation.is_finite()) {
+        return Err("is not finite");
+    }
+    if (rotation.length() - 1.0).abs() > TOLERANCE {
+        return Err("has a quaternion (qx qy qz qw) whose length is not 1");
+    }
+    Ok(Pose::new(translation, rotation))
+}
+
+/// The seven numbers of a pose.
+pub(crate) fn numbers(pose: &Pose) -> [f64; NUMBERS] {
+    let ([x, y, z], [qx, qy, qz, qw]) = (pose.translation().to_array(), pose.rotation().to_array());
+    [x, y, z, qx, qy, qz, qw]
+}
+
+/// Poses as seven numbers each, of (N, 4, 4) matrices that lie without gaps.
+#[pyfunction]
+pub(crate) fn poses_of_matrices<'py>(
+    py: Python<'py>,
+    argument: &str,
+    matrices: PyReadonlyArrayDyn<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let all = matrices.as_slice().map_err(|error| of(argument, error))?;
+    let mut poses = Vec::with_capacity(all.len() / 16 * NUMBERS);
+    for (index, matrix) in all.chunks_exact(16).enumerate() {
+        let pose = of_matrix(matrix).map_err(|why| {
+            of(argument, format_args!("matrix {index} {why}:\n{}", ArrayView1::from(matrix)))
+        })?;
+        poses.extend(numbers(&pose));
+    }
+    Ok(PyArray1::from_vec(py, poses))
+}
+
+fn of_matrix(matrix: &[f64]) -> Result<Pose, &'static str> {
+    let &[xx, yx, zx, tx, xy, yy, zy, ty, xz, yz, zz, tz, a, b, c, d] = matrix else {
+        return Err("is not of 4 × 4 numbers");
+    };
+    if !matrix.iter().all(|number| number.is_finite()) {
+        return Err("is not finite");
+    }
+    if [a, b, c, d] != [0.0, 0.0, 0.0, 1.0] {
+        return Err("does not end in the row 0 0 0 1");
+    }
+    let axes = DMat3::from_cols_array(&[xx, xy, xz, yx, yy, yz, zx, zy, zz]);
+    let is_rotation =
+        (axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, TOLERANCE) && axes.determinant() > 0.0;
+    if !is_rotation {
+        return Err("has no rotation in its upper left 3 × 3 numbers");
+    }
+    Ok(Pose::new(DVec3::new(tx, ty, tz), DQuat::from_mat3(&axes)))
+}

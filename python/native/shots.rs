@@ -1,0 +1,177 @@
+//! From where, and when, each frame of a batch is seen.
+
+use crate::errors::of;
+use crate::pool::Memory;
+use crate::poses;
+use crate::world::Data;
+use belvedere_sensors::scene::Scene;
+use belvedere_sensors::{Capture, Moment, Pose};
+use numpy::PyReadonlyArrayDyn;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use std::sync::Arc;
+
+/// Other places of some bodies, frame by frame.
+#[derive(Default)]
+pub(crate) struct Moves {
+    bodies: Vec<usize>,
+    /// Of each frame as many as there are bodies.
+    world_from_body: Vec<Pose>,
+}
+
+/// Where the sensor and the bodies are at the frames' moments.
+pub(crate) struct Places {
+    world_from_sensor: Vec<Pose>,
+    moves: Moves,
+}
+
+/// The frames of a batch.
+pub(crate) struct Shots {
+    pub(crate) world: Arc<Data>,
+    now: Places,
+    /// The moments that flow goes to.
+    after: Option<Places>,
+    before: Option<Places>,
+    pub(crate) seeds: Vec<u64>,
+}
+
+/// A moment as Python hands it over: poses of the sensor, numbers of bodies, their poses.
+type Given<'py> = (PyReadonlyArrayDyn<'py, f64>, Vec<usize>, Option<PyReadonlyArrayDyn<'py, f64>>);
+
+impl Moves {
+    /// Of so many frames.
+    pub(crate) fn read(
+        argument: &str,
+        world: &Data,
+        frames: usize,
+        bodies: Vec<usize>,
+        array: Option<&PyReadonlyArrayDyn<'_, f64>>,
+    ) -> PyResult<Self> {
+        if let Some(body) = bodies.iter().find(|body| **body >= world.bodies.len()) {
+            let count = world.bodies.len();
+            return Err(of(argument, format_args!("there is no body {body}; the world has {count}")));
+        }
+        let world_from_body =
+            array.map(|array| poses::read(argument, array)).transpose()?.unwrap_or_default();
+        if world_from_body.len() != frames * bodies.len() {
+            let (have, need) = (world_from_body.len(), frames * bodies.len());
+            return Err(of(argument, format_args!("{have} poses, and {need} are expected")));
+        }
+        Ok(Self { bodies, world_from_body })
+    }
+
+    /// Where all instances are in a frame.
+    pub(crate) fn place<'a>(&self, world: &'a Data, frame: usize, memory: &'a mut Vec<Pose>) -> &'a [Pose] {
+        let stand = world.builder.poses();
+        if self.bodies.is_empty() {
+            return stand;
+        }
+        memory.clear();
+        memory.extend_from_slice(stand);
+        let moved = &self.world_from_body[frame * self.bodies.len()..][..self.bodies.len()];
+        for (body, world_from_body) in self.bodies.iter().zip(moved) {
+            for (instance, body_from_instance) in &world.bodies[*body].parts {
+                memory[instance.0 as usize] = *world_from_body * *body_from_instance;
+            }
+        }
+        memory
+    }
+}
+
+impl Places {
+    fn read(
+        argument: &str,
+        bodies: &str,
+        world: &Data,
+        given: Given<'_>,
+        frames: Option<usize>,
+    ) -> PyResult<Self> {
+        let (sensor, numbers, moved) = given;
+        let world_from_sensor = poses::read(argument, &sensor)?;
+        let count = world_from_sensor.len();
+        if frames.is_some_and(|frames| frames != count) {
+            return Err(of(
+                argument,
+                format_args!("{count} poses, and {} are expected", frames.unwrap_or(0)),
+            ));
+        }
+        let moves = Moves::read(bodies, world, count, numbers, moved.as_ref())?;
+        Ok(Self { world_from_sensor, moves })
+    }
+
+    fn moment<'a>(&self, world: &'a Data, frame: usize, memory: &'a mut Vec<Pose>) -> Moment<'a> {
+        Moment {
+            world_from_sensor: self.world_from_sensor[frame],
+            world_from_instance: self.moves.place(world, frame, memory),
+        }
+    }
+}
+
+impl Shots {
+    /// Checks what Python hands over: tuples of poses of the sensor, numbers of the bodies that are elsewhere, their poses.
+    pub(crate) fn read(
+        world: Arc<Data>,
+        now: &Bound<'_, PyTuple>,
+        after: Option<&Bound<'_, PyTuple>>,
+        before: Option<&Bound<'_, PyTuple>>,
+        seeds: Vec<u64>,
+    ) -> PyResult<Self> {
+        let now = Places::read("poses", "bodies", &world, now.extract()?, None)?;
+        let frames = now.world_from_sensor.len();
+        let other = |given: Option<&Bound<'_, PyTuple>>, names: [&str; 2]| {
+            given
+                .map(|given| Places::read(names[0], names[1], &world, given.extract()?, Some(frames)))
+                .transpose()
+        };
+        let after = other(after, ["after", "bodies_after"])?;
+        let before = other(before, ["before", "bodies_before"])?;
+        if seeds.len() != frames {
+            return Err(of("seeds", format_args!("{} numbers, and {frames} are expected", seeds.len())));
+        }
+        Ok(Self { world, now, after, before, seeds })
+    }
+
+    /// That there is a moment for each flow that is wanted.
+    pub(crate) fn check_flows(&self, [after, before]: [bool; 2]) -> PyResult<()> {
+        for (is_wanted, there, flow, argument) in
+            [(after, &self.after, "flow", "after"), (before, &self.before, "flow_back", "before")]
+        {
+            if is_wanted && there.is_none() {
+                return Err(of(
+                    "channels",
+                    format_args!("{flow:?} wants a moment to flow to: give {argument}=poses"),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.now.world_from_sensor.len()
+    }
+
+    /// Lends a frame's scene and moments.
+    pub(crate) fn take<T>(
+        &self,
+        frame: usize,
+        memory: &mut Memory,
+        take: impl FnOnce(
+            &Scene<'_>,
+            &Capture<'_>,
+            &mut belvedere_sensors::trace::WorkspaceBuf,
+            &mut Vec<u8>,
+        ) -> T,
+    ) -> T {
+        let Memory { workspace, poses: [now, after, before], bytes } = memory;
+        let world = &*self.world;
+        let mut capture = Capture::new(0, self.now.moment(world, frame, now));
+        if let Some(places) = &self.after {
+            capture = capture.after(places.moment(world, frame, after));
+        }
+        if let Some(places) = &self.before {
+            capture = capture.before(places.moment(world, frame, before));
+        }
+        take(&world.builder.scene(), &capture, workspace, bytes)
+    }
+}

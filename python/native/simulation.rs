@@ -1,0 +1,245 @@
+//! A world that runs, with robots in it.
+
+use crate::errors::{of, value_error};
+use crate::load::{self, Options};
+use crate::pool::Threads;
+use crate::poses;
+use crate::world::{Data, World};
+use belvedere::description::any::Described;
+use belvedere::description::model;
+use belvedere::entities::EntityId;
+use belvedere::rig::FrameBuf;
+use belvedere::robot::Command;
+use belvedere::simulation::{self, SpawnOptions};
+use belvedere_sensors::Execution;
+use glam::DVec3;
+use numpy::{PyArray1, PyReadonlyArrayDyn};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use rayon::ThreadPoolBuilder;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// A simulation, which lives in a thread of its own: not all of it may go from one thread to another.
+#[pyclass(frozen, module = "belvedere._native")]
+pub(crate) struct Simulation {
+    jobs: Mutex<Sender<Job>>,
+    /// A forked child has no such thread.
+    process: u32,
+}
+
+struct Inside {
+    simulation: simulation::Simulation,
+    frame: FrameBuf,
+    notes: Vec<String>,
+}
+
+/// Something to be done in the simulation's thread.
+type Job = Box<dyn FnOnce(&mut Inside) + Send>;
+
+impl Simulation {
+    /// Does something in its thread, and waits for it without the interpreter's lock.
+    fn with<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        job: impl FnOnce(&mut Inside) -> PyResult<T> + Send + 'static,
+    ) -> PyResult<T> {
+        if std::process::id() != self.process {
+            return Err(PyRuntimeError::new_err(
+                "the simulation is another process's, of which this one was forked; make one here",
+            ));
+        }
+        py.detach(|| {
+            let (answer, answered) = channel();
+            let job: Job = Box::new(move |inside| {
+                // Who asked is waiting.
+                let _ = answer.send(job(inside));
+            });
+            let sent = self.jobs.lock().unwrap_or_else(PoisonError::into_inner).send(job);
+            let answer = sent.ok().and_then(|()| answered.recv().ok());
+            answer.unwrap_or_else(|| Err(PyRuntimeError::new_err("the simulation's thread has ended")))
+        })
+    }
+}
+
+/// Builds a simulation and does what is asked for, until nobody can ask any more.
+fn live(
+    build: impl FnOnce() -> PyResult<Inside>,
+    ready: &Sender<PyResult<()>>,
+    jobs: &Receiver<Job>,
+    threads: usize,
+) {
+    // This thread is one of those that render.
+    let pool = ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build();
+    let mut inside = match pool.map_err(|error| of("threads", error)).and_then(|pool| Ok((build()?, pool))) {
+        Ok(inside) => inside,
+        Err(error) => {
+            let _ = ready.send(Err(error));
+            return;
+        }
+    };
+    let _ = ready.send(Ok(()));
+    for job in jobs {
+        job(&mut inside.0);
+    }
+}
+
+impl Inside {
+    fn find(&self, name: &str) -> PyResult<EntityId> {
+        self.simulation.find(name).map_err(value_error)
+    }
+}
+
+#[pymethods]
+impl Simulation {
+    /// Of a world by file, name or text; of a robot, in an empty world.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        world: &str,
+        seed: u64,
+        gazebo_compat: bool,
+        threads: usize,
+        package_path: Vec<PathBuf>,
+        models: PathBuf,
+    ) -> PyResult<Self> {
+        let (source, threads) = (world.to_owned(), Threads::count(threads));
+        let build = move || {
+            let options = Options { package_path, models, xacro_args: Vec::new() };
+            let (described, notes) = load::load(&source, options)?;
+            let (world, thing) = match described {
+                Described::World(world) => (world, None),
+                Described::Model(thing) => (model::World::empty(), Some(thing)),
+            };
+            let execution = if threads == 1 { Execution::default() } else { Execution::parallel() };
+            let builder = simulation::Simulation::builder(world).seed(seed).gazebo_compat(gazebo_compat);
+            let mut simulation = builder.execution(execution).build().map_err(value_error)?;
+            if let Some(thing) = thing {
+                let options = SpawnOptions { world_from_model: thing.world_from_model, ..Default::default() };
+                simulation.spawn(&thing, options).map_err(value_error)?;
+            }
+            Ok(Inside { simulation, frame: FrameBuf::default(), notes })
+        };
+        let ((ready, is_ready), (sender, jobs)) = (channel(), channel());
+        let thread = std::thread::Builder::new().name("belvedere-simulation".into());
+        thread.spawn(move || live(build, &ready, &jobs, threads)).map_err(|error| of("threads", error))?;
+        let built = py.detach(move || is_ready.recv());
+        built.map_err(|_| PyRuntimeError::new_err("the simulation's thread has ended"))??;
+        Ok(Self { jobs: Mutex::new(sender), process: std::process::id() })
+    }
+
+    /// Brings a robot or a thing; gives its name.
+    fn spawn(
+        &self,
+        py: Python<'_>,
+        source: &str,
+        name: String,
+        namespace: String,
+        pose: PyReadonlyArrayDyn<'_, f64>,
+        package_path: Vec<PathBuf>,
+        models: PathBuf,
+        xacro_args: Vec<(String, String)>,
+    ) -> PyResult<String> {
+        let world_from_model = poses::read("pose", &pose)?.into_iter().next().unwrap_or_default();
+        let source = source.to_owned();
+        self.with(py, move |inside| {
+            let (described, notes) = load::load(&source, Options { package_path, models, xacro_args })?;
+            let Described::Model(model) = described else {
+                return Err(of(
+                    "robot",
+                    format_args!("{source} is a world; give a robot, or a model of SDF"),
+                ));
+            };
+            let name = if name.is_empty() { model.name.clone() } else { name };
+            let options = SpawnOptions { name: name.clone(), namespace, world_from_model, is_robot: None };
+            inside.simulation.spawn(&model, options).map_err(value_error)?;
+            inside.notes.extend(notes);
+            Ok(name)
+        })
+    }
+
+    #[getter]
+    fn notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        self.with(py, |inside| Ok(inside.notes.clone()))
+    }
+
+    #[getter]
+    fn time_ns(&self, py: Python<'_>) -> PyResult<u64> {
+        self.with(py, |inside| Ok(inside.simulation.time_ns()))
+    }
+
+    #[getter]
+    fn models(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        self.with(py, |inside| {
+            Ok(inside.simulation.entities().iter().map(|(_, entity)| entity.name.clone()).collect())
+        })
+    }
+
+    fn topics(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        self.with(py, |inside| inside.simulation.topics().map_err(value_error))
+    }
+
+    fn command(&self, py: Python<'_>, name: String, linear: f64, angular: f64) -> PyResult<()> {
+        if !(linear.is_finite() && angular.is_finite()) {
+            return Err(of("command", format_args!("({linear}, {angular}): finite numbers are expected")));
+        }
+        self.with(py, move |inside| {
+            let id = inside.find(&name)?;
+            inside.simulation.command(id, Command::new(linear, angular)).map_err(value_error)
+        })
+    }
+
+    fn step(&self, py: Python<'_>, steps: u32) -> PyResult<()> {
+        self.with(py, move |inside| {
+            (0..steps).for_each(|_| inside.simulation.step());
+            Ok(())
+        })
+    }
+
+    fn run_for(&self, py: Python<'_>, time_ns: u64) -> PyResult<()> {
+        self.with(py, move |inside| {
+            inside.simulation.run_for(Duration::from_nanos(time_ns));
+            Ok(())
+        })
+    }
+
+    fn reset(&self, py: Python<'_>) -> PyResult<()> {
+        self.with(py, |inside| inside.simulation.reset().map_err(value_error))
+    }
+
+    fn pose<'py>(&self, py: Python<'py>, name: String) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let pose =
+            self.with(py, move |inside| inside.simulation.pose(inside.find(&name)?).map_err(value_error))?;
+        Ok(PyArray1::from_slice(py, &poses::numbers(&pose)))
+    }
+
+    fn place(&self, py: Python<'_>, name: String, pose: PyReadonlyArrayDyn<'_, f64>) -> PyResult<()> {
+        let pose = poses::read("pose", &pose)?.into_iter().next().unwrap_or_default();
+        self.with(py, move |inside| {
+            let id = inside.find(&name)?;
+            inside.simulation.place(id, &pose, DVec3::ZERO, DVec3::ZERO).map_err(value_error)
+        })
+    }
+
+    /// The frame of a topic as it is now: the bytes of its header, and the payload in memory of its own.
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        topic: String,
+    ) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyArray1<u8>>)> {
+        let (header, payload) = self.with(py, move |inside| {
+            let Inside { simulation, frame, .. } = inside;
+            simulation.render(&topic, frame).map_err(value_error)?;
+            Ok((bytemuck::bytes_of(frame.header()).to_vec(), frame.payload().to_vec()))
+        })?;
+        Ok((PyBytes::new(py, &header), PyArray1::from_vec(py, payload)))
+    }
+
+    /// What is seen now, as a world of its own.
+    fn world(&self, py: Python<'_>) -> PyResult<World> {
+        self.with(py, |inside| Ok(World::of_data(Data::of_simulation(&mut inside.simulation))))
+    }
+}

@@ -1,0 +1,432 @@
+//! Shapes, looks and bodies: what sensors see.
+
+use crate::cast;
+use crate::errors::{of, value_error};
+use crate::load::{self, Options};
+use crate::poses;
+use belvedere::description::any::Described;
+use belvedere::description::model;
+use belvedere::entities::Entities;
+use belvedere::simulation::{Simulation, SpawnOptions};
+use belvedere_sensors::Pose;
+use belvedere_sensors::scene::{
+    Environment, InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId,
+    SceneBuilder, SceneError, Shape, TextureAlpha,
+};
+use numpy::{PyArray1, PyReadonlyArrayDyn};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// What there is. Batches that are under way keep theirs while the world is changed.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Data {
+    pub(crate) builder: SceneBuilder,
+    pub(crate) bodies: Vec<Body>,
+}
+
+/// What moves as one.
+#[derive(Debug, Clone)]
+pub(crate) struct Body {
+    name: String,
+    /// In the world.
+    pose: Pose,
+    /// Its instances, and where they are in its frame.
+    pub(crate) parts: Vec<(InstanceId, Pose)>,
+}
+
+impl Data {
+    /// What the sensors of a simulation see now.
+    pub(crate) fn of_simulation(simulation: &mut Simulation) -> Self {
+        let names = names(simulation.entities());
+        let scene = simulation.scene();
+        let builder = scene.builder().clone();
+        let parts: Vec<_> = scene.parts().collect();
+        let mut bodies: Vec<Body> = Vec::new();
+        let mut last = None;
+        for (model, link, instance, body_from_part) in parts {
+            if last != Some((model, link)) {
+                last = Some((model, link));
+                let world_from_part = builder.pose(instance).unwrap_or_default();
+                let name =
+                    names.get(model).and_then(|(_, links)| links.get(link)).cloned().unwrap_or_default();
+                bodies.push(Body {
+                    name,
+                    pose: world_from_part * body_from_part.inverse(),
+                    parts: Vec::new(),
+                });
+            }
+            if let Some(body) = bodies.last_mut() {
+                body.parts.push((instance, body_from_part));
+            }
+        }
+        Self { builder, bodies }
+    }
+
+    fn of_description(described: Described) -> PyResult<Self> {
+        let mut simulation = match described {
+            Described::World(world) => Simulation::builder(world).build().map_err(value_error)?,
+            Described::Model(thing) => {
+                let mut simulation =
+                    Simulation::builder(model::World::empty()).build().map_err(value_error)?;
+                let options = SpawnOptions { world_from_model: thing.world_from_model, ..Default::default() };
+                simulation.spawn(&thing, options).map_err(value_error)?;
+                simulation
+            }
+        };
+        Ok(Self::of_simulation(&mut simulation))
+    }
+
+    fn find(&self, name: &str) -> Option<usize> {
+        self.bodies.iter().position(|body| body.name == name)
+    }
+}
+
+/// `model::link` by the numbers of models and links.
+fn names(entities: &Entities) -> Vec<(String, Vec<String>)> {
+    let mut names = Vec::new();
+    for (id, entity) in entities.iter() {
+        if names.len() <= id.index() {
+            names.resize_with(id.index() + 1, Default::default);
+        }
+        let links = entity.model.links.iter().map(|link| format!("{}::{}", entity.name, link.name));
+        names[id.index()] = (entity.name.clone(), links.collect());
+    }
+    names
+}
+
+#[pyclass(frozen, module = "belvedere._native")]
+pub(crate) struct World {
+    data: Mutex<Arc<Data>>,
+    notes: Vec<String>,
+}
+
+/// How a surface looks, as Python hands it over: colour, emissive, specular, shininess, a picture with its width.
+type Look<'py> = ([f32; 4], [f32; 3], [f32; 3], f32, Option<(PyReadonlyArrayDyn<'py, u8>, u32)>, [f32; 2]);
+
+/// What else is said of a body: name, pose, scale, class, retro-reflection, visibility.
+type Said<'py> = (String, PyReadonlyArrayDyn<'py, f64>, [f64; 3], u32, f32, u32);
+
+impl World {
+    pub(crate) fn of_data(data: Data) -> Self {
+        Self { data: Mutex::new(Arc::new(data)), notes: Vec::new() }
+    }
+
+    /// What there is now.
+    pub(crate) fn data(&self) -> Arc<Data> {
+        self.lock().clone()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Arc<Data>> {
+        self.data.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Changes a copy, which takes the place of the world if nothing is wrong.
+    fn change<T>(&self, change: impl FnOnce(&mut Data) -> PyResult<T>) -> PyResult<T> {
+        change(Arc::make_mut(&mut self.lock()))
+    }
+
+    /// Adds an instance as a body of its own. What was added for it is taken out again if that cannot be.
+    fn add(
+        &self,
+        shape: impl FnOnce(&mut SceneBuilder) -> PyResult<Shape>,
+        look: Look<'_>,
+        said: Said<'_>,
+    ) -> PyResult<usize> {
+        let (name, pose, scale, class, laser_retro, visibility) = said;
+        let world_from_body = poses::read("pose", &pose)?.into_iter().next().unwrap_or_default();
+        self.change(|data| {
+            let name = if name.is_empty() { format!("body_{}", data.bodies.len()) } else { name };
+            if data.find(&name).is_some() {
+                return Err(of("name", format_args!("there is a body {name:?} already")));
+            }
+            let material = add_material(&mut data.builder, &look)?;
+            let taken = shape(&mut data.builder).and_then(|shape| {
+                let config = InstanceConfig {
+                    shape,
+                    world_from_instance: world_from_body,
+                    scale,
+                    material,
+                    visibility,
+                    laser_retro,
+                    class,
+                };
+                data.builder.add_instance(&config).map_err(of_shape)
+            });
+            let instance = taken.inspect_err(|_| {
+                // It is there, and nobody has it.
+                let _ = data.builder.remove_material(material);
+            })?;
+            data.bodies.push(Body { name, pose: world_from_body, parts: vec![(instance, Pose::IDENTITY)] });
+            Ok(data.bodies.len() - 1)
+        })
+    }
+}
+
+/// An error about the argument that it is of.
+fn of_shape(error: SceneError) -> PyErr {
+    let argument = match error {
+        SceneError::BadScale => "scale",
+        SceneError::BadPose => "pose",
+        SceneError::BadVertex(_) | SceneError::VertexTooFar(_) => "vertices",
+        SceneError::BadTriangle(_) => "faces",
+        SceneError::UvCount | SceneError::BadUv(_) => "uvs",
+        SceneError::BadHeight(_) | SceneError::HeightCount | SceneError::HeightFieldTooSmall => "heights",
+        SceneError::BadAlpha => "color",
+        SceneError::BadShininess => "shininess",
+        SceneError::BadTexture => "texture",
+        SceneError::BadTextureRepeat => "texture_repeat",
+        SceneError::BadLight => "position",
+        SceneError::BadFalloff => "falloff",
+        _ => "size",
+    };
+    of(argument, error)
+}
+
+fn add_material(builder: &mut SceneBuilder, look: &Look<'_>) -> PyResult<MaterialId> {
+    let (color, emissive, specular, shininess, picture, texture_repeat) = look;
+    let texture = picture.as_ref().map(|(picture, width)| {
+        let texels = picture.as_slice().map_err(|error| of("texture", error))?;
+        let texels: &[[u8; 4]] = bytemuck::try_cast_slice(texels).map_err(|error| of("texture", error))?;
+        let height = texels.len() / (*width).max(1) as usize;
+        builder.add_texture(*width, height as u32, texels).map_err(of_shape)
+    });
+    let texture = texture.transpose()?;
+    let [r, g, b, alpha] = *color;
+    let config = MaterialConfig {
+        diffuse: [r, g, b],
+        ambient: [r, g, b],
+        emissive: *emissive,
+        specular: *specular,
+        shininess: *shininess,
+        alpha,
+        texture_alpha: TextureAlpha::Ignored,
+        texture,
+        texture_repeat: *texture_repeat,
+        ..Default::default()
+    };
+    builder.add_material(&config).map_err(of_shape)
+}
+
+#[pymethods]
+impl World {
+    /// A world without anything.
+    #[new]
+    fn new() -> Self {
+        Self::of_data(Data::default())
+    }
+
+    /// Of a file, a name or a text.
+    #[staticmethod]
+    fn load(
+        py: Python<'_>,
+        source: &str,
+        package_path: Vec<PathBuf>,
+        models: PathBuf,
+        xacro_args: Vec<(String, String)>,
+    ) -> PyResult<Self> {
+        py.detach(|| {
+            let (described, notes) = load::load(source, Options { package_path, models, xacro_args })?;
+            let data = Data::of_description(described)?;
+            Ok(Self { data: Mutex::new(Arc::new(data)), notes })
+        })
+    }
+
+    /// What was ignored, one line each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    #[getter]
+    fn bodies(&self) -> Vec<String> {
+        self.data().bodies.iter().map(|body| body.name.clone()).collect()
+    }
+
+    /// The body of each instance, by their numbers.
+    fn instance_bodies<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
+        let data = self.data();
+        let mut bodies = vec![-1; data.builder.scene().instances().len()];
+        for (number, body) in data.bodies.iter().enumerate() {
+            for (instance, _) in &body.parts {
+                bodies[instance.0 as usize] = number as i32;
+            }
+        }
+        PyArray1::from_vec(py, bodies)
+    }
+
+    /// Bytes that the world holds.
+    fn memory_len(&self) -> usize {
+        self.data().builder.memory_len()
+    }
+
+    fn pose<'py>(&self, py: Python<'py>, body: usize) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let data = self.data();
+        let body = data.bodies.get(body).ok_or_else(|| no_body(body, &data))?;
+        Ok(PyArray1::from_slice(py, &poses::numbers(&body.pose)))
+    }
+
+    fn set_pose(&self, body: usize, pose: PyReadonlyArrayDyn<'_, f64>) -> PyResult<()> {
+        let world_from_body = poses::read("pose", &pose)?.into_iter().next().unwrap_or_default();
+        self.change(|data| {
+            let Data { builder, bodies } = data;
+            let count = bodies.len();
+            let body = bodies
+                .get_mut(body)
+                .ok_or_else(|| of("body", format_args!("there is no body {body}; the world has {count}")))?;
+            for (instance, body_from_part) in &body.parts {
+                builder.set_pose(*instance, world_from_body * *body_from_part).map_err(of_shape)?;
+            }
+            body.pose = world_from_body;
+            Ok(())
+        })
+    }
+
+    /// Adds a shape of so many numbers: a box of three edges and so on.
+    fn add_shape(&self, kind: &str, size: Vec<f64>, look: Look<'_>, said: Said<'_>) -> PyResult<usize> {
+        let shape = match (kind, &size[..]) {
+            ("box", &[x, y, z]) => Shape::Box { size: [x, y, z] },
+            ("rectangle", &[x, y]) => Shape::Rectangle { size: [x, y] },
+            ("plane", []) => Shape::Plane,
+            ("sphere", &[radius]) => Shape::Sphere { radius },
+            ("ellipsoid", &[a, b, c]) => Shape::Ellipsoid { radii: [a, b, c] },
+            ("cylinder", &[radius, length]) => Shape::Cylinder { radius, length },
+            ("capsule", &[radius, length]) => Shape::Capsule { radius, length },
+            ("cone", &[radius, length]) => Shape::Cone { radius, length },
+            _ => return Err(of("size", format_args!("{size:?} is not that of a {kind}"))),
+        };
+        self.add(|_| Ok(shape), look, said)
+    }
+
+    fn add_mesh(
+        &self,
+        py: Python<'_>,
+        vertices: PyReadonlyArrayDyn<'_, f32>,
+        faces: PyReadonlyArrayDyn<'_, u32>,
+        uvs: Option<PyReadonlyArrayDyn<'_, f32>>,
+        look: Look<'_>,
+        said: Said<'_>,
+    ) -> PyResult<usize> {
+        let positions = triples::<f32, 3>("vertices", &vertices)?;
+        let triangles = triples::<u32, 3>("faces", &faces)?;
+        let uvs = uvs.as_ref().map(|uvs| triples::<f32, 2>("uvs", uvs)).transpose()?.unwrap_or_default();
+        if triangles.is_empty() {
+            return Err(of("faces", "there are none; a mesh has one triangle at least"));
+        }
+        let mut mesh = None;
+        let added = self.add(
+            |builder| {
+                let id = py.detach(|| builder.add_mesh(&positions, &uvs, &triangles)).map_err(of_shape)?;
+                mesh = Some(id);
+                Ok(Shape::Mesh(id))
+            },
+            look,
+            said,
+        );
+        if let (Err(_), Some(mesh)) = (&added, mesh) {
+            // Nobody has it.
+            let _ = self.change(|data| Ok(data.builder.remove_mesh(mesh)));
+        }
+        added
+    }
+
+    /// Adds a terrain of `rows` × `columns` heights, row by row from +y to −y.
+    fn add_height_field(
+        &self,
+        heights: PyReadonlyArrayDyn<'_, f32>,
+        shape: [u32; 2],
+        size: [f64; 2],
+        look: Look<'_>,
+        said: Said<'_>,
+    ) -> PyResult<usize> {
+        let heights = heights.as_slice().map_err(|error| of("heights", error))?;
+        let mut field = None;
+        let added = self.add(
+            |builder| {
+                let id = builder.add_height_field(shape[0], shape[1], size, heights).map_err(of_shape)?;
+                field = Some(id);
+                Ok(Shape::HeightField(id))
+            },
+            look,
+            said,
+        );
+        if let (Err(_), Some(field)) = (&added, field) {
+            // Nobody has it.
+            let _ = self.change(|data| Ok(data.builder.remove_height_field(field)));
+        }
+        added
+    }
+
+    /// Adds a lamp: `point`, `directional` or `spot`; angles are half the cone's.
+    fn add_light(
+        &self,
+        kind: &str,
+        position: [f64; 3],
+        direction: [f64; 3],
+        diffuse: [f32; 3],
+        specular: [f32; 3],
+        range_m: f32,
+        attenuation: [f32; 3],
+        cone: [f32; 3],
+        cast_shadows: bool,
+    ) -> PyResult<u32> {
+        let [inner, outer, falloff] = cone;
+        let kind = match kind {
+            "directional" => LightKind::Directional { direction },
+            "spot" => {
+                let (cos_inner, cos_outer) = (inner.cos(), outer.cos());
+                LightKind::Spot { position, direction, cos_inner, cos_outer, falloff }
+            }
+            _ => LightKind::Point { position },
+        };
+        let config = LightConfig { kind, diffuse, specular, range_m, attenuation, cast_shadows };
+        self.change(|data| Ok(data.builder.add_light(&config).map_err(of_shape)?.0))
+    }
+
+    fn set_environment(&self, ambient: [f32; 3], background: [f32; 3]) -> PyResult<()> {
+        self.change(|data| {
+            data.builder.set_environment(Environment { ambient, background });
+            Ok(())
+        })
+    }
+
+    /// Casts rays with nothing in common.
+    fn cast(
+        &self,
+        py: Python<'_>,
+        origins: PyReadonlyArrayDyn<'_, f32>,
+        directions: PyReadonlyArrayDyn<'_, f32>,
+        ranges: Option<PyReadonlyArrayDyn<'_, f32>>,
+        reference: [f64; 3],
+        visibility: u32,
+        both_faces: bool,
+        moves: (Vec<usize>, Option<PyReadonlyArrayDyn<'_, f64>>),
+        outputs: &Bound<'_, PyDict>,
+        threads: usize,
+    ) -> PyResult<()> {
+        let origins = triples::<f32, 3>("origins", &origins)?;
+        let directions = triples::<f32, 3>("directions", &directions)?;
+        let ranges = ranges.as_ref().map(|ranges| triples::<f32, 2>("ranges", ranges)).transpose()?;
+        let rays = cast::Rays { origins, directions, ranges, reference, visibility, both_faces };
+        cast::cast(py, self.data(), &rays, moves, outputs, threads)
+    }
+}
+
+fn no_body(body: usize, data: &Data) -> PyErr {
+    of("body", format_args!("there is no body {body}; the world has {}", data.bodies.len()))
+}
+
+/// The rows of an array that lies without gaps, each of so many numbers.
+fn triples<T: numpy::Element + bytemuck::Pod, const N: usize>(
+    argument: &str,
+    array: &PyReadonlyArrayDyn<'_, T>,
+) -> PyResult<Vec<[T; N]>>
+where
+    [T; N]: bytemuck::Pod,
+{
+    let numbers = array.as_slice().map_err(|error| of(argument, error))?;
+    let rows: &[[T; N]] = bytemuck::try_cast_slice(numbers)
+        .map_err(|_| of(argument, format_args!("{} numbers are not rows of {N}", numbers.len())))?;
+    Ok(rows.to_vec())
+}

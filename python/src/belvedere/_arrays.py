@@ -1,0 +1,205 @@
+"""Arguments as the arrays that the native module takes, and errors that name them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from belvedere import _native
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: Whatever numpy makes an array of: arrays, sequences, and others' arrays by ``__dlpack__`` or ``__array__``.
+ArrayLike: TypeAlias = Any
+#: Body poses by name or number, each (…, 7) or (…, 4, 4); or of all bodies (…, bodies, 7).
+Bodies: TypeAlias = Mapping[str | int, ArrayLike] | ArrayLike
+
+
+def array(argument: str, value: ArrayLike, dtype: type[np.generic]) -> NDArray[Any]:
+    """Return the value as an array of this type that lies without gaps; a copy only if it has to be.
+
+    Raises:
+        ValueError: it is no array of numbers.
+
+    """
+    try:
+        if not isinstance(value, np.ndarray) and hasattr(value, "__dlpack__"):
+            value = np.from_dlpack(value)
+        converted = np.asarray(value)
+        if converted.dtype.kind not in "biuf":
+            raise TypeError(f"its elements are {converted.dtype}")
+        if np.issubdtype(dtype, np.integer) and converted.size and converted.dtype.kind == "f":
+            raise TypeError(f"its elements are {converted.dtype}, and whole numbers are expected")
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.ascontiguousarray(converted, dtype)
+    except (TypeError, ValueError, BufferError, RuntimeError, OverflowError) as error:
+        raise ValueError(f"{argument}: an array of {np.dtype(dtype)} is expected: {error}") from error
+
+
+def vectors(argument: str, value: ArrayLike, size: int, dtype: type[np.generic] = np.float32) -> NDArray[Any]:
+    """Return an array whose last axis has this many numbers."""
+    converted = array(argument, value, dtype)
+    if converted.ndim == 0 or converted.shape[-1] != size:
+        raise ValueError(f"{argument}: shape {converted.shape}; (…, {size}) is expected")
+    return converted
+
+
+def numbers(argument: str, value: ArrayLike, size: int) -> list[float]:
+    """Return a short row of finite numbers."""
+    converted = array(argument, value, np.float64)
+    if converted.shape != (size,):
+        raise ValueError(f"{argument}: shape {converted.shape}; ({size},) is expected")
+    if not np.isfinite(converted).all():
+        raise ValueError(f"{argument}: finite numbers are expected, not {converted.tolist()}")
+    return [float(number) for number in converted]
+
+
+def number(argument: str, value: float) -> float:
+    """Return a number that is none of NaN."""
+    try:
+        converted = float(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ValueError(f"{argument}: a number is expected: {error}") from error
+    if math.isnan(converted):
+        raise ValueError(f"{argument}: a number is expected, not NaN")
+    return converted
+
+
+def count(argument: str, value: int, least: int = 1, most: int = 2**31 - 1) -> int:
+    """Return a whole number within limits."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
+        raise ValueError(f"{argument}: a whole number from {least} to {most} is expected, not {value!r}")
+    return int(value)
+
+
+def choice(argument: str, value: str, choices: Mapping[str, int]) -> int:
+    """Return what a word stands for."""
+    if value not in choices:
+        raise ValueError(f"{argument}: one of {', '.join(choices)} is expected, not {value!r}")
+    return choices[value]
+
+
+class Poses(NamedTuple):
+    """Poses of any leading shape."""
+
+    #: (N, 7)
+    flat: NDArray[np.float64]
+    #: The axes before the last ones, N in all.
+    lead: tuple[int, ...]
+
+
+def poses(argument: str, value: ArrayLike) -> Poses:
+    """Return poses given as (…, 7) or (…, 4, 4)."""
+    given = array(argument, value, np.float64)
+    if given.ndim >= 2 and given.shape[-2:] == (4, 4):
+        lead = given.shape[:-2]
+        flat = _native.poses_of_matrices(argument, given.reshape(-1, 4, 4))
+    elif given.ndim >= 1 and given.shape[-1] == 7:
+        lead = given.shape[:-1]
+        flat = given
+    else:
+        raise ValueError(
+            f"{argument}: shape {given.shape}; (…, 7), x y z qx qy qz qw, or (…, 4, 4), matrices, is expected"
+        )
+    return Poses(flat.reshape(math.prod(lead), 7), lead)
+
+
+def one_pose(argument: str, value: ArrayLike | None) -> NDArray[np.float64]:
+    """Return a single pose (7,); the identity for none, and for a place (3,) without a turn."""
+    if value is None:
+        return np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    given = array(argument, value, np.float64)
+    if given.shape == (3,):
+        return np.concatenate([given, [0.0, 0.0, 0.0, 1.0]])
+    flat, lead = poses(argument, given)
+    if lead != ():
+        raise ValueError(f"{argument}: shape {given.shape}; a single pose (7,), (4, 4) or place (3,) is expected")
+    return np.ascontiguousarray(flat[0])
+
+
+def bodies(
+    argument: str, value: Bodies | None, lead: tuple[int, ...], names: Sequence[str]
+) -> tuple[list[int], NDArray[np.float64] | None]:
+    """Return the numbers of the bodies that are elsewhere, and their poses (N, bodies, 7)."""
+    if value is None:
+        return [], None
+    if not isinstance(value, Mapping):
+        flat, shape = poses(argument, value)
+        if shape != (*lead, len(names)):
+            raise ValueError(
+                f"{argument}: poses of shape {shape}; {(*lead, len(names))} is expected: "
+                f"one for each frame and each of the world's {len(names)} bodies; or give a dictionary of some"
+            )
+        return list(range(len(names))), flat
+    moved: list[int] = []
+    parts: list[NDArray[np.float64]] = []
+    for body, given in value.items():
+        moved.append(body_number(argument, body, names))
+        named = f"{argument}[{body!r}]"
+        flat, shape = poses(named, given)
+        try:
+            parts.append(np.broadcast_to(flat.reshape(*shape, 7), (*lead, 7)).reshape(-1, 7))
+        except ValueError as error:
+            raise ValueError(f"{named}: poses of shape {shape}; {lead} is expected, one for each frame") from error
+    if len(set(moved)) != len(moved):
+        raise ValueError(f"{argument}: a body is named twice")
+    if not moved:
+        return [], None
+    return moved, np.ascontiguousarray(np.stack(parts, axis=1))
+
+
+def body_number(argument: str, body: str | int, names: Sequence[str]) -> int:
+    """Return the number of a body by its name or number."""
+    if isinstance(body, str):
+        if body not in names:
+            shown = ", ".join(names[:8]) + (", …" if len(names) > 8 else "")
+            raise ValueError(f"{argument}: there is no body {body!r}; there are {shown or 'none'}")
+        return names.index(body)
+    if isinstance(body, bool) or not isinstance(body, (int, np.integer)) or not 0 <= body < len(names):
+        raise ValueError(f"{argument}: there is no body {body!r}; there are {len(names)}, counted from 0")
+    return int(body)
+
+
+def seeds(value: ArrayLike | int, lead: tuple[int, ...]) -> list[int]:
+    """Return the seed of each frame: those that are given, or a first one and those that follow it."""
+    total = math.prod(lead)
+    if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
+        if not 0 <= value < 2**64:
+            raise ValueError(f"seeds: a whole number from 0 to 2**64 - 1 is expected, not {value}")
+        return [(int(value) + index) % 2**64 for index in range(total)]
+    given = np.asarray(value)
+    if given.shape != lead or given.dtype.kind not in "iu" or (given.size and int(given.min()) < 0):
+        raise ValueError(
+            f"seeds: shape {given.shape} of {given.dtype}; {lead} whole numbers, 0 or more, are expected, or the first one"
+        )
+    return [int(seed) for seed in given.ravel()]
+
+
+def threads(value: int | None) -> int:
+    """Return a number of threads; 0 for as many as there are processors."""
+    return 0 if value is None else count("threads", value, 1, 1024)
+
+
+def output(argument: str, value: ArrayLike, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
+    """Return the caller's memory as an array to be written in place."""
+    if not isinstance(value, np.ndarray):
+        try:
+            value = np.from_dlpack(value)
+        except (TypeError, AttributeError, ValueError, BufferError, RuntimeError) as error:
+            raise ValueError(
+                f"{argument}: an array of numpy, or another's in main memory that has __dlpack__, is expected: {error}"
+            ) from error
+    given: NDArray[Any] = value
+    if given.shape != shape or given.dtype != dtype:
+        raise ValueError(f"{argument}: shape {given.shape} of {given.dtype}; {shape} of {dtype} is expected")
+    if not given.flags.writeable:
+        raise ValueError(f"{argument}: it is read-only; memory that can be written to is expected")
+    if not given.flags.c_contiguous:
+        raise ValueError(f"{argument}: strides {given.strides}; rows without gaps (C-contiguous) are expected")
+    if not given.flags.aligned:
+        raise ValueError(f"{argument}: it is not aligned to its elements")
+    return given

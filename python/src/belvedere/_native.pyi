@@ -1,0 +1,220 @@
+"""Sensors and simulator, for the modules of this package alone: they check what they hand over."""
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Poses of the sensor (N, 7), numbers of bodies, their poses (N, bodies, 7).
+_Places: TypeAlias = tuple[NDArray[np.float64], Sequence[int], NDArray[np.float64] | None]
+_Moves: TypeAlias = tuple[Sequence[int], NDArray[np.float64] | None]
+_Lens: TypeAlias = tuple[tuple[str, Sequence[float]] | None, float | None]
+_Look: TypeAlias = tuple[
+    Sequence[float],
+    Sequence[float],
+    Sequence[float],
+    float,
+    tuple[NDArray[np.uint8], int] | None,
+    Sequence[float],
+]
+_Said: TypeAlias = tuple[str, NDArray[np.float64], Sequence[float], int, float, int]
+
+def poses_of_matrices(argument: str, matrices: NDArray[np.float64]) -> NDArray[np.float64]: ...
+
+@final
+class World:
+    def __new__(cls) -> World: ...
+    @staticmethod
+    def load(
+        source: str, package_path: Sequence[str], models: str, xacro_args: Sequence[tuple[str, str]]
+    ) -> World: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def bodies(self) -> list[str]: ...
+    def instance_bodies(self) -> NDArray[np.int32]: ...
+    def memory_len(self) -> int: ...
+    def pose(self, body: int) -> NDArray[np.float64]: ...
+    def set_pose(self, body: int, pose: NDArray[np.float64]) -> None: ...
+    def add_shape(self, kind: str, size: Sequence[float], look: _Look, said: _Said) -> int: ...
+    def add_mesh(
+        self,
+        vertices: NDArray[np.float32],
+        faces: NDArray[np.uint32],
+        uvs: NDArray[np.float32] | None,
+        look: _Look,
+        said: _Said,
+    ) -> int: ...
+    def add_height_field(
+        self,
+        heights: NDArray[np.float32],
+        shape: Sequence[int],
+        size: Sequence[float],
+        look: _Look,
+        said: _Said,
+    ) -> int: ...
+    def add_light(
+        self,
+        kind: str,
+        position: Sequence[float],
+        direction: Sequence[float],
+        diffuse: Sequence[float],
+        specular: Sequence[float],
+        range_m: float,
+        attenuation: Sequence[float],
+        cone: Sequence[float],
+        cast_shadows: bool,
+    ) -> int: ...
+    def set_environment(self, ambient: Sequence[float], background: Sequence[float]) -> None: ...
+    def cast(
+        self,
+        origins: NDArray[np.float32],
+        directions: NDArray[np.float32],
+        ranges: NDArray[np.float32] | None,
+        reference: Sequence[float],
+        visibility: int,
+        both_faces: bool,
+        moves: _Moves,
+        outputs: dict[str, NDArray[Any]],
+        threads: int,
+    ) -> None: ...
+
+@final
+class Camera:
+    def __new__(
+        cls,
+        size: Sequence[int],
+        lens: _Lens,
+        clip: Sequence[float],
+        exposure: float,
+        grey: bool,
+        smooth: bool,
+        noise: Sequence[float],
+        device: str | None,
+    ) -> Camera: ...
+    def render(
+        self,
+        world: World,
+        now: _Places,
+        after: _Places | None,
+        before: _Places | None,
+        seeds: Sequence[int],
+        outputs: dict[str, NDArray[Any]],
+        threads: int,
+    ) -> None: ...
+
+@final
+class DepthCamera:
+    def __new__(
+        cls,
+        size: Sequence[int],
+        lens: _Lens,
+        clip: Sequence[float],
+        exposure: float,
+        grey: bool,
+        smooth: bool,
+        noise: Sequence[float],
+        device: str | None,
+        range: Sequence[float | None],
+        depth_noise: Sequence[float],
+        model: str | None,
+    ) -> DepthCamera: ...
+    @staticmethod
+    def presets() -> list[tuple[str, tuple[int, int], float, tuple[float, float]]]: ...
+    def render(
+        self,
+        world: World,
+        now: _Places,
+        after: _Places | None,
+        before: _Places | None,
+        seeds: Sequence[int],
+        outputs: dict[str, NDArray[Any]],
+        threads: int,
+    ) -> None: ...
+
+@final
+class Lidar:
+    def __new__(
+        cls,
+        horizontal: tuple[int, float, float],
+        vertical: tuple[int, float, float],
+        range: Sequence[float],
+        noise: Sequence[float],
+        visibility: int,
+        both_faces: bool,
+    ) -> Lidar: ...
+    def render(
+        self,
+        world: World,
+        now: _Places,
+        after: _Places | None,
+        before: _Places | None,
+        seeds: Sequence[int],
+        outputs: dict[str, NDArray[Any]],
+        threads: int,
+    ) -> None: ...
+
+@final
+class Scanner:
+    def __new__(
+        cls,
+        preset: str,
+        rate_hz: float | None,
+        columns: int | None,
+        returns: str,
+        intensity: str,
+        weather: Sequence[float],
+        visibility: int,
+    ) -> Scanner: ...
+    @staticmethod
+    def presets() -> list[str]: ...
+    @property
+    def size(self) -> tuple[int, int, int]: ...
+    def render(
+        self,
+        world: World,
+        now: _Places,
+        after: _Places | None,
+        before: _Places | None,
+        seeds: Sequence[int],
+        outputs: dict[str, NDArray[Any]],
+        threads: int,
+    ) -> None: ...
+
+@final
+class Simulation:
+    def __new__(
+        cls,
+        world: str,
+        seed: int,
+        gazebo_compat: bool,
+        threads: int,
+        package_path: Sequence[str],
+        models: str,
+    ) -> Simulation: ...
+    def spawn(
+        self,
+        source: str,
+        name: str,
+        namespace: str,
+        pose: NDArray[np.float64],
+        package_path: Sequence[str],
+        models: str,
+        xacro_args: Sequence[tuple[str, str]],
+    ) -> str: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def time_ns(self) -> int: ...
+    @property
+    def models(self) -> list[str]: ...
+    def topics(self) -> list[str]: ...
+    def command(self, name: str, linear: float, angular: float) -> None: ...
+    def step(self, steps: int) -> None: ...
+    def run_for(self, time_ns: int) -> None: ...
+    def reset(self) -> None: ...
+    def pose(self, name: str) -> NDArray[np.float64]: ...
+    def place(self, name: str, pose: NDArray[np.float64]) -> None: ...
+    def render(self, topic: str) -> tuple[bytes, NDArray[np.uint8]]: ...
+    def world(self) -> World: ...

@@ -1,0 +1,427 @@
+"""Cameras, depth cameras, lidars and scanners: batches of frames as arrays."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from belvedere import _arrays, _native
+from belvedere._frames import Frames
+from belvedere._world import SEES, World, prepare
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from belvedere._arrays import ArrayLike, Bodies
+    from belvedere._lens import Lens
+
+_Channels = dict[str, tuple[np.dtype[Any], tuple[int, ...]]]
+_F32, _U32 = np.dtype(np.float32), np.dtype(np.uint32)
+
+
+def _truth(depth: str, range_: str) -> _Channels:
+    """The channels of what is true of each ray, with these names for distances."""
+    return {
+        depth: (_F32, ()),
+        range_: (_F32, ()),
+        "normal": (_F32, (3,)),
+        "instance": (_U32, ()),
+        "class": (_U32, ()),
+        "incidence": (_F32, ()),
+        "flow": (_F32, (2,)),
+        "flow_back": (_F32, (2,)),
+    }
+
+
+class _Native(Protocol):
+    def render(
+        self,
+        world: _native.World,
+        now: _native._Places,
+        after: _native._Places | None,
+        before: _native._Places | None,
+        seeds: Sequence[int],
+        outputs: dict[str, Any],
+        threads: int,
+    ) -> None: ...
+
+
+class Sensor:
+    """What takes frames. A sensor looks along +x of its pose, y is left, z is up."""
+
+    _native: _Native
+    _channels: _Channels
+    _default: tuple[str, ...]
+    _frame: tuple[int, ...]
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The names of all channels."""
+        return tuple(self._channels)
+
+    @property
+    def frame_shape(self) -> tuple[int, ...]:
+        """The shape of a frame: (height, width), (lines, beams) or (firings, returns)."""
+        return self._frame
+
+    def render(
+        self,
+        world: World,
+        poses: ArrayLike,
+        out: Mapping[str, ArrayLike] | None = None,
+        *,
+        channels: Sequence[str] | None = None,
+        seeds: ArrayLike | int = 0,
+        bodies: Bodies | None = None,
+        after: ArrayLike | None = None,
+        bodies_after: Bodies | None = None,
+        before: ArrayLike | None = None,
+        bodies_before: Bodies | None = None,
+        threads: int | None = None,
+    ) -> Frames:
+        """Take a frame from each pose.
+
+        A frame's bytes depend on world, sensor, pose, bodies and seed alone: not on the batch that it is in, its place
+        there, the number of threads or the machine.
+
+        Args:
+            world: what is seen.
+            poses: where the sensor is: (…, 7), x y z qx qy qz qw in metres, or (…, 4, 4). The axes before the last are
+                the batch's shape.
+            out: arrays to write into, by channel; of the right shape and type, without gaps, writeable. Others' arrays
+                by ``__dlpack__``.
+            channels: which are wanted; without it, those of ``out``, or the sensor's main one.
+            seeds: of the noise: one for each frame, of the batch's shape; or the first one, and those that follow.
+            bodies: bodies that are elsewhere than the world has them: a dictionary by name or number of poses that
+                broadcast to the batch's shape, or an array (…, bodies, 7) of all.
+            after: where the sensor is at the next frame, as ``poses``: for ``flow``. Of a scanner: where it is at the end
+                of the frame; each ray is cast from where it is at its time.
+            bodies_after: bodies then; without it, ``bodies``.
+            before: where it was at the frame before: for ``flow_back``.
+            bodies_before: bodies then; without it, ``bodies``.
+            threads: how many work; without it, one a processor.
+
+        Returns:
+            The arrays, by channel: the batch's shape, then the frame's.
+
+        Raises:
+            ValueError: an argument is not as it must be; it is named, with its shape and what was expected. Nothing is
+                written then.
+
+        """
+        if not isinstance(world, World):
+            raise ValueError(f"world: a World is expected, not {type(world).__name__}")
+        flat, lead = _arrays.poses("poses", poses)
+        outputs = prepare(self._channels, self._default, channels, out, lead, self._frame)
+        names = world.bodies
+        moved = _arrays.bodies("bodies", bodies, lead, names)
+
+        def moment(argument: str, value: ArrayLike | None, given: Bodies | None) -> _native._Places | None:
+            if value is None:
+                if given is not None:
+                    raise ValueError(f"bodies_{argument}: {argument}=poses is expected beside it")
+                return None
+            other, shape = _arrays.poses(argument, value)
+            if shape != lead:
+                raise ValueError(f"{argument}: poses of shape {shape}; {lead}, as poses, is expected")
+            elsewhere = moved if given is None else _arrays.bodies(f"bodies_{argument}", given, lead, names)
+            return (other, *elsewhere)
+
+        later, earlier = moment("after", after, bodies_after), moment("before", before, bodies_before)
+        for flow, there, argument in (("flow", later, "after"), ("flow_back", earlier, "before")):
+            if flow in outputs and there is None:
+                raise ValueError(f"channels: {flow!r} wants a moment to flow to: give {argument}=poses")
+        numbers = _arrays.seeds(seeds, lead)
+        if math.prod(lead):
+            self._native.render(
+                world._native, (flat, *moved), later, earlier, numbers, outputs, _arrays.threads(threads)
+            )
+        return Frames(outputs, lead)
+
+
+class Camera(Sensor):
+    """A colour camera.
+
+    Channels: ``rgb`` uint8 (height, width, 3), or ``(height, width)`` if it is grey; and what is true of each pixel:
+    ``depth`` float32, metres along the optical axis, ∞ where nothing is; ``range``, metres along the ray; ``normal``
+    float32 (…, 3), outwards, in the world's axes; ``instance`` uint32, 2**32 − 1 where nothing is (see
+    ``World.instance_bodies``); ``class`` uint32, 0 where nothing is; ``incidence`` float32, radians between ray and
+    normal; ``flow`` and ``flow_back`` float32 (…, 2), pixels to where the point is in the frame after and before.
+
+    Args:
+        width: pixels across.
+        height: pixels down.
+        fov: horizontal field of view in radians, of a pinhole with square pixels.
+        lens: another lens, in place of ``fov``.
+        near: metres; what is nearer is not seen.
+        far: metres; what is farther is not seen.
+        grey: one byte a pixel instead of three.
+        smooth: edges without steps.
+        exposure: factor of the light.
+        noise: standard deviation of a colour value, from 0 to 1.
+        device: a preset of what is behind the lens: ``webcam``, ``machine_vision`` or ``raspberry_pi_hq``.
+
+    Raises:
+        ValueError: an argument is out of its range.
+
+    """
+
+    _default = ("rgb",)
+
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        fov: float | None = None,
+        *,
+        lens: Lens | None = None,
+        near: float = 0.02,
+        far: float = 300.0,
+        grey: bool = False,
+        smooth: bool = False,
+        exposure: float = 1.0,
+        noise: float = 0.0,
+        device: str | None = None,
+    ) -> None:
+        size = _size(width, height)
+        self._native = _native.Camera(
+            size,
+            _lens(fov, lens),
+            [_arrays.number("near", near), _arrays.number("far", far)],
+            _arrays.number("exposure", exposure),
+            bool(grey),
+            bool(smooth),
+            [0.0, _arrays.number("noise", noise)],
+            device,
+        )
+        self._frame = (size[1], size[0])
+        self._channels = {"rgb": (np.dtype(np.uint8), () if grey else (3,)), **_truth("depth", "range")}
+
+
+class DepthCamera(Sensor):
+    """A depth camera, and the colour camera in the same place.
+
+    Channels: ``depth`` float32, measured metres along the optical axis: −∞ too near, +∞ too far or nothing there, NaN what
+    the device cannot measure; ``depth_mm`` uint16, 0 where there is none; ``points`` float32 (…, 3) in the optical frame
+    (x right, y down, z forward), NaN where there is none; ``rgb`` as a ``Camera``'s; and what is true: ``true_depth``
+    and the others of ``Camera``.
+
+    Args:
+        width: pixels across; without it, the model's.
+        height: pixels down; without it, the model's.
+        fov: horizontal field of view in radians; without it and ``lens``, the model's.
+        model: a preset of the device, with its noise, steps, shadows and range: ``DepthCamera.models()``. Without it depths
+            are true.
+        lens: another lens, in place of ``fov``.
+        least: metres; at or below is too near. Without it, the model's, or 0.
+        most: metres; at or above is too far. Without it, the model's, or ∞.
+        noise: standard deviation of depths in metres, of a camera without ``model``.
+        near: metres; what is nearer is not seen.
+        far: metres; what is farther is not seen.
+        grey: of the colour picture, as of ``Camera``.
+        smooth: of the colour picture.
+        exposure: of the colour picture.
+        color_noise: of the colour picture.
+        device: of the colour picture.
+
+    Raises:
+        ValueError: an argument is out of its range, or there is no such model.
+
+    """
+
+    _default = ("depth",)
+
+    def __init__(
+        self,
+        width: int | None = None,
+        height: int | None = None,
+        fov: float | None = None,
+        *,
+        model: str | None = None,
+        lens: Lens | None = None,
+        least: float | None = None,
+        most: float | None = None,
+        noise: float = 0.0,
+        near: float = 0.02,
+        far: float = 300.0,
+        grey: bool = False,
+        smooth: bool = False,
+        exposure: float = 1.0,
+        color_noise: float = 0.0,
+        device: str | None = None,
+    ) -> None:
+        preset = next((known for known in _native.DepthCamera.presets() if known[0] == model), None)
+        if model is not None and preset is None:
+            raise ValueError(f"model: one of {', '.join(self.models())} is expected, not {model!r}")
+        if preset is not None:
+            width = preset[1][0] if width is None else width
+            height = preset[1][1] if height is None else height
+            fov = math.radians(preset[2]) if fov is None and lens is None else fov
+            if noise != 0.0:
+                raise ValueError("noise: the model has its own; leave one of the two out")
+        if width is None or height is None:
+            raise ValueError("width, height: two whole numbers are expected, or a model that has them")
+        size = _size(width, height)
+        self._native = _native.DepthCamera(
+            size,
+            _lens(fov, lens),
+            [_arrays.number("near", near), _arrays.number("far", far)],
+            _arrays.number("exposure", exposure),
+            bool(grey),
+            bool(smooth),
+            [0.0, _arrays.number("color_noise", color_noise)],
+            device,
+            [
+                None if least is None else _arrays.number("least", least),
+                None if most is None else _arrays.number("most", most),
+            ],
+            [0.0, _arrays.number("noise", noise)],
+            model,
+        )
+        self._frame = (size[1], size[0])
+        self._channels = {
+            "depth": (_F32, ()),
+            "depth_mm": (np.dtype(np.uint16), ()),
+            "points": (_F32, (3,)),
+            "rgb": (np.dtype(np.uint8), () if grey else (3,)),
+            **_truth("true_depth", "range"),
+        }
+
+    @staticmethod
+    def models() -> list[str]:
+        """Return the names of the presets."""
+        return [name for name, *_ in _native.DepthCamera.presets()]
+
+
+class Lidar(Sensor):
+    """A lidar with an even grid of beams, all at one moment, as Gazebo's.
+
+    Channels: ``range`` float32 (lines, beams), measured metres: −∞ too near, +∞ nothing in range; ``intensity`` float32;
+    and what is true: ``true_range``, ``depth`` and the others of ``Camera``. Lines go from the lowest up, beams
+    counter-clockwise.
+
+    Args:
+        beams: of a line.
+        lines: how many.
+        angles: the first and the last beam's, radians, counter-clockwise from +x.
+        elevations: the first and the last line's, radians, upwards.
+        least: metres; what is nearer is too near.
+        most: metres; what is farther is not met.
+        noise: standard deviation of ranges in metres.
+        sees: ``collision`` shapes, as lidars of robots' files do; ``visual`` ones; ``all``.
+        faces: ``both`` sides of surfaces, or ``front``.
+
+    Raises:
+        ValueError: an argument is out of its range.
+
+    """
+
+    _default = ("range",)
+
+    def __init__(
+        self,
+        beams: int = 360,
+        lines: int = 1,
+        *,
+        angles: tuple[float, float] = (-math.pi, math.pi),
+        elevations: tuple[float, float] = (0.0, 0.0),
+        least: float = 0.0,
+        most: float = 30.0,
+        noise: float = 0.0,
+        sees: str = "collision",
+        faces: str = "both",
+    ) -> None:
+        across, down = _arrays.count("beams", beams, 1, 32767), _arrays.count("lines", lines, 1, 32767)
+        first, last = _arrays.numbers("angles", angles, 2)
+        lowest, highest = _arrays.numbers("elevations", elevations, 2)
+        self._native = _native.Lidar(
+            (across, first, last),
+            (down, lowest, highest),
+            [_arrays.number("least", least), _arrays.number("most", most)],
+            [0.0, _arrays.number("noise", noise)],
+            _arrays.choice("sees", sees, SEES),
+            _arrays.choice("faces", faces, {"front": 0, "both": 1}) == 1,
+        )
+        self._frame = (down, across)
+        self._channels = {"range": (_F32, ()), "intensity": (_F32, ()), **_truth("depth", "true_range")}
+
+
+class Scanner(Sensor):
+    """A laser scanner of a maker: every firing from where the sensor and the bodies are at its time.
+
+    Channels: ``range`` float32 (firings, returns), measured metres; ``points`` float32 (firings, returns, 3) in the frame
+    of the sensor at the time of the firing, NaN where there is none; ``intensity`` float32; ``time`` float64 (firings),
+    seconds after the frame's beginning; ``laser`` uint32 (firings). Give ``after=``, where it is at the end of the
+    frame, if it moves.
+
+    Args:
+        preset: its name: ``Scanner.presets()``.
+        rate: turns a second; without it, as it comes.
+        columns: of a turn, of those that have a choice.
+        returns: ``strongest``, ``first``, ``last`` or ``dual``.
+        intensity: ``retro``, as worlds say; ``power``; ``reflectivity``.
+        visibility: metres one sees in fog.
+        rain: millimetres an hour.
+        snow: millimetres of water an hour.
+        sees: ``collision`` shapes, ``visual`` ones or ``all``.
+
+    Raises:
+        ValueError: there is no such preset or mode, or an argument is out of its range.
+
+    """
+
+    _default = ("range",)
+
+    def __init__(
+        self,
+        preset: str,
+        *,
+        rate: float | None = None,
+        columns: int | None = None,
+        returns: str = "strongest",
+        intensity: str = "retro",
+        visibility: float = math.inf,
+        rain: float = 0.0,
+        snow: float = 0.0,
+        sees: str = "collision",
+    ) -> None:
+        native = _native.Scanner(
+            preset,
+            None if rate is None else _arrays.number("rate", rate),
+            None if columns is None else _arrays.count("columns", columns),
+            returns,
+            intensity,
+            [_arrays.number(*given) for given in (("visibility", visibility), ("rain", rain), ("snow", snow))],
+            _arrays.choice("sees", sees, SEES),
+        )
+        firings, count, period_ns = native.size
+        self._native = native
+        self._frame = (firings, count)
+        #: Seconds from a frame to the next.
+        self.period = period_ns * 1e-9
+        self._channels = {
+            "range": (_F32, ()),
+            "points": (_F32, (3,)),
+            "intensity": (_F32, ()),
+            "time": (np.dtype(np.float64), ()),
+            "laser": (_U32, ()),
+        }
+
+    @staticmethod
+    def presets() -> list[str]:
+        """Return the names of the presets."""
+        return _native.Scanner.presets()
+
+
+def _size(width: int, height: int) -> list[int]:
+    return [_arrays.count("width", width, 1, 16384), _arrays.count("height", height, 1, 16384)]
+
+
+def _lens(fov: float | None, lens: Lens | None) -> _native._Lens:
+    if (fov is None) == (lens is None):
+        raise ValueError("fov, lens: one of the two is expected")
+    if lens is not None:
+        return (lens.model, lens.parameters), None
+    return None, _arrays.number("fov", fov if fov is not None else 0.0)

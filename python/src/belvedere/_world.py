@@ -1,0 +1,435 @@
+"""What sensors see."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from belvedere import _arrays, _native
+from belvedere._frames import Frames
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from belvedere._arrays import ArrayLike, Bodies
+
+_log = logging.getLogger("belvedere")
+#: The worlds and robots that have names. Of an installation from the source tree the module knows where they are.
+MODELS = str(Path(__file__).parent / "models")
+#: Which sensors see a body: bits.
+SEES = {"visual": 1, "collision": 2, "all": 3}
+#: What ``cast`` answers: type and numbers of each ray.
+_ANSWERS: dict[str, tuple[np.dtype[Any], tuple[int, ...]]] = {
+    "distance": (np.dtype(np.float32), ()),
+    "normal": (np.dtype(np.float32), (3,)),
+    "instance": (np.dtype(np.uint32), ()),
+    "primitive": (np.dtype(np.uint32), ()),
+    "barycentrics": (np.dtype(np.float32), (2,)),
+}
+
+
+def folders(package_path: Sequence[str | os.PathLike[str]] | str | os.PathLike[str]) -> list[str]:
+    """Return folders as texts."""
+    if isinstance(package_path, (str, os.PathLike)):
+        package_path = [package_path]
+    return [os.fspath(folder) for folder in package_path]
+
+
+def arguments(xacro: Mapping[str, Any] | None) -> list[tuple[str, str]]:
+    """Return arguments of xacro as texts."""
+    return [(str(name), str(value)) for name, value in (xacro or {}).items()]
+
+
+def report(notes: Sequence[str]) -> None:
+    """Log what was ignored in a description."""
+    for note in notes:
+        _log.warning("%s", note)
+
+
+class World:
+    """Shapes, looks and lamps, grouped into bodies that move as one.
+
+    ``World()`` is empty but for light from everywhere. ``World("playground")`` is one of the worlds that come along;
+    a path or a text (which begins with ``<``) of SDF, URDF or xacro is read as the command ``belvedere`` does, and its
+    bodies are the links, ``model::link``. Lengths are metres, angles radians, frames right-handed, z up; a pose is x y z
+    and then the quaternion x y z w.
+
+    It may be used by several threads; batches that are under way see it as it was when they began.
+
+    Args:
+        source: file, name or text; none for an empty world.
+        package_path: folders of ROS packages, looked into before ``ROS_PACKAGE_PATH`` and our own.
+        xacro: arguments for ``$(arg name)``.
+
+    Raises:
+        ValueError: there is no such world, or something in it cannot be used: the lines that the command line prints, with
+            file, line and remedy. What is ignored is logged as ``belvedere``, and in ``notes``.
+
+    """
+
+    def __init__(
+        self,
+        source: str | os.PathLike[str] | None = None,
+        *,
+        package_path: Sequence[str | os.PathLike[str]] = (),
+        xacro: Mapping[str, Any] | None = None,
+    ) -> None:
+        if source is None:
+            self._native = _native.World()
+        else:
+            text = os.fspath(source)
+            self._native = _native.World.load(text, folders(package_path), MODELS, arguments(xacro))
+            report(self._native.notes)
+
+    @classmethod
+    def _of(cls, native: _native.World) -> World:
+        world = cls.__new__(cls)
+        world._native = native
+        return world
+
+    @property
+    def notes(self) -> list[str]:
+        """What was ignored in the description, one line each."""
+        return self._native.notes
+
+    @property
+    def bodies(self) -> list[str]:
+        """The names of the bodies, in the order of their numbers."""
+        return self._native.bodies
+
+    @property
+    def instance_bodies(self) -> NDArray[np.int32]:
+        """The number of the body that each instance belongs to, (instances,); −1 for none.
+
+        ``world.instance_bodies[frames["instance"]]`` tells bodies from the channel ``instance``, where something is seen.
+        """
+        return self._native.instance_bodies()
+
+    @property
+    def memory(self) -> int:
+        """Bytes that shapes, looks and poses take."""
+        return self._native.memory_len()
+
+    def pose(self, body: str | int) -> NDArray[np.float64]:
+        """Return where a body is: (7,).
+
+        Raises:
+            ValueError: there is no such body.
+
+        """
+        return self._native.pose(_arrays.body_number("body", body, self.bodies))
+
+    def set_pose(self, body: str | int, pose: ArrayLike) -> None:
+        """Put a body somewhere: (7,), (4, 4) or a place (3,).
+
+        Raises:
+            ValueError: there is no such body, or the pose is none.
+
+        """
+        number = _arrays.body_number("body", body, self.bodies)
+        self._native.set_pose(number, _arrays.one_pose("pose", pose))
+
+    def add_box(self, size: ArrayLike, pose: ArrayLike | None = None, **look: Any) -> int:
+        """Add a box of full edges x, y, z in metres, centred on its pose; return the number of the new body.
+
+        Args:
+            size: (3,).
+            pose: (7,), (4, 4) or (3,); without it, the world's origin.
+            **look: of all ``add_`` methods: ``name``; ``color`` (red, green, blue[, alpha]) from 0 to 1; ``emissive``,
+                ``specular`` (3,) and ``shininess``; ``texture``, a picture (height, width, 3 or 4) of uint8, and
+                ``texture_repeat`` (2,); ``scale`` (3,); ``class_id`` for the channel ``class``; ``laser_retro`` for
+                intensities; ``seen_by``, ``all``, ``visual`` (cameras alone) or ``collision`` (lidars alone).
+
+        Raises:
+            ValueError: an argument cannot be taken, or there is a body of that name; nothing is added then.
+
+        """
+        return self._shape("box", _arrays.numbers("size", size, 3), pose, look)
+
+    def add_rectangle(self, size: ArrayLike, pose: ArrayLike | None = None, **look: Any) -> int:
+        """Add a rectangle in the xy plane, full edges (2,); its outside is +z. See ``add_box``."""
+        return self._shape("rectangle", _arrays.numbers("size", size, 2), pose, look)
+
+    def add_plane(self, pose: ArrayLike | None = None, **look: Any) -> int:
+        """Add the endless plane z = 0 of its pose; its outside is +z. See ``add_box``."""
+        return self._shape("plane", [], pose, look)
+
+    def add_sphere(self, radius: float, pose: ArrayLike | None = None, **look: Any) -> int:
+        """Add a ball. See ``add_box``."""
+        return self._shape("sphere", [_arrays.number("radius", radius)], pose, look)
+
+    def add_ellipsoid(self, radii: ArrayLike, pose: ArrayLike | None = None, **look: Any) -> int:
+        """Add an ellipsoid of half axes (3,). See ``add_box``."""
+        return self._shape("ellipsoid", _arrays.numbers("radii", radii, 3), pose, look)
+
+    def add_cylinder(self, radius: float, length: float, pose: ArrayLike | None = None, **look: Any) -> int:
+        """Add a closed cylinder along z, centred. See ``add_box``."""
+        return self._shape("cylinder", _round(radius, length), pose, look)
+
+    def add_capsule(self, radius: float, length: float, pose: ArrayLike | None = None, **look: Any) -> int:
+        """Add a cylinder along z with half balls at its ends; the length is without them. See ``add_box``."""
+        return self._shape("capsule", _round(radius, length), pose, look)
+
+    def add_cone(self, radius: float, length: float, pose: ArrayLike | None = None, **look: Any) -> int:
+        """Add a closed cone along z, its apex at +length/2. See ``add_box``."""
+        return self._shape("cone", _round(radius, length), pose, look)
+
+    def add_mesh(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        pose: ArrayLike | None = None,
+        *,
+        uvs: ArrayLike | None = None,
+        **look: Any,
+    ) -> int:
+        """Add triangles, counter-clockwise seen from outside. See ``add_box``.
+
+        Args:
+            vertices: (V, 3) in metres.
+            faces: (F, 3) numbers of vertices, one triangle at least.
+            pose: as for ``add_box``.
+            uvs: (V, 2) texture coordinates, v upwards.
+            **look: as for ``add_box``.
+
+        Raises:
+            ValueError: a vertex is not finite, a number is out of range, there is no triangle.
+
+        """
+        points = _table("vertices", vertices, 3, np.float32)
+        numbers = _table("faces", faces, 3, np.int64)
+        if len(numbers) == 0:
+            raise ValueError("faces: shape (0, 3); a mesh has one triangle at least")
+        for number in (int(numbers.min()), int(numbers.max())):
+            if not 0 <= number < len(points):
+                raise ValueError(f"faces: there is no vertex {number}; there are {len(points)}, counted from 0")
+        triangles = numbers.astype(np.uint32)
+        coordinates = None if uvs is None else _table("uvs", uvs, 2, np.float32)
+        if coordinates is not None and len(coordinates) != len(points):
+            raise ValueError(f"uvs: shape {coordinates.shape}; {(len(points), 2)}, one a vertex, is expected")
+        appearance, said = _look(pose, look)
+        return self._native.add_mesh(points, triangles, coordinates, appearance, said)
+
+    def add_height_field(
+        self, heights: ArrayLike, size: ArrayLike, pose: ArrayLike | None = None, **look: Any
+    ) -> int:
+        """Add a terrain, seen from above alone. See ``add_box``.
+
+        Args:
+            heights: (rows, columns) in metres, rows from +y to −y, columns from −x to +x.
+            size: full lengths along x and y, (2,).
+            pose: as for ``add_box``.
+            **look: as for ``add_box``.
+
+        """
+        field = _arrays.array("heights", heights, np.float32)
+        if field.ndim != 2 or min(field.shape) < 2:
+            raise ValueError(f"heights: shape {field.shape}; (rows, columns), two each at least, is expected")
+        appearance, said = _look(pose, look)
+        lengths = _arrays.numbers("size", size, 2)
+        return self._native.add_height_field(field, field.shape, lengths, appearance, said)
+
+    def add_light(
+        self,
+        kind: str = "directional",
+        *,
+        position: ArrayLike = (0.0, 0.0, 3.0),
+        direction: ArrayLike = (-0.5, 0.2, -1.0),
+        color: ArrayLike = (0.8, 0.8, 0.8),
+        specular: ArrayLike = (0.0, 0.0, 0.0),
+        reach: float = float("inf"),
+        attenuation: ArrayLike = (1.0, 0.0, 0.0),
+        cone: ArrayLike = (0.3, 0.6),
+        falloff: float = 1.0,
+        shadows: bool = True,
+    ) -> int:
+        """Add a lamp; return its number.
+
+        Args:
+            kind: ``directional``, ``point`` or ``spot``.
+            position: of a point or spot, (3,) in metres.
+            direction: which way the light travels, (3,).
+            color: (3,), colour times brightness.
+            specular: (3,), the same of highlights.
+            reach: metres beyond which it gives nothing.
+            attenuation: a, b, c: its brightness at distance d is min(1, 1/(a + b·d + c·d²)).
+            cone: of a spot, half the angles of full brightness and of none, radians.
+            falloff: of a spot, the power by which brightness falls between the two.
+            shadows: whether things cast shadows in it.
+
+        """
+        if kind not in ("directional", "point", "spot"):
+            raise ValueError(f"kind: directional, point or spot is expected, not {kind!r}")
+        inner, outer = _arrays.numbers("cone", cone, 2)
+        if not 0.0 <= inner <= outer <= 3.15:
+            raise ValueError(f"cone: 0 <= inner <= outer <= pi is expected, not {inner}, {outer}")
+        return self._native.add_light(
+            kind,
+            _arrays.numbers("position", position, 3),
+            _arrays.numbers("direction", direction, 3),
+            _arrays.numbers("color", color, 3),
+            _arrays.numbers("specular", specular, 3),
+            _arrays.number("reach", reach),
+            _arrays.numbers("attenuation", attenuation, 3),
+            [inner, outer, _arrays.number("falloff", falloff)],
+            bool(shadows),
+        )
+
+    def set_environment(
+        self, ambient: ArrayLike = (0.4, 0.4, 0.4), background: ArrayLike = (0.7, 0.7, 0.7)
+    ) -> None:
+        """Set the light from everywhere, and the colour of what is seen where nothing is."""
+        self._native.set_environment(
+            _arrays.numbers("ambient", ambient, 3), _arrays.numbers("background", background, 3)
+        )
+
+    def cast(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        ranges: ArrayLike | None = None,
+        channels: Sequence[str] | None = None,
+        out: Mapping[str, ArrayLike] | None = None,
+        bodies: Bodies | None = None,
+        sees: str = "visual",
+        faces: str = "both",
+        reference: ArrayLike = (0.0, 0.0, 0.0),
+        threads: int | None = None,
+    ) -> Frames:
+        """Cast rays that have nothing in common, and find what each first meets.
+
+        Args:
+            origins: (…, 3) in metres, or one for all rays (3,); single precision.
+            directions: (…, 3) of any length but 0.
+            ranges: (…, 2), least and greatest distance that count, in lengths of the direction; without, 0 to ∞.
+            channels: some of ``distance`` float32, in lengths of the direction, ∞ where nothing is met; ``normal``
+                float32 (…, 3), outwards, in the world's axes, 0 where nothing is met; ``instance`` and ``primitive``
+                (the face of a mesh) uint32, 2**32 − 1 where nothing is met; ``barycentrics`` float32 (…, 2), the weights
+                of the face's second and third corner. Without it, all; or those of ``out``.
+            out: arrays to write into, by channel.
+            bodies: bodies that are elsewhere now, by name or number: (7,) or (4, 4) each.
+            sees: ``visual``, what cameras see; ``collision``, what lidars hit; ``all``.
+            faces: ``both`` sides of surfaces, or ``front``.
+            reference: the origins are relative to this place in the world; for worlds far from their origin.
+            threads: how many work; without it, one a processor. The answer is the same.
+
+        Returns:
+            The arrays, by channel.
+
+        Raises:
+            ValueError: an argument is not as it must be. Nothing is written then.
+
+        """
+        rays = _arrays.vectors("directions", directions, 3)
+        lead = rays.shape[:-1]
+        starts = _arrays.vectors("origins", origins, 3)
+        if starts.shape != rays.shape and starts.shape != (3,):
+            raise ValueError(f"origins: shape {starts.shape}; {rays.shape}, as directions, or (3,) is expected")
+        limits = None if ranges is None else _arrays.vectors("ranges", ranges, 2)
+        if limits is not None and limits.shape[:-1] != lead:
+            raise ValueError(f"ranges: shape {limits.shape}; {(*lead, 2)} is expected")
+        outputs = prepare(_ANSWERS, tuple(_ANSWERS), channels, out, lead, ())
+        visibility = _arrays.choice("sees", sees, SEES)
+        both = _arrays.choice("faces", faces, {"front": 0, "both": 1}) == 1
+        moves = _arrays.bodies("bodies", bodies, (), self.bodies)
+        place = _arrays.numbers("reference", reference, 3)
+        self._native.cast(starts, rays, limits, place, visibility, both, moves, outputs, _arrays.threads(threads))
+        return Frames(outputs, lead)
+
+    def _shape(self, kind: str, size: list[float], pose: ArrayLike | None, look: dict[str, Any]) -> int:
+        appearance, said = _look(pose, look)
+        return self._native.add_shape(kind, size, appearance, said)
+
+    def __repr__(self) -> str:
+        """How many bodies it has."""
+        return f"<World of {len(self.bodies)} bodies>"
+
+
+def prepare(
+    known: Mapping[str, tuple[np.dtype[Any], tuple[int, ...]]],
+    default: tuple[str, ...],
+    channels: Sequence[str] | None,
+    out: Mapping[str, ArrayLike] | None,
+    lead: tuple[int, ...],
+    frame: tuple[int, ...],
+) -> dict[str, NDArray[Any]]:
+    """Return the arrays to write into: the caller's, and new ones for other channels."""
+    if isinstance(channels, str):
+        channels = (channels,)
+    given = {} if out is None else dict(out)
+    wanted = list(channels if channels is not None else (given or default))
+    for name in (*wanted, *given):
+        if name not in known:
+            raise ValueError(f"channels: there is no channel {name!r}; there are {', '.join(known)}")
+    for name in given:
+        if name not in wanted:
+            raise ValueError(f"out[{name!r}]: this channel is not among those that are wanted, {', '.join(wanted)}")
+    if not wanted:
+        raise ValueError("channels: none is wanted; name one at least")
+    outputs: dict[str, NDArray[Any]] = {}
+    for name in wanted:
+        dtype, rest = known[name]
+        shape = lead + (frame if name not in ("time", "laser") else frame[:1]) + rest
+        if name in given:
+            outputs[name] = _arrays.output(f"out[{name!r}]", given[name], shape, dtype)
+        else:
+            outputs[name] = np.empty(shape, dtype)
+    return outputs
+
+
+def _round(radius: float, length: float) -> list[float]:
+    return [_arrays.number("radius", radius), _arrays.number("length", length)]
+
+
+def _table(argument: str, value: ArrayLike, columns: int, dtype: type[np.generic]) -> NDArray[Any]:
+    converted = _arrays.array(argument, value, dtype)
+    if converted.ndim != 2 or converted.shape[1] != columns:
+        raise ValueError(f"{argument}: shape {converted.shape}; (N, {columns}) is expected")
+    return converted
+
+
+def _look(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look, _native._Said]:
+    """Return what is said of a body as the native module takes it."""
+    rest = dict(look)
+    color = _arrays.array("color", rest.pop("color", (0.7, 0.7, 0.7)), np.float64).tolist()
+    if not isinstance(color, list) or len(color) not in (3, 4):
+        raise ValueError(f"color: (red, green, blue) or (red, green, blue, alpha) is expected, not {color}")
+    _arrays.numbers("color", color, len(color))
+    texture = rest.pop("texture", None)
+    appearance = (
+        [*color, 1.0][:4],
+        _arrays.numbers("emissive", rest.pop("emissive", (0.0, 0.0, 0.0)), 3),
+        _arrays.numbers("specular", rest.pop("specular", (0.0, 0.0, 0.0)), 3),
+        _arrays.number("shininess", rest.pop("shininess", 0.0)),
+        None if texture is None else _texture(texture),
+        _arrays.numbers("texture_repeat", rest.pop("texture_repeat", (1.0, 1.0)), 2),
+    )
+    said = (
+        str(rest.pop("name", "")),
+        _arrays.one_pose("pose", pose),
+        _arrays.numbers("scale", rest.pop("scale", (1.0, 1.0, 1.0)), 3),
+        _arrays.count("class_id", rest.pop("class_id", 0), 0, 2**32 - 1),
+        _arrays.number("laser_retro", rest.pop("laser_retro", 0.0)),
+        _arrays.choice("seen_by", rest.pop("seen_by", "all"), SEES),
+    )
+    if rest:
+        raise TypeError(f"there is no argument {next(iter(rest))!r}")
+    return appearance, said
+
+
+def _texture(value: ArrayLike) -> tuple[NDArray[np.uint8], int]:
+    texels = np.asarray(value)
+    if texels.ndim != 3 or texels.shape[2] not in (3, 4) or texels.dtype != np.uint8 or 0 in texels.shape:
+        raise ValueError(
+            f"texture: shape {texels.shape} of {texels.dtype}; (height, width, 3 or 4) of uint8 is expected"
+        )
+    if texels.shape[2] == 3:
+        opaque = np.full((*texels.shape[:2], 1), 255, np.uint8)
+        texels = np.concatenate([texels, opaque], axis=2)
+    return np.ascontiguousarray(texels), int(texels.shape[1])

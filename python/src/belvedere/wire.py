@@ -1,0 +1,207 @@
+"""The wire format, version 2, as numpy sees it; ``bridge/WIRE.md`` has every offset in words."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from belvedere._errors import BadFrameError
+from belvedere._layout import (
+    ELEMENTS,
+    HAS_INTENSITIES,
+    HEADER,
+    HEADER_LEN,
+    HEADER_TYPE_NAME,
+    INTRINSICS,
+    MAGIC,
+    REPLAYED,
+    SCAN_GEOMETRY,
+    SCHEMA,
+    STRUCTS,
+    DistortionModel,
+    Encoding,
+    Kind,
+    Operation,
+)
+
+__all__ = [
+    "HAS_INTENSITIES",
+    "HEADER",
+    "HEADER_LEN",
+    "HEADER_TYPE_NAME",
+    "MAGIC",
+    "REPLAYED",
+    "SCHEMA",
+    "STRUCTS",
+    "DistortionModel",
+    "Encoding",
+    "Intrinsics",
+    "Kind",
+    "Operation",
+    "ScanGeometry",
+    "check",
+    "element",
+    "intrinsics",
+    "plane",
+    "scan_geometry",
+]
+
+_POINT = np.dtype(
+    {
+        "names": ["x", "y", "z", "rgb"],
+        "formats": ["<f4", "<f4", "<f4", "<u4"],
+        "offsets": [0, 4, 8, 16],
+        "itemsize": 32,
+    }
+)
+_LIDAR_POINT = np.dtype(
+    {
+        "names": ["x", "y", "z", "intensity", "ring", "time"],
+        "formats": ["<f4", "<f4", "<f4", "<f4", "<u2", "<f4"],
+        "offsets": [0, 4, 8, 12, 16, 18],
+        "itemsize": 22,
+    }
+)
+_OUSTER_POINT = np.dtype(
+    {
+        "names": ["x", "y", "z", "intensity", "t", "reflectivity", "ring", "ambient", "range"],
+        "formats": ["<f4", "<f4", "<f4", "<f4", "<u4", "<u2", "<u2", "<u2", "<u4"],
+        "offsets": [0, 4, 8, 16, 20, 24, 26, 28, 32],
+        "itemsize": 48,
+    }
+)
+_LIVOX_POINT = np.dtype(
+    {
+        "names": ["x", "y", "z", "intensity", "tag", "line", "timestamp"],
+        "formats": ["<f4", "<f4", "<f4", "<f4", "u1", "u1", "<f8"],
+        "offsets": [0, 4, 8, 12, 16, 17, 18],
+        "itemsize": 26,
+    }
+)
+_ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
+    **ELEMENTS,
+    Encoding.XYZRGB_F32: _POINT,
+    Encoding.XYZIRT_F32: _LIDAR_POINT,
+    Encoding.OUSTER_POINT: _OUSTER_POINT,
+    Encoding.LIVOX_POINT: _LIVOX_POINT,
+}
+
+
+class Intrinsics(NamedTuple):
+    """How pixels map to directions. Pixel centres are integers; distances in metres."""
+
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    #: K[1]
+    skew: float
+    #: As many parameters as the model has, in the order that DistortionModel says.
+    distortion: tuple[float, ...]
+    near: float
+    far: float
+    #: P[3] = −fx · baseline
+    tx: float
+    #: A DistortionModel; 0 for none.
+    distortion_model: int
+
+
+class ScanGeometry(NamedTuple):
+    """Angles (radians) and limits (metres) of a lidar."""
+
+    angle_min: float
+    angle_increment: float
+    time_increment: float
+    scan_time: float
+    range_min: float
+    range_max: float
+    vertical_angle_min: float
+    vertical_angle_increment: float
+
+
+def intrinsics(header: np.void) -> Intrinsics:
+    """The block of an image, depth image or cloud."""
+    block = np.frombuffer(header["block"].tobytes(), INTRINSICS)[0]
+    fx, fy, cx, cy, skew, _, near, far, tx, model, count, _ = block.item()
+    return Intrinsics(fx, fy, cx, cy, skew, tuple(block["distortion"][:count].tolist()), near, far, tx, model)
+
+
+def scan_geometry(header: np.void) -> ScanGeometry:
+    """The block of a scan."""
+    block = np.frombuffer(header["block"].tobytes(), SCAN_GEOMETRY)[0].item()
+    return ScanGeometry(*block[:8])
+
+
+def element(kind: int, encoding: int) -> np.dtype[np.generic] | None:
+    """What one element of a payload is; None for a kind or encoding that this version does not know."""
+    try:
+        if encoding == Encoding.STRUCT:
+            return STRUCTS.get(Kind(kind))
+        return _ELEMENTS[Encoding(encoding)]
+    except ValueError:
+        return None
+
+
+def plane(
+    header: np.void, payload: np.ndarray[Any, np.dtype[np.uint8]], offset: int = 0
+) -> np.ndarray[Any, np.dtype[Any]]:
+    """The elements of a payload whose header was checked, as a view: ``Frame.array`` has shapes and types.
+
+    Raises:
+        BadFrameError: its kind or encoding is of a later version.
+
+    """
+    known = element(int(header["kind"]), int(header["encoding"]))
+    if known is None:
+        raise BadFrameError(
+            f"kind {header['kind']} in encoding {header['encoding']} is of a later version: "
+            "read frame.payload, or update this package"
+        )
+    row_stride, elem_stride = int(header["row_stride"]), int(header["elem_stride"])
+    width, height = int(header["width"]), int(header["height"])
+    shape: tuple[int, ...] = (height, width)
+    strides: tuple[int, ...] = (row_stride, elem_stride)
+    if known.names is not None and int(header["encoding"]) == Encoding.STRUCT:
+        # Without elements a row's stride means nothing, and was not checked.
+        shape, strides = (height if width > 0 else 0,), (row_stride,)
+    if 0 in shape:
+        return np.empty(shape + known.shape, known.base)
+    base = known.base
+    shape += known.shape
+    strides += (base.itemsize,) * len(known.shape)
+    return np.ndarray(shape, base, payload, offset, strides)
+
+
+def check(header: np.void, available: int) -> None:
+    """Check everything that a reader of ``available`` payload bytes relies on.
+
+    No header, however wrong, leads outside the payload after this.
+
+    Raises:
+        BadFrameError: naming the first thing that does not hold.
+
+    """
+    if header["magic"] != MAGIC:
+        raise BadFrameError(f"magic is {header['magic']:#x} instead of {MAGIC:#x}")
+    if header["schema"] != SCHEMA:
+        raise BadFrameError(f"schema is {header['schema']}; this package reads {SCHEMA}")
+    if header["header_len"] != HEADER_LEN:
+        raise BadFrameError(f"header_len is {header['header_len']} instead of {HEADER_LEN}")
+    # Python's whole numbers: no sum or product overflows.
+    payload_len = int(header["payload_len"])
+    if payload_len > available:
+        raise BadFrameError(f"payload_len is {payload_len}, but {available} bytes came")
+    width, height = int(header["width"]), int(header["height"])
+    if width == 0 or height == 0:
+        return
+    known = element(int(header["kind"]), int(header["encoding"]))
+    size = known.itemsize if known is not None else 1
+    elem_stride, row_stride = int(header["elem_stride"]), int(header["row_stride"])
+    row_end = (width - 1) * elem_stride + size
+    if elem_stride < size or (height > 1 and row_stride < row_end):
+        raise BadFrameError(f"width {width}, elem_stride {elem_stride}, row_stride {row_stride} do not fit")
+    planes = 2 if int(header["flags"]) & HAS_INTENSITIES else 1
+    end = (planes - 1) * height * row_stride + (height - 1) * row_stride + row_end
+    if end > payload_len:
+        raise BadFrameError(f"rows and strides reach to byte {end} of a payload of {payload_len}")

@@ -1,0 +1,169 @@
+"""Batches: the same bytes whatever the batch, and the caller's memory."""
+
+from __future__ import annotations
+
+import os
+import threading
+
+import numpy as np
+import pytest
+
+import belvedere as bv
+
+CHANNELS = ("depth", "rgb", "instance", "normal", "points")
+
+
+@pytest.fixture(scope="module")
+def world() -> bv.World:
+    return bv.World("playground")
+
+
+def somewhere(count: int) -> np.ndarray:
+    """Poses at random, always the same."""
+    random = np.random.default_rng(5)
+    poses = np.zeros((count, 7))
+    poses[:, :2] = random.uniform(-3, 3, (count, 2))
+    poses[:, 2] = random.uniform(0.1, 1.5, count)
+    turns = random.normal(size=(count, 4))
+    poses[:, 3:] = turns / np.linalg.norm(turns, axis=1, keepdims=True)
+    return poses
+
+
+def test_an_element_is_the_same_in_every_batch(world: bv.World) -> None:
+    camera = bv.DepthCamera(96, 64, fov=1.2, model="kinect_v1")
+    poses, seeds = somewhere(12), np.arange(100, 112)
+    whole = camera.render(world, poses, channels=CHANNELS, seeds=seeds)
+    for threads in (1, 2, 5):
+        again = camera.render(world, poses, channels=CHANNELS, seeds=seeds, threads=threads)
+        for name in CHANNELS:
+            np.testing.assert_array_equal(whole[name], again[name])
+    order = np.random.default_rng(1).permutation(12)
+    shuffled = camera.render(world, poses[order], channels=CHANNELS, seeds=seeds[order])
+    grid = camera.render(world, poses.reshape(3, 4, 7), channels=CHANNELS, seeds=seeds.reshape(3, 4))
+    one = camera.render(world, poses[7], channels=CHANNELS, seeds=int(seeds[7]))
+    for name in CHANNELS:
+        np.testing.assert_array_equal(whole[name][order], shuffled[name])
+        np.testing.assert_array_equal(whole[name].reshape(grid[name].shape), grid[name])
+        np.testing.assert_array_equal(whole[name][7], one[name])
+
+
+def test_few_large_frames_are_the_same_on_many_threads(world: bv.World) -> None:
+    camera = bv.Camera(640, 480, fov=1.0)
+    one = camera.render(world, somewhere(1), threads=1)["rgb"]
+    several = camera.render(world, somewhere(1), threads=4)["rgb"]
+    np.testing.assert_array_equal(one, several)
+
+
+def test_frames_go_into_the_callers_memory(world: bv.World) -> None:
+    camera = bv.DepthCamera(32, 24, fov=1.0)
+    memory = np.full((6, 24, 32), -1.0, np.float32)
+    part = memory[1:4]
+    frames = camera.render(world, somewhere(3), out={"depth": part}, channels=("depth", "instance"))
+    assert frames["depth"] is part
+    assert frames["instance"].shape == (3, 24, 32)
+    assert (memory[[0, 4, 5]] == -1).all()
+    assert (memory[1:4] > 0).all()
+    np.testing.assert_array_equal(camera.render(world, somewhere(3))["depth"], part)
+
+
+class Foreign:
+    """Somebody else's array: no ndarray, but with DLPack."""
+
+    def __init__(self, array: np.ndarray) -> None:
+        self.array = array
+
+    def __dlpack__(self, **arguments: object) -> object:
+        return self.array.__dlpack__(**arguments)
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        return self.array.__dlpack_device__()
+
+
+def test_others_arrays_by_dlpack(world: bv.World) -> None:
+    camera = bv.DepthCamera(32, 24, fov=1.0)
+    poses, memory = somewhere(3), np.zeros((3, 24, 32), np.float32)
+    frames = camera.render(world, Foreign(poses), out={"depth": Foreign(memory)})
+    np.testing.assert_array_equal(frames["depth"], memory)
+    np.testing.assert_array_equal(camera.render(world, poses)["depth"], memory)
+    np.testing.assert_array_equal(np.from_dlpack(frames["depth"]), memory)
+
+
+def test_threads_share_a_world(world: bv.World) -> None:
+    camera = bv.Camera(64, 48, fov=1.0)
+    poses = somewhere(16)
+    expected = camera.render(world, poses)["rgb"]
+    frames: list[np.ndarray] = []
+    workers = [threading.Thread(target=lambda: frames.append(camera.render(world, poses)["rgb"])) for _ in range(4)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert len(frames) == 4
+    for frame in frames:
+        np.testing.assert_array_equal(frame, expected)
+
+
+def test_a_world_changes_beside_a_batch() -> None:
+    world = bv.World()
+    world.add_box((1, 1, 1), (3, 0, 0))
+    camera = bv.DepthCamera(64, 48, fov=1.0)
+    stop = threading.Event()
+
+    def add() -> None:
+        count = 0
+        while not stop.is_set() and count < 200:
+            world.add_sphere(0.1, (0, count, 50))
+            count += 1
+
+    worker = threading.Thread(target=add)
+    worker.start()
+    for _ in range(20):
+        depth = camera.render(world, np.tile([0, 0, 0, 0, 0, 0, 1], (64, 1)))["depth"]
+        assert (depth[:, 24, 32] == 2.5).all()
+    stop.set()
+    worker.join()
+
+
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_forked_child_has_threads_of_its_own(world: bv.World) -> None:
+    camera = bv.Camera(160, 120, fov=1.0)
+    expected = camera.render(world, somewhere(8), threads=2)["rgb"]
+    child = os.fork()
+    if child == 0:
+        same = (camera.render(world, somewhere(8), threads=2)["rgb"] == expected).all()
+        os._exit(0 if same else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_rays_with_nothing_in_common() -> None:
+    world = bv.World()
+    vertices = np.array([[2, -1, -1], [2, 1, -1], [2, 1, 1], [2, -1, 1]], float)
+    world.add_mesh(vertices, [[0, 2, 1], [0, 3, 2]], name="square")
+    world.add_sphere(1.0, (0, 0, 10))
+    origins = np.array([[0, 0.5, -0.5], [0, -0.5, 0.5], [0, 0, 5], [0, 0, -5]])
+    directions = np.array([[1, 0, 0], [2, 0, 0], [0, 0, 1], [0, 0, -1]], float)
+    hits = world.cast(origins, directions)
+    np.testing.assert_allclose(hits["distance"], [2, 1, 4, np.inf])
+    np.testing.assert_array_equal(hits["instance"], [0, 0, 1, 2**32 - 1])
+    np.testing.assert_array_equal(hits["primitive"][:2], [0, 1])
+    np.testing.assert_allclose(hits["normal"], [[-1, 0, 0], [-1, 0, 0], [0, 0, -1], [0, 0, 0]], atol=1e-6)
+    # The weights give the point back.
+    corners = vertices[[0, 2, 1]]
+    first, second = hits["barycentrics"][0]
+    point = (1 - first - second) * corners[0] + first * corners[1] + second * corners[2]
+    np.testing.assert_allclose(point, [2, 0.5, -0.5], atol=1e-6)
+    moved = world.cast((0, 0, 0), directions, bodies={"square": (1, 0, 0, 0, 0, 0, 1)}, channels=("distance",))
+    np.testing.assert_allclose(moved["distance"], [3, 1.5, 9, np.inf])
+    near = world.cast((0, 0, 0), directions, ranges=np.tile([0.0, 1.2], (4, 1)), channels="distance")
+    np.testing.assert_allclose(near["distance"], [np.inf, 1, np.inf, np.inf])
+
+
+def test_casts_are_the_same_on_any_threads(world: bv.World) -> None:
+    random = np.random.default_rng(2)
+    origins, directions = random.uniform(-3, 3, (50_000, 3)), random.normal(size=(50_000, 3))
+    one = world.cast(origins, directions, threads=1, sees="all")
+    two = world.cast(origins, directions, threads=3, sees="all")
+    half = world.cast(origins[::2], directions[::2], sees="all")
+    for name, values in one.items():
+        np.testing.assert_array_equal(values, two[name])
+        np.testing.assert_array_equal(values[::2], half[name])

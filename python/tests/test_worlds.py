@@ -1,0 +1,149 @@
+"""Worlds from names, files, texts and arrays."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+import belvedere as bv
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HERE = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+URDF = """<robot name="post" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:arg name="height" default="1"/>
+<link name="base"><visual><geometry><box size="0.2 0.2 $(arg height)"/></geometry></visual></link></robot>"""
+SDF = """<sdf version="1.6"><world name="w"><model name="m"><static>true</static><pose>2 0 0 0 0 0</pose>
+<link name="l"><visual name="v"><geometry><sphere><radius>0.5</radius></sphere></geometry></visual></link>
+</model></world></sdf>"""
+
+
+def ahead(world: bv.World, pose: object = HERE) -> float:
+    return float(bv.DepthCamera(5, 5, fov=0.1).render(world, pose)["depth"][..., 2, 2])
+
+
+def test_names() -> None:
+    assert any(body.startswith("ground_plane") or "::" in body for body in bv.World("playground").bodies)
+    robot = bv.World("kobuki_hexagons_kinect")
+    assert len(robot.bodies) > 10
+
+
+def test_texts_and_files(tmp_path: Path) -> None:
+    world = bv.World(SDF)
+    assert world.bodies == ["m::l"]
+    assert ahead(world) == 1.5
+    file = tmp_path / "post.urdf.xacro"
+    file.write_text(URDF)
+    low, high = bv.World(file), bv.World(URDF, xacro={"height": 3})
+    above = [-1.0, 0, 1.0, 0, 0, 0, 1]
+    assert np.isinf(ahead(low, above))
+    assert ahead(high, above) == pytest.approx(0.9)
+    np.testing.assert_array_equal(low.pose(0), HERE)
+
+
+def test_errors_are_those_of_the_command_line(tmp_path: Path) -> None:
+    file = tmp_path / "broken.sdf"
+    file.write_text(SDF.replace("0.5</radius>", "wide</radius>"))
+    with pytest.raises(ValueError, match=r"broken\.sdf:2: error: .*wide") as raised:
+        bv.World(file)
+    assert "\n" not in str(raised.value)
+    with pytest.raises(ValueError, match="playground"):
+        bv.World("playgroud.world")
+    with pytest.raises(ValueError, match="kobuki_hexagons_kinect"):
+        bv.World("kobuki_hexagons_kinekt")
+    with pytest.raises(ValueError, match="text:1: error"):
+        bv.World("<robot")
+
+
+def test_bodies_have_names_and_poses() -> None:
+    world = bv.World()
+    assert world.bodies == []
+    assert world.add_box((1, 1, 1)) == 0
+    assert world.add_sphere(1, name="ball") == 1
+    assert world.bodies == ["body_0", "ball"]
+    with pytest.raises(ValueError, match='name: there is a body "ball" already'):
+        world.add_cone(1, 1, name="ball")
+    world.set_pose("ball", np.eye(4))
+    world.set_pose(1, (4, 0, 0))
+    np.testing.assert_array_equal(world.pose("ball"), [4, 0, 0, 0, 0, 0, 1])
+    with pytest.raises(ValueError, match="body: there is no body 'bal'"):
+        world.set_pose("bal", HERE)
+    assert repr(world) == "<World of 2 bodies>"
+    assert world.memory > 0
+
+
+@pytest.mark.parametrize(
+    ("add", "front"),
+    [
+        (lambda world: world.add_box((1, 2, 3), (5, 0, 0)), 4.5),
+        (lambda world: world.add_rectangle((2, 2), (5, 0, 0, 0, -(0.5**0.5), 0, 0.5**0.5)), 5.0),
+        (lambda world: world.add_ellipsoid((0.25, 1, 1), (5, 0, 0)), 4.75),
+        (lambda world: world.add_cylinder(0.5, 2, (5, 0, 0)), 4.5),
+        (lambda world: world.add_capsule(0.5, 2, (5, 0, 0)), 4.5),
+        (lambda world: world.add_cone(1.0, 2, (5, 0, 0)), 4.5),
+        (lambda world: world.add_box((1, 1, 1), (5, 0, 0), scale=(2, 1, 1)), 4.0),
+    ],
+)
+def test_shapes(add: object, front: float) -> None:
+    world = bv.World()
+    add(world)  # type: ignore[operator]
+    assert ahead(world) == pytest.approx(front, abs=1e-5)
+
+
+def test_a_terrain() -> None:
+    world = bv.World()
+    heights = np.zeros((3, 3))
+    heights[1, 1] = 1.0
+    world.add_height_field(heights, (4, 4))
+    down = np.array([[0, 0, 5], [2, 2, 5], [1, 0, 5.0]])
+    hits = world.cast(down, np.tile([0, 0, -1.0], (3, 1)), channels="distance")
+    np.testing.assert_allclose(hits["distance"], [4, 5, 4.5], atol=1e-5)
+
+
+def test_looks() -> None:
+    world = bv.World()
+    world.set_environment(ambient=(1, 1, 1), background=(0, 0, 1))
+    texture = np.zeros((2, 2, 3), np.uint8)
+    texture[:, 0] = 255
+    world.add_rectangle((2, 2), (2, 0, 0, -0.5, -0.5, 0.5, 0.5), color=(1, 1, 1), texture=texture)
+    picture = bv.Camera(64, 64, fov=1.8).render(world, HERE)["rgb"]
+    np.testing.assert_array_equal(picture[0, 0], [0, 0, 255])
+    # One column of the texture is white, the other black; between the middles of the two there is every grey.
+    row = picture[32].astype(int).sum(axis=1)
+    seen = row[(picture[32] != [0, 0, 255]).any(axis=1)]
+    assert seen.min() < 100
+    assert seen.max() > 665
+
+
+def test_who_sees_what() -> None:
+    world = bv.World()
+    world.add_box((1, 1, 1), (3, 0, 0), seen_by="collision")
+    assert np.isinf(ahead(world))
+    assert bv.Lidar(1, angles=(0, 0)).render(world, HERE)["range"] == 2.5
+    assert bv.Lidar(1, angles=(0, 0), sees="visual").render(world, HERE)["range"] == np.inf
+
+
+def test_what_is_refused_leaves_nothing() -> None:
+    world = bv.World()
+    before = world.memory
+    for add in (
+        lambda: world.add_mesh(np.zeros((3, 3)), [[0, 1, 5]]),
+        lambda: world.add_mesh(np.full((3, 3), np.nan), [[0, 1, 2]]),
+        lambda: world.add_mesh(np.zeros((3, 3)), np.zeros((0, 3), int)),
+        lambda: world.add_box((0, 1, 1)),
+        lambda: world.add_sphere(-1),
+        lambda: world.add_box((1, 1, 1), (np.inf, 0, 0)),
+        lambda: world.add_box((1, 1, 1), color=(1, 1)),
+        lambda: world.add_box((1, 1, 1), color=(1, 1, 1, 2)),
+        lambda: world.add_box((1, 1, 1), texture=np.zeros((2, 2))),
+        lambda: world.add_height_field(np.zeros((1, 5)), (1, 1)),
+        lambda: world.add_light("bulb"),
+    ):
+        with pytest.raises(ValueError, match=r"^\w+: "):
+            add()
+    assert world.bodies == []
+    assert world.memory <= before + 4096
+    with pytest.raises(TypeError, match="colour"):
+        world.add_box((1, 1, 1), colour=(1, 0, 0))

@@ -1,0 +1,186 @@
+//! `belvedere view`: a page in the browser.
+
+use super::attachments::robot_urdf;
+use super::error::CliError;
+use super::follow::{DomainArgs, NAP, check_topics, listen_for_stop, print_line, stop_wanted};
+use super::robots::RobotArgs;
+use crate::description::model::{Model, World};
+use crate::description::package::PackagePath;
+use crate::description::world::{default_world, load_world};
+use crate::description::{Diagnostics, Rules};
+use crate::gltf::{self, Thing};
+use crate::simulation::SpawnOptions;
+use crate::view::{DEFAULT_PORT, ViewOptions, ViewServer, token};
+use belvedere_bridge::Node;
+use std::net::{IpAddr, Ipv4Addr};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
+/// How the page is served.
+#[derive(Clone, Debug, clap::Args)]
+#[group(skip)]
+pub struct PageArgs {
+    /// Port of the page; 0 for any that is free
+    #[arg(long, value_name = "PORT", default_value_t = DEFAULT_PORT)]
+    port: u16,
+    /// Address to listen at; any but 127.0.0.1 lets other machines look, if they know the token
+    #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    listen: IpAddr,
+    /// What a page has to know, 8 or more letters and digits [default: made up at each start]
+    #[arg(long, value_name = "TEXT", env = "BELVEDERE_VIEW_TOKEN", value_parser = token, hide_env_values = true)]
+    token: Option<String>,
+    /// Another page that may connect, such as https://app.foxglove.dev; may be repeated
+    #[arg(long, value_name = "ORIGIN")]
+    allow_origin: Vec<String>,
+    /// Print the page's address and open no browser
+    #[arg(long)]
+    no_browser: bool,
+}
+
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
+/// Show a running simulation on a page in the browser.
+///
+/// The page has the world in 3D with the robot, its scans and depth clouds, and the pictures of its cameras; from it time
+/// is paused, stepped and reset, and the robot driven by keys. The same port speaks Foxglove's protocol. What no panel shows is not rendered. It goes on when the
+/// simulator is started again. `belvedere run --view` is simulator and page in one.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  belvedere run --view
+  belvedere view
+  belvedere view --robot my_robot.urdf.xacro --world my.world    (as given to run: their shapes are shown)
+  belvedere view --no-browser --port 0
+  ssh -L 8765:127.0.0.1:8765 robot belvedere view --no-browser")]
+pub struct ViewArgs {
+    #[command(flatten)]
+    domain: DomainArgs,
+    #[command(flatten)]
+    page: PageArgs,
+    #[command(flatten)]
+    robots: RobotArgs,
+    /// The world, as given to `belvedere run`
+    #[arg(long, value_name = "FILE|NAME")]
+    world: Option<String>,
+    /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
+    #[arg(long, value_name = "FOLDER")]
+    package_path: Vec<PathBuf>,
+    /// Wait for the simulator when there is none yet
+    #[arg(long)]
+    wait: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CliError::NoSimulator`]; [`CliError::View`] when the page cannot be served.
+pub fn run(args: &ViewArgs) -> Result<(), CliError> {
+    listen_for_stop()?;
+    let node = Node::open(&args.domain.domain, "view")?;
+    if !args.wait {
+        check_topics(&node, &args.domain.domain, &[])?;
+    }
+    let page = open_page(&node, &args.page, load(args)?)?;
+    while !stop_wanted() {
+        std::thread::sleep(NAP);
+    }
+    page.stop();
+    Ok(())
+}
+
+/// What a page shows besides what it is sent.
+pub(super) struct Shown {
+    /// A binary glTF file.
+    scene: Vec<u8>,
+    /// Their namespaces, and each as a plain URDF.
+    robots: Vec<(String, String)>,
+}
+
+impl Shown {
+    pub(super) fn new(
+        world: &World,
+        robots: &[(Model, SpawnOptions)],
+        packages: &PackagePath,
+        xacro_args: &[(String, String)],
+    ) -> Self {
+        let thing = |model, world_from_model, is_robot| -> Thing<'_> {
+            let model: &Model = model;
+            Thing { name: &model.name, model, world_from_model, is_robot }
+        };
+        let things = world.models.iter().map(|model| thing(model, model.world_from_model, false));
+        let moving = robots.iter().map(|(model, options)| thing(model, options.world_from_model, true));
+        let urdf = |(model, options): &(Model, SpawnOptions)| {
+            Some((options.namespace.clone(), robot_urdf(model, packages, xacro_args)?))
+        };
+        Self { scene: gltf::write(things.chain(moving)), robots: robots.iter().filter_map(urdf).collect() }
+    }
+}
+
+/// The models of a simulator that runs elsewhere, as its arguments name them.
+fn load(args: &ViewArgs) -> Result<Shown, CliError> {
+    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
+    let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
+    let mut diagnostics = Diagnostics::default();
+    // What is wrong with them, the simulator has said.
+    let rules = Rules { skip_missing: true, ..Rules::default() };
+    let world = args.world.clone().unwrap_or_else(default_world);
+    let world = load_world(&world, &packages, rules, &mut diagnostics);
+    let taken = world.iter().flat_map(|world| &world.models).map(|model| model.name.as_str());
+    let robots = args.robots.load(&packages, rules, &taken.collect(), &mut diagnostics);
+    match world {
+        Some(world) if !diagnostics.has_errors() => {
+            Ok(Shown::new(&world, &robots, &packages, args.robots.xacro_args()))
+        }
+        _ => Err(CliError::Description(diagnostics.errors().cloned().collect())),
+    }
+}
+
+/// Serves the page, says where, and opens it.
+pub(super) fn open_page(node: &Node, args: &PageArgs, shown: Shown) -> Result<ViewServer, CliError> {
+    let options = ViewOptions {
+        address: args.listen,
+        port: args.port,
+        token: args.token.clone(),
+        origins: args.allow_origin.clone(),
+    };
+    let page = ViewServer::start(node.clone(), options)?;
+    page.set_scene(shown.scene);
+    for (namespace, urdf) in shown.robots {
+        page.set_robot_description(&namespace, urdf);
+    }
+    print_line(&format!("page: {}", page.url()))?;
+    if !args.no_browser {
+        open_browser(page.url());
+    }
+    Ok(page)
+}
+
+/// Asks the desktop for a browser. Without one the user opens the page himself.
+fn open_browser(url: &str) {
+    let opened = Command::new("xdg-open")
+        .arg(url)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    let failed = match opened {
+        Ok(mut child) => {
+            // Waited for beside, since some browsers stay in front.
+            let watched = std::thread::Builder::new().name("browser".into()).spawn(move || {
+                if !child.wait().is_ok_and(|status| status.success()) {
+                    tell_of_no_browser("xdg-open found none");
+                }
+            });
+            watched.err()
+        }
+        Err(error) => Some(error),
+    };
+    if let Some(error) = failed {
+        tell_of_no_browser(&format!("xdg-open: {error}"));
+    }
+}
+
+fn tell_of_no_browser(why: &str) {
+    tracing::warn!(
+        "no browser was opened ({why}); open the page's address in one yourself, or give --no-browser"
+    );
+}

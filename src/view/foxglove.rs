@@ -1,0 +1,401 @@
+//! Foxglove's WebSocket protocol, for Foxglove, Lichtblick and whatever else speaks it: the streams as ROS 1's messages.
+//!
+//! A client that reads slowly gets fewer messages and slows nobody: while something waits for room on its way, frames stay
+//! where they are, and the oldest of each stream give way. It is told so by a status. There is no latching in the protocol;
+//! a stream that keeps its last message, as static transforms do, gives it at each subscription.
+
+use super::Shared;
+use super::drivers::Drivers;
+use super::socket::{Said, Socket};
+use super::waiting::wait;
+use crate::recording::ros1::RosStream;
+use belvedere_bridge::{Frame, Kind, StreamInfo, StreamSpec, Subscriber};
+use bytemuck::pod_read_unaligned;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::{Duration, Instant};
+use tungstenite::{Error, Message};
+
+/// Names of the protocol, the one that is preferred first; they differ in nothing else.
+pub(super) const SUBPROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
+
+const NAP: Duration = Duration::from_millis(50);
+/// Subscriptions of a client at a time.
+const MAX_SUBSCRIPTIONS: usize = 256;
+/// Channels that a client may publish on.
+const MAX_ADVERTISED: usize = 64;
+/// Time between two statuses about lost messages.
+const STATUS_INTERVAL: Duration = Duration::from_millis(2500);
+
+/// Opcodes of binary messages.
+const MESSAGE: u8 = 1;
+const TIME: u8 = 2;
+const CLIENT_MESSAGE: u8 = 1;
+
+#[derive(Debug, Deserialize)]
+#[serde(tag = "op", rename_all = "camelCase", rename_all_fields = "camelCase")]
+enum Request {
+    Subscribe { subscriptions: Vec<Wanted> },
+    Unsubscribe { subscription_ids: Vec<u32> },
+    Advertise { channels: Vec<ClientChannel> },
+    Unadvertise { channel_ids: Vec<u32> },
+    GetParameters { parameter_names: Vec<String>, id: Option<String> },
+    SetParameters { id: Option<String> },
+    SubscribeParameterUpdates {},
+    UnsubscribeParameterUpdates {},
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Wanted {
+    id: u32,
+    channel_id: u32,
+}
+
+/// What a client publishes.
+#[derive(Debug, Deserialize)]
+struct ClientChannel {
+    id: u32,
+    topic: String,
+    encoding: String,
+}
+
+/// `geometry_msgs/Twist` in JSON.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Twist {
+    linear: Xyz,
+    angular: Xyz,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Xyz {
+    x: f64,
+    y: f64,
+    z: f64,
+}
+
+impl Xyz {
+    fn array(&self) -> [f64; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+/// A topic of ROS: of one stream, or of several, as /tf of several robots.
+struct Channel {
+    id: u32,
+    /// Of streams, without a leading slash.
+    topics: BTreeSet<String>,
+    ros: RosStream,
+}
+
+/// A stream that is followed for a subscription.
+struct Source {
+    /// The client's number.
+    subscription: u32,
+    subscriber: Subscriber,
+    ros: RosStream,
+    /// Only the newest counts: pictures and clouds, as opposed to messages of which each does.
+    is_large: bool,
+}
+
+/// A client that is connected.
+pub(super) struct Foxglove<'a> {
+    shared: &'a Shared,
+    socket: Socket,
+    channels: BTreeMap<String, Channel>,
+    next_id: u32,
+    listed: Option<u64>,
+    sources: Vec<Source>,
+    /// Of the simulation; the client's time is what it says.
+    clock: Option<Subscriber>,
+    told_ns: Option<u64>,
+    published: BTreeMap<u32, ClientChannel>,
+    drivers: Drivers,
+    lost: u64,
+    next_status: Instant,
+    message: Vec<u8>,
+}
+
+impl<'a> Foxglove<'a> {
+    pub(super) fn new(shared: &'a Shared, socket: Socket) -> Self {
+        Self {
+            clock: shared.node.subscriber("clock").ok(),
+            shared,
+            socket,
+            channels: BTreeMap::new(),
+            next_id: 1,
+            listed: None,
+            sources: Vec::new(),
+            told_ns: None,
+            published: BTreeMap::new(),
+            drivers: Drivers::default(),
+            lost: 0,
+            next_status: Instant::now(),
+            message: Vec::new(),
+        }
+    }
+
+    /// Serves it until it goes.
+    ///
+    /// # Errors
+    /// How it went.
+    pub(super) fn serve(mut self) -> Result<(), Error> {
+        self.say(&json!({
+            "op": "serverInfo",
+            "name": format!("belvedere {}", self.shared.node.domain()),
+            "capabilities": ["time", "parameters", "clientPublish"],
+            "supportedEncodings": ["ros1", "json"],
+            "metadata": { "ROS_DISTRO": "noetic" },
+            "sessionId": self.shared.session,
+        }))?;
+        while !self.shared.is_stopping() {
+            self.advertise()?;
+            let followed = self.sources.iter_mut().map(|source| &mut source.subscriber);
+            wait(&self.socket, followed.chain(self.clock.as_mut()), NAP);
+            self.socket.flush()?;
+            while let Some(said) = self.socket.read()? {
+                self.take(&said)?;
+            }
+            self.send_time()?;
+            self.send_frames()?;
+            self.tell_of_losses()?;
+        }
+        Ok(())
+    }
+
+    /// Tells of channels that came and went.
+    fn advertise(&mut self) -> Result<(), Error> {
+        let (edition, streams) = self.shared.listing.now();
+        if self.listed == Some(edition) {
+            return Ok(());
+        }
+        self.listed = Some(edition);
+        let mut came = Vec::new();
+        let mut there = BTreeSet::new();
+        for stream in streams.iter() {
+            let Some(ros) = ros_stream(stream) else { continue };
+            there.insert(ros.topic.clone());
+            let channel = self.channels.entry(ros.topic.clone()).or_insert_with(|| {
+                let id = self.next_id;
+                self.next_id += 1;
+                came.push(json!({
+                    "id": id,
+                    "topic": ros.topic,
+                    "encoding": "ros1",
+                    "schemaName": ros.message_type.name,
+                    "schema": ros.message_type.definition(),
+                    "schemaEncoding": "ros1msg",
+                }));
+                Channel { id, topics: BTreeSet::new(), ros }
+            });
+            channel.topics.insert(stream.topic.clone());
+        }
+        let mut gone = Vec::new();
+        self.channels.retain(|topic, channel| {
+            let stays = there.contains(topic);
+            if !stays {
+                gone.push(channel.id);
+            }
+            stays
+        });
+        if !gone.is_empty() {
+            self.say(&json!({ "op": "unadvertise", "channelIds": gone }))?;
+        }
+        if !came.is_empty() {
+            self.say(&json!({ "op": "advertise", "channels": came }))?;
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, said: &Said) -> Result<(), Error> {
+        let done = match said {
+            Said::Binary(bytes) => self.take_message(bytes),
+            Said::Text(text) => match serde_json::from_str(text) {
+                Ok(request) => self.answer(request)?,
+                Err(error) => Err(format!("this is not understood: {error}")),
+            },
+        };
+        done.or_else(|reason| self.status(1, &reason))
+    }
+
+    /// What is refused is an inner error; an outer one, that the client has gone.
+    fn answer(&mut self, request: Request) -> Result<Result<(), String>, Error> {
+        match request {
+            Request::Subscribe { subscriptions } => {
+                for wanted in subscriptions {
+                    if let Err(reason) = self.subscribe(&wanted) {
+                        return Ok(Err(reason));
+                    }
+                }
+            }
+            Request::Unsubscribe { subscription_ids } => {
+                self.sources.retain(|source| !subscription_ids.contains(&source.subscription));
+            }
+            Request::Advertise { channels } => {
+                for channel in channels {
+                    if self.published.len() >= MAX_ADVERTISED {
+                        return Ok(Err(format!("at most {MAX_ADVERTISED} topics may be published")));
+                    }
+                    self.published.insert(channel.id, channel);
+                }
+            }
+            Request::Unadvertise { channel_ids } => {
+                self.published.retain(|id, _| !channel_ids.contains(id));
+            }
+            Request::GetParameters { parameter_names, id } => {
+                let values = self.shared.parameters(&parameter_names);
+                self.say(&json!({ "op": "parameterValues", "parameters": values, "id": id }))?;
+            }
+            Request::SetParameters { id } => {
+                let values = self.shared.parameters(&[]);
+                self.say(&json!({ "op": "parameterValues", "parameters": values, "id": id }))?;
+                return Ok(Err(
+                    "parameters cannot be set; settings of sensors can: belvedere control configure".into(),
+                ));
+            }
+            // They never change.
+            Request::SubscribeParameterUpdates {} | Request::UnsubscribeParameterUpdates {} => {}
+        }
+        Ok(Ok(()))
+    }
+
+    fn subscribe(&mut self, wanted: &Wanted) -> Result<(), String> {
+        let Some(channel) = self.channels.values().find(|channel| channel.id == wanted.channel_id) else {
+            return Err(format!("there is no channel {}", wanted.channel_id));
+        };
+        if self.sources.len() + channel.topics.len() > MAX_SUBSCRIPTIONS {
+            return Err(format!("at most {MAX_SUBSCRIPTIONS} subscriptions are held"));
+        }
+        if self.sources.iter().any(|source| source.subscription == wanted.id) {
+            return Err(format!("there is a subscription {} already", wanted.id));
+        }
+        for topic in &channel.topics {
+            let subscriber = self.shared.node.subscriber(topic).map_err(|error| error.to_string())?;
+            let name = channel.ros.message_type.name;
+            let is_large = matches!(name, "sensor_msgs/Image" | "sensor_msgs/PointCloud2");
+            self.sources.push(Source {
+                subscription: wanted.id,
+                subscriber,
+                ros: channel.ros.clone(),
+                is_large,
+            });
+        }
+        Ok(())
+    }
+
+    /// A message that the client publishes: velocities are taken.
+    fn take_message(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let wrong = || "this is not a message of a channel that was advertised".to_owned();
+        let (&CLIENT_MESSAGE, rest) = bytes.split_first().ok_or_else(wrong)? else { return Err(wrong()) };
+        let (id, payload) = rest.split_first_chunk::<4>().ok_or_else(wrong)?;
+        let channel = self.published.get(&u32::from_le_bytes(*id)).ok_or_else(wrong)?;
+        let (linear, angular) = match channel.encoding.as_str() {
+            "json" => {
+                let twist: Twist = serde_json::from_slice(payload)
+                    .map_err(|error| format!("what is sent on {} is no Twist: {error}", channel.topic))?;
+                (twist.linear.array(), twist.angular.array())
+            }
+            _ if payload.len() == 48 => pod_read_unaligned::<[[f64; 3]; 2]>(payload).into(),
+            _ => return Err(format!("what is sent on {} is no geometry_msgs/Twist", channel.topic)),
+        };
+        let (_, streams) = self.shared.listing.now();
+        self.drivers.drive(&self.shared.node, &streams, &channel.topic, linear, angular)
+    }
+
+    fn send_time(&mut self) -> Result<(), Error> {
+        let newest = self.clock.as_mut().and_then(|clock| clock.take_newest().ok().flatten());
+        match newest {
+            Some(frame) => self.tell_time(frame.header().stamp_ns),
+            None => Ok(()),
+        }
+    }
+
+    fn tell_time(&mut self, now_ns: u64) -> Result<(), Error> {
+        if self.told_ns == Some(now_ns) {
+            return Ok(());
+        }
+        self.told_ns = Some(now_ns);
+        let mut message = vec![TIME];
+        message.extend_from_slice(&now_ns.to_le_bytes());
+        self.socket.send(Message::binary(message))
+    }
+
+    fn send_frames(&mut self) -> Result<(), Error> {
+        let mut failed = None;
+        let mut sources = std::mem::take(&mut self.sources);
+        for source in &mut sources {
+            loop {
+                if self.socket.has_unsent() {
+                    break;
+                }
+                let taken =
+                    if source.is_large { source.subscriber.take_newest() } else { source.subscriber.take() };
+                match taken {
+                    Ok(Some(frame)) => self.send_frame(source, &frame)?,
+                    Ok(None) => break,
+                    Err(error) => {
+                        failed = Some(error.to_string());
+                        break;
+                    }
+                }
+            }
+        }
+        self.sources = sources;
+        failed.map_or(Ok(()), |reason| self.status(1, &reason))
+    }
+
+    fn send_frame(&mut self, source: &Source, frame: &Frame) -> Result<(), Error> {
+        self.lost += frame.missed();
+        // What has no message of ROS's is left out, as by the node for ROS.
+        if source.ros.write(&frame.view(), &mut self.message).is_none() {
+            return Ok(());
+        }
+        let stamp_ns = frame.header().stamp_ns;
+        // Nothing comes before its time; what was kept for who comes late does not turn it back.
+        if !frame.is_from_history() && self.told_ns.is_none_or(|told_ns| told_ns < stamp_ns) {
+            self.tell_time(stamp_ns)?;
+        }
+        let mut message = Vec::with_capacity(13 + self.message.len());
+        message.push(MESSAGE);
+        message.extend_from_slice(&source.subscription.to_le_bytes());
+        message.extend_from_slice(&stamp_ns.to_le_bytes());
+        message.extend_from_slice(&self.message);
+        self.socket.send(Message::binary(message))
+    }
+
+    fn tell_of_losses(&mut self) -> Result<(), Error> {
+        let now = Instant::now();
+        if self.lost == 0 || now < self.next_status {
+            return Ok(());
+        }
+        self.next_status = now + STATUS_INTERVAL;
+        let lost = std::mem::take(&mut self.lost);
+        // Clients know these words and say what to do.
+        self.status(1, &format!("Send buffer limit reached: {lost} messages were left out"))
+    }
+
+    fn status(&mut self, level: u8, message: &str) -> Result<(), Error> {
+        self.say(&json!({ "op": "status", "level": level, "message": message }))
+    }
+
+    fn say(&mut self, message: &Value) -> Result<(), Error> {
+        self.socket.send(Message::text(message.to_string()))
+    }
+}
+
+/// What a stream is for ROS; none for those that lead to the robot.
+fn ros_stream(stream: &StreamInfo) -> Option<RosStream> {
+    let kind = stream.kind?;
+    let is_command = matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
+    let is_ours = stream.topic == StreamSpec::SIMULATION_COMMAND;
+    (!is_command && !is_ours).then(|| RosStream::new(kind, &stream.topic, stream.layers)).flatten()
+}
+
+/// The name that a client and this server have in common, by the header in which it names its own.
+pub(super) fn common_protocol(offered: &str) -> Option<&'static str> {
+    let offered: Vec<&str> = offered.split(',').map(str::trim).collect();
+    SUBPROTOCOLS.into_iter().find(|known| offered.contains(known))
+}

@@ -1,0 +1,229 @@
+//! A page of ours: it asks for each frame, so that a slow one gets fewer, and what no panel shows is not rendered.
+//!
+//! | the page says | which means |
+//! |---|---|
+//! | `{"op":"next","topic":T}` | send the next frame of T, the newest if it waits already |
+//! | `{"op":"stop","topic":T}` | follow T no more |
+//! | `{"op":"control","id":N,"operation":O,…}` | do what `belvedere control` does; the answer is a `result` with the same id |
+//! | `{"op":"drive","topic":T,"linear":[x,y,z],"angular":[x,y,z]}` | a velocity command |
+//!
+//! It is told of streams (`streams`), of the scene's edition (`scene`), of results, and of what went wrong (`status`).
+
+use super::Shared;
+use super::commander::{Commander, Order};
+use super::drivers::Drivers;
+use super::listing;
+use super::payload;
+use super::socket::{Said, Socket};
+use super::waiting::wait;
+use belvedere_bridge::{Operation, Subscriber};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::time::{Duration, Instant};
+use tungstenite::{Error, Message};
+
+/// How long is waited for somebody to say something.
+const NAP: Duration = Duration::from_millis(50);
+/// The same while an answer of the simulator is on its way.
+const SHORT_NAP: Duration = Duration::from_millis(4);
+/// A page that has not asked for so long, a hidden one, follows the stream no more.
+const FORGOTTEN: Duration = Duration::from_secs(3);
+/// Streams that a page may follow at a time.
+const MAX_FOLLOWED: usize = 64;
+
+/// What a page may have done.
+const OPERATIONS: [Operation; 7] = [
+    Operation::Pause,
+    Operation::Resume,
+    Operation::Step,
+    Operation::ResetWorld,
+    Operation::ResetSimulation,
+    Operation::SetModelState,
+    Operation::Configure,
+];
+
+#[derive(Debug, Deserialize)]
+#[serde(tag = "op", rename_all = "snake_case")]
+enum Request {
+    Next {
+        topic: String,
+    },
+    Stop {
+        topic: String,
+    },
+    Control(Order),
+    Drive {
+        topic: String,
+        #[serde(default)]
+        linear: [f64; 3],
+        #[serde(default)]
+        angular: [f64; 3],
+    },
+}
+
+/// A stream that a page follows.
+struct Followed {
+    subscriber: Subscriber,
+    /// The page waits for a frame.
+    wanted: bool,
+    asked: Instant,
+}
+
+/// A page that is connected.
+pub(super) struct Page<'a> {
+    shared: &'a Shared,
+    socket: Socket,
+    followed: Vec<Followed>,
+    commander: Option<Commander>,
+    /// Answers that are on their way.
+    awaited: usize,
+    drivers: Drivers,
+    streams: Option<u64>,
+    scene: Option<u64>,
+}
+
+impl<'a> Page<'a> {
+    pub(super) fn new(shared: &'a Shared, socket: Socket) -> Self {
+        Self {
+            shared,
+            socket,
+            followed: Vec::new(),
+            commander: None,
+            awaited: 0,
+            drivers: Drivers::default(),
+            streams: None,
+            scene: None,
+        }
+    }
+
+    /// Serves it until it goes.
+    ///
+    /// # Errors
+    /// How it went.
+    pub(super) fn serve(mut self) -> Result<(), Error> {
+        while !self.shared.is_stopping() {
+            self.tell_of_changes()?;
+            self.wait();
+            self.socket.flush()?;
+            while let Some(said) = self.socket.read()? {
+                self.take(&said)?;
+            }
+            self.send_frames()?;
+            self.send_answers()?;
+        }
+        Ok(())
+    }
+
+    /// Sleeps until the page says something, or there is something for it.
+    fn wait(&mut self) {
+        let wanted = self.followed.iter_mut().filter(|followed| followed.wanted);
+        let nap = if self.awaited > 0 { SHORT_NAP } else { NAP };
+        wait(&self.socket, wanted.map(|followed| &mut followed.subscriber), nap);
+    }
+
+    fn take(&mut self, said: &Said) -> Result<(), Error> {
+        let request = match said {
+            Said::Text(text) => serde_json::from_str(text).map_err(|error| error.to_string()),
+            Said::Binary(_) => Err("it is binary".to_owned()),
+        };
+        let done = match request {
+            Ok(Request::Next { topic }) => self.want(&topic),
+            Ok(Request::Stop { topic }) => {
+                self.followed.retain(|followed| followed.subscriber.topic() != topic);
+                Ok(())
+            }
+            Ok(Request::Control(order)) => self.control(order),
+            Ok(Request::Drive { topic, linear, angular }) => {
+                let (_, streams) = self.shared.listing.now();
+                self.drivers.drive(&self.shared.node, &streams, &topic, linear, angular)
+            }
+            Err(error) => Err(format!("what the page said is not understood: {error}")),
+        };
+        done.or_else(|reason| self.complain(&reason))
+    }
+
+    fn want(&mut self, topic: &str) -> Result<(), String> {
+        let now = Instant::now();
+        if let Some(known) = self.followed.iter_mut().find(|followed| followed.subscriber.topic() == topic) {
+            (known.wanted, known.asked) = (true, now);
+            return Ok(());
+        }
+        if self.followed.len() >= MAX_FOLLOWED {
+            return Err(format!("a page may follow {MAX_FOLLOWED} streams; close some panels"));
+        }
+        let subscriber = self.shared.node.subscriber(topic).map_err(|error| error.to_string())?;
+        self.followed.push(Followed { subscriber, wanted: true, asked: now });
+        Ok(())
+    }
+
+    fn control(&mut self, order: Order) -> Result<(), String> {
+        if !OPERATIONS.iter().any(|known| known.as_str() == order.operation) {
+            return Err(format!("a page may not have '{}' done", order.operation));
+        }
+        if self.commander.is_none() {
+            self.commander = Some(Commander::start(&self.shared.node).map_err(|error| error.to_string())?);
+        }
+        let Some(commander) = &self.commander else { return Ok(()) };
+        commander.send(order)?;
+        self.awaited += 1;
+        Ok(())
+    }
+
+    fn send_answers(&mut self) -> Result<(), Error> {
+        while let Some(answer) = self.commander.as_ref().and_then(Commander::answer) {
+            self.awaited = self.awaited.saturating_sub(1);
+            self.say(&answer)?;
+        }
+        Ok(())
+    }
+
+    fn send_frames(&mut self) -> Result<(), Error> {
+        let now = Instant::now();
+        self.followed.retain(|followed| followed.wanted || now - followed.asked < FORGOTTEN);
+        let mut failed = None;
+        for followed in &mut self.followed {
+            if !followed.wanted || self.socket.has_unsent() {
+                continue;
+            }
+            match followed.subscriber.take_newest() {
+                Ok(Some(frame)) => {
+                    let message =
+                        payload::encode(followed.subscriber.topic(), &frame.view(), frame.restarted());
+                    drop(frame);
+                    followed.wanted = false;
+                    followed.asked = now;
+                    self.socket.send(Message::binary(message))?;
+                }
+                Ok(None) => {}
+                Err(error) => {
+                    followed.wanted = false;
+                    failed = Some(error.to_string());
+                }
+            }
+        }
+        failed.map_or(Ok(()), |reason| self.complain(&reason))
+    }
+
+    /// Tells of streams and of the scene when they are others than before.
+    fn tell_of_changes(&mut self) -> Result<(), Error> {
+        let (edition, streams) = self.shared.listing.now();
+        if self.streams != Some(edition) {
+            self.streams = Some(edition);
+            self.say(&json!({ "op": "streams", "streams": listing::to_json(&streams) }))?;
+        }
+        let edition = self.shared.scene.edition();
+        if self.scene != Some(edition) {
+            self.scene = Some(edition);
+            self.say(&json!({ "op": "scene", "edition": edition }))?;
+        }
+        Ok(())
+    }
+
+    fn complain(&mut self, reason: &str) -> Result<(), Error> {
+        self.say(&json!({ "op": "status", "level": "warning", "text": reason }))
+    }
+
+    fn say(&mut self, message: &Value) -> Result<(), Error> {
+        self.socket.send(Message::text(message.to_string()))
+    }
+}

@@ -1,0 +1,176 @@
+//! Frames as the page takes them: a length, an object of JSON that describes them, and bytes.
+//!
+//! | bytes | are |
+//! |---|---|
+//! | 4 | length of the JSON, little-endian; it ends with spaces, so that what follows begins at a multiple of 8 |
+//! | length | `topic`, `kind`, `encoding`, `stamp` in ns, `width`, `height`, `rowStride`, `elemStride`, the pose `position`, `orientation` of the sensor's own axes in the world, and what the kind has |
+//! | the rest | the payload as in shared memory, but for depths in metres and points |
+//!
+//! Depths in metres become 16-bit millimetres, 0 for none and 65535 for beyond the range: a quarter of what the page needs to
+//! receive, in steps that no sensor's noise shows. Points become 16 bytes each, x, y, z as f32 and either red, green, blue,
+//! 255 or the intensity as f32; those that are none are left out.
+
+use belvedere_bridge::{Encoding, FrameHeader, FrameView, Kind};
+use serde_json::{Map, Value, json};
+
+/// A frame for the page.
+pub(super) fn encode(topic: &str, frame: &FrameView<'_>, restarted: bool) -> Vec<u8> {
+    let header = frame.header();
+    let mut object = describe(topic, header);
+    if restarted {
+        object.insert("restarted".into(), true.into());
+    }
+    let mut out = Vec::new();
+    match (header.kind(), header.encoding()) {
+        (Some(Kind::DepthImage), Some(Encoding::F32C1)) => {
+            object.insert("encoding".into(), "16uc1".into());
+            object.insert("elemStride".into(), 2.into());
+            object.insert("rowStride".into(), (2 * header.width).into());
+            begin(&object, &mut out, 2 * header.width as usize * header.height as usize);
+            for row in frame.rows() {
+                out.extend(row.as_chunks::<4>().0.iter().flat_map(|depth| {
+                    let millimetres = f32::from_le_bytes(*depth) * 1000.0;
+                    // A cast takes NaN to 0 and infinities to the ends.
+                    ((millimetres + 0.5) as u16).to_le_bytes()
+                }));
+            }
+        }
+        (Some(Kind::PointCloud), Some(encoding)) => {
+            let points = points(frame, encoding);
+            let colour = if encoding == Encoding::XyzRgbF32 { "rgb" } else { "intensity" };
+            object.insert("colour".into(), colour.into());
+            object.insert("points".into(), (points.len() / 16).into());
+            begin(&object, &mut out, points.len());
+            out.extend_from_slice(&points);
+        }
+        _ => {
+            begin(&object, &mut out, frame.payload().len());
+            out.extend_from_slice(frame.payload());
+        }
+    }
+    out
+}
+
+fn begin(object: &Map<String, Value>, out: &mut Vec<u8>, payload_len: usize) {
+    let mut text = serde_json::to_vec(object).unwrap_or_default();
+    text.resize((text.len() + 4).next_multiple_of(8) - 4, b' ');
+    out.reserve(4 + text.len() + payload_len);
+    out.extend_from_slice(&(text.len() as u32).to_le_bytes());
+    out.extend_from_slice(&text);
+}
+
+fn describe(topic: &str, header: &FrameHeader) -> Map<String, Value> {
+    let mut object = Map::from_iter([
+        ("topic".to_owned(), topic.into()),
+        ("kind".to_owned(), header.kind().map(|kind| kind.to_string()).into()),
+        ("encoding".to_owned(), header.encoding().map(|encoding| encoding.to_string()).into()),
+        ("stamp".to_owned(), header.stamp_ns.into()),
+        ("seq".to_owned(), header.seq.into()),
+        ("width".to_owned(), header.width.into()),
+        ("height".to_owned(), header.height.into()),
+        ("rowStride".to_owned(), header.row_stride.into()),
+        ("elemStride".to_owned(), header.elem_stride.into()),
+        ("frameId".to_owned(), header.frame_id.as_str().into()),
+        ("position".to_owned(), json!(header.position)),
+        ("orientation".to_owned(), json!(header.orientation)),
+    ]);
+    // Clouds of lidars have none.
+    if let Some(lens) = header.intrinsics().filter(|lens| lens.fx != 0.0) {
+        let model = lens.model().map(|model| model.to_string());
+        object.insert(
+            "intrinsics".into(),
+            json!({
+                "fx": lens.fx, "fy": lens.fy, "cx": lens.cx, "cy": lens.cy, "skew": lens.skew,
+                "near": lens.near, "far": finite(lens.far), "model": model, "distortion": lens.parameters(),
+            }),
+        );
+    }
+    if let Some(scan) = header.scan_geometry() {
+        object.insert(
+            "scan".into(),
+            json!({
+                "angleMin": scan.angle_min, "angleIncrement": scan.angle_increment,
+                "rangeMin": scan.range_min, "rangeMax": finite(scan.range_max),
+                "verticalAngleMin": scan.vertical_angle_min,
+                "verticalAngleIncrement": scan.vertical_angle_increment,
+                "intensities": header.has_intensities(),
+            }),
+        );
+    }
+    object
+}
+
+/// JSON has no infinities.
+fn finite(value: f32) -> Option<f32> {
+    value.is_finite().then_some(value)
+}
+
+fn points(frame: &FrameView<'_>, encoding: Encoding) -> Vec<u8> {
+    let colour_at = match encoding {
+        Encoding::XyzIrtF32 | Encoding::LivoxPoint => 12,
+        _ => 16,
+    };
+    let stride = (frame.header().elem_stride as usize).max(1);
+    let mut points = Vec::new();
+    for point in frame.rows().flat_map(|row| row.chunks(stride)) {
+        let (Some(place), Some(&colour)) =
+            (point.get(..12), point.get(colour_at..).and_then(<[u8]>::first_chunk::<4>))
+        else {
+            continue;
+        };
+        let (axes, _) = place.as_chunks::<4>();
+        if axes.iter().any(|axis| !f32::from_le_bytes(*axis).is_finite()) {
+            continue;
+        }
+        points.extend_from_slice(place);
+        points.extend(match encoding {
+            // 0x00RRGGBB.
+            Encoding::XyzRgbF32 => {
+                let [blue, green, red, _] = colour;
+                [red, green, blue, 255]
+            }
+            _ => colour,
+        });
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts(message: &[u8]) -> (Value, &[u8]) {
+        let len = u32::from_le_bytes(message[..4].try_into().unwrap()) as usize;
+        assert_eq!((4 + len) % 8, 0);
+        (serde_json::from_slice(&message[4..4 + len]).unwrap(), &message[4 + len..])
+    }
+
+    #[test]
+    fn depths_become_millimetres() {
+        let mut header = FrameHeader::new(Kind::DepthImage, Encoding::F32C1);
+        header.set_packed(5, 1);
+        let depths = [1.2345_f32, f32::NAN, f32::NEG_INFINITY, f32::INFINITY, 70.0];
+        header.payload_len = 20;
+        let message =
+            encode("depth", &FrameView::new(&header, bytemuck::cast_slice(&depths)).unwrap(), false);
+        let (object, payload) = parts(&message);
+        assert_eq!((object["encoding"].as_str(), object["rowStride"].as_u64()), (Some("16uc1"), Some(10)));
+        assert_eq!(bytemuck::pod_collect_to_vec::<u8, u16>(payload), [1235, 0, 0, 65535, 65535]);
+    }
+
+    #[test]
+    fn points_are_those_that_are_there() {
+        let mut header = FrameHeader::new(Kind::PointCloud, Encoding::XyzRgbF32);
+        header.set_packed(2, 1);
+        header.payload_len = 64;
+        let mut payload = [0_u8; 64];
+        payload[..12].copy_from_slice(bytemuck::cast_slice(&[1.0_f32, 2.0, 3.0]));
+        payload[16..20].copy_from_slice(&0x0010_2030_u32.to_le_bytes());
+        payload[32..36].copy_from_slice(&f32::NAN.to_le_bytes());
+        let message = encode("points", &FrameView::new(&header, &payload).unwrap(), false);
+        let (object, points) = parts(&message);
+        assert_eq!((object["points"].as_u64(), object["colour"].as_str()), (Some(1), Some("rgb")));
+        assert_eq!(&points[12..], [0x10, 0x20, 0x30, 255]);
+        assert_eq!(points.len(), 16);
+    }
+}

@@ -1,0 +1,26 @@
+//! How a client's thread sleeps.
+
+use super::socket::Socket;
+use belvedere_bridge::Subscriber;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use std::time::Duration;
+
+/// Sleeps until the client says something, or one of these streams has something for it.
+pub(super) fn wait<'a>(
+    socket: &Socket,
+    followed: impl Iterator<Item = &'a mut Subscriber>,
+    at_most: Duration,
+) {
+    let unsent = socket.has_unsent();
+    let flags = if unsent { PollFlags::IN | PollFlags::OUT } else { PollFlags::IN };
+    let mut fds = vec![PollFd::from_borrowed_fd(socket.descriptor(), flags)];
+    // While the client is slow, frames wait where they are, and the oldest give way.
+    for subscriber in followed.filter(|_| !unsent) {
+        if let Ok(readiness) = subscriber.readiness() {
+            fds.push(PollFd::from_borrowed_fd(readiness, PollFlags::IN));
+        }
+    }
+    let nap = Timespec { tv_sec: 0, tv_nsec: i64::from(at_most.subsec_nanos()) };
+    // Interrupted: looked at again at once.
+    let _ = poll(&mut fds, Some(&nap));
+}

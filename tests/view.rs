@@ -1,0 +1,458 @@
+//! The page's server as another program sees it: who is let in, what comes, and that nobody is slowed.
+#![cfg(feature = "view")]
+
+mod live;
+
+use live::control::ROBOT;
+use live::{PATIENCE, belvedere, own_domain};
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::{Value, json};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tungstenite::protocol::Role;
+use tungstenite::{Message, WebSocket};
+
+const PICTURE: &str = "camera/rgb/image_raw";
+const DEPTH: &str = "camera/depth/image_raw";
+const STATES: &str = "simulation/link_states";
+const KINECT: [&str; 6] = ["--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "still"];
+
+/// A program that serves the page; stopped when dropped.
+struct Server {
+    child: Child,
+    /// 127.0.0.1:PORT.
+    host: String,
+    token: String,
+}
+
+impl Server {
+    fn start(mut command: Command) -> Self {
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        let url =
+            lines.find_map(|line| line.unwrap().strip_prefix("page: http://").map(str::to_owned)).unwrap();
+        let (host, token) = url.split_once("/?token=").unwrap();
+        Self { host: host.to_owned(), token: token.to_owned(), child }
+    }
+
+    /// The simulator with its page.
+    fn run(domain: &str, arguments: &[&str]) -> Self {
+        let mut command = belvedere();
+        command.args(["run", "--view", "--no-browser", "--domain", domain]).args(arguments);
+        if !arguments.contains(&"--port") {
+            command.args(["--port", "0"]);
+        }
+        Self::start(command)
+    }
+
+    /// A page beside a simulator.
+    fn view(domain: &str) -> Self {
+        let mut command = belvedere();
+        command.args(["view", "--wait", "--no-browser", "--port", "0", "--domain", domain]);
+        Self::start(command)
+    }
+
+    /// What comes for a request, as it stands.
+    fn ask(&self, request: &str) -> String {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    fn get(&self, target: &str) -> String {
+        self.ask(&format!("GET {target} HTTP/1.1\r\nHost: {}\r\n\r\n", self.host))
+    }
+
+    fn page(&self) -> Page {
+        self.connect("")
+    }
+
+    /// A WebSocket with this header more.
+    fn connect(&self, header: &str) -> Page {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let (host, token) = (&self.host, &self.token);
+        let request = format!(
+            "GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+             {header}Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+        );
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        while !answer.ends_with(b"\r\n\r\n") {
+            let mut byte = [0];
+            stream.read_exact(&mut byte).unwrap();
+            answer.push(byte[0]);
+        }
+        let answer = String::from_utf8(answer).unwrap();
+        // What RFC 6455 has for this key.
+        assert!(answer.contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), "{answer}");
+        if let Some(offered) = header.strip_suffix("\r\n") {
+            assert!(answer.contains(offered.split(", ").next().unwrap()), "{answer}");
+        }
+        Page { socket: WebSocket::from_raw_socket(stream, Role::Client, None), heard: Vec::new() }
+    }
+
+    fn kill(mut self) {
+        kill_process(Pid::from_child(&self.child), Signal::KILL).unwrap();
+        self.child.wait().unwrap();
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        if let Ok(None) = self.child.try_wait() {
+            let _ = kill_process(Pid::from_child(&self.child), Signal::INT);
+            let _ = self.child.wait();
+        }
+    }
+}
+
+/// A page's end of the WebSocket.
+struct Page {
+    socket: WebSocket<TcpStream>,
+    heard: Vec<Value>,
+}
+
+/// What the page is sent of a stream.
+struct Shown {
+    header: Value,
+    payload: Vec<u8>,
+}
+
+impl Shown {
+    fn stamp(&self) -> u64 {
+        self.header["stamp"].as_u64().unwrap()
+    }
+}
+
+impl Page {
+    fn say(&mut self, message: Value) {
+        self.socket.send(Message::text(message.to_string())).unwrap();
+    }
+
+    /// The next frame of a topic.
+    fn next(&mut self, topic: &str) -> Shown {
+        self.say(json!({ "op": "next", "topic": topic }));
+        loop {
+            match self.socket.read().unwrap() {
+                Message::Binary(bytes) => {
+                    let len = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
+                    let header: Value = serde_json::from_slice(&bytes[4..4 + len]).unwrap();
+                    if header["topic"] == topic {
+                        return Shown { header, payload: bytes[4 + len..].to_vec() };
+                    }
+                }
+                Message::Text(text) => self.heard.push(serde_json::from_str(&text).unwrap()),
+                _ => {}
+            }
+        }
+    }
+
+    /// The next binary message with this first byte.
+    fn binary(&mut self, opcode: u8) -> Vec<u8> {
+        loop {
+            match self.socket.read().unwrap() {
+                Message::Binary(bytes) if bytes[0] == opcode => return bytes.to_vec(),
+                Message::Text(text) => self.heard.push(serde_json::from_str(&text).unwrap()),
+                _ => {}
+            }
+        }
+    }
+
+    /// The next words of this kind.
+    fn told(&mut self, op: &str) -> Value {
+        loop {
+            if let Some(place) = self.heard.iter().position(|told| told["op"] == op) {
+                return self.heard.remove(place);
+            }
+            if let Message::Text(text) = self.socket.read().unwrap() {
+                self.heard.push(serde_json::from_str(&text).unwrap());
+            }
+        }
+    }
+
+    fn control(&mut self, operation: &str) -> Value {
+        self.say(json!({ "op": "control", "id": 7, "operation": operation, "steps": 10 }));
+        self.told("result")
+    }
+}
+
+/// Where a link is, of `simulation/link_states`.
+fn position(states: &Shown, link: &str) -> [f64; 3] {
+    let stride = states.header["rowStride"].as_u64().unwrap() as usize;
+    let state = states.payload.chunks(stride).find(|state| state.starts_with(link.as_bytes())).unwrap();
+    std::array::from_fn(|axis| f64::from_le_bytes(state[128 + 8 * axis..][..8].try_into().unwrap()))
+}
+
+#[test]
+fn only_who_knows_the_token_is_let_in_and_no_path_leaves_the_page() {
+    let server = Server::run(&own_domain(), &KINECT);
+    let (host, token) = (&server.host, &server.token);
+    let page = server.get(&format!("/?token={token}"));
+    assert!(page.starts_with("HTTP/1.1 200 ") && page.contains("<title>Belvedere"), "{page}");
+    assert!(server.get("/viewer.js").starts_with("HTTP/1.1 200 "));
+    let scene = server.get(&format!("/scene.glb?token={token}"));
+    assert!(scene.contains("glTF") && scene.contains("base_link"), "{}", &scene[..200]);
+    for target in ["/", "/?token=", "/?token=00000000000000000000000000000000", "/scene.glb"] {
+        let answer = server.get(target);
+        assert!(answer.starts_with("HTTP/1.1 403 ") && answer.contains("token"), "{target}: {answer}");
+    }
+    for path in [
+        "/../../etc/passwd",
+        "/%2e%2e/%2e%2e/etc/passwd",
+        "//etc/passwd",
+        "/viewer.js/../../Cargo.toml",
+        "/dist",
+    ] {
+        let answer = server.get(&format!("{path}?token={token}"));
+        assert!(answer.starts_with("HTTP/1.1 404 "), "{path}: {answer}");
+    }
+    let upgrade = |host: &str, origin: &str, token: &str| {
+        server.ask(&format!(
+            "GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nOrigin: {origin}\r\nUpgrade: websocket\r\n\
+             Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+        ))
+    };
+    let own = format!("http://{host}");
+    let port = host.rsplit(':').next().unwrap();
+    for (host, origin, token, reason) in [
+        (host.as_str(), own.as_str(), "wrong", "token"),
+        (host, "http://evil.example", token, "--allow-origin"),
+        (host, &format!("http://evil.example:{port}"), token, "--allow-origin"),
+        (&format!("evil.example:{port}"), &own, token, "not the name"),
+    ] {
+        let answer = upgrade(host, origin, token);
+        assert!(answer.starts_with("HTTP/1.1 403 ") && answer.contains(reason), "{host} {origin}: {answer}");
+    }
+    let long = format!("GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nX: {}\r\n\r\n", "x".repeat(1 << 20));
+    let mut stream = TcpStream::connect(host).unwrap();
+    // It is closed before all is read.
+    let _ = stream.write_all(long.as_bytes());
+    assert!(server.ask("no request at all\r\n\r\n").starts_with("HTTP/1.1 400 "));
+    assert!(server.ask(&format!("POST / HTTP/1.1\r\nHost: {host}\r\n\r\n")).starts_with("HTTP/1.1 405 "));
+    // It lives.
+    server.page().next("clock");
+}
+
+#[test]
+fn pictures_come_time_stands_and_the_robot_is_driven() {
+    let server = Server::run(&own_domain(), &KINECT);
+    let mut page = server.page();
+    let streams = page.told("streams");
+    let of = |kind: &str| {
+        let streams = streams["streams"].as_array().unwrap().iter();
+        streams
+            .filter(|stream| stream["kind"] == kind)
+            .map(|stream| stream["topic"].clone())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(of("image"), [PICTURE]);
+    let asked = Instant::now();
+    let picture = page.next(PICTURE);
+    assert!(asked.elapsed() < Duration::from_secs(1), "the first picture took {:?}", asked.elapsed());
+    assert_eq!((&picture.header["encoding"], picture.payload.len()), (&json!("rgb8"), 640 * 480 * 3));
+    assert!(page.next(PICTURE).stamp() > picture.stamp());
+    let depth = page.next(DEPTH);
+    assert_eq!((&depth.header["encoding"], depth.payload.len()), (&json!("16uc1"), 640 * 480 * 2));
+
+    assert_eq!(page.control("pause")["done"], true);
+    let stood = page.next(STATES);
+    assert_eq!(page.next(STATES).stamp(), stood.stamp());
+    assert_eq!(page.control("step")["done"], true);
+    // Ten steps of physics, then it stands again.
+    let mut stepped = page.next(STATES).stamp();
+    loop {
+        let next = page.next(STATES).stamp();
+        if next == stepped && next > stood.stamp() {
+            break;
+        }
+        stepped = next;
+    }
+    let step_ns = (stepped - stood.stamp()) / 10;
+    assert!([1_000_000, 10_000_000].contains(&step_ns), "{} and then {stepped}", stood.stamp());
+}
+
+#[test]
+fn what_a_page_may_not_do_is_refused_in_words() {
+    let server = Server::run(&own_domain(), &KINECT);
+    let mut page = server.page();
+    for (message, reason) in [
+        (json!({ "op": "control", "operation": "spawn" }), "may not"),
+        (json!({ "op": "drive", "topic": "scan" }), "no robot takes velocities on /scan"),
+        (json!({ "op": "next", "topic": "" }), "topic"),
+        (json!({ "op": "dance" }), "dance"),
+        (json!([]), "not understood"),
+    ] {
+        page.say(message.clone());
+        let text = page.told("status")["text"].to_string();
+        assert!(text.contains(reason), "{message}: {text}");
+    }
+    page.say(json!({ "op": "x".repeat(1 << 20) }));
+    // Too long: it is let go.
+    while page.socket.read().is_ok() {}
+    server.page().next("clock");
+}
+
+#[test]
+fn the_robot_goes_where_the_keys_send_it() {
+    let server = Server::run(&own_domain(), &KINECT);
+    let mut page = server.page();
+    let link = format!("{ROBOT}::");
+    let before = position(&page.next(STATES), &link);
+    let started = Instant::now();
+    loop {
+        page.say(json!({ "op": "drive", "topic": "cmd_vel", "linear": [0.3, 0, 0] }));
+        let now = position(&page.next(STATES), &link);
+        if (now[0] - before[0]).hypot(now[1] - before[1]) > 0.2 {
+            break;
+        }
+        assert!(started.elapsed() < PATIENCE, "it stays at {now:?}");
+    }
+}
+
+#[test]
+fn a_slow_page_slows_nobody_and_what_nobody_shows_is_not_rendered() {
+    let domain = own_domain();
+    let server = Server::run(&domain, &KINECT);
+    let mut slow = server.page();
+    let mut quick = server.page();
+    let first = quick.next(PICTURE);
+    let seq = |shown: &Shown| shown.header["seq"].as_u64().unwrap();
+    let mut last = seq(&first);
+    // The other one asks and takes nothing, until no more fits between.
+    for _ in 0..60 {
+        slow.say(json!({ "op": "next", "topic": PICTURE }));
+        let next = quick.next(PICTURE);
+        assert!(seq(&next) > last);
+        last = seq(&next);
+    }
+    // When it takes what was sent, it is told of now.
+    slow.next(STATES);
+    // Of depths none was made yet: the first frame is the first.
+    assert_eq!(seq(&quick.next(DEPTH)), 0);
+    // A page that goes, or asks no more, has nothing rendered for it.
+    drop(slow);
+    quick.say(json!({ "op": "stop", "topic": PICTURE }));
+    quick.say(json!({ "op": "stop", "topic": DEPTH }));
+    std::thread::sleep(Duration::from_millis(500));
+    let made = seq(&quick.next(DEPTH));
+    std::thread::sleep(Duration::from_secs(4));
+    let forgotten = seq(&quick.next(DEPTH));
+    assert!(forgotten < made + 110, "{made} and then {forgotten} of 30 a second");
+}
+
+#[test]
+fn a_page_goes_on_when_the_simulator_is_started_again() {
+    let domain = own_domain();
+    let server = Server::view(&domain);
+    let mut page = server.page();
+    let simulator = live::Simulator::start_in(domain.clone(), &KINECT);
+    let before = page.next(PICTURE);
+    simulator.kill();
+    let _again = live::Simulator::start_in(domain, &KINECT);
+    loop {
+        let next = page.next(PICTURE);
+        if next.header["restarted"] == true {
+            assert_eq!(next.payload.len(), before.payload.len());
+            break;
+        }
+    }
+}
+
+#[test]
+fn a_page_may_come_again_to_a_server_with_the_same_token() {
+    let domain = own_domain();
+    let arguments = [&KINECT[..], &["--token", "a-token-of-ours"]].concat();
+    let server = Server::run(&domain, &arguments);
+    assert_eq!(server.token, "a-token-of-ours");
+    let port = server.host.rsplit(':').next().unwrap().to_owned();
+    server.page().next(PICTURE);
+    server.kill();
+    let again = Server::run(&domain, &[&arguments[..], &["--port", &port]].concat());
+    again.page().next(PICTURE);
+}
+
+#[test]
+fn what_cannot_be_served_is_said_in_a_sentence() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    let fails = |arguments: &[&str], words: &[&str]| {
+        let output = belvedere().args(arguments).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            !output.status.success() && words.iter().all(|word| said.contains(word)),
+            "{arguments:?}: {said}"
+        );
+    };
+    let domain = own_domain();
+    fails(&["view", "--domain", &domain], &["nothing is published", "belvedere run"]);
+    fails(&["view", "--wait", "--domain", &domain, "--port", &port], &[&port, "in use", "--port"]);
+    fails(&["run", "--view", "--domain", &domain, "--port", &port], &[&port, "in use", "--port"]);
+    fails(&["view", "--wait", "--domain", &domain, "--listen", "192.0.2.1"], &["192.0.2.1", "cannot serve"]);
+    fails(&["view", "--token", "short"], &["8 or more"]);
+}
+
+#[test]
+fn foxglove_is_spoken_on_the_same_port() {
+    let server = Server::run(&own_domain(), &KINECT);
+    for protocol in ["foxglove.websocket.v1", "foxglove.sdk.v1, foxglove.websocket.v1"] {
+        let mut client = server.connect(&format!("Sec-WebSocket-Protocol: {protocol}\r\n"));
+        assert_eq!(client.told("serverInfo")["metadata"]["ROS_DISTRO"], "noetic");
+        let advertised = client.told("advertise");
+        let channel = |topic: &str| {
+            let channels = advertised["channels"].as_array().unwrap().iter();
+            channels.clone().find(|channel| channel["topic"] == topic).cloned()
+        };
+        assert!(channel("/cmd_vel").is_none() && channel("/simulation/command").is_none());
+        let fixed = channel("/tf_static").unwrap();
+        assert_eq!(
+            (&fixed["schemaName"], &fixed["encoding"]),
+            (&json!("tf2_msgs/TFMessage"), &json!("ros1"))
+        );
+        // What was said once comes at each subscription.
+        for id in [7_u32, 8] {
+            client
+                .say(json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": fixed["id"] }] }));
+            let message = client.binary(1);
+            assert_eq!(message[1..5], id.to_le_bytes());
+            // A count of transforms, and the first one's header.
+            assert!(u32::from_le_bytes(message[13..17].try_into().unwrap()) > 5);
+        }
+        let picture = channel("/camera/rgb/image_raw").unwrap();
+        client.say(json!({ "op": "subscribe", "subscriptions": [{ "id": 9, "channelId": picture["id"] }] }));
+        let image = loop {
+            let message = client.binary(1);
+            if message[1..5] == 9_u32.to_le_bytes() {
+                break message;
+            }
+        };
+        assert!(image.len() > 640 * 480 * 3);
+        // Time is told before.
+        let stamp_ns = u64::from_le_bytes(image[5..13].try_into().unwrap());
+        let now_ns = u64::from_le_bytes(client.binary(2)[1..9].try_into().unwrap());
+        assert!(now_ns.abs_diff(stamp_ns) < 10_000_000_000, "{now_ns} and {stamp_ns}");
+        client.say(json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
+        let values = client.told("parameterValues");
+        assert_eq!(values["id"], "a");
+        assert!(values["parameters"][0]["value"].as_str().unwrap().contains("<robot"));
+        for wrong in [
+            json!({ "op": "subscribe", "subscriptions": [{ "id": 1, "channelId": 4711 }] }),
+            json!({ "op": 1 }),
+        ] {
+            client.say(wrong);
+            assert_eq!(client.told("status")["level"], 1);
+        }
+    }
+    let (host, token) = (&server.host, &server.token);
+    let answer = server.ask(&format!(
+        "GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+         Sec-WebSocket-Protocol: mqtt\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    ));
+    assert!(answer.starts_with("HTTP/1.1 400 ") && answer.contains("foxglove.sdk.v1"), "{answer}");
+}

@@ -1,0 +1,109 @@
+// Colours of numbers, and pixels of pictures.
+
+import type { Frame } from "./frame";
+
+/** Google's map Turbo by its published polynomial: near is red, far is blue. */
+function turbo(share: number): [number, number, number] {
+  const x = Math.min(1, Math.max(0, 1 - share));
+  const at = (a: number, b: number, c: number, d: number, e: number, f: number) =>
+    255 * Math.min(1, Math.max(0, a + x * (b + x * (c + x * (d + x * (e + x * f))))));
+  return [
+    at(0.13572138, 4.6153926, -42.66032258, 132.13108234, -152.94239396, 59.28637943),
+    at(0.09140261, 2.19418839, 4.84296658, -14.18503333, 4.27729857, 2.82956604),
+    at(0.1066733, 12.64194608, -60.58204836, 110.36276771, -89.90310912, 27.34824973),
+  ];
+}
+
+const SHADES = Array.from({ length: 256 }, (_, index) => {
+  const [red, green, blue] = turbo(index / 255);
+  return (255 << 24) | (Math.round(blue) << 16) | (Math.round(green) << 8) | Math.round(red);
+});
+
+/** The colour 0xAABBGGRR of a share from 0, near, to 1, far. */
+export function shade(share: number): number {
+  return SHADES[Math.round(255 * Math.min(1, Math.max(0, share)))] ?? 0;
+}
+
+const BLACK = 255 << 24;
+
+function grey(value: number): number {
+  return BLACK | (value << 16) | (value << 8) | value;
+}
+
+/** A colour for a number of a thing: neighbours differ. */
+function label(number: number): number {
+  if (number < 0) return BLACK;
+  const mixed = Math.imul(number + 1, 0x9e3779b1);
+  return BLACK | ((mixed >>> 8) & 0xffffff) | 0x404040;
+}
+
+/** Places of red, green (the first) and blue in a square of a mosaic. */
+const MOSAICS: Record<string, [number, number, number]> = {
+  rggb: [0, 1, 3],
+  bggr: [3, 1, 0],
+  gbrg: [2, 0, 1],
+  grbg: [1, 0, 2],
+};
+
+/** Draws a picture into 32-bit pixels 0xAABBGGRR; false for a kind of pixels that it does not know. */
+export function draw({ header, payload }: Frame, pixels: Uint32Array): boolean {
+  const { width, height, rowStride, encoding } = header;
+  const bytes = new Uint8Array(payload.buffer, payload.byteOffset, payload.byteLength);
+  const each = (colour: (at: number) => number, stride: number) => {
+    for (let y = 0, to = 0; y < height; y++) {
+      for (let x = 0, at = y * rowStride; x < width; x++, at += stride) pixels[to++] = colour(at);
+    }
+    return true;
+  };
+  const byte = (at: number) => bytes[at] ?? 0;
+  const [near, far] = [header.intrinsics?.near ?? 0, header.intrinsics?.far ?? 10];
+  const depth = (metres: number) => shade((metres - near) / (Math.min(far, 10) - near));
+  switch (encoding) {
+    case "rgb8":
+      return each((at) => BLACK | (byte(at + 2) << 16) | (byte(at + 1) << 8) | byte(at), 3);
+    case "bgr8":
+      return each((at) => BLACK | (byte(at) << 16) | (byte(at + 1) << 8) | byte(at + 2), 3);
+    case "rgba8":
+      return each((at) => BLACK | (byte(at + 2) << 16) | (byte(at + 1) << 8) | byte(at), 4);
+    case "mono8":
+      return each((at) => grey(byte(at)), 1);
+    case "mono16":
+      return each((at) => grey(byte(at + 1)), 2);
+    case "16uc1":
+      return each((at) => {
+        const millimetres = payload.getUint16(at, true);
+        return millimetres === 0 || millimetres === 65535 ? BLACK : depth(millimetres / 1000);
+      }, 2);
+    case "32fc1":
+      return each((at) => {
+        const metres = payload.getFloat32(at, true);
+        return Number.isFinite(metres) ? depth(metres) : BLACK;
+      }, 4);
+    case "32fc2":
+      return each((at) => {
+        const [right, down] = [payload.getFloat32(at, true), payload.getFloat32(at + 4, true)];
+        const length = Math.hypot(right, down);
+        return Number.isFinite(length) ? shade(length / 20) : BLACK;
+      }, 8);
+    case "32fc3":
+      return each((at) => {
+        const part = (axis: number) => Math.round(127.5 + 127.5 * payload.getFloat32(at + 4 * axis, true));
+        return BLACK | (part(2) << 16) | (part(1) << 8) | part(0);
+      }, 12);
+    case "32sc1":
+      return each((at) => label(payload.getInt32(at, true)), 4);
+  }
+  const mosaic = /^bayer_([rgb]{4})(8|16)$/.exec(encoding);
+  const places = MOSAICS[mosaic?.[1] ?? ""];
+  if (places === undefined) return false;
+  const size = mosaic?.[2] === "16" ? 2 : 1;
+  // Of each square of four one colour: a preview.
+  for (let y = 0, to = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) {
+      const corner = (y & ~1) * rowStride + (x & ~1) * size + (size - 1);
+      const [red, green, blue] = places.map((place) => byte(corner + (place >> 1) * rowStride + (place & 1) * size));
+      pixels[to++] = BLACK | ((blue ?? 0) << 16) | ((green ?? 0) << 8) | (red ?? 0);
+    }
+  }
+  return true;
+}

@@ -1,0 +1,140 @@
+// The WebSocket to the server: it comes again after it was lost, and asks for each frame.
+
+import { parseFrame, type Frame } from "./frame";
+
+export interface Stream {
+  topic: string;
+  kind: string | null;
+  encoding: string | null;
+  frameId: string;
+  rateHz: number | null;
+  layers: number | null;
+  publishers: number;
+}
+
+interface Told {
+  op: "streams" | "scene" | "result" | "status";
+  streams?: Stream[];
+  edition?: number;
+  id?: number;
+  done?: boolean;
+  reason?: string;
+  text?: string;
+}
+
+export interface Handlers {
+  onOpen: () => void;
+  onClose: () => void;
+  onStreams: (streams: Stream[]) => void;
+  onScene: (edition: number) => void;
+  onMessage: (text: string) => void;
+}
+
+const RETRY_MS = 500;
+
+export class Connection {
+  private socket: WebSocket | undefined;
+  private readonly followed = new Map<string, (frame: Frame) => void>();
+  private readonly awaited = new Map<number, (reason: string | null) => void>();
+  private nextId = 1;
+
+  constructor(
+    private readonly url: string,
+    private readonly handlers: Handlers,
+  ) {
+    this.open();
+    document.addEventListener("visibilitychange", () => {
+      // A hidden page asks for nothing, so that nothing is rendered for it.
+      if (!document.hidden) this.askForAll();
+    });
+  }
+
+  private open() {
+    const socket = new WebSocket(this.url);
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    socket.onopen = () => {
+      this.handlers.onOpen();
+      this.askForAll();
+    };
+    socket.onclose = () => {
+      for (const answer of this.awaited.values()) answer("the connection was lost");
+      this.awaited.clear();
+      this.handlers.onClose();
+      setTimeout(() => {
+        this.open();
+      }, RETRY_MS);
+    };
+    socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => {
+      if (typeof event.data === "string") this.hear(JSON.parse(event.data) as Told);
+      else this.take(parseFrame(event.data));
+    };
+  }
+
+  private hear(told: Told) {
+    switch (told.op) {
+      case "streams":
+        this.handlers.onStreams(told.streams ?? []);
+        break;
+      case "scene":
+        this.handlers.onScene(told.edition ?? 0);
+        break;
+      case "result":
+        this.awaited.get(told.id ?? 0)?.(told.done === true ? null : (told.reason ?? "refused"));
+        this.awaited.delete(told.id ?? 0);
+        break;
+      case "status":
+        this.handlers.onMessage(told.text ?? "");
+        break;
+    }
+  }
+
+  private take(frame: Frame) {
+    const topic = frame.header.topic;
+    const handler = this.followed.get(topic);
+    if (handler === undefined) return;
+    // Asked for before this one is shown: one is on its way while one is drawn, and never more.
+    this.ask(topic);
+    handler(frame);
+  }
+
+  private ask(topic: string) {
+    if (!document.hidden) this.say({ op: "next", topic });
+  }
+
+  private askForAll() {
+    for (const topic of this.followed.keys()) this.ask(topic);
+  }
+
+  private say(message: object) {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+
+  /** Has each frame of a topic that there is time for. */
+  follow(topic: string, handler: (frame: Frame) => void) {
+    const isNew = !this.followed.has(topic);
+    this.followed.set(topic, handler);
+    if (isNew) this.ask(topic);
+  }
+
+  stop(topic: string) {
+    if (this.followed.delete(topic)) this.say({ op: "stop", topic });
+  }
+
+  /** Commands the simulator; ends with the reason if it was refused. */
+  control(operation: string, more: object = {}): Promise<string | null> {
+    const id = this.nextId++;
+    return new Promise((resolve) => {
+      if (this.socket?.readyState !== WebSocket.OPEN) {
+        resolve("there is no connection");
+        return;
+      }
+      this.awaited.set(id, resolve);
+      this.say({ op: "control", id, operation, ...more });
+    });
+  }
+
+  drive(topic: string, forward: number, turn: number) {
+    this.say({ op: "drive", topic, linear: [forward, 0, 0], angular: [0, 0, turn] });
+  }
+}

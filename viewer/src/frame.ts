@@ -1,0 +1,79 @@
+// What the server sends: see src/view/payload.rs.
+
+export interface Intrinsics {
+  fx: number;
+  fy: number;
+  cx: number;
+  cy: number;
+  near: number;
+  far: number | null;
+  model: string | null;
+}
+
+export interface ScanGeometry {
+  angleMin: number;
+  angleIncrement: number;
+  rangeMin: number;
+  rangeMax: number | null;
+  verticalAngleMin: number;
+  verticalAngleIncrement: number;
+}
+
+export interface FrameHeader {
+  topic: string;
+  kind: string;
+  encoding: string;
+  /** Simulated time in nanoseconds. */
+  stamp: number;
+  width: number;
+  height: number;
+  rowStride: number;
+  elemStride: number;
+  /** Of the sensor's own axes (x forward, z up) in the world; metres. */
+  position: [number, number, number];
+  /** x, y, z, w. */
+  orientation: [number, number, number, number];
+  intrinsics?: Intrinsics;
+  scan?: ScanGeometry;
+  /** Of a cloud: what its points' last four bytes are. */
+  colour?: "rgb" | "intensity";
+  points?: number;
+  restarted?: boolean;
+}
+
+export interface Frame {
+  header: FrameHeader;
+  payload: DataView<ArrayBuffer>;
+}
+
+const text = new TextDecoder();
+
+/** Takes a binary message apart. */
+export function parseFrame(message: ArrayBuffer): Frame {
+  const length = new DataView(message).getUint32(0, true);
+  const header = JSON.parse(text.decode(new Uint8Array(message, 4, length))) as FrameHeader;
+  return { header, payload: new DataView(message, 4 + length) };
+}
+
+export interface LinkState {
+  name: string;
+  position: [number, number, number];
+  orientation: [number, number, number, number];
+}
+
+/** The elements of `simulation/link_states`: bridge/WIRE.md, ModelState. */
+export function linkStates({ header, payload }: Frame): LinkState[] {
+  const states: LinkState[] = [];
+  for (let index = 0; index < header.height; index++) {
+    const at = index * header.rowStride;
+    const bytes = new Uint8Array(payload.buffer, payload.byteOffset + at, 128);
+    const end = bytes.indexOf(0);
+    const number = (offset: number) => payload.getFloat64(at + offset, true);
+    states.push({
+      name: text.decode(bytes.subarray(0, end < 0 ? 128 : end)),
+      position: [number(128), number(136), number(144)],
+      orientation: [number(152), number(160), number(168), number(176)],
+    });
+  }
+  return states;
+}

@@ -1,0 +1,183 @@
+// The streams that can be shown, each with what shows it.
+
+import type { Connection, Stream } from "./connection";
+import { DepthCloud } from "./depth";
+import type { Frame } from "./frame";
+import { Frustum } from "./frustum";
+import { Picture } from "./picture";
+import { Points } from "./points";
+import type { Space } from "./space";
+
+/** Ends what shows the frames of a stream. */
+type End = () => void;
+
+export interface Tally {
+  frames: number;
+  stamp: number;
+  /** Frames a second lately. */
+  rate: number;
+}
+
+/** A way to show a stream: what the list calls it, and under which name it is kept. */
+export interface Choice {
+  key: string;
+  topic: string;
+  label: string;
+  /** Shown before anybody chose. */
+  isDefault: boolean;
+}
+
+/** The colour camera that a depth camera's points are coloured by. */
+function colourOf(depth: string, streams: Stream[]): string | undefined {
+  const folder = depth.replace(/\/depth\/.*$/, "");
+  const of = (stream: Stream) => stream.kind === "image" && stream.topic.startsWith(`${folder}/rgb/`);
+  return streams.find(of)?.topic;
+}
+
+export class Layers {
+  private readonly layers = new Map<string, End>();
+  private readonly topics = new Map<string, Set<(frame: Frame) => void>>();
+  readonly tallies = new Map<string, Tally>();
+  streams: Stream[] = [];
+  /** Is told when a picture was drawn. */
+  onPicture: () => void = () => undefined;
+
+  constructor(
+    private readonly connection: Connection,
+    private readonly space: Space,
+    private readonly pictures: HTMLElement,
+  ) {}
+
+  /** What can be shown of these streams. */
+  choices(): Choice[] {
+    let pictures = 0;
+    return this.streams.flatMap(({ topic, kind }) => {
+      const choice = (label: string, isDefault: boolean, key = topic) => ({ key, topic, label, isDefault });
+      const isTruth = topic.includes("/truth/");
+      switch (kind) {
+        case "image":
+          return [choice(topic, !isTruth && pictures++ < 2)];
+        case "depth_image":
+          return [choice(topic, false), choice(`${topic} in 3D`, !isTruth && pictures++ < 2, `${topic}#space`)];
+        case "laser_scan":
+          return [choice(topic, !isTruth)];
+        case "point_cloud":
+          // A depth camera's points are those of its depths, in more bytes.
+          return [choice(topic, !topic.includes("depth"))];
+        default:
+          return [];
+      }
+    });
+  }
+
+  isShown(key: string): boolean {
+    return this.layers.has(key);
+  }
+
+  /** Shows a stream, or no more. */
+  toggle({ key, topic }: Choice, shown: boolean) {
+    if (shown === this.isShown(key)) return;
+    if (!shown) {
+      this.layers.get(key)?.();
+      this.layers.delete(key);
+      return;
+    }
+    const kind = this.streams.find((stream) => stream.topic === topic)?.kind ?? "";
+    const end = key.endsWith("#space") ? this.depthCloud(topic) : this.layerOf(topic, kind);
+    this.layers.set(key, end);
+  }
+
+  private layerOf(topic: string, kind: string): End {
+    if (kind === "image" || kind === "depth_image") {
+      const [picture, frustum] = [new Picture(topic), new Frustum()];
+      this.pictures.append(picture.element);
+      this.space.add(frustum.object);
+      const end = this.follow(topic, (frame) => {
+        picture.show(frame);
+        this.onPicture();
+        frustum.show(frame);
+        this.space.touch();
+      });
+      return () => {
+        end();
+        picture.element.remove();
+        this.space.remove(frustum.object);
+        frustum.dispose();
+      };
+    }
+    const points = new Points(topic, kind === "laser_scan" ? 4 : 2);
+    this.space.add(points.object);
+    const end = this.follow(topic, (frame) => {
+      if (frame.header.kind === "laser_scan") points.showScan(frame);
+      else points.showCloud(frame);
+      this.space.touch();
+    });
+    return () => {
+      end();
+      this.space.remove(points.object);
+      points.dispose();
+    };
+  }
+
+  private depthCloud(topic: string): End {
+    const cloud = new DepthCloud();
+    this.space.add(cloud.object);
+    const ends = [
+      this.follow(topic, (frame) => {
+        cloud.show(frame);
+        this.space.touch();
+      }),
+    ];
+    const colours = colourOf(topic, this.streams);
+    if (colours !== undefined) {
+      ends.push(
+        this.follow(colours, (frame) => {
+          cloud.colour(frame);
+        }),
+      );
+    }
+    return () => {
+      for (const end of ends) end();
+      this.space.remove(cloud.object);
+      cloud.dispose();
+    };
+  }
+
+  /** Hands the frames of a topic to one more; gives how to end that. */
+  follow(topic: string, handler: (frame: Frame) => void): () => void {
+    const handlers = this.topics.get(topic) ?? new Set();
+    handlers.add(handler);
+    this.topics.set(topic, handlers);
+    this.connection.follow(topic, (frame) => {
+      this.count(frame);
+      for (const known of handlers) known(frame);
+    });
+    return () => {
+      handlers.delete(handler);
+      if (handlers.size === 0) {
+        this.topics.delete(topic);
+        this.connection.stop(topic);
+      }
+    };
+  }
+
+  private readonly counted = new Map<string, { since: number; frames: number }>();
+
+  private count({ header }: Frame) {
+    const tally = this.tallies.get(header.topic) ?? { frames: 0, stamp: 0, rate: 0 };
+    tally.frames += 1;
+    tally.stamp = header.stamp;
+    this.tallies.set(header.topic, tally);
+  }
+
+  /** Takes the rates of the time since this was called before. */
+  takeRates() {
+    const now = performance.now();
+    for (const [topic, tally] of this.tallies) {
+      const before = this.counted.get(topic) ?? { since: now, frames: tally.frames };
+      const seconds = (now - before.since) / 1000;
+      tally.rate = seconds > 0 ? (tally.frames - before.frames) / seconds : 0;
+      this.counted.set(topic, { since: now, frames: tally.frames });
+    }
+  }
+}

@@ -1,0 +1,196 @@
+// The world in 3D: models, and what sensors measure of it.
+
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
+import type { LinkState } from "./frame";
+
+export class Space {
+  readonly scene = new THREE.Scene();
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly camera = new THREE.PerspectiveCamera(55, 1, 0.02, 200);
+  private readonly controls: OrbitControls;
+  private readonly links = new Map<string, THREE.Object3D>();
+  private readonly axes: THREE.AxesHelper[] = [];
+  private readonly ceiling = new THREE.Plane(new THREE.Vector3(0, 0, -1), 100);
+  private world: THREE.Object3D | undefined;
+  private robot: THREE.Object3D | undefined;
+  private readonly robotWas = new THREE.Vector3();
+  private changed = true;
+  private isDrawn = false;
+  followsRobot = true;
+  /** Height of what there is, metres. */
+  height = 3;
+
+  constructor(private readonly place: HTMLElement) {
+    this.renderer = new THREE.WebGLRenderer({ antialias: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.localClippingEnabled = true;
+    place.append(this.renderer.domElement);
+    this.scene.background = new THREE.Color(0x12171e);
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x9a9a9a, 2.2));
+    const sun = new THREE.DirectionalLight(0xffffff, 1.2);
+    sun.position.set(2, -3, 6);
+    this.scene.add(sun);
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(-2.2, -1.2, 1.6);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.target.set(0, 0, 0.2);
+    this.controls.addEventListener("change", () => {
+      this.touch();
+    });
+    this.controls.update();
+    new ResizeObserver(() => {
+      this.resize();
+    }).observe(place);
+    this.resize();
+  }
+
+  /** Begins to draw, if it has not. */
+  start() {
+    if (this.isDrawn) return;
+    this.isDrawn = true;
+    const draw = () => {
+      requestAnimationFrame(draw);
+      // What has not changed is not drawn again.
+      if (!this.changed) return;
+      this.changed = false;
+      this.renderer.render(this.scene, this.camera);
+    };
+    draw();
+  }
+
+  private resize() {
+    const { clientWidth, clientHeight } = this.place;
+    this.renderer.setSize(clientWidth, clientHeight);
+    this.camera.aspect = clientWidth / Math.max(1, clientHeight);
+    this.camera.updateProjectionMatrix();
+    this.touch();
+  }
+
+  /** Has it drawn again. */
+  touch() {
+    this.changed = true;
+  }
+
+  /** Shows what is below this height. */
+  cut(height: number) {
+    this.ceiling.constant = height;
+    this.touch();
+  }
+
+  showAxes(visible: boolean) {
+    for (const axes of this.axes) axes.visible = visible;
+    this.touch();
+  }
+
+  /** Shows the models of a binary glTF file instead of those before. */
+  async load(glb: ArrayBuffer) {
+    const { scene } = await new GLTFLoader().parseAsync(glb, "");
+    this.clear();
+    const world = scene.getObjectByName("world") ?? scene;
+    // The file turns z up into y up; here z is up.
+    world.quaternion.identity();
+    world.traverse((object) => {
+      const link: unknown = object.userData.link;
+      if (typeof link === "string") {
+        this.links.set(link, object);
+        if (object.userData.robot === true) this.robot ??= object;
+      }
+      if (object instanceof THREE.Mesh) {
+        for (const material of [object.material].flat() as THREE.Material[]) {
+          material.clippingPlanes = [this.ceiling];
+        }
+      }
+    });
+    this.scene.add(world);
+    this.world = world;
+    for (const link of this.links.values()) {
+      if (link.userData.robot !== true) continue;
+      const axes = new THREE.AxesHelper(0.1);
+      axes.visible = false;
+      this.axes.push(axes);
+      link.add(axes);
+    }
+    const box = new THREE.Box3().setFromObject(world);
+    this.height = Math.max(0.5, box.max.z);
+    this.lookAtRobot();
+    this.touch();
+  }
+
+  private clear() {
+    this.world?.removeFromParent();
+    this.world?.traverse((object) => {
+      if (!(object instanceof THREE.Mesh)) return;
+      (object.geometry as THREE.BufferGeometry).dispose();
+      for (const material of [object.material].flat() as THREE.MeshStandardMaterial[]) {
+        material.map?.dispose();
+        material.dispose();
+      }
+    });
+    this.links.clear();
+    this.axes.length = 0;
+    this.robot = undefined;
+  }
+
+  private lookAtRobot() {
+    if (this.robot === undefined) return;
+    const at = this.robot.position;
+    this.camera.position.add(at).sub(this.robotWas);
+    this.controls.target.add(at).sub(this.robotWas);
+    this.robotWas.copy(at);
+    this.controls.update();
+  }
+
+  /** Looks at the robot from a place beside it. */
+  look(from: [number, number, number]) {
+    this.camera.position.set(...from).add(this.controls.target);
+    this.controls.update();
+  }
+
+  /** How far the points of a scan lie from where its rays meet the models, metres: what a test asks. */
+  scanDistances(topic: string): number[] {
+    const points = this.scene.getObjectByName(topic);
+    if (!(points instanceof THREE.Points)) return [];
+    this.scene.updateMatrixWorld();
+    const geometry = points.geometry as THREE.BufferGeometry;
+    const places = geometry.getAttribute("position") as THREE.BufferAttribute | undefined;
+    const things = [...this.links.values()].filter((link) => link.userData.robot !== true);
+    const [distances, caster, place] = [[] as number[], new THREE.Raycaster(), new THREE.Vector3()];
+    for (let index = 0; places !== undefined && index < geometry.drawRange.count; index += 3) {
+      place.fromBufferAttribute(places, index).applyMatrix4(points.matrixWorld).sub(points.position);
+      const range = place.length();
+      caster.set(points.position, place.normalize());
+      const met = caster.intersectObjects(things)[0];
+      if (met !== undefined) distances.push(Math.abs(met.distance - range));
+    }
+    return distances;
+  }
+
+  /** Puts links where they are now. */
+  move(states: LinkState[]) {
+    for (const { name, position, orientation } of states) {
+      const link = this.links.get(name);
+      link?.position.set(...position);
+      link?.quaternion.set(...orientation);
+    }
+    if (this.followsRobot) this.lookAtRobot();
+    else if (this.robot !== undefined) this.robotWas.copy(this.robot.position);
+    this.touch();
+  }
+
+  /** Where the robot is. */
+  robotPosition(): [number, number, number] | null {
+    return this.robot?.position.toArray() ?? null;
+  }
+
+  add(object: THREE.Object3D) {
+    this.scene.add(object);
+    this.touch();
+  }
+
+  remove(object: THREE.Object3D) {
+    object.removeFromParent();
+    this.touch();
+  }
+}

@@ -1,0 +1,196 @@
+// The page: puts its parts together.
+
+import { Connection, type Stream } from "./connection";
+import { linkStates } from "./frame";
+import { driveByKeys } from "./keys";
+import { Layers, type Choice } from "./layers";
+import { Space } from "./space";
+
+const LINK_STATES = "simulation/link_states";
+/** The 3D view waits so long for the first picture, which comes sooner while it has not begun. */
+const HEAD_START_MS = 600;
+
+function element<T extends HTMLElement>(id: string): T {
+  return document.getElementById(id) as T;
+}
+
+const token = new URLSearchParams(location.search).get("token") ?? "";
+const space = new Space(element("space"));
+const [state, time, message] = [element("state"), element("time"), element("message")];
+const [pause, driven] = [element<HTMLButtonElement>("pause"), element<HTMLSelectElement>("driven")];
+const cut = element<HTMLInputElement>("cut");
+
+let stamp = 0;
+/** States that came with the same stamp: while time stands they are repeated. */
+let repeated = 0;
+let isConnected = false;
+let scene = 0;
+let firstPictureMs: number | null = null;
+
+function complain(text: string | null) {
+  message.textContent = text ?? "";
+}
+
+const connection = new Connection(`ws://${location.host}/?token=${encodeURIComponent(token)}`, {
+  onOpen: () => {
+    isConnected = true;
+    complain(null);
+  },
+  onClose: () => {
+    isConnected = false;
+  },
+  onStreams: (streams) => {
+    layers.streams = streams;
+    showStreams(streams);
+  },
+  onScene: (edition) => {
+    if (edition > 0) void loadScene(edition);
+  },
+  onMessage: complain,
+});
+const layers = new Layers(connection, space, element("pictures"));
+
+async function loadScene(edition: number) {
+  scene = edition;
+  const answer = await fetch(`/scene.glb?token=${encodeURIComponent(token)}`);
+  if (!answer.ok) {
+    complain(`the models cannot be loaded: ${answer.statusText}`);
+    return;
+  }
+  await space.load(await answer.arrayBuffer());
+  // Rooms have ceilings; one looks in from above.
+  cut.max = String(Math.max(1, Math.ceil(space.height)));
+  setCut(space.height > 1.5 && space.height < 10 ? space.height * 0.75 : Number(cut.max));
+}
+
+function setCut(height: number) {
+  cut.value = String(height);
+  element("cutAt").textContent = `${height.toFixed(1)} m`;
+  space.cut(height);
+}
+
+/** What was chosen before, by key. */
+function chosen(): Record<string, boolean> {
+  try {
+    return JSON.parse(localStorage.getItem("shown") ?? "{}") as Record<string, boolean>;
+  } catch {
+    return {};
+  }
+}
+
+function showStreams(streams: Stream[]) {
+  const list = element("streams");
+  const before = chosen();
+  const rows = layers.choices().map((choice) => {
+    layers.toggle(choice, before[choice.key] ?? choice.isDefault);
+    return row(choice);
+  });
+  list.replaceChildren(...rows);
+  const robots = streams.filter((stream) => stream.kind === "velocity_command");
+  const was = driven.value;
+  driven.replaceChildren(...robots.map(({ topic }) => new Option(`/${topic}`, topic, false, topic === was)));
+}
+
+function row(choice: Choice): HTMLElement {
+  const [item, label, box, rate] = [
+    document.createElement("li"),
+    document.createElement("label"),
+    document.createElement("input"),
+    document.createElement("span"),
+  ];
+  box.type = "checkbox";
+  box.checked = layers.isShown(choice.key);
+  box.dataset.key = choice.key;
+  box.addEventListener("change", () => {
+    layers.toggle(choice, box.checked);
+    localStorage.setItem("shown", JSON.stringify({ ...chosen(), [choice.key]: box.checked }));
+  });
+  label.append(box, ` /${choice.label}`);
+  label.title = `/${choice.label}`;
+  rate.className = "rate";
+  rate.dataset.topic = choice.topic;
+  item.append(label, rate);
+  return item;
+}
+
+layers.follow(LINK_STATES, (frame) => {
+  repeated = frame.header.stamp === stamp ? repeated + 1 : 0;
+  stamp = frame.header.stamp;
+  space.move(linkStates(frame));
+});
+
+function stands(): boolean {
+  return repeated > 1;
+}
+
+async function control(operation: string, more: object = {}) {
+  complain(await connection.control(operation, more));
+}
+
+function togglePause() {
+  void control(stands() ? "resume" : "pause");
+}
+
+pause.addEventListener("click", togglePause);
+element("step").addEventListener("click", () => void control("step", { steps: 10 }));
+element("reset").addEventListener("click", () => void control("reset_simulation"));
+element<HTMLInputElement>("follow").addEventListener("change", (event) => {
+  space.followsRobot = (event.target as HTMLInputElement).checked;
+});
+element<HTMLInputElement>("frames").addEventListener("change", (event) => {
+  space.showAxes((event.target as HTMLInputElement).checked);
+});
+cut.addEventListener("input", () => {
+  setCut(Number(cut.value));
+});
+driveByKeys((forward, turn) => {
+  if (driven.value !== "") connection.drive(driven.value, forward, turn);
+}, togglePause);
+
+function showState() {
+  const [is, text] = !isConnected
+    ? ["gone", "no server; trying again …"]
+    : layers.streams.length === 0
+      ? ["gone", "waiting for a simulator …"]
+      : stands()
+        ? ["paused", "time stands"]
+        : ["running", "running"];
+  state.dataset.is = is;
+  state.textContent = text;
+  time.textContent = `${(stamp / 1e9).toFixed(2)} s`;
+  pause.textContent = is === "paused" ? "resume" : "pause";
+}
+
+setInterval(showState, 100);
+layers.onPicture = () => {
+  firstPictureMs ??= performance.now();
+  space.start();
+};
+setTimeout(() => {
+  space.start();
+}, HEAD_START_MS);
+setInterval(() => {
+  layers.takeRates();
+  for (const rate of document.querySelectorAll<HTMLElement>(".rate")) {
+    const tally = layers.tallies.get(rate.dataset.topic ?? "");
+    rate.textContent = tally && tally.rate > 0 ? tally.rate.toFixed(1) : "";
+  }
+}, 1000);
+
+declare global {
+  interface Window {
+    /** What is shown now, for the console and for tests. */
+    viewer: () => object;
+    space: Space;
+  }
+}
+
+window.space = space;
+window.viewer = () => ({
+  state: state.dataset.is,
+  stamp,
+  scene,
+  firstPictureMs,
+  robot: space.robotPosition(),
+  frames: Object.fromEntries([...layers.tallies].map(([topic, tally]) => [topic, tally.frames])),
+});

@@ -1,0 +1,110 @@
+// The page in Chromium against a live simulator: belvedere's program, then the folder for screenshots.
+import assert from "node:assert/strict";
+import { chromium } from "playwright-core";
+import { end, killAll, sleep, start, until } from "./simulator.js";
+
+const pictures = process.argv[3];
+const KINECT = ["--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "still"];
+const PICTURE = "camera/rgb/image_raw";
+
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  args: ["--no-sandbox"],
+});
+let problems = [];
+
+async function open(url, size = { width: 1280, height: 720 }) {
+  const page = await browser.newPage({ viewport: size });
+  page.on("console", (message) => {
+    if (message.type() === "error") problems.push(message.text());
+  });
+  page.on("pageerror", (error) => problems.push(String(error)));
+  await page.goto(url);
+  return page;
+}
+
+const viewer = (page) => page.evaluate(() => window.viewer());
+/** The pixels of a camera's panel, as a sum that another picture has not. */
+const pixels = (page, topic) =>
+  page.evaluate((topic) => {
+    const canvas = document.querySelector(`figure[data-topic="${topic}"] canvas`);
+    if (canvas === null || canvas.width === 0) return 0;
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return data.reduce((sum, value, index) => (Math.imul(sum, 31) + value * ((index % 7) + 1)) | 0, 7);
+  }, topic);
+
+try {
+  const domain = `viewer-${process.pid}`;
+  let simulator = await start(domain, 0, KINECT);
+  const port = new URL(simulator.url).port;
+  const page = await open(simulator.url);
+
+  const first = await until("a picture", async () => (await viewer(page)).firstPictureMs);
+  console.log(`first picture ${first.toFixed(0)} ms after the page began to load`);
+
+  await until("the robot", async () => (await viewer(page)).robot);
+  await until("running", async () => (await viewer(page)).state === "running");
+  await page.click("#pause");
+  await until("paused", async () => (await viewer(page)).state === "paused");
+  await sleep(500);
+  const stood = [(await viewer(page)).stamp, await pixels(page, PICTURE)];
+  await sleep(700);
+  assert.deepEqual([(await viewer(page)).stamp, await pixels(page, PICTURE)], stood);
+  await page.click("#step");
+  await until("a step", async () => (await viewer(page)).stamp > stood[0]);
+  await until("paused", async () => (await viewer(page)).state === "paused");
+  await page.click("#pause");
+  await until("running", async () => (await viewer(page)).state === "running");
+  console.log("pause stops it, a step is ten steps of physics");
+
+  const [before, seen] = [(await viewer(page)).robot, await pixels(page, PICTURE)];
+  await page.keyboard.down("ArrowUp");
+  await until("driven", async () => {
+    const now = (await viewer(page)).robot;
+    return Math.hypot(now[0] - before[0], now[1] - before[1]) > 0.2;
+  });
+  await page.keyboard.up("ArrowUp");
+  assert.notEqual(await pixels(page, PICTURE), seen);
+  console.log("keys drive it, and its picture moves");
+
+  await page.click("#reset");
+  await until("reset", async () => (await viewer(page)).stamp < stood[0]);
+
+  await end(simulator, "SIGKILL");
+  await until("gone", async () => (await viewer(page)).state === "gone");
+  // A browser says that nobody listens, as it should.
+  problems = problems.filter((text) => !text.includes("ERR_CONNECTION_REFUSED"));
+  simulator = await start(domain, port, KINECT);
+  const frames = (await viewer(page)).frames[PICTURE];
+  await until("pictures again", async () => (await viewer(page)).frames[PICTURE] > frames + 3);
+  problems = problems.filter((text) => !text.includes("ERR_CONNECTION_REFUSED"));
+  console.log("it goes on after the simulator was killed and started again");
+  if (pictures !== undefined) {
+    await page.evaluate(() => window.space.look([-1.6, -1.9, 1.7]));
+    await sleep(1500);
+    await page.screenshot({ path: `${pictures}/viewer.png` });
+  }
+  await page.close();
+  await end(simulator);
+
+  // The robot stands in its scan: seen from above, the scan's points lie on the walls and things of the world.
+  simulator = await start(domain, 0, ["--robot", "kobuki_nostack_rplidar", "--world", "playground", "--drive", "still"]);
+  const plan = await open(simulator.url);
+  const found = await until("a scan", () =>
+    plan.evaluate(() => {
+      const distances = window.space.scanDistances("scan");
+      return distances.length > 50 ? distances : null;
+    }),
+  );
+  found.sort((one, other) => one - other);
+  const median = found[found.length >> 1];
+  console.log(`${found.length} points of the scan, median ${(median * 1000).toFixed(1)} mm from a surface`);
+  assert.ok(median < 0.03, `points are ${median} m from what they hit`);
+  await plan.close();
+  await end(simulator);
+  assert.deepEqual(problems, []);
+  console.log("no console error");
+} finally {
+  killAll();
+  await browser.close();
+}

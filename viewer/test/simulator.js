@@ -1,0 +1,48 @@
+// A simulator with its page, for tests: belvedere's program is the first argument.
+import { spawn } from "node:child_process";
+import { createInterface } from "node:readline";
+
+const program = process.argv[2];
+const TOKEN = "token-of-the-test";
+const children = new Set();
+
+/** Starts it, and gives the process and the page's address. */
+export async function start(domain, port, args) {
+  const child = spawn(
+    program,
+    ["run", "--view", "--no-browser", "--port", String(port), "--token", TOKEN, "--domain", domain, ...args],
+    { stdio: ["ignore", "pipe", "ignore"] },
+  );
+  children.add(child);
+  child.once("exit", () => children.delete(child));
+  for await (const line of createInterface({ input: child.stdout })) {
+    const url = /^page: (http:.*)$/.exec(line)?.[1];
+    if (url !== undefined) return { child, url };
+  }
+  throw new Error("the simulator printed no address");
+}
+
+/** Ends it, and waits until it has. */
+export async function end({ child }, signal = "SIGINT") {
+  const gone = new Promise((resolve) => child.once("exit", resolve));
+  child.kill(signal);
+  await gone;
+}
+
+/** Ends all that still run. */
+export function killAll() {
+  for (const child of children) child.kill("SIGINT");
+}
+
+export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+/** Waits until something holds, and gives it. */
+export async function until(what, holds, ms = 30000) {
+  const deadline = performance.now() + ms;
+  while (performance.now() < deadline) {
+    const value = await holds();
+    if (value) return value;
+    await sleep(20);
+  }
+  throw new Error(`not within ${ms} ms: ${what}`);
+}

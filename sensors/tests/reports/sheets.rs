@@ -75,7 +75,7 @@ fn sheets() -> Vec<Sheet> {
             lasers: 128.0,
             elevation: [-25.0, 15.0],
             elevation_bound: 1e-3,
-            off_middle: 2e-3,
+            off_middle: 0.028,
             across: 360.0,
             step: Some(53.3e-6 * 10.0 * 360.0),
             firings_per_s: 128.0 / 53.3e-6,

@@ -2,9 +2,10 @@
 
 use super::{Maker, Preset, line_of};
 use crate::scanner::{Columns, Laser, Pattern, Spinning};
+use core::f64::consts::PI;
 
 /// Velodyne VLS-128, Alpha Prime (User Manual 63-9483): 128 lasers, eight of which fire at once; a column of them every
-/// 53.3 µs. ±3 cm, beams of 3 × 1.5 mrad. Beams start in the middle.
+/// 53.3 µs. ±3 cm, beams of 3 × 1.5 mrad. Each starts at −58.63 mm·tan of its elevation above the middle.
 pub const VLS_128: Preset = Preset {
     name: "vls128",
     maker: Maker::Velodyne,
@@ -24,6 +25,18 @@ pub const VLS_128: Preset = Preset {
     resolution_m: 0.004,
     beam: line_of([3e-3, 1.5e-3], [0.0127, 0.0095]),
 };
+
+/// How far behind the middle all beams meet, negative.
+const FOCUS_M: f64 = -0.058_63;
+
+/// The tangent of an angle of less than 0.45 rad, to 10⁻⁷: its power series.
+const fn tan(angle: f64) -> f64 {
+    let square = angle * angle;
+    let (c, d) = (17.0 / 315.0, 62.0 / 2835.0);
+    let (e, f) = (1382.0 / 155_925.0, 21_844.0 / 6_081_075.0);
+    let rest = c + square * (d + square * (e + square * f));
+    angle * (1.0 + square * (1.0 / 3.0 + square * (2.0 / 15.0 + square * rest)))
+}
 
 /// From eight lasers to the next eight.
 const GROUP_S: f64 = 2.665e-6;
@@ -57,9 +70,10 @@ const LASERS: [Laser; 128] = {
     let mut id = 0;
     while id < made.len() {
         let group = id / ASIDE_DEG.len();
-        // After half of them it does something else for as long as two take, and again at the end.
-        let place = group + if group < 8 { 0 } else { 2 };
+        // After half of them it does something else for as long as one takes, and for as long as three at the end.
+        let place = group + if group < 8 { 0 } else { 1 };
         made[id] = Laser {
+            origin_m: [0.0, 0.0, FOCUS_M * tan(ELEVATIONS_DEG[id] * (PI / 180.0))],
             time_s: GROUP_S * place as f64,
             ..Laser::at_degrees(ELEVATIONS_DEG[id], ASIDE_DEG[id % ASIDE_DEG.len()])
         };

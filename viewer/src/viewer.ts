@@ -12,7 +12,7 @@ const LINK_STATES = "simulation/link_states";
 const MODEL_STATES = "simulation/model_states";
 const SENSOR_SETTINGS = "simulation/sensor_settings";
 /** Longest wait for a frame that is asked for once. */
-const PATIENCE_MS = 2000;
+const PATIENCE_MS = 10000;
 /** The 3D view waits so long for the first picture, which comes sooner while it has not begun. */
 const HEAD_START_MS = 600;
 

@@ -398,6 +398,32 @@ fn what_cannot_be_served_is_said_in_a_sentence() {
 }
 
 #[test]
+fn a_camera_is_seen_in_a_terminal() {
+    let simulator = live::Simulator::start(&KINECT);
+    // It may not be there yet.
+    simulator.subscribe(PICTURE).wait(PATIENCE).unwrap();
+    let show = |arguments: &[&str]| {
+        let mut command = belvedere();
+        command.args(["view", "--domain", simulator.domain(), "--count", "1"]).args(arguments);
+        command.env("COLORTERM", "truecolor").output().unwrap()
+    };
+    for arguments in [&["--terminal"][..], &["--terminal", PICTURE], &["--terminal", DEPTH]] {
+        let output = show(arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).unwrap();
+        // 640 to 480 in 80 columns and 22 rows of two.
+        let lines: Vec<&str> = text.lines().filter(|line| line.contains('▀')).collect();
+        assert_eq!(lines.len(), 22, "{text}");
+        assert!(lines.iter().all(|line| line.matches('▀').count() == 59), "{text}");
+        assert!(text.contains("\x1b[38;2;") && text.contains("image_raw  "), "{text}");
+    }
+    let output = show(&["--terminal", "/odom"]);
+    assert!(!output.status.success() && !output.stderr.is_empty());
+    let output = show(&["--terminal", "/camera/rgb/imageraw"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("did you mean /camera/rgb/image_raw?"));
+}
+
+#[test]
 fn foxglove_is_spoken_on_the_same_port() {
     let server = Server::run(&own_domain(), &KINECT);
     for protocol in ["foxglove.websocket.v1", "foxglove.sdk.v1, foxglove.websocket.v1"] {

@@ -17,7 +17,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 # Before anything starts threads.
-os.environ.setdefault("MUJOCO_GL", "egl")
+os.environ.setdefault("MUJOCO_GL", "osmesa")
+os.environ.setdefault("PYOPENGL_PLATFORM", "osmesa")
 os.environ.setdefault("LP_NUM_THREADS", "1")
 
 import numpy as np
@@ -77,9 +78,7 @@ def sphere(radius: float, around: int, down: int) -> tuple[np.ndarray, np.ndarra
     rows = np.linspace(0, math.pi, down + 1)
     columns = np.linspace(0, 2 * math.pi, around, endpoint=False)
     ring = np.stack([np.cos(columns), np.sin(columns)], axis=1)
-    vertices = [
-        np.concatenate([ring * math.sin(row), np.full((around, 1), math.cos(row))], axis=1) for row in rows
-    ]
+    vertices = [np.concatenate([ring * math.sin(row), np.full((around, 1), math.cos(row))], axis=1) for row in rows]
     faces = []
     for row in range(down):
         for column in range(around):
@@ -94,7 +93,20 @@ def sphere(radius: float, around: int, down: int) -> tuple[np.ndarray, np.ndarra
 
 def box(size: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]) * size
-    faces = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
+    faces = [
+        (0, 1, 3),
+        (0, 3, 2),
+        (4, 6, 7),
+        (4, 7, 5),
+        (0, 4, 5),
+        (0, 5, 1),
+        (2, 3, 7),
+        (2, 7, 6),
+        (0, 2, 6),
+        (0, 6, 4),
+        (1, 5, 7),
+        (1, 7, 3),
+    ]
     return corners, np.array(faces)
 
 
@@ -127,7 +139,14 @@ def balls() -> Scene:
     random = np.random.default_rng(3)
     scene = Scene("40 balls on a plane", [])
     scene.world.add_rectangle((20, 20), name="ground")
-    scene.parts.append(Part(np.array([[-10, -10, 0], [10, -10, 0], [10, 10, 0], [-10, 10, 0.0]]), np.array([[0, 1, 2], [0, 2, 3]]), ("plane", (10, 10)), pose(0, 0, 0)))
+    scene.parts.append(
+        Part(
+            np.array([[-10, -10, 0], [10, -10, 0], [10, 10, 0], [-10, 10, 0.0]]),
+            np.array([[0, 1, 2], [0, 2, 3]]),
+            ("plane", (10, 10)),
+            pose(0, 0, 0),
+        )
+    )
     for index in range(40):
         radius = random.uniform(0.15, 0.45)
         at = pose(*random.uniform(-3, 3, 2), radius)
@@ -264,7 +283,10 @@ def embreex(scene: Scene, width: int, height: int, threads: int, channels: tuple
     vertices, faces = scene.soup()
     embree = rtcore_scene.EmbreeScene()
     TriangleMesh(embree, vertices, faces.astype(np.int32))
-    rays = [(np.ascontiguousarray(one[:, :3]), np.ascontiguousarray(one[:, 3:])) for one in rays_of(scene, width, height)]
+    rays = [
+        (np.ascontiguousarray(one[:, :3]), np.ascontiguousarray(one[:, 3:]))
+        for one in rays_of(scene, width, height)
+    ]
 
     def take(count: int) -> np.ndarray:
         for index in range(count):
@@ -286,11 +308,17 @@ def mujoco_model(scene: Scene, width: int, height: int):
         body = spec.worldbody.add_body(pos=part.pose[:3], quat=np.roll(part.pose[3:], 1))
         geom = body.add_geom(contype=0, conaffinity=0)
         if part.shape is None:
-            spec.add_mesh(name=f"mesh{index}", uservert=part.vertices.ravel().tolist(), userface=part.faces.ravel().tolist())
+            spec.add_mesh(
+                name=f"mesh{index}", uservert=part.vertices.ravel().tolist(), userface=part.faces.ravel().tolist()
+            )
             geom.type, geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"mesh{index}"
         else:
             kind, size = part.shape
-            geom.type = {"sphere": mujoco.mjtGeom.mjGEOM_SPHERE, "box": mujoco.mjtGeom.mjGEOM_BOX, "plane": mujoco.mjtGeom.mjGEOM_PLANE}[kind]
+            geom.type = {
+                "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
+                "box": mujoco.mjtGeom.mjGEOM_BOX,
+                "plane": mujoco.mjtGeom.mjGEOM_PLANE,
+            }[kind]
             geom.size = [*size, 0.1, 0.1][:3]
     model = spec.compile()
     data = mujoco.MjData(model)
@@ -305,12 +333,17 @@ def mj_multi_ray(scene: Scene, width: int, height: int, threads: int, channels: 
     rays = rays_of(scene, width, height)
     count = width * height
     ids, distances = np.zeros(count, np.int32), np.zeros(count)
-    units = [np.ascontiguousarray(one[:, 3:] / np.linalg.norm(one[:, 3:], axis=1, keepdims=True), dtype=np.float64) for one in rays]
+    units = [
+        np.ascontiguousarray(one[:, 3:] / np.linalg.norm(one[:, 3:], axis=1, keepdims=True), dtype=np.float64)
+        for one in rays
+    ]
     lengths = np.linalg.norm(rays[0][:, 3:], axis=1)
 
     def cast(index: int) -> None:
         at = scene.poses[index % len(rays)][:3]
-        mujoco.mj_multiRay(model, data, at, units[index % len(rays)].ravel(), None, 1, -1, ids, distances, None, count, 100.0)
+        mujoco.mj_multiRay(
+            model, data, at, units[index % len(rays)].ravel(), None, 1, -1, ids, distances, None, count, 100.0
+        )
 
     def take(frames: int) -> np.ndarray:
         for index in range(frames):
@@ -332,7 +365,10 @@ def mujoco_renderer(scene: Scene, width: int, height: int, threads: int, channel
         at = scene.poses[index % len(scene.poses)]
         forward = rotation(at[3:])[:, 0]
         camera.lookat, camera.distance = at[:3] + forward, 1.0
-        camera.azimuth, camera.elevation = math.degrees(math.atan2(forward[1], forward[0])), math.degrees(math.asin(forward[2]))
+        camera.azimuth, camera.elevation = (
+            math.degrees(math.atan2(forward[1], forward[0])),
+            math.degrees(math.asin(forward[2])),
+        )
         renderer.update_scene(data, camera)
         renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
         renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
@@ -356,7 +392,12 @@ def pybullet(scene: Scene, width: int, height: int, threads: int, channels: tupl
 
     client = p.connect(p.DIRECT)
     for part in scene.parts:
-        shape = p.createVisualShape(p.GEOM_MESH, vertices=part.vertices.tolist(), indices=part.faces.ravel().tolist(), physicsClientId=client)
+        shape = p.createVisualShape(
+            p.GEOM_MESH,
+            vertices=part.vertices.tolist(),
+            indices=part.faces.ravel().tolist(),
+            physicsClientId=client,
+        )
         p.createMultiBody(0, -1, shape, part.pose[:3].tolist(), part.pose[3:].tolist(), physicsClientId=client)
     near, far = 0.02, 100.0
     fovy = math.degrees(2 * math.atan(math.tan(FOV / 2) * height / width))
@@ -367,7 +408,15 @@ def pybullet(scene: Scene, width: int, height: int, threads: int, channels: tupl
         views.append(p.computeViewMatrix(at[:3].tolist(), (at[:3] + axes[:, 0]).tolist(), axes[:, 2].tolist()))
 
     def draw(index: int) -> np.ndarray:
-        got = p.getCameraImage(width, height, views[index % len(views)], projection, shadow=0, renderer=p.ER_TINY_RENDERER, physicsClientId=client)
+        got = p.getCameraImage(
+            width,
+            height,
+            views[index % len(views)],
+            projection,
+            shadow=0,
+            renderer=p.ER_TINY_RENDERER,
+            physicsClientId=client,
+        )
         return np.asarray(got[3]).reshape(height, width)
 
     def take(count: int) -> np.ndarray:
@@ -382,7 +431,6 @@ def pybullet(scene: Scene, width: int, height: int, threads: int, channels: tupl
 def pyrender(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Take:
     if threads != 1:
         raise NotImplementedError("LP_NUM_THREADS=1")
-    os.environ.setdefault("PYOPENGL_PLATFORM", "osmesa")
     import pyrender as pr
     import trimesh
 
@@ -446,7 +494,14 @@ def agreement(ours: np.ndarray, theirs: np.ndarray | None) -> str:
     return f"{near.mean():.0%}"
 
 
-def compare(scene: Scene, size: tuple[int, int], channels: tuple[str, ...], threads: int, seconds: float, missing: dict[str, str]) -> None:
+def compare(
+    scene: Scene,
+    size: tuple[int, int],
+    channels: tuple[str, ...],
+    threads: int,
+    seconds: float,
+    missing: dict[str, str],
+) -> None:
     takes: dict[str, Take] = {}
     for name, make in PEERS.items():
         if name in missing or ("rgb" in channels and name in ("open3d", "embreex", "mj_multiRay")):
@@ -470,7 +525,10 @@ def compare(scene: Scene, size: tuple[int, int], channels: tuple[str, ...], thre
         own = statistics.median(rates[name])
         ratio = "" if name == "belvedere" else f"{base / own:10.1f}x"
         same = "" if name == "belvedere" else agreement(ours, take(1))
-        print(f"| {scene.name} | {what} {size[0]}x{size[1]} | {threads} | {name} | {own:,.0f} | {ratio} | {same} |", flush=True)
+        print(
+            f"| {scene.name} | {what} {size[0]}x{size[1]} | {threads} | {name} | {own:,.0f} | {ratio} | {same} |",
+            flush=True,
+        )
 
 
 def overhead(scene: Scene, seconds: float) -> None:
@@ -488,7 +546,9 @@ def overhead(scene: Scene, seconds: float) -> None:
 
     for count in (1, 16, 256):
         ratios = [frames_a_second(count) / frames_a_second(8192) for _ in range(3)]
-        print(f"| calls of {count} frames beside calls of 8,192 | depth 64x64 | 1 | overhead | {1 - statistics.median(ratios):.1%} | | |")
+        print(
+            f"| calls of {count} frames beside calls of 8,192 | depth 64x64 | 1 | overhead | {1 - statistics.median(ratios):.1%} | | |"
+        )
 
 
 def main() -> None:
@@ -499,7 +559,9 @@ def main() -> None:
     arguments = parser.parse_args()
     missing: dict[str, str] = {}
     scenes = [make() for make in (balls, humanoid, room, warehouse)]
-    print("| scene | frame | threads | who | frames/s | belvedere is faster | same depth |\n|---|---|---|---|---|---|---|")
+    print(
+        "| scene | frame | threads | who | frames/s | belvedere is faster | same depth |\n|---|---|---|---|---|---|---|"
+    )
     for scene in scenes:
         if arguments.scene not in scene.name:
             continue

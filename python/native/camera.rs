@@ -4,7 +4,7 @@ use crate::errors::{of, value_error};
 use crate::lens::Rays;
 use crate::outputs::Outputs;
 use crate::pool::Threads;
-use crate::shots::Shots;
+use crate::shots::{GivenEach, Shots};
 use crate::world::World;
 use belvedere_sensors::Sensor;
 use belvedere_sensors::camera::{self, CameraConfig, CameraError, Edges, Picture, PixelFormat};
@@ -125,11 +125,11 @@ impl Camera {
         now: &Bound<'_, PyTuple>,
         after: Option<&Bound<'_, PyTuple>>,
         before: Option<&Bound<'_, PyTuple>>,
-        seeds: Vec<u64>,
+        each: GivenEach<'_>,
         outputs: &Bound<'_, PyDict>,
         threads: usize,
     ) -> PyResult<()> {
-        let shots = Shots::read(world.data(), now, after, before, seeds)?;
+        let shots = Shots::read(world.data(), now, after, before, each)?;
         let mut outputs = Outputs::borrow(outputs)?;
         let mut slices = outputs.lend(shots.len())?;
         let mut colour = slices.u8::<u8>("rgb", self.0.bytes())?;
@@ -140,8 +140,11 @@ impl Camera {
         let threads = Threads::new(threads, shots.len() * self.0.pixels())?;
         let done = py.detach(|| {
             threads.for_each(frames, |index, (colour, truth), memory| {
+                if !shots.is_wanted(index) {
+                    return Ok(());
+                }
                 let camera =
-                    camera::Camera::new(self.0.config(shots.seeds[index])).map_err(|why| why.to_string())?;
+                    camera::Camera::new(self.0.config(shots.seed(index))).map_err(|why| why.to_string())?;
                 let mut picture = Picture::new().truth(truth);
                 picture.colour = colour;
                 shots.take(index, memory, |scene, capture, workspace, _| {

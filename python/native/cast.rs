@@ -1,10 +1,10 @@
 //! Rays with nothing in common.
 
+use crate::data::Data;
 use crate::errors::{of, value_error};
 use crate::outputs::Outputs;
 use crate::pool::Threads;
 use crate::shots::Moves;
-use crate::world::Data;
 use belvedere_sensors::trace::rays::{self, cast_rays};
 use belvedere_sensors::trace::{Faces, Hits};
 use glam::DVec3;

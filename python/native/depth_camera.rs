@@ -4,7 +4,7 @@ use crate::camera::{Eye, gaussian};
 use crate::errors::{of, value_error};
 use crate::outputs::Outputs;
 use crate::pool::Threads;
-use crate::shots::Shots;
+use crate::shots::{GivenEach, Shots};
 use crate::world::World;
 use belvedere_sensors::Sensor;
 use belvedere_sensors::depth::{self, DepthCameraConfig, DepthFrame, POINT_STEP};
@@ -76,11 +76,11 @@ impl DepthCamera {
         now: &Bound<'_, PyTuple>,
         after: Option<&Bound<'_, PyTuple>>,
         before: Option<&Bound<'_, PyTuple>>,
-        seeds: Vec<u64>,
+        each: GivenEach<'_>,
         outputs: &Bound<'_, PyDict>,
         threads: usize,
     ) -> PyResult<()> {
-        let shots = Shots::read(world.data(), now, after, before, seeds)?;
+        let shots = Shots::read(world.data(), now, after, before, each)?;
         let pixels = self.eye.pixels();
         let mut outputs = Outputs::borrow(outputs)?;
         let mut slices = outputs.lend(shots.len())?;
@@ -97,8 +97,11 @@ impl DepthCamera {
         let threads = Threads::new(threads, shots.len() * pixels)?;
         let done = py.detach(|| {
             threads.for_each(frames, |index, (colour, depth, millimetres, points, truth), memory| {
-                let camera = depth::DepthCamera::new(self.config(shots.seeds[index]))
-                    .map_err(|why| why.to_string())?;
+                if !shots.is_wanted(index) {
+                    return Ok(());
+                }
+                let camera =
+                    depth::DepthCamera::new(self.config(shots.seed(index))).map_err(|why| why.to_string())?;
                 shots.take(index, memory, |scene, capture, workspace, bytes| {
                     let mut frame = DepthFrame::new().truth(truth);
                     (frame.colour, frame.depth_32fc1, frame.depth_16uc1) = (colour, depth, millimetres);

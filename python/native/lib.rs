@@ -9,8 +9,10 @@
 //! | `poses` | arrays of poses |
 //! | `outputs` | the caller's arrays, as slices frame by frame |
 //! | `pool` | threads, and the memory that each works in |
-//! | `world` | shapes, looks and bodies |
+//! | `data` | a scene, and bodies that move as one |
+//! | `world` | worlds as Python makes them |
 //! | `load` | worlds and robots from files |
+//! | `looks` | colours and lamps of each world of a batch |
 //! | `shots` | from where and when a batch is seen |
 //! | `lens`, `camera`, `depth_camera`, `lidar`, `scanner` | the sensors |
 //! | `cast` | rays with nothing in common |
@@ -22,11 +24,13 @@
 
 mod camera;
 mod cast;
+mod data;
 mod depth_camera;
 mod errors;
 mod lens;
 mod lidar;
 mod load;
+mod looks;
 mod outputs;
 mod pool;
 mod poses;

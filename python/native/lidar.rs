@@ -4,7 +4,7 @@ use crate::camera::gaussian;
 use crate::errors::value_error;
 use crate::outputs::Outputs;
 use crate::pool::Threads;
-use crate::shots::Shots;
+use crate::shots::{GivenEach, Shots};
 use crate::world::World;
 use belvedere_sensors::Sensor;
 use belvedere_sensors::lidar::{self, Beams, LidarConfig, Scan};
@@ -45,11 +45,11 @@ impl Lidar {
         now: &Bound<'_, PyTuple>,
         after: Option<&Bound<'_, PyTuple>>,
         before: Option<&Bound<'_, PyTuple>>,
-        seeds: Vec<u64>,
+        each: GivenEach<'_>,
         outputs: &Bound<'_, PyDict>,
         threads: usize,
     ) -> PyResult<()> {
-        let shots = Shots::read(world.data(), now, after, before, seeds)?;
+        let shots = Shots::read(world.data(), now, after, before, each)?;
         let beams = (self.0.horizontal.samples * self.0.vertical.samples) as usize;
         let mut outputs = Outputs::borrow(outputs)?;
         let mut slices = outputs.lend(shots.len())?;
@@ -63,8 +63,11 @@ impl Lidar {
         let threads = Threads::new(threads, shots.len() * beams)?;
         let done = py.detach(|| {
             threads.for_each(frames, |index, (ranges, intensities, truth), memory| {
+                if !shots.is_wanted(index) {
+                    return Ok(());
+                }
                 let lidar =
-                    lidar::Lidar::new(self.0.seed(shots.seeds[index])).map_err(|why| why.to_string())?;
+                    lidar::Lidar::new(self.0.seed(shots.seed(index))).map_err(|why| why.to_string())?;
                 let mut scan = Scan::new().truth(truth);
                 (scan.ranges, scan.intensities) = (ranges, intensities);
                 shots.take(index, memory, |scene, capture, workspace, _| {

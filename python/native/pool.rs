@@ -1,5 +1,6 @@
 //! Threads, and the memory that each works in.
 
+use belvedere_sensors::scene::{Light, Material};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Execution, Pose};
 use pyo3::PyResult;
@@ -28,6 +29,9 @@ pub(crate) struct Memory {
     pub(crate) poses: [Vec<Pose>; 3],
     /// Other scratch, of bytes.
     pub(crate) bytes: Vec<u8>,
+    /// How things look in a frame, and its lamps.
+    pub(crate) materials: Vec<Material>,
+    pub(crate) lights: Vec<Light>,
 }
 
 thread_local! {

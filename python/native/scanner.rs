@@ -3,7 +3,7 @@
 use crate::errors::{of, value_error};
 use crate::outputs::Outputs;
 use crate::pool::Threads;
-use crate::shots::Shots;
+use crate::shots::{GivenEach, Shots};
 use crate::world::World;
 use belvedere_sensors::scanner::{self, Echoes, Intensity, Returns, ScannerConfig, Weather, presets};
 use belvedere_sensors::{Keyframe, Sensor, Shutter};
@@ -85,11 +85,11 @@ impl Scanner {
         now: &Bound<'_, PyTuple>,
         after: Option<&Bound<'_, PyTuple>>,
         before: Option<&Bound<'_, PyTuple>>,
-        seeds: Vec<u64>,
+        each: GivenEach<'_>,
         outputs: &Bound<'_, PyDict>,
         threads: usize,
     ) -> PyResult<()> {
-        let shots = Shots::read(world.data(), now, after, before, seeds)?;
+        let shots = Shots::read(world.data(), now, after, before, each)?;
         let (firings, echoes) = (self.firings, self.firings * self.returns);
         let mut outputs = Outputs::borrow(outputs)?;
         let mut slices = outputs.lend(shots.len())?;
@@ -112,7 +112,10 @@ impl Scanner {
         let threads = Threads::new(threads, shots.len() * firings)?;
         let done = py.detach(|| {
             threads.for_each(frames, |index, parts, memory| {
-                let scanner = scanner::Scanner::new(self.config.seed(shots.seeds[index]));
+                if !shots.is_wanted(index) {
+                    return Ok(());
+                }
+                let scanner = scanner::Scanner::new(self.config.seed(shots.seed(index)));
                 let scanner = scanner.map_err(|why| why.to_string())?;
                 shots.take(index, memory, |scene, capture, workspace, _| {
                     let mut capture = *capture;

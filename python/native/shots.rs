@@ -1,10 +1,12 @@
 //! From where, and when, each frame of a batch is seen.
 
+use crate::data::Data;
 use crate::errors::of;
+use crate::looks::{GivenLooks, Looks};
 use crate::pool::Memory;
 use crate::poses;
-use crate::world::Data;
 use belvedere_sensors::scene::Scene;
+use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Moment, Pose};
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
@@ -32,8 +34,21 @@ pub(crate) struct Shots {
     /// The moments that flow goes to.
     after: Option<Places>,
     before: Option<Places>,
-    pub(crate) seeds: Vec<u64>,
+    each: Each,
 }
+
+/// What each frame has of its own besides poses.
+struct Each {
+    seeds: Vec<u64>,
+    /// Numbers of frames.
+    numbers: Vec<u64>,
+    /// Which frames are taken, if not all.
+    mask: Option<Vec<bool>>,
+    looks: Option<Looks>,
+}
+
+/// The same as Python hands it over.
+pub(crate) type GivenEach<'py> = (Vec<u64>, Vec<u64>, Option<Vec<bool>>, Option<GivenLooks<'py>>);
 
 /// A moment as Python hands it over: poses of the sensor, numbers of bodies, their poses.
 type Given<'py> = (PyReadonlyArrayDyn<'py, f64>, Vec<usize>, Option<PyReadonlyArrayDyn<'py, f64>>);
@@ -114,7 +129,7 @@ impl Shots {
         now: &Bound<'_, PyTuple>,
         after: Option<&Bound<'_, PyTuple>>,
         before: Option<&Bound<'_, PyTuple>>,
-        seeds: Vec<u64>,
+        each: GivenEach<'_>,
     ) -> PyResult<Self> {
         let now = Places::read("poses", "bodies", &world, now.extract()?, None)?;
         let frames = now.world_from_sensor.len();
@@ -125,10 +140,15 @@ impl Shots {
         };
         let after = other(after, ["after", "bodies_after"])?;
         let before = other(before, ["before", "bodies_before"])?;
-        if seeds.len() != frames {
-            return Err(of("seeds", format_args!("{} numbers, and {frames} are expected", seeds.len())));
+        let (seeds, numbers, mask, looks) = each;
+        let masked = mask.as_ref().map_or(frames, Vec::len);
+        for (argument, have) in [("seeds", seeds.len()), ("frames", numbers.len()), ("mask", masked)] {
+            if have != frames {
+                return Err(of(argument, format_args!("{have} elements, and {frames} are expected")));
+            }
         }
-        Ok(Self { world, now, after, before, seeds })
+        let looks = looks.map(|looks| Looks::read(&world, frames, looks)).transpose()?;
+        Ok(Self { world, now, after, before, each: Each { seeds, numbers, mask, looks } })
     }
 
     /// That there is a moment for each flow that is wanted.
@@ -151,27 +171,36 @@ impl Shots {
         self.now.world_from_sensor.len()
     }
 
+    /// Whether a frame is taken.
+    pub(crate) fn is_wanted(&self, frame: usize) -> bool {
+        self.each.mask.as_ref().is_none_or(|mask| mask[frame])
+    }
+
+    /// The seed of a frame.
+    pub(crate) fn seed(&self, frame: usize) -> u64 {
+        self.each.seeds[frame]
+    }
+
     /// Lends a frame's scene and moments.
-    pub(crate) fn take<T>(
+    pub(crate) fn take(
         &self,
         frame: usize,
         memory: &mut Memory,
-        take: impl FnOnce(
-            &Scene<'_>,
-            &Capture<'_>,
-            &mut belvedere_sensors::trace::WorkspaceBuf,
-            &mut Vec<u8>,
-        ) -> T,
-    ) -> T {
-        let Memory { workspace, poses: [now, after, before], bytes } = memory;
+        take: impl FnOnce(&Scene<'_>, &Capture<'_>, &mut WorkspaceBuf, &mut Vec<u8>) -> Result<(), String>,
+    ) -> Result<(), String> {
+        let Memory { workspace, poses: [now, after, before], bytes, materials, lights } = memory;
         let world = &*self.world;
-        let mut capture = Capture::new(0, self.now.moment(world, frame, now));
+        let mut capture = Capture::new(self.each.numbers[frame], self.now.moment(world, frame, now));
         if let Some(places) = &self.after {
             capture = capture.after(places.moment(world, frame, after));
         }
         if let Some(places) = &self.before {
             capture = capture.before(places.moment(world, frame, before));
         }
-        take(&world.builder.scene(), &capture, workspace, bytes)
+        let mut scene = world.builder.scene();
+        if let Some(looks) = &self.each.looks {
+            scene = looks.of_frame(world, frame, materials, lights).map_err(|why| why.to_string())?;
+        }
+        take(&scene, &capture, workspace, bytes)
     }
 }

@@ -1,10 +1,11 @@
 //! A world that runs, with robots in it.
 
+use crate::data::Data;
 use crate::errors::{of, value_error};
 use crate::load::{self, Options};
 use crate::pool::Threads;
 use crate::poses;
-use crate::world::{Data, World};
+use crate::world::World;
 use belvedere::description::any::Described;
 use belvedere::description::model;
 use belvedere::entities::EntityId;

@@ -9,7 +9,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use belvedere_bridge::{Domain, Error, Frame, Node, Subscriber, payload::Message};
+use belvedere_bridge::{Domain, Error, Frame, Kind, Node, Subscriber, payload::Message};
 
 use super::error::CliError;
 
@@ -99,6 +99,13 @@ pub(super) fn check_topics(node: &Node, domain: &Domain, topics: &[String]) -> R
             topic,
         }),
     }
+}
+
+/// The topic of the first stream of one of these kinds, those that are named first before others.
+pub(super) fn first_of_kinds(node: &Node, kinds: &[Kind]) -> Result<Option<String>, CliError> {
+    let streams = node.streams()?;
+    let of = |kind| streams.iter().find(|stream| stream.kind == Some(kind));
+    Ok(kinds.iter().find_map(|kind| of(*kind)).map(|stream| with_slash(&stream.topic)))
 }
 
 /// The structs of the first frame that comes, if one does in time.

@@ -21,6 +21,7 @@ mod sensor_models;
 pub mod snapshot;
 pub mod statistics;
 mod status;
+mod terminal;
 pub mod urdf;
 pub mod view;
 

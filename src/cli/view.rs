@@ -4,6 +4,7 @@ use super::attachments::robot_urdf;
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, check_topics, listen_for_stop, print_line, stop_wanted};
 use super::robots::RobotArgs;
+use super::terminal;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::world::{default_world, load_world};
@@ -50,6 +51,7 @@ pub struct PageArgs {
   belvedere view
   belvedere view --robot my_robot.urdf.xacro --world my.world    (as given to run: their shapes are shown)
   belvedere view --no-browser --port 0
+  belvedere view --terminal /camera/rgb/image_raw
   ssh -L 8765:127.0.0.1:8765 robot belvedere view --no-browser")]
 pub struct ViewArgs {
     #[command(flatten)]
@@ -64,6 +66,12 @@ pub struct ViewArgs {
     /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
     #[arg(long, value_name = "FOLDER")]
     package_path: Vec<PathBuf>,
+    /// Show a topic in this terminal instead, the first camera's if none is named
+    #[arg(long, value_name = "TOPIC", num_args = 0..=1, default_missing_value = "")]
+    terminal: Option<String>,
+    /// End after so many pictures in the terminal
+    #[arg(long, value_name = "N", requires = "terminal")]
+    count: Option<u64>,
     /// Wait for the simulator when there is none yet
     #[arg(long)]
     wait: bool,
@@ -78,6 +86,9 @@ pub fn run(args: &ViewArgs) -> Result<(), CliError> {
     let node = Node::open(&args.domain.domain, "view")?;
     if !args.wait {
         check_topics(&node, &args.domain.domain, &[])?;
+    }
+    if let Some(topic) = &args.terminal {
+        return terminal::show(&node, topic, args.count);
     }
     let page = open_page(&node, &args.page, load(args)?)?;
     while !stop_wanted() {

@@ -167,6 +167,40 @@ export class Space {
     return distances;
   }
 
+  /** The ray from the eye through a place of the view, from -1 to 1. */
+  ray(at: THREE.Vector2): THREE.Ray {
+    const caster = new THREE.Raycaster();
+    // It may have been moved since it was drawn.
+    this.camera.updateMatrixWorld();
+    caster.setFromCamera(at, this.camera);
+    return caster.ray;
+  }
+
+  /** The model under a place of the view, and where it is met. */
+  pick(at: THREE.Vector2): { model: string; at: THREE.Vector3 } | null {
+    const caster = new THREE.Raycaster();
+    // It may have been moved since it was drawn.
+    this.camera.updateMatrixWorld();
+    caster.setFromCamera(at, this.camera);
+    const met = caster.intersectObjects([...this.links.values()]).find(({ point }) => point.z < this.ceiling.constant);
+    let object: THREE.Object3D | null = met?.object ?? null;
+    while (object !== null && typeof object.userData.link !== "string") object = object.parent;
+    if (met === undefined || object === null) return null;
+    return { model: (object.userData.link as string).split("::")[0] ?? "", at: met.point };
+  }
+
+  /** Where a point of the world is on the page. */
+  pixelOf(point: [number, number, number]): [number, number] {
+    this.camera.updateMatrixWorld();
+    const seen = new THREE.Vector3(...point).project(this.camera);
+    const box = this.renderer.domElement.getBoundingClientRect();
+    return [box.left + ((seen.x + 1) / 2) * box.width, box.top + ((1 - seen.y) / 2) * box.height];
+  }
+
+  get canvas(): HTMLCanvasElement {
+    return this.renderer.domElement;
+  }
+
   /** Puts links where they are now. */
   move(states: LinkState[]) {
     for (const { name, position, orientation } of states) {
@@ -177,6 +211,11 @@ export class Space {
     if (this.followsRobot) this.lookAtRobot();
     else if (this.robot !== undefined) this.robotWas.copy(this.robot.position);
     this.touch();
+  }
+
+  /** Where a link is. */
+  linkPosition(name: string): [number, number, number] | null {
+    return this.links.get(name)?.position.toArray() ?? null;
   }
 
   /** Where the robot is. */

@@ -1,12 +1,18 @@
 // The page: puts its parts together.
 
 import { Connection, type Stream } from "./connection";
-import { linkStates } from "./frame";
+import { dragModels } from "./drag";
+import { linkStates, type LinkState } from "./frame";
 import { driveByKeys } from "./keys";
 import { Layers, type Choice } from "./layers";
+import { sensors, settingsPanel, type Sensor } from "./settings";
 import { Space } from "./space";
 
 const LINK_STATES = "simulation/link_states";
+const MODEL_STATES = "simulation/model_states";
+const SENSOR_SETTINGS = "simulation/sensor_settings";
+/** Longest wait for a frame that is asked for once. */
+const PATIENCE_MS = 2000;
 /** The 3D view waits so long for the first picture, which comes sooner while it has not begun. */
 const HEAD_START_MS = 600;
 
@@ -107,11 +113,68 @@ function row(choice: Choice): HTMLElement {
   });
   label.append(box, ` /${choice.label}`);
   label.title = `/${choice.label}`;
+  label.addEventListener("dblclick", (event) => {
+    event.preventDefault();
+    showSettings(choice.topic);
+  });
+  const gear = document.createElement("button");
+  gear.className = "gear";
+  gear.textContent = "⚙";
+  gear.title = "what can be changed of this sensor";
+  gear.addEventListener("click", () => {
+    showSettings(choice.topic);
+  });
   rate.className = "rate";
   rate.dataset.topic = choice.topic;
-  item.append(label, rate);
+  item.append(label, rate, gear);
   return item;
 }
+
+let known: Sensor[] = [];
+let shownSensor: string | null = null;
+
+/** Shows what can be changed of the sensor that sends a topic, or no more. */
+function showSettings(topic: string | null) {
+  shownSensor = topic === shownSensor ? null : topic;
+  refreshSettings();
+}
+
+function refreshSettings() {
+  const place = element("settings");
+  const sensor = known.find(({ topics }) => shownSensor !== null && topics.includes(shownSensor));
+  if (sensor === undefined) {
+    place.replaceChildren(shownSensor === null ? "" : `nothing of /${shownSensor} can be changed`);
+    return;
+  }
+  place.replaceChildren(
+    settingsPanel(sensor, (text) => void control("configure", { name: shownSensor ?? "", text }).then(refreshSettings)),
+  );
+}
+
+layers.follow(SENSOR_SETTINGS, (frame) => {
+  known = sensors(frame);
+  refreshSettings();
+});
+
+dragModels(space.canvas, {
+  pick: (at) => space.pick(at),
+  ray: (at) => space.ray(at),
+  poseOf: (model) =>
+    new Promise<LinkState | null>((resolve) => {
+      const timer = setTimeout(() => {
+        finish(null);
+      }, PATIENCE_MS);
+      const end = layers.follow(MODEL_STATES, (frame) => {
+        finish(linkStates(frame).find(({ name }) => name === model) ?? null);
+      });
+      function finish(state: LinkState | null) {
+        clearTimeout(timer);
+        end();
+        resolve(state);
+      }
+    }),
+  move: (name, position, orientation) => control("set_model_state", { name, position, orientation }),
+});
 
 layers.follow(LINK_STATES, (frame) => {
   repeated = frame.header.stamp === stamp ? repeated + 1 : 0;
@@ -192,5 +255,6 @@ window.viewer = () => ({
   scene,
   firstPictureMs,
   robot: space.robotPosition(),
+  settings: known,
   frames: Object.fromEntries([...layers.tallies].map(([topic, tally]) => [topic, tally.frames])),
 });

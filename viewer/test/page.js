@@ -67,6 +67,33 @@ try {
   assert.notEqual(await pixels(page, PICTURE), seen);
   console.log("keys drive it, and its picture moves");
 
+  await page.click(`li:has([data-key="${PICTURE}"]) .gear`);
+  const rate = page.locator('[data-setting="update_rate"]');
+  await rate.fill("5");
+  await rate.press("Enter");
+  await until("another rate", async () => (await rate.inputValue()) === "5");
+  await until("that the simulator takes it", () =>
+    page.evaluate(() => window.viewer().settings.some((sensor) => sensor.settings.some(({ name, value }) => name === "update_rate" && value === 5))),
+  );
+  console.log("a sensor's rate is changed");
+
+  // The cube is dragged by its upper face, to the left.
+  await page.evaluate(() => window.space.look([-1.6, -1.9, 1.7]));
+  const cube = () => page.evaluate(() => window.space.linkPosition("cube::link"));
+  const from = await cube();
+  const [x, y] = await page.evaluate((point) => window.space.pixelOf(point), [from[0], from[1], 0.5]);
+  await page.keyboard.down("Shift");
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x - 60, y, { steps: 5 });
+  await page.mouse.up();
+  await page.keyboard.up("Shift");
+  await until("dragged", async () => {
+    const now = await cube();
+    return Math.hypot(now[0] - from[0], now[1] - from[1]) > 0.05;
+  });
+  console.log("a model is moved by the mouse");
+
   await page.click("#reset");
   await until("reset", async () => (await viewer(page)).stamp < stood[0]);
 

@@ -17,6 +17,7 @@ Frames of a running simulator in shared memory, without a copy:
 ...         print(frame.stamp_ns, frame.array.shape, frame.array.mean())
 """
 
+from belvedere._batch import Batch
 from belvedere._commands import (
     CommandPublisher,
     MotorPowerPublisher,
@@ -39,7 +40,8 @@ from belvedere._frame import Frame
 from belvedere._frames import Frames
 from belvedere._lens import Lens
 from belvedere._node import Node, StreamInfo
-from belvedere._sensors import Camera, DepthCamera, Lidar, Scanner, Sensor
+from belvedere._scanner import Scanner
+from belvedere._sensors import Camera, DepthCamera, Lidar, Sensor
 from belvedere._simulation import Simulation
 from belvedere._subscriber import Subscriber
 from belvedere._synchronizer import Synchronizer
@@ -48,6 +50,7 @@ from belvedere.wire import DistortionModel, Encoding, Intrinsics, Kind, ScanGeom
 
 __all__ = [
     "BadFrameError",
+    "Batch",
     "BridgeError",
     "Camera",
     "CommandPublisher",

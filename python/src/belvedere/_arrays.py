@@ -164,19 +164,27 @@ def body_number(argument: str, body: str | int, names: Sequence[str]) -> int:
     return int(body)
 
 
-def seeds(value: ArrayLike | int, lead: tuple[int, ...]) -> list[int]:
-    """Return the seed of each frame: those that are given, or a first one and those that follow it."""
+def seeds(argument: str, value: ArrayLike | int, lead: tuple[int, ...]) -> list[int]:
+    """Return a number for each frame: those that are given, or a first one and those that follow it."""
     total = math.prod(lead)
     if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
         if not 0 <= value < 2**64:
-            raise ValueError(f"seeds: a whole number from 0 to 2**64 - 1 is expected, not {value}")
+            raise ValueError(f"{argument}: a whole number from 0 to 2**64 - 1 is expected, not {value}")
         return [(int(value) + index) % 2**64 for index in range(total)]
     given = np.asarray(value)
     if given.shape != lead or given.dtype.kind not in "iu" or (given.size and int(given.min()) < 0):
         raise ValueError(
-            f"seeds: shape {given.shape} of {given.dtype}; {lead} whole numbers, 0 or more, are expected, or the first one"
+            f"{argument}: shape {given.shape} of {given.dtype}; one number is expected, "
+            f"or {lead} whole numbers, 0 or more"
         )
-    return [int(seed) for seed in given.ravel()]
+    numbers: list[int] = given.ravel().tolist()
+    return numbers
+
+
+def numbers_of_frames(value: ArrayLike | int, lead: tuple[int, ...]) -> list[int]:
+    """Return the number of each frame: those that are given, or one for all."""
+    first = seeds("frames", value, lead)
+    return [int(value)] * len(first) if isinstance(value, (int, np.integer)) else first
 
 
 def threads(value: int | None) -> int:

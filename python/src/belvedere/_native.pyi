@@ -9,6 +9,12 @@ from numpy.typing import NDArray
 # Poses of the sensor (N, 7), numbers of bodies, their poses (N, bodies, 7).
 _Places: TypeAlias = tuple[NDArray[np.float64], Sequence[int], NDArray[np.float64] | None]
 _Moves: TypeAlias = tuple[Sequence[int], NDArray[np.float64] | None]
+# Colours of bodies, colours of lamps, where lamps are, light from everywhere: (N, ..., 3).
+_Looks: TypeAlias = tuple[
+    NDArray[np.float32] | None, NDArray[np.float32] | None, NDArray[np.float64] | None, NDArray[np.float32] | None
+]
+# Seeds, numbers of frames, which are taken, looks.
+_Each: TypeAlias = tuple[Sequence[int], Sequence[int], Sequence[bool] | None, _Looks | None]
 _Lens: TypeAlias = tuple[tuple[str, Sequence[float]] | None, float | None]
 _Look: TypeAlias = tuple[
     Sequence[float],
@@ -34,6 +40,9 @@ class World:
     @property
     def bodies(self) -> list[str]: ...
     def instance_bodies(self) -> NDArray[np.int32]: ...
+    def snapshot(self) -> World: ...
+    def lights(self) -> list[tuple[list[float], list[float]]]: ...
+    def ambient(self) -> list[float]: ...
     def memory_len(self) -> int: ...
     def pose(self, body: int) -> NDArray[np.float64]: ...
     def set_pose(self, body: int, pose: NDArray[np.float64]) -> None: ...
@@ -99,7 +108,7 @@ class Camera:
         now: _Places,
         after: _Places | None,
         before: _Places | None,
-        seeds: Sequence[int],
+        each: _Each,
         outputs: dict[str, NDArray[Any]],
         threads: int,
     ) -> None: ...
@@ -128,7 +137,7 @@ class DepthCamera:
         now: _Places,
         after: _Places | None,
         before: _Places | None,
-        seeds: Sequence[int],
+        each: _Each,
         outputs: dict[str, NDArray[Any]],
         threads: int,
     ) -> None: ...
@@ -150,7 +159,7 @@ class Lidar:
         now: _Places,
         after: _Places | None,
         before: _Places | None,
-        seeds: Sequence[int],
+        each: _Each,
         outputs: dict[str, NDArray[Any]],
         threads: int,
     ) -> None: ...
@@ -177,7 +186,7 @@ class Scanner:
         now: _Places,
         after: _Places | None,
         before: _Places | None,
-        seeds: Sequence[int],
+        each: _Each,
         outputs: dict[str, NDArray[Any]],
         threads: int,
     ) -> None: ...

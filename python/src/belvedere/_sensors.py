@@ -8,20 +8,23 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from belvedere import _arrays, _native
+from belvedere._channels import Channels, prepare
 from belvedere._frames import Frames
-from belvedere._world import SEES, World, prepare
+from belvedere._looks import SEES
+from belvedere._world import World
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from belvedere._arrays import ArrayLike, Bodies
     from belvedere._lens import Lens
+    from belvedere._native import World as _NativeWorld
+    from belvedere._native import _Each, _Lens, _Moves, _Places
 
-_Channels = dict[str, tuple[np.dtype[Any], tuple[int, ...]]]
 _F32, _U32 = np.dtype(np.float32), np.dtype(np.uint32)
 
 
-def _truth(depth: str, range_: str) -> _Channels:
+def _truth(depth: str, range_: str) -> dict[str, tuple[np.dtype[Any], tuple[int, ...]]]:
     """The channels of what is true of each ray, with these names for distances."""
     return {
         depth: (_F32, ()),
@@ -38,11 +41,11 @@ def _truth(depth: str, range_: str) -> _Channels:
 class _Native(Protocol):
     def render(
         self,
-        world: _native.World,
-        now: _native._Places,
-        after: _native._Places | None,
-        before: _native._Places | None,
-        seeds: Sequence[int],
+        world: _NativeWorld,
+        now: _Places,
+        after: _Places | None,
+        before: _Places | None,
+        each: _Each,
         outputs: dict[str, Any],
         threads: int,
     ) -> None: ...
@@ -52,7 +55,7 @@ class Sensor:
     """What takes frames. A sensor looks along +x of its pose, y is left, z is up."""
 
     _native: _Native
-    _channels: _Channels
+    _channels: Channels
     _default: tuple[str, ...]
     _frame: tuple[int, ...]
 
@@ -74,6 +77,7 @@ class Sensor:
         *,
         channels: Sequence[str] | None = None,
         seeds: ArrayLike | int = 0,
+        frames: ArrayLike | int = 0,
         bodies: Bodies | None = None,
         after: ArrayLike | None = None,
         bodies_after: Bodies | None = None,
@@ -94,6 +98,8 @@ class Sensor:
                 by ``__dlpack__``.
             channels: which are wanted; without it, those of ``out``, or the sensor's main one.
             seeds: of the noise: one for each frame, of the batch's shape; or the first one, and those that follow.
+            frames: number of each frame in its stream, or that of all: noise is a function of seed and number, and some
+                scanners turn on from one to the next.
             bodies: bodies that are elsewhere than the world has them: a dictionary by name or number of poses that
                 broadcast to the batch's shape, or an array (…, bodies, 7) of all.
             after: where the sensor is at the next frame, as ``poses``: for ``flow``. Of a scanner: where it is at the end
@@ -117,28 +123,50 @@ class Sensor:
         outputs = prepare(self._channels, self._default, channels, out, lead, self._frame)
         names = world.bodies
         moved = _arrays.bodies("bodies", bodies, lead, names)
+        later = self._moment("after", after, bodies_after, lead, names, moved)
+        earlier = self._moment("before", before, bodies_before, lead, names, moved)
+        each = (_arrays.seeds("seeds", seeds, lead), _arrays.numbers_of_frames(frames, lead), None, None)
+        self._take(world._native, lead, (flat, *moved), later, earlier, each, outputs, threads)
+        return Frames(outputs, lead)
 
-        def moment(argument: str, value: ArrayLike | None, given: Bodies | None) -> _native._Places | None:
-            if value is None:
-                if given is not None:
-                    raise ValueError(f"bodies_{argument}: {argument}=poses is expected beside it")
-                return None
-            other, shape = _arrays.poses(argument, value)
-            if shape != lead:
-                raise ValueError(f"{argument}: poses of shape {shape}; {lead}, as poses, is expected")
-            elsewhere = moved if given is None else _arrays.bodies(f"bodies_{argument}", given, lead, names)
-            return (other, *elsewhere)
+    def _moment(
+        self,
+        argument: str,
+        value: ArrayLike | None,
+        given: Bodies | None,
+        lead: tuple[int, ...],
+        names: Sequence[str],
+        moved: _Moves,
+    ) -> _Places | None:
+        """Return where sensor and bodies are at another moment."""
+        if value is None:
+            if given is not None:
+                raise ValueError(f"bodies_{argument}: {argument}=poses is expected beside it")
+            return None
+        other, shape = _arrays.poses(argument, value)
+        if shape != lead:
+            raise ValueError(f"{argument}: poses of shape {shape}; {lead}, as poses, is expected")
+        elsewhere = moved if given is None else _arrays.bodies(f"bodies_{argument}", given, lead, names)
+        return (other, *elsewhere)
 
-        later, earlier = moment("after", after, bodies_after), moment("before", before, bodies_before)
-        for flow, there, argument in (("flow", later, "after"), ("flow_back", earlier, "before")):
+    def _take(
+        self,
+        world: _NativeWorld,
+        lead: tuple[int, ...],
+        now: _Places,
+        after: _Places | None,
+        before: _Places | None,
+        each: _Each,
+        outputs: dict[str, Any],
+        threads: int | None,
+    ) -> None:
+        """Take frames whose arguments were checked."""
+        for flow, there, argument in (("flow", after, "after"), ("flow_back", before, "before")):
             if flow in outputs and there is None:
                 raise ValueError(f"channels: {flow!r} wants a moment to flow to: give {argument}=poses")
-        numbers = _arrays.seeds(seeds, lead)
+        workers = _arrays.threads(threads)
         if math.prod(lead):
-            self._native.render(
-                world._native, (flat, *moved), later, earlier, numbers, outputs, _arrays.threads(threads)
-            )
-        return Frames(outputs, lead)
+            self._native.render(world, now, after, before, each, outputs, workers)
 
 
 class Camera(Sensor):
@@ -348,78 +376,11 @@ class Lidar(Sensor):
         self._channels = {"range": (_F32, ()), "intensity": (_F32, ()), **_truth("depth", "true_range")}
 
 
-class Scanner(Sensor):
-    """A laser scanner of a maker: every firing from where the sensor and the bodies are at its time.
-
-    Channels: ``range`` float32 (firings, returns), measured metres; ``points`` float32 (firings, returns, 3) in the frame
-    of the sensor at the time of the firing, NaN where there is none; ``intensity`` float32; ``time`` float64 (firings),
-    seconds after the frame's beginning; ``laser`` uint32 (firings). Give ``after=``, where it is at the end of the
-    frame, if it moves.
-
-    Args:
-        preset: its name: ``Scanner.presets()``.
-        rate: turns a second; without it, as it comes.
-        columns: of a turn, of those that have a choice.
-        returns: ``strongest``, ``first``, ``last`` or ``dual``.
-        intensity: ``retro``, as worlds say; ``power``; ``reflectivity``.
-        visibility: metres one sees in fog.
-        rain: millimetres an hour.
-        snow: millimetres of water an hour.
-        sees: ``collision`` shapes, ``visual`` ones or ``all``.
-
-    Raises:
-        ValueError: there is no such preset or mode, or an argument is out of its range.
-
-    """
-
-    _default = ("range",)
-
-    def __init__(
-        self,
-        preset: str,
-        *,
-        rate: float | None = None,
-        columns: int | None = None,
-        returns: str = "strongest",
-        intensity: str = "retro",
-        visibility: float = math.inf,
-        rain: float = 0.0,
-        snow: float = 0.0,
-        sees: str = "collision",
-    ) -> None:
-        native = _native.Scanner(
-            preset,
-            None if rate is None else _arrays.number("rate", rate),
-            None if columns is None else _arrays.count("columns", columns),
-            returns,
-            intensity,
-            [_arrays.number(*given) for given in (("visibility", visibility), ("rain", rain), ("snow", snow))],
-            _arrays.choice("sees", sees, SEES),
-        )
-        firings, count, period_ns = native.size
-        self._native = native
-        self._frame = (firings, count)
-        #: Seconds from a frame to the next.
-        self.period = period_ns * 1e-9
-        self._channels = {
-            "range": (_F32, ()),
-            "points": (_F32, (3,)),
-            "intensity": (_F32, ()),
-            "time": (np.dtype(np.float64), ()),
-            "laser": (_U32, ()),
-        }
-
-    @staticmethod
-    def presets() -> list[str]:
-        """Return the names of the presets."""
-        return _native.Scanner.presets()
-
-
 def _size(width: int, height: int) -> list[int]:
     return [_arrays.count("width", width, 1, 16384), _arrays.count("height", height, 1, 16384)]
 
 
-def _lens(fov: float | None, lens: Lens | None) -> _native._Lens:
+def _lens(fov: float | None, lens: Lens | None) -> _Lens:
     if (fov is None) == (lens is None):
         raise ValueError("fov, lens: one of the two is expected")
     if lens is not None:

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from belvedere import _arrays, _native
+from belvedere._channels import prepare
 from belvedere._frames import Frames
+from belvedere._looks import SEES, look_of, round_size, table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,8 +23,6 @@ if TYPE_CHECKING:
 _log = logging.getLogger("belvedere")
 #: The worlds and robots that have names. Of an installation from the source tree the module knows where they are.
 MODELS = str(Path(__file__).parent / "models")
-#: Which sensors see a body: bits.
-SEES = {"visual": 1, "collision": 2, "all": 3}
 #: What ``cast`` answers: type and numbers of each ray.
 _ANSWERS: dict[str, tuple[np.dtype[Any], tuple[int, ...]]] = {
     "distance": (np.dtype(np.float32), ()),
@@ -169,15 +169,15 @@ class World:
 
     def add_cylinder(self, radius: float, length: float, pose: ArrayLike | None = None, **look: Any) -> int:
         """Add a closed cylinder along z, centred. See ``add_box``."""
-        return self._shape("cylinder", _round(radius, length), pose, look)
+        return self._shape("cylinder", round_size(radius, length), pose, look)
 
     def add_capsule(self, radius: float, length: float, pose: ArrayLike | None = None, **look: Any) -> int:
         """Add a cylinder along z with half balls at its ends; the length is without them. See ``add_box``."""
-        return self._shape("capsule", _round(radius, length), pose, look)
+        return self._shape("capsule", round_size(radius, length), pose, look)
 
     def add_cone(self, radius: float, length: float, pose: ArrayLike | None = None, **look: Any) -> int:
         """Add a closed cone along z, its apex at +length/2. See ``add_box``."""
-        return self._shape("cone", _round(radius, length), pose, look)
+        return self._shape("cone", round_size(radius, length), pose, look)
 
     def add_mesh(
         self,
@@ -201,18 +201,18 @@ class World:
             ValueError: a vertex is not finite, a number is out of range, there is no triangle.
 
         """
-        points = _table("vertices", vertices, 3, np.float32)
-        numbers = _table("faces", faces, 3, np.int64)
+        points = table("vertices", vertices, 3, np.float32)
+        numbers = table("faces", faces, 3, np.int64)
         if len(numbers) == 0:
             raise ValueError("faces: shape (0, 3); a mesh has one triangle at least")
         for number in (int(numbers.min()), int(numbers.max())):
             if not 0 <= number < len(points):
                 raise ValueError(f"faces: there is no vertex {number}; there are {len(points)}, counted from 0")
         triangles = numbers.astype(np.uint32)
-        coordinates = None if uvs is None else _table("uvs", uvs, 2, np.float32)
+        coordinates = None if uvs is None else table("uvs", uvs, 2, np.float32)
         if coordinates is not None and len(coordinates) != len(points):
             raise ValueError(f"uvs: shape {coordinates.shape}; {(len(points), 2)}, one a vertex, is expected")
-        appearance, said = _look(pose, look)
+        appearance, said = look_of(pose, look)
         return self._native.add_mesh(points, triangles, coordinates, appearance, said)
 
     def add_height_field(
@@ -230,7 +230,7 @@ class World:
         field = _arrays.array("heights", heights, np.float32)
         if field.ndim != 2 or min(field.shape) < 2:
             raise ValueError(f"heights: shape {field.shape}; (rows, columns), two each at least, is expected")
-        appearance, said = _look(pose, look)
+        appearance, said = look_of(pose, look)
         lengths = _arrays.numbers("size", size, 2)
         return self._native.add_height_field(field, field.shape, lengths, appearance, said)
 
@@ -343,93 +343,9 @@ class World:
         return Frames(outputs, lead)
 
     def _shape(self, kind: str, size: list[float], pose: ArrayLike | None, look: dict[str, Any]) -> int:
-        appearance, said = _look(pose, look)
+        appearance, said = look_of(pose, look)
         return self._native.add_shape(kind, size, appearance, said)
 
     def __repr__(self) -> str:
         """How many bodies it has."""
         return f"<World of {len(self.bodies)} bodies>"
-
-
-def prepare(
-    known: Mapping[str, tuple[np.dtype[Any], tuple[int, ...]]],
-    default: tuple[str, ...],
-    channels: Sequence[str] | None,
-    out: Mapping[str, ArrayLike] | None,
-    lead: tuple[int, ...],
-    frame: tuple[int, ...],
-) -> dict[str, NDArray[Any]]:
-    """Return the arrays to write into: the caller's, and new ones for other channels."""
-    if isinstance(channels, str):
-        channels = (channels,)
-    given = {} if out is None else dict(out)
-    wanted = list(channels if channels is not None else (given or default))
-    for name in (*wanted, *given):
-        if name not in known:
-            raise ValueError(f"channels: there is no channel {name!r}; there are {', '.join(known)}")
-    for name in given:
-        if name not in wanted:
-            raise ValueError(f"out[{name!r}]: this channel is not among those that are wanted, {', '.join(wanted)}")
-    if not wanted:
-        raise ValueError("channels: none is wanted; name one at least")
-    outputs: dict[str, NDArray[Any]] = {}
-    for name in wanted:
-        dtype, rest = known[name]
-        shape = lead + (frame if name not in ("time", "laser") else frame[:1]) + rest
-        if name in given:
-            outputs[name] = _arrays.output(f"out[{name!r}]", given[name], shape, dtype)
-        else:
-            outputs[name] = np.empty(shape, dtype)
-    return outputs
-
-
-def _round(radius: float, length: float) -> list[float]:
-    return [_arrays.number("radius", radius), _arrays.number("length", length)]
-
-
-def _table(argument: str, value: ArrayLike, columns: int, dtype: type[np.generic]) -> NDArray[Any]:
-    converted = _arrays.array(argument, value, dtype)
-    if converted.ndim != 2 or converted.shape[1] != columns:
-        raise ValueError(f"{argument}: shape {converted.shape}; (N, {columns}) is expected")
-    return converted
-
-
-def _look(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look, _native._Said]:
-    """Return what is said of a body as the native module takes it."""
-    rest = dict(look)
-    color = _arrays.array("color", rest.pop("color", (0.7, 0.7, 0.7)), np.float64).tolist()
-    if not isinstance(color, list) or len(color) not in (3, 4):
-        raise ValueError(f"color: (red, green, blue) or (red, green, blue, alpha) is expected, not {color}")
-    _arrays.numbers("color", color, len(color))
-    texture = rest.pop("texture", None)
-    appearance = (
-        [*color, 1.0][:4],
-        _arrays.numbers("emissive", rest.pop("emissive", (0.0, 0.0, 0.0)), 3),
-        _arrays.numbers("specular", rest.pop("specular", (0.0, 0.0, 0.0)), 3),
-        _arrays.number("shininess", rest.pop("shininess", 0.0)),
-        None if texture is None else _texture(texture),
-        _arrays.numbers("texture_repeat", rest.pop("texture_repeat", (1.0, 1.0)), 2),
-    )
-    said = (
-        str(rest.pop("name", "")),
-        _arrays.one_pose("pose", pose),
-        _arrays.numbers("scale", rest.pop("scale", (1.0, 1.0, 1.0)), 3),
-        _arrays.count("class_id", rest.pop("class_id", 0), 0, 2**32 - 1),
-        _arrays.number("laser_retro", rest.pop("laser_retro", 0.0)),
-        _arrays.choice("seen_by", rest.pop("seen_by", "all"), SEES),
-    )
-    if rest:
-        raise TypeError(f"there is no argument {next(iter(rest))!r}")
-    return appearance, said
-
-
-def _texture(value: ArrayLike) -> tuple[NDArray[np.uint8], int]:
-    texels = np.asarray(value)
-    if texels.ndim != 3 or texels.shape[2] not in (3, 4) or texels.dtype != np.uint8 or 0 in texels.shape:
-        raise ValueError(
-            f"texture: shape {texels.shape} of {texels.dtype}; (height, width, 3 or 4) of uint8 is expected"
-        )
-    if texels.shape[2] == 3:
-        opaque = np.full((*texels.shape[:2], 1), 255, np.uint8)
-        texels = np.concatenate([texels, opaque], axis=2)
-    return np.ascontiguousarray(texels), int(texels.shape[1])

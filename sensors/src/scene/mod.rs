@@ -37,6 +37,7 @@ mod slices;
 mod texture;
 pub mod tree;
 mod validate;
+mod variation;
 mod vertices;
 
 #[cfg(feature = "alloc")]

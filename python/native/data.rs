@@ -1,0 +1,87 @@
+//! What there is in a world: a scene, and bodies that move as one.
+
+use crate::errors::value_error;
+use belvedere::description::any::Described;
+use belvedere::description::model;
+use belvedere::entities::Entities;
+use belvedere::simulation::{Simulation, SpawnOptions};
+use belvedere_sensors::Pose;
+use belvedere_sensors::scene::{InstanceId, SceneBuilder};
+use pyo3::PyResult;
+
+/// What there is. Batches that are under way keep theirs while the world is changed.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Data {
+    pub(crate) builder: SceneBuilder,
+    pub(crate) bodies: Vec<Body>,
+}
+
+/// What moves as one.
+#[derive(Debug, Clone)]
+pub(crate) struct Body {
+    pub(crate) name: String,
+    /// In the world.
+    pub(crate) pose: Pose,
+    /// Its instances, and where they are in its frame.
+    pub(crate) parts: Vec<(InstanceId, Pose)>,
+}
+
+impl Data {
+    /// What the sensors of a simulation see now.
+    pub(crate) fn of_simulation(simulation: &mut Simulation) -> Self {
+        let names = names(simulation.entities());
+        let scene = simulation.scene();
+        let builder = scene.builder().clone();
+        let parts: Vec<_> = scene.parts().collect();
+        let mut bodies: Vec<Body> = Vec::new();
+        let mut last = None;
+        for (model, link, instance, body_from_part) in parts {
+            if last != Some((model, link)) {
+                last = Some((model, link));
+                let world_from_part = builder.pose(instance).unwrap_or_default();
+                let name =
+                    names.get(model).and_then(|(_, links)| links.get(link)).cloned().unwrap_or_default();
+                bodies.push(Body {
+                    name,
+                    pose: world_from_part * body_from_part.inverse(),
+                    parts: Vec::new(),
+                });
+            }
+            if let Some(body) = bodies.last_mut() {
+                body.parts.push((instance, body_from_part));
+            }
+        }
+        Self { builder, bodies }
+    }
+
+    pub(crate) fn of_description(described: Described) -> PyResult<Self> {
+        let mut simulation = match described {
+            Described::World(world) => Simulation::builder(world).build().map_err(value_error)?,
+            Described::Model(thing) => {
+                let mut simulation =
+                    Simulation::builder(model::World::empty()).build().map_err(value_error)?;
+                let options = SpawnOptions { world_from_model: thing.world_from_model, ..Default::default() };
+                simulation.spawn(&thing, options).map_err(value_error)?;
+                simulation
+            }
+        };
+        Ok(Self::of_simulation(&mut simulation))
+    }
+
+    pub(crate) fn find(&self, name: &str) -> Option<usize> {
+        self.bodies.iter().position(|body| body.name == name)
+    }
+}
+
+/// `model::link` by the numbers of models and links.
+fn names(entities: &Entities) -> Vec<(String, Vec<String>)> {
+    let mut names = Vec::new();
+    for (id, entity) in entities.iter() {
+        if names.len() <= id.index() {
+            names.resize_with(id.index() + 1, Default::default);
+        }
+        let links = entity.model.links.iter().map(|link| format!("{}::{}", entity.name, link.name));
+        names[id.index()] = (entity.name.clone(), links.collect());
+    }
+    names
+}

@@ -1,0 +1,93 @@
+//! Looks of each world of a batch: colours of bodies, lamps, light from everywhere.
+
+use crate::data::Data;
+use crate::errors::of;
+use belvedere_sensors::scene::{Environment, Light, Material, Scene, SceneError};
+use numpy::{Element, PyReadonlyArrayDyn};
+use pyo3::PyResult;
+
+/// Arrays as Python hands them over, each if it is wanted: colours of bodies (N, bodies, 3), colours of lamps (N, lamps, 3),
+/// where lamps are or which way they shine (N, lamps, 3), light from everywhere (N, 3).
+pub(crate) type GivenLooks<'py> = (
+    Option<PyReadonlyArrayDyn<'py, f32>>,
+    Option<PyReadonlyArrayDyn<'py, f32>>,
+    Option<PyReadonlyArrayDyn<'py, f64>>,
+    Option<PyReadonlyArrayDyn<'py, f32>>,
+);
+
+/// The same, checked. What is none is as the world has it, as is a body whose colour is NaN.
+pub(crate) struct Looks {
+    colors: Option<Vec<[f32; 3]>>,
+    light_colors: Option<Vec<[f32; 3]>>,
+    light_vectors: Option<Vec<[f64; 3]>>,
+    ambient: Option<Vec<[f32; 3]>>,
+}
+
+impl Looks {
+    pub(crate) fn read(world: &Data, frames: usize, given: GivenLooks<'_>) -> PyResult<Self> {
+        let (colors, light_colors, light_vectors, ambient) = given;
+        let (bodies, lamps) = (frames * world.bodies.len(), frames * world.builder.scene().lights().len());
+        Ok(Self {
+            colors: colors.map(|array| rows("colors", &array, bodies)).transpose()?,
+            light_colors: light_colors.map(|array| rows("light_colors", &array, lamps)).transpose()?,
+            light_vectors: light_vectors.map(|array| rows("light_vectors", &array, lamps)).transpose()?,
+            ambient: ambient.map(|array| rows("ambient", &array, frames)).transpose()?,
+        })
+    }
+
+    /// The scene of a frame.
+    pub(crate) fn of_frame<'a>(
+        &self,
+        world: &'a Data,
+        frame: usize,
+        materials: &'a mut Vec<Material>,
+        lights: &'a mut Vec<Light>,
+    ) -> Result<Scene<'a>, SceneError> {
+        let mut scene = world.builder.scene();
+        if let Some(colors) = &self.colors {
+            materials.clear();
+            materials.extend_from_slice(scene.materials());
+            let colors = &colors[frame * world.bodies.len()..];
+            for (body, color) in world.bodies.iter().zip(colors) {
+                if color.iter().all(|part| part.is_finite()) {
+                    for (instance, _) in &body.parts {
+                        let material = scene.instances()[instance.0 as usize].material_id().0 as usize;
+                        materials[material] = materials[material].with_colour(*color);
+                    }
+                }
+            }
+            scene = scene.with_materials(materials)?;
+        }
+        if self.light_colors.is_some() || self.light_vectors.is_some() {
+            lights.clear();
+            lights.extend_from_slice(scene.lights());
+            let first = frame * lights.len();
+            for (index, light) in lights.iter_mut().enumerate() {
+                if let Some(colors) = &self.light_colors {
+                    *light = light.with_diffuse(colors[first + index]);
+                }
+                if let Some(vectors) = &self.light_vectors {
+                    *light = light.with_vector(vectors[first + index]);
+                }
+            }
+            scene = scene.with_lights(lights)?;
+        }
+        if let Some(ambient) = &self.ambient {
+            scene = scene.with_environment(Environment { ambient: ambient[frame], ..scene.environment() });
+        }
+        Ok(scene)
+    }
+}
+
+/// So many rows of three numbers.
+fn rows<T: Element + bytemuck::Pod>(
+    argument: &str,
+    array: &PyReadonlyArrayDyn<'_, T>,
+    need: usize,
+) -> PyResult<Vec<[T; 3]>> {
+    let (rows, rest) = array.as_slice().map_err(|error| of(argument, error))?.as_chunks::<3>();
+    if rows.len() != need || !rest.is_empty() {
+        return Err(of(argument, format_args!("{} rows, and {need} are expected", rows.len())));
+    }
+    Ok(rows.to_vec())
+}

@@ -1,0 +1,52 @@
+"""The arrays that channels are written into."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from belvedere import _arrays
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from belvedere._arrays import ArrayLike
+
+#: Type of each channel, and the numbers of a ray.
+Channels: TypeAlias = Mapping[str, tuple[np.dtype[Any], tuple[int, ...]]]
+
+
+def prepare(
+    known: Channels,
+    default: tuple[str, ...],
+    channels: Sequence[str] | None,
+    out: Mapping[str, ArrayLike] | None,
+    lead: tuple[int, ...],
+    frame: tuple[int, ...],
+    *,
+    zeros: bool = False,
+) -> dict[str, NDArray[Any]]:
+    """Return the arrays to write into: the caller's, and new ones for other channels."""
+    if isinstance(channels, str):
+        channels = (channels,)
+    given = {} if out is None else dict(out)
+    wanted = list(channels if channels is not None else (given or default))
+    for name in (*wanted, *given):
+        if name not in known:
+            raise ValueError(f"channels: there is no channel {name!r}; there are {', '.join(known)}")
+    for name in given:
+        if name not in wanted:
+            raise ValueError(f"out[{name!r}]: this channel is not among those that are wanted, {', '.join(wanted)}")
+    if not wanted:
+        raise ValueError("channels: none is wanted; name one at least")
+    outputs: dict[str, NDArray[Any]] = {}
+    for name in wanted:
+        dtype, rest = known[name]
+        shape = lead + (frame if name not in ("time", "laser") else frame[:1]) + rest
+        if name in given:
+            outputs[name] = _arrays.output(f"out[{name!r}]", given[name], shape, dtype)
+        else:
+            outputs[name] = np.zeros(shape, dtype) if zeros else np.empty(shape, dtype)
+    return outputs

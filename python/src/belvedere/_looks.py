@@ -1,0 +1,69 @@
+"""How bodies look, as the native module takes it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from belvedere import _arrays, _native
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from belvedere._arrays import ArrayLike
+
+#: Which sensors see a body: bits.
+SEES = {"visual": 1, "collision": 2, "all": 3}
+
+
+def round_size(radius: float, length: float) -> list[float]:
+    return [_arrays.number("radius", radius), _arrays.number("length", length)]
+
+
+def table(argument: str, value: ArrayLike, columns: int, dtype: type[np.generic]) -> NDArray[Any]:
+    converted = _arrays.array(argument, value, dtype)
+    if converted.ndim != 2 or converted.shape[1] != columns:
+        raise ValueError(f"{argument}: shape {converted.shape}; (N, {columns}) is expected")
+    return converted
+
+
+def look_of(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look, _native._Said]:
+    """Return what is said of a body as the native module takes it."""
+    rest = dict(look)
+    color = _arrays.array("color", rest.pop("color", (0.7, 0.7, 0.7)), np.float64).tolist()
+    if not isinstance(color, list) or len(color) not in (3, 4):
+        raise ValueError(f"color: (red, green, blue) or (red, green, blue, alpha) is expected, not {color}")
+    _arrays.numbers("color", color, len(color))
+    texture = rest.pop("texture", None)
+    appearance = (
+        [*color, 1.0][:4],
+        _arrays.numbers("emissive", rest.pop("emissive", (0.0, 0.0, 0.0)), 3),
+        _arrays.numbers("specular", rest.pop("specular", (0.0, 0.0, 0.0)), 3),
+        _arrays.number("shininess", rest.pop("shininess", 0.0)),
+        None if texture is None else _texture(texture),
+        _arrays.numbers("texture_repeat", rest.pop("texture_repeat", (1.0, 1.0)), 2),
+    )
+    said = (
+        str(rest.pop("name", "")),
+        _arrays.one_pose("pose", pose),
+        _arrays.numbers("scale", rest.pop("scale", (1.0, 1.0, 1.0)), 3),
+        _arrays.count("class_id", rest.pop("class_id", 0), 0, 2**32 - 1),
+        _arrays.number("laser_retro", rest.pop("laser_retro", 0.0)),
+        _arrays.choice("seen_by", rest.pop("seen_by", "all"), SEES),
+    )
+    if rest:
+        raise TypeError(f"there is no argument {next(iter(rest))!r}")
+    return appearance, said
+
+
+def _texture(value: ArrayLike) -> tuple[NDArray[np.uint8], int]:
+    texels = np.asarray(value)
+    if texels.ndim != 3 or texels.shape[2] not in (3, 4) or texels.dtype != np.uint8 or 0 in texels.shape:
+        raise ValueError(
+            f"texture: shape {texels.shape} of {texels.dtype}; (height, width, 3 or 4) of uint8 is expected"
+        )
+    if texels.shape[2] == 3:
+        opaque = np.full((*texels.shape[:2], 1), 255, np.uint8)
+        texels = np.concatenate([texels, opaque], axis=2)
+    return np.ascontiguousarray(texels), int(texels.shape[1])

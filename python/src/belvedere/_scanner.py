@@ -1,0 +1,80 @@
+"""Laser scanners as they are built."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from belvedere import _arrays, _native
+from belvedere._looks import SEES
+from belvedere._sensors import Sensor
+
+_F32, _U32 = np.dtype(np.float32), np.dtype(np.uint32)
+
+
+class Scanner(Sensor):
+    """A laser scanner of a maker: every firing from where the sensor and the bodies are at its time.
+
+    Channels: ``range`` float32 (firings, returns), measured metres; ``points`` float32 (firings, returns, 3) in the frame
+    of the sensor at the time of the firing, NaN where there is none; ``intensity`` float32; ``time`` float64 (firings),
+    seconds after the frame's beginning; ``laser`` uint32 (firings). Give ``after=``, where it is at the end of the
+    frame, if it moves.
+
+    Args:
+        preset: its name: ``Scanner.presets()``.
+        rate: turns a second; without it, as it comes.
+        columns: of a turn, of those that have a choice.
+        returns: ``strongest``, ``first``, ``last`` or ``dual``.
+        intensity: ``retro``, as worlds say; ``power``; ``reflectivity``.
+        visibility: metres one sees in fog.
+        rain: millimetres an hour.
+        snow: millimetres of water an hour.
+        sees: ``collision`` shapes, ``visual`` ones or ``all``.
+
+    Raises:
+        ValueError: there is no such preset or mode, or an argument is out of its range.
+
+    """
+
+    _default = ("range",)
+
+    def __init__(
+        self,
+        preset: str,
+        *,
+        rate: float | None = None,
+        columns: int | None = None,
+        returns: str = "strongest",
+        intensity: str = "retro",
+        visibility: float = math.inf,
+        rain: float = 0.0,
+        snow: float = 0.0,
+        sees: str = "collision",
+    ) -> None:
+        native = _native.Scanner(
+            preset,
+            None if rate is None else _arrays.number("rate", rate),
+            None if columns is None else _arrays.count("columns", columns),
+            returns,
+            intensity,
+            [_arrays.number(*given) for given in (("visibility", visibility), ("rain", rain), ("snow", snow))],
+            _arrays.choice("sees", sees, SEES),
+        )
+        firings, count, period_ns = native.size
+        self._native = native
+        self._frame = (firings, count)
+        #: Seconds from a frame to the next.
+        self.period = period_ns * 1e-9
+        self._channels = {
+            "range": (_F32, ()),
+            "points": (_F32, (3,)),
+            "intensity": (_F32, ()),
+            "time": (np.dtype(np.float64), ()),
+            "laser": (_U32, ()),
+        }
+
+    @staticmethod
+    def presets() -> list[str]:
+        """Return the names of the presets."""
+        return _native.Scanner.presets()

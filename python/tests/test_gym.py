@@ -1,0 +1,59 @@
+"""The gymnasium environments, after gymnasium's own checker; and that the task can be done."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+gymnasium = pytest.importorskip("gymnasium")
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+
+from belvedere import gym  # noqa: E402
+
+
+def test_gymnasiums_checker() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(gym.WallEnv(render_mode="rgb_array"))
+
+
+def test_the_vector_environment_is_repeatable() -> None:
+    def run() -> tuple[np.ndarray, np.ndarray]:
+        env = gym.WallVectorEnv(5)
+        observation, _ = env.reset(seed=3)
+        assert env.observation_space.contains(observation)
+        rewards = np.zeros(5)
+        random = np.random.default_rng(0)
+        for _ in range(60):
+            action = random.uniform(-1, 1, (5, 1)).astype(np.float32)
+            observation, reward, *_ = env.step(action)
+            rewards += reward
+        return observation, rewards
+
+    (first, gained), (second, again) = run(), run()
+    np.testing.assert_array_equal(first, second)
+    np.testing.assert_array_equal(gained, again)
+
+
+def gain(steer: object) -> float:
+    """Mean reward of a step."""
+    env = gym.WallVectorEnv(8)
+    observation, _ = env.reset(seed=1)
+    total = 0.0
+    for _ in range(150):
+        observation, reward, *_ = env.step(steer(observation)[:, None].astype(np.float32))  # type: ignore[operator]
+        total += float(reward.mean())
+    return total / 150
+
+
+def test_steering_by_the_picture_beats_driving_straight_on() -> None:
+    def by_depth(picture: np.ndarray) -> np.ndarray:
+        # The wall to the left: the nearer it looks, the more to the right.
+        near = picture[:, 8:14, :12, 0].mean(axis=(1, 2)) / 255
+        return np.clip(6 * (0.74 - near), -1, 1)
+
+    blind = gain(lambda picture: np.zeros(len(picture)))
+    seeing = gain(by_depth)
+    assert seeing > blind + 0.1, (seeing, blind)

@@ -1,0 +1,135 @@
+"""Batches of worlds: shared shapes, poses, colours, lamps and noise of their own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import belvedere as bv
+
+HERE = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+
+
+def world() -> bv.World:
+    world = bv.World()
+    world.set_environment(ambient=(0.5, 0.5, 0.5))
+    world.add_box((0.2, 10, 10), (3.1, 0, 0), name="wall", color=(0.5, 0.5, 0.5))
+    world.add_sphere(0.5, (2, 0, 0), name="ball", color=(0.5, 0.5, 0.5))
+    world.add_light("directional", direction=(1, 0, 0), color=(0.5, 0.5, 0.5))
+    return world
+
+
+def scatter(batch: bv.Batch, index: int, random: np.random.Generator) -> None:
+    batch.poses[index, batch.number("ball"), :3] = random.uniform((1.5, -0.5, -0.5), (2.4, 0.5, 0.5))
+    batch.colors[index, batch.number("ball")] = random.uniform(0.1, 1.0, 3)
+    batch.light_colors[index] = random.uniform(0.2, 0.6)
+
+
+def test_each_world_is_seen_as_if_it_were_alone() -> None:
+    batch = bv.Batch(world(), 9, randomize=scatter, seed=3)
+    camera = bv.DepthCamera(48, 36, fov=1.0, noise=0.01)
+    frames = batch.render(camera, HERE, channels=("depth", "rgb"))
+    assert len(np.unique(frames["depth"].reshape(9, -1), axis=0)) == 9
+    for index in (0, 4, 8):
+        alone = bv.World()
+        ambient, lamp = (0.5, 0.5, 0.5), float(batch.light_colors[index, 0, 0])
+        alone.set_environment(ambient=ambient)
+        alone.add_box((0.2, 10, 10), (3.1, 0, 0), color=(0.5, 0.5, 0.5))
+        alone.add_sphere(0.5, batch.poses[index, 1], color=batch.colors[index, 1])
+        alone.add_light("directional", direction=(1, 0, 0), color=(lamp, lamp, lamp))
+        own = camera.render(alone, HERE, channels=("depth", "rgb"), seeds=3 + index)
+        np.testing.assert_array_equal(own["depth"], frames["depth"][index])
+        np.testing.assert_array_equal(own["rgb"], frames["rgb"][index])
+
+
+def test_the_same_whatever_the_size_and_threads() -> None:
+    camera = bv.Camera(48, 36, fov=1.0, noise=0.02)
+    large = bv.Batch(world(), 40, randomize=scatter).render(camera, HERE, threads=3)["rgb"]
+    small = bv.Batch(world(), 7, randomize=scatter).render(camera, HERE, threads=1)["rgb"]
+    np.testing.assert_array_equal(large[:7], small)
+
+
+def test_a_mask_leaves_the_others_alone() -> None:
+    batch = bv.Batch(world(), 4, randomize=scatter)
+    camera = bv.DepthCamera(16, 12, fov=1.0)
+    memory = np.full((4, 12, 16), -5.0, np.float32)
+    mask = np.array([True, False, True, False])
+    frames = batch.render(camera, np.tile(HERE, (4, 1)), {"depth": memory}, mask=mask)
+    assert frames["depth"] is memory
+    assert (memory[~mask] == -5).all()
+    assert (memory[mask] > 0).all()
+    assert batch.frames.tolist() == [1, 0, 1, 0]
+    assert (batch.render(camera, HERE, mask=mask)["depth"][~mask] == 0).all()
+
+
+def test_worlds_begin_anew() -> None:
+    batch = bv.Batch(world(), 3, randomize=scatter, seed=8)
+    first = batch.poses.copy()
+    batch.reset(np.array([False, True, False]))
+    assert batch.episodes.tolist() == [0, 1, 0]
+    assert (batch.poses[[0, 2]] == first[[0, 2]]).all()
+    assert (batch.poses[1] != first[1]).any()
+    again = bv.Batch(world(), 3, randomize=scatter, seed=8)
+    np.testing.assert_array_equal(again.poses, first)
+    plain = bv.Batch(world(), 2)
+    assert np.isnan(plain.colors).all()
+    np.testing.assert_array_equal(plain.poses[:, 1], [[2, 0, 0, 0, 0, 0, 1]] * 2)
+
+
+def test_noise_is_another_in_each_frame() -> None:
+    batch = bv.Batch(world(), 2)
+    camera = bv.DepthCamera(16, 12, fov=1.0, noise=0.01)
+    first, second = (batch.render(camera, HERE)["depth"] for _ in range(2))
+    assert (first != second).any()
+    batch.reset()
+    np.testing.assert_array_equal(batch.render(camera, HERE)["depth"], first)
+
+
+def test_later_changes_of_the_world_are_not_seen() -> None:
+    shared = world()
+    batch = bv.Batch(shared, 2)
+    camera = bv.DepthCamera(5, 5, fov=0.1)
+    before = batch.render(camera, HERE)["depth"]
+    shared.set_pose("ball", (1, 0, 0))
+    shared.add_box((1, 1, 1), (1, 0, 0))
+    np.testing.assert_array_equal(batch.render(camera, HERE)["depth"], before)
+
+
+def test_lamps_move() -> None:
+    batch = bv.Batch(world(), 2)
+    batch.light_vectors[1, 0] = (-1, 0, 0)
+    pictures = batch.render(bv.Camera(16, 12, fov=1.0), HERE)["rgb"]
+    assert pictures[0].mean() > pictures[1].mean() + 20
+
+
+def test_memory_of_a_world_of_forty_bodies() -> None:
+    many = bv.World()
+    for index in range(40):
+        many.add_sphere(0.1, (index, 0, 0))
+    assert bv.Batch(many, 16).memory < 64 * 1024
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"mask": np.ones(3, bool)}, r"mask: shape \(3,\) of bool; \(2,\) of bool is expected"),
+        ({"mask": [1, 0]}, r"mask: shape \(2,\) of int64"),
+        ({"poses": [HERE] * 3}, r"poses: poses of shape \(3,\); \(2,\), one for each world"),
+        ({"after": [HERE] * 3}, r"after: poses of shape \(3,\)"),
+        ({"channels": "flow"}, r"channels: 'flow' wants a moment"),
+    ],
+)
+def test_arguments(arguments: dict[str, object], words: str) -> None:
+    batch = bv.Batch(world(), 2)
+    with pytest.raises(ValueError, match=words):
+        batch.render(bv.Camera(8, 6, 1.0), **{"poses": HERE, **arguments})  # type: ignore[arg-type]
+    assert batch.frames.tolist() == [0, 0]
+
+
+def test_what_was_put_in_an_arrays_place() -> None:
+    batch = bv.Batch(world(), 2)
+    batch.poses = np.zeros((2, 1, 7))
+    with pytest.raises(ValueError, match=r"batch\.poses: shape \(2, 1, 7\); \(2, 2, 7\) is expected"):
+        batch.render(bv.Camera(8, 6, 1.0), HERE)
+    with pytest.raises(ValueError, match="n: a whole number"):
+        bv.Batch(world(), 0)

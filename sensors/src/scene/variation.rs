@@ -1,0 +1,110 @@
+//! A scene in other looks: other materials, lamps and light from everywhere, beside the same shapes.
+
+use super::{
+    Environment, Instance, Light, LightConfig, LightKind, Material, MaterialId, NO_TEXTURE, Scene,
+    SceneError, limits,
+};
+
+impl<'a> Scene<'a> {
+    /// The materials, by their indices.
+    pub fn materials(&self) -> &'a [Material] {
+        self.materials
+    }
+
+    /// The same shapes in other materials, one in the place of each.
+    ///
+    /// ```
+    /// use belvedere_sensors::scene::*;
+    /// let mut builder = SceneBuilder::new();
+    /// let grey = builder.add_material(&MaterialConfig::default())?;
+    /// let red = [builder.scene().materials()[grey.0 as usize].with_colour([1.0, 0.0, 0.0])];
+    /// assert_eq!(builder.scene().with_materials(&red)?.materials().len(), 1);
+    /// assert!(builder.scene().with_materials(&[]).is_err());
+    /// # Ok::<(), SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchMaterial`] if there are not as many; what
+    /// [`SceneBuilder::add_material`](super::SceneBuilder::add_material) refuses.
+    pub fn with_materials(self, materials: &'a [Material]) -> Result<Self, SceneError> {
+        if materials.len() != self.materials.len() {
+            return Err(SceneError::NoSuchMaterial);
+        }
+        for material in materials {
+            limits::material(material)?;
+            let is_there = |texture: u32| texture == NO_TEXTURE || (texture as usize) < self.textures.len();
+            if !(is_there(material.texture) && is_there(material.normal_map)) {
+                return Err(SceneError::NoSuchTexture);
+            }
+        }
+        Ok(Self { materials, ..self })
+    }
+
+    /// The same shapes in the light of other lamps.
+    ///
+    /// # Errors
+    /// What [`SceneBuilder::add_light`](super::SceneBuilder::add_light) refuses.
+    pub fn with_lights(self, lights: &'a [Light]) -> Result<Self, SceneError> {
+        lights.iter().try_for_each(limits::light)?;
+        Ok(Self { lights, ..self })
+    }
+
+    /// The same shapes in other light from everywhere.
+    #[must_use]
+    pub fn with_environment(self, environment: Environment) -> Self {
+        Self { environment, ..self }
+    }
+
+    /// Light from everywhere, and what is seen where nothing is.
+    pub fn environment(&self) -> Environment {
+        self.environment
+    }
+}
+
+impl Material {
+    /// The same in another colour of reflected light.
+    #[must_use]
+    pub const fn with_colour(mut self, colour: [f32; 3]) -> Self {
+        (self.diffuse, self.ambient) = (colour, colour);
+        self
+    }
+}
+
+impl Light {
+    /// The same lamp of another colour.
+    #[must_use]
+    pub const fn with_diffuse(mut self, diffuse: [f32; 3]) -> Self {
+        self.diffuse = diffuse;
+        self
+    }
+
+    /// The same lamp elsewhere: a position in the world, or of parallel light the direction in which it travels.
+    #[must_use]
+    pub fn with_vector(self, vector: [f64; 3]) -> Self {
+        let is_parallel = self.form() == super::Form::Directional;
+        let kind = if is_parallel {
+            LightKind::Directional { direction: vector }
+        } else {
+            LightKind::Point { position: vector }
+        };
+        let moved = Self::new(&LightConfig { kind, ..LightConfig::default() });
+        if is_parallel {
+            Self { direction: moved.direction, ..self }
+        } else {
+            Self { position: moved.position, ..self }
+        }
+    }
+
+    /// What [`Light::with_vector`] changes, and its colour.
+    pub fn vector_and_diffuse(&self) -> ([f64; 3], [f32; 3]) {
+        let is_parallel = self.form() == super::Form::Directional;
+        (if is_parallel { self.direction } else { self.position }, self.diffuse)
+    }
+}
+
+impl Instance {
+    /// How it looks.
+    pub const fn material_id(&self) -> MaterialId {
+        MaterialId(self.material)
+    }
+}

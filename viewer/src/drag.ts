@@ -1,0 +1,73 @@
+// Models moved by the mouse: with shift held, along the floor.
+
+import * as THREE from "three";
+import type { LinkState } from "./frame";
+
+/** Time between two commands while a model is dragged. */
+const PERIOD_MS = 60;
+
+export interface Grabbed {
+  model: string;
+  at: THREE.Vector3;
+}
+
+export interface Dragging {
+  /** What lies under a place of the view, from -1 to 1, if it is a model's. */
+  pick: (at: THREE.Vector2) => Grabbed | null;
+  /** The ray from the eye through a place of the view. */
+  ray: (at: THREE.Vector2) => THREE.Ray;
+  /** Where models are now; ends with null if that does not come. */
+  poseOf: (model: string) => Promise<LinkState | null>;
+  /** Moves a model; ends when it was. */
+  move: (model: string, position: [number, number, number], orientation: [number, number, number, number]) => Promise<void>;
+}
+
+export function dragModels(canvas: HTMLElement, { pick, ray, poseOf, move }: Dragging) {
+  const place = (event: PointerEvent) => {
+    const box = canvas.getBoundingClientRect();
+    const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+    return new THREE.Vector2(2 * x - 1, 1 - 2 * y);
+  };
+  // Before the view's own handlers, which would turn it.
+  canvas.addEventListener(
+    "pointerdown",
+    (event) => {
+      const grabbed = event.shiftKey ? pick(place(event)) : null;
+      if (grabbed === null) return;
+      event.stopImmediatePropagation();
+      event.preventDefault();
+      canvas.setPointerCapture(event.pointerId);
+      void drag(event.pointerId, grabbed);
+    },
+    { capture: true },
+  );
+
+  async function drag(pointer: number, { model, at }: Grabbed) {
+    const level = new THREE.Plane(new THREE.Vector3(0, 0, 1), -at.z);
+    let [held, wanted] = [true, at.clone()];
+    const onMove = (event: PointerEvent) => {
+      const met = ray(place(event)).intersectPlane(level, new THREE.Vector3());
+      if (event.pointerId === pointer && met !== null) wanted = met;
+    };
+    const onUp = (event: PointerEvent) => {
+      if (event.pointerId === pointer) held = false;
+    };
+    canvas.addEventListener("pointermove", onMove);
+    canvas.addEventListener("pointerup", onUp);
+    canvas.addEventListener("pointercancel", onUp);
+    const start = await poseOf(model);
+    let sent = at.clone();
+    // One command is on its way at a time; the last one is where it was let go.
+    while (start !== null && (held || !sent.equals(wanted))) {
+      if (!sent.equals(wanted)) {
+        sent = wanted.clone();
+        const [x, y, z] = start.position;
+        await move(model, [x + sent.x - at.x, y + sent.y - at.y, z], start.orientation);
+      }
+      await new Promise((resolve) => setTimeout(resolve, PERIOD_MS));
+    }
+    canvas.removeEventListener("pointermove", onMove);
+    canvas.removeEventListener("pointerup", onUp);
+    canvas.removeEventListener("pointercancel", onUp);
+  }
+}

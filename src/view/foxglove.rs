@@ -28,10 +28,9 @@ const MAX_ADVERTISED: usize = 64;
 /// Time between two statuses about lost messages.
 const STATUS_INTERVAL: Duration = Duration::from_millis(2500);
 
-/// Opcodes of binary messages.
+/// Opcodes of binary messages; a client's message has the same one as ours.
 const MESSAGE: u8 = 1;
 const TIME: u8 = 2;
-const CLIENT_MESSAGE: u8 = 1;
 
 #[derive(Debug, Deserialize)]
 #[serde(tag = "op", rename_all = "camelCase", rename_all_fields = "camelCase")]
@@ -289,7 +288,7 @@ impl<'a> Foxglove<'a> {
     /// A message that the client publishes: velocities are taken.
     fn take_message(&mut self, bytes: &[u8]) -> Result<(), String> {
         let wrong = || "this is not a message of a channel that was advertised".to_owned();
-        let (&CLIENT_MESSAGE, rest) = bytes.split_first().ok_or_else(wrong)? else { return Err(wrong()) };
+        let (&MESSAGE, rest) = bytes.split_first().ok_or_else(wrong)? else { return Err(wrong()) };
         let (id, payload) = rest.split_first_chunk::<4>().ok_or_else(wrong)?;
         let channel = self.published.get(&u32::from_le_bytes(*id)).ok_or_else(wrong)?;
         let (linear, angular) = match channel.encoding.as_str() {

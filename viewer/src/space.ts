@@ -5,6 +5,9 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 import type { LinkState } from "./frame";
 
+/** A frame that is drawn in so much time, milliseconds, is drawn by a graphics card. */
+const FAST_MS = 34;
+
 export class Space {
   readonly scene = new THREE.Scene();
   private readonly renderer: THREE.WebGLRenderer;
@@ -50,14 +53,28 @@ export class Space {
   start() {
     if (this.isDrawn) return;
     this.isDrawn = true;
-    const draw = () => {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    let drawn: { fence: WebGLSync; began: number } | null = null;
+    let next = 0;
+    const draw = (now: number) => {
       requestAnimationFrame(draw);
+      if (drawn !== null) {
+        // What is still being drawn is waited for, so that nothing queues up.
+        if (gl.getSyncParameter(drawn.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return;
+        gl.deleteSync(drawn.fence);
+        // Without a graphics card drawing takes the processors' time: half of it is left to all else.
+        next = now + Math.max(0, now - drawn.began - FAST_MS);
+        drawn = null;
+      }
       // What has not changed is not drawn again.
-      if (!this.changed) return;
+      if (!this.changed || now < next) return;
       this.changed = false;
       this.renderer.render(this.scene, this.camera);
+      const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+      gl.flush();
+      if (fence !== null) drawn = { fence, began: now };
     };
-    draw();
+    requestAnimationFrame(draw);
   }
 
   private resize() {

@@ -191,7 +191,8 @@ async function control(operation: string, more: object = {}) {
 }
 
 function togglePause() {
-  void control(stands() ? "resume" : "pause");
+  // What the button says, even if time has just been stopped or let go otherwise.
+  void control(state.dataset.is === "paused" ? "resume" : "pause");
 }
 
 pause.addEventListener("click", togglePause);

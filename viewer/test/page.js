@@ -52,9 +52,12 @@ try {
   assert.deepEqual([(await viewer(page)).stamp, await pixels(page, PICTURE)], stood);
   await page.click("#step");
   await until("a step", async () => (await viewer(page)).stamp > stood[0]);
+  await sleep(1500);
+  const stepped = (await viewer(page)).stamp;
+  assert.ok(stepped <= stood[0] + 10 * 10_000_000, `${stood[0]} and then ${stepped}`);
   await until("paused", async () => (await viewer(page)).state === "paused");
   await page.click("#pause");
-  await until("running", async () => (await viewer(page)).state === "running");
+  await until("running", async () => (await viewer(page)).stamp > stepped);
   console.log("pause stops it, a step is ten steps of physics");
 
   const [before, seen] = [(await viewer(page)).robot, await pixels(page, PICTURE)];
@@ -77,8 +80,8 @@ try {
   );
   console.log("a sensor's rate is changed");
 
-  // The cube is dragged by its upper face, to the left.
-  await page.evaluate(() => window.space.look([-1.6, -1.9, 1.7]));
+  // The cube is dragged by its upper face, seen from above.
+  await page.evaluate(() => window.space.look([-0.02, 0, 4.2]));
   const cube = () => page.evaluate(() => window.space.linkPosition("cube::link"));
   const from = await cube();
   const [x, y] = await page.evaluate((point) => window.space.pixelOf(point), [from[0], from[1], 0.5]);

@@ -51,11 +51,14 @@ impl Request {
         let mut head = Vec::new();
         let mut part = [0; 2048];
         loop {
+            // However it comes: a byte now and then is no request, either.
+            if Instant::now() >= deadline {
+                return Ok(Err(Status::TimedOut));
+            }
             match stream.read(&mut part) {
                 Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
                 Ok(count) => head.extend_from_slice(&part[..count]),
                 Err(error) if error.kind() != io::ErrorKind::WouldBlock => return Err(error),
-                Err(_) if Instant::now() >= deadline => return Ok(Err(Status::TimedOut)),
                 Err(error) if stop.load(Ordering::Relaxed) => return Err(error),
                 Err(_) => continue,
             }

@@ -1,6 +1,7 @@
 """A gymnasium environment with pictures: follow a wall by depth. Needs the package ``gymnasium``: ``belvedere[gym]``.
 
-``WallVectorEnv`` steps many corridors at once, each of its own shape, on one batch; ``WallEnv`` is one of them.
+``gymnasium.make("belvedere/Wall-v0")`` after ``import belvedere.gym``. ``WallVectorEnv`` steps many corridors at once,
+each of its own shape, on one batch; ``WallEnv`` is one of them.
 """
 
 from __future__ import annotations
@@ -188,3 +189,10 @@ class WallEnv(gymnasium.Env[NDArray[np.uint8], NDArray[np.float32]]):
     def render(self) -> Any:
         """Return what was seen last, in grey: (height, width, 3)."""
         return np.repeat(self._seen, 3, axis=2) if self.render_mode == "rgb_array" else None
+
+
+gymnasium.register(
+    "belvedere/Wall-v0",
+    entry_point="belvedere.gym:WallEnv",
+    vector_entry_point="belvedere.gym:WallVectorEnv",
+)

@@ -112,7 +112,7 @@ impl Loader<'_> {
             None if shape.child("scale").is_some() => return None,
             scale => scale.unwrap_or(DVec3::ONE),
         };
-        self.mesh_file(shape, &uri, part, scale, scope)
+        self.mesh_file(shape, &uri, part.as_ref(), scale, scope)
     }
 
     /// Which part of a file `<submesh>` asks for.
@@ -134,16 +134,16 @@ impl Loader<'_> {
         &mut self,
         shape: &Element,
         uri: &str,
-        submesh: Option<Submesh>,
+        submesh: Option<&Submesh>,
         scale: DVec3,
         scope: Scope<'_>,
     ) -> Option<Vec<Arc<Mesh>>> {
         let path = self.existing_file(shape, uri, scope.folder, "mesh")?;
-        let key = (path.clone(), submesh.clone(), scale.to_array().map(f64::to_bits));
+        let key = (path.clone(), submesh.cloned(), scale.to_array().map(f64::to_bits));
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();
         }
-        let (up_axis, submesh) = (self.rules.up_axis, submesh.as_ref());
+        let up_axis = self.rules.up_axis;
         let parts = load_mesh_parts(&path, submesh, scale, up_axis, &shape.source, self.diagnostics);
         self.meshes.insert(key, parts.clone());
         parts

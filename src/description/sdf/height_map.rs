@@ -37,20 +37,18 @@ impl Loader<'_> {
         };
         let path = self.existing_file(shape, &uri, scope.folder, "height map")?;
         let key = (path.clone(), size.map(f64::to_bits));
-        let heights = match self.heights.get(&key) {
-            Some(known) => known.clone(),
-            None => {
-                let read = read(&path, size);
-                if let Err(why) = &read {
-                    self.missing(
-                        &shape.source,
-                        format!("the height map {} cannot be read: {why}", path.display()),
-                        "write it as a PNG, with 16 bits if heights are to be fine",
-                    );
-                }
-                self.heights.entry(key).or_insert(read.ok().map(Arc::new)).clone()
+        if !self.heights.contains_key(&key) {
+            let read = read(&path, size);
+            if let Err(why) = &read {
+                self.missing(
+                    &shape.source,
+                    format!("the height map {} cannot be read: {why}", path.display()),
+                    "write it as a PNG, with 16 bits if heights are to be fine",
+                );
             }
-        }?;
+            self.heights.insert(key.clone(), read.ok().map(Arc::new));
+        }
+        let heights = self.heights[&key].clone()?;
         let material = self.ground(shape, [x, y], scope);
         Some(Geometry::HeightMap(HeightMap { heights, offset, material }))
     }

@@ -19,7 +19,7 @@ impl Loader<'_> {
             let own = child_number(polyline, "height", self.diagnostics).unwrap_or(1.0);
             let height = *height.get_or_insert(own);
             if !(own > 0.0 && own.is_finite()) {
-                return self.wrong(polyline, format!("its <height> is {own}"), "write metres above 0");
+                return self.wrong(polyline, &format!("its <height> is {own}"), "write metres above 0");
             }
             if own != height {
                 self.ignored(polyline, &format!("its height is {own}, that of the first is {height}"));
@@ -34,7 +34,7 @@ impl Loader<'_> {
                 outline.pop();
             }
             if outline.len() < 3 || area(&outline) == 0.0 {
-                return self.wrong(polyline, "it encloses nothing".into(), "give it three corners or more");
+                return self.wrong(polyline, "it encloses nothing", "give it three corners or more");
             }
             outlines.push(outline);
         }
@@ -42,7 +42,7 @@ impl Loader<'_> {
         Some(Arc::new(extrude(outlines, height? as f32, source.file.to_path_buf())))
     }
 
-    fn wrong<T>(&mut self, polyline: &Element, what: String, remedy: &str) -> Option<T> {
+    fn wrong<T>(&mut self, polyline: &Element, what: &str, remedy: &str) -> Option<T> {
         self.diagnostics.error(&polyline.source, format!("a <polyline> cannot be drawn: {what}"), remedy);
         None
     }
@@ -69,7 +69,7 @@ fn extrude(mut outlines: Vec<Outline>, height: f32, path: std::path::PathBuf) ->
     };
     // Solid in an even number of others, a hole of the innermost around it in an odd one.
     let depth: Vec<usize> = (0..outlines.len()).map(|one| around(&outlines, one).len()).collect();
-    let is_solid = |one: usize| depth[one] % 2 == 0;
+    let is_solid = |one: usize| depth[one].is_multiple_of(2);
     for (one, outline) in outlines.iter_mut().enumerate() {
         if (area(outline) > 0.0) != is_solid(one) {
             outline.reverse();

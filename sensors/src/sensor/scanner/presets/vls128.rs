@@ -46,6 +46,7 @@ const ASIDE_DEG: [f64; 8] = [-6.354, -4.548, -2.732, -0.911, 0.911, 2.732, 4.548
 
 /// Elevation of each laser, in degrees.
 #[rustfmt::skip]
+#[expect(clippy::approx_constant, reason = "6.28 degrees happen to look like a whole turn in radians")]
 const ELEVATIONS_DEG: [f64; 128] = [
     -11.742, -1.99, 3.4, -5.29, -0.78, 4.61, -4.08, 1.31,
     -6.5, -1.11, 4.28, -4.41, 0.1, 6.48, -3.2, 2.19,

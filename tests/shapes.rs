@@ -82,8 +82,8 @@ fn cones() {
 #[test]
 fn polylines() {
     let outline = |points: &str, height: f64| {
-        let points: String = points.split(',').map(|point| format!("<point>{point}</point>")).collect();
-        format!("<polyline>{points}<height>{height}</height></polyline>")
+        let points = points.replace(',', "</point><point>");
+        format!("<polyline><point>{points}</point><height>{height}</height></polyline>")
     };
     let (frame, window) = ("-1 -1,1 -1,1 1,-1 1", "-.5 -.5,-.5 .5,.5 .5,.5 -.5,-.5 -.5");
     let pillar = "-.1 -.1,.1 -.1,0 .1";
@@ -112,6 +112,11 @@ fn polylines() {
     }
 }
 
+/// A ball that falls.
+const BALL: &str = "<sdf version='1.6'><model name='ball'><pose>1 2 1.8 0 0 0</pose><link name='l'><inertial>
+        <mass>1</mass><inertia><ixx>.004</ixx><iyy>.004</iyy><izz>.004</izz></inertia></inertial>
+        <collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link></model></sdf>";
+
 /// Brighter to the right, and more so downwards: a plane, on which the cut of the cells does not matter. The picture's
 /// top is +y, and its brightest pixel as high as the size says.
 #[test]
@@ -138,9 +143,6 @@ fn height_maps() {
     assert_heights(&map(-0.5), &falling);
 
     // A ball lies on it: its middle is a radius from the plane, and it rolls down, to −x and +y.
-    const BALL: &str = "<sdf version='1.6'><model name='ball'><pose>1 2 1.8 0 0 0</pose><link name='l'><inertial>
-        <mass>1</mass><inertia><ixx>.004</ixx><iyy>.004</iyy><izz>.004</izz></inertia></inertial>
-        <collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link></model></sdf>";
     let mut simulation = simulation(&[&thing(&map(2.0))]);
     let ball = simulation.spawn(&read::model(BALL).unwrap(), SpawnOptions::default()).unwrap();
     simulation.run_for(Duration::from_millis(1500));

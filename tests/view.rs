@@ -131,13 +131,13 @@ impl Shown {
 }
 
 impl Page {
-    fn say(&mut self, message: Value) {
+    fn say(&mut self, message: &Value) {
         self.socket.send(Message::text(message.to_string())).unwrap();
     }
 
     /// The next frame of a topic.
     fn next(&mut self, topic: &str) -> Shown {
-        self.say(json!({ "op": "next", "topic": topic }));
+        self.say(&json!({ "op": "next", "topic": topic }));
         loop {
             match self.socket.read().unwrap() {
                 Message::Binary(bytes) => {
@@ -177,7 +177,7 @@ impl Page {
     }
 
     fn control(&mut self, operation: &str) -> Value {
-        self.say(json!({ "op": "control", "id": 7, "operation": operation, "steps": 10 }));
+        self.say(&json!({ "op": "control", "id": 7, "operation": operation, "steps": 10 }));
         self.told("result")
     }
 }
@@ -288,7 +288,7 @@ fn what_a_page_may_not_do_is_refused_in_words() {
         (json!({ "op": "dance" }), "dance"),
         (json!([]), "not understood"),
     ] {
-        page.say(message.clone());
+        page.say(&message);
         let text = page.told("status")["text"].to_string();
         assert!(text.contains(reason), "{message}: {text}");
     }
@@ -307,7 +307,7 @@ fn the_robot_goes_where_the_keys_send_it() {
     let before = position(&page.next(STATES), &link);
     let started = Instant::now();
     loop {
-        page.say(json!({ "op": "drive", "topic": "cmd_vel", "linear": [0.3, 0, 0] }));
+        page.say(&json!({ "op": "drive", "topic": "cmd_vel", "linear": [0.3, 0, 0] }));
         let now = position(&page.next(STATES), &link);
         if (now[0] - before[0]).hypot(now[1] - before[1]) > 0.2 {
             break;
@@ -327,7 +327,7 @@ fn a_slow_page_slows_nobody_and_what_nobody_shows_is_not_rendered() {
     let mut last = seq(&first);
     // The other one asks and takes nothing, until no more fits between.
     for _ in 0..60 {
-        slow.say(json!({ "op": "next", "topic": PICTURE }));
+        slow.say(&json!({ "op": "next", "topic": PICTURE }));
         let next = quick.next(PICTURE);
         assert!(seq(&next) > last);
         last = seq(&next);
@@ -338,8 +338,8 @@ fn a_slow_page_slows_nobody_and_what_nobody_shows_is_not_rendered() {
     assert_eq!(seq(&quick.next(DEPTH)), 0);
     // A page that goes, or asks no more, has nothing rendered for it.
     drop(slow);
-    quick.say(json!({ "op": "stop", "topic": PICTURE }));
-    quick.say(json!({ "op": "stop", "topic": DEPTH }));
+    quick.say(&json!({ "op": "stop", "topic": PICTURE }));
+    quick.say(&json!({ "op": "stop", "topic": DEPTH }));
     std::thread::sleep(Duration::from_millis(500));
     let made = seq(&quick.next(DEPTH));
     std::thread::sleep(Duration::from_secs(4));
@@ -443,15 +443,16 @@ fn foxglove_is_spoken_on_the_same_port() {
         );
         // What was said once comes at each subscription.
         for id in [7_u32, 8] {
-            client
-                .say(json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": fixed["id"] }] }));
+            client.say(
+                &json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": fixed["id"] }] }),
+            );
             let message = client.binary(1);
             assert_eq!(message[1..5], id.to_le_bytes());
             // A count of transforms, and the first one's header.
             assert!(u32::from_le_bytes(message[13..17].try_into().unwrap()) > 5);
         }
         let picture = channel("/camera/rgb/image_raw").unwrap();
-        client.say(json!({ "op": "subscribe", "subscriptions": [{ "id": 9, "channelId": picture["id"] }] }));
+        client.say(&json!({ "op": "subscribe", "subscriptions": [{ "id": 9, "channelId": picture["id"] }] }));
         let image = loop {
             let message = client.binary(1);
             if message[1..5] == 9_u32.to_le_bytes() {
@@ -463,7 +464,7 @@ fn foxglove_is_spoken_on_the_same_port() {
         let stamp_ns = u64::from_le_bytes(image[5..13].try_into().unwrap());
         let now_ns = u64::from_le_bytes(client.binary(2)[1..9].try_into().unwrap());
         assert!(now_ns.abs_diff(stamp_ns) < 10_000_000_000, "{now_ns} and {stamp_ns}");
-        client.say(json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
+        client.say(&json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
         let values = client.told("parameterValues");
         assert_eq!(values["id"], "a");
         assert!(values["parameters"][0]["value"].as_str().unwrap().contains("<robot"));
@@ -471,7 +472,7 @@ fn foxglove_is_spoken_on_the_same_port() {
             json!({ "op": "subscribe", "subscriptions": [{ "id": 1, "channelId": 4711 }] }),
             json!({ "op": 1 }),
         ] {
-            client.say(wrong);
+            client.say(&wrong);
             assert_eq!(client.told("status")["level"], 1);
         }
     }

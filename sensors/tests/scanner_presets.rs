@@ -99,7 +99,7 @@ fn ousters_columns_are_those_of_lidar_mode() {
 fn a_vls_128_fires_eight_at_once() {
     let all = lasers(&presets::VLS_128);
     for (id, laser) in all.iter().enumerate() {
-        let group = id / 8 + if id < 64 { 0 } else { 1 };
+        let group = id / 8 + usize::from(id >= 64);
         assert!((laser.time_s - 2.665e-6 * group as f64).abs() < 1e-12);
         assert!((laser.azimuth_rad - all[id % 8].azimuth_rad).abs() < 1e-15);
         assert!((laser.origin_m[2] + 0.058_63 * laser.elevation_rad.tan()).abs() < 1e-8);

@@ -6,6 +6,8 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Camera", "DepthCamera", "Lidar", "Scanner", "Simulation", "World", "poses_of_matrices"]
+
 # Poses of the sensor (N, 7), numbers of bodies, their poses (N, bodies, 7).
 _Places: TypeAlias = tuple[NDArray[np.float64], Sequence[int], NDArray[np.float64] | None]
 _Moves: TypeAlias = tuple[Sequence[int], NDArray[np.float64] | None]

@@ -170,7 +170,8 @@ def humanoid() -> Scene:
     for row in range(cells):
         for column in range(cells):
             a = row * (cells + 1) + column
-            faces += [(a, a + cells + 1, a + cells + 2), (a, a + cells + 2, a + 1)]
+            # Cut as Belvedere cuts its cells.
+            faces += [(a, a + cells + 1, a + 1), (a + 1, a + cells + 1, a + cells + 2)]
     scene.parts.append(Part(vertices, np.array(faces), None, pose(0, 0, 0)))
     limbs = [((0, 0, 0.95), 0.14, 2.0), ((0, 0, 1.15), 0.15, 2.0), ((0, 0, 1.5), 0.11, 1.2)]
     for side in (-1, 1):

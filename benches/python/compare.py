@@ -2,7 +2,8 @@
 
     python benches/python/compare.py [--seconds 1.0] [--threads 1,2]
 
-Peers that are not installed are named and left out: open3d (or open3d-cpu), embreex with trimesh, mujoco, pybullet, pyrender.
+Peers that are not installed are named and left out: open3d (or open3d-cpu), embreex with trimesh, mujoco, pybullet,
+pyrender.
 Rates are the median of some rounds in which everybody takes turns, so that whatever else the machine does meets all alike.
 """
 

@@ -31,7 +31,7 @@ pub struct PageArgs {
     /// What a page has to know, 8 or more letters and digits [default: made up at each start]
     #[arg(long, value_name = "TEXT", env = "BELVEDERE_VIEW_TOKEN", value_parser = token, hide_env_values = true)]
     token: Option<String>,
-    /// Another page that may connect, such as https://app.foxglove.dev; may be repeated
+    /// Another page that may connect, such as `https://app.foxglove.dev`; may be repeated
     #[arg(long, value_name = "ORIGIN")]
     allow_origin: Vec<String>,
     /// Print the page's address and open no browser

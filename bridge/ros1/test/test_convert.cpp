@@ -205,7 +205,7 @@ TEST(PointCloud, OfALidarHasTheFieldsOfVelodynesDriver) {
     EXPECT_FALSE(to_point_cloud(Known(BV_KIND_POINT_CLOUD, BV_ENCODING_XYZ_IRT_F32, 3, 2, 22).sample())->is_dense);
 }
 
-void expect_fields(std::uint16_t encoding, std::uint32_t size, const std::vector<sensor_msgs::PointField>& expected) {
+void expect_fields(bv_encoding encoding, std::uint32_t size, const std::vector<sensor_msgs::PointField>& expected) {
     const auto cloud = to_point_cloud(Known(BV_KIND_POINT_CLOUD, encoding, 3, 2, size).sample());
     EXPECT_EQ(cloud->point_step, size);
     EXPECT_FALSE(cloud->is_dense);

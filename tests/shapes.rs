@@ -106,6 +106,8 @@ fn polylines() {
         "<polyline><point>0 0</point><point>1 0</point></polyline>",
         &outline("0 0,1 1,2 2", 1.0),
         &outline("0 0,1 0,1 1", -1.0),
+        // Each is a hole in the other.
+        &outline("0 0,2 0,1 2", 1.0).repeat(2),
     ] {
         let errors = read::model(&thing(wrong)).unwrap_err().to_string();
         assert!(errors.contains("<polyline>"), "{errors}");

@@ -214,9 +214,10 @@ impl Loader<'_> {
             return Some(values);
         }
         let child = shape.child(name).unwrap_or(shape);
+        let article = if shape.name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
         self.diagnostics.error(
             &child.source,
-            format!("<{name}> of a {} is '{}'", shape.name, child.text()),
+            format!("<{name}> of {article} {} is '{}'", shape.name, child.text()),
             "lengths must be above 0",
         );
         None

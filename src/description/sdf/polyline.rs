@@ -38,8 +38,11 @@ impl Loader<'_> {
             }
             outlines.push(outline);
         }
-        let source = &geometry.source;
-        Some(Arc::new(extrude(outlines, height? as f32, source.file.to_path_buf())))
+        let mesh = extrude(outlines, height? as f32, geometry.source.file.to_path_buf());
+        if mesh.triangles.is_empty() {
+            return self.wrong(geometry, "its outlines leave nothing solid", "draw each outline once");
+        }
+        Some(Arc::new(mesh))
     }
 
     fn wrong<T>(&mut self, polyline: &Element, what: &str, remedy: &str) -> Option<T> {
@@ -62,13 +65,16 @@ fn encloses(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
         == 1
 }
 
+/// The outlines that one lies in.
+fn around(outlines: &[Outline], inner: usize) -> Vec<usize> {
+    let others = (0..outlines.len()).filter(|other| *other != inner);
+    others.filter(|other| encloses(&outlines[*other], outlines[inner][0])).collect()
+}
+
 fn extrude(mut outlines: Vec<Outline>, height: f32, path: std::path::PathBuf) -> Mesh {
-    let around = |outlines: &[Outline], inner: usize| -> Vec<usize> {
-        let others = (0..outlines.len()).filter(|other| *other != inner);
-        others.filter(|other| encloses(&outlines[*other], outlines[inner][0])).collect()
-    };
+    let around: Vec<Vec<usize>> = (0..outlines.len()).map(|inner| around(&outlines, inner)).collect();
     // Solid in an even number of others, a hole of the innermost around it in an odd one.
-    let depth: Vec<usize> = (0..outlines.len()).map(|one| around(&outlines, one).len()).collect();
+    let depth: Vec<usize> = around.iter().map(Vec::len).collect();
     let is_solid = |one: usize| depth[one].is_multiple_of(2);
     for (one, outline) in outlines.iter_mut().enumerate() {
         if (area(outline) > 0.0) != is_solid(one) {
@@ -81,7 +87,7 @@ fn extrude(mut outlines: Vec<Outline>, height: f32, path: std::path::PathBuf) ->
     let mut cut: Vec<u32> = Vec::new();
     for solid in (0..outlines.len()).filter(|one| is_solid(*one)) {
         let holes = (0..outlines.len())
-            .filter(|hole| depth[*hole] == depth[solid] + 1 && around(&outlines, *hole).contains(&solid));
+            .filter(|hole| depth[*hole] == depth[solid] + 1 && around[*hole].contains(&solid));
         let (mut points, mut starts) = (outlines[solid].clone(), Vec::new());
         for hole in holes {
             starts.push(points.len() as u32);

@@ -24,6 +24,7 @@ mod status;
 mod terminal;
 pub mod urdf;
 pub mod view;
+mod view_recording;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;

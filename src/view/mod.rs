@@ -32,6 +32,7 @@ mod waiting;
 
 pub use access::token;
 
+use crate::recording::Timeline;
 use access::{Access, random_token};
 use belvedere_bridge::Node;
 use foxglove::{Foxglove, SUBPROTOCOLS, common_protocol};
@@ -46,7 +47,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -105,6 +106,8 @@ struct Shared {
     scene: Scene,
     /// For Foxglove's clients: what parameters of ROS are.
     parameters: Mutex<BTreeMap<String, Value>>,
+    /// Of a recording that is played.
+    timeline: OnceLock<Arc<Timeline>>,
     /// Another one for each server.
     session: String,
     stop: AtomicBool,
@@ -157,6 +160,7 @@ impl ViewServer {
             access: Access::new(token, address, options.origins),
             scene: Scene::default(),
             parameters: Mutex::new(parameters),
+            timeline: OnceLock::new(),
             session,
             stop: AtomicBool::new(false),
             connections: AtomicUsize::new(0),
@@ -192,6 +196,11 @@ impl ViewServer {
         let scope = if namespace.is_empty() { String::new() } else { format!("/{namespace}") };
         let mut parameters = self.shared.parameters.lock().unwrap_or_else(PoisonError::into_inner);
         parameters.insert(format!("{scope}/robot_description"), Value::String(urdf));
+    }
+
+    /// Shows where a recording is that is played, and has pages seek in it. A second one is not taken.
+    pub fn set_timeline(&self, timeline: Arc<Timeline>) {
+        let _ = self.shared.timeline.set(timeline);
     }
 
     /// Ends it.

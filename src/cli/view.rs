@@ -126,9 +126,7 @@ pub fn run(args: &ViewArgs) -> Result<(), CliError> {
 fn view_recording(file: &Path, args: &ViewArgs) -> Result<(), CliError> {
     let played = RecordingToView::open(file)?;
     let shown = if args.robots.are_ours() && args.world.is_none() {
-        let packages = packages(args);
-        let (world, robots) = played.models(&packages);
-        Shown::new(&world, &robots, &packages, &[])
+        played.models(&packages(args))
     } else {
         load(args)?
     };
@@ -160,16 +158,25 @@ impl Shown {
         packages: &PackagePath,
         xacro_args: &[(String, String)],
     ) -> Self {
+        let urdf = |(model, options): &(Model, SpawnOptions)| {
+            Some((options.namespace.clone(), robot_urdf(model, packages, xacro_args)?))
+        };
+        Self::with(world, robots, robots.iter().filter_map(urdf).collect())
+    }
+
+    /// With the robots' descriptions, by their namespaces.
+    pub(super) fn with(
+        world: &[Model],
+        robots: &[(Model, SpawnOptions)],
+        descriptions: Vec<(String, String)>,
+    ) -> Self {
         let thing = |model, world_from_model, is_robot| -> Thing<'_> {
             let model: &Model = model;
             Thing { name: &model.name, model, world_from_model, is_robot }
         };
         let things = world.iter().map(|model| thing(model, model.world_from_model, false));
         let moving = robots.iter().map(|(model, options)| thing(model, options.world_from_model, true));
-        let urdf = |(model, options): &(Model, SpawnOptions)| {
-            Some((options.namespace.clone(), robot_urdf(model, packages, xacro_args)?))
-        };
-        Self { scene: gltf::write(things.chain(moving)), robots: robots.iter().filter_map(urdf).collect() }
+        Self { scene: gltf::write(things.chain(moving)), robots: descriptions }
     }
 }
 
@@ -202,7 +209,7 @@ pub(super) fn open_page(node: &Node, args: &PageArgs, shown: Shown) -> Result<Vi
     let page = ViewServer::start(node.clone(), options)?;
     page.set_scene(shown.scene);
     for (namespace, urdf) in shown.robots {
-        page.set_robot_description(&namespace, urdf);
+        page.set_robot_description(&namespace, &urdf);
     }
     print_line(&format!("page: {}", page.url()))?;
     if !args.no_browser {

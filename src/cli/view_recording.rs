@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::follow::stop_wanted;
 use super::replay::open;
-use crate::description::model::Model;
+use super::view::Shown;
 use crate::description::package::PackagePath;
 use crate::description::single::{load_model_text, load_world_text};
 use crate::description::{Diagnostics, Rules};
@@ -50,8 +50,8 @@ impl RecordingToView {
         &self.timeline
     }
 
-    /// The world's models and the robots as they were kept; without what they name and is not found here.
-    pub(super) fn models(&self, packages: &PackagePath) -> (Vec<Model>, Vec<(Model, SpawnOptions)>) {
+    /// World and robots as they were kept; without what they name and is not found here.
+    pub(super) fn models(&self, packages: &PackagePath) -> Shown {
         let rules = Rules { skip_missing: true, ..Rules::default() };
         let (mut world, mut robots) = (None, Vec::new());
         for Attachment { name, data, .. } in &self.attachments {
@@ -64,19 +64,27 @@ impl RecordingToView {
                 if let Some(name) = name.strip_suffix(".urdf") {
                     name.clone_into(&mut model.name);
                 }
-                robots.push(model);
+                robots.push((model, text.into_owned()));
             }
             for problem in diagnostics.errors() {
                 tracing::warn!("{}: {problem}", self.path.display());
             }
         }
         let is_one = robots.len() == 1;
-        let robots = robots.into_iter().map(|model| {
-            let name = model.name.clone();
-            let namespace = if is_one { String::new() } else { name.clone() };
-            (model, SpawnOptions { name, namespace, world_from_model: Pose::IDENTITY, is_robot: Some(true) })
-        });
-        (world.map(|world| world.models).unwrap_or_default(), robots.collect())
+        let mut descriptions = Vec::new();
+        let robots: Vec<_> = robots
+            .into_iter()
+            .map(|(model, text)| {
+                let name = model.name.clone();
+                let namespace = if is_one { String::new() } else { name.clone() };
+                if text.contains("<robot") {
+                    descriptions.push((namespace.clone(), text));
+                }
+                let world_from_model = Pose::IDENTITY;
+                (model, SpawnOptions { name, namespace, world_from_model, is_robot: Some(true) })
+            })
+            .collect();
+        Shown::with(&world.map(|world| world.models).unwrap_or_default(), &robots, descriptions)
     }
 
     /// Takes the simulator's place.

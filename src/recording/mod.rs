@@ -29,6 +29,7 @@ mod skip;
 mod stream;
 mod timeline;
 mod writer;
+mod zstd;
 
 pub use attachment::Attachment;
 pub use error::RecordingError;

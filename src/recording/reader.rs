@@ -4,6 +4,7 @@ use super::ros1;
 use super::skip::{Before, Skipping, chunks_before, summary};
 use super::stream::RecordedStream;
 use super::writer::{ABOUT, FRAMES, HASHES, STREAM};
+use super::zstd::Zstd;
 use super::{Attachment, RecordingError};
 use belvedere_bridge::{FrameHeader, FrameView};
 use mcap::records::Record;
@@ -137,9 +138,12 @@ impl<R: Read> RecordingReader<R> {
             .with_validate_data_section_crc(is_whole)
             .with_validate_summary_section_crc(true)
             .with_record_length_limit(LARGEST);
+        let mut reader = LinearReader::new_with_options(options);
+        // Refused would be one without a name.
+        let _ = reader.add_decompressor(Zstd::new());
         Self {
             source,
-            reader: LinearReader::new_with_options(options),
+            reader,
             library: String::new(),
             schemas: HashMap::new(),
             channels: HashMap::new(),

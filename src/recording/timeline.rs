@@ -66,7 +66,7 @@ impl Timeline {
         self.with(|state| state.now)
     }
 
-    /// Has it go on from here; what was sought before and has not been reached is forgotten.
+    /// Has it go on from here, in the order in which messages were recorded; what was sought before and has not been reached is forgotten.
     pub fn seek(&self, position: Duration) {
         self.with(|state| state.sought = Some(position.min(self.duration)));
     }
@@ -75,8 +75,7 @@ impl Timeline {
     pub fn refresh(&self) {
         self.with(|state| {
             if state.now.is_paused && state.sought.is_none() {
-                // What is at this very time has been sent.
-                state.sought = Some(state.now.position + Duration::from_nanos(1));
+                state.sought = Some(state.now.position);
             }
         });
     }
@@ -116,7 +115,7 @@ fn times<R: Read>(mut recording: RecordingReader<R>) -> Result<[u64; 2], Recordi
 
 impl Player {
     /// Plays a recording along a time line until `go_on` ends it. At its end it stands, and resumed there it begins again.
-    /// Wherever it goes on, the last frame of each stream before is sent first, so that all is seen as it was then.
+    /// Wherever it goes on, the last frame of each stream until then is sent first, so that all is seen as it was then.
     /// `open` gives the file, anew after each seek.
     ///
     /// # Errors
@@ -129,10 +128,12 @@ impl Player {
     ) -> Result<(), RecordingError> {
         self.timeline = Some(timeline.clone());
         loop {
-            let start = timeline.with(|state| state.sought.take()).unwrap_or(Duration::ZERO);
+            let sought = timeline.with(|state| state.sought.take());
+            // What is at the very time that was sought is seen, too.
+            let start = sought.map_or(Duration::ZERO, |sought| sought + Duration::from_nanos(1));
             self.options.start = start;
             self.before.clear();
-            self.tell(start.min(timeline.duration));
+            self.tell(sought.unwrap_or(Duration::ZERO));
             let recording = RecordingReader::resuming_at(open()?, start)?;
             match self.play(recording, |_| go_on()) {
                 Ok(Ending::Stopped) if self.is_sought() => continue,

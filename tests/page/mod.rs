@@ -12,16 +12,20 @@ use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
 /// A program that serves the page; stopped when dropped.
-pub struct Server {
-    pub child: Child,
+pub(crate) struct Server {
+    pub(crate) child: Child,
     /// 127.0.0.1:PORT.
-    pub host: String,
-    pub token: String,
+    pub(crate) host: String,
+    pub(crate) token: String,
 }
 
 impl Server {
-    pub fn start(mut command: Command) -> Self {
-        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    pub(crate) fn start(mut command: Command) -> Self {
+        Self::of(command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap())
+    }
+
+    /// One that has been started, with its output as a pipe.
+    pub(crate) fn of(mut child: Child) -> Self {
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
         let url =
             lines.find_map(|line| line.unwrap().strip_prefix("page: http://").map(str::to_owned)).unwrap();
@@ -30,7 +34,7 @@ impl Server {
     }
 
     /// The simulator with its page.
-    pub fn run(domain: &str, arguments: &[&str]) -> Self {
+    pub(crate) fn run(domain: &str, arguments: &[&str]) -> Self {
         let mut command = belvedere();
         command.args(["run", "--view", "--no-browser", "--domain", domain]).args(arguments);
         if !arguments.contains(&"--port") {
@@ -40,21 +44,21 @@ impl Server {
     }
 
     /// A page beside a simulator.
-    pub fn view(domain: &str) -> Self {
+    pub(crate) fn view(domain: &str) -> Self {
         let mut command = belvedere();
         command.args(["view", "--wait", "--no-browser", "--port", "0", "--domain", domain]);
         Self::start(command)
     }
 
     /// A recording, played with its page.
-    pub fn view_recording(domain: &str, file: &Path) -> Self {
+    pub(crate) fn view_recording(domain: &str, file: &Path) -> Self {
         let mut command = belvedere();
         command.arg("view").arg(file).args(["--no-browser", "--port", "0", "--domain", domain]);
         Self::start(command)
     }
 
     /// What comes for a request, as it stands.
-    pub fn ask(&self, request: &str) -> String {
+    pub(crate) fn ask(&self, request: &str) -> String {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         stream.write_all(request.as_bytes()).unwrap();
@@ -63,16 +67,16 @@ impl Server {
         String::from_utf8_lossy(&answer).into_owned()
     }
 
-    pub fn get(&self, target: &str) -> String {
+    pub(crate) fn get(&self, target: &str) -> String {
         self.ask(&format!("GET {target} HTTP/1.1\r\nHost: {}\r\n\r\n", self.host))
     }
 
-    pub fn page(&self) -> Page {
+    pub(crate) fn page(&self) -> Page {
         self.connect("")
     }
 
     /// A WebSocket with this header more.
-    pub fn connect(&self, header: &str) -> Page {
+    pub(crate) fn connect(&self, header: &str) -> Page {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         let (host, token) = (&self.host, &self.token);
@@ -96,7 +100,7 @@ impl Server {
         Page { socket: WebSocket::from_raw_socket(stream, Role::Client, None), heard: Vec::new() }
     }
 
-    pub fn kill(mut self) {
+    pub(crate) fn kill(mut self) {
         kill_process(Pid::from_child(&self.child), Signal::KILL).unwrap();
         self.child.wait().unwrap();
     }
@@ -112,30 +116,30 @@ impl Drop for Server {
 }
 
 /// A page's end of the WebSocket.
-pub struct Page {
-    pub socket: WebSocket<TcpStream>,
-    pub heard: Vec<Value>,
+pub(crate) struct Page {
+    pub(crate) socket: WebSocket<TcpStream>,
+    pub(crate) heard: Vec<Value>,
 }
 
 /// What the page is sent of a stream.
-pub struct Shown {
-    pub header: Value,
-    pub payload: Vec<u8>,
+pub(crate) struct Shown {
+    pub(crate) header: Value,
+    pub(crate) payload: Vec<u8>,
 }
 
 impl Shown {
-    pub fn stamp(&self) -> u64 {
+    pub(crate) fn stamp(&self) -> u64 {
         self.header["stamp"].as_u64().unwrap()
     }
 }
 
 impl Page {
-    pub fn say(&mut self, message: &Value) {
+    pub(crate) fn say(&mut self, message: &Value) {
         self.socket.send(Message::text(message.to_string())).unwrap();
     }
 
     /// The next frame of a topic.
-    pub fn next(&mut self, topic: &str) -> Shown {
+    pub(crate) fn next(&mut self, topic: &str) -> Shown {
         self.say(&json!({ "op": "next", "topic": topic }));
         loop {
             match self.socket.read().unwrap() {
@@ -153,7 +157,7 @@ impl Page {
     }
 
     /// The next binary message with this first byte.
-    pub fn binary(&mut self, opcode: u8) -> Vec<u8> {
+    pub(crate) fn binary(&mut self, opcode: u8) -> Vec<u8> {
         loop {
             match self.socket.read().unwrap() {
                 Message::Binary(bytes) if bytes[0] == opcode => return bytes.to_vec(),
@@ -164,7 +168,7 @@ impl Page {
     }
 
     /// The next words of this kind.
-    pub fn told(&mut self, op: &str) -> Value {
+    pub(crate) fn told(&mut self, op: &str) -> Value {
         loop {
             if let Some(place) = self.heard.iter().position(|told| told["op"] == op) {
                 return self.heard.remove(place);
@@ -175,14 +179,14 @@ impl Page {
         }
     }
 
-    pub fn control(&mut self, operation: &str) -> Value {
+    pub(crate) fn control(&mut self, operation: &str) -> Value {
         self.say(&json!({ "op": "control", "id": 7, "operation": operation, "steps": 10 }));
         self.told("result")
     }
 }
 
 /// Where a link is, of `simulation/link_states`.
-pub fn position(states: &Shown, link: &str) -> [f64; 3] {
+pub(crate) fn position(states: &Shown, link: &str) -> [f64; 3] {
     let stride = states.header["rowStride"].as_u64().unwrap() as usize;
     let state = states.payload.chunks(stride).find(|state| state.starts_with(link.as_bytes())).unwrap();
     std::array::from_fn(|axis| f64::from_le_bytes(state[128 + 8 * axis..][..8].try_into().unwrap()))

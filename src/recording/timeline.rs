@@ -44,12 +44,11 @@ impl Timeline {
     /// [`RecordingError::Foreign`] when nothing is in it, and those of reading.
     pub fn of<R: Read + Seek>(mut source: R) -> Result<Self, RecordingError> {
         let stats = summary(&mut source).and_then(|summary| summary.stats);
-        let [first_ns, last_ns] = match stats {
-            Some(stats) => [stats.message_start_time, stats.message_end_time],
-            None => {
-                source.rewind()?;
-                times(RecordingReader::new(source))?
-            }
+        let [first_ns, last_ns] = if let Some(stats) = stats {
+            [stats.message_start_time, stats.message_end_time]
+        } else {
+            source.rewind()?;
+            times(RecordingReader::new(source))?
         };
         let now = Playhead { position: Duration::ZERO, rate: 1.0, is_paused: false };
         let duration = Duration::from_nanos(last_ns.saturating_sub(first_ns));

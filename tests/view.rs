@@ -4,7 +4,8 @@
 mod live;
 mod page;
 
-use live::control::ROBOT;
+use belvedere_bridge::{Domain, Node, Operation, SimulationControl};
+use live::control::{BOX, ROBOT, done_with, named};
 use live::{PATIENCE, belvedere, own_domain};
 use page::{Server, Shown, position};
 use serde_json::json;
@@ -205,6 +206,25 @@ fn a_page_may_come_again_to_a_server_with_the_same_token() {
     server.kill();
     let again = Server::run(&domain, &[&arguments[..], &["--port", &port]].concat());
     again.page().next(PICTURE);
+}
+
+/// What is spawned has its shape on the page, and what is deleted has none any more.
+#[test]
+fn models_that_come_and_go_are_shown() {
+    let domain = own_domain();
+    let server = Server::run(&domain, &KINECT);
+    let mut page = server.page();
+    let first = page.told("scene")["edition"].as_u64().unwrap();
+    let node = Node::open(&Domain::new(&domain).unwrap(), "control").unwrap();
+    let mut control = SimulationControl::open(&node).unwrap();
+    let shows = || server.get(&format!("/scene.glb?token={}", server.token)).contains("\"crate::body\"");
+    assert!(!shows());
+    done_with(&mut control, &named(Operation::Spawn, "crate"), BOX);
+    assert_eq!(page.told("scene")["edition"], first + 1);
+    assert!(shows());
+    done_with(&mut control, &named(Operation::Delete, "crate"), "");
+    assert_eq!(page.told("scene")["edition"], first + 2);
+    assert!(!shows());
 }
 
 #[test]

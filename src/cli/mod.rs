@@ -18,6 +18,7 @@ pub mod replay;
 pub mod robots;
 pub mod run;
 mod sensor_models;
+mod shown_scene;
 pub mod snapshot;
 pub mod statistics;
 mod status;

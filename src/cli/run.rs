@@ -8,6 +8,7 @@ use super::record::RECORDER;
 use super::recording_thread::RecordingThread;
 use super::robots::RobotArgs;
 use super::sensor_models::Devices;
+use super::shown_scene::ShownScene;
 use super::status::Status;
 use super::view::{PageArgs, Shown, open_page};
 use crate::description::mesh::UpAxis;
@@ -212,7 +213,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let page =
         shown.map(|shown| open_page(&Node::open(&args.domain, "view")?, &args.page, shown)).transpose()?;
     let mut status = Status::new(server.rig());
-    let ended = run_loop(&mut server, args, &node, &mut status, post.as_deref());
+    let mut scene = ShownScene::new(page.as_ref(), server.simulation());
+    let ended = run_loop(&mut server, args, &node, &mut status, &mut scene, post.as_deref());
     if let Some(post) = &post {
         post.flush();
     }
@@ -290,6 +292,7 @@ fn run_loop(
     args: &RunArgs,
     node: &Node,
     status: &mut Status,
+    scene: &mut ShownScene<'_>,
     post: Option<&Post>,
 ) -> Result<(), CliError> {
     let end_ns =
@@ -304,6 +307,7 @@ fn run_loop(
     while !stop_wanted() {
         if server.is_paused() {
             server.idle(NAP);
+            scene.refresh(server.simulation());
             status.refresh(server.rig(), server.simulated_ns());
             continue;
         }
@@ -324,6 +328,7 @@ fn run_loop(
             return Err(CliError::HeldUp { error: error.to_string(), time_ns: server.time_ns() });
         }
         status.refresh(server.rig(), server.simulated_ns());
+        scene.refresh(server.simulation());
     }
     Ok(())
 }

@@ -21,6 +21,7 @@ export class Space {
   private readonly robotWas = new THREE.Vector3();
   private changed = true;
   private isDrawn = false;
+  private axesShown = false;
   followsRobot = true;
   /** Height of what there is, metres. */
   height = 3;
@@ -97,6 +98,7 @@ export class Space {
   }
 
   showAxes(visible: boolean) {
+    this.axesShown = visible;
     for (const axes of this.axes) axes.visible = visible;
     this.touch();
   }
@@ -125,7 +127,7 @@ export class Space {
     for (const link of this.links.values()) {
       if (link.userData.robot !== true) continue;
       const axes = new THREE.AxesHelper(0.1);
-      axes.visible = false;
+      axes.visible = this.axesShown;
       this.axes.push(axes);
       link.add(axes);
     }

@@ -76,6 +76,7 @@ const plots = new Plots(element("plots"));
 let plotted: (() => void)[] = [];
 
 async function loadScene(edition: number) {
+  const isFirst = scene === 0;
   scene = edition;
   const answer = await fetch(`/scene.glb?token=${encodeURIComponent(token)}`);
   if (!answer.ok) {
@@ -85,6 +86,8 @@ async function loadScene(edition: number) {
   await space.load(await answer.arrayBuffer());
   // Rooms have ceilings; one looks in from above.
   cut.max = String(Math.max(1, Math.ceil(space.height)));
+  // What the user chose stays when models come and go.
+  if (!isFirst) return;
   setCut(space.height > 1.5 && space.height < 10 ? space.height * 0.75 : Number(cut.max));
 }
 

@@ -312,6 +312,26 @@ impl Rig {
         false
     }
 
+    /// Takes the frame of this number of the channel that has a stream of this topic; false if there is none. It depends on
+    /// no frame before, as if it was the first that is taken; unless it goes on from one, to which flow leads back.
+    pub fn take_numbered(
+        &mut self,
+        (topic, frame): (&str, u64),
+        goes_on: bool,
+        stage: Stage<'_>,
+        scene: &mut WorldScene,
+    ) -> bool {
+        let has_topic = |scheduled: &&mut Scheduled| {
+            scheduled.channel.outlets().iter().any(|outlet| outlet.topic() == topic)
+        };
+        let Some(scheduled) = self.channels.iter_mut().find(has_topic) else { return false };
+        if !goes_on {
+            scheduled.channel.restart();
+        }
+        scheduled.publish(frame, stage.physics.time_ns(), stage, scene, &mut self.workspace);
+        true
+    }
+
     /// Begins every channel's schedule again at time 0, with the noise of its first frame and the settings of its
     /// description.
     ///
@@ -355,6 +375,19 @@ impl Scheduled {
         scene: &mut WorldScene,
         workspace: &mut WorkspaceBuf,
     ) {
+        self.publish(self.schedule.next(), stamp_ns, stage, scene, workspace);
+        self.schedule.advance();
+    }
+
+    /// Takes its frame of this number, whatever its schedule says.
+    fn publish(
+        &mut self,
+        frame: u64,
+        stamp_ns: u64,
+        stage: Stage<'_>,
+        scene: &mut WorldScene,
+        workspace: &mut WorkspaceBuf,
+    ) {
         if self.channel.is_rendered() {
             scene.move_to(stage.physics, stamp_ns);
         }
@@ -365,12 +398,11 @@ impl Scheduled {
         }
         let rendering = Duration::ZERO;
         let mut context = RigContext { stamp_ns, physics, entities, scene, workspace, rendering };
-        self.channel.publish(&mut context, self.schedule.next());
+        self.channel.publish(&mut context, frame);
         self.cost.add(context.rendering);
         if let Some(model) = model {
             scene.hide(model, &self.housing, false);
         }
-        self.schedule.advance();
     }
 }
 

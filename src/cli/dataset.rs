@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::follow::{listen_for_stop, print_line, stop_wanted};
 use super::log::status_lines;
-use crate::dataset::{Folder, Making, Plan, make};
+use crate::dataset::{Folder, Making, Plan, contact_sheet, export_coco, export_kitti, make};
 use crate::description::package::PackagePath;
 use indicatif::{HumanBytes, ProgressBar, ProgressStyle};
 use std::io::IsTerminal as _;
@@ -37,6 +37,12 @@ pub struct DatasetArgs {
     /// Make so many shards at a time [default: as many as there are cores]
     #[arg(long, value_name = "COUNT")]
     workers: Option<NonZeroUsize>,
+    /// Write the pictures and objects of a sensor as COCO has them to FOLDER/coco/SENSOR as well; may be repeated
+    #[arg(long, value_name = "SENSOR", conflicts_with_all = ["shards", "shard"])]
+    coco: Vec<String>,
+    /// Write the pictures and objects of a pinhole camera as KITTI has them to FOLDER/kitti/SENSOR as well; may be repeated
+    #[arg(long, value_name = "SENSOR", conflicts_with_all = ["shards", "shard"])]
+    kitti: Vec<String>,
     /// Say how many samples and shards the plan has, and make nothing
     #[arg(long)]
     count: bool,
@@ -134,7 +140,21 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
         manifest.shards.len(),
         HumanBytes(bytes),
         path.display()
-    ))
+    ))?;
+    for sensor in &args.coco {
+        let to = args.output.join("coco").join(sensor);
+        let written = export_coco(&plan, &folder, sensor, &to, &progress)?;
+        print_line(&format!("{}: as COCO has them", written.display()))?;
+    }
+    for sensor in &args.kitti {
+        let to = args.output.join("kitti").join(sensor);
+        let written = export_kitti(&plan, &folder, sensor, &to, &progress)?;
+        print_line(&format!("{}: as KITTI has them", written.display()))?;
+    }
+    match contact_sheet(&plan, &folder)? {
+        Some(sheet) => print_line(&format!("{}: some samples, a row each", sheet.display())),
+        None => Ok(()),
+    }
 }
 
 /// How far it is, on a terminal.

@@ -58,6 +58,12 @@ pub enum DatasetError {
         /// What is wrong with it.
         what: String,
     },
+    /// The plan has not what a layout needs.
+    #[error("{what}")]
+    NoExport {
+        /// What it has not, and what to do.
+        what: String,
+    },
     /// It was told to stop.
     #[error("stopped; shards that are complete stay, and the same command goes on from there")]
     Stopped,

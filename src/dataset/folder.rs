@@ -79,6 +79,11 @@ impl Folder {
         Err(DatasetError::OtherPlan { folder: path.to_owned(), what })
     }
 
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The file of a shard.
     pub fn shard(&self, shard: u64) -> PathBuf {
         self.path.join(shard_name(shard))

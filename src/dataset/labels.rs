@@ -2,9 +2,12 @@
 
 use super::plan::Plan;
 use crate::simulation::Simulation;
+use crate::world::physics::ModelIndex;
+use crate::world::scene::WorldScene;
 use belvedere_bridge::payload::BoundingBox;
 use belvedere_bridge::{DistortionModel, FrameHeader, FrameView, Kind};
 use belvedere_sensors::Pose;
+use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -74,34 +77,29 @@ pub(super) struct AnglesJson {
     pub(super) vertical_angle_increment: f64,
 }
 
-/// A thing that is seen: a visual of a link of a model.
+/// A thing that is seen: all visuals of a model that are of one class.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct ObjectJson {
-    /// Its number in the channel of instances.
-    pub(super) instance: u32,
+    pub(super) model: String,
     /// Its number in the channel of classes.
     pub(super) class: u32,
     /// The name of its class: the plan's; without one the model's if it has no label, else the number.
     pub(super) category: String,
-    pub(super) model: String,
-    pub(super) link: String,
+    /// Those of its visuals that are seen, by their numbers in the channel of instances.
+    pub(super) instances: Vec<u32>,
     /// How many pixels show it.
     pub(super) pixels: u32,
     /// First column and row of these, then how many columns and rows.
     pub(super) bbox: [u32; 4],
-    /// The box that holds the whole of it, along its own axes: its middle in the optical frame (x right, y down, z forward).
+    /// The box around the whole of it, seen or not, along its model's axes: its middle in the optical frame (x right, y down,
+    /// z forward).
     pub(super) optical_from_box: PoseJson,
     /// Edges of that box in metres.
     pub(super) size: [f64; 3],
 }
 
-/// What a frame's header and the boxes of what is seen tell.
-pub(super) fn of_sensor(
-    topic: &str,
-    header: &FrameHeader,
-    boxes: Option<&FrameView<'_>>,
-    names: &Names,
-) -> SensorLabels {
+/// What a frame's header and the things that are seen tell.
+pub(super) fn of_sensor(topic: &str, header: &FrameHeader, objects: Option<Vec<ObjectJson>>) -> SensorLabels {
     let is_scan = header.kind() == Some(Kind::LaserScan);
     let intrinsics = header.intrinsics().filter(|intrinsics| intrinsics.fx > 0.0);
     let angles = header.scan_geometry().filter(|_| is_scan);
@@ -128,18 +126,32 @@ pub(super) fn of_sensor(
             vertical_angle_min: scan.vertical_angle_min,
             vertical_angle_increment: scan.vertical_angle_increment,
         }),
-        objects: boxes.map(|boxes| {
-            let boxes = boxes.structs::<BoundingBox>().into_iter().flatten();
-            boxes.map(|seen| names.object(&seen)).collect()
-        }),
+        objects,
     }
 }
 
 /// What the numbers of a world's instances mean.
 pub(super) struct Names {
-    /// By instance: model, link, and the label that its file gives it.
-    instances: BTreeMap<u32, (String, String, Option<u32>)>,
+    /// By instance.
+    instances: BTreeMap<u32, Visual>,
     classes: BTreeMap<u32, String>,
+}
+
+/// Whose visual an instance is.
+struct Visual {
+    model: ModelIndex,
+    name: String,
+    /// What its file says of it.
+    label: Option<u32>,
+}
+
+/// What is seen of a thing.
+#[derive(Default)]
+struct Seen {
+    instances: Vec<u32>,
+    pixels: u32,
+    min: [u32; 2],
+    max: [u32; 2],
 }
 
 impl Names {
@@ -151,32 +163,91 @@ impl Names {
             for (index, link) in entity.model.links.iter().enumerate() {
                 let of_link = parts.iter().filter(|part| (part.0, part.1) == (id.index(), index));
                 // A link's visuals come first.
-                for (visual, (_, _, instance)) in link.visuals.iter().zip(of_link) {
-                    instances.insert(*instance, (entity.name.clone(), link.name.clone(), visual.label));
+                for (visual, (model, _, instance)) in link.visuals.iter().zip(of_link) {
+                    let name = entity.name.clone();
+                    instances.insert(*instance, Visual { model: *model, name, label: visual.label });
                 }
             }
         }
         Self { instances, classes: plan.classes.clone() }
     }
 
-    fn object(&self, seen: &BoundingBox) -> ObjectJson {
-        let (model, link, label) = self.instances.get(&seen.instance).cloned().unwrap_or_default();
-        let category = match (self.classes.get(&seen.label), label) {
-            (Some(name), _) => name.clone(),
-            (None, None) => model.clone(),
-            (None, Some(label)) => label.to_string(),
-        };
-        let [left, top] = seen.min;
-        ObjectJson {
-            instance: seen.instance,
-            class: seen.label,
-            category,
-            model,
-            link,
-            pixels: seen.pixels,
-            bbox: [left, top, seen.max[0] - left + 1, seen.max[1] - top + 1],
-            optical_from_box: PoseJson { position: seen.position, orientation: seen.orientation },
-            size: seen.size,
+    /// The things in a frame, from the boxes of its visuals.
+    pub(super) fn objects(
+        &self,
+        simulation: &mut Simulation,
+        header: &FrameHeader,
+        boxes: &FrameView<'_>,
+    ) -> Vec<ObjectJson> {
+        let mut things: BTreeMap<(ModelIndex, u32), Seen> = BTreeMap::new();
+        for seen in boxes.structs::<BoundingBox>().into_iter().flatten() {
+            let Some(visual) = self.instances.get(&seen.instance) else { continue };
+            let thing = things.entry((visual.model, seen.label)).or_insert_with(|| Seen {
+                min: seen.min,
+                max: seen.max,
+                ..Seen::default()
+            });
+            thing.instances.push(seen.instance);
+            thing.pixels += seen.pixels;
+            for axis in 0..2 {
+                thing.min[axis] = thing.min[axis].min(seen.min[axis]);
+                thing.max[axis] = thing.max[axis].max(seen.max[axis]);
+            }
         }
+        let optical_from_world = optical_from_world(header);
+        let object = |((model, class), seen): ((ModelIndex, u32), Seen)| {
+            let world_from_model = simulation.physics().world_from_model(model);
+            let [low, high] = self.extent(simulation.scene(), (model, class), &world_from_model);
+            let middle = Pose::from_translation((low + high) * 0.5);
+            let visual = seen.instances.first().and_then(|instance| self.instances.get(instance));
+            let name = visual.map(|visual| visual.name.clone()).unwrap_or_default();
+            let label = visual.and_then(|visual| visual.label);
+            let category = match (self.classes.get(&class), label) {
+                (Some(category), _) => category.clone(),
+                (None, None) => name.clone(),
+                (None, Some(label)) => label.to_string(),
+            };
+            let [left, top] = seen.min;
+            ObjectJson {
+                model: name,
+                class,
+                category,
+                instances: seen.instances,
+                pixels: seen.pixels,
+                bbox: [left, top, seen.max[0] - left + 1, seen.max[1] - top + 1],
+                optical_from_box: (&(optical_from_world * world_from_model * middle)).into(),
+                size: (high - low).to_array(),
+            }
+        };
+        things.into_iter().map(object).collect()
     }
+
+    /// Corners of the box along a model's axes that holds all its visuals of a class.
+    fn extent(&self, scene: &WorldScene, key: (ModelIndex, u32), world_from_model: &Pose) -> [DVec3; 2] {
+        let model_from_world = world_from_model.inverse();
+        let of_thing = |(instance, visual): &(&u32, &Visual)| {
+            let class = scene.scene().instances()[**instance as usize].class();
+            (visual.model, class) == key
+        };
+        let mut extent = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        for (instance, _) in self.instances.iter().filter(of_thing) {
+            let Some(bounds) = scene.scene().bounds(*instance as usize) else { continue };
+            let model_from_instance = model_from_world * scene.poses()[*instance as usize];
+            for corner in 0..8 {
+                let of_axis = |axis: usize| bounds[corner >> axis & 1][axis];
+                let corner =
+                    model_from_instance.transform_point(DVec3::new(of_axis(0), of_axis(1), of_axis(2)));
+                extent = [extent[0].min(corner), extent[1].max(corner)];
+            }
+        }
+        if extent[0].is_finite() { extent } else { [DVec3::ZERO; 2] }
+    }
+}
+
+/// To x right, y down, z forward of a sensor whose frame in the header looks along its x, z up.
+fn optical_from_world(header: &FrameHeader) -> Pose {
+    let rotation = DQuat::from_array(header.orientation.map(f64::from)).normalize();
+    let world_from_sensor = Pose::new(DVec3::from_array(header.position), rotation);
+    let axes = DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y);
+    Pose::new(DVec3::ZERO, DQuat::from_mat3(&axes)) * world_from_sensor.inverse()
 }

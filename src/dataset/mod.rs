@@ -14,8 +14,11 @@
 //! | `labels` | what is known of a sample, as JSON |
 //! | `shard` | samples in a tar file |
 //! | `folder` | what is there already, of which plan; the manifest |
+//! | `export` | the layouts of others |
+//! | `sheet` | samples in one picture |
 
 mod error;
+mod export;
 mod fields;
 mod folder;
 mod labels;
@@ -23,9 +26,12 @@ mod make;
 mod plan;
 mod poses;
 mod shard;
+mod sheet;
 mod studio;
 
 pub use error::DatasetError;
+pub use export::{export_coco, export_kitti};
 pub use folder::{Folder, Manifest, ShardEntry};
 pub use make::{Making, make};
 pub use plan::{Plan, Sample, SensorPlan};
+pub use sheet::contact_sheet;

@@ -273,6 +273,11 @@ impl Plan {
         self.samples().div_ceil(self.samples_per_shard)
     }
 
+    /// The shard of a sample.
+    pub(super) fn shard_of(&self, sample: u64) -> u64 {
+        sample / self.samples_per_shard
+    }
+
     /// The numbers of the samples of a shard.
     pub fn samples_of(&self, shard: u64) -> Range<u64> {
         let first = shard * self.samples_per_shard;

@@ -3,14 +3,15 @@
 
 use super::DatasetError;
 use super::fields::Field;
+use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write as _};
+use std::io::{self, BufReader, BufWriter, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A file that is there whole or not at all: written under a name that begins with a dot, synchronised to the disk, then
 /// renamed.
-pub(super) struct WholeFile {
+struct WholeFile {
     path: PathBuf,
     temporary: PathBuf,
     file: Option<File>,
@@ -18,7 +19,7 @@ pub(super) struct WholeFile {
 
 impl WholeFile {
     /// Begins one.
-    pub(super) fn create(path: &Path) -> Result<Self, DatasetError> {
+    fn create(path: &Path) -> Result<Self, DatasetError> {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         // Processes of several machines may write the same shard; what they write is the same, so that the last one to
@@ -36,7 +37,7 @@ impl WholeFile {
     }
 
     /// Gives it its name, once all of it is on the disk.
-    pub(super) fn finish(mut self) -> Result<(), DatasetError> {
+    fn finish(mut self) -> Result<(), DatasetError> {
         let path = self.path.clone();
         self.file().and_then(|file| file.sync_all()).map_err(failed(&path))?;
         self.file = None;
@@ -115,4 +116,32 @@ impl ShardWriter {
         let file = tar.into_inner().map_err(failed(&path))?;
         file.into_inner().map_err(|error| failed(&path)(error.into_error()))?.finish()
     }
+}
+
+/// Reads the samples of a shard, one after the other, with their files by name.
+pub(super) fn read_shard(
+    path: &Path,
+    mut each: impl FnMut(u64, BTreeMap<String, Vec<u8>>) -> Result<(), DatasetError>,
+) -> Result<(), DatasetError> {
+    let unreadable = |source| DatasetError::Input { path: path.to_owned(), source };
+    let file = BufReader::with_capacity(1 << 20, File::open(path).map_err(unreadable)?);
+    let mut tar = tar::Archive::new(file);
+    let mut sample: Option<(u64, BTreeMap<String, Vec<u8>>)> = None;
+    for entry in tar.entries().map_err(unreadable)? {
+        let mut entry = entry.map_err(unreadable)?;
+        let name = entry.path().map_err(unreadable)?.to_string_lossy().into_owned();
+        let key = name.split_once('.').and_then(|(index, field)| Some((index.parse::<u64>().ok()?, field)));
+        let Some((index, field)) = key else {
+            let what = format!("it holds '{name}', which is of no sample");
+            return Err(DatasetError::Damaged { path: path.to_owned(), what });
+        };
+        let mut bytes = Vec::with_capacity(usize::try_from(entry.size()).unwrap_or(0).min(1 << 28));
+        entry.read_to_end(&mut bytes).map_err(unreadable)?;
+        if let Some((index, files)) = sample.take_if(|(of, _)| *of != index) {
+            each(index, files)?;
+        }
+        let (_, files) = sample.get_or_insert_with(|| (index, BTreeMap::new()));
+        files.insert(field.to_owned(), bytes);
+    }
+    sample.map_or(Ok(()), |(index, files)| each(index, files))
 }

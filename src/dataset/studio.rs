@@ -106,7 +106,8 @@ impl<'a> Studio<'a> {
                 fields.push(field.ok_or_else(nothing)?);
             }
             let boxes = view(1 + sensor.truth.len()).filter(|_| sensor.labels);
-            let known = labels::of_sensor(&sensor.topic, own.header(), boxes.as_ref(), &self.names);
+            let objects = boxes.map(|boxes| self.names.objects(&mut self.simulation, own.header(), &boxes));
+            let known = labels::of_sensor(&sensor.topic, own.header(), objects);
             of_sensors.insert(sensor.name.clone(), known);
         }
         let labels = Labels {

@@ -5,7 +5,7 @@ use super::{ModelIndex, Owner, Physics};
 use crate::description::model::LinkIndex;
 use glam::DVec3;
 use rapier3d::geometry::{Ball, Collider, Ray, Shape as RapierShape};
-use rapier3d::math::Pose as RapierPose;
+use rapier3d::math::{Pose as RapierPose, Vector};
 use rapier3d::parry::bounding_volume::BoundingVolume as _;
 use rapier3d::parry::query::contact;
 use rapier3d::pipeline::QueryFilter;
@@ -60,6 +60,12 @@ impl Physics {
                 own.iter().all(|(world_from_own, shape)| {
                     if !around.intersects(&shape.compute_aabb(world_from_own)) {
                         return true;
+                    }
+                    if let Some(plane) = other.as_halfspace() {
+                        let up = world_from_other.rotation * plane.normal;
+                        let height =
+                            lowest(*shape, world_from_own, up) - world_from_other.translation.dot(up);
+                        return height >= clearance || up.z > FLOOR && height > -SUNK_M;
                     }
                     // Pairs that parry knows nothing of touch only if one holds the other's middle.
                     match contact(world_from_own, *shape, &world_from_other, other, clearance) {
@@ -131,5 +137,16 @@ impl Physics {
         let filter = QueryFilter { predicate: Some(&is_other), ..QueryFilter::default() };
         let ray = Ray::new(vector(origin), vector(direction));
         self.rapier.cast_ray(&ray, max_m as f32, true, filter).map(|(_, way)| f64::from(way))
+    }
+}
+
+/// How far up a shape begins.
+fn lowest(shape: &dyn RapierShape, world_from_shape: &RapierPose, up: Vector) -> f32 {
+    match shape.as_support_map() {
+        Some(shape) => shape.support_point(world_from_shape, -up).dot(up),
+        None => {
+            let around = shape.compute_aabb(world_from_shape);
+            around.center().dot(up) - around.half_extents().dot(up.abs())
+        }
     }
 }

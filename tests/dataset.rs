@@ -1,5 +1,10 @@
 //! `belvedere dataset` from outside: the same bytes however it is made, whole shards or none, and mistakes with their line.
 
+use belvedere::description::read;
+use belvedere::rig::FrameBuf;
+use belvedere::simulation::{Simulation, SpawnOptions};
+use belvedere_sensors::Pose;
+use glam::DVec3;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -37,6 +42,22 @@ min = [-3, -3, 0]
 max = [3, 3, 0]
 clearance_m = 0.05
 "#;
+
+/// Two small eyes that fly.
+const EYES: &str = r#"<sdf version="1.6"><model name="eyes"><static>true</static><link name="link">
+  <sensor name="rgb" type="camera"><topic>rgb</topic><update_rate>10</update_rate>
+    <camera><horizontal_fov>1.2</horizontal_fov><image><width>80</width><height>60</height></image>
+    <noise><type>gaussian</type><mean>0</mean><stddev>0.01</stddev></noise></camera></sensor>
+  <sensor name="depth" type="depth_camera"><topic>depth</topic><update_rate>10</update_rate>
+    <camera><horizontal_fov>1.2</horizontal_fov><image><width>40</width><height>30</height></image></camera></sensor>
+</link></model></sdf>"#;
+
+/// The same plan with them in the place of the Kobuki.
+fn small_plan(folder: &Path) -> PathBuf {
+    fs::write(folder.join("eyes.sdf"), EYES).unwrap();
+    let topics = PLAN.replace("camera/rgb/image_raw", "rgb").replace("camera/depth/image_raw", "depth");
+    plan(folder, &topics.replace("kobuki_hexagons_kinect", "eyes.sdf").replace("3, 0]", "3, 0.4]"))
+}
 
 fn plan(folder: &Path, text: &str) -> PathBuf {
     let path = folder.join("plan.toml");
@@ -95,7 +116,7 @@ fn floats(npy: &[u8]) -> Vec<f32> {
 #[test]
 fn the_bytes_depend_neither_on_workers_nor_on_the_order_of_shards_nor_on_kills() {
     let folder = tempfile::tempdir().unwrap();
-    let plan = plan(folder.path(), PLAN);
+    let plan = small_plan(folder.path());
     let one = folder.path().join("one");
     let said = make(&plan, &one, &["--workers", "1"]);
     assert!(said.contains("20 samples in 10 shards"), "{said}");
@@ -115,7 +136,7 @@ fn the_bytes_depend_neither_on_workers_nor_on_the_order_of_shards_nor_on_kills()
     // Killed again and again, a little later each time, until one run comes to its end.
     let killed = folder.path().join("killed");
     let mut kills = 0;
-    for wait_ms in (150..).step_by(370) {
+    for wait_ms in (40..).step_by(90) {
         let mut run = command(&plan, &killed, &["--workers", "2"]).stdout(Stdio::null()).spawn().unwrap();
         std::thread::sleep(Duration::from_millis(wait_ms));
         run.kill().unwrap();
@@ -144,7 +165,8 @@ fn the_bytes_depend_neither_on_workers_nor_on_the_order_of_shards_nor_on_kills()
     assert!(files(&killed) == expected);
 
     // Another plan does not go into the same folder.
-    fs::write(&plan, PLAN.replace("[0, 0, 30]", "[0, 0, 31]")).unwrap();
+    let other = fs::read_to_string(&plan).unwrap().replace("[0, 0, 30]", "[0, 0, 31]");
+    fs::write(&plan, other).unwrap();
     let error = refused(&plan, &killed, &[]);
     assert!(error.contains("another plan") && error.contains("plan.toml is not as it was"), "{error}");
 }
@@ -251,6 +273,36 @@ fn nobody_is_put_where_something_is() {
 }
 
 #[test]
+fn a_numbered_frame_is_that_of_a_run_and_remembers_none() -> Result<(), Box<dyn std::error::Error>> {
+    let mut simulation = Simulation::builder(read::world("playground")?).seed(9).build()?;
+    let robot = simulation.spawn(&read::model(EYES)?, SpawnOptions::default())?;
+    let pose = Pose::from_translation(DVec3::new(-2.0, 0.0, 0.5));
+    simulation.set_down(robot, &pose)?;
+    let mut expected = vec![FrameBuf::default(); 4];
+    for frame in &mut expected {
+        simulation.render("rgb", frame)?;
+    }
+    let mut frames = vec![FrameBuf::default(); 3];
+    let topics = ["/rgb", "/rgb/truth/depth", "rgb/truth/flow_back"];
+    for number in [2, 0, 3, 2] {
+        simulation.set_down(robot, &Pose::from_translation(DVec3::new(0.1, 0.2, number as f64)))?;
+        simulation.render_numbered(&topics, 77, false, &mut frames)?;
+        simulation.set_down(robot, &pose)?;
+        let filled = simulation.render_numbered(&topics, number, false, &mut frames)?;
+        assert_eq!(filled, [true, true, false], "no flow without a frame before");
+        assert!(frames[0].payload() == expected[number as usize].payload(), "{number}");
+    }
+    assert!(expected[0].payload() != expected[1].payload(), "noise");
+    let filled = simulation.render_numbered(&topics, 5, true, &mut frames)?;
+    let flow = frames[2].view();
+    let still = flow.numbers::<[f32; 2]>(flow.rows()).flatten().filter(|part| part.is_finite());
+    assert!(filled[2] && still.fold(0.0_f32, |most, part| most.max(part.abs())) < 1e-3);
+    let error = simulation.render_numbered(&["rgb", "rgd"], 0, false, &mut frames).unwrap_err().to_string();
+    assert!(error.contains("no sensor sends /rgd; did you mean /rgb?"), "{error}");
+    Ok(())
+}
+
+#[test]
 fn mistakes_are_named_with_their_line() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
@@ -304,10 +356,10 @@ fn mistakes_are_named_with_their_line() {
 #[test]
 fn a_file_that_does_not_fit_is_no_shard() {
     let folder = tempfile::tempdir().unwrap();
-    let plan = plan(folder.path(), PLAN);
+    let plan = small_plan(folder.path());
     let out = folder.path().join("out");
-    // Files of at most 2 MiB (blocks of 512 bytes, as POSIX has them): a write fails, as on a full disk.
-    let script = "trap '' XFSZ; ulimit -f 4096; exec \"$0\" dataset \"$1\" -o \"$2\"";
+    // Files of at most 100 KiB (blocks of 512 bytes, as POSIX has them): a write fails, as on a full disk.
+    let script = "trap '' XFSZ; ulimit -f 200; exec \"$0\" dataset \"$1\" -o \"$2\"";
     let run = Command::new("sh")
         .args(["-c", script, env!("CARGO_BIN_EXE_belvedere")])
         .args([&plan, &out])

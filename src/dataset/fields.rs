@@ -22,9 +22,7 @@ pub(super) fn of_stream(name: &str, frame: &FrameView<'_>) -> Option<Vec<Field>>
         bytes: png(columns, rows, colour, &bytes),
     };
     let packed = || frame.rows().flatten().copied().collect::<Vec<u8>>();
-    let is_empty = rows == 0 || columns == 0;
     let field = match header.encoding()? {
-        _ if is_empty => return None,
         Encoding::Rgb8 => png(ExtendedColorType::Rgb8, packed()),
         Encoding::Bgr8 => {
             let mut bytes = packed();

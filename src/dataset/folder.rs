@@ -55,7 +55,8 @@ impl Folder {
         fs::create_dir_all(path).map_err(failed)?;
         let folder = Self { path: path.to_owned() };
         let file = path.join(IDENTITY);
-        if !file.is_file() {
+        // A plan of which nothing was made may change.
+        if !file.is_file() || folder.is_empty() {
             let text = serde_json::to_string_pretty(&plan.identity).unwrap_or_default() + "\n";
             write_whole(&file, text.as_bytes())?;
         }
@@ -92,6 +93,12 @@ impl Folder {
     /// Whether a shard is there: then all of it is.
     pub fn has(&self, shard: u64) -> bool {
         self.shard(shard).is_file()
+    }
+
+    /// Whether no shard at all is there.
+    fn is_empty(&self) -> bool {
+        let mut entries = fs::read_dir(&self.path).into_iter().flatten().flatten();
+        !entries.any(|entry| entry.file_name().to_string_lossy().starts_with("shard-"))
     }
 
     /// Removes what killed processes have left of a shard that is there now.

@@ -44,11 +44,11 @@ pub fn make(
         let execution = if workers == 1 { Execution::parallel() } else { Execution::default() };
         let mut worker = Worker { plan, folder, execution, studio: None };
         while let Some(shard) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let is_stopped = || has_failed.load(Ordering::Relaxed) || making.is_stopped();
+            let is_stopped = || has_failed.load(Ordering::Acquire) || making.is_stopped();
             if let Err(error) = worker.make(*shard, making, &is_stopped) {
-                // The others stop because of the first.
-                has_failed.store(true, Ordering::Relaxed);
                 first_error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+                // The others stop, and their errors come after this one.
+                has_failed.store(true, Ordering::Release);
                 return;
             }
             making.shard_done(*shard);

@@ -50,6 +50,7 @@ def make(plan: str, out: str, cpus: float = 1) -> str:
 
 
 def main() -> None:
+    """Runs the command."""
     parser = argparse.ArgumentParser(description="Make a data set on a Ray cluster.")
     parser.add_argument("plan", type=pathlib.Path)
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True)

@@ -22,9 +22,12 @@ samples = {}
 for sample in wds.WebDataset(urls, shardshuffle=False).decode("rgb8"):
     known = sample["json"]["sensors"]["rgb"]
     size = (known["height"], known["width"])
-    assert sample["rgb.png"].shape == (*size, 3) and sample["rgb.png"].dtype == np.uint8
-    assert sample["rgb.depth.npy"].shape == size and sample["rgb.depth.npy"].dtype == np.float32
-    assert sample["rgb.instance.npy"].shape == size and sample["rgb.instance.npy"].dtype == np.int32
+    assert sample["rgb.png"].shape == (*size, 3)
+    assert sample["rgb.png"].dtype == np.uint8
+    assert sample["rgb.depth.npy"].shape == size
+    assert sample["rgb.depth.npy"].dtype == np.float32
+    assert sample["rgb.instance.npy"].shape == size
+    assert sample["rgb.instance.npy"].dtype == np.int32
     assert sample["rgb.flow_back.npy"].shape == (*size, 2)
     # A pixel shows something if and only if it has a depth that is finite, and a class.
     seen = sample["rgb.instance.npy"] >= 0
@@ -32,7 +35,8 @@ for sample in wds.WebDataset(urls, shardshuffle=False).decode("rgb8"):
     assert (seen == (sample["rgb.class.npy"] > 0)).all()
     cloud = sample["cloud.npy"]
     points = np.stack([cloud[axis] for axis in "xyz"], axis=-1)
-    assert np.isfinite(points).any() and cloud["ring"].max() == 15
+    assert np.isfinite(points).any()
+    assert cloud["ring"].max() == 15
     samples[int(sample["__key__"])] = sample
 assert sorted(samples) == list(range(manifest["samples"])), "samples are missing"
 
@@ -74,7 +78,9 @@ assert evaluation.stats[0] == 1.0, evaluation.stats
 training, checked = out / "kitti" / "rgb" / "training", 0
 for index, sample in samples.items():
     calibration = (training / "calib" / f"{index:06}.txt").read_text().splitlines()
-    matrices = {name: np.array(numbers.split(), float) for name, numbers in (line.split(": ") for line in calibration)}
+    matrices = {
+        name: np.array(numbers.split(), float) for name, numbers in (line.split(": ") for line in calibration)
+    }
     projection = matrices["P2"].reshape(3, 4)
     picture = np.asarray(Image.open(training / "image_2" / f"{index:06}.png"))
     assert (picture == sample["rgb.png"]).all()
@@ -82,7 +88,9 @@ for index, sample in samples.items():
         fields = line.split()
         assert len(fields) == 15, line
         truncated, _, _, left, top, right, bottom, height, width, length, x, y, z, yaw = map(float, fields[1:])
-        if truncated > 0:
+        # KITTI's boxes stand upright in the camera's frame, which is true of these if the camera is level.
+        roll_pitch = sample["json"]["sensors"]["rgb"]["world_from_sensor"]["orientation"][:2]
+        if truncated > 0 or np.any(np.abs(roll_pitch) > 1e-6):
             continue
         cos, sin = np.cos(yaw), np.sin(yaw)
         turn = np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]])
@@ -92,7 +100,7 @@ for index, sample in samples.items():
         corners = corners @ turn.T + [x, y, z]
         pixels = projection @ np.hstack([corners, np.ones((8, 1))]).T
         columns, rows = pixels[:2] / pixels[2]
-        # Outwards by a pixel at most where nothing hides it: all of it where it is a box.
+        # What is seen of it lies within.
         assert columns.min() - 1 <= left and right <= columns.max() + 1, line
         assert rows.min() - 1 <= top and bottom <= rows.max() + 1, line
         checked += 1

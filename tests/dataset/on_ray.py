@@ -7,10 +7,8 @@ import sys
 import threading
 import time
 
-import ray
-
-sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "examples" / "python"))
 import dataset_ray
+import ray
 
 plan, out, expected = sys.argv[1:]
 killed: list[int] = []

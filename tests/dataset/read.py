@@ -36,7 +36,7 @@ for sample in wds.WebDataset(urls, shardshuffle=False).decode("rgb8"):
     cloud = sample["cloud.npy"]
     points = np.stack([cloud[axis] for axis in "xyz"], axis=-1)
     assert np.isfinite(points).any()
-    assert cloud["ring"].max() == 15
+    assert cloud["ring"].max() <= 15
     samples[int(sample["__key__"])] = sample
 assert sorted(samples) == list(range(manifest["samples"])), "samples are missing"
 

@@ -151,9 +151,9 @@ fn numbers(encoding: Encoding) -> Option<Numbers> {
 
 /// An array in npy's version 1.0: magic, length of the header, the header as a Python literal, rows one after the other.
 fn npy(kind: &Numbers, [rows, columns]: [u32; 2], bytes: &[u8]) -> Vec<u8> {
-    let axes: String = [rows, columns].iter().chain(kind.axes).map(|axis| format!("{axis}, ")).collect();
+    let axes: Vec<String> = [rows, columns].iter().chain(kind.axes).map(u32::to_string).collect();
     let mut header =
-        format!("{{'descr': {}, 'fortran_order': False, 'shape': ({}), }}", kind.descr, axes.trim_end());
+        format!("{{'descr': {}, 'fortran_order': False, 'shape': ({}), }}", kind.descr, axes.join(", "));
     // The data begin at a multiple of 64, and a line ends the header.
     let begin = (10 + header.len() + 1).next_multiple_of(64);
     header.push_str(&" ".repeat(begin - 10 - header.len() - 1));

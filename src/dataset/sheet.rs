@@ -67,7 +67,7 @@ fn failed(path: &Path, source: std::io::Error) -> DatasetError {
 /// The files of a sample that have a look, each as wide as a column.
 fn looks(files: &BTreeMap<String, Vec<u8>>) -> Vec<RgbImage> {
     let looks = files.iter().filter_map(|(name, bytes)| {
-        let picture = if name.ends_with(".png") {
+        let picture = if name.split('.').next_back() == Some("png") {
             image::load_from_memory(bytes).ok()?.to_rgb8()
         } else {
             array(bytes)?

@@ -24,6 +24,7 @@ mod moments;
 mod motion;
 mod mount;
 mod navsat;
+mod on_demand;
 mod ouster;
 mod outlet;
 pub mod packets;
@@ -297,39 +298,6 @@ impl Rig {
                 self.settings.update();
             }
         }
-    }
-
-    /// Takes the next frame of the channel that has a stream of this topic now, whenever it is due; false if there is none.
-    pub fn take(&mut self, topic: &str, stage: Stage<'_>, scene: &mut WorldScene) -> bool {
-        let has_topic = |scheduled: &&mut Scheduled| {
-            scheduled.channel.outlets().iter().any(|outlet| outlet.topic() == topic)
-        };
-        let found = self.channels.iter_mut().find(has_topic);
-        if let Some(scheduled) = found {
-            scheduled.take(stage.physics.time_ns(), stage, scene, &mut self.workspace);
-            return true;
-        }
-        false
-    }
-
-    /// Takes the frame of this number of the channel that has a stream of this topic; false if there is none. It depends on
-    /// no frame before, as if it was the first that is taken; unless it goes on from one, to which flow leads back.
-    pub fn take_numbered(
-        &mut self,
-        (topic, frame): (&str, u64),
-        goes_on: bool,
-        stage: Stage<'_>,
-        scene: &mut WorldScene,
-    ) -> bool {
-        let has_topic = |scheduled: &&mut Scheduled| {
-            scheduled.channel.outlets().iter().any(|outlet| outlet.topic() == topic)
-        };
-        let Some(scheduled) = self.channels.iter_mut().find(has_topic) else { return false };
-        if !goes_on {
-            scheduled.channel.restart();
-        }
-        scheduled.publish(frame, stage.physics.time_ns(), stage, scene, &mut self.workspace);
-        true
     }
 
     /// Begins every channel's schedule again at time 0, with the noise of its first frame and the settings of its

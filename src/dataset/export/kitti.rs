@@ -101,7 +101,7 @@ fn wrapped(angle: f64) -> f64 {
 fn calibration(lens: &IntrinsicsJson) -> String {
     let IntrinsicsJson { fx, fy, cx, cy, .. } = lens;
     let projection = format!("{fx:e} 0 {cx:e} 0 0 {fy:e} {cy:e} 0 0 0 1 0");
-    let mut text: String = (0..4).map(|number| format!("P{number}: {projection}\n")).collect();
+    let mut text = [0, 1, 2, 3].map(|number| format!("P{number}: {projection}\n")).concat();
     text.push_str("R0_rect: 1 0 0 0 1 0 0 0 1\n");
     // From x forward, y left, z up.
     text.push_str("Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");

@@ -142,11 +142,9 @@ impl Physics {
 
 /// How far up a shape begins.
 fn lowest(shape: &dyn RapierShape, world_from_shape: &RapierPose, up: Vector) -> f32 {
-    match shape.as_support_map() {
-        Some(shape) => shape.support_point(world_from_shape, -up).dot(up),
-        None => {
-            let around = shape.compute_aabb(world_from_shape);
-            around.center().dot(up) - around.half_extents().dot(up.abs())
-        }
+    if let Some(shape) = shape.as_support_map() {
+        return shape.support_point(world_from_shape, -up).dot(up);
     }
+    let around = shape.compute_aabb(world_from_shape);
+    around.center().dot(up) - around.half_extents().dot(up.abs())
 }

@@ -4,7 +4,7 @@ mod common;
 
 use belvedere_sensors::camera::{Mosaic, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
-use belvedere_sensors::device::depth::{SecondEye, published};
+use belvedere_sensors::device::depth::{DisparityNoise, SecondEye, published};
 use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
@@ -45,7 +45,9 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     // Second passes over the frame: shadows and noise beside the ray, dots, and light.
     let device_camera = |model| DepthCamera::new(depth_camera.config().model(model)).unwrap();
     let kinect = published::nguyen().steps(published::KINECT_STEPS).second_eye(SecondEye::at(0.075));
-    let stereo = published::active_stereo(240.0, 0.05, 0.08, 0.6);
+    let locking = DisparityNoise { focal_px: 240.0, baseline_m: 0.05, stddev_px: 0.08, locking_px: 0.04 };
+    let stereo =
+        published::active_stereo(240.0, 0.05, 0.08, 0.6).noise(locking).matching(published::D4XX_MATCHING);
     let light = published::fankhauser().window(published::KINECT_V2_LIGHT);
     let (mut measured, mut measured_points) = (Vec::new(), points.clone());
     for model in [kinect, published::redwood(), published::icl_nuim(), stereo, light] {

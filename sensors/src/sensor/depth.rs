@@ -1,6 +1,7 @@
 //! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
 
 mod config;
+mod contrast;
 mod develop;
 mod ends;
 mod look;
@@ -15,6 +16,7 @@ use super::camera::brush::{Brush, ColourRows, sums_len};
 use super::camera::{Camera, CameraConfig, CameraError};
 use super::edges::Smoothing;
 pub use config::{DepthCameraConfig, OutOfRange};
+use contrast::{Brightness, Contrast};
 use develop::{Developer, Measured};
 use look::Looker;
 use pattern::Pattern;
@@ -174,7 +176,8 @@ impl Sensor for DepthCamera<'_> {
         let seen = self.device.map_or(0, |device| {
             let pattern =
                 matches!(device.look, Look::Dots(_)).then(|| Pattern::workspace_len(self.camera.size()));
-            Seen::workspace_len(self.pixels()) + pattern.unwrap_or(0)
+            let brightness = device.matcher.map(|_| Brightness::workspace_len(self.pixels()));
+            Seen::workspace_len(self.pixels()) + pattern.unwrap_or(0) + brightness.unwrap_or(0)
         });
         Frame::workspace_len(scene, optics, shutter) + sums_len(&fan, shutter) + blocked + marks + seen
     }
@@ -214,6 +217,8 @@ impl Sensor for DepthCamera<'_> {
         };
         let device = self.device.as_ref().filter(|_| wants_depth);
         let mut seen = device.map(|_| Seen::new(pixels, &mut memory));
+        let mut brightness =
+            device.filter(|device| device.matcher.is_some()).map(|_| Brightness::new(pixels, &mut memory));
         let wants_colour = colour.is_some() || points.is_some();
         let marks = memory.take(if wants_colour { self.camera.marks(shutter) } else { 0 });
         let drawn = (colour.as_deref_mut(), &mut *marks);
@@ -222,6 +227,7 @@ impl Sensor for DepthCamera<'_> {
             depth_16uc1: depth_16uc1.as_deref_mut(),
             points: points.as_deref_mut(),
             seen: seen.as_mut().map(Seen::reborrow),
+            brightness: brightness.as_mut().map(|Brightness(all)| Brightness(all)),
             truth,
             width: self.camera.size()[0],
             lines_in_tile: Tiling::of(frame.fan()).size()[1],
@@ -235,10 +241,15 @@ impl Sensor for DepthCamera<'_> {
             let rays = rays_of(optics, (*frame.fan(), 0), execution, &mut memory);
             let numbers = Stream { seed, sensor, frame: capture.frame, channel: 0 };
             let looker = Looker::new(&rays, self.camera.size(), numbers, seen);
-            let pattern = Pattern::find(&looker, &device.look, execution, &mut memory);
+            let pattern = Pattern::find(&looker, device, execution, &mut memory);
+            let contrast = device.matcher.zip(brightness).map(|(matcher, Brightness(brightness))| Contrast {
+                matcher,
+                brightness,
+                size: self.camera.size(),
+            });
             let (points, width) = (points.as_deref_mut(), self.camera.size()[0]);
             let output = Measured { depth_32fc1, depth_16uc1, points, width };
-            Developer { camera: self, device, looker, pattern }.develop(execution, output);
+            Developer { camera: self, device, looker, pattern, contrast }.develop(execution, output);
         }
         if let Some(smoothing) = Smoothing::new(&frame, optics, sight, marks) {
             let camera = &self.camera;
@@ -322,9 +333,15 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
             for column in 0..brush.tiles {
                 let tile = [column, row];
                 let wants_points = is_first && output.points.is_some();
-                if output.wants_colour || wants_points {
+                let wants_brightness = is_first && output.brightness.is_some();
+                if output.wants_colour || wants_points || wants_brightness {
                     brush.see(simd, band, tile);
+                }
+                if output.wants_colour || wants_points {
                     brush.mark(simd, band, tile, &mut output.colour);
+                }
+                if wants_brightness {
+                    output.write_brightness(&brush.colours, band, tile);
                 }
                 if is_first {
                     let mut depths = [f32::NAN; LANES];

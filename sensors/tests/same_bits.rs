@@ -106,6 +106,23 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let srgb = camera_with(developed, PixelFormat::Rgba8);
 
     let bytes = |floats: &[f32]| floats.iter().flat_map(|x| x.to_bits().to_le_bytes()).collect();
+    // The same by way of mirrors and panes.
+    let glazed = mirrors_and_panes(builder.clone());
+    let [mirrored, passed] = fire(&mut workspace, &glazed, pose, wide);
+    let glazed_scene = glazed.scene();
+    let capture = Capture::new(7, glazed.moment(pose));
+    let mut glazed_depths = metres.clone();
+    let output = DepthFrame::new().depth_32fc1(&mut glazed_depths);
+    let camera_of_stereo = device_camera(stereo);
+    camera_of_stereo
+        .sense(
+            &glazed_scene,
+            &capture,
+            &mut workspace.lend(camera_of_stereo.workspace_len(&glazed_scene, &capture)),
+            output,
+        )
+        .expect("outputs of the right size");
+
     vec![
         ("rgb8", picture_with(&builder, camera, pose, 7, execution)),
         ("mono8", picture_with(&builder, camera.format(PixelFormat::Mono8), pose, 7, execution)),
@@ -125,6 +142,9 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
             "rgb8 of gloss and glass",
             picture_with(&gloss_and_glass(builder.clone()), camera, pose, 7, execution),
         ),
+        ("ranges of mirrors and panes", bytes(&mirrored)),
+        ("intensities of mirrors and panes", bytes(&passed)),
+        ("32fc1 of mirrors and panes", bytes(&glazed_depths)),
     ]
 }
 
@@ -166,6 +186,20 @@ fn fire(
     let output = Echoes::new().ranges(&mut ranges).intensities(&mut intensities);
     scanner.sense(&scene, &capture, memory, output).expect("outputs of the right size");
     [ranges, intensities]
+}
+
+/// A scene with a mirroring ball and two panes, in the way of everything.
+fn mirrors_and_panes(mut builder: SceneBuilder) -> SceneBuilder {
+    for (specular_reflectance, transmittance, shape, y) in [
+        (0.9, 0.0, Shape::Sphere { radius: 0.4 }, 0.8),
+        (0.1, 0.85, Shape::Box { size: [0.1, 0.7, 0.9] }, -0.4),
+        (0.05, 0.9, Shape::Cylinder { radius: 0.3, length: 0.9 }, 0.2),
+    ] {
+        let look = MaterialConfig { specular_reflectance, transmittance, ..Default::default() };
+        let material = builder.add_material(&look).unwrap();
+        add(&mut builder, shape, Pose::from_translation(DVec3::new(-1.6, y, 1.1)), material);
+    }
+    builder
 }
 
 /// A scene with a glossy ball, a ball of glass and a pane with holes in it, in linear light.

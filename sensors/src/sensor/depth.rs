@@ -31,6 +31,7 @@ use crate::noise::{GaussianNoise, Stream, normal_columns, normal_lines};
 use crate::scene::{Scene, visibility};
 use crate::simd::{LANES, Lanes, WIDTH};
 pub use crate::trace::TooNear;
+use crate::trace::beyond::Glazing;
 use crate::trace::error::check_output;
 use crate::trace::grid::{Band, BandWork, Frame, Sight, rays_of};
 use crate::trace::measure::Measure;
@@ -275,7 +276,7 @@ impl Measurer<'_> {
         &self,
         simd: S,
         band: &Band<'_>,
-        (measure, resolver): (&Measure, &mut Resolver<'_>),
+        (measure, resolver, glazing): (&Measure, &mut Resolver<'_>, &mut Option<Glazing>),
         [column, row]: [usize; 2],
         output: &mut Rows<'_>,
     ) -> Lanes<f32> {
@@ -292,7 +293,13 @@ impl Measurer<'_> {
         let mut of_tile = [f32::INFINITY; LANES];
         for part in 0..BLOCKS.min(across - first) {
             let block = [first + part, row];
-            let truth = measure.block::<S, true>(simd, band, resolver, block);
+            let mut truth = measure.block::<S, true>(simd, band, resolver, block);
+            if let Some(glazing) = glazing
+                && let Some(seen) =
+                    glazing.look::<S, true>(simd, band, resolver, &self.camera.camera.sight(), block)
+            {
+                truth = seen.put_far(simd, truth);
+            }
             let truth = self.obstacles.hide(simd, row * across + first + part, truth);
             let mut noisy = truth;
             if has_noise {
@@ -318,6 +325,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
         let Self { camera, capture, .. } = self;
         let tiling = Tiling::of(band.rays.fan());
         let mut brush = Brush::new(&camera.camera, capture, band);
+        let mut glazing = Glazing::of(band.view).filter(|_| output.seen.is_none());
         let measure = Measure::new(&band.view.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
         if let Some(truth) = &mut output.truth {
@@ -325,7 +333,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
         }
         let is_measured = output.seen.is_none();
         if let (Some(seen), Some(device)) = (&mut output.seen, &camera.device) {
-            seen.write(simd, band, device, camera.camera.sight().faces, self.obstacles);
+            seen.write(simd, band, device, &camera.camera.sight(), self.obstacles);
         }
         for row in band.block_rows() {
             // Depths are those of a line's first slice.
@@ -346,7 +354,8 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 if is_first {
                     let mut depths = [f32::NAN; LANES];
                     if is_measured {
-                        depths = self.measure(simd, band, (&measure, &mut resolver), tile, output);
+                        let tools = (&measure, &mut resolver, &mut glazing);
+                        depths = self.measure(simd, band, tools, tile, output);
                     }
                     if wants_points {
                         let light = brush.colours;

@@ -123,7 +123,7 @@ pub const PRESETS: [DepthPreset; 8] = [
     DepthPreset {
         name: "azure_kinect",
         source: "Microsoft Azure Kinect DK, NFOV unbinned: 75° × 65°, 0.5 … 3.86 m, random error of 17 mm at most, hardware \
-                 specification; derived: σ = 17 mm · (z/3.5 m)², as amplitudes fall; a mean of 200 MHz, Bamji et al. 2018; \
+                 specification; derived: σ = 17 mm · (z/3.5 m)², as amplitudes fall; some 200 MHz, Bamji et al. 2018; \
                  frequencies and footprint are assumed",
         size: [640, 576],
         horizontal_fov_deg: 75.0,

@@ -102,11 +102,11 @@ pub fn fankhauser() -> DepthModel {
 pub const KINECT_V2_LIGHT: TimeOfFlight =
     TimeOfFlight { modulation_hz: [120e6, 80e6, 16e6], footprint_px: 0.5, most_off_rad: 0.45 };
 
-/// Light of an Azure Kinect: a mean of 200 MHz, of 10 to 320 (C. S. Bamji et al., "1Mpixel 65nm BSI 320MHz demodulated TOF image
-/// sensor", ISSCC 2018). Which frequencies is not published: 288, 192 and 128 MHz are assumed, of which ranges come
-/// again after 4.68 m, and which count their turns well; the footprint, and how far phases may disagree, too.
+/// Light of an Azure Kinect: some 200 MHz in the mean, of 10 to 320 (C. S. Bamji et al., "1Mpixel 65nm BSI 320MHz demodulated TOF image
+/// sensor", ISSCC 2018). Which frequencies is not published: 270, 180 and 120 MHz are assumed, of which ranges come
+/// again after 5 m, and which count their turns well; the footprint, and how far phases may disagree, too.
 pub const AZURE_LIGHT: TimeOfFlight =
-    TimeOfFlight { modulation_hz: [288e6, 192e6, 128e6], footprint_px: 0.5, most_off_rad: 0.45 };
+    TimeOfFlight { modulation_hz: [270e6, 180e6, 120e6], footprint_px: 0.5, most_off_rad: 0.4 };
 
 /// How a D4xx finds what it sees. Assumed: on a surface without texture that faces it half of the pixels are found at 6 m, and up
 /// to 4.5 m disparities are as good as they get; Intel promises no more than 99 % at 2 m.

@@ -257,7 +257,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 15] = [
+    let expected: [(&str, u64); 18] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
@@ -268,11 +268,14 @@ fn every_machine() {
         ("returns", 0xc01c_05d5_c720_4582),
         ("pixels", 0xf8cf_d26b_a644_bfab),
         ("rosette", 0x432a_af89_722c_cd70),
-        ("32fc1 of a device", 0x719f_dc96_6ec2_adaa),
-        ("points of a device", 0x1dc3_128d_77c1_38a4),
+        ("32fc1 of a device", 0x1353_58ad_965b_7917),
+        ("points of a device", 0x8452_3afe_8ed2_255f),
         ("bayer_gbrg16", 0x7aca_656c_7299_b256),
         ("rgba8 of sRGB", 0x7375_06ee_4fcd_8bef),
         ("rgb8 of gloss and glass", 0xd2ca_211b_5c9a_334c),
+        ("ranges of mirrors and panes", 0x1612_b657_72b1_6d4f),
+        ("intensities of mirrors and panes", 0x5198_0d51_412e_835c),
+        ("32fc1 of mirrors and panes", 0xe116_7413_1e8b_86bc),
     ];
     let found: Vec<_> =
         sense_all(Execution::default()).into_iter().map(|(name, bytes)| (name, fnv(&bytes))).collect();

@@ -207,9 +207,7 @@ impl Rig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::description::model::{ImuProfile, Lidar, SensorKind};
-    use belvedere_sensors::imu::InertialReading;
-    use glam::DVec3;
+    use crate::description::model::{Lidar, SensorKind};
     use std::time::Duration;
     use velodyne::HOUR_NS;
 
@@ -333,69 +331,6 @@ mod tests {
                         let range = if hit { (millimetres / 8.0).round() as u16 } else { 0 };
                         assert_eq!((u16_at(at), packet[at + 2]), (range, if hit { 255 } else { 0 }));
                     }
-                }
-            }
-        }
-    }
-
-    /// Bytes at the places that ouster-sdk reads them from.
-    #[test]
-    fn readings_become_the_packets_of_an_ousters_inertial_unit() {
-        let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
-        receiver.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
-        let reading = |number: u64| InertialReading {
-            angular_velocity: DVec3::new(0.1, -0.2, 0.3) * number as f64,
-            specific_force: DVec3::new(1.0, 2.0, 9.806_65) + DVec3::splat(number as f64),
-        };
-        let stamp = |number: u64| 1_000_000_007 + 1_562_500 * number;
-        let mut packet = [0; 1000];
-        for (profile, length, samples) in
-            [(ImuProfile::Legacy, 48, 1), (ImuProfile::Accel32Gyro32Nmea, 452, 8)]
-        {
-            let mut packets = ImuPackets::new(profile);
-            // What nobody gets is not counted, nor what a reset cuts off.
-            packets.push(0, &reading(0));
-            packets.open(&PacketTarget::Udp(receiver.local_addr().unwrap())).unwrap();
-            packets.push(0, &reading(0));
-            if profile == ImuProfile::Legacy {
-                receiver.recv(&mut packet).unwrap();
-            }
-            packets.restart();
-            assert!(packets.open(&PacketTarget::Metadata("m.json".into())).is_err());
-            for number in 0..72 {
-                packets.push(stamp(number), &reading(number));
-                if !(number + 1).is_multiple_of(samples) {
-                    continue;
-                }
-                assert_eq!(receiver.recv(&mut packet).unwrap(), length);
-                let u64_at = |at: usize| u64::from_le_bytes(packet[at..at + 8].try_into().unwrap());
-                let u16_at = |at: usize| u16::from_le_bytes([packet[at], packet[at + 1]]);
-                let vector = |at: usize| {
-                    let float = |at: usize| f32::from_le_bytes(packet[at..at + 4].try_into().unwrap());
-                    DVec3::new(float(at).into(), float(at + 4).into(), float(at + 8).into())
-                };
-                let near = |found: DVec3, expected: DVec3| {
-                    assert!(
-                        (found - expected).length() < 1e-6 * (1.0 + expected.length()),
-                        "{found} {expected}"
-                    );
-                };
-                if length == 48 {
-                    assert_eq!([0, 8, 16].map(u64_at), [stamp(number); 3]);
-                    near(vector(24) * 9.806_65, reading(number).specific_force);
-                    near(vector(36) * (std::f64::consts::PI / 180.0), reading(number).angular_velocity);
-                    continue;
-                }
-                assert_eq!((u16_at(0), u16_at(2), packet[4], packet[7]), (2, (number / 64) as u16, 1, 1));
-                assert!(packet[12..132].iter().chain(&packet[420..444]).all(|byte| *byte == 0));
-                for (place, number) in (number - 7..=number).enumerate() {
-                    let at = 132 + 36 * place;
-                    assert_eq!(
-                        (u64_at(at), u64::from(u16_at(at + 8)), u16_at(at + 10)),
-                        (stamp(number), number % 64, 1)
-                    );
-                    near(vector(at + 12), reading(number).specific_force);
-                    near(vector(at + 24), reading(number).angular_velocity);
                 }
             }
         }

@@ -9,7 +9,7 @@ use live::control::{BOX, ROBOT, done_with, named};
 use live::{PATIENCE, belvedere, own_domain};
 use page::{Server, Shown, position};
 use serde_json::json;
-use std::io::Write as _;
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 use tungstenite::Message;
@@ -225,6 +225,54 @@ fn models_that_come_and_go_are_shown() {
     done_with(&mut control, &named(Operation::Delete, "crate"), "");
     assert_eq!(page.told("scene")["edition"], first + 2);
     assert!(!shows());
+}
+
+/// A page may fetch its frames, as browsers take them faster so; without it, and after it, they come by its WebSocket.
+#[test]
+fn frames_are_fetched_by_the_page_that_they_are_for() {
+    let server = Server::run(&own_domain(), &KINECT);
+    let mut page = server.page();
+    let name = page.told("page")["name"].as_str().unwrap().to_owned();
+    assert_eq!(page.next(PICTURE).payload.len(), 640 * 480 * 3);
+    let target = format!("/frames?token={}&page={name}", server.token);
+    assert!(server.get(&format!("/frames?page={name}")).starts_with("HTTP/1.1 403 "));
+    assert!(server.get(&format!("/frames?token={}&page=other", server.token)).starts_with("HTTP/1.1 404 "));
+
+    let mut stream = TcpStream::connect(&server.host).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    write!(stream, "GET {target} HTTP/1.1\r\nHost: {}\r\n\r\n", server.host).unwrap();
+    let mut stream = BufReader::new(stream);
+    let head: Vec<String> =
+        stream.by_ref().lines().map(Result::unwrap).take_while(|line| !line.is_empty()).collect();
+    assert!(head[0].starts_with("HTTP/1.1 200 "), "{head:?}");
+    let mut take = |topic: &str| {
+        let mut len = [0; 4];
+        stream.read_exact(&mut len).unwrap();
+        let mut frame = vec![0; u32::from_le_bytes(len) as usize];
+        stream.read_exact(&mut frame).unwrap();
+        let shown = Shown::parse(&frame);
+        assert_eq!(shown.header["topic"], topic);
+        shown
+    };
+    // The thread of the page has it within a moment; what it has sent before has come.
+    std::thread::sleep(Duration::from_millis(300));
+    let mut stamps = Vec::new();
+    for topic in [PICTURE, DEPTH, STATES, PICTURE, DEPTH, PICTURE] {
+        page.say(&json!({ "op": "next", "topic": topic }));
+        let shown = take(topic);
+        if topic == PICTURE {
+            assert_eq!(shown.payload.len(), 640 * 480 * 3);
+            stamps.push(shown.stamp());
+        }
+    }
+    assert!(stamps.is_sorted_by(|one, other| one < other), "{stamps:?}");
+    drop(stream);
+    let deadline = Instant::now() + PATIENCE;
+    // What is lost with it is asked for again.
+    page.socket.get_ref().set_read_timeout(Some(Duration::from_millis(500))).unwrap();
+    while page.try_next(PICTURE).is_none() {
+        assert!(Instant::now() < deadline, "no frame by the WebSocket");
+    }
 }
 
 #[test]

@@ -133,7 +133,7 @@ impl<'a> Foxglove<'a> {
         while !self.shared.is_stopping() {
             self.advertise()?;
             let followed = self.sources.iter_mut().map(|source| &mut source.subscriber);
-            wait(&self.socket, followed.chain(self.clock.as_mut()), NAP);
+            wait(&self.socket, None, followed.chain(self.clock.as_mut()), NAP);
             self.socket.flush()?;
             while let Some(said) = self.socket.read()? {
                 self.take(&said)?;

@@ -135,6 +135,16 @@ pub(super) fn respond(stream: &mut TcpStream, status: Status, kind: &str, body: 
     stream.flush()
 }
 
+/// Begins an answer that goes on until the connection ends.
+pub(super) fn begin(stream: &mut TcpStream, kind: &str) -> io::Result<()> {
+    let head = format!(
+        "HTTP/1.1 {}\r\nContent-Type: {kind}\r\nConnection: close\r\nCache-Control: no-store\r\n\
+         X-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: same-origin\r\n\r\n",
+        Status::Ok.line()
+    );
+    stream.write_all(head.as_bytes())
+}
+
 /// Answers with a sentence.
 pub(super) fn refuse(stream: &mut TcpStream, status: Status, sentence: &str) -> io::Result<()> {
     respond(stream, status, "text/plain; charset=utf-8", format!("{sentence}\n").as_bytes())

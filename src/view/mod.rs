@@ -10,7 +10,7 @@
 //! | `foxglove`, `twist` | Foxglove's protocol, for whoever speaks it |
 //! | `assets` | files that robots name, for its clients |
 //! | `page` | what a page of ours says and is told |
-//! | `payload` | frames as that page takes them |
+//! | `payload`, `pipe` | frames as that page takes them, and the way that they go |
 //! | `listing` | which streams there are |
 //! | `scene` | the models' shapes |
 //! | `commander`, `drivers` | commands to the simulator and to robots |
@@ -28,6 +28,7 @@ mod http;
 mod listing;
 mod page;
 mod payload;
+mod pipe;
 mod scene;
 mod socket;
 mod twist;
@@ -43,6 +44,7 @@ use foxglove::{Foxglove, SUBPROTOCOLS, common_protocol};
 use http::{Request, Status, refuse, respond};
 use listing::Listing;
 use page::Page;
+use pipe::{Pipe, Pipes};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use scene::Scene;
 use serde_json::{Value, json};
@@ -112,6 +114,7 @@ struct Shared {
     /// For Foxglove's clients: what parameters of ROS are.
     parameters: Mutex<BTreeMap<String, Value>>,
     assets: Mutex<Assets>,
+    pipes: Pipes,
     /// Of a recording that is played.
     timeline: OnceLock<Arc<Timeline>>,
     /// Another one for each server.
@@ -172,6 +175,7 @@ impl ViewServer {
             scene: Scene::default(),
             parameters: Mutex::new(parameters),
             assets: Mutex::default(),
+            pipes: Pipes::default(),
             timeline: OnceLock::new(),
             session,
             stop: AtomicBool::new(false),
@@ -299,6 +303,9 @@ fn serve(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
     if request.is_upgrade() {
         return serve_socket(stream, &request, shared);
     }
+    if request.path == "/frames" {
+        return serve_frames(stream, &request, shared);
+    }
     match bundle::file(&request.path) {
         Some((kind, bytes)) => respond(&mut stream, Status::Ok, kind, bytes),
         None if request.path == "/scene.glb" => {
@@ -306,6 +313,16 @@ fn serve(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
         }
         None => refuse(&mut stream, Status::NotFound, "there is no such file; the page is at /"),
     }
+}
+
+/// Hands a connection to the thread of the page that it is for.
+fn serve_frames(mut stream: TcpStream, request: &Request, shared: &Shared) -> io::Result<()> {
+    let page = request.parameter("page").unwrap_or_default();
+    if !shared.pipes.is_expected(&page) {
+        return refuse(&mut stream, Status::NotFound, "there is no such page; its WebSocket comes first");
+    }
+    shared.pipes.bring(&page, Pipe::open(stream)?);
+    Ok(())
 }
 
 fn serve_socket(mut stream: TcpStream, request: &Request, shared: &Shared) -> io::Result<()> {
@@ -328,7 +345,7 @@ fn serve_socket(mut stream: TcpStream, request: &Request, shared: &Shared) -> io
         http::upgrade(&mut stream, request, protocol).and_then(|()| Socket::new(stream)).and_then(|socket| {
             let served = match protocol {
                 Some(_) => Foxglove::new(shared, socket).serve(),
-                None => Page::new(shared, socket).serve(),
+                None => Page::new(shared, random_token()?, socket).serve(),
             };
             served.map_err(io::Error::other)
         });

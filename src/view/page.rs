@@ -9,13 +9,14 @@
 //! | `{"op":"rate","rate":R}` | play so many recorded seconds in a second |
 //! | `{"op":"drive","topic":T,"linear":[x,y,z],"angular":[x,y,z]}` | a velocity command |
 //!
-//! It is told of streams (`streams`), of the scene's edition (`scene`), of where a recording is (`timeline`), of results, and of what went wrong (`status`).
+//! It is told what it is called (`page`), so that it can have frames sent faster ([`super::pipe`]), of streams (`streams`), of the scene's edition (`scene`), of where a recording is (`timeline`), of results, and of what went wrong (`status`).
 
 use super::Shared;
 use super::commander::{Commander, Order};
 use super::drivers::Drivers;
 use super::listing;
 use super::payload;
+use super::pipe::Pipe;
 use super::socket::{Said, Socket};
 use super::waiting::wait;
 use crate::recording::{Playhead, Timeline};
@@ -83,7 +84,11 @@ struct Followed {
 /// A page that is connected.
 pub(super) struct Page<'a> {
     shared: &'a Shared,
+    /// What it is called.
+    name: String,
     socket: Socket,
+    /// For frames; without it they go by the socket.
+    pipe: Option<Pipe>,
     followed: Vec<Followed>,
     commander: Option<Commander>,
     /// Answers that are on their way.
@@ -96,10 +101,12 @@ pub(super) struct Page<'a> {
 }
 
 impl<'a> Page<'a> {
-    pub(super) fn new(shared: &'a Shared, socket: Socket) -> Self {
+    pub(super) fn new(shared: &'a Shared, name: String, socket: Socket) -> Self {
         Self {
             shared,
+            name,
             socket,
+            pipe: None,
             followed: Vec::new(),
             commander: None,
             awaited: 0,
@@ -116,10 +123,18 @@ impl<'a> Page<'a> {
     /// # Errors
     /// How it went.
     pub(super) fn serve(mut self) -> Result<(), Error> {
+        self.shared.pipes.expect(&self.name);
+        self.say(&json!({ "op": "page", "name": self.name }))?;
         while !self.shared.is_stopping() {
             self.tell_of_changes()?;
             self.wait();
             self.socket.flush()?;
+            if let Some(pipe) = self.shared.pipes.take(&self.name) {
+                self.pipe = Some(pipe);
+            }
+            if self.pipe.as_mut().is_some_and(|pipe| pipe.flush().is_err()) {
+                self.pipe = None;
+            }
             while let Some(said) = self.socket.read()? {
                 self.take(&said)?;
             }
@@ -133,7 +148,7 @@ impl<'a> Page<'a> {
     fn wait(&mut self) {
         let wanted = self.followed.iter_mut().filter(|followed| followed.wanted);
         let nap = if self.awaited > 0 { SHORT_NAP } else { NAP };
-        wait(&self.socket, wanted.map(|followed| &mut followed.subscriber), nap);
+        wait(&self.socket, self.pipe.as_ref(), wanted.map(|followed| &mut followed.subscriber), nap);
     }
 
     fn take(&mut self, said: &Said) -> Result<(), Error> {
@@ -216,7 +231,8 @@ impl<'a> Page<'a> {
         self.followed.retain(|followed| followed.wanted || now - followed.asked < FORGOTTEN);
         let mut failed = None;
         for followed in &mut self.followed {
-            if !followed.wanted || self.socket.has_unsent() {
+            let is_full = self.pipe.as_ref().is_some_and(Pipe::has_unsent) || self.socket.has_unsent();
+            if !followed.wanted || is_full {
                 continue;
             }
             match followed.subscriber.take_newest() {
@@ -226,7 +242,12 @@ impl<'a> Page<'a> {
                     drop(frame);
                     followed.wanted = false;
                     followed.asked = now;
-                    self.socket.send(Message::binary(message))?;
+                    // A page that has let go of it asks again.
+                    if self.pipe.as_mut().is_some_and(|pipe| pipe.send(&message).is_err()) {
+                        self.pipe = None;
+                    } else if self.pipe.is_none() {
+                        self.socket.send(Message::binary(message))?;
+                    }
                 }
                 Ok(None) => {}
                 Err(error) => {
@@ -274,5 +295,11 @@ impl<'a> Page<'a> {
 
     fn say(&mut self, message: &Value) -> Result<(), Error> {
         self.socket.send(Message::text(message.to_string()))
+    }
+}
+
+impl Drop for Page<'_> {
+    fn drop(&mut self) {
+        self.shared.pipes.forget(&self.name);
     }
 }

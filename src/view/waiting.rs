@@ -1,19 +1,25 @@
 //! How a client's thread sleeps.
 
+use super::pipe::Pipe;
 use super::socket::Socket;
 use belvedere_bridge::Subscriber;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::time::Duration;
 
-/// Sleeps until the client says something, or one of these streams has something for it.
+/// Sleeps until the client says something, or one of these streams has something for it. `pipe` is what else is sent on.
 pub(super) fn wait<'a>(
     socket: &Socket,
+    pipe: Option<&Pipe>,
     followed: impl Iterator<Item = &'a mut Subscriber>,
     at_most: Duration,
 ) {
-    let unsent = socket.has_unsent();
-    let flags = if unsent { PollFlags::IN | PollFlags::OUT } else { PollFlags::IN };
+    let flags = if socket.has_unsent() { PollFlags::IN | PollFlags::OUT } else { PollFlags::IN };
     let mut fds = vec![PollFd::from_borrowed_fd(socket.descriptor(), flags)];
+    let full = pipe.filter(|pipe| pipe.has_unsent());
+    if let Some(pipe) = full {
+        fds.push(PollFd::from_borrowed_fd(pipe.descriptor(), PollFlags::OUT));
+    }
+    let unsent = socket.has_unsent() || full.is_some();
     // While the client is slow, frames wait where they are, and the oldest give way.
     for subscriber in followed.filter(|_| !unsent) {
         if let Ok(readiness) = subscriber.readiness() {

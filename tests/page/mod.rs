@@ -128,6 +128,13 @@ pub(crate) struct Shown {
 }
 
 impl Shown {
+    /// As `src/view/payload.rs` has it.
+    pub(crate) fn parse(message: &[u8]) -> Self {
+        let len = u32::from_le_bytes(message[..4].try_into().unwrap()) as usize;
+        let header = serde_json::from_slice(&message[4..4 + len]).unwrap();
+        Self { header, payload: message[4 + len..].to_vec() }
+    }
+
     pub(crate) fn stamp(&self) -> u64 {
         self.header["stamp"].as_u64().unwrap()
     }
@@ -140,14 +147,18 @@ impl Page {
 
     /// The next frame of a topic.
     pub(crate) fn next(&mut self, topic: &str) -> Shown {
+        self.try_next(topic).unwrap()
+    }
+
+    /// The next frame of a topic, if it comes before the patience ends.
+    pub(crate) fn try_next(&mut self, topic: &str) -> Option<Shown> {
         self.say(&json!({ "op": "next", "topic": topic }));
         loop {
-            match self.socket.read().unwrap() {
+            match self.socket.read().ok()? {
                 Message::Binary(bytes) => {
-                    let len = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
-                    let header: Value = serde_json::from_slice(&bytes[4..4 + len]).unwrap();
-                    if header["topic"] == topic {
-                        return Shown { header, payload: bytes[4 + len..].to_vec() };
+                    let shown = Shown::parse(&bytes);
+                    if shown.header["topic"] == topic {
+                        return Some(shown);
                     }
                 }
                 Message::Text(text) => self.heard.push(serde_json::from_str(&text).unwrap()),

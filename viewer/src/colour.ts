@@ -45,8 +45,20 @@ const MOSAICS: Record<string, [number, number, number]> = {
   grbg: [1, 0, 2],
 };
 
+const drawn = new WeakMap<Frame, Uint8ClampedArray<ArrayBuffer> | null>();
+
+/** The picture as bytes red, green, blue, alpha, drawn once for all that show it; null for a kind that it does not know. */
+export function rgba(frame: Frame): Uint8ClampedArray<ArrayBuffer> | null {
+  const before = drawn.get(frame);
+  if (before !== undefined) return before;
+  const pixels = new Uint32Array(frame.header.width * frame.header.height);
+  const bytes = draw(frame, pixels) ? new Uint8ClampedArray(pixels.buffer) : null;
+  drawn.set(frame, bytes);
+  return bytes;
+}
+
 /** Draws a picture into 32-bit pixels 0xAABBGGRR; false for a kind of pixels that it does not know. */
-export function draw({ header, payload }: Frame, pixels: Uint32Array): boolean {
+function draw({ header, payload }: Frame, pixels: Uint32Array): boolean {
   const { width, height, rowStride, encoding } = header;
   const bytes = new Uint8Array(payload.buffer, payload.byteOffset, payload.byteLength);
   const each = (colour: (at: number) => number, stride: number) => {

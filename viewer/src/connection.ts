@@ -1,6 +1,7 @@
 // The WebSocket to the server: it comes again after it was lost, and asks for each frame.
 
 import { parseFrame, type Frame } from "./frame";
+import { messages } from "./messages";
 import type { Playhead } from "./timeline";
 
 export interface Stream {
@@ -14,7 +15,8 @@ export interface Stream {
 }
 
 interface Told extends Partial<Playhead> {
-  op: "streams" | "scene" | "result" | "status" | "timeline";
+  op: "streams" | "scene" | "result" | "status" | "timeline" | "page";
+  name?: string;
   streams?: Stream[];
   edition?: number;
   id?: number;
@@ -42,6 +44,8 @@ export class Connection {
 
   constructor(
     private readonly url: string,
+    /** Where frames are fetched from, by the name of the page. */
+    private readonly framesUrl: (page: string) => string,
     private readonly handlers: Handlers,
   ) {
     this.open();
@@ -75,6 +79,9 @@ export class Connection {
 
   private hear(told: Told) {
     switch (told.op) {
+      case "page":
+        void this.receive(told.name ?? "");
+        break;
       case "streams":
         this.handlers.onStreams(told.streams ?? []);
         break;
@@ -92,6 +99,16 @@ export class Connection {
         this.handlers.onMessage(told.text ?? "");
         break;
     }
+  }
+
+  /** Takes frames by a stream, which is much faster than the WebSocket, by which they come until then, and without it. */
+  private async receive(page: string) {
+    const socket = this.socket;
+    const answer = await fetch(this.framesUrl(page)).catch(() => null);
+    if (answer === null || !answer.ok || answer.body === null) return;
+    for await (const message of messages(answer.body)) this.take(parseFrame(message));
+    // What was on its way is lost.
+    if (this.socket === socket) this.askForAll();
   }
 
   private take(frame: Frame) {

@@ -1,7 +1,7 @@
 // A depth picture as points in space, unprojected on the graphics card.
 
 import * as THREE from "three";
-import { draw } from "./colour";
+import { rgba } from "./colour";
 import type { Frame } from "./frame";
 import { place } from "./points";
 
@@ -94,13 +94,15 @@ export class DepthCloud {
   colour(frame: Frame) {
     const { width, height, intrinsics } = frame.header;
     if (intrinsics === undefined || width === 0) return;
+    const pixels = rgba(frame);
+    this.uniform<boolean>("coloured").value = pixels !== null;
+    if (pixels === null) return;
     if (this.colours?.image.width !== width || this.colours.image.height !== height) {
       this.colours?.dispose();
-      this.colours = new THREE.DataTexture(new Uint8Array(4 * width * height), width, height);
+      this.colours = new THREE.DataTexture(pixels, width, height);
       this.uniform("colours").value = this.colours;
     }
-    const data = this.colours.image.data as Uint8Array;
-    this.uniform<boolean>("coloured").value = draw(frame, new Uint32Array(data.buffer));
+    this.colours.image.data = pixels;
     this.colours.needsUpdate = true;
     this.uniform<THREE.Vector4>("colourLens").value.set(intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy);
     this.uniform<THREE.Vector2>("colourSize").value.set(width, height);

@@ -1,6 +1,6 @@
 // A panel with a camera's picture.
 
-import { draw } from "./colour";
+import { rgba } from "./colour";
 import type { Frame } from "./frame";
 
 export class Picture {
@@ -8,7 +8,6 @@ export class Picture {
   private readonly canvas = document.createElement("canvas");
   private readonly caption = document.createElement("figcaption");
   private readonly size = document.createElement("span");
-  private image: ImageData | undefined;
 
   constructor(topic: string) {
     const name = document.createElement("span");
@@ -21,13 +20,12 @@ export class Picture {
   show(frame: Frame) {
     const { width, height, encoding } = frame.header;
     if (width === 0 || height === 0) return;
-    if (this.image?.width !== width || this.image.height !== height) {
+    if (this.canvas.width !== width || this.canvas.height !== height) {
       this.canvas.width = width;
       this.canvas.height = height;
-      this.image = new ImageData(width, height);
     }
-    const known = draw(frame, new Uint32Array(this.image.data.buffer));
-    this.size.textContent = known ? `${width}×${height} ${encoding}` : `${encoding} cannot be shown`;
-    this.canvas.getContext("2d")?.putImageData(this.image, 0, 0);
+    const pixels = rgba(frame);
+    this.size.textContent = pixels === null ? `${encoding} cannot be shown` : `${width}×${height} ${encoding}`;
+    if (pixels !== null) this.canvas.getContext("2d")?.putImageData(new ImageData(pixels, width, height), 0, 0);
   }
 }

@@ -40,7 +40,8 @@ function complain(text: string | null) {
   message.textContent = text ?? "";
 }
 
-const connection = new Connection(`ws://${location.host}/?token=${encodeURIComponent(token)}`, {
+const query = `token=${encodeURIComponent(token)}`;
+const connection = new Connection(`ws://${location.host}/?${query}`, (page) => `/frames?${query}&page=${page}`, {
   onOpen: () => {
     isConnected = true;
     complain(null);
@@ -78,7 +79,7 @@ let plotted: (() => void)[] = [];
 async function loadScene(edition: number) {
   const isFirst = scene === 0;
   scene = edition;
-  const answer = await fetch(`/scene.glb?token=${encodeURIComponent(token)}`);
+  const answer = await fetch(`/scene.glb?${query}`);
   if (!answer.ok) {
     complain(`the models cannot be loaded: ${answer.statusText}`);
     return;

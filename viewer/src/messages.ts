@@ -1,0 +1,27 @@
+// Messages out of a stream of bytes, each after its length: see src/view/pipe.rs.
+
+/** Gives each message of a stream, in memory of its own, until the stream ends. */
+export async function* messages(stream: ReadableStream<Uint8Array>): AsyncGenerator<ArrayBuffer> {
+  const reader = stream.getReader();
+  const head = new Uint8Array(4);
+  /** What is being filled, the head of a message or the message, and how far. */
+  let [target, filled] = [head, 0];
+  for (;;) {
+    // It ends with the connection, however that ends.
+    const { value } = await reader.read().catch(() => ({ value: undefined }));
+    if (value === undefined) return;
+    for (let at = 0; at < value.length; ) {
+      const count = Math.min(value.length - at, target.length - filled);
+      target.set(value.subarray(at, at + count), filled);
+      [at, filled] = [at + count, filled + count];
+      if (filled < target.length) continue;
+      if (target === head) {
+        target = new Uint8Array(new DataView(head.buffer).getUint32(0, true));
+      } else {
+        yield target.buffer;
+        target = head;
+      }
+      filled = 0;
+    }
+  }
+}

@@ -4,6 +4,7 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 import type { LinkState } from "./frame";
+import { IS_SOFTWARE } from "./software";
 
 /** A frame that is drawn in so much time, milliseconds, is drawn by a graphics card. */
 const FAST_MS = 34;
@@ -27,7 +28,7 @@ export class Space {
   height = 3;
 
   constructor(private readonly place: HTMLElement) {
-    this.renderer = new THREE.WebGLRenderer({ antialias: true });
+    this.renderer = new THREE.WebGLRenderer({ antialias: !IS_SOFTWARE });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.localClippingEnabled = true;
     place.append(this.renderer.domElement);

@@ -239,6 +239,11 @@ export class Space {
     this.touch();
   }
 
+  /** How often it has been drawn. */
+  get drawn(): number {
+    return this.renderer.info.render.frame;
+  }
+
   /** Where a link is. */
   linkPosition(name: string): [number, number, number] | null {
     return this.links.get(name)?.position.toArray() ?? null;

@@ -18,14 +18,15 @@ function taken(pid) {
     .reduce((sum, fields) => sum + (Number(fields[11]) + Number(fields[12])) * TICK, 0);
 }
 
-async function measure(pid, what, count) {
+async function measure(pid, what, count, drawn = () => 0) {
   await sleep(2000);
-  const [before, frames] = [taken(pid), await count()];
+  const [before, frames, first] = [taken(pid), await count(), await drawn()];
   await sleep(1000 * SECONDS);
-  const [after, more] = [taken(pid), await count()];
+  const [after, more, last] = [taken(pid), await count(), await drawn()];
   const rates = TOPICS.map((topic) => ((more[topic] - frames[topic]) / SECONDS).toFixed(1));
   const share = (100 * (after - before)) / SECONDS;
-  console.log(`${what}: ${rates.join(" and ")} frames a second, ${share.toFixed(1)} % of a core by the server`);
+  const draws = last > 0 ? `, drawn in 3D ${((last - first) / SECONDS).toFixed(1)} times` : "";
+  console.log(`${what}: ${rates.join(" and ")} frames a second${draws}, ${share.toFixed(1)} % of a core by the server`);
 }
 
 try {
@@ -59,7 +60,8 @@ try {
     const known = await frames();
     return TOPICS.every((topic) => known[topic] > 0);
   });
-  await measure(pid, "the page in Chromium without a graphics card", frames);
+  const drawn = () => page.evaluate(() => window.space.drawn);
+  await measure(pid, "the page in Chromium without a graphics card", frames, drawn);
   await browser.close();
   await end(simulator);
 } finally {

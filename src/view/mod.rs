@@ -318,10 +318,10 @@ fn serve(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
 /// Hands a connection to the thread of the page that it is for.
 fn serve_frames(mut stream: TcpStream, request: &Request, shared: &Shared) -> io::Result<()> {
     let page = request.parameter("page").unwrap_or_default();
-    if !shared.pipes.is_expected(&page) {
+    if !shared.pipes.is_expected(page) {
         return refuse(&mut stream, Status::NotFound, "there is no such page; its WebSocket comes first");
     }
-    shared.pipes.bring(&page, Pipe::open(stream)?);
+    shared.pipes.bring(page, Pipe::open(stream)?);
     Ok(())
 }
 

@@ -20,6 +20,8 @@ struct Shot<'a> {
     png: &'a [u8],
     known: &'a SensorLabels,
     objects: &'a [ObjectJson],
+    /// Of all sensors of the sample.
+    sensors: &'a BTreeMap<String, SensorLabels>,
     files: &'a BTreeMap<String, Vec<u8>>,
 }
 
@@ -45,7 +47,7 @@ fn for_each_shot(
             let field = format!("{}.png", sensor.name);
             let png = files.get(&field).ok_or_else(|| lacks(&field))?;
             let objects = known.objects.as_deref().ok_or_else(|| lacks("objects"))?;
-            each(Shot { index, png, known, objects, files: &files })
+            each(Shot { index, png, known, objects, sensors: &labels.sensors, files: &files })
         })?;
     }
     Ok(())
@@ -66,6 +68,12 @@ fn find_sensor<'a>(plan: &'a Plan, name: &str, truth: &[&str]) -> Result<&'a Sen
         return Err(refused(what));
     }
     Ok(sensor)
+}
+
+/// The data of an npy file of ours, behind its header.
+fn data_of(npy: &[u8]) -> &[u8] {
+    let length = npy.get(8..10).map_or(0, |bytes| usize::from(u16::from_le_bytes([bytes[0], bytes[1]])));
+    npy.get(10 + length..).unwrap_or_default()
 }
 
 /// A folder, made if it is not there.

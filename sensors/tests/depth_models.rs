@@ -7,7 +7,8 @@ mod common;
 use belvedere_sensors::camera::{CameraConfig, CameraError};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::depth::{
-    AxialNoise, DepthModel, DisparitySteps, LateralNoise, SecondEye, TimeOfFlight, published,
+    AxialNoise, DepthModel, DisparityNoise, DisparitySteps, LateralNoise, Matching, SecondEye, TimeOfFlight,
+    published,
 };
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::PinholeGrid;
@@ -222,6 +223,19 @@ fn bad_parameters_are_named() {
     assert_eq!(error(DepthModel::new().steps(steps)).parameter, "steps.baseline_m");
     let eye = SecondEye { half_view_rad: 2.0, ..SecondEye::at(0.1) };
     assert_eq!(error(DepthModel::new().second_eye(eye)).parameter, "second_eye.half_view_rad");
-    let light = TimeOfFlight { modulation_hz: f64::INFINITY, footprint_px: 0.5 };
-    assert_eq!(error(DepthModel::new().window(light)).parameter, "time_of_flight.modulation_hz");
+    let light =
+        |hz| error(DepthModel::new().window(TimeOfFlight { modulation_hz: hz, ..published::AZURE_LIGHT }));
+    for hz in [[f64::INFINITY, 0.0, 0.0], [0.0, 80e6, 16e6], [120e6, -80e6, 16e6], [120e6, 80e6, f64::NAN]] {
+        assert_eq!(light(hz).parameter, "time_of_flight.modulation_hz");
+    }
+    // One turn of these in common are 120 of the first.
+    let uncommon = light([120e6, 80e6, 1e6]);
+    assert_eq!(
+        uncommon.to_string(),
+        "a device's frequency in common of time_of_flight.modulation_hz of 1000000: it must be from 1875000 to 120000000"
+    );
+    let matching = Matching { half: 0.0, ..published::D4XX_MATCHING };
+    assert_eq!(error(DepthModel::new().matching(matching)).parameter, "matching.half");
+    let locking = DisparityNoise { focal_px: 424.0, baseline_m: 0.05, stddev_px: 0.0, locking_px: 0.2 };
+    assert_eq!(error(DepthModel::new().noise(locking)).parameter, "noise.locking_px");
 }

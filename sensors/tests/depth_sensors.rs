@@ -226,7 +226,7 @@ fn mixed(light: &TimeOfFlight, parts: &[(f64, f64)]) -> f64 {
 
 #[test]
 fn time_of_flight_flies_at_edges_and_wraps() {
-    let light = TimeOfFlight { modulation_hz: 80e6, footprint_px: 0.5 };
+    let light = TimeOfFlight::of_one(80e6, 0.5);
     assert_near(light.ambiguity_m(), 1.8737, 1e-4);
     // The shares of the footprint of a pixel beside an edge that lie before it and behind it.
     let (side, corner) = ((-2.0_f64).exp(), (-4.0_f64).exp());
@@ -435,7 +435,7 @@ fn kinect_v1_as_a_whole_keeps_its_noise_on_slanted_planes() {
 
 #[test]
 fn noise_of_disparities_ends_at_infinity() {
-    let noise = DisparityNoise { focal_px: 424.0, baseline_m: 0.05, stddev_px: 2.0 };
+    let noise = DisparityNoise { focal_px: 424.0, baseline_m: 0.05, stddev_px: 2.0, locking_px: 0.0 };
     let config = narrow([64, 64]).max_depth_m(100.0).model(DepthModel::new().noise(noise));
     let depth = depth_frame(&plane(20.0, 0.0), config, Pose::IDENTITY, 0);
     let far = depth.iter().filter(|depth| **depth == f32::INFINITY).count() as f64 / depth.len() as f64;

@@ -71,7 +71,9 @@ fn sensing_does_not_allocate() {
     let moving = scenery(&mut builder);
     let mut workspace = WorkspaceBuf::default();
     let camera = Camera::new(camera().edges(Edges::Smooth)).unwrap();
-    let depth_camera = DepthCamera::new(depth_camera().model(published::icl_nuim())).unwrap();
+    let depth_camera =
+        DepthCamera::new(depth_camera().model(published::icl_nuim().matching(published::D4XX_MATCHING)))
+            .unwrap();
     let lidar = Lidar::new(LIDAR).unwrap();
     let mut pixels = vec![0; camera.frame_len()];
     let mut colour = vec![0; camera.frame_len()];

@@ -4,7 +4,7 @@ mod common;
 
 use belvedere_sensors::camera::{Mosaic, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
-use belvedere_sensors::device::depth::{SecondEye, published};
+use belvedere_sensors::device::depth::{DisparityNoise, SecondEye, published};
 use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::GaussianNoise;
@@ -45,7 +45,9 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     // Second passes over the frame: shadows and noise beside the ray, dots, and light.
     let device_camera = |model| DepthCamera::new(depth_camera.config().model(model)).unwrap();
     let kinect = published::nguyen().steps(published::KINECT_STEPS).second_eye(SecondEye::at(0.075));
-    let stereo = published::active_stereo(240.0, 0.05, 0.08, 0.6);
+    let locking = DisparityNoise { focal_px: 240.0, baseline_m: 0.05, stddev_px: 0.08, locking_px: 0.04 };
+    let stereo =
+        published::active_stereo(240.0, 0.05, 0.08, 0.6).noise(locking).matching(published::D4XX_MATCHING);
     let light = published::fankhauser().window(published::KINECT_V2_LIGHT);
     let (mut measured, mut measured_points) = (Vec::new(), points.clone());
     for model in [kinect, published::redwood(), published::icl_nuim(), stereo, light] {
@@ -104,6 +106,23 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let srgb = camera_with(developed, PixelFormat::Rgba8);
 
     let bytes = |floats: &[f32]| floats.iter().flat_map(|x| x.to_bits().to_le_bytes()).collect();
+    // The same by way of mirrors and panes.
+    let glazed = mirrors_and_panes(builder.clone());
+    let [mirrored, passed] = fire(&mut workspace, &glazed, pose, wide);
+    let glazed_scene = glazed.scene();
+    let capture = Capture::new(7, glazed.moment(pose));
+    let mut glazed_depths = metres.clone();
+    let output = DepthFrame::new().depth_32fc1(&mut glazed_depths);
+    let camera_of_stereo = device_camera(stereo);
+    camera_of_stereo
+        .sense(
+            &glazed_scene,
+            &capture,
+            &mut workspace.lend(camera_of_stereo.workspace_len(&glazed_scene, &capture)),
+            output,
+        )
+        .expect("outputs of the right size");
+
     vec![
         ("rgb8", picture_with(&builder, camera, pose, 7, execution)),
         ("mono8", picture_with(&builder, camera.format(PixelFormat::Mono8), pose, 7, execution)),
@@ -123,6 +142,9 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
             "rgb8 of gloss and glass",
             picture_with(&gloss_and_glass(builder.clone()), camera, pose, 7, execution),
         ),
+        ("ranges of mirrors and panes", bytes(&mirrored)),
+        ("intensities of mirrors and panes", bytes(&passed)),
+        ("32fc1 of mirrors and panes", bytes(&glazed_depths)),
     ]
 }
 
@@ -164,6 +186,20 @@ fn fire(
     let output = Echoes::new().ranges(&mut ranges).intensities(&mut intensities);
     scanner.sense(&scene, &capture, memory, output).expect("outputs of the right size");
     [ranges, intensities]
+}
+
+/// A scene with a mirroring ball and two panes, in the way of everything.
+fn mirrors_and_panes(mut builder: SceneBuilder) -> SceneBuilder {
+    for (specular_reflectance, transmittance, shape, y) in [
+        (0.9, 0.0, Shape::Sphere { radius: 0.4 }, 0.8),
+        (0.1, 0.85, Shape::Box { size: [0.1, 0.7, 0.9] }, -0.4),
+        (0.05, 0.9, Shape::Cylinder { radius: 0.3, length: 0.9 }, 0.2),
+    ] {
+        let look = MaterialConfig { specular_reflectance, transmittance, ..Default::default() };
+        let material = builder.add_material(&look).unwrap();
+        add(&mut builder, shape, Pose::from_translation(DVec3::new(-1.6, y, 1.1)), material);
+    }
+    builder
 }
 
 /// A scene with a glossy ball, a ball of glass and a pane with holes in it, in linear light.
@@ -221,7 +257,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 15] = [
+    let expected: [(&str, u64); 18] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
@@ -232,11 +268,14 @@ fn every_machine() {
         ("returns", 0xc01c_05d5_c720_4582),
         ("pixels", 0xf8cf_d26b_a644_bfab),
         ("rosette", 0x432a_af89_722c_cd70),
-        ("32fc1 of a device", 0x719f_dc96_6ec2_adaa),
-        ("points of a device", 0x1dc3_128d_77c1_38a4),
+        ("32fc1 of a device", 0x1353_58ad_965b_7917),
+        ("points of a device", 0x8452_3afe_8ed2_255f),
         ("bayer_gbrg16", 0x7aca_656c_7299_b256),
         ("rgba8 of sRGB", 0x7375_06ee_4fcd_8bef),
         ("rgb8 of gloss and glass", 0xd2ca_211b_5c9a_334c),
+        ("ranges of mirrors and panes", 0x1612_b657_72b1_6d4f),
+        ("intensities of mirrors and panes", 0x5198_0d51_412e_835c),
+        ("32fc1 of mirrors and panes", 0xe116_7413_1e8b_86bc),
     ];
     let found: Vec<_> =
         sense_all(Execution::default()).into_iter().map(|(name, bytes)| (name, fnv(&bytes))).collect();

@@ -25,6 +25,7 @@ mod status;
 mod terminal;
 pub mod urdf;
 pub mod view;
+mod view_recording;
 
 use crate::dataset::DatasetError;
 use clap::{CommandFactory as _, Parser, Subcommand};

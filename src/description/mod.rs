@@ -12,6 +12,7 @@ pub mod mesh;
 pub mod model;
 pub mod ogre_material;
 pub mod optical;
+mod optics;
 pub mod package;
 mod plugin;
 pub mod read;

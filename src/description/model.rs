@@ -12,8 +12,9 @@ mod shape;
 mod trajectory;
 
 pub use super::sensor::{
-    AirPressure, Altimeter, BeamPhysics, Camera, DepthCamera, Imu, InstrumentPlugin, Lidar, Magnetometer,
-    NavSat, OrientationReference, PacketProfile, PluginField, Rangefinder, Sensor, SensorKind, choices,
+    AirPressure, Altimeter, BeamPhysics, Camera, DepthCamera, Imu, ImuProfile, InstrumentPlugin, Lidar,
+    Magnetometer, NavSat, OrientationReference, PacketProfile, PluginField, Rangefinder, Sensor, SensorKind,
+    choices,
 };
 pub use base::{
     AckermannDrive, BasePlugin, DifferentialDrive, Drive, JointStatesPlugin, ModelPlugin, OdometryOrigin,
@@ -25,7 +26,7 @@ pub use earth::Earth;
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
 pub use plugin::{CameraPlugin, CloudLayout, DepthCameraPlugin, LaserPlugin, Radiation, RangePlugin};
 pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis};
-pub use shape::{Collision, Fiducial, Geometry, HeightMap, Heights, Material, Mesh, Visual};
+pub use shape::{Collision, Fiducial, Geometry, HeightMap, Heights, Material, Mesh, Optics, Visual};
 pub use trajectory::{Leg, Trajectory, Waypoint};
 
 use super::diagnostics::Source;

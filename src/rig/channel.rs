@@ -143,7 +143,9 @@ pub(super) trait Channel {
     /// # Errors
     /// When it has none, or they cannot go there.
     fn send_packets(&mut self, _target: &PacketTarget) -> io::Result<()> {
-        Err(io::Error::other("this sensor has none; a lidar with the preset vlp16 or hdl32e has"))
+        Err(io::Error::other(
+            "this sensor has none; lidars with presets of Velodyne and Ouster have, and inertial units with <udp_profile_imu>",
+        ))
     }
 }
 

@@ -5,6 +5,7 @@ use super::behaviour::Behaviour;
 use super::channel::Channel;
 use super::instrument::{Running, covariance, report_names};
 use super::outlet::Outlet;
+use super::packets::{ImuPackets, PacketTarget};
 use super::report::{Say, instrument, without_topics};
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, InstrumentPlugin, OrientationReference, Sensor, SensorKind};
@@ -14,6 +15,7 @@ use belvedere_bridge::{Kind, StreamSpec};
 use belvedere_sensors::imu::{self, ImuState, InertialReading};
 use belvedere_sensors::noise::{Stream, standard_normal};
 use glam::{DQuat, DVec3};
+use std::io;
 
 /// Noise channel of orientations.
 const ORIENTATION_CHANNEL: u16 = 24;
@@ -54,6 +56,9 @@ impl Behaviour for model::Imu {
         }
         let Some(plugin) = &self.plugin else { return without_topics(say) };
         report_names(plugin, say);
+        if let Some(profile) = self.packets {
+            say("packets", format!("Ouster's, {}", profile.name()));
+        }
     }
 }
 
@@ -72,6 +77,8 @@ struct ImuChannel {
     seed: u64,
     sensor: u32,
     imu: Outlet,
+    /// If it is an Ouster's.
+    packets: Option<ImuPackets>,
     /// Time of the last frame, and what the unit had felt until then.
     last: (u64, DVec3),
     /// The unit's axes at its first frame.
@@ -107,6 +114,7 @@ impl ImuChannel {
             heading: Running::new(sensor, &unit.heading, 2, opening)?,
             seed: opening.seed,
             sensor: opening.sensor,
+            packets: unit.packets.map(ImuPackets::new),
             imu: opening.open(&spec.rate_hz(opening.rate.hz()))?,
             last: (now_ns, felt.unwrap_or_default()),
             world_from_start: None,
@@ -173,6 +181,9 @@ impl Channel for ImuChannel {
             angular_velocity_covariance: covariance(config.gyro.white_stddev(period_s)),
             linear_acceleration_covariance: covariance(config.accelerometer.white_stddev(period_s)),
         };
+        if let Some(packets) = &mut self.packets {
+            packets.push(stamp_ns, &read);
+        }
         self.imu.send_structs(stamp_ns, &[message]);
     }
 
@@ -181,5 +192,15 @@ impl Channel for ImuChannel {
         self.state = self.unit.start();
         self.heading.restart();
         self.world_from_start = None;
+        if let Some(packets) = &mut self.packets {
+            packets.restart();
+        }
+    }
+
+    fn send_packets(&mut self, target: &PacketTarget) -> io::Result<()> {
+        match &mut self.packets {
+            Some(packets) => packets.open(target),
+            None => Err(io::Error::other("an inertial unit has some with <udp_profile_imu>, as an Ouster's")),
+        }
     }
 }

@@ -7,6 +7,7 @@ mod velodyne;
 use super::Rig;
 use crate::description::model;
 use belvedere_sensors::scanner::presets::Maker;
+pub(super) use ouster::ImuPackets;
 use pcap::Pcap;
 use std::io;
 use std::net::{SocketAddr, UdpSocket};

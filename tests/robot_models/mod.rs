@@ -38,6 +38,7 @@ pub(crate) fn collision(link_from_collision: Pose, geometry: Geometry) -> Collis
         geometry,
         friction: None,
         laser_retro: 0.0,
+        optics: belvedere::description::model::Optics::default(),
         source: source(),
     }
 }

@@ -17,7 +17,6 @@
 
 mod convert;
 
-#[cfg(feature = "rapier")]
 use crate::pose::Pose;
 use crate::scene::{InstanceConfig, SceneBuilder, SceneError, Shape};
 use alloc::vec::Vec;

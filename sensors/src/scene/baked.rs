@@ -28,7 +28,7 @@ use bytemuck::{Pod, Zeroable};
 /// `BLVDRSCN`, read as a little-endian number.
 const MAGIC: u64 = u64::from_le_bytes(*b"BLVDRSCN");
 /// Of the layout of all elements.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const LINE: usize = size_of::<CacheLine>();
 
 /// What the sections hold, in their order.

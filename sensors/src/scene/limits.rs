@@ -76,6 +76,10 @@ pub(crate) fn material(material: &Material) -> Result<(), Refusal> {
     all([f64::from(material.shininess)], up_to(MAX_SHININESS), "shininess", SceneError::BadShininess)?;
     let alphas = [material.alpha, material.least_alpha].map(f64::from);
     all(alphas, up_to(1.0), "alpha", SceneError::BadAlpha)?;
+    let [mirrored, passed] = [material.specular_reflectance, material.transmittance].map(f64::from);
+    // Shares in single precision may be a little more than 1 together.
+    let shares = [mirrored, passed, (mirrored + passed) / (1.0 + 1e-6)];
+    all(shares, up_to(1.0), "specular reflectance and transmittance", SceneError::BadShares)?;
     let kind = f64::from(material.texture_alpha);
     all([kind], up_to(ALPHA_BLENDED as f32), "kind of texture alpha", SceneError::BadAlpha)
 }

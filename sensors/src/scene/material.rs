@@ -22,6 +22,12 @@ pub struct MaterialConfig {
     pub alpha: f32,
     /// What the alpha of the texture means.
     pub texture_alpha: TextureAlpha,
+    /// Share of the light of lidars and depth cameras that is reflected as by a mirror, 0 to 1: they see what the mirror shows, at
+    /// all the way that the light goes. Cameras do not.
+    pub specular_reflectance: f32,
+    /// Share of the light of lidars and depth cameras that passes straight through, 0 to 1, and with what is reflected at most
+    /// 1; the rest is scattered, as all of it is by other surfaces. Cameras go by [`MaterialConfig::alpha`] instead.
+    pub transmittance: f32,
     /// Normals over the surface, taken in by [`SceneBuilder::add_normal_map`](super::SceneBuilder::add_normal_map).
     pub normal_map: Option<TextureId>,
     /// A picture over the surface.
@@ -41,6 +47,8 @@ impl Default for MaterialConfig {
             shininess: 0.0,
             alpha: 1.0,
             texture_alpha: TextureAlpha::Ignored,
+            specular_reflectance: 0.0,
+            transmittance: 0.0,
             normal_map: None,
             texture: None,
             texture_repeat: [1.0; 2],
@@ -50,8 +58,8 @@ impl Default for MaterialConfig {
 
 /// What the alpha of a material's texture means.
 ///
-/// Cameras alone see through surfaces, through four of them; a fifth is opaque. Depths, lidars and what is true of a pixel are
-/// those of the nearest surface, clear or not, as in Gazebo. What has an alpha below 1 or a blended texture casts no
+/// Cameras alone see through surfaces by it, through four of them; a fifth is opaque. Depths, lidars and what is true of a pixel
+/// are those of the nearest surface, clear or not, as in Gazebo, but for [`MaterialConfig::transmittance`]. What has an alpha below 1 or a blended texture casts no
 /// shadows; what is cut out casts the shadow of the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum TextureAlpha {
@@ -88,6 +96,8 @@ pub struct Material {
     pub(crate) alpha: f32,
     pub(crate) texture_alpha: u32,
     pub(crate) least_alpha: f32,
+    pub(crate) specular_reflectance: f32,
+    pub(crate) transmittance: f32,
     pub(crate) normal_map: u32,
     pub(crate) texture_repeat: [f32; 2],
     pub(crate) texture: u32,
@@ -110,6 +120,8 @@ impl Material {
             alpha: config.alpha,
             texture_alpha,
             least_alpha,
+            specular_reflectance: config.specular_reflectance,
+            transmittance: config.transmittance,
             normal_map: config.normal_map.map_or(NO_TEXTURE, |texture| texture.0),
             texture_repeat: config.texture_repeat,
             texture: config.texture.map_or(NO_TEXTURE, |texture| texture.0),
@@ -129,6 +141,11 @@ impl Material {
     /// Whether anything may be seen through it.
     pub(crate) fn is_clear(&self) -> bool {
         self.alpha < 1.0 || self.has_texture_alpha()
+    }
+
+    /// Whether lidars and depth cameras see anything by way of it.
+    pub(crate) fn is_mirror_or_pane(&self) -> bool {
+        self.specular_reflectance > 0.0 || self.transmittance > 0.0
     }
 
     /// Whether it stands in the way of light.

@@ -216,6 +216,8 @@ pub enum SceneError {
     BadShininess,
     /// An alpha, or the least of what is cut out, is not between 0 and 1.
     BadAlpha,
+    /// A specular reflectance or transmittance is not between 0 and 1, or they are more than 1 together.
+    BadShares,
     /// The falloff of a spot is not between 0 and [`MAX_FALLOFF`].
     BadFalloff,
     /// The texture coordinates of the vertex of that index are not finite, or beyond ±1e12.
@@ -282,6 +284,9 @@ impl core::fmt::Display for SceneError {
             }
             Self::BadShininess => f.write_str("a shininess is not between 0 and 10000"),
             Self::BadAlpha => f.write_str("an alpha is not between 0 and 1"),
+            Self::BadShares => {
+                f.write_str("a specular reflectance and a transmittance are not from 0 to 1, also together")
+            }
             Self::BadFalloff => f.write_str("the falloff of a spot is not between 0 and 10000"),
             Self::BadUv(index) => {
                 write!(f, "the texture coordinates of vertex {index} are not finite, or beyond 1e12")

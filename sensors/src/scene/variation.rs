@@ -11,6 +11,11 @@ impl<'a> Scene<'a> {
         self.materials
     }
 
+    /// Whether lidars and depth cameras see anything by way of a material.
+    pub(crate) fn has_mirrors_or_panes(&self) -> bool {
+        self.materials.iter().any(Material::is_mirror_or_pane)
+    }
+
     /// The same shapes in other materials, one in the place of each.
     ///
     /// ```

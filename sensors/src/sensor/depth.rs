@@ -1,6 +1,7 @@
 //! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
 
 mod config;
+mod contrast;
 mod develop;
 mod ends;
 mod look;
@@ -15,6 +16,7 @@ use super::camera::brush::{Brush, ColourRows, sums_len};
 use super::camera::{Camera, CameraConfig, CameraError};
 use super::edges::Smoothing;
 pub use config::{DepthCameraConfig, OutOfRange};
+use contrast::{Brightness, Contrast};
 use develop::{Developer, Measured};
 use look::Looker;
 use pattern::Pattern;
@@ -29,6 +31,7 @@ use crate::noise::{GaussianNoise, Stream, normal_columns, normal_lines};
 use crate::scene::{Scene, visibility};
 use crate::simd::{LANES, Lanes, WIDTH};
 pub use crate::trace::TooNear;
+use crate::trace::beyond::Glazing;
 use crate::trace::error::check_output;
 use crate::trace::grid::{Band, BandWork, Frame, Sight, rays_of};
 use crate::trace::measure::Measure;
@@ -174,7 +177,8 @@ impl Sensor for DepthCamera<'_> {
         let seen = self.device.map_or(0, |device| {
             let pattern =
                 matches!(device.look, Look::Dots(_)).then(|| Pattern::workspace_len(self.camera.size()));
-            Seen::workspace_len(self.pixels()) + pattern.unwrap_or(0)
+            let brightness = device.matcher.map(|_| Brightness::workspace_len(self.pixels()));
+            Seen::workspace_len(self.pixels()) + pattern.unwrap_or(0) + brightness.unwrap_or(0)
         });
         Frame::workspace_len(scene, optics, shutter) + sums_len(&fan, shutter) + blocked + marks + seen
     }
@@ -214,6 +218,8 @@ impl Sensor for DepthCamera<'_> {
         };
         let device = self.device.as_ref().filter(|_| wants_depth);
         let mut seen = device.map(|_| Seen::new(pixels, &mut memory));
+        let mut brightness =
+            device.filter(|device| device.matcher.is_some()).map(|_| Brightness::new(pixels, &mut memory));
         let wants_colour = colour.is_some() || points.is_some();
         let marks = memory.take(if wants_colour { self.camera.marks(shutter) } else { 0 });
         let drawn = (colour.as_deref_mut(), &mut *marks);
@@ -222,6 +228,7 @@ impl Sensor for DepthCamera<'_> {
             depth_16uc1: depth_16uc1.as_deref_mut(),
             points: points.as_deref_mut(),
             seen: seen.as_mut().map(Seen::reborrow),
+            brightness: brightness.as_mut().map(|Brightness(all)| Brightness(all)),
             truth,
             width: self.camera.size()[0],
             lines_in_tile: Tiling::of(frame.fan()).size()[1],
@@ -235,10 +242,15 @@ impl Sensor for DepthCamera<'_> {
             let rays = rays_of(optics, (*frame.fan(), 0), execution, &mut memory);
             let numbers = Stream { seed, sensor, frame: capture.frame, channel: 0 };
             let looker = Looker::new(&rays, self.camera.size(), numbers, seen);
-            let pattern = Pattern::find(&looker, &device.look, execution, &mut memory);
+            let pattern = Pattern::find(&looker, device, execution, &mut memory);
+            let contrast = device.matcher.zip(brightness).map(|(matcher, Brightness(brightness))| Contrast {
+                matcher,
+                brightness,
+                size: self.camera.size(),
+            });
             let (points, width) = (points.as_deref_mut(), self.camera.size()[0]);
             let output = Measured { depth_32fc1, depth_16uc1, points, width };
-            Developer { camera: self, device, looker, pattern }.develop(execution, output);
+            Developer { camera: self, device, looker, pattern, contrast }.develop(execution, output);
         }
         if let Some(smoothing) = Smoothing::new(&frame, optics, sight, marks) {
             let camera = &self.camera;
@@ -264,7 +276,7 @@ impl Measurer<'_> {
         &self,
         simd: S,
         band: &Band<'_>,
-        (measure, resolver): (&Measure, &mut Resolver<'_>),
+        (measure, resolver, glazing): (&Measure, &mut Resolver<'_>, &mut Option<Glazing>),
         [column, row]: [usize; 2],
         output: &mut Rows<'_>,
     ) -> Lanes<f32> {
@@ -281,7 +293,13 @@ impl Measurer<'_> {
         let mut of_tile = [f32::INFINITY; LANES];
         for part in 0..BLOCKS.min(across - first) {
             let block = [first + part, row];
-            let truth = measure.block::<S, true>(simd, band, resolver, block);
+            let mut truth = measure.block::<S, true>(simd, band, resolver, block);
+            if let Some(glazing) = glazing
+                && let Some(seen) =
+                    glazing.look::<S, true>(simd, band, resolver, &self.camera.camera.sight(), block)
+            {
+                truth = seen.put_far(simd, truth);
+            }
             let truth = self.obstacles.hide(simd, row * across + first + part, truth);
             let mut noisy = truth;
             if has_noise {
@@ -307,6 +325,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
         let Self { camera, capture, .. } = self;
         let tiling = Tiling::of(band.rays.fan());
         let mut brush = Brush::new(&camera.camera, capture, band);
+        let mut glazing = Glazing::of(band.view).filter(|_| output.seen.is_none());
         let measure = Measure::new(&band.view.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
         if let Some(truth) = &mut output.truth {
@@ -314,7 +333,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
         }
         let is_measured = output.seen.is_none();
         if let (Some(seen), Some(device)) = (&mut output.seen, &camera.device) {
-            seen.write(simd, band, device, camera.camera.sight().faces, self.obstacles);
+            seen.write(simd, band, device, &camera.camera.sight(), self.obstacles);
         }
         for row in band.block_rows() {
             // Depths are those of a line's first slice.
@@ -322,14 +341,21 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
             for column in 0..brush.tiles {
                 let tile = [column, row];
                 let wants_points = is_first && output.points.is_some();
-                if output.wants_colour || wants_points {
+                let wants_brightness = is_first && output.brightness.is_some();
+                if output.wants_colour || wants_points || wants_brightness {
                     brush.see(simd, band, tile);
+                }
+                if output.wants_colour || wants_points {
                     brush.mark(simd, band, tile, &mut output.colour);
+                }
+                if wants_brightness {
+                    output.write_brightness(&brush.colours, band, tile);
                 }
                 if is_first {
                     let mut depths = [f32::NAN; LANES];
                     if is_measured {
-                        depths = self.measure(simd, band, (&measure, &mut resolver), tile, output);
+                        let tools = (&measure, &mut resolver, &mut glazing);
+                        depths = self.measure(simd, band, tools, tile, output);
                     }
                     if wants_points {
                         let light = brush.colours;

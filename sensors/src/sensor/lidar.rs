@@ -12,6 +12,7 @@ use crate::optics::SphericalGrid;
 use crate::scene::Scene;
 use crate::simd::{LANES, WIDTH};
 pub use crate::trace::TooNear;
+use crate::trace::beyond::Glazing;
 use crate::trace::error::check_output;
 use crate::trace::grid::{Band, BandWork, Frame, Sight, check_shutter};
 use crate::trace::image::NO_HIT;
@@ -235,18 +236,28 @@ impl BandWork<Lines<'_>> for Scanner<'_> {
         let Lines { scan: Scan { ranges, intensities, .. }, samples, .. } = output;
         let config = &self.lidar.config;
         let (min, max) = (config.range_min_m as f32, config.range_max_m as f32);
+        let mut glazing = Glazing::of(band.view);
         for_each_block(
             band,
             #[inline(always)]
             |place, block| {
-                let truth = measure.block::<S, false>(simd, band, &mut resolver, block);
+                let mut truth = measure.block::<S, false>(simd, band, &mut resolver, block);
+                let mut slots = &band.target.slot[place.block];
+                let mut seen = None;
+                if let Some(glazing) = &mut glazing {
+                    seen = glazing.look::<S, false>(simd, band, &mut resolver, &self.sight, block);
+                }
+                if let Some(seen) = &mut seen {
+                    truth = seen.put_far(simd, truth);
+                    slots = seen.put_slots(slots);
+                }
                 if let Some(ranges) = ranges.as_deref_mut() {
                     place.write_f32(simd, truth, ranges);
                 }
                 if let Some(intensities) = intensities.as_deref_mut() {
                     let truth: [f32; WIDTH] = truth.into();
                     let mut retro = [0.0; WIDTH];
-                    for (lane, &slot) in band.target.slot[place.block].iter().enumerate() {
+                    for (lane, &slot) in slots.iter().enumerate() {
                         if slot != NO_HIT && min < truth[lane] && truth[lane] < max {
                             retro[lane] = resolver.laser_retro(slot);
                         }

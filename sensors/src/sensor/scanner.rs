@@ -180,8 +180,17 @@ impl Sensor for Scanner<'_> {
         let in_piece = firings.count.div_ceil(MOST_PIECES).next_multiple_of(LANES).max(LANES);
         let ScannerConfig { seed, sensor, .. } = self.config;
         let noise = Stream { seed, sensor, frame: capture.frame, channel: Stream::RANGE };
-        let mut frame =
-            Frame { scanner: self, scene, execution, noise, firings, motions, view: None, in_piece };
+        let mut frame = Frame {
+            scanner: self,
+            scene,
+            execution,
+            noise,
+            firings,
+            motions,
+            view: None,
+            in_piece,
+            has_mirrors: scene.has_mirrors_or_panes(),
+        };
         let (echoes, mut none) = output.split_at(firings.count, self.returns());
         none.fill_with_nothing(self.most_firings() - firings.count);
         let (shared, memory) =

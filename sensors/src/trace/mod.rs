@@ -6,6 +6,7 @@
 //! that none can meet is left out for all.
 
 mod bands;
+pub(crate) mod beyond;
 mod boxes;
 mod cast;
 pub(crate) mod error;

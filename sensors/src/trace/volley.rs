@@ -72,6 +72,16 @@ impl Volley {
         self.packet.t[lane] = farthest;
     }
 
+    /// Origin and direction of a ray, as it was set.
+    pub(crate) fn ray(&self, lane: usize) -> [DVec3; 2] {
+        [of_lane(&self.packet.origin, lane), of_lane(&self.packet.direction, lane)]
+    }
+
+    /// Time of a ray, as it was set.
+    pub(crate) fn share(&self, lane: usize) -> f64 {
+        self.share[lane]
+    }
+
     /// How far the ray goes; none if it meets nothing.
     #[inline(always)]
     pub(crate) fn range(&self, lane: usize) -> Option<f64> {
@@ -158,7 +168,7 @@ impl Volley {
 
     /// A ray in the frame of an instance.
     fn in_instance(&self, view: &View<'_>, placed: &Placed, lane: usize) -> [DVec3; 2] {
-        let (origin, direction) = (of_lane(&self.packet.origin, lane), of_lane(&self.packet.direction, lane));
+        let [origin, direction] = self.ray(lane);
         match Motion::of(view, placed) {
             Some(motion) => motion.in_instance(origin, direction, self.share[lane]),
             None => [

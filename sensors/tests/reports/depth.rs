@@ -5,7 +5,7 @@ use super::page::{Bound, Page, Row, digits};
 use super::plot::{Plot, curve};
 use belvedere_sensors::depth::DepthCameraConfig;
 use belvedere_sensors::device::depth::presets::DepthPreset;
-use belvedere_sensors::device::depth::{DepthModel, DisparitySteps};
+use belvedere_sensors::device::depth::{DepthModel, DepthNoise, DisparitySteps};
 use core::f64::consts::FRAC_PI_2;
 
 /// How far planes are turned: nobody sees them all from the front.
@@ -32,6 +32,8 @@ fn published(name: &str) -> (Published, bool) {
             },
             true,
         ),
+        // σ of 1/36 px, and that of steps of an eighth, of disparities of 35.13 px at 1 m.
+        "redwood" => (|z, _| z * z * (1.0 / (36.0 * 36.0) + 1.0 / (64.0 * 12.0_f64)).sqrt() / 35.13, false),
         "azure_kinect" => (|z, _| 0.017 * (z / 3.5) * (z / 3.5), false),
         _ => panic!("{name} has no report"),
     }
@@ -40,7 +42,11 @@ fn published(name: &str) -> (Published, bool) {
 /// Places in a step that depths lie at, where they are rounded to steps.
 const PLACES: u32 = 8;
 
-/// Standard deviation of measured depths in a few pixels about the axis.
+/// Furthest that a stereo camera is sure to find what has no texture, and deepest plane of its page.
+const FOUND_M: f64 = 5.3;
+
+/// Errors of measured depths in a few pixels about the axis; of a device that locks its disparities without their mean, which is
+/// what locking makes of that depth.
 fn stddev(preset: &DepthPreset, depth: f64, angle: f64) -> f64 {
     let step_m = preset.model(preset.focal_px()).steps.map_or(0.0, |steps| steps.step_m(depth));
     let config = DepthCameraConfig::of_preset(preset).unwrap().camera(narrow([64, 40]).camera);
@@ -51,7 +57,21 @@ fn stddev(preset: &DepthPreset, depth: f64, angle: f64) -> f64 {
     let errors = |frame: Frame| {
         frame.depth.into_iter().zip(frame.true_depth).map(|(found, truth)| f64::from(found - truth))
     };
-    rms(frames.flat_map(errors).filter(|error| error.is_finite()))
+    let errors: Vec<f64> = frames.flat_map(errors).filter(|error| error.is_finite()).collect();
+    let mean = match preset.model(preset.focal_px()).noise {
+        DepthNoise::Disparity(noise) if noise.locking_px > 0.0 => {
+            errors.iter().sum::<f64>() / errors.len() as f64
+        }
+        _ => 0.0,
+    };
+    rms(errors.into_iter().map(|error| error - mean))
+}
+
+/// Share of the pixels of a plane without texture that have a depth.
+fn fill_factor(preset: &DepthPreset, depth: f64) -> f64 {
+    let config = DepthCameraConfig::of_preset(preset).unwrap().camera(narrow([160, 100]).camera);
+    let frame = take(&plane(depth, 0.0), config, 0);
+    frame.depth.iter().filter(|depth| depth.is_finite()).count() as f64 / frame.depth.len() as f64
 }
 
 /// The step of depths at a depth, on a ramp without noise.
@@ -70,7 +90,11 @@ fn step(steps: DisparitySteps, depth: f64) -> f64 {
 /// The page of a preset.
 pub(crate) fn page(preset: &DepthPreset) -> Page {
     let (published, is_slanted) = published(preset.name);
-    let [least, most] = preset.range_m;
+    let [least, mut most] = preset.range_m;
+    let matching = preset.model(preset.focal_px()).matching;
+    if matching.is_some() {
+        most = most.min(FOUND_M);
+    }
     let mut rows = Vec::new();
     let mut points = Vec::new();
     for share in [0.1, 0.2, 0.35, 0.5, 0.65, 0.8] {
@@ -105,10 +129,15 @@ pub(crate) fn page(preset: &DepthPreset) -> Page {
             is_logarithmic: false,
         });
     }
+    if matching.is_some() {
+        let what = "pixels with a depth, of a plane without texture at 2 m: at least 99 %";
+        rows.push(Row::new(what, "%", 100.0, 100.0 * fill_factor(preset, 2.0), Bound::By(1.0)));
+    }
     if let Some(steps) = preset.model(preset.focal_px()).steps {
-        // Khoshelham and Oude Elberink 2012.
+        // Khoshelham and Oude Elberink 2012; Redwood's are eighths of 35.13 px at 1 m.
+        let at_1m = if preset.name == "redwood" { 1.0 / (8.0 * 35.13) } else { 2.85e-3 };
         for depth in [1.0, 2.0, 3.0] {
-            let (expected, found) = (2.85e-3 * depth * depth, step(steps, depth));
+            let (expected, found) = (at_1m * depth * depth, step(steps, depth));
             let what = format!("step of depths at {depth} m");
             rows.push(Row::new(what, "mm", expected * 1e3, found * 1e3, Bound::Share(0.02)));
         }

@@ -22,10 +22,21 @@ pub struct Visual {
     pub label: Option<u32>,
     /// Reflectivity that a lidar which sees visuals reports as intensity (`<laser_retro>`), 0 if not given.
     pub laser_retro: f32,
+    /// What lidars that see visuals, and depth cameras, see by way of it (`<optics>`).
+    pub optics: Optics,
     /// The tags that it shows.
     pub fiducials: Vec<Fiducial>,
     /// Where it stands.
     pub source: Source,
+}
+
+/// Which part of the light of lidars and depth cameras a surface does not scatter: `<optics>`, which is ours.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Optics {
+    /// Share that is reflected as by a mirror.
+    pub specular_reflectance: f32,
+    /// Share that passes straight through.
+    pub transmittance: f32,
 }
 
 /// A tag on a surface: `<fiducial>` of a `<visual>`, which is ours.
@@ -54,6 +65,8 @@ pub struct Collision {
     pub friction: Option<f64>,
     /// Reflectivity that a lidar reports as intensity (`<laser_retro>`), 0 if not given.
     pub laser_retro: f32,
+    /// What lidars see by way of it (`<optics>`).
+    pub optics: Optics,
     /// Where it stands.
     pub source: Source,
 }

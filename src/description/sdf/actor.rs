@@ -2,7 +2,7 @@
 
 use super::model::ParsedModel;
 use super::{Loader, Scope, name_of};
-use crate::description::model::{Geometry, Leg, Link, Model, Trajectory, Visual, Waypoint};
+use crate::description::model::{Geometry, Leg, Link, Model, Optics, Trajectory, Visual, Waypoint};
 use crate::description::values::{child_bool, child_number, child_text};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
@@ -70,6 +70,7 @@ impl Loader<'_> {
             material: mesh.material.clone().unwrap_or_default(),
             label: None,
             laser_retro: 0.0,
+            optics: Optics::default(),
             fiducials: Vec::new(),
             geometry: Geometry::Mesh(mesh),
             source: skin.source.clone(),

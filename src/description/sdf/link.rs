@@ -7,6 +7,7 @@ use crate::description::fiducial::fiducials;
 use crate::description::inertia;
 use crate::description::label::label;
 use crate::description::model::{Collision, Inertial, Link, Visual};
+use crate::description::optics::optics;
 use crate::description::sensor::parse_sensor;
 use crate::description::values::{child_bool, child_number, child_text, friction_coefficient};
 use crate::description::xml::Element;
@@ -135,6 +136,7 @@ impl Loader<'_> {
         let material = self.material(element, scope);
         let label = label(element, self.diagnostics);
         let laser_retro = child_number(element, "laser_retro", self.diagnostics).unwrap_or(0.0) as f32;
+        let optics = optics(element, self.diagnostics).unwrap_or_default();
         let mut fiducials = fiducials(element, self.diagnostics);
         // A mesh whose triangles have several materials becomes one visual for each; the first has the tags.
         for geometry in self.visual_geometry(element, scope) {
@@ -147,6 +149,7 @@ impl Loader<'_> {
                 material,
                 label,
                 laser_retro,
+                optics,
                 fiducials: std::mem::take(&mut fiducials),
                 geometry,
                 source: element.source.clone(),
@@ -165,6 +168,7 @@ impl Loader<'_> {
             mu = Some(friction_coefficient(value, "<mu>", &child.source, self.diagnostics));
         }
         let laser_retro = child_number(element, "laser_retro", self.diagnostics).unwrap_or(0.0) as f32;
+        let optics = optics(element, self.diagnostics).unwrap_or_default();
         if let Some(geometry) = self.collision_geometry(element, scope) {
             link.collisions.push(Collision {
                 name: name_of(element),
@@ -172,6 +176,7 @@ impl Loader<'_> {
                 geometry,
                 friction: mu,
                 laser_retro,
+                optics,
                 source: element.source.clone(),
             });
         }

@@ -1,6 +1,7 @@
 //! Inertial measurement units: `<imu>` with its noise and its frame of reference, and `libgazebo_ros_imu_sensor.so`.
 
 use super::gz::{frame_name, gz_topic};
+use super::imu_profile::ImuProfile;
 use super::instrument::{InstrumentPlugin, ros2_names};
 use super::noise::instrument;
 use super::plugin::{absolute, extension};
@@ -26,6 +27,8 @@ pub struct Imu {
     pub orientation_stddev: f64,
     /// Errors of the heading that is told, in rad about the world's z.
     pub heading: InstrumentConfig<1>,
+    /// How its packets are laid out, if it is an Ouster's and sends any.
+    pub packets: Option<ImuProfile>,
     /// What publishes it.
     pub plugin: Option<InstrumentPlugin>,
 }
@@ -80,6 +83,7 @@ impl Imu {
             orientation_offset: DQuat::IDENTITY,
             orientation_stddev: 0.0,
             heading: InstrumentConfig::default(),
+            packets: None,
             plugin: Some(plugin),
         }
     }
@@ -113,6 +117,7 @@ impl Reader<'_> {
             orientation_offset: DQuat::IDENTITY,
             orientation_stddev: 0.0,
             heading: InstrumentConfig::default(),
+            packets: self.imu_profile(sensor, true)?,
             plugin: None,
         };
         if let Some(plugin) = self.plugin(sensor, &KIND) {
@@ -237,8 +242,9 @@ impl Reader<'_> {
             .iter()
             .flat_map(|triad| FIGURES.iter().map(move |figure| format!("{triad}_{figure}")))
             .collect();
-        let remedy = format!("take it out: there are preset, {}", words.join(", "));
-        self.left_out(own, |name| name == "preset" || words.iter().any(|word| word == name), &remedy);
+        let others = ["preset", "udp_profile_imu"];
+        let remedy = format!("take it out: there are {}, {}", others.join(", "), words.join(", "));
+        self.left_out(own, |name| others.contains(&name) || words.iter().any(|word| word == name), &remedy);
         if own.child("preset").is_some() {
             config = presets::named(self.preset_name(own, &presets::NAMES)?)?;
         }

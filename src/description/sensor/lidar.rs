@@ -4,6 +4,7 @@ mod physics;
 mod profile;
 
 use super::gz::{frame_name, gz_topic};
+use super::imu_profile::ImuProfile;
 use super::instrument::{InstrumentPlugin, ros2_names};
 use super::plugin::{extension, plain_name, topic};
 use super::reader::Reader;
@@ -13,7 +14,7 @@ use crate::description::model::{CloudLayout, LaserPlugin, Noise, RaySensor, Scan
 use crate::description::values::{child_bool, child_text};
 use crate::description::xml::Element;
 use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
-use belvedere_sensors::scanner::presets::{self, Mode, Preset};
+use belvedere_sensors::scanner::presets::{self, Maker, Mode, Preset};
 use belvedere_sensors::scanner::{Columns, Pattern, Raster, Weather};
 pub use physics::BeamPhysics;
 pub use profile::PacketProfile;
@@ -30,6 +31,8 @@ pub struct Lidar {
     pub physics: BeamPhysics,
     /// How its packets are laid out, if its maker has several ways.
     pub profile: PacketProfile,
+    /// How the packets of its inertial unit are laid out, as its metadata tell.
+    pub imu_profile: ImuProfile,
     /// What publishes it.
     pub plugin: Option<LaserPlugin>,
 }
@@ -70,7 +73,9 @@ impl Reader<'_> {
         if let (true, Some(plugin)) = (is_cloud, &mut plugin) {
             plugin.cloud.get_or_insert_default();
         }
-        let lidar = Lidar { ray, preset, physics, profile, plugin };
+        let is_ouster = preset.as_ref().is_some_and(|preset| preset.maker == Maker::Ouster);
+        let imu_profile = self.imu_profile(sensor, is_ouster)?.unwrap_or_default();
+        let lidar = Lidar { ray, preset, physics, profile, imu_profile, plugin };
         self.check_physics(sensor, &lidar)?;
         Some(lidar)
     }
@@ -79,7 +84,9 @@ impl Reader<'_> {
     #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
     fn scanner_preset(&mut self, sensor: &Element) -> Option<Option<Preset>> {
         let Some(own) = extension(sensor) else { return Some(None) };
-        let names = || ["preset", "columns", "udp_profile_lidar"].into_iter().chain(physics::NAMES);
+        let names = || {
+            ["preset", "columns", "udp_profile_lidar", "udp_profile_imu"].into_iter().chain(physics::NAMES)
+        };
         let remedy = format!("take it out: a lidar has {}", names().collect::<Vec<_>>().join(", "));
         self.left_out(own, |name| names().any(|known| known == name), &remedy);
         if child_text(own, "preset").is_none() {

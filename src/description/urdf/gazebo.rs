@@ -11,6 +11,7 @@ use crate::description::fiducial::fiducials;
 use crate::description::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::description::label::label;
 use crate::description::model::{LinkIndex, Model};
+use crate::description::optics::optics;
 use crate::description::plugin;
 use crate::description::sensor::parse_sensor;
 use crate::description::values::{child_bool, child_text, friction_coefficient, nearest, number};
@@ -90,6 +91,10 @@ impl Loader<'_> {
         // As libsdformat: only these say yes.
         if let Some(collides) = element.child("selfCollide").map(value) {
             link.self_collide = matches!(collides.to_ascii_lowercase().as_str(), "true" | "yes" | "1");
+        }
+        if let Some(optics) = optics(element, self.diagnostics) {
+            link.collisions.iter_mut().for_each(|collision| collision.optics = optics);
+            link.visuals.iter_mut().for_each(|visual| visual.optics = optics);
         }
         if let Some(retro) = number_of(element, "laserRetro", self.diagnostics) {
             for collision in &mut link.collisions {

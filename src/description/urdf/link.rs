@@ -2,7 +2,7 @@
 
 use super::Loader;
 use crate::description::inertia;
-use crate::description::model::{Collision, Inertial, Link, Model, Visual};
+use crate::description::model::{Collision, Inertial, Link, Model, Optics, Visual};
 use crate::description::values::{child_origin, number};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
@@ -93,6 +93,7 @@ impl Loader<'_> {
             material: material.clone().or(own_material).unwrap_or_default(),
             label: None,
             laser_retro: 0.0,
+            optics: Optics::default(),
             fiducials: Vec::new(),
             source: element.source.clone(),
         };
@@ -107,6 +108,7 @@ impl Loader<'_> {
             geometry: self.collision_geometry(element)?,
             friction: None,
             laser_retro: 0.0,
+            optics: Optics::default(),
             source: element.source.clone(),
         })
     }

@@ -193,11 +193,12 @@ fn extensions_are_set_by_text_or_attribute() {
         (model.unwrap().links.remove(0), problems)
     };
     let (a, problems) = link(
-        "<mu1 value='0.25'/><laserRetro value=' 7 '/><turnGravityOff value='True'/><material value='Gazebo/Red'/>",
+        "<mu1 value='0.25'/><laserRetro value=' 7 '/><optics><transmittance>0.9</transmittance></optics><turnGravityOff value='True'/><material value='Gazebo/Red'/>",
     );
     assert!(problems.is_empty(), "{problems:?}");
     assert_eq!((a.collisions[0].friction, a.collisions[0].laser_retro, a.gravity), (Some(0.25), 7.0, false));
     assert_eq!(a.visuals[0].material.diffuse, [1.0, 0.0, 0.0]);
+    assert_eq!((a.visuals[0].optics.transmittance, a.collisions[0].optics.transmittance), (0.9, 0.9));
     assert!(link("<turnGravityOff>no</turnGravityOff>").0.gravity);
     let (a, problems) = link("<mu1>-1</mu1>");
     assert!(a.collisions[0].friction.unwrap() >= 1e6);

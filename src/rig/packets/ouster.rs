@@ -2,12 +2,14 @@
 //! sensor documentation, "Lidar Data").
 
 mod crc;
+mod inertial;
 mod metadata;
 
 use super::{Column, Protocol};
-use crate::description::model::{self, PacketProfile};
+use crate::description::model::{self, ImuProfile, PacketProfile};
 use crate::rig::ouster::OusterHead;
 use crc::crc64;
+pub(in crate::rig) use inertial::ImuPackets;
 
 /// Columns of a packet.
 const COLUMNS: usize = 16;
@@ -48,6 +50,7 @@ const fn layout(profile: PacketProfile) -> Layout {
 
 struct Ouster {
     profile: PacketProfile,
+    imu_profile: ImuProfile,
     layout: Layout,
     head: OusterHead,
     rate_hz: f64,
@@ -65,7 +68,16 @@ pub(super) fn of(lidar: &model::Lidar) -> Option<Box<dyn Protocol>> {
     let column = layout.column_header + layout.channel * head.lasers.len() + layout.column_footer;
     let packet = vec![0; layout.header + COLUMNS * column + layout.footer];
     let (name, rate_hz) = (preset.name, preset.rate_hz);
-    Some(Box::new(Ouster { profile: lidar.profile, layout, head, rate_hz, name, packet, filled: 0 }))
+    Some(Box::new(Ouster {
+        profile: lidar.profile,
+        imu_profile: lidar.imu_profile,
+        layout,
+        head,
+        rate_hz,
+        name,
+        packet,
+        filled: 0,
+    }))
 }
 
 impl Ouster {

@@ -3,7 +3,7 @@
 use crate::description::diagnostics::{Problem, Severity, Source};
 use crate::description::housing::Part;
 use crate::description::model as description;
-use crate::description::model::{Geometry, Heights, LinkIndex, Mesh};
+use crate::description::model::{Geometry, Heights, LinkIndex, Mesh, Optics};
 use crate::world::physics::ModelIndex;
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
@@ -57,7 +57,7 @@ impl Assembly {
         // Without a label, a thing's class is its model: its place, from 1, in the simulator's list of models.
         let class = 1 + key.0 as u32;
         for (number, visual) in link.visuals.iter().enumerate() {
-            let material = self.material(&visual.material, &visual.source)?;
+            let material = self.material(&visual.material, visual.optics, &visual.source)?;
             let (shape, shape_pose) = self.shape(&visual.geometry, false, &visual.source)?;
             let link_from_shape = visual.link_from_visual * shape_pose;
             let config = |world_from_instance| InstanceConfig {
@@ -80,11 +80,17 @@ impl Assembly {
             }));
         }
         for (number, collision) in link.collisions.iter().enumerate() {
-            let material = match self.bare {
+            let is_plain = collision.optics == Optics::default();
+            let bare = self.bare.filter(|_| is_plain);
+            let material = match bare {
                 Some(material) => material,
-                None => self.material(&description::Material::default(), &collision.source)?,
+                None => {
+                    self.material(&description::Material::default(), collision.optics, &collision.source)?
+                }
             };
-            self.bare = Some(material);
+            if is_plain {
+                self.bare = Some(material);
+            }
             let (shape, shape_pose) = self.shape(&collision.geometry, true, &collision.source)?;
             let link_from_shape = collision.link_from_collision * shape_pose;
             let key = (key, Part::Collision(number));
@@ -195,7 +201,12 @@ impl Assembly {
         Ok(added)
     }
 
-    fn material(&mut self, material: &description::Material, source: &Source) -> Result<MaterialId, Problem> {
+    fn material(
+        &mut self,
+        material: &description::Material,
+        optics: Optics,
+        source: &Source,
+    ) -> Result<MaterialId, Problem> {
         let found = material.texture.as_deref().map(|path| self.texture(path, source)).transpose()?;
         let normal_map =
             material.normal_map.as_deref().map(|path| self.normal_map(path, source)).transpose()?;
@@ -209,6 +220,8 @@ impl Assembly {
             shininess: material.shininess,
             alpha: material.alpha,
             texture_alpha,
+            specular_reflectance: optics.specular_reflectance,
+            transmittance: optics.transmittance,
             normal_map,
             texture,
             texture_repeat: material.texture_repeat,

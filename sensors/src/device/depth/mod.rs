@@ -1,10 +1,10 @@
 //! The device behind a depth camera's lens: what it makes of true depths.
 //!
 //! ```text
-//! true depth, ─► second eye ─► window ─► noise ─► steps ─► range ─► picture
-//! incidence      hidden:       own ray,  metres   of       too near,
-//!                NaN           beside,   or       1/z      too far
-//!                              dots,     pixels
+//! true depth, ─► second eye ─► window ─► matching ─► noise ─► steps ─► range ─► picture
+//! incidence,     hidden:       own ray,  not found:  metres   of       too near,
+//! brightness     NaN           beside,   NaN         or       1/z      too far
+//!                              dots,                 pixels
 //!                              light
 //! ```
 //!
@@ -16,12 +16,14 @@
 mod dots;
 mod incidence;
 mod lateral;
+mod matching;
 mod noise;
 pub mod presets;
 pub mod published;
 mod second_eye;
 mod steps;
 mod time_of_flight;
+mod turns;
 mod window;
 
 use super::DeviceError;
@@ -30,12 +32,14 @@ pub use dots::DotWindow;
 pub(crate) use dots::{Dots, dot, find_dot, squares};
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 pub use lateral::{LateralNoise, Sampling};
+pub use matching::Matching;
+pub(crate) use matching::{Matcher, REACH};
 pub use noise::{AxialNoise, DepthNoise, DisparityNoise};
 pub(crate) use second_eye::Eye;
 pub use second_eye::SecondEye;
 pub use steps::DisparitySteps;
 pub use time_of_flight::TimeOfFlight;
-pub(crate) use time_of_flight::{Around, Light};
+pub(crate) use time_of_flight::{Around, FREQUENCIES, Light};
 pub(crate) use window::Look;
 pub use window::Window;
 
@@ -57,6 +61,8 @@ pub struct DepthModel {
     pub second_eye: Option<SecondEye>,
     /// What a pixel's depth is taken from.
     pub window: Window,
+    /// By what contrast a pixel is found in the second eye.
+    pub matching: Option<Matching>,
     /// Noise of a depth; what it takes to the limits of the range or beyond is too near or too far.
     pub noise: DepthNoise,
     /// Steps that noisy depths are rounded to.
@@ -69,6 +75,7 @@ impl DepthModel {
         Self {
             second_eye: None,
             window: Window::Own,
+            matching: None,
             noise: DepthNoise::Gaussian(GaussianNoise::NONE),
             steps: None,
         }
@@ -85,6 +92,13 @@ impl DepthModel {
     #[must_use]
     pub fn window(mut self, window: impl Into<Window>) -> Self {
         self.window = window.into();
+        self
+    }
+
+    /// Sets by what contrast a pixel is found in the second eye. Frames are shaded for it, whoever asks for colours.
+    #[must_use]
+    pub fn matching(mut self, matching: impl Into<Option<Matching>>) -> Self {
+        self.matching = matching.into();
         self
     }
 
@@ -111,6 +125,9 @@ impl DepthModel {
             eye.check()?;
         }
         self.window.check()?;
+        if let Some(matching) = &self.matching {
+            matching.check()?;
+        }
         self.noise.check()?;
         self.steps.as_ref().map_or(Ok(()), DisparitySteps::check)
     }
@@ -138,6 +155,7 @@ fn check(parameter: &'static str, value: f64, range: [f64; 2]) -> Result<(), Dev
 pub(crate) struct DepthDevice {
     pub(crate) eye: Option<Eye>,
     pub(crate) look: Look,
+    pub(crate) matcher: Option<Matcher>,
     noise: noise::Sigma,
     /// Of the Gaussian noise.
     bias: f32,
@@ -152,22 +170,38 @@ impl DepthDevice {
         let device = Self {
             eye: model.second_eye.as_ref().map(Eye::new),
             look: Look::new(&model.window),
+            matcher: model.matching.as_ref().map(Matcher::new),
             noise: noise::Sigma::new(&model.noise, step_m),
             bias,
             steps: model.steps.as_ref().map(steps::Steps::new),
         };
-        let is_plain = device.eye.is_none() && device.look == Look::Own && device.steps.is_none();
+        let is_plain = device.eye.is_none()
+            && device.look == Look::Own
+            && device.matcher.is_none()
+            && device.steps.is_none();
         Ok((!is_plain || !matches!(model.noise, DepthNoise::Gaussian(_))).then_some(device))
     }
 
     /// Whether it asks how the rays meet the surfaces.
     pub(crate) fn wants_incidence(&self) -> bool {
-        self.noise.wants_incidence() || self.look.wants_incidence()
+        self.noise.wants_incidence() || self.look.wants_incidence() || self.matcher.is_some()
     }
 
     /// Whether it draws random numbers for depths.
     pub(crate) fn is_noisy(&self) -> bool {
-        self.noise.is_noisy()
+        self.noise.is_noisy() && !self.has_noisy_phases()
+    }
+
+    /// Whether its noise is that of phases, before their turns are counted.
+    pub(crate) fn has_noisy_phases(&self) -> bool {
+        matches!(self.look, Look::Light(light) if light.has_several())
+            && matches!(self.noise, noise::Sigma::Axial { .. })
+    }
+
+    /// Standard deviations in metres of the depths of its phases.
+    #[inline(always)]
+    pub(crate) fn phase_stddevs<S: Simd>(&self, simd: S, depths: f32x16<S>, cosines: f32x16<S>) -> f32x16<S> {
+        self.noise.stddevs(simd, depths, cosines)
     }
 
     /// Sixteen depths as they are measured, of surfaces that the rays meet at an angle of this cosine, each with a normal
@@ -180,7 +214,10 @@ impl DepthDevice {
         cosines: f32x16<S>,
         normals: f32x16<S>,
     ) -> f32x16<S> {
-        let mut noisy = self.noise.apply(simd, depths, cosines, self.bias, normals);
+        let mut noisy = depths;
+        if !self.has_noisy_phases() {
+            noisy = self.noise.apply(simd, depths, cosines, self.bias, normals);
+        }
         if let Some(steps) = self.steps {
             noisy = steps.round(simd, noisy);
         }

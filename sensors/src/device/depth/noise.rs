@@ -2,6 +2,7 @@
 
 use super::check;
 use super::incidence::{slant, slant_of};
+use super::turns::sin_cos_of_turns;
 use crate::device::DeviceError;
 use crate::noise::GaussianNoise;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
@@ -100,13 +101,15 @@ impl AxialNoise {
     }
 }
 
-/// Normal noise of the disparity `focal_px` · `baseline_m` / z. At a depth of z metres it is one of
-/// z² · `stddev_px` / (`focal_px` · `baseline_m`).
+/// Noise of the disparity d = `focal_px` · `baseline_m` / z: normal, which at a depth of z metres is one of
+/// z² · `stddev_px` / (`focal_px` · `baseline_m`), and subpixel locking. Matchers that look between whole pixels pull what they find
+/// towards them: d becomes d − `locking_px` · sin 2πd. So planes ripple, and over all places between pixels that adds
+/// `locking_px`²/2 to the variance.
 ///
 /// ```
 /// use belvedere_sensors::device::depth::DisparityNoise;
 /// // RealSense D435: 848 pixels in 90°, eyes 50 mm apart.
-/// let d435 = DisparityNoise { focal_px: 424.0, baseline_m: 0.05, stddev_px: 0.08 };
+/// let d435 = DisparityNoise { focal_px: 424.0, baseline_m: 0.05, stddev_px: 0.08, locking_px: 0.0 };
 /// assert!((d435.stddev_m(2.0) - 0.0151).abs() < 1e-5);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,10 +120,13 @@ pub struct DisparityNoise {
     pub baseline_m: f64,
     /// In pixels, 0 … 1000.
     pub stddev_px: f64,
+    /// How far disparities are pulled to whole pixels at the most, 0 … 0.15 pixels: below 1/2π, from where on they would change
+    /// their order.
+    pub locking_px: f64,
 }
 
 impl DisparityNoise {
-    /// σ in metres.
+    /// σ of the normal noise in metres.
     #[must_use]
     pub fn stddev_m(&self, depth_m: f64) -> f64 {
         depth_m * depth_m * self.stddev_px / (self.focal_px * self.baseline_m)
@@ -129,7 +135,8 @@ impl DisparityNoise {
     fn check(&self) -> Result<(), DeviceError> {
         check("noise.focal_px", self.focal_px, [1e-6, 1e6])?;
         check("noise.baseline_m", self.baseline_m, [1e-6, 1e3])?;
-        check("noise.stddev_px", self.stddev_px, [0.0, 1e3])
+        check("noise.stddev_px", self.stddev_px, [0.0, 1e3])?;
+        check("noise.locking_px", self.locking_px, [0.0, 0.15])
     }
 }
 
@@ -145,8 +152,14 @@ pub(super) enum Sigma {
         /// Standard deviation that rounding adds at 1 m.
         rounding: f32,
     },
-    /// In steps of 1/z.
-    Inverse(f32),
+    /// Of 1/z.
+    Inverse {
+        stddev: f32,
+        /// Disparity at 1 m.
+        pixels: f32,
+        /// How far it is pulled to whole pixels.
+        locking: f32,
+    },
 }
 
 impl Sigma {
@@ -160,7 +173,14 @@ impl Sigma {
                 slant_below: libm::cos(slant_from_rad) as f32,
                 rounding: (step_m / libm::sqrt(12.0)) as f32,
             },
-            DepthNoise::Disparity(noise) => Self::Inverse(noise.stddev_m(1.0) as f32),
+            DepthNoise::Disparity(noise) => {
+                let pixels = noise.focal_px * noise.baseline_m;
+                Self::Inverse {
+                    stddev: noise.stddev_m(1.0) as f32,
+                    pixels: pixels as f32,
+                    locking: (noise.locking_px / pixels) as f32,
+                }
+            }
         }
     }
 
@@ -185,26 +205,40 @@ impl Sigma {
         let number = |value: f32| f32x16::splat(simd, value);
         match self {
             Self::Gaussian(noise) => noise.apply_vector(simd, depths, bias, normals),
-            Self::Axial { polynomial: [p0, p1, p2], slant: [s0, s1], slant_below, rounding } => {
-                let mut sigma = (depths * *p2 + *p1) * depths + *p0;
-                let is_slanted = cosines.simd_le(*slant_below);
-                if self.wants_incidence() && is_slanted.any_true() {
-                    let slant = slant(simd, cosines);
-                    let root = depths.sqrt();
-                    let factor = number(*s0) / root + depths * root * *s1;
-                    let more = sigma + factor * (slant * slant);
-                    sigma = is_slanted.select(more, sigma);
-                }
-                if *rounding > 0.0 {
-                    let rounded = depths * depths * *rounding;
-                    sigma = (sigma * sigma - rounded * rounded).max(number(0.0)).sqrt();
-                }
-                depths + sigma.max(number(0.0)) * normals
-            }
+            Self::Axial { .. } => depths + self.stddevs(simd, depths, cosines) * normals,
             // What noise takes beyond infinity is at infinity.
-            Self::Inverse(stddev) => {
-                number(1.0) / (number(1.0) / depths + normals * *stddev).max(number(0.0))
+            Self::Inverse { stddev, pixels, locking } => {
+                let mut inverse = number(1.0) / depths;
+                if *locking > 0.0 {
+                    let disparity = inverse * *pixels;
+                    let [sine, _] = sin_cos_of_turns(simd, disparity - disparity.round_ties_even());
+                    inverse -= sine * *locking;
+                }
+                number(1.0) / (inverse + normals * *stddev).max(number(0.0))
             }
         }
+    }
+
+    /// Standard deviations in metres of axial noise; 0 of any other.
+    #[inline(always)]
+    pub(super) fn stddevs<S: Simd>(&self, simd: S, depths: f32x16<S>, cosines: f32x16<S>) -> f32x16<S> {
+        let number = |value: f32| f32x16::splat(simd, value);
+        let Self::Axial { polynomial: [p0, p1, p2], slant: [s0, s1], slant_below, rounding } = self else {
+            return number(0.0);
+        };
+        let mut sigma = (depths * *p2 + *p1) * depths + *p0;
+        let is_slanted = cosines.simd_le(*slant_below);
+        if self.wants_incidence() && is_slanted.any_true() {
+            let slant = slant(simd, cosines);
+            let root = depths.sqrt();
+            let factor = number(*s0) / root + depths * root * *s1;
+            let more = sigma + factor * (slant * slant);
+            sigma = is_slanted.select(more, sigma);
+        }
+        if *rounding > 0.0 {
+            let rounded = depths * depths * *rounding;
+            sigma = (sigma * sigma - rounded * rounded).max(number(0.0)).sqrt();
+        }
+        sigma.max(number(0.0))
     }
 }

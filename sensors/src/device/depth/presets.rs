@@ -1,6 +1,6 @@
 //! Depth cameras whose figures are published. What no sheet tells is marked as assumed or derived where it is set.
 
-use super::{AxialNoise, DepthModel, SecondEye, published};
+use super::{AxialNoise, DepthModel, DisparityNoise, SecondEye, published};
 
 /// A depth camera that can be bought.
 #[derive(Debug, Clone, Copy)]
@@ -47,13 +47,17 @@ fn structured_light(_focal_px: f64) -> DepthModel {
     published::nguyen().steps(published::KINECT_STEPS).second_eye(SecondEye::at(0.075))
 }
 
-/// Stereo with a subpixel accuracy of 0.08 px, of Intel's 0.05 to 0.1.
+/// Stereo with a subpixel accuracy of 0.08 px, of Intel's 0.05 to 0.1, which is that of walls that face the camera: locking
+/// shows on others.
 fn stereo(focal_px: f64, baseline_m: f64, horizontal_fov_deg: f64) -> DepthModel {
-    published::active_stereo(focal_px, baseline_m, 0.08, 0.5 * horizontal_fov_deg.to_radians())
+    let (stddev_px, locking_px) = (0.08, published::D4XX_LOCKING_PX);
+    published::active_stereo(focal_px, baseline_m, stddev_px, 0.5 * horizontal_fov_deg.to_radians())
+        .noise(DisparityNoise { focal_px, baseline_m, stddev_px, locking_px })
+        .matching(published::D4XX_MATCHING)
 }
 
 /// All of them.
-pub const PRESETS: [DepthPreset; 7] = [
+pub const PRESETS: [DepthPreset; 8] = [
     DepthPreset {
         name: "kinect_v1",
         source: "Microsoft Kinect (2010): 57° × 43°, 0.8 … 4 m, Kinect for Windows Sensor Components and Specifications; \
@@ -73,9 +77,19 @@ pub const PRESETS: [DepthPreset; 7] = [
         model: structured_light,
     },
     DepthPreset {
+        name: "redwood",
+        source: "A PrimeSense camera of 640 × 480 pixels by the noise of Redwood: Choi, Zhou, Koltun 2015, as simulators have it, \
+                 with depths below 10 m; least depth and 57° are a Kinect v1's",
+        size: [640, 480],
+        horizontal_fov_deg: 57.0,
+        range_m: [0.4, 10.0],
+        model: |_| published::redwood(),
+    },
+    DepthPreset {
         name: "d415",
         source: "Intel RealSense D415 at 1280 × 720: 65° × 40°, baseline 55 mm; RMS z²·s/(f·B), Best-Known-Methods for Tuning \
-                 D400; least depth derived: 126 pixels of disparity; greatest 10 m",
+                 D400; least depth derived: 126 pixels of disparity; greatest 10 m; how it finds what has no texture, and subpixel \
+                 locking, are assumed",
         size: [1280, 720],
         horizontal_fov_deg: 65.0,
         range_m: [0.44, 10.0],
@@ -109,13 +123,14 @@ pub const PRESETS: [DepthPreset; 7] = [
     DepthPreset {
         name: "azure_kinect",
         source: "Microsoft Azure Kinect DK, NFOV unbinned: 75° × 65°, 0.5 … 3.86 m, random error of 17 mm at most, hardware \
-                 specification; derived: σ = 17 mm · (z/3.5 m)², as amplitudes fall; frequencies and footprint are assumed",
+                 specification; derived: σ = 17 mm · (z/3.5 m)², as amplitudes fall; some 200 MHz, Bamji et al. 2018; \
+                 frequencies and footprint are assumed",
         size: [640, 576],
         horizontal_fov_deg: 75.0,
         range_m: [0.5, 3.86],
         model: |_| {
             let noise = AxialNoise { polynomial: [0.0, 0.0, 0.017 / (3.5 * 3.5)], ..AxialNoise::NONE };
-            DepthModel::new().noise(noise).window(published::KINECT_V2_LIGHT)
+            DepthModel::new().noise(noise).window(published::AZURE_LIGHT)
         },
     },
 ];

@@ -1,8 +1,8 @@
 //! Models of the literature, each with its own numbers.
 
 use super::{
-    AxialNoise, DepthModel, DisparityNoise, DisparitySteps, DotWindow, LateralNoise, Sampling, SecondEye,
-    TimeOfFlight,
+    AxialNoise, DepthModel, DisparityNoise, DisparitySteps, DotWindow, LateralNoise, Matching, Sampling,
+    SecondEye, TimeOfFlight,
 };
 use core::f64::consts::FRAC_PI_3;
 
@@ -40,7 +40,9 @@ pub fn nguyen() -> DepthModel {
 pub fn khoshelham() -> DepthModel {
     let DisparitySteps { focal_px, baseline_m, step_px } = KINECT_STEPS;
     let stddev_px = 0.5 * step_px * libm::sqrt(2.0 / 3.0);
-    DepthModel::new().noise(DisparityNoise { focal_px, baseline_m, stddev_px }).steps(KINECT_STEPS)
+    DepthModel::new()
+        .noise(DisparityNoise { focal_px, baseline_m, stddev_px, locking_px: 0.0 })
+        .steps(KINECT_STEPS)
 }
 
 /// The depth noise of S. Choi, Q.-Y. Zhou, V. Koltun, "Robust reconstruction of indoor scenes", CVPR 2015, as simulators of
@@ -52,7 +54,7 @@ pub fn redwood() -> DepthModel {
     let (focal_px, baseline_m) = (468.4, 0.075);
     DepthModel::new()
         .window(LateralNoise { stddev_px: 0.25, ..LateralNoise::NONE })
-        .noise(DisparityNoise { focal_px, baseline_m, stddev_px: 0.027_778 })
+        .noise(DisparityNoise { focal_px, baseline_m, stddev_px: 0.027_778, locking_px: 0.0 })
         .steps(DisparitySteps { focal_px, baseline_m, step_px: 0.125 })
 }
 
@@ -70,7 +72,7 @@ pub fn icl_nuim() -> DepthModel {
     DepthModel::new()
         .second_eye(SecondEye::at(baseline_m))
         .window(DotWindow { focal_px, baseline_m, lateral })
-        .noise(DisparityNoise { focal_px: fine_px, baseline_m, stddev_px: step_px / 6.0 })
+        .noise(DisparityNoise { focal_px: fine_px, baseline_m, stddev_px: step_px / 6.0, locking_px: 0.0 })
         .steps(DisparitySteps { focal_px: fine_px, baseline_m, step_px })
 }
 
@@ -83,6 +85,7 @@ pub fn active_stereo(focal_px: f64, baseline_m: f64, subpixel_px: f64, half_view
         focal_px,
         baseline_m,
         stddev_px: subpixel_px,
+        locking_px: 0.0,
     })
 }
 
@@ -93,5 +96,24 @@ pub fn fankhauser() -> DepthModel {
     DepthModel::new().noise(KINECT_V2_AXIAL)
 }
 
-/// Light of 120, 80 and 16 MHz, as a Kinect v2's, whose ranges come again after 18.7 m; the footprint is assumed.
-pub const KINECT_V2_LIGHT: TimeOfFlight = TimeOfFlight { modulation_hz: 8e6, footprint_px: 0.5 };
+/// Light of a Kinect v2: 120, 80 and 16 MHz, so that ranges come again after 18.7 m (F. Järemo Lawin, P.-E. Forssén, H. Ovrén,
+/// "Efficient multi-frequency phase unwrapping using kernel density estimation", ECCV 2016). The footprint, and how far phases may
+/// disagree, are assumed.
+pub const KINECT_V2_LIGHT: TimeOfFlight =
+    TimeOfFlight { modulation_hz: [120e6, 80e6, 16e6], footprint_px: 0.5, most_off_rad: 0.45 };
+
+/// Light of an Azure Kinect: some 200 MHz in the mean, of 10 to 320 (C. S. Bamji et al., "1Mpixel 65nm BSI 320MHz demodulated TOF image
+/// sensor", ISSCC 2018). Which frequencies is not published: 270, 180 and 120 MHz are assumed, of which ranges come
+/// again after 5 m, and which count their turns well; the footprint, and how far phases may disagree, too.
+pub const AZURE_LIGHT: TimeOfFlight =
+    TimeOfFlight { modulation_hz: [270e6, 180e6, 120e6], footprint_px: 0.5, most_off_rad: 0.4 };
+
+/// How a D4xx finds what it sees. Assumed: on a surface without texture that faces it half of the pixels are found at 6 m, and up
+/// to 4.5 m disparities are as good as they get; Intel promises no more than 99 % at 2 m.
+pub const D4XX_MATCHING: Matching =
+    Matching { projector: 0.5, half: 0.5 / 36.0, full: 0.5 / 20.25, spread: 0.2 };
+
+/// How far a D4xx pulls disparities to whole pixels at the most, assumed: Intel writes of the effect, and of a parameter that makes
+/// it three to five times less (A. Grunnet-Jepsen et al., "Subpixel linearity improvement for Intel RealSense depth camera D400
+/// series"), not of its size.
+pub const D4XX_LOCKING_PX: f64 = 0.04;

@@ -1,46 +1,89 @@
-//! Time of flight: the phase of modulated light, mixed over what a pixel sees.
+//! Time of flight: the phases of modulated light, mixed over what a pixel sees, and the range that they agree on.
 
 use super::check;
+use super::turns::{sin_cos_of_turns, turns_of};
 use crate::device::DeviceError;
-use core::f64::consts::TAU;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
 /// The speed of light in m/s.
 const LIGHT: f64 = 299_792_458.0;
 
-/// A pixel measures the phase of the light that comes back to it, and with it the range up to multiples of
-/// c/(2 · `modulation_hz`). Light of several ranges adds up as waves do:
+/// Most frequencies.
+pub(crate) const FREQUENCIES: usize = 3;
+
+/// Most turns of the highest frequency in the ambiguity range.
+const MOST_TURNS: f64 = 64.0;
+
+/// A pixel measures the phases of the light that comes back to it, of one to three frequencies. Light of several ranges adds
+/// up as waves do: at a frequency of f
 ///
-/// range = c/(4πf) · arg Σ aₖ · exp(i·4πf·rₖ/c)
+/// range = c/(4πf) · arg Σ aₖ · exp(i·4πf·rₖ/c), up to multiples of c/(2f)
 ///
 /// over the pixel and its eight neighbours, which stand for its footprint by weights of a normal distribution. The
-/// amplitude aₖ is that weight · cos θₖ/rₖ². So at edges pixels fly between what is before and behind, and what is beyond
-/// the ambiguity range comes back near.
+/// amplitude aₖ is that weight · cos θₖ/rₖ². So at edges pixels fly between what is before and behind.
+///
+/// Of several frequencies the range is that which all phases agree best on: for each number of turns of the highest
+/// frequency, the others take the turns that fit best; the mean is by squares of frequencies; and the sum of squares of
+/// what phases are off it is least. Pixels whose phases do not agree, as at edges, have no depth (NaN). What is beyond the
+/// range that all frequencies have in common comes back near. An [axial noise](super::AxialNoise) is that of the phases then,
+/// so that much of it makes pixels lose count of turns.
 ///
 /// ```
 /// use belvedere_sensors::device::depth::TimeOfFlight;
-/// // 120, 80 and 16 MHz have 8 MHz in common.
-/// let kinect = TimeOfFlight { modulation_hz: 8e6, footprint_px: 0.5 };
+/// let kinect = TimeOfFlight { modulation_hz: [120e6, 80e6, 16e6], footprint_px: 0.5, most_off_rad: 0.45 };
+/// // 8 MHz in common.
 /// assert!((kinect.ambiguity_m() - 18.737).abs() < 1e-3);
+/// assert!((TimeOfFlight::of_one(80e6, 0.5).ambiguity_m() - 1.8737).abs() < 1e-4);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeOfFlight {
-    /// Of several frequencies their greatest common divisor; 1000 … 10¹¹ Hz.
-    pub modulation_hz: f64,
+    /// Each 1000 … 10¹¹ Hz, in whole hertz, and 0 where there is none but for the first. The greatest is at most 64 times what
+    /// all have in common.
+    pub modulation_hz: [f64; FREQUENCIES],
     /// Standard deviation of the footprint in pixels, 0 … 1.
     pub footprint_px: f64,
+    /// Root mean square of what phases may be off the range that they agree on, 10⁻⁶ … 10 rad. Of one frequency it is 0.
+    pub most_off_rad: f64,
 }
 
 impl TimeOfFlight {
+    /// Light of one frequency.
+    #[must_use]
+    pub const fn of_one(modulation_hz: f64, footprint_px: f64) -> Self {
+        Self { modulation_hz: [modulation_hz, 0.0, 0.0], footprint_px, most_off_rad: 10.0 }
+    }
+
     /// The range from which on ranges come again.
     #[must_use]
     pub fn ambiguity_m(&self) -> f64 {
-        LIGHT / (2.0 * self.modulation_hz)
+        LIGHT / (2.0 * self.common_hz())
+    }
+
+    /// The greatest common divisor of the frequencies.
+    fn common_hz(&self) -> f64 {
+        let divide = |mut a: u64, mut b: u64| {
+            while b > 0 {
+                (a, b) = (b, a % b);
+            }
+            a
+        };
+        self.modulation_hz.iter().fold(0, |common, hz| divide(common, libm::round(*hz) as u64)) as f64
+    }
+
+    fn highest_hz(&self) -> f64 {
+        self.modulation_hz.into_iter().fold(0.0, f64::max)
     }
 
     pub(super) fn check(&self) -> Result<(), DeviceError> {
-        check("time_of_flight.modulation_hz", self.modulation_hz, [1e3, 1e11])?;
-        check("time_of_flight.footprint_px", self.footprint_px, [0.0, 1.0])
+        for (index, hz) in self.modulation_hz.into_iter().enumerate() {
+            if index == 0 || hz != 0.0 {
+                check("time_of_flight.modulation_hz", hz, [1e3, 1e11])?;
+            }
+        }
+        let range = [self.highest_hz() / MOST_TURNS, self.highest_hz()];
+        check("frequency in common of time_of_flight.modulation_hz", self.common_hz(), range)?;
+        check("time_of_flight.footprint_px", self.footprint_px, [0.0, 1.0])?;
+        check("time_of_flight.most_off_rad", self.most_off_rad, [1e-6, 10.0])
     }
 }
 
@@ -50,7 +93,18 @@ pub(crate) type Around<S> = [[[f32x16<S>; 2]; 3]; 3];
 /// The light of a checked device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Light {
+    /// The range of a turn of each frequency, the highest first.
+    turn_m: [f32; FREQUENCIES],
+    /// How much a phase counts, by the square of its frequency; their sum is 1.
+    shares: [f32; FREQUENCIES],
+    count: usize,
     ambiguity: f32,
+    /// Turns of the first frequency in the ambiguity range.
+    turns: usize,
+    /// Standard deviation of each phase, in turns, that makes a range have one of 1 m.
+    turns_per_metre: f32,
+    /// Most sum of squares of what phases are off, in turns.
+    most_off: f32,
     /// Of a pixel, of its four neighbours, and of those at its corners.
     weights: [f32; 3],
 }
@@ -60,12 +114,58 @@ impl Light {
         let variance = time_of_flight.footprint_px * time_of_flight.footprint_px;
         let weight =
             |squared: f64| if variance > 0.0 { libm::exp(-0.5 * squared / variance) as f32 } else { 0.0 };
-        Self { ambiguity: time_of_flight.ambiguity_m() as f32, weights: [1.0, weight(1.0), weight(2.0)] }
+        let mut hz = time_of_flight.modulation_hz;
+        hz.sort_unstable_by(|a, b| b.total_cmp(a));
+        let count = hz.iter().filter(|hz| **hz > 0.0).count();
+        let squares: f64 = hz.iter().map(|hz| hz * hz).sum();
+        let off = time_of_flight.most_off_rad / core::f64::consts::TAU;
+        Self {
+            turn_m: hz.map(|hz| if hz > 0.0 { (LIGHT / (2.0 * hz)) as f32 } else { 1.0 }),
+            shares: hz.map(|hz| (hz * hz / squares) as f32),
+            count,
+            ambiguity: time_of_flight.ambiguity_m() as f32,
+            turns: libm::round(hz[0] / time_of_flight.common_hz()) as usize,
+            turns_per_metre: (2.0 * libm::sqrt(squares) / LIGHT) as f32,
+            most_off: (off * off * count as f64) as f32,
+            weights: [1.0, weight(1.0), weight(2.0)],
+        }
     }
 
-    /// The ranges that sixteen pixels measure; what is not finite stays.
+    /// Whether it has turns to count, and so noise in its phases.
+    pub(crate) fn has_several(self) -> bool {
+        self.count > 1
+    }
+
+    /// The ranges that sixteen pixels measure, with a standard deviation in metres and a normal number for each frequency;
+    /// what is not finite stays.
     #[inline(always)]
-    pub(crate) fn ranges<S: Simd>(self, simd: S, around: &Around<S>) -> f32x16<S> {
+    pub(crate) fn ranges<S: Simd>(
+        self,
+        simd: S,
+        around: &Around<S>,
+        (stddevs, normals): (f32x16<S>, [f32x16<S>; FREQUENCIES]),
+    ) -> f32x16<S> {
+        let [own, _] = around[1][1];
+        let range = if self.has_several() {
+            let mut phases = [f32x16::splat(simd, 0.0); FREQUENCIES];
+            let scale = stddevs * self.turns_per_metre;
+            for index in 0..self.count {
+                let turns = own * (1.0 / self.turn_m[index]);
+                let off = self.turns_off(simd, around, self.turn_m[index]) + scale * normals[index];
+                let phase = (turns - turns.floor()) + off;
+                phases[index] = phase - phase.floor();
+            }
+            self.agreed(simd, phases)
+        } else {
+            own + self.turns_off(simd, around, self.turn_m[0]) * self.turn_m[0]
+        };
+        let range = range - (range * (1.0 / self.ambiguity)).floor() * self.ambiguity;
+        own.abs().simd_lt(f32x16::splat(simd, f32::INFINITY)).select(range, own)
+    }
+
+    /// By how many turns the phases of mixed light differ from those of the pixels' own ranges.
+    #[inline(always)]
+    fn turns_off<S: Simd>(self, simd: S, around: &Around<S>, turn_m: f32) -> f32x16<S> {
         let [own, _] = around[1][1];
         let number = |value: f32| f32x16::splat(simd, value);
         let (mut sine, mut cosine) = (number(0.0), number(0.0));
@@ -73,7 +173,7 @@ impl Light {
             for (x, &[range, incidence]) in row.iter().enumerate() {
                 let weight = self.weights[usize::from(x != 1) + usize::from(y != 1)];
                 // From the pixel's own phase: what all of a surface has in common keeps its digits.
-                let turns = (range - own) * (1.0 / self.ambiguity);
+                let turns = (range - own) * (1.0 / turn_m);
                 let [sin, cos] = sin_cos_of_turns(simd, turns - turns.round_ties_even());
                 let amplitude = incidence * weight / (range * range);
                 let counts = range.abs().simd_lt(number(f32::INFINITY)) & incidence.simd_gt(number(0.0));
@@ -81,81 +181,31 @@ impl Light {
                 cosine += counts.select(amplitude * cos, number(0.0));
             }
         }
-        let range = own + turns_of(simd, sine, cosine) * self.ambiguity;
-        let range = range - (range * (1.0 / self.ambiguity)).floor() * self.ambiguity;
-        own.abs().simd_lt(number(f32::INFINITY)).select(range, own)
+        turns_of(simd, sine, cosine)
     }
-}
 
-/// Sine and cosine of so many turns, −½ … ½: M. Abramowitz, I. A. Stegun, "Handbook of Mathematical Functions", 1964,
-/// 4.3.97 and 4.3.99, up to a quarter; 2e-9 off, and what single precision adds.
-#[inline(always)]
-fn sin_cos_of_turns<S: Simd>(simd: S, turns: f32x16<S>) -> [f32x16<S>; 2] {
-    const SIN: [f32; 6] = [1.0, -0.166_666_67, 0.008_333_331, -0.000_198_409, 2.7526e-6, -2.39e-8];
-    const COS: [f32; 6] = [1.0, -0.5, 0.041_666_64, -0.001_388_839_7, 2.476_09e-5, -2.605e-7];
-    let number = |value: f32| f32x16::splat(simd, value);
-    let size = turns.abs();
-    let is_behind = size.simd_gt(number(0.25));
-    let angle = is_behind.select(number(0.5) - size, size) * TAU as f32;
-    let square = angle * angle;
-    let (mut sin, mut cos) = (number(SIN[5]), number(COS[5]));
-    for term in (0..5).rev() {
-        sin = sin * square + SIN[term];
-        cos = cos * square + COS[term];
-    }
-    [(sin * angle).copysign(turns), is_behind.select(-cos, cos)]
-}
-
-/// The angle of a vector in turns, −½ … ½: arctan by the same handbook's 4.4.49, 2e-8 off.
-#[inline(always)]
-fn turns_of<S: Simd>(simd: S, sine: f32x16<S>, cosine: f32x16<S>) -> f32x16<S> {
-    const ATAN: [f32; 9] = [
-        1.0,
-        -0.333_331_45,
-        0.199_935_51,
-        -0.142_089,
-        0.106_562_64,
-        -0.075_289_64,
-        0.042_909_614,
-        -0.016_165_737,
-        0.002_866_225_7,
-    ];
-    let number = |value: f32| f32x16::splat(simd, value);
-    let (up, ahead) = (sine.abs(), cosine.abs());
-    let is_steep = up.simd_gt(ahead);
-    let ratio = is_steep.select(ahead, up) / is_steep.select(up, ahead);
-    let square = ratio * ratio;
-    let mut sum = number(ATAN[8]);
-    for term in (0..8).rev() {
-        sum = sum * square + ATAN[term];
-    }
-    let turns = sum * ratio * (1.0 / TAU) as f32;
-    let turns = is_steep.select(number(0.25) - turns, turns);
-    let turns = cosine.simd_lt(number(0.0)).select(number(0.5) - turns, turns);
-    turns.copysign(sine)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::simd::{best_level, dispatch};
-
-    #[test]
-    fn all_the_way_round() {
-        for step in -5_000..=5_000 {
-            let turns = f64::from(step) * 1e-4;
-            let (sin, cos) = libm::sincos(turns * TAU);
-            let found: [[f32; 16]; 2] = dispatch!(best_level(), simd => {
-                sin_cos_of_turns(simd, f32x16::splat(simd, turns as f32)).map(Into::into)
-            });
-            assert!(
-                (f64::from(found[0][0]) - sin).abs() < 5e-7 && (f64::from(found[1][0]) - cos).abs() < 5e-7
-            );
-            let back: [f32; 16] = dispatch!(best_level(), simd => {
-                turns_of(simd, f32x16::splat(simd, sin as f32), f32x16::splat(simd, cos as f32)).into()
-            });
-            let off = f64::from(back[0]) - turns;
-            assert!((off - libm::round(off)).abs() < 1e-7, "{turns}: {}", back[0]);
+    /// The ranges that phases in turns agree on; NaN where they do not.
+    #[inline(always)]
+    fn agreed<S: Simd>(self, simd: S, phases: [f32x16<S>; FREQUENCIES]) -> f32x16<S> {
+        let number = |value: f32| f32x16::splat(simd, value);
+        let (mut best, mut least) = (number(f32::NAN), number(self.most_off));
+        for turn in 0..self.turns {
+            let first = (phases[0] + turn as f32) * self.turn_m[0];
+            let (mut turned, mut mean) = ([phases[0] + turn as f32; FREQUENCIES], first * self.shares[0]);
+            for index in 1..self.count {
+                let (phase, turn_m) = (phases[index], self.turn_m[index]);
+                turned[index] = phase + (first * (1.0 / turn_m) - phase).round_ties_even();
+                mean += turned[index] * (turn_m * self.shares[index]);
+            }
+            let mut sum = number(0.0);
+            for index in 0..self.count {
+                let off = mean * (1.0 / self.turn_m[index]) - turned[index];
+                sum += off * off;
+            }
+            let is_better = sum.simd_lt(least);
+            best = is_better.select(mean, best);
+            least = is_better.select(sum, least);
         }
+        best
     }
 }

@@ -1,5 +1,6 @@
 //! The second pass over a frame: what the device makes of what is seen.
 
+use super::contrast::Contrast;
 use super::ends::{Ends, MOST_ROWS};
 use super::look::{CHUNK, LINES, Looker, load};
 use super::pattern::Pattern;
@@ -10,7 +11,7 @@ use crate::execution::{Execution, SplitRows, for_each_row, split_at};
 use crate::noise::{Stream, normal_lines};
 use crate::simd::{WIDTH, dispatch};
 use crate::trace::tiling::{BLOCKS, Tiling};
-use fearless_simd::{Simd, SimdBase, f32x16};
+use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
 /// Where measured depths go, cut between rows of pixels.
 pub(super) struct Measured<'a> {
@@ -45,6 +46,8 @@ pub(super) struct Developer<'a> {
     pub(super) looker: Looker<'a>,
     /// What was found of the projected dots, if the device looks for them.
     pub(super) pattern: Option<Pattern<'a>>,
+    /// What it is found by in the second eye, if contrast counts.
+    pub(super) contrast: Option<Contrast<'a>>,
 }
 
 impl Developer<'_> {
@@ -75,20 +78,30 @@ impl Developer<'_> {
                 if is_noisy {
                     noise = normal_lines(simd, &stream, samples);
                 }
+                let mut found_by = [f32x16::splat(simd, 0.0); BLOCKS];
+                if self.contrast.is_some() {
+                    found_by = normal_lines(simd, &self.looker.stream(Stream::MATCH), samples);
+                }
                 let mut offsets = None;
                 if ends.as_ref().is_none_or(|ends| ends.are_near([tile, tile_row / LINES])) {
-                    offsets = self.looker.offsets(simd, &self.device.look, samples);
+                    offsets = self.looker.offsets(simd, self.device, samples);
                 }
                 for line in 0..LINES.min(end_row - tile_row) {
                     let place = [tile * WIDTH, tile_row + line, WIDTH.min(width - tile * WIDTH)];
-                    let [truth, cosines] = match &self.pattern {
+                    let [mut truth, cosines] = match &self.pattern {
                         Some(pattern) => {
                             let at = place[1] * width + place[0];
                             let [_, cosines] = load(simd, &self.looker.seen[at..at + place[2]]);
                             [pattern.depths(simd, place), cosines]
                         }
-                        None => self.looker.look(simd, &self.device.look, place, (&offsets, line)),
+                        None => self.looker.look(simd, self.device, place, (&offsets, line)),
                     };
+                    if let Some(contrast) = &self.contrast {
+                        let seen = [truth, cosines / self.looker.forward(simd, place)];
+                        let (is_found, noisier) = contrast.find(simd, place, seen, found_by[line]);
+                        truth = is_found.select(truth, truth + f32x16::splat(simd, f32::NAN));
+                        noise[line] *= noisier;
+                    }
                     let noisy = self.device.measure(simd, truth, cosines, noise[line]);
                     let depths = self.camera.limited(simd, truth, noisy);
                     self.write(simd, depths, place, first_row, output);

@@ -1,7 +1,7 @@
 //! How pixels look at what is seen: along their own ray, beside it, or at all light that reaches them.
 
 use super::surface::is_same_surface;
-use crate::device::depth::{Around, Light, Look, Sampling};
+use crate::device::depth::{Around, DepthDevice, FREQUENCIES, Light, Look, Sampling};
 use crate::noise::{Stream, normal_lines};
 use crate::optics::rays::Rays;
 use crate::simd::WIDTH;
@@ -16,8 +16,9 @@ pub(super) const CHUNK: usize = 8 * LINES;
 const ACROSS: [f32; WIDTH] =
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
-/// Normal numbers to the right and down of the four lines of a tile, if pixels look beside their own ray.
-pub(super) type Offsets<S> = Option<[[f32x16<S>; BLOCKS]; 2]>;
+/// Normal numbers of the four lines of a tile: to the right and down, if pixels look beside their own ray; of light one for each
+/// of several frequencies.
+pub(super) type Offsets<S> = Option<[[f32x16<S>; BLOCKS]; FREQUENCIES]>;
 
 /// A frame that is seen, and the rays of its pixels.
 #[derive(Clone, Copy)]
@@ -47,10 +48,23 @@ impl<'a> Looker<'a> {
 
     /// The random numbers of the lines of a tile.
     #[inline(always)]
-    pub(super) fn offsets<S: Simd>(&self, simd: S, look: &Look, samples: [u32; BLOCKS]) -> Offsets<S> {
-        look.shift()?;
-        let [right, down] = [Stream::SHIFT, Stream::SHIFT + 1].map(|channel| self.stream(channel));
-        Some([normal_lines(simd, &right, samples), normal_lines(simd, &down, samples)])
+    pub(super) fn offsets<S: Simd>(
+        &self,
+        simd: S,
+        device: &DepthDevice,
+        samples: [u32; BLOCKS],
+    ) -> Offsets<S> {
+        let mut numbers = [[f32x16::splat(simd, 0.0); BLOCKS]; FREQUENCIES];
+        let (first, count) = if device.has_noisy_phases() {
+            (Stream::PHASE, FREQUENCIES)
+        } else {
+            device.look.shift()?;
+            (Stream::SHIFT, 2)
+        };
+        for index in 0..count {
+            numbers[index] = normal_lines(simd, &self.stream(first + index as u16), samples);
+        }
+        Some(numbers)
     }
 
     /// True depths, and cosines of incidence there, of up to sixteen pixels of a row: the first one's column and row, and
@@ -59,16 +73,17 @@ impl<'a> Looker<'a> {
     pub(super) fn look<S: Simd>(
         &self,
         simd: S,
-        look: &Look,
+        device: &DepthDevice,
         [column, row, count]: [usize; 3],
         (offsets, line): (&Offsets<S>, usize),
     ) -> [f32x16<S>; 2] {
+        let look = &device.look;
         if let Look::Light(light) = look {
-            return self.light(simd, *light, [column, row, count]);
+            return self.light(simd, (device, *light), [column, row, count], (offsets, line));
         }
         let at = row * self.size[0] + column;
         let [depths, cosines] = load(simd, &self.seen[at..at + count]);
-        let (Some(shift), Some([right, down])) = (look.shift(), offsets) else { return [depths, cosines] };
+        let (Some(shift), Some([right, down, _])) = (look.shift(), offsets) else { return [depths, cosines] };
         let stddevs = shift.stddevs(simd, cosines);
         let x = f32x16::load_array_ref(simd, &ACROSS) + (stddevs * right[line] + column as f32);
         let y = stddevs * down[line] + row as f32;
@@ -133,7 +148,13 @@ impl<'a> Looker<'a> {
 
     /// Depths that light tells of, and cosines of the pixels' own.
     #[inline(always)]
-    fn light<S: Simd>(&self, simd: S, light: Light, [column, row, count]: [usize; 3]) -> [f32x16<S>; 2] {
+    fn light<S: Simd>(
+        &self,
+        simd: S,
+        (device, light): (&DepthDevice, Light),
+        [column, row, count]: [usize; 3],
+        (offsets, line): (&Offsets<S>, usize),
+    ) -> [f32x16<S>; 2] {
         let [width, height] = self.size;
         // Nothing comes from beyond the picture.
         let mut values = [[[f32::INFINITY; WIDTH + 2]; 2]; 3];
@@ -154,13 +175,24 @@ impl<'a> Looker<'a> {
                 around[y][x] = [vector(y, 0, x), vector(y, 1, x)];
             }
         }
-        // From ranges to depths.
+        let forward = self.forward(simd, [column, row, count]);
+        let [range, cosine] = around[1][1];
+        let mut noise = (f32x16::splat(simd, 0.0), [f32x16::splat(simd, 0.0); FREQUENCIES]);
+        if let Some(numbers) = offsets {
+            let stddevs = device.phase_stddevs(simd, range * forward, cosine);
+            noise = (stddevs / forward, numbers.map(|lines| lines[line]));
+        }
+        [light.ranges(simd, &around, noise) * forward, cosine]
+    }
+
+    /// What part of its range is the depth of each of some pixels of a row; 1 in the lanes beyond.
+    #[inline(always)]
+    pub(super) fn forward<S: Simd>(&self, simd: S, [column, row, count]: [usize; 3]) -> f32x16<S> {
         let mut forward = [1.0; WIDTH];
         for (lane, forward) in forward.iter_mut().enumerate().take(count) {
             *forward = self.rays.direction((column + lane) as i32, row as i32).normalize().x as f32;
         }
-        let ranges = light.ranges(simd, &around);
-        [ranges * f32x16::load_array(simd, forward), around[1][1][1]]
+        f32x16::load_array(simd, forward)
     }
 }
 

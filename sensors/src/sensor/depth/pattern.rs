@@ -1,7 +1,7 @@
 //! The dots of structured light in a frame: where they are, and at which disparities they are found.
 
 use super::look::{CHUNK, LINES, Looker};
-use crate::device::depth::{Dots, Look, dot, find_dot, squares};
+use crate::device::depth::{DepthDevice, Dots, Look, dot, find_dot, squares};
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::memory::{Cutter, lines};
 use crate::noise::Stream;
@@ -45,11 +45,11 @@ impl<'a> Pattern<'a> {
     /// Finds the dots of a frame, if the device looks for them.
     pub(super) fn find(
         looker: &Looker<'_>,
-        look: &Look,
+        device: &DepthDevice,
         execution: Execution,
         memory: &mut Cutter<'a>,
     ) -> Option<Self> {
-        let Look::Dots(dots) = *look else { return None };
+        let Look::Dots(dots) = device.look else { return None };
         let size @ [width, height] = looker.size;
         let [across, down] = squares(size);
         let disparity: &mut [f32] = memory.take(width * height);
@@ -60,7 +60,7 @@ impl<'a> Pattern<'a> {
         for_each_row(execution, 0..height.div_ceil(CHUNK), chunks, &|chunk, output: Pieces<'_, f32>| {
             dispatch!(execution.level, simd => simd.vectorize(
                 #[inline(always)]
-                || disparities(simd, looker, (look, dots), chunk, output.values)
+                || disparities(simd, looker, (device, dots), chunk, output.values)
             ));
         });
         let pattern = Stream { frame: 0, ..looker.stream(Stream::DOTS) };
@@ -96,7 +96,7 @@ impl<'a> Pattern<'a> {
 fn disparities<S: Simd>(
     simd: S,
     looker: &Looker<'_>,
-    (look, dots): (&Look, Dots),
+    (device, dots): (&DepthDevice, Dots),
     chunk: usize,
     output: &mut [f32],
 ) {
@@ -105,10 +105,10 @@ fn disparities<S: Simd>(
     for tile_row in (first_row..end_row).step_by(LINES) {
         for tile in 0..Tiling::Square.across(width) {
             let samples = Tiling::Square.samples(width, [tile, tile_row / LINES]);
-            let offsets = looker.offsets(simd, look, samples);
+            let offsets = looker.offsets(simd, device, samples);
             for line in 0..LINES.min(end_row - tile_row) {
                 let [column, row, count] = [tile * WIDTH, tile_row + line, WIDTH.min(width - tile * WIDTH)];
-                let [depths, _] = looker.look(simd, look, [column, row, count], (&offsets, line));
+                let [depths, _] = looker.look(simd, device, [column, row, count], (&offsets, line));
                 let is_there = depths.abs().simd_lt(f32x16::splat(simd, f32::INFINITY));
                 let disparity = f32x16::splat(simd, dots.disparity_at_1m) / depths;
                 let disparity: [f32; WIDTH] = is_there.select(disparity, f32x16::splat(simd, 0.0)).into();

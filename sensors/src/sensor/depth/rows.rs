@@ -1,5 +1,6 @@
 //! Where the parts of a depth frame go, cut between rows of tiles.
 
+use super::contrast::Brightness;
 use super::seen::Seen;
 use super::{DepthCamera, POINT_STEP};
 use crate::device::TileView;
@@ -72,6 +73,8 @@ pub(super) struct Rows<'a> {
     pub(super) points: Option<&'a mut [u8]>,
     /// What the device is to read; without one, depths are measured as they are traced.
     pub(super) seen: Option<Seen<'a>>,
+    /// What it finds pixels by.
+    pub(super) brightness: Option<Brightness<'a>>,
     pub(super) truth: Option<Truth<'a>>,
     /// Pixels across.
     pub(super) width: usize,
@@ -89,6 +92,8 @@ impl SplitRows for Rows<'_> {
         let (depth_16uc1, lower_16uc1) = split_at(self.depth_16uc1, pixels);
         let (points, lower_points) = split_at(self.points, pixels * POINT_STEP);
         let (seen, lower_seen) = self.seen.map(|seen| seen.split_at(pixels)).unzip();
+        let (brightness, lower_brightness) = split_at(self.brightness.map(|Brightness(all)| all), pixels);
+        let [brightness, lower_brightness] = [brightness, lower_brightness].map(|all| all.map(Brightness));
         let (truth, lower_truth) = self.truth.map(|truth| truth.split_at(pixels)).unzip();
         let (colour, lower_colour) = self.colour.split_rows(rows);
         (
@@ -97,6 +102,7 @@ impl SplitRows for Rows<'_> {
                 depth_16uc1,
                 points,
                 seen,
+                brightness,
                 truth,
                 width,
                 lines_in_tile,
@@ -108,6 +114,7 @@ impl SplitRows for Rows<'_> {
                 depth_16uc1: lower_16uc1,
                 points: lower_points,
                 seen: lower_seen,
+                brightness: lower_brightness,
                 truth: lower_truth,
                 width,
                 lines_in_tile,
@@ -150,6 +157,16 @@ impl Rows<'_> {
         }
         if let Some(output) = &mut self.depth_16uc1 {
             place.write(&millimetres(&depths.into()), output);
+        }
+    }
+
+    /// Writes how bright a tile is, if that counts.
+    #[inline(always)]
+    pub(super) fn write_brightness(&mut self, colours: &Colours, band: &Band<'_>, tile: [usize; 2]) {
+        let lines = self.lines_of(band, tile);
+        let Some(brightness) = &mut self.brightness else { return };
+        for (line, first, count) in lines {
+            brightness.write(colours, line * WIDTH, (first, count));
         }
     }
 

@@ -4,7 +4,8 @@ use super::too_near::Obstacles;
 use crate::device::depth::{DepthDevice, Eye, Look};
 use crate::memory::{Cutter, lines};
 use crate::simd::WIDTH;
-use crate::trace::grid::Band;
+use crate::trace::beyond::Glazing;
+use crate::trace::grid::{Band, Sight};
 use crate::trace::hit_point::block_index;
 use crate::trace::measure::Measure;
 use crate::trace::normals::NormalFinder;
@@ -48,12 +49,12 @@ impl<'a> Seen<'a> {
         simd: S,
         band: &Band<'_>,
         device: &DepthDevice,
-        faces: Faces,
+        sight: &Sight,
         obstacles: Obstacles<'_>,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.write_rows(simd, band, device, faces, obstacles),
+            || self.write_rows(simd, band, device, sight, obstacles),
         );
     }
 
@@ -63,9 +64,11 @@ impl<'a> Seen<'a> {
         simd: S,
         band: &Band<'_>,
         device: &DepthDevice,
-        faces: Faces,
+        sight: &Sight,
         obstacles: Obstacles<'_>,
     ) {
+        let faces = sight.faces;
+        let mut glazing = Glazing::of(band.view);
         let fan = band.rays.fan();
         let across = fan.blocks_across();
         let measure = Measure::new(&band.view.world_from_sensor);
@@ -90,10 +93,22 @@ impl<'a> Seen<'a> {
                     } else {
                         measure.block::<S, true>(simd, band, &mut resolver, block)
                     };
-                    depths[part] = obstacles.hide(simd, row * across + first + part, depth);
+                    depths[part] = depth;
                     if device.wants_incidence() {
                         cosines[part] = finder.cosines(simd, band, &columns, &mut resolver, block);
                     }
+                    if let Some(glazing) = &mut glazing {
+                        let seen = if matches!(device.look, Look::Light(_)) {
+                            glazing.look::<S, false>(simd, band, &mut resolver, sight, block)
+                        } else {
+                            glazing.look::<S, true>(simd, band, &mut resolver, sight, block)
+                        };
+                        if let Some(seen) = seen {
+                            depths[part] = seen.put_far(simd, depths[part]);
+                            cosines[part] = seen.put_cosines(simd, cosines[part]);
+                        }
+                    }
+                    depths[part] = obstacles.hide(simd, row * across + first + part, depths[part]);
                 }
                 if let Some((eye, look)) = &mut second {
                     let hidden = hidden(simd, band, faces, (*eye, look), (&columns, [first, row]));

@@ -14,6 +14,7 @@ use crate::memory::{CacheLine, Cutter};
 use crate::noise::{Stream, fill_standard_normal};
 use crate::scene::Scene;
 use crate::simd::LANES;
+use crate::trace::beyond::{Behind, Beyond, SURFACES_BEYOND, Shares};
 use crate::trace::resolve::Resolver;
 use crate::trace::truth::OfRay;
 use crate::trace::view::View;
@@ -35,6 +36,8 @@ pub(super) struct Frame<'a> {
     pub(super) view: Option<View<'a>>,
     /// Firings of a piece; the last may have fewer.
     pub(super) in_piece: usize,
+    /// Whether there are mirrors or panes.
+    pub(super) has_mirrors: bool,
 }
 
 /// What up to 64 firings are worked out in.
@@ -44,12 +47,18 @@ struct Bench {
     /// A standard normal for each return.
     normals: [f32; LANES * MAX_RETURNS],
     /// What comes back of one firing.
-    echoing: Echoing<{ MAX_BEAM_RAYS + MOST_IN_AIR }>,
+    echoing: Echoing<MOST_ECHOES>,
+    /// What follows rays beyond mirrors and panes, if there are any.
+    beyond: Option<Beyond>,
 }
 
+/// Most echoes of a firing: of each ray what it meets, and what it meets beyond mirrors and panes; and of the air.
+const MOST_ECHOES: usize = MAX_BEAM_RAYS * (1 + SURFACES_BEYOND) + MOST_IN_AIR;
+
 impl Bench {
-    const fn new() -> Self {
+    fn new(has_mirrors: bool) -> Self {
         Self {
+            beyond: has_mirrors.then(Beyond::new),
             lanes: FiringLanes::new(),
             volley: Volley::new(),
             normals: [0.0; LANES * MAX_RETURNS],
@@ -57,6 +66,10 @@ impl Bench {
         }
     }
 }
+
+/// What the beams of some firings are measured with: firings, what their rays have met, normals, and what comes back.
+type BeamBench<'b> =
+    (&'b FiringLanes, &'b Volley, &'b [f32; LANES * MAX_RETURNS], &'b mut Echoing<MOST_ECHOES>);
 
 impl<'a> Frame<'a> {
     /// The first of some firings that is not in a motion, or the end of them.
@@ -91,7 +104,7 @@ impl<'a> Frame<'a> {
     ) {
         let end = ((piece + 1) * self.in_piece).min(self.firings.count);
         let mut next = (piece * self.in_piece).min(end);
-        let mut bench = Bench::new();
+        let mut bench = Bench::new(self.has_mirrors);
         let returns = self.scanner.returns();
         while next < end {
             let motion = self.motions.at(self.firings.time_s(next));
@@ -138,10 +151,16 @@ impl<'a> Frame<'a> {
             let lanes = lane..count.min(lane + most);
             self.aim(view, motion, lanes.clone(), bench);
             bench.volley.cast(simd, view, &sight);
-            if self.scanner.is_line {
+            if self.scanner.is_line && !self.has_mirrors {
                 self.measure_lines(resolver, lanes.clone(), bench, &mut echoes);
             } else {
-                self.measure_beams((view, resolver), first, lanes.clone(), bench, &mut echoes);
+                let Bench { volley, beyond, .. } = bench;
+                let mut behind: &[Behind] = &[];
+                if let Some(beyond) = beyond {
+                    behind = beyond.look(simd, (view, resolver), &sight, volley);
+                }
+                let bench = (&bench.lanes, &bench.volley, &bench.normals, &mut bench.echoing);
+                self.measure_beams((view, resolver), first, lanes.clone(), bench, behind, &mut echoes);
             }
             if let Some(truth) = &mut echoes.truth {
                 for (lane, ray) in lanes.clone().zip((0..LANES).step_by(self.scanner.bundle.rays)) {
@@ -206,16 +225,17 @@ impl<'a> Frame<'a> {
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
         first: usize,
         firings: Range<usize>,
-        bench: &mut Bench,
+        (lanes, volley, normals, echoing): BeamBench<'_>,
+        behind: &[Behind],
         echoes: &mut Echoes<'_>,
     ) {
         let Scanner { config, bundle, least, .. } = self.scanner;
-        let Bench { lanes, volley, normals, echoing } = bench;
         let returns = self.scanner.returns();
         for (number, lane) in firings.enumerate() {
             let rays = number * bundle.rays..(number + 1) * bundle.rays;
             echoing.clear();
             self.listen((view, resolver), volley, rays.clone(), echoing);
+            self.listen_beyond(resolver, behind, &rays, echoing);
             self.listen_to_air(volley, (first + lane) as u32, rays, echoing);
             let firing = lanes.lane(lane);
             let found = echoing.returns(config.returns, config.pulse_m, *least);
@@ -237,18 +257,43 @@ impl<'a> Frame<'a> {
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
         volley: &Volley,
         rays: Range<usize>,
-        echoing: &mut Echoing<{ MAX_BEAM_RAYS + MOST_IN_AIR }>,
+        echoing: &mut Echoing<MOST_ECHOES>,
     ) {
         let Scanner { config, bundle, air, is_lit, .. } = self.scanner;
         let share = 1.0 / bundle.rays as f64;
         for ray in rays {
             let (Some(range), Some(slot)) = (volley.range(ray), volley.slot(ray)) else { continue };
             let met = if *is_lit { volley.struck(view, resolver, ray) } else { None };
+            let mut share = share;
+            if self.has_mirrors {
+                share *= Shares::of(view, resolver.hit(slot).instance.instance).scattered();
+            }
             let weight = met.map_or(share, |met| {
                 let reflected = reflected(self.scene, met.instance, met.cos_incidence);
                 share * reflected * air.clearness(range) / (range * range)
             });
             let signal = config.intensity.signal(range, weight, resolver.laser_retro(slot));
+            echoing.push(Echo { range, weight, signal });
+        }
+    }
+
+    /// What surfaces send back of one firing by way of mirrors and panes.
+    fn listen_beyond(
+        &self,
+        resolver: &mut Resolver<'_>,
+        behind: &[Behind],
+        rays: &Range<usize>,
+        echoing: &mut Echoing<MOST_ECHOES>,
+    ) {
+        let Scanner { config, bundle, air, is_lit, .. } = self.scanner;
+        for met in behind.iter().filter(|met| rays.contains(&met.lane)) {
+            let Behind { range, light, .. } = *met;
+            let mut weight = light / bundle.rays as f64;
+            if *is_lit {
+                let reflected = reflected(self.scene, met.instance, met.cos_incidence);
+                weight *= reflected * air.clearness(range) / (range * range);
+            }
+            let signal = config.intensity.signal(range, weight, resolver.laser_retro(met.slot));
             echoing.push(Echo { range, weight, signal });
         }
     }
@@ -259,7 +304,7 @@ impl<'a> Frame<'a> {
         volley: &Volley,
         firing: u32,
         rays: Range<usize>,
-        echoing: &mut Echoing<{ MAX_BEAM_RAYS + MOST_IN_AIR }>,
+        echoing: &mut Echoing<MOST_ECHOES>,
     ) {
         let Scanner { config, air, .. } = self.scanner;
         if config.weather == Weather::CLEAR {

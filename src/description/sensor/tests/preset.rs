@@ -61,7 +61,10 @@ fn what_is_wrong_with_a_preset_is_said() {
     };
     let unknown = problem("<preset>kinect_1</preset>");
     assert!(unknown.contains("<preset> of sensor 's' is 'kinect_1', which is none"), "{unknown}");
-    assert!(unknown.contains("did you mean kinect_v1? there are kinect_v1, xtion, d415"), "{unknown}");
+    assert!(
+        unknown.contains("did you mean kinect_v1? there are kinect_v1, xtion, redwood, d415"),
+        "{unknown}"
+    );
     let none = problem("");
     assert!(none.contains("the plugin 'belvedere' of sensor 's' has no <preset>"), "{none}");
     let beside = problem("<preset>d435</preset><noise>1</noise>");

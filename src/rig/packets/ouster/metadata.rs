@@ -1,6 +1,8 @@
 //! What a decoder has to know of a head, as the device tells it.
 
+use super::inertial::{PACKETS_IN_FRAME, SAMPLES};
 use super::{COLUMNS, IMU_PORT, INITIALIZATION, LIDAR_PORT, Ouster, SERIAL};
+use crate::description::model::ImuProfile;
 
 /// Metadata in JSON.
 pub(super) fn of(device: &Ouster) -> String {
@@ -19,6 +21,13 @@ pub(super) fn of(device: &Ouster) -> String {
     // The IMU is at the same place in all housings, but an OS2's is higher.
     let imu_mm = if line == "OS-2" { 11.645 } else { 7.645 };
     let last = columns - 1;
+    let imu_profile = device.imu_profile.name();
+    let imu_format = match device.imu_profile {
+        ImuProfile::Legacy => String::new(),
+        ImuProfile::Accel32Gyro32Nmea => format!(
+            "\n  \"imu_data_format\": {{\"imu_measurements_per_packet\": {SAMPLES}, \"imu_packets_per_frame\": {PACKETS_IN_FRAME}}},"
+        ),
+    };
     format!(
         r#"{{
   "sensor_info": {{
@@ -27,11 +36,11 @@ pub(super) fn of(device: &Ouster) -> String {
   }},
   "config_params": {{
     "lidar_mode": "{columns}x{rate_hz}", "udp_port_lidar": {LIDAR_PORT}, "udp_port_imu": {IMU_PORT},
-    "udp_profile_lidar": "{profile}", "udp_profile_imu": "LEGACY"
-  }},
+    "udp_profile_lidar": "{profile}", "udp_profile_imu": "{imu_profile}"
+  }},{imu_format}
   "lidar_data_format": {{
     "columns_per_frame": {columns}, "columns_per_packet": {COLUMNS}, "pixels_per_column": {rows}, "fps": {rate_hz},
-    "column_window": [0, {last}], "udp_profile_lidar": "{profile}", "udp_profile_imu": "LEGACY",
+    "column_window": [0, {last}], "udp_profile_lidar": "{profile}", "udp_profile_imu": "{imu_profile}",
     "pixel_shift_by_row": [{shifts}]
   }},
   "beam_intrinsics": {{

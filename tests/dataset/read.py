@@ -101,8 +101,8 @@ for index, sample in samples.items():
         pixels = projection @ np.hstack([corners, np.ones((8, 1))]).T
         columns, rows = pixels[:2] / pixels[2]
         # What is seen of it lies within.
-        assert columns.min() - 1 <= left and right <= columns.max() + 1, line
-        assert rows.min() - 1 <= top and bottom <= rows.max() + 1, line
+        assert columns.min() - 1 <= left <= right <= columns.max() + 1, line
+        assert rows.min() - 1 <= top <= bottom <= rows.max() + 1, line
         checked += 1
 assert checked > 0
 

@@ -4,7 +4,7 @@ mod coco;
 mod kitti;
 
 use super::labels::{Labels, ObjectJson, SensorLabels};
-use super::shard::{read_shard, write_whole};
+use super::shard::{read_shard, sweep, write_whole};
 use super::{DatasetError, Folder, Making, Plan, SensorPlan};
 use std::collections::BTreeMap;
 use std::fs;
@@ -76,9 +76,10 @@ fn data_of(npy: &[u8]) -> &[u8] {
     npy.get(10 + length..).unwrap_or_default()
 }
 
-/// A folder, made if it is not there.
+/// A folder, made if it is not there, without what killed processes have left in it.
 fn make_folder(path: PathBuf) -> Result<PathBuf, DatasetError> {
     fs::create_dir_all(&path).map_err(|source| DatasetError::Output { path: path.clone(), source })?;
+    sweep(&path, "");
     Ok(path)
 }
 

@@ -68,6 +68,7 @@ pub fn export_coco(
     making: &dyn Making,
 ) -> Result<PathBuf, DatasetError> {
     let sensor = find_sensor(plan, sensor, &["instance"])?;
+    let to = make_folder(to.to_owned())?;
     let pictures = make_folder(to.join("images"))?;
     let (mut images, mut annotations) = (Vec::new(), Vec::new());
     let field = format!("{}.instance.npy", sensor.name);

@@ -9,6 +9,7 @@
 //! | [`entities`] | who is in the world, by name |
 //! | [`rig`] | the sensors on their schedule, rendered straight into a sink's memory |
 //! | [`simulation`] | all of it, stepped and rendered by a caller: the library |
+//! | `dataset` | samples for learning, in shards (feature `dataset`) |
 //! | `server` | the same for other processes: shared memory, commands (feature `server`) |
 //! | `recording` | runs kept in MCAP files, and played again (feature `recording`) |
 //! | `view` | a page in the browser (feature `view`) |
@@ -21,6 +22,8 @@
 
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "dataset")]
+pub mod dataset;
 pub mod description;
 pub mod entities;
 pub mod gltf;

@@ -2,192 +2,21 @@
 #![cfg(feature = "view")]
 
 mod live;
+mod page;
 
 use live::control::ROBOT;
 use live::{PATIENCE, belvedere, own_domain};
-use rustix::process::{Pid, Signal, kill_process};
-use serde_json::{Value, json};
-use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use page::{Server, Shown, position};
+use serde_json::json;
+use std::io::Write as _;
 use std::net::TcpStream;
-use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
-use tungstenite::protocol::Role;
-use tungstenite::{Message, WebSocket};
+use tungstenite::Message;
 
 const PICTURE: &str = "camera/rgb/image_raw";
 const DEPTH: &str = "camera/depth/image_raw";
 const STATES: &str = "simulation/link_states";
 const KINECT: [&str; 6] = ["--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "still"];
-
-/// A program that serves the page; stopped when dropped.
-struct Server {
-    child: Child,
-    /// 127.0.0.1:PORT.
-    host: String,
-    token: String,
-}
-
-impl Server {
-    fn start(mut command: Command) -> Self {
-        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
-        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
-        let url =
-            lines.find_map(|line| line.unwrap().strip_prefix("page: http://").map(str::to_owned)).unwrap();
-        let (host, token) = url.split_once("/?token=").unwrap();
-        Self { host: host.to_owned(), token: token.to_owned(), child }
-    }
-
-    /// The simulator with its page.
-    fn run(domain: &str, arguments: &[&str]) -> Self {
-        let mut command = belvedere();
-        command.args(["run", "--view", "--no-browser", "--domain", domain]).args(arguments);
-        if !arguments.contains(&"--port") {
-            command.args(["--port", "0"]);
-        }
-        Self::start(command)
-    }
-
-    /// A page beside a simulator.
-    fn view(domain: &str) -> Self {
-        let mut command = belvedere();
-        command.args(["view", "--wait", "--no-browser", "--port", "0", "--domain", domain]);
-        Self::start(command)
-    }
-
-    /// What comes for a request, as it stands.
-    fn ask(&self, request: &str) -> String {
-        let mut stream = TcpStream::connect(&self.host).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        stream.write_all(request.as_bytes()).unwrap();
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer).unwrap();
-        String::from_utf8_lossy(&answer).into_owned()
-    }
-
-    fn get(&self, target: &str) -> String {
-        self.ask(&format!("GET {target} HTTP/1.1\r\nHost: {}\r\n\r\n", self.host))
-    }
-
-    fn page(&self) -> Page {
-        self.connect("")
-    }
-
-    /// A WebSocket with this header more.
-    fn connect(&self, header: &str) -> Page {
-        let mut stream = TcpStream::connect(&self.host).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        let (host, token) = (&self.host, &self.token);
-        let request = format!(
-            "GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
-             {header}Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
-        );
-        stream.write_all(request.as_bytes()).unwrap();
-        let mut answer = Vec::new();
-        while !answer.ends_with(b"\r\n\r\n") {
-            let mut byte = [0];
-            stream.read_exact(&mut byte).unwrap();
-            answer.push(byte[0]);
-        }
-        let answer = String::from_utf8(answer).unwrap();
-        // What RFC 6455 has for this key.
-        assert!(answer.contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), "{answer}");
-        if let Some(offered) = header.strip_suffix("\r\n") {
-            assert!(answer.contains(offered.split(", ").next().unwrap()), "{answer}");
-        }
-        Page { socket: WebSocket::from_raw_socket(stream, Role::Client, None), heard: Vec::new() }
-    }
-
-    fn kill(mut self) {
-        kill_process(Pid::from_child(&self.child), Signal::KILL).unwrap();
-        self.child.wait().unwrap();
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        if let Ok(None) = self.child.try_wait() {
-            let _ = kill_process(Pid::from_child(&self.child), Signal::INT);
-            let _ = self.child.wait();
-        }
-    }
-}
-
-/// A page's end of the WebSocket.
-struct Page {
-    socket: WebSocket<TcpStream>,
-    heard: Vec<Value>,
-}
-
-/// What the page is sent of a stream.
-struct Shown {
-    header: Value,
-    payload: Vec<u8>,
-}
-
-impl Shown {
-    fn stamp(&self) -> u64 {
-        self.header["stamp"].as_u64().unwrap()
-    }
-}
-
-impl Page {
-    fn say(&mut self, message: &Value) {
-        self.socket.send(Message::text(message.to_string())).unwrap();
-    }
-
-    /// The next frame of a topic.
-    fn next(&mut self, topic: &str) -> Shown {
-        self.say(&json!({ "op": "next", "topic": topic }));
-        loop {
-            match self.socket.read().unwrap() {
-                Message::Binary(bytes) => {
-                    let len = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
-                    let header: Value = serde_json::from_slice(&bytes[4..4 + len]).unwrap();
-                    if header["topic"] == topic {
-                        return Shown { header, payload: bytes[4 + len..].to_vec() };
-                    }
-                }
-                Message::Text(text) => self.heard.push(serde_json::from_str(&text).unwrap()),
-                _ => {}
-            }
-        }
-    }
-
-    /// The next binary message with this first byte.
-    fn binary(&mut self, opcode: u8) -> Vec<u8> {
-        loop {
-            match self.socket.read().unwrap() {
-                Message::Binary(bytes) if bytes[0] == opcode => return bytes.to_vec(),
-                Message::Text(text) => self.heard.push(serde_json::from_str(&text).unwrap()),
-                _ => {}
-            }
-        }
-    }
-
-    /// The next words of this kind.
-    fn told(&mut self, op: &str) -> Value {
-        loop {
-            if let Some(place) = self.heard.iter().position(|told| told["op"] == op) {
-                return self.heard.remove(place);
-            }
-            if let Message::Text(text) = self.socket.read().unwrap() {
-                self.heard.push(serde_json::from_str(&text).unwrap());
-            }
-        }
-    }
-
-    fn control(&mut self, operation: &str) -> Value {
-        self.say(&json!({ "op": "control", "id": 7, "operation": operation, "steps": 10 }));
-        self.told("result")
-    }
-}
-
-/// Where a link is, of `simulation/link_states`.
-fn position(states: &Shown, link: &str) -> [f64; 3] {
-    let stride = states.header["rowStride"].as_u64().unwrap() as usize;
-    let state = states.payload.chunks(stride).find(|state| state.starts_with(link.as_bytes())).unwrap();
-    std::array::from_fn(|axis| f64::from_le_bytes(state[128 + 8 * axis..][..8].try_into().unwrap()))
-}
 
 #[test]
 fn only_who_knows_the_token_is_let_in_and_no_path_leaves_the_page() {

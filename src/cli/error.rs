@@ -26,6 +26,9 @@ pub enum CliError {
     /// The simulation cannot be made.
     #[error(transparent)]
     Simulation(SimulationError),
+    /// The data set is not made.
+    #[error(transparent)]
+    Dataset(#[from] crate::dataset::DatasetError),
     /// The system gives no thread.
     #[error("the system gives no thread that sends frames: {0}; end other programs, or raise `ulimit -u`")]
     NoThread(std::io::Error),

@@ -3,6 +3,7 @@
 mod attachments;
 pub mod check;
 pub mod control;
+pub mod dataset;
 pub mod echo;
 pub mod error;
 pub mod follow;
@@ -24,7 +25,9 @@ mod status;
 mod terminal;
 pub mod urdf;
 pub mod view;
+mod view_recording;
 
+use crate::dataset::DatasetError;
 use clap::{CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
 use error::CliError;
@@ -67,6 +70,7 @@ enum Command {
     Check(check::CheckArgs),
     Urdf(urdf::UrdfArgs),
     Control(control::ControlArgs),
+    Dataset(dataset::DatasetArgs),
     /// Print a script that completes this command in a shell.
     ///
     /// For bash: belvedere completions bash > ~/.local/share/bash-completion/completions/belvedere
@@ -91,6 +95,7 @@ fn command_names() -> impl Iterator<Item = &'static str> {
         "check",
         "urdf",
         "control",
+        "dataset",
         "completions",
     ]
     .into_iter()
@@ -115,6 +120,7 @@ pub fn main() -> ExitCode {
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Urdf(args)) => urdf::run(args),
         Some(Command::Control(args)) => control::run(args),
+        Some(Command::Dataset(args)) => dataset::run(args),
         Some(Command::Completions { shell }) => {
             clap_complete::generate(*shell, &mut Cli::command(), "belvedere", &mut std::io::stdout());
             Ok(())
@@ -133,7 +139,7 @@ pub fn main() -> ExitCode {
 /// Problems of a file already say `file:line: error:`; the rest gets an `error:` in front.
 fn failure(error: &CliError) -> String {
     match error {
-        CliError::Description(_) => error.to_string(),
+        CliError::Description(_) | CliError::Dataset(DatasetError::Description(_)) => error.to_string(),
         _ => format!("error: {error}"),
     }
 }

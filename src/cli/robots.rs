@@ -35,7 +35,7 @@ pub struct RobotArgs {
 }
 
 /// An argument of xacro; what is none may be a command that was misspelt.
-fn argument(text: &str) -> Result<(String, String), String> {
+pub(super) fn argument(text: &str) -> Result<(String, String), String> {
     xacro_argument(text).map_err(|why| {
         let near = nearest(text, super::command_names());
         let near = near.map(|near| format!("did you mean the command '{near}'? ")).unwrap_or_default();
@@ -86,6 +86,11 @@ impl RobotArgs {
     /// Arguments of the robots' xacro.
     pub(super) fn xacro_args(&self) -> &[(String, String)] {
         &self.xacro_args
+    }
+
+    /// Adds one before the others.
+    pub(super) fn add_argument(&mut self, argument: (String, String)) {
+        self.xacro_args.insert(0, argument);
     }
 
     /// Whether our own robot runs, because none was asked for.

@@ -162,7 +162,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     let kept =
         args.record.as_ref().map(|_| attachments(&world, &robots, &packages, args.robots.xacro_args()));
-    let shown = args.view.then(|| Shown::new(&world, &robots, &packages, args.robots.xacro_args()));
+    let shown = args.view.then(|| Shown::new(&world.models, &robots, &packages, args.robots.xacro_args()));
     let node = Node::open(&args.domain, "belvedere")?;
     let mut simulation =
         Simulation::builder(world).seed(args.seed).gazebo_compat(args.gazebo_compat).build()?;

@@ -3,9 +3,10 @@
 use super::attachments::robot_urdf;
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, check_topics, listen_for_stop, print_line, stop_wanted};
-use super::robots::RobotArgs;
+use super::robots::{RobotArgs, argument};
 use super::terminal;
-use crate::description::model::{Model, World};
+use super::view_recording::RecordingToView;
+use crate::description::model::Model;
 use crate::description::package::PackagePath;
 use crate::description::world::{default_world, load_world};
 use crate::description::{Diagnostics, Rules};
@@ -14,7 +15,7 @@ use crate::simulation::SpawnOptions;
 use crate::view::{DEFAULT_PORT, ViewOptions, ViewServer, token};
 use belvedere_bridge::Node;
 use std::net::{IpAddr, Ipv4Addr};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
@@ -40,7 +41,7 @@ pub struct PageArgs {
 }
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
-/// Show a running simulation on a page in the browser.
+/// Show a running simulation, or a recording, on a page in the browser.
 ///
 /// The page has the world in 3D with the robot, its scans and depth clouds, and the pictures of its cameras; from it time
 /// is paused, stepped and reset, and the robot driven by keys. The same port speaks Foxglove's protocol. What no panel shows is not rendered. It goes on when the
@@ -49,11 +50,15 @@ pub struct PageArgs {
 #[command(after_help = "Examples:
   belvedere run --view
   belvedere view
+  belvedere view run.mcap                  (a recording, with a time line)
   belvedere view --robot my_robot.urdf.xacro --world my.world    (as given to run: their shapes are shown)
   belvedere view --no-browser --port 0
   belvedere view --terminal /camera/rgb/image_raw
   ssh -L 8765:127.0.0.1:8765 robot belvedere view --no-browser")]
 pub struct ViewArgs {
+    /// A recording, which is played in the domain as if it were a simulator
+    #[arg(value_name = "RECORDING", value_parser = given)]
+    given: Option<Given>,
     #[command(flatten)]
     domain: DomainArgs,
     #[command(flatten)]
@@ -67,7 +72,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "FOLDER")]
     package_path: Vec<PathBuf>,
     /// Show a topic in this terminal instead, the first camera's if none is named
-    #[arg(long, value_name = "TOPIC", num_args = 0..=1, default_missing_value = "")]
+    #[arg(long, value_name = "TOPIC", num_args = 0..=1, default_missing_value = "", conflicts_with = "given")]
     terminal: Option<String>,
     /// End after so many pictures in the terminal
     #[arg(long, value_name = "N", requires = "terminal")]
@@ -77,12 +82,31 @@ pub struct ViewArgs {
     wait: bool,
 }
 
+/// The first word.
+#[derive(Clone, Debug)]
+enum Given {
+    Recording(PathBuf),
+    /// Of the robots' xacro.
+    Argument((String, String)),
+}
+
+fn given(text: &str) -> Result<Given, String> {
+    if text.contains(":=") { argument(text).map(Given::Argument) } else { Ok(Given::Recording(text.into())) }
+}
+
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::NoSimulator`]; [`CliError::View`] when the page cannot be served.
+/// [`CliError::NoSimulator`]; [`CliError::View`] when the page cannot be served; [`CliError::Recording`].
 pub fn run(args: &ViewArgs) -> Result<(), CliError> {
     listen_for_stop()?;
+    let mut args = args.clone();
+    match args.given.take() {
+        Some(Given::Recording(file)) => return view_recording(&file, &args),
+        Some(Given::Argument(argument)) => args.robots.add_argument(argument),
+        None => {}
+    }
+    let args = &args;
     let node = Node::open(&args.domain.domain, "view")?;
     if !args.wait {
         check_topics(&node, &args.domain.domain, &[])?;
@@ -98,6 +122,27 @@ pub fn run(args: &ViewArgs) -> Result<(), CliError> {
     Ok(())
 }
 
+/// Plays a recording, and shows it.
+fn view_recording(file: &Path, args: &ViewArgs) -> Result<(), CliError> {
+    let played = RecordingToView::open(file)?;
+    let shown = if args.robots.are_ours() && args.world.is_none() {
+        played.models(&packages(args))
+    } else {
+        load(args)?
+    };
+    let domain = &args.domain.domain;
+    // First, so that a simulator that runs there is found before the page is opened.
+    let player = played.player(Node::open(domain, "belvedere")?)?;
+    let page = open_page(&Node::open(domain, "view")?, &args.page, shown)?;
+    page.set_timeline(played.timeline().clone());
+    played.play(player)
+}
+
+fn packages(args: &ViewArgs) -> PackagePath {
+    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
+    PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref())
+}
+
 /// What a page shows besides what it is sent.
 pub(super) struct Shown {
     /// A binary glTF file.
@@ -108,28 +153,36 @@ pub(super) struct Shown {
 
 impl Shown {
     pub(super) fn new(
-        world: &World,
+        world: &[Model],
         robots: &[(Model, SpawnOptions)],
         packages: &PackagePath,
         xacro_args: &[(String, String)],
+    ) -> Self {
+        let urdf = |(model, options): &(Model, SpawnOptions)| {
+            Some((options.namespace.clone(), robot_urdf(model, packages, xacro_args)?))
+        };
+        Self::with(world, robots, robots.iter().filter_map(urdf).collect())
+    }
+
+    /// With the robots' descriptions, by their namespaces.
+    pub(super) fn with(
+        world: &[Model],
+        robots: &[(Model, SpawnOptions)],
+        descriptions: Vec<(String, String)>,
     ) -> Self {
         let thing = |model, world_from_model, is_robot| -> Thing<'_> {
             let model: &Model = model;
             Thing { name: &model.name, model, world_from_model, is_robot }
         };
-        let things = world.models.iter().map(|model| thing(model, model.world_from_model, false));
+        let things = world.iter().map(|model| thing(model, model.world_from_model, false));
         let moving = robots.iter().map(|(model, options)| thing(model, options.world_from_model, true));
-        let urdf = |(model, options): &(Model, SpawnOptions)| {
-            Some((options.namespace.clone(), robot_urdf(model, packages, xacro_args)?))
-        };
-        Self { scene: gltf::write(things.chain(moving)), robots: robots.iter().filter_map(urdf).collect() }
+        Self { scene: gltf::write(things.chain(moving)), robots: descriptions }
     }
 }
 
 /// The models of a simulator that runs elsewhere, as its arguments name them.
 fn load(args: &ViewArgs) -> Result<Shown, CliError> {
-    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-    let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
+    let packages = packages(args);
     let mut diagnostics = Diagnostics::default();
     // What is wrong with them, the simulator has said.
     let rules = Rules { skip_missing: true, ..Rules::default() };
@@ -139,7 +192,7 @@ fn load(args: &ViewArgs) -> Result<Shown, CliError> {
     let robots = args.robots.load(&packages, rules, &taken.collect(), &mut diagnostics);
     match world {
         Some(world) if !diagnostics.has_errors() => {
-            Ok(Shown::new(&world, &robots, &packages, args.robots.xacro_args()))
+            Ok(Shown::new(&world.models, &robots, &packages, args.robots.xacro_args()))
         }
         _ => Err(CliError::Description(diagnostics.errors().cloned().collect())),
     }
@@ -156,7 +209,7 @@ pub(super) fn open_page(node: &Node, args: &PageArgs, shown: Shown) -> Result<Vi
     let page = ViewServer::start(node.clone(), options)?;
     page.set_scene(shown.scene);
     for (namespace, urdf) in shown.robots {
-        page.set_robot_description(&namespace, urdf);
+        page.set_robot_description(&namespace, &urdf);
     }
     print_line(&format!("page: {}", page.url()))?;
     if !args.no_browser {

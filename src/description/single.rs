@@ -1,7 +1,7 @@
-//! A single model from a text, as it is put into a running world.
+//! A single model from a text, as it is put into a running world; a world from a text, as a recording keeps it.
 
 use super::diagnostics::Diagnostics;
-use super::model::Model;
+use super::model::{Model, World};
 use super::package::PackagePath;
 use super::rules::Rules;
 use super::xml::Element;
@@ -25,6 +25,27 @@ pub fn load_model_text(
     match Element::parse(text, Path::new(name)) {
         Ok(root) if root.name == "robot" => urdf::load_urdf(&root, packages, rules, diagnostics),
         Ok(root) => sdf::load_model(&root, packages, rules, diagnostics),
+        Err(problem) => {
+            diagnostics.add(problem);
+            None
+        }
+    }
+}
+
+/// Reads the first world of the text of an SDF file. `name` stands for the file in problems, and what the world names by
+/// relative paths is looked for beside it.
+///
+/// # Errors
+/// As [`load_model_text`].
+pub fn load_world_text(
+    text: &str,
+    name: &str,
+    packages: &PackagePath,
+    rules: Rules,
+    diagnostics: &mut Diagnostics,
+) -> Option<World> {
+    match Element::parse(text, Path::new(name)) {
+        Ok(root) => sdf::load_world(&root, packages, rules, diagnostics),
         Err(problem) => {
             diagnostics.add(problem);
             None

@@ -6,6 +6,7 @@
 //! | [`RecordingReader`] | what is in a file, in order |
 //! | [`Recorder`] | all streams of a domain into a file |
 //! | [`Player`] | a file into a domain, as if it were the simulator |
+//! | [`Timeline`] | where it is, and where somebody wants it to be |
 //!
 //! A file is of MCAP's profile `ros1`. It has for each stream that ROS has a message for a channel with ROS's topic, type and
 //! definition, and for each stream a channel `/belvedere/frames/TOPIC` of the type `belvedere/Frame`: the header of each
@@ -19,20 +20,25 @@ mod file;
 mod log_time;
 mod play_clock;
 mod player;
+mod player_options;
 mod reader;
 mod recorder;
 pub mod ros1;
 mod send_order;
 mod skip;
 mod stream;
+mod timeline;
 mod writer;
+mod zstd;
 
 pub use attachment::Attachment;
 pub use error::RecordingError;
 pub use file::NewFile;
-pub use player::{Ending, Pace, Player, PlayerOptions};
+pub use player::{Ending, Player};
+pub use player_options::{Pace, PlayerOptions};
 pub use reader::{Item, Message, RecordedFrame, RecordingReader};
 pub use recorder::{Progress, Recorder, RecorderOptions, about};
 pub use skip::Skipping;
 pub use stream::RecordedStream;
+pub use timeline::{Playhead, Timeline};
 pub use writer::{Compression, RecordingWriter, StreamId, StreamTally};

@@ -1,7 +1,9 @@
 //! [`Player`]: a recording as if the simulator ran.
 
 use super::play_clock::PlayClock;
+use super::player_options::{Pace, PlayerOptions};
 use super::reader::{Item, RecordedFrame, RecordingReader};
+use super::timeline::Timeline;
 use super::{RecordedStream, RecordingError};
 use crate::server::attendance::Awaited;
 use crate::server::inbox::{Inbox, Request};
@@ -9,52 +11,13 @@ use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{FrameHeader, Kind, Lossless, Node, Operation, Publisher, StreamSpec};
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// How often those who have come late are given the last frame of streams that are sent seldom.
 const UPDATE_INTERVAL: Duration = Duration::from_millis(100);
 /// Longest sleep before the caller is asked whether to go on.
-const NAP: Duration = Duration::from_millis(20);
-
-/// How fast a recording is played.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Pace {
-    /// So many recorded seconds in a second; greater than 0.
-    Rate(f64),
-    /// As fast as it can.
-    Max,
-}
-
-/// How a recording is played.
-#[derive(Debug, Clone)]
-pub struct PlayerOptions {
-    /// How fast.
-    pub pace: Pace,
-    /// Where to begin: seconds after the beginning of the recording.
-    pub start: Duration,
-    /// How much of it; all if there is none.
-    pub duration: Option<Duration>,
-    /// Whether to begin standing, until a command resumes or steps it.
-    pub paused: bool,
-    /// Consumers that lose no frame and are waited for before the first.
-    pub wait_for: Vec<Awaited>,
-    /// How long a frame waits for one of them.
-    pub patience: Duration,
-}
-
-impl Default for PlayerOptions {
-    /// All of it, as it was.
-    fn default() -> Self {
-        Self {
-            pace: Pace::Rate(1.0),
-            start: Duration::ZERO,
-            duration: None,
-            paused: false,
-            wait_for: Vec::new(),
-            patience: Lossless::PATIENCE,
-        }
-    }
-}
+pub(super) const NAP: Duration = Duration::from_millis(20);
 
 /// Plays recordings into a domain: the same streams with the same frames, in the order and at the distances of the
 /// recording. Of a header only the counter, the session and the time of sending are the replay's own, and
@@ -62,10 +25,14 @@ impl Default for PlayerOptions {
 pub struct Player {
     node: Node,
     inbox: Inbox,
-    options: PlayerOptions,
+    pub(super) options: PlayerOptions,
     streams: HashMap<String, Publisher>,
     specs: HashMap<String, RecordedStream>,
-    paused: bool,
+    pub(super) paused: bool,
+    /// Whoever seeks, and sees where it is.
+    pub(super) timeline: Option<Arc<Timeline>>,
+    /// The last frame of each stream before the start, for those who seek.
+    pub(super) before: BTreeMap<String, RecordedFrame>,
     /// Steps to go, and who is told when they are done.
     steps: Option<(u64, SimulationCommand)>,
     next_update: Instant,
@@ -97,6 +64,8 @@ impl Player {
             options,
             streams: HashMap::new(),
             specs: HashMap::new(),
+            timeline: None,
+            before: BTreeMap::new(),
             steps: None,
             next_update: Instant::now(),
             time_ns: 0,
@@ -146,15 +115,18 @@ impl Player {
             if since_start < self.options.start {
                 clock.skip_to(frame.log_time_ns);
                 // What is told once is wanted by those who begin later, too.
-                if matches!(frame.header.kind(), Some(Kind::StaticTransforms | Kind::SensorSettings)) {
+                if self.timeline.is_some() {
+                    self.before.insert(frame.topic.clone(), frame);
+                } else if matches!(frame.header.kind(), Some(Kind::StaticTransforms | Kind::SensorSettings)) {
                     self.send(&frame)?;
                 }
-                if !self.is_wanted(Instant::now(), &mut go_on)? {
+                if self.is_sought() || !self.is_wanted(Instant::now(), &mut go_on)? {
                     return Ok(Ending::Stopped);
                 }
                 continue;
             }
             clock.has_begun = true;
+            self.send_before()?;
             let end = self.options.duration.map(|duration| self.options.start + duration);
             if end.is_some_and(|end| since_start >= end) {
                 return Ok(Ending::Played);
@@ -167,6 +139,7 @@ impl Player {
             }
             self.send(&frame)?;
             self.count_step(&frame);
+            self.tell(since_start);
         };
         match (&ending, clock) {
             (Ok(_), None) => Err(RecordingError::Foreign { library: recording.library().to_owned() }),
@@ -278,7 +251,8 @@ impl Player {
     ) -> Result<bool, RecordingError> {
         loop {
             let now = Instant::now();
-            if !self.is_wanted(now, go_on)? {
+            self.take_rate();
+            if self.is_sought() || !self.is_wanted(now, go_on)? {
                 return Ok(false);
             }
             self.serve();
@@ -308,7 +282,7 @@ impl Player {
         }
     }
 
-    fn look_after(&mut self, nap: Duration) -> Result<(), RecordingError> {
+    pub(super) fn look_after(&mut self, nap: Duration) -> Result<(), RecordingError> {
         self.streams.values().try_for_each(Publisher::update)?;
         self.inbox.wait(nap);
         self.serve();
@@ -341,6 +315,13 @@ impl Player {
         Some(Ok(()))
     }
 
+    /// Ends steps that cannot be done.
+    pub(super) fn refuse_steps(&mut self, why: &str) {
+        if let Some((_, command)) = self.steps.take() {
+            self.inbox.answer(&command, self.time_ns, &Err(why.to_owned()));
+        }
+    }
+
     /// A step is from one message of the clock to the next.
     fn count_step(&mut self, frame: &RecordedFrame) {
         if frame.header.kind() != Some(Kind::Clock) {
@@ -356,7 +337,7 @@ impl Player {
         }
     }
 
-    fn send(&mut self, frame: &RecordedFrame) -> Result<(), RecordingError> {
+    pub(super) fn send(&mut self, frame: &RecordedFrame) -> Result<(), RecordingError> {
         let len = frame.payload.len();
         if self.streams.get(&frame.topic).is_some_and(|publisher| len > publisher.max_payload_len()) {
             self.enlarge(&frame.topic, len)?;

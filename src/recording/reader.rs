@@ -1,9 +1,10 @@
 //! [`RecordingReader`]: what is in an MCAP file, in the order in which it was written.
 
 use super::ros1;
-use super::skip::{Skipping, chunks_before, summary};
+use super::skip::{Before, Skipping, chunks_before, summary};
 use super::stream::RecordedStream;
 use super::writer::{ABOUT, FRAMES, HASHES, STREAM};
+use super::zstd::Zstd;
 use super::{Attachment, RecordingError};
 use belvedere_bridge::{FrameHeader, FrameView};
 use mcap::records::Record;
@@ -93,9 +94,21 @@ impl<R: Read + Seek> RecordingReader<Skipping<R>> {
     ///
     /// # Errors
     /// When the file cannot be read.
-    pub fn starting_at(mut source: R, start: Duration) -> Result<Self, RecordingError> {
+    pub fn starting_at(source: R, start: Duration) -> Result<Self, RecordingError> {
+        Self::without(source, start, Before::ToldOnce)
+    }
+
+    /// Reads what there is from so long after the beginning on, and before that at least the last frame of each stream.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub(super) fn resuming_at(source: R, start: Duration) -> Result<Self, RecordingError> {
+        Self::without(source, start, Before::LastOfEach)
+    }
+
+    fn without(mut source: R, start: Duration, wanted: Before) -> Result<Self, RecordingError> {
         let index = (start > Duration::ZERO).then(|| summary(&mut source)).flatten();
-        let left_out = index.as_ref().map_or_else(Vec::new, |index| chunks_before(index, start));
+        let left_out = index.as_ref().map_or_else(Vec::new, |index| chunks_before(index, start, wanted));
         let is_whole = left_out.is_empty();
         let mut reader = Self::checking(Skipping::new(source, left_out)?, is_whole);
         if let Some(index) = index.filter(|_| !is_whole) {
@@ -125,9 +138,12 @@ impl<R: Read> RecordingReader<R> {
             .with_validate_data_section_crc(is_whole)
             .with_validate_summary_section_crc(true)
             .with_record_length_limit(LARGEST);
+        let mut reader = LinearReader::new_with_options(options);
+        // Refused would be one without a name.
+        let _ = reader.add_decompressor(Zstd::new());
         Self {
             source,
-            reader: LinearReader::new_with_options(options),
+            reader,
             library: String::new(),
             schemas: HashMap::new(),
             channels: HashMap::new(),

@@ -3,7 +3,7 @@
 use super::writer::FRAMES;
 use mcap::Summary;
 use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader};
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::io::{Read, Result, Seek, SeekFrom};
 use std::ops::Range;
 use std::time::Duration;
@@ -57,21 +57,46 @@ pub(super) fn summary(source: &mut (impl Read + Seek)) -> Option<Summary> {
     reader.finish()
 }
 
+/// What is wanted of the time before a reader's start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Before {
+    /// What is told once, as static transforms.
+    ToldOnce,
+    /// The last frame of each stream, too: what a consumer would have seen last if all had been played.
+    LastOfEach,
+}
+
 /// The chunks that a replay does without which begins so long after the first message: all that end before, but for the
-/// last of them, as a frame's payload may be in the message before it, and for those with what is told once.
-pub(super) fn chunks_before(summary: &Summary, start: Duration) -> Vec<Range<u64>> {
+/// last of them, as a frame's payload may be in the message before it, and for those with what is wanted of them.
+pub(super) fn chunks_before(summary: &Summary, start: Duration, wanted: Before) -> Vec<Range<u64>> {
     let Some(stats) = &summary.stats else { return Vec::new() };
     let start_ns =
         u64::try_from(start.as_nanos()).unwrap_or(u64::MAX).saturating_add(stats.message_start_time);
-    let is_told_once =
-        |id: &u16| summary.channels.get(id).is_some_and(|channel| is_told_once(&channel.topic));
+    let topic = |id: &u16| summary.channels.get(id).map_or("", |channel| channel.topic.as_str());
     let mut chunks: Vec<_> = summary.chunk_indexes.iter().collect();
     chunks.sort_unstable_by_key(|chunk| chunk.chunk_start_offset);
     let before = chunks.partition_point(|chunk| chunk.message_end_time < start_ns);
-    chunks[..before.saturating_sub(1)]
-        .iter()
-        .filter(|chunk| !chunk.message_index_offsets.keys().any(is_told_once))
-        .map(|chunk| {
+    let mut is_kept = vec![false; before];
+    let mut last_of_each = HashMap::new();
+    for (number, chunk) in chunks[..before].iter().enumerate() {
+        for channel in chunk.message_index_offsets.keys() {
+            is_kept[number] |= is_told_once(topic(channel));
+            last_of_each.insert(channel, number);
+        }
+    }
+    if let Some(last) = is_kept.last_mut() {
+        *last = true;
+    }
+    if wanted == Before::LastOfEach {
+        for (_, number) in last_of_each.into_iter().filter(|(channel, _)| topic(channel).starts_with(FRAMES))
+        {
+            // Its payload may be in the chunk before.
+            is_kept[number.saturating_sub(1)..=number].fill(true);
+        }
+    }
+    let left_out = chunks.iter().zip(is_kept).filter(|(_, is_kept)| !is_kept);
+    left_out
+        .map(|(chunk, _)| {
             let end = chunk.chunk_start_offset + chunk.chunk_length + chunk.message_index_length;
             chunk.chunk_start_offset..end
         })

@@ -24,6 +24,7 @@ mod moments;
 mod motion;
 mod mount;
 mod navsat;
+mod on_demand;
 mod ouster;
 mod outlet;
 pub mod packets;
@@ -299,19 +300,6 @@ impl Rig {
         }
     }
 
-    /// Takes the next frame of the channel that has a stream of this topic now, whenever it is due; false if there is none.
-    pub fn take(&mut self, topic: &str, stage: Stage<'_>, scene: &mut WorldScene) -> bool {
-        let has_topic = |scheduled: &&mut Scheduled| {
-            scheduled.channel.outlets().iter().any(|outlet| outlet.topic() == topic)
-        };
-        let found = self.channels.iter_mut().find(has_topic);
-        if let Some(scheduled) = found {
-            scheduled.take(stage.physics.time_ns(), stage, scene, &mut self.workspace);
-            return true;
-        }
-        false
-    }
-
     /// Begins every channel's schedule again at time 0, with the noise of its first frame and the settings of its
     /// description.
     ///
@@ -355,6 +343,19 @@ impl Scheduled {
         scene: &mut WorldScene,
         workspace: &mut WorkspaceBuf,
     ) {
+        self.publish(self.schedule.next(), stamp_ns, stage, scene, workspace);
+        self.schedule.advance();
+    }
+
+    /// Takes its frame of this number, whatever its schedule says.
+    fn publish(
+        &mut self,
+        frame: u64,
+        stamp_ns: u64,
+        stage: Stage<'_>,
+        scene: &mut WorldScene,
+        workspace: &mut WorkspaceBuf,
+    ) {
         if self.channel.is_rendered() {
             scene.move_to(stage.physics, stamp_ns);
         }
@@ -365,12 +366,11 @@ impl Scheduled {
         }
         let rendering = Duration::ZERO;
         let mut context = RigContext { stamp_ns, physics, entities, scene, workspace, rendering };
-        self.channel.publish(&mut context, self.schedule.next());
+        self.channel.publish(&mut context, frame);
         self.cost.add(context.rendering);
         if let Some(model) = model {
             scene.hide(model, &self.housing, false);
         }
-        self.schedule.advance();
     }
 }
 

@@ -219,6 +219,43 @@ impl Simulation {
         Ok(())
     }
 
+    /// Puts a model somewhere as it was at the start: at rest, its joints at zero. Where it was before makes no difference,
+    /// not in the last bit either.
+    ///
+    /// # Errors
+    /// As [`Simulation::place`].
+    pub fn set_down(&mut self, id: EntityId, world_from_model: &Pose) -> Result<(), SimulationError> {
+        let name = &self.get(id)?.name;
+        if !world_from_model.is_finite() {
+            return Err(SimulationError::Refused("a pose is not finite".into()));
+        }
+        if self.physics.follows_script(id.index()) {
+            return Err(SimulationError::Refused(format!(
+                "'{name}' follows its script, and cannot be moved"
+            )));
+        }
+        let before = self.bases();
+        self.physics.place_model(id.index(), world_from_model);
+        self.carried(&before);
+        self.scene.replace_model(id.index(), &self.physics);
+        Ok(())
+    }
+
+    /// Whether everything that collides is at least `clearance_m` away from a model, but for what it stands on.
+    ///
+    /// # Errors
+    /// When it was deleted.
+    pub fn is_clear(&self, id: EntityId, clearance_m: f64) -> Result<bool, SimulationError> {
+        self.get(id)?;
+        Ok(self.physics.is_clear(id.index(), clearance_m))
+    }
+
+    /// Another seed of all noise from now on.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.options.seed = seed;
+        self.studio = None;
+    }
+
     /// Where the robots' bases are.
     fn bases(&self) -> Vec<Pose> {
         let robots = self.entities.iter().filter_map(|(_, entity)| entity.robot.as_ref());

@@ -33,6 +33,31 @@ impl Simulation {
         rendered
     }
 
+    /// Renders the frame of this number of one sensor into `frames`, a topic each, all of which are of that sensor: its own
+    /// and those of its truth are then of one frame. The number chooses the noise. The frame depends on none before, and the
+    /// exposure of a camera is that of the start; so frames are the same in whatever order they are asked for. With `goes_on`
+    /// it follows the one that was rendered last, from which flow comes.
+    ///
+    /// Says of each topic whether it has a frame: flow has none without a frame before.
+    ///
+    /// # Errors
+    /// When no sensor sends one of the topics, or a sensor's description cannot be used.
+    pub fn render_numbered(
+        &mut self,
+        topics: &[&str],
+        number: u64,
+        goes_on: bool,
+        frames: &mut [FrameBuf],
+    ) -> Result<Vec<bool>, SimulationError> {
+        let topics: Vec<String> =
+            topics.iter().map(|topic| format!("/{}", topic.trim_start_matches('/'))).collect();
+        self.open_studio()?;
+        let Some(mut studio) = self.studio.take() else { return Err(SimulationError::Gone) };
+        let rendered = studio.render_numbered(self, &topics, (number, goes_on), frames);
+        self.studio = Some(studio);
+        rendered
+    }
+
     /// Opens it for those who are there now.
     fn open_studio(&mut self) -> Result<&Studio, SimulationError> {
         if self.studio.is_none() {
@@ -69,47 +94,81 @@ impl Studio {
         let is_there = self.rig.take(topic, stage, scene);
         let is_filled = self.slot.lock().end(frame);
         if !is_there {
-            let topics = self.topics();
-            let near = nearest(topic, topics.iter().map(String::as_str));
-            let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
-            return Err(SimulationError::NoTopic { topic: topic.into(), near, there: topics.join(", ") });
+            return Err(self.no_topic(topic));
         }
         if is_filled { Ok(()) } else { Err(SimulationError::NoFrame { topic: topic.into() }) }
     }
+
+    fn render_numbered(
+        &mut self,
+        simulation: &mut Simulation,
+        topics: &[String],
+        (number, goes_on): (u64, bool),
+        frames: &mut [FrameBuf],
+    ) -> Result<Vec<bool>, SimulationError> {
+        let there = self.topics();
+        if let Some(topic) = topics.iter().find(|topic| !there.contains(topic)) {
+            return Err(self.no_topic(topic));
+        }
+        for (topic, frame) in topics.iter().zip(&mut *frames) {
+            self.slot.lock().begin(topic, frame);
+        }
+        if let Some(topic) = topics.first() {
+            let (stage, scene) = simulation.stage();
+            self.rig.take_numbered((topic, number), goes_on, stage, scene);
+        }
+        // The last that was begun ends first.
+        let mut filled: Vec<bool> =
+            frames.iter_mut().take(topics.len()).rev().map(|frame| self.slot.lock().end(frame)).collect();
+        filled.reverse();
+        Ok(filled)
+    }
+
+    fn no_topic(&self, topic: &str) -> SimulationError {
+        let topics = self.topics();
+        let near = nearest(topic, topics.iter().map(String::as_str));
+        let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
+        SimulationError::NoTopic { topic: topic.into(), near, there: topics.join(", ") }
+    }
 }
 
-/// Where one frame is put: that of the topic which is wanted.
+/// Where frames are put: those of the topics that are wanted.
 #[derive(Clone, Default)]
-struct Slot(Arc<Mutex<Inside>>);
+struct Slot(Arc<Mutex<Vec<Place>>>);
 
-#[derive(Default)]
-struct Inside {
-    wanted: String,
+/// The frame of one topic.
+struct Place {
+    topic: String,
     /// None while it is on loan.
     frame: Option<Box<FrameBuf>>,
     is_filled: bool,
 }
 
 impl Slot {
-    fn lock(&self) -> MutexGuard<'_, Inside> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> Places<'_> {
+        Places(self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-impl Inside {
-    /// Takes the caller's memory.
+/// The places of the frames that are wanted.
+struct Places<'a>(MutexGuard<'a, Vec<Place>>);
+
+impl Places<'_> {
+    /// Takes the caller's memory for one more topic.
     fn begin(&mut self, topic: &str, frame: &mut FrameBuf) {
-        self.wanted.clear();
-        self.wanted.push_str(topic);
-        self.is_filled = false;
-        std::mem::swap(&mut **self.frame.get_or_insert_default(), frame);
+        let frame = Some(Box::new(std::mem::take(frame)));
+        self.0.push(Place { topic: topic.to_owned(), frame, is_filled: false });
     }
 
-    /// Gives it back; says whether a frame was put into it.
+    /// Gives that of the topic that was begun last back; says whether a frame was put into it.
     fn end(&mut self, frame: &mut FrameBuf) -> bool {
-        self.wanted.clear();
-        std::mem::swap(&mut **self.frame.get_or_insert_default(), frame);
-        self.is_filled
+        let Some(place) = self.0.pop() else { return false };
+        *frame = place.frame.map(|frame| *frame).unwrap_or_default();
+        place.is_filled
+    }
+
+    fn of(&mut self, topic: &str) -> Option<&mut Place> {
+        self.0.iter_mut().find(|place| place.topic == topic)
     }
 }
 
@@ -120,7 +179,7 @@ impl Sink for Slot {
     }
 }
 
-/// A stream that ends in the slot while it is wanted.
+/// A stream that ends in its place while it is wanted.
 struct Ending {
     slot: Slot,
     topic: String,
@@ -129,7 +188,7 @@ struct Ending {
 
 impl Port for Ending {
     fn is_wanted(&self) -> bool {
-        self.slot.lock().wanted == self.topic
+        self.slot.lock().of(&self.topic).is_some()
     }
 
     fn keeps_messages(&self) -> bool {
@@ -137,7 +196,8 @@ impl Port for Ending {
     }
 
     fn loan(&self, len: usize) -> Result<Frame, Error> {
-        let mut frame = self.slot.lock().frame.take().unwrap_or_default();
+        let mut frame =
+            self.slot.lock().of(&self.topic).and_then(|place| place.frame.take()).unwrap_or_default();
         frame.reset(&self.template, len);
         Ok(Frame::Owned(frame))
     }
@@ -145,8 +205,9 @@ impl Port for Ending {
     fn send(&self, frame: Frame) -> Result<(), Error> {
         match frame {
             Frame::Owned(frame) => {
-                let mut inside = self.slot.lock();
-                (inside.frame, inside.is_filled) = (Some(frame), true);
+                if let Some(place) = self.slot.lock().of(&self.topic) {
+                    (place.frame, place.is_filled) = (Some(frame), true);
+                }
             }
             // Loaned elsewhere.
             #[cfg(feature = "server")]

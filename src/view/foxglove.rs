@@ -5,12 +5,13 @@
 //! a stream that keeps its last message, as static transforms do, gives it at each subscription.
 
 use super::Shared;
+use super::assets;
 use super::drivers::Drivers;
 use super::socket::{Said, Socket};
+use super::twist::Twist;
 use super::waiting::wait;
 use crate::recording::ros1::RosStream;
 use belvedere_bridge::{Frame, Kind, StreamInfo, StreamSpec, Subscriber};
-use bytemuck::pod_read_unaligned;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -43,6 +44,7 @@ enum Request {
     SetParameters { id: Option<String> },
     SubscribeParameterUpdates {},
     UnsubscribeParameterUpdates {},
+    FetchAsset { uri: String, request_id: u32 },
 }
 
 #[derive(Debug, Deserialize)]
@@ -58,28 +60,6 @@ struct ClientChannel {
     id: u32,
     topic: String,
     encoding: String,
-}
-
-/// `geometry_msgs/Twist` in JSON.
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-struct Twist {
-    linear: Xyz,
-    angular: Xyz,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-struct Xyz {
-    x: f64,
-    y: f64,
-    z: f64,
-}
-
-impl Xyz {
-    fn array(&self) -> [f64; 3] {
-        [self.x, self.y, self.z]
-    }
 }
 
 /// A topic of ROS: of one stream, or of several, as /tf of several robots.
@@ -145,7 +125,7 @@ impl<'a> Foxglove<'a> {
         self.say(&json!({
             "op": "serverInfo",
             "name": format!("belvedere {}", self.shared.node.domain()),
-            "capabilities": ["time", "parameters", "clientPublish"],
+            "capabilities": ["time", "parameters", "clientPublish", "assets"],
             "supportedEncodings": ["ros1", "json"],
             "metadata": { "ROS_DISTRO": "noetic" },
             "sessionId": self.shared.session,
@@ -255,6 +235,10 @@ impl<'a> Foxglove<'a> {
                     "parameters cannot be set; settings of sensors can: belvedere control configure".into(),
                 ));
             }
+            Request::FetchAsset { uri, request_id } => {
+                let file = assets::read(self.shared.asset(&uri), &uri);
+                self.socket.send(Message::binary(assets::response(request_id, file)))?;
+            }
             // They never change.
             Request::SubscribeParameterUpdates {} | Request::UnsubscribeParameterUpdates {} => {}
         }
@@ -291,15 +275,9 @@ impl<'a> Foxglove<'a> {
         let (&MESSAGE, rest) = bytes.split_first().ok_or_else(wrong)? else { return Err(wrong()) };
         let (id, payload) = rest.split_first_chunk::<4>().ok_or_else(wrong)?;
         let channel = self.published.get(&u32::from_le_bytes(*id)).ok_or_else(wrong)?;
-        let (linear, angular) = match channel.encoding.as_str() {
-            "json" => {
-                let twist: Twist = serde_json::from_slice(payload)
-                    .map_err(|error| format!("what is sent on {} is no Twist: {error}", channel.topic))?;
-                (twist.linear.array(), twist.angular.array())
-            }
-            _ if payload.len() == 48 => pod_read_unaligned::<[[f64; 3]; 2]>(payload).into(),
-            _ => return Err(format!("what is sent on {} is no geometry_msgs/Twist", channel.topic)),
-        };
+        let Twist { linear, angular } = Twist::read(&channel.encoding, payload)
+            .map_err(|error| format!("what is sent on {} is no geometry_msgs/Twist{error}", channel.topic))?;
+        let (linear, angular) = (linear.array(), angular.array());
         let (_, streams) = self.shared.listing.now();
         self.drivers.drive(&self.shared.node, &streams, &channel.topic, linear, angular)
     }

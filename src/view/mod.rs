@@ -7,7 +7,8 @@
 //! | `bundle` | the page's files |
 //! | `socket` | a WebSocket that keeps no thread waiting |
 //! | `waiting` | how a client's thread sleeps |
-//! | `foxglove` | Foxglove's protocol, for whoever speaks it |
+//! | `foxglove`, `twist` | Foxglove's protocol, for whoever speaks it |
+//! | `assets` | files that robots name, for its clients |
 //! | `page` | what a page of ours says and is told |
 //! | `payload` | frames as that page takes them |
 //! | `listing` | which streams there are |
@@ -18,6 +19,7 @@
 //! subscribers of its own, so that a slow one gets fewer frames and slows nobody.
 
 mod access;
+mod assets;
 mod bundle;
 mod commander;
 mod drivers;
@@ -28,11 +30,14 @@ mod page;
 mod payload;
 mod scene;
 mod socket;
+mod twist;
 mod waiting;
 
 pub use access::token;
 
+use crate::recording::Timeline;
 use access::{Access, random_token};
+use assets::Assets;
 use belvedere_bridge::Node;
 use foxglove::{Foxglove, SUBPROTOCOLS, common_protocol};
 use http::{Request, Status, refuse, respond};
@@ -45,8 +50,9 @@ use socket::{Socket, is_complete};
 use std::collections::BTreeMap;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -105,6 +111,9 @@ struct Shared {
     scene: Scene,
     /// For Foxglove's clients: what parameters of ROS are.
     parameters: Mutex<BTreeMap<String, Value>>,
+    assets: Mutex<Assets>,
+    /// Of a recording that is played.
+    timeline: OnceLock<Arc<Timeline>>,
     /// Another one for each server.
     session: String,
     stop: AtomicBool,
@@ -115,6 +124,11 @@ struct Shared {
 impl Shared {
     fn is_stopping(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
+    }
+
+    /// The file that a client calls so.
+    fn asset(&self, name: &str) -> Option<PathBuf> {
+        self.assets.lock().unwrap_or_else(PoisonError::into_inner).path(name)
     }
 
     /// Parameters of these names, or all.
@@ -157,6 +171,8 @@ impl ViewServer {
             access: Access::new(token, address, options.origins),
             scene: Scene::default(),
             parameters: Mutex::new(parameters),
+            assets: Mutex::default(),
+            timeline: OnceLock::new(),
             session,
             stop: AtomicBool::new(false),
             connections: AtomicUsize::new(0),
@@ -188,10 +204,17 @@ impl ViewServer {
 
     /// Tells Foxglove's clients of a robot: a plain URDF, which is the parameter `/robot_description`, or
     /// `/NAMESPACE/robot_description`.
-    pub fn set_robot_description(&self, namespace: &str, urdf: String) {
+    /// They are given its meshes when they ask for them by the names that they find in it.
+    pub fn set_robot_description(&self, namespace: &str, urdf: &str) {
+        let urdf = self.shared.assets.lock().unwrap_or_else(PoisonError::into_inner).rename(urdf);
         let scope = if namespace.is_empty() { String::new() } else { format!("/{namespace}") };
         let mut parameters = self.shared.parameters.lock().unwrap_or_else(PoisonError::into_inner);
         parameters.insert(format!("{scope}/robot_description"), Value::String(urdf));
+    }
+
+    /// Shows where a recording is that is played, and has pages seek in it. A second one is not taken.
+    pub fn set_timeline(&self, timeline: Arc<Timeline>) {
+        let _ = self.shared.timeline.set(timeline);
     }
 
     /// Ends it.

@@ -5,9 +5,11 @@
 //! | `{"op":"next","topic":T}` | send the next frame of T, the newest if it waits already |
 //! | `{"op":"stop","topic":T}` | follow T no more |
 //! | `{"op":"control","id":N,"operation":O,…}` | do what `belvedere control` does; the answer is a `result` with the same id |
+//! | `{"op":"seek","position":S}` | go on at so many seconds after the beginning of the recording |
+//! | `{"op":"rate","rate":R}` | play so many recorded seconds in a second |
 //! | `{"op":"drive","topic":T,"linear":[x,y,z],"angular":[x,y,z]}` | a velocity command |
 //!
-//! It is told of streams (`streams`), of the scene's edition (`scene`), of results, and of what went wrong (`status`).
+//! It is told of streams (`streams`), of the scene's edition (`scene`), of where a recording is (`timeline`), of results, and of what went wrong (`status`).
 
 use super::Shared;
 use super::commander::{Commander, Order};
@@ -16,6 +18,7 @@ use super::listing;
 use super::payload;
 use super::socket::{Said, Socket};
 use super::waiting::wait;
+use crate::recording::{Playhead, Timeline};
 use belvedere_bridge::{Operation, Subscriber};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -28,6 +31,8 @@ const NAP: Duration = Duration::from_millis(50);
 const SHORT_NAP: Duration = Duration::from_millis(4);
 /// A page that has not asked for so long, a hidden one, follows the stream no more.
 const FORGOTTEN: Duration = Duration::from_secs(3);
+/// Time between two words on where a recording is.
+const PLAYHEAD_INTERVAL: Duration = Duration::from_millis(100);
 /// Streams that a page may follow at a time.
 const MAX_FOLLOWED: usize = 64;
 
@@ -52,6 +57,12 @@ enum Request {
         topic: String,
     },
     Control(Order),
+    Seek {
+        position: f64,
+    },
+    Rate {
+        rate: f64,
+    },
     Drive {
         topic: String,
         #[serde(default)]
@@ -80,6 +91,8 @@ pub(super) struct Page<'a> {
     drivers: Drivers,
     streams: Option<u64>,
     scene: Option<u64>,
+    playhead: Option<Playhead>,
+    next_playhead: Instant,
 }
 
 impl<'a> Page<'a> {
@@ -93,6 +106,8 @@ impl<'a> Page<'a> {
             drivers: Drivers::default(),
             streams: None,
             scene: None,
+            playhead: None,
+            next_playhead: Instant::now(),
         }
     }
 
@@ -133,6 +148,8 @@ impl<'a> Page<'a> {
                 Ok(())
             }
             Ok(Request::Control(order)) => self.control(order),
+            Ok(Request::Seek { position }) => self.seek(position),
+            Ok(Request::Rate { rate }) => self.timeline().and_then(|timeline| timeline.set_rate(rate)),
             Ok(Request::Drive { topic, linear, angular }) => {
                 let (_, streams) = self.shared.listing.now();
                 self.drivers.drive(&self.shared.node, &streams, &topic, linear, angular)
@@ -153,6 +170,23 @@ impl<'a> Page<'a> {
         }
         let subscriber = self.shared.node.subscriber(topic).map_err(|error| error.to_string())?;
         self.followed.push(Followed { subscriber, wanted: true, asked: now });
+        if let Some(timeline) = self.shared.timeline.get() {
+            timeline.refresh();
+        }
+        Ok(())
+    }
+
+    fn timeline(&self) -> Result<&Timeline, String> {
+        let timeline = self.shared.timeline.get();
+        timeline
+            .map(|timeline| &**timeline)
+            .ok_or_else(|| "this is no recording: it has no time line".to_owned())
+    }
+
+    fn seek(&self, position: f64) -> Result<(), String> {
+        let sought = Duration::try_from_secs_f64(position.max(0.0));
+        let sought = sought.map_err(|_| format!("{position} is no place of a recording"))?;
+        self.timeline()?.seek(sought);
         Ok(())
     }
 
@@ -215,6 +249,21 @@ impl<'a> Page<'a> {
         if self.scene != Some(edition) {
             self.scene = Some(edition);
             self.say(&json!({ "op": "scene", "edition": edition }))?;
+        }
+        let now = Instant::now();
+        if let Some(timeline) = self.shared.timeline.get()
+            && now >= self.next_playhead
+            && self.playhead != Some(timeline.now())
+        {
+            let playhead = timeline.now();
+            (self.playhead, self.next_playhead) = (Some(playhead), now + PLAYHEAD_INTERVAL);
+            self.say(&json!({
+                "op": "timeline",
+                "duration": timeline.duration().as_secs_f64(),
+                "position": playhead.position.as_secs_f64(),
+                "rate": playhead.rate,
+                "paused": playhead.is_paused,
+            }))?;
         }
         Ok(())
     }

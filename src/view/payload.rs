@@ -3,15 +3,16 @@
 //! | bytes | are |
 //! |---|---|
 //! | 4 | length of the JSON, little-endian; it ends with spaces, so that what follows begins at a multiple of 8 |
-//! | length | `topic`, `kind`, `encoding`, `stamp` in ns, `width`, `height`, `rowStride`, `elemStride`, the pose `position`, `orientation` of the sensor's own axes in the world, and what the kind has |
+//! | length | `topic`, `kind`, `encoding`, `stamp` in ns, `sentMs` since 1970, `width`, `height`, `rowStride`, `elemStride`, the pose `position`, `orientation` of the sensor's own axes in the world, and what the kind has |
 //! | the rest | the payload as in shared memory, but for depths in metres and points |
 //!
 //! Depths in metres become 16-bit millimetres, 0 for none and 65535 for beyond the range: a quarter of what the page needs to
 //! receive, in steps that no sensor's noise shows. Points become 16 bytes each, x, y, z as f32 and either red, green, blue,
 //! 255 or the intensity as f32; those that are none are left out.
 
-use belvedere_bridge::{Encoding, FrameHeader, FrameView, Kind};
+use belvedere_bridge::{Encoding, FrameHeader, FrameView, Kind, clock};
 use serde_json::{Map, Value, json};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// A frame for the page.
 pub(super) fn encode(topic: &str, frame: &FrameView<'_>, restarted: bool) -> Vec<u8> {
@@ -65,6 +66,7 @@ fn describe(topic: &str, header: &FrameHeader) -> Map<String, Value> {
         ("kind".to_owned(), header.kind().map(|kind| kind.to_string()).into()),
         ("encoding".to_owned(), header.encoding().map(|encoding| encoding.to_string()).into()),
         ("stamp".to_owned(), header.stamp_ns.into()),
+        ("sentMs".to_owned(), sent_ms(header).into()),
         ("seq".to_owned(), header.seq.into()),
         ("width".to_owned(), header.width.into()),
         ("height".to_owned(), header.height.into()),
@@ -98,6 +100,13 @@ fn describe(topic: &str, header: &FrameHeader) -> Map<String, Value> {
         );
     }
     object
+}
+
+/// When a frame was sent, on the clock that a page has, too: milliseconds since 1970.
+fn sent_ms(header: &FrameHeader) -> f64 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let age_ns = clock::mono_ns().saturating_sub(header.publish_mono_ns);
+    now.as_secs_f64() * 1e3 - age_ns as f64 * 1e-6
 }
 
 /// JSON has no infinities.

@@ -1,6 +1,7 @@
 // The WebSocket to the server: it comes again after it was lost, and asks for each frame.
 
 import { parseFrame, type Frame } from "./frame";
+import type { Playhead } from "./timeline";
 
 export interface Stream {
   topic: string;
@@ -12,8 +13,8 @@ export interface Stream {
   publishers: number;
 }
 
-interface Told {
-  op: "streams" | "scene" | "result" | "status";
+interface Told extends Partial<Playhead> {
+  op: "streams" | "scene" | "result" | "status" | "timeline";
   streams?: Stream[];
   edition?: number;
   id?: number;
@@ -27,6 +28,7 @@ export interface Handlers {
   onClose: () => void;
   onStreams: (streams: Stream[]) => void;
   onScene: (edition: number) => void;
+  onTimeline: (playhead: Playhead) => void;
   onMessage: (text: string) => void;
 }
 
@@ -78,6 +80,9 @@ export class Connection {
         break;
       case "scene":
         this.handlers.onScene(told.edition ?? 0);
+        break;
+      case "timeline":
+        this.handlers.onTimeline({ duration: 0, position: 0, rate: 1, paused: false, ...told });
         break;
       case "result":
         this.awaited.get(told.id ?? 0)?.(told.done === true ? null : (told.reason ?? "refused"));
@@ -132,6 +137,16 @@ export class Connection {
       this.awaited.set(id, resolve);
       this.say({ op: "control", id, operation, ...more });
     });
+  }
+
+  /** Goes on at a place of the recording, seconds. */
+  seek(position: number) {
+    this.say({ op: "seek", position });
+  }
+
+  /** Plays so many recorded seconds in a second. */
+  setRate(rate: number) {
+    this.say({ op: "rate", rate });
   }
 
   drive(topic: string, forward: number, turn: number) {

@@ -12,7 +12,9 @@ export interface Grabbed {
 }
 
 export interface Dragging {
-  /** What lies under a place of the view, from -1 to 1, if it is a model's. */
+  /** The place of the view, from -1 to 1, of one of the page. */
+  placeOf: (at: [number, number]) => THREE.Vector2;
+  /** What lies under a place of the view if it is a model's. */
   pick: (at: THREE.Vector2) => Grabbed | null;
   /** The ray from the eye through a place of the view. */
   ray: (at: THREE.Vector2) => THREE.Ray;
@@ -22,12 +24,8 @@ export interface Dragging {
   move: (model: string, position: [number, number, number], orientation: [number, number, number, number]) => Promise<void>;
 }
 
-export function dragModels(canvas: HTMLElement, { pick, ray, poseOf, move }: Dragging) {
-  const place = (event: PointerEvent) => {
-    const box = canvas.getBoundingClientRect();
-    const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
-    return new THREE.Vector2(2 * x - 1, 1 - 2 * y);
-  };
+export function dragModels(canvas: HTMLElement, { placeOf, pick, ray, poseOf, move }: Dragging) {
+  const place = (event: PointerEvent) => placeOf([event.clientX, event.clientY]);
   // Before the view's own handlers, which would turn it.
   canvas.addEventListener(
     "pointerdown",

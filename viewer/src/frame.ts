@@ -25,6 +25,8 @@ export interface FrameHeader {
   encoding: string;
   /** Simulated time in nanoseconds. */
   stamp: number;
+  /** When it was sent: milliseconds since 1970 by the server's clock. */
+  sentMs: number;
   width: number;
   height: number;
   rowStride: number;
@@ -76,4 +78,9 @@ export function linkStates({ header, payload }: Frame): LinkState[] {
     });
   }
   return states;
+}
+
+/** Forwards in m/s and to the left in rad/s, of a frame of odometry: bridge/WIRE.md, Odometry. */
+export function velocity({ payload }: Frame): [number, number] {
+  return [payload.getFloat64(120, true), payload.getFloat64(160, true)];
 }

@@ -33,14 +33,15 @@ export function driveByKeys(drive: (forward: number, turn: number) => void, onSp
     held.clear();
     drive(0, 0);
   };
+  const isBox = (target: EventTarget | null) => target instanceof HTMLInputElement && target.type === "checkbox";
   const isText = (target: EventTarget | null) =>
-    target instanceof HTMLInputElement || target instanceof HTMLSelectElement;
+    (target instanceof HTMLInputElement && !isBox(target)) || target instanceof HTMLSelectElement;
   // Before the 3D view's own keys, which would move the camera.
   window.addEventListener(
     "keydown",
     (event) => {
       if (event.ctrlKey || event.altKey || event.metaKey || isText(event.target)) return;
-      if (event.code === "Space" && !(event.target instanceof HTMLButtonElement)) {
+      if (event.code === "Space" && !(event.target instanceof HTMLButtonElement || isBox(event.target))) {
         event.preventDefault();
         if (!event.repeat) onSpace();
       }

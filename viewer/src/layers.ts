@@ -16,7 +16,13 @@ export interface Tally {
   stamp: number;
   /** Frames a second lately. */
   rate: number;
+  /** From when the last frame was sent until it was shown, ms. */
+  latency: number;
+  /** Where its sensor is, if it is one's. */
+  place: [number, number, number] | null;
 }
+
+const OF_SENSORS = ["image", "depth_image", "laser_scan", "point_cloud"];
 
 /** A way to show a stream: what the list calls it, and under which name it is kept. */
 export interface Choice {
@@ -143,14 +149,18 @@ export class Layers {
     };
   }
 
+  isFollowed(topic: string): boolean {
+    return this.topics.has(topic);
+  }
+
   /** Hands the frames of a topic to one more; gives how to end that. */
   follow(topic: string, handler: (frame: Frame) => void): () => void {
     const handlers = this.topics.get(topic) ?? new Set();
     handlers.add(handler);
     this.topics.set(topic, handlers);
     this.connection.follow(topic, (frame) => {
-      this.count(frame);
       for (const known of handlers) known(frame);
+      this.count(frame);
     });
     return () => {
       handlers.delete(handler);
@@ -164,9 +174,11 @@ export class Layers {
   private readonly counted = new Map<string, { since: number; frames: number }>();
 
   private count({ header }: Frame) {
-    const tally = this.tallies.get(header.topic) ?? { frames: 0, stamp: 0, rate: 0 };
+    const tally = this.tallies.get(header.topic) ?? { frames: 0, stamp: 0, rate: 0, latency: 0, place: null };
     tally.frames += 1;
     tally.stamp = header.stamp;
+    tally.latency = performance.timeOrigin + performance.now() - header.sentMs;
+    tally.place = OF_SENSORS.includes(header.kind) ? header.position : null;
     this.tallies.set(header.topic, tally);
   }
 

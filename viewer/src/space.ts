@@ -214,6 +214,12 @@ export class Space {
     return [box.left + ((seen.x + 1) / 2) * box.width, box.top + ((1 - seen.y) / 2) * box.height];
   }
 
+  /** The other way: a place of the view, from -1 to 1. */
+  placeOf([x, y]: [number, number]): THREE.Vector2 {
+    const box = this.renderer.domElement.getBoundingClientRect();
+    return new THREE.Vector2(2 * ((x - box.left) / box.width) - 1, 1 - 2 * ((y - box.top) / box.height));
+  }
+
   get canvas(): HTMLCanvasElement {
     return this.renderer.domElement;
   }

@@ -2,11 +2,14 @@
 
 import { Connection, type Stream } from "./connection";
 import { dragModels } from "./drag";
-import { linkStates, type LinkState } from "./frame";
+import { linkStates, velocity, type LinkState } from "./frame";
 import { driveByKeys } from "./keys";
 import { Layers, type Choice } from "./layers";
+import { Plots } from "./plots";
+import { onClick, sensorAt } from "./sensor_pick";
 import { sensors, settingsPanel, type Sensor } from "./settings";
 import { Space } from "./space";
+import { Timeline } from "./timeline";
 
 const LINK_STATES = "simulation/link_states";
 const MODEL_STATES = "simulation/model_states";
@@ -52,9 +55,25 @@ const connection = new Connection(`ws://${location.host}/?token=${encodeURICompo
   onScene: (edition) => {
     if (edition > 0) void loadScene(edition);
   },
+  onTimeline: (playhead) => {
+    document.body.classList.add("recorded");
+    timeline.show(playhead);
+  },
   onMessage: complain,
 });
+const timeline = new Timeline(element("timeline"), {
+  seek: (position) => {
+    connection.seek(position);
+  },
+  setRate: (rate) => {
+    connection.setRate(rate);
+  },
+  togglePause,
+});
 const layers = new Layers(connection, space, element("pictures"));
+const plots = new Plots(element("plots"));
+/** How to end what follows odometry for its plot. */
+let plotted: (() => void)[] = [];
 
 async function loadScene(edition: number) {
   scene = edition;
@@ -92,10 +111,30 @@ function showStreams(streams: Stream[]) {
     return row(choice);
   });
   list.replaceChildren(...rows);
+  plotOdometry();
   const robots = streams.filter((stream) => stream.kind === "velocity_command");
   const was = driven.value;
   driven.replaceChildren(...robots.map(({ topic }) => new Option(`/${topic}`, topic, false, topic === was)));
 }
+
+/** Follows odometry while its plot is shown. */
+function plotOdometry() {
+  for (const end of plotted) end();
+  const isShown = plots.isShown;
+  const topics = layers.streams.filter(({ kind }) => isShown && kind === "odometry").map(({ topic }) => topic);
+  plotted = topics.map((topic) =>
+    layers.follow(topic, (frame) => {
+      const [forwards, turn] = velocity(frame);
+      plots.velocities.add(`/${topic} forwards`, forwards);
+      plots.velocities.add(`/${topic} turn`, turn);
+    }),
+  );
+}
+
+element<HTMLInputElement>("plotted").addEventListener("change", (event) => {
+  plots.show((event.target as HTMLInputElement).checked);
+  plotOdometry();
+});
 
 function row(choice: Choice): HTMLElement {
   const [item, label, box, rate] = [
@@ -156,7 +195,20 @@ layers.follow(SENSOR_SETTINGS, (frame) => {
   refreshSettings();
 });
 
+/** Where the sensors are whose frames are shown. */
+function sensorPlaces(): Map<string, [number, number, number]> {
+  return new Map(
+    [...layers.tallies].flatMap(([topic, { place }]) => (place !== null && layers.isFollowed(topic) ? [[topic, place]] : [])),
+  );
+}
+
+onClick(space.canvas, (at) => {
+  const topic = sensorAt(space, at, sensorPlaces());
+  if (topic !== null && topic !== shownSensor) showSettings(topic);
+});
+
 dragModels(space.canvas, {
+  placeOf: (at) => space.placeOf(at),
   pick: (at) => space.pick(at),
   ray: (at) => space.ray(at),
   poseOf: (model) =>
@@ -183,7 +235,7 @@ layers.follow(LINK_STATES, (frame) => {
 });
 
 function stands(): boolean {
-  return repeated > 1;
+  return timeline.playhead?.paused ?? repeated > 1;
 }
 
 async function control(operation: string, more: object = {}) {
@@ -235,6 +287,11 @@ setTimeout(() => {
 }, HEAD_START_MS);
 setInterval(() => {
   layers.takeRates();
+  for (const [topic, { rate, latency }] of layers.tallies) {
+    if (rate === 0) continue;
+    plots.rates.add(`/${topic}`, rate);
+    plots.latencies.add(`/${topic}`, latency);
+  }
   for (const rate of document.querySelectorAll<HTMLElement>(".rate")) {
     const tally = layers.tallies.get(rate.dataset.topic ?? "");
     rate.textContent = tally && tally.rate > 0 ? tally.rate.toFixed(1) : "";
@@ -254,8 +311,12 @@ window.viewer = () => ({
   state: state.dataset.is,
   stamp,
   scene,
+  timeline: timeline.playhead,
   firstPictureMs,
   robot: space.robotPosition(),
   settings: known,
+  shownSensor,
+  sensors: Object.fromEntries(sensorPlaces()),
+  plots: plots.values(),
   frames: Object.fromEntries([...layers.tallies].map(([topic, tally]) => [topic, tally.frames])),
 });

@@ -71,14 +71,55 @@ try {
   console.log("keys drive it, and its picture moves");
 
   await page.click(`li:has([data-key="${PICTURE}"]) .gear`);
-  const rate = page.locator('[data-setting="update_rate"]');
-  await rate.fill("5");
-  await rate.press("Enter");
-  await until("another rate", async () => (await rate.inputValue()) === "5");
+  const setting = page.locator('[data-setting="update_rate"]');
+  await setting.fill("5");
+  await setting.press("Enter");
+  await until("another rate", async () => (await setting.inputValue()) === "5");
   await until("that the simulator takes it", () =>
     page.evaluate(() => window.viewer().settings.some((sensor) => sensor.settings.some(({ name, value }) => name === "update_rate" && value === 5))),
   );
   console.log("a sensor's rate is changed");
+
+  // A click on the camera, where it is in 3D, shows what of it can be changed; one beside it does not.
+  await page.click(`li:has([data-key="${PICTURE}"]) .gear`);
+  assert.equal((await viewer(page)).shownSensor, null);
+  await page.click("#pause");
+  await until("paused", async () => (await viewer(page)).state === "paused");
+  await page.evaluate(() => window.space.look([-0.9, -0.6, 0.5]));
+  const clickAt = async (place) => {
+    const [x, y] = await page.evaluate((point) => window.space.pixelOf(point), place);
+    await page.mouse.click(x, y);
+  };
+  const camera = (await viewer(page)).sensors[PICTURE];
+  await clickAt([camera[0] + 1, camera[1], camera[2]]);
+  assert.equal((await viewer(page)).shownSensor, null);
+  await clickAt(camera);
+  await until("the camera's settings", async () => (await viewer(page)).shownSensor?.startsWith("camera/"));
+  assert.ok(await page.locator('[data-setting="update_rate"]').isVisible());
+  await page.click("#pause");
+  await until("running", async () => (await viewer(page)).state === "running");
+  console.log("a click on a sensor in 3D shows its settings");
+
+  await page.check("#plotted");
+  await page.keyboard.down("ArrowUp");
+  const plots = await until("curves of all plots", async () => {
+    const { rates, latencies, velocities } = (await viewer(page)).plots;
+    const forwards = Object.entries(velocities).find(([name]) => name.endsWith("forwards"))?.[1] ?? 0;
+    return forwards > 0.2 && latencies[`/${PICTURE}`] > 0 && { rates, latencies };
+  });
+  await page.keyboard.up("ArrowUp");
+  // Its rate was set to 5.
+  const [rate, latency] = [plots.rates[`/${PICTURE}`], plots.latencies[`/${PICTURE}`]];
+  assert.ok(rate > 1 && rate < 8 && latency < 3000, `${rate} Hz, ${latency} ms`);
+  const drawn = await page.evaluate(() =>
+    [...document.querySelectorAll("#plots canvas")].map((canvas) => {
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      return new Set(new Uint32Array(data.buffer)).size;
+    }),
+  );
+  assert.ok(drawn.length === 3 && drawn.every((colours) => colours > 3), `${drawn} colours`);
+  await page.uncheck("#plotted");
+  console.log(`plots: ${rate.toFixed(1)} pictures a second, ${latency.toFixed(0)} ms from sent to shown`);
 
   // The cube is dragged by its upper face, seen from above.
   await page.evaluate(() => window.space.look([-0.02, 0, 4.2]));

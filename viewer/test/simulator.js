@@ -1,16 +1,31 @@
-// A simulator with its page, for tests: belvedere's program is the first argument.
-import { spawn } from "node:child_process";
+// A simulator or a recording with its page, for tests: belvedere's program is the first argument.
+import { execFileSync, spawn } from "node:child_process";
 import { createInterface } from "node:readline";
 
 const program = process.argv[2];
 const TOKEN = "token-of-the-test";
 const children = new Set();
 
-/** Starts it, and gives the process and the page's address. */
-export async function start(domain, port, args) {
+/** Starts a simulator with its page, and gives the process and the page's address. */
+export function start(domain, port, args) {
+  return serve(["run", "--view", ...args], domain, port);
+}
+
+/** Starts a recording with its page. */
+export function play(domain, file) {
+  return serve(["view", file], domain, 0);
+}
+
+/** Records a run of so many seconds. */
+export function record(domain, file, seconds, args) {
+  const pace = ["--rate", "max", "--duration", String(seconds), "--record", file];
+  execFileSync(program, ["run", "--domain", domain, ...pace, ...args], { stdio: "ignore" });
+}
+
+async function serve(command, domain, port) {
   const child = spawn(
     program,
-    ["run", "--view", "--no-browser", "--port", String(port), "--token", TOKEN, "--domain", domain, ...args],
+    [...command, "--no-browser", "--port", String(port), "--token", TOKEN, "--domain", domain],
     { stdio: ["ignore", "pipe", "ignore"] },
   );
   children.add(child);

@@ -1,10 +1,13 @@
 //! What sensors of touch and nearness ask of the physics: where a link touches, and what a ray meets.
 
-use super::convert::{from_rapier, vector};
+use super::convert::{from_rapier, to_rapier, vector};
 use super::{ModelIndex, Owner, Physics};
 use crate::description::model::LinkIndex;
 use glam::DVec3;
-use rapier3d::geometry::{Collider, Ray};
+use rapier3d::geometry::{Ball, Collider, Ray, Shape as RapierShape};
+use rapier3d::math::{Pose as RapierPose, Vector};
+use rapier3d::parry::bounding_volume::BoundingVolume as _;
+use rapier3d::parry::query::contact;
 use rapier3d::pipeline::QueryFilter;
 
 /// A point where a link touches something, in the world.
@@ -21,14 +24,7 @@ impl Physics {
     /// what stands a little in the floor finds its way out.
     pub(crate) fn inside(&self, model: ModelIndex) -> Option<(LinkIndex, ModelIndex)> {
         let colliders = &self.rapier.colliders;
-        // Bodies that have just come have moved no collider yet.
-        let world_from = |collider: &Collider| {
-            let body = collider.parent().and_then(|body| self.rapier.bodies.get(body));
-            match (body, collider.position_wrt_parent()) {
-                (Some(body), Some(shape)) => *body.position() * *shape,
-                _ => *collider.position(),
-            }
-        };
+        let world_from = |collider: &Collider| self.world_from_collider(collider);
         let own = self.models[model].links.iter().enumerate().flat_map(|(link, placed)| {
             let shapes = placed.colliders.iter().filter_map(|handle| colliders.get(*handle));
             shapes.map(move |shape| (link, shape.shape().compute_aabb(&world_from(shape))))
@@ -38,6 +34,57 @@ impl Physics {
         let (_, other) =
             others.find(|(_, other)| other.shape().contains_point(&world_from(other), largest.center()))?;
         Some((link, Owner::of(other).model))
+    }
+
+    /// Whether no shape of another model is nearer than `clearance_m` to those of this one as it is placed now, or to its
+    /// origin if it has none. What is below it may be as near as it likes: it stands there.
+    pub(crate) fn is_clear(&self, model: ModelIndex, clearance_m: f64) -> bool {
+        /// Steeper than this, a surface is no floor: 45°.
+        const FLOOR: f32 = 0.707;
+        /// So deep things may stand in a floor.
+        const SUNK_M: f32 = 0.02;
+        let colliders = &self.rapier.colliders;
+        let clearance = clearance_m as f32;
+        let origin = Ball::new(1e-3);
+        let links = self.models[model].links.iter();
+        let own = links.flat_map(|link| &link.colliders).filter_map(|handle| colliders.get(*handle));
+        let mut own: Vec<(RapierPose, &dyn RapierShape)> =
+            own.map(|collider| (self.world_from_collider(collider), collider.shape())).collect();
+        if own.is_empty() {
+            own.push((to_rapier(&self.world_from_model(model)), &origin));
+        }
+        let others = colliders.iter().map(|(_, other)| other).filter(|other| Owner::of(other).model != model);
+        others.map(|other| (self.world_from_collider(other), other.shape())).all(
+            |(world_from_other, other)| {
+                let around = other.compute_aabb(&world_from_other).loosened(clearance.max(0.0));
+                own.iter().all(|(world_from_own, shape)| {
+                    if !around.intersects(&shape.compute_aabb(world_from_own)) {
+                        return true;
+                    }
+                    if let Some(plane) = other.as_halfspace() {
+                        let up = world_from_other.rotation * plane.normal;
+                        let height =
+                            lowest(*shape, world_from_own, up) - world_from_other.translation.dot(up);
+                        return height >= clearance || up.z > FLOOR && height > -SUNK_M;
+                    }
+                    // Pairs that parry knows nothing of touch only if one holds the other's middle.
+                    match contact(world_from_own, *shape, &world_from_other, other, clearance) {
+                        Ok(None) => true,
+                        Ok(Some(near)) => near.normal1.z < -FLOOR && near.dist > -SUNK_M,
+                        Err(_) => !other.contains_point(&world_from_other, world_from_own.translation),
+                    }
+                })
+            },
+        )
+    }
+
+    /// Where a collider is; those of bodies that have just come or were put somewhere have not followed yet.
+    fn world_from_collider(&self, collider: &Collider) -> RapierPose {
+        let body = collider.parent().and_then(|body| self.rapier.bodies.get(body));
+        match (body, collider.position_wrt_parent()) {
+            (Some(body), Some(shape)) => *body.position() * *shape,
+            _ => *collider.position(),
+        }
     }
 
     /// Where a link touched other models in the last step: every pair of points less than `gap_m` apart.
@@ -91,4 +138,13 @@ impl Physics {
         let ray = Ray::new(vector(origin), vector(direction));
         self.rapier.cast_ray(&ray, max_m as f32, true, filter).map(|(_, way)| f64::from(way))
     }
+}
+
+/// How far up a shape begins.
+fn lowest(shape: &dyn RapierShape, world_from_shape: &RapierPose, up: Vector) -> f32 {
+    if let Some(shape) = shape.as_support_map() {
+        return shape.support_point(world_from_shape, -up).dot(up);
+    }
+    let around = shape.compute_aabb(world_from_shape);
+    around.center().dot(up) - around.half_extents().dot(up.abs())
 }

@@ -95,6 +95,13 @@ pub(crate) trait Projection: Copy {
     ) -> f32x16<S> {
         f32x16::splat(simd, f32::MAX)
     }
+
+    /// Two planes through the origin between which all rays of a block lie that is a strip: plane · direction is
+    /// positive for both, by more than is lost to rounding. None where they would not lie close.
+    #[inline(always)]
+    fn slab(&self, _column: usize, _row: usize) -> Option<[[f32; 3]; 2]> {
+        None
+    }
 }
 
 /// What [`Projection`] asks of a rule that keeps its grid in `fan`, and the rows to draw in `rows`.

@@ -21,6 +21,12 @@ use glam::DVec3;
 /// More than the error of [`atan2`] and of the roundings around it, in radians.
 const ANGLE_MARGIN: f32 = 4e-6;
 
+/// What a slab is wider than its rays on both sides, as the tangent of an angle: many times what rounding takes …
+const SLAB_MARGIN: f32 = 4e-5;
+/// … unless rays look steeply up or down, or a strip is wide. There are no slabs where the cosine of the elevation is
+/// less, or that of half a strip's width.
+const SLAB_COSINE: f32 = 0.25;
+
 /// Cosines and sines of the grid's angles, in the caller's memory.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SphericalFan<'a> {
@@ -256,5 +262,21 @@ impl Projection for SphericalFan<'_> {
         let [cos_arc, sin_arc] = self.arc;
         let rounding = ((planes[0].abs() + planes[1].abs()) + planes[2].abs()) * 4e-6;
         (max(along, along * cos_arc) + across.abs() * sin_arc) + (planes[2] * up + rounding)
+    }
+
+    #[inline(always)]
+    fn slab(&self, column: usize, row: usize) -> Option<[[f32; 3]; 2]> {
+        let [level, up] = self.levels[row];
+        if level < SLAB_COSINE || self.arc[0] < SLAB_COSINE {
+            return None;
+        }
+        // A plane through the origin that rises by the angle p towards the middle azimuth of the strip has, at δ beside
+        // it, the elevation atan(tan p · cos δ). All rays have one elevation: a plane that rises as they do touches
+        // them at the middle, and one of a tangent 1/cos δ as large at both ends. Times the cosine of the elevation:
+        let (near, far) = (up, up / self.arc[0]);
+        let (low, high) = if up < 0.0 { (far, near) } else { (near, far) };
+        let (low, high) = (low - SLAB_MARGIN, high + SLAB_MARGIN);
+        let (cos, sin) = (self.cos_middle[column], self.sin_middle[column]);
+        Some([[-(low * cos), -(low * sin), level], [high * cos, high * sin, -level]])
     }
 }

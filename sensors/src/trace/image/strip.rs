@@ -1,15 +1,17 @@
 //! Sixteen triangles against the blocks of a grid of few rows, where a block is sixteen rays of one row.
 //!
-//! Such rays lie in a narrow arc, so a plane's least and greatest value over them is known closely: block by
-//! block, all but a few of the sixteen triangles are dropped at once, and each of these meets the sixteen rays
-//! at once. No triangle needs a rectangle of its own.
+//! Such rays lie in a narrow arc, so two planes enclose them closely, and a triangle's own planes have a least and
+//! greatest value over them that is known closely: block by block, all but a few of the sixteen triangles are dropped
+//! at once. Either each of these meets the sixteen rays at once, or each ray meets them, whichever are fewer. No
+//! triangle needs a rectangle of its own.
 
 use super::leaf::{Leaf, Rules};
 use super::set_up::{facing, set_up};
+use super::sharp::PlaneArrays;
 use super::target::Target;
 use super::triangles::{inside, splat};
 use crate::optics::rays::Fan;
-use crate::optics::rays::{Planes, Projection, min};
+use crate::optics::rays::{Planes, Points, Projection, max, min};
 use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
 
@@ -17,6 +19,8 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16,
 const FEWEST_RAYS: i32 = 4;
 /// … and those over more blocks triangle by triangle, each with a rectangle of its own.
 const MOST_BLOCKS: usize = 24;
+/// So many triangles meet a block without being held against its bounds first.
+const FEW_TRIANGLES: u32 = 2;
 
 /// Columns of a strip.
 const COLUMNS: [i32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
@@ -68,22 +72,34 @@ pub(super) fn draw<S: Simd, P: Projection>(
     rules: Rules,
     leaf: &Leaf<'_, S>,
 ) {
-    // Dropping triangles that miss the rows' cones before they are set up costs more than it saves: 20 % slower.
-    let setup = set_up(simd, leaf, rules);
-    if !(setup.valid | setup.blurred).any_true() {
-        return;
-    }
-    let mut planes = setup.spill();
-    let mut valid = setup.valid;
-    if setup.blurred.any_true() {
-        leaf.source.sharpen(setup.blurred.to_bitmask(), &mut planes);
-        valid |= facing(rules, planes.sides_of(simd)) & setup.blurred;
-    }
-    let mut triangle_slots = [0; WIDTH];
-    setup.slots.store_array(&mut triangle_slots);
     let fan = projection.fan();
     let blocks_across = fan.blocks_across();
     let pieces = fan.pieces(leaf.columns);
+    let first = [(leaf.columns[0] >> fan.shift_x) as usize, leaf.rows[0] as usize];
+    let last = [(leaf.columns[1] >> fan.shift_x) as usize, leaf.rows[1] as usize];
+    // Of a leaf over one block, which most are, what the rays pass by need not be set up at all.
+    let single = first == last;
+    let mut valid = mask32x16::splat(simd, true);
+    if single {
+        valid = crossing(simd, projection, &leaf.corners, first);
+        if !valid.any_true() {
+            return;
+        }
+    }
+    let setup = set_up(simd, leaf, rules);
+    let blurred = setup.blurred & valid;
+    valid &= setup.valid;
+    if !(valid | blurred).any_true() {
+        return;
+    }
+    let mut planes = setup.spill();
+    if blurred.any_true() {
+        leaf.source.sharpen(blurred.to_bitmask(), &mut planes);
+        valid |= facing(rules, planes.sides_of(simd)) & blurred;
+    }
+    let mut triangle_slots = [0; WIDTH];
+    setup.slots.store_array(&mut triangle_slots);
+    let [a, b, c] = &planes.edges;
     for row in leaf.rows[0] as usize..=leaf.rows[1] as usize {
         let start = (row - rules.first_block_row) * blocks_across;
         for [first, last] in pieces {
@@ -101,18 +117,37 @@ pub(super) fn draw<S: Simd, P: Projection>(
                 if farthest >= leaf.nearest {
                     continue;
                 }
-                let most = |plane| projection.most_over_strip(simd, &load(simd, plane), column, row);
-                let [a, b, c] = &planes.edges;
-                let reached = min(min(most(a), most(b)), most(c)).simd_ge(f32x16::splat(simd, 0.0))
-                    & most(&planes.inverse).simd_gt(f32x16::splat(simd, farthest))
-                    & valid;
+                let mut reached = valid;
+                if !single {
+                    reached &= crossing(simd, projection, &leaf.corners, [column, row]);
+                }
+                if reached.to_bitmask().count_ones() > FEW_TRIANGLES {
+                    let most = |plane| projection.most_over_strip(simd, &load(simd, plane), column, row);
+                    reached &= min(min(most(a), most(b)), most(c)).simd_ge(f32x16::splat(simd, 0.0))
+                        & most(&planes.inverse).simd_gt(f32x16::splat(simd, farthest));
+                }
                 let mut lanes = reached.to_bitmask();
                 if lanes == 0 {
                     continue;
                 }
-                let directions = projection.block(simd, column, row);
-                let mut nearest = f32x16::load_array_ref(simd, &target.inverse[block]);
+                let open = (asked & inverse.simd_lt(f32x16::splat(simd, leaf.nearest))).to_bitmask();
+                if open.count_ones() < lanes.count_ones() {
+                    let place = [column, row, block];
+                    each_ray(
+                        simd,
+                        projection,
+                        target,
+                        rules,
+                        (&planes, &triangle_slots),
+                        reached,
+                        open,
+                        place,
+                    );
+                    continue;
+                }
+                let mut nearest = inverse;
                 let mut slots = u32x16::load_array_ref(simd, &target.slot[block]);
+                let directions = projection.block(simd, column, row);
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
                     lanes &= lanes - 1;
@@ -130,6 +165,62 @@ pub(super) fn draw<S: Simd, P: Projection>(
             }
         }
     }
+}
+
+/// Each ray of a block that is in `open` against the triangles in `reached`.
+#[allow(clippy::too_many_arguments, reason = "the pieces of one kernel")]
+#[inline(always)]
+fn each_ray<S: Simd, P: Projection>(
+    simd: S,
+    projection: P,
+    target: &mut Target<'_>,
+    rules: Rules,
+    (planes, triangle_slots): (&PlaneArrays, &[u32; WIDTH]),
+    reached: mask32x16<S>,
+    mut open: u64,
+    [column, row, block]: [usize; 3],
+) {
+    let [a, b, c] = &planes.edges;
+    let edges = [load(simd, a), load(simd, b), load(simd, c)];
+    let plane = load(simd, &planes.inverse);
+    while open != 0 {
+        let lane = open.trailing_zeros() as usize & (WIDTH - 1);
+        open &= open - 1;
+        let directions = projection.ray(simd, (column * WIDTH + lane) as i32, row as i32);
+        let (hit, inverse) = inside::<S, P>(&edges, &plane, &directions, rules.inverse_near);
+        let so_far = &mut target.inverse[block][lane];
+        let hit = hit & reached & inverse.simd_gt(f32x16::splat(simd, *so_far));
+        if hit.any_true() {
+            let candidates = hit.select(inverse, f32x16::splat(simd, 0.0));
+            *so_far = simd.reduce_max_f32x16(candidates);
+            let winner = candidates.simd_eq(f32x16::splat(simd, *so_far)).to_bitmask();
+            target.slot[block][lane] = triangle_slots[winner.trailing_zeros() as usize & (WIDTH - 1)];
+        }
+    }
+    target.update_farthest(block);
+}
+
+/// The triangles that do not lie wholly above or below the rays of a block.
+#[inline(always)]
+fn crossing<S: Simd, P: Projection>(
+    simd: S,
+    projection: P,
+    corners: &[Points<S>; 3],
+    [column, row]: [usize; 2],
+) -> mask32x16<S> {
+    let Some([below, above]) = projection.slab(column, row) else {
+        return mask32x16::splat(simd, true);
+    };
+    min(farthest(corners, below), farthest(corners, above)).simd_ge(f32x16::splat(simd, 0.0))
+}
+
+/// The greatest of plane · corner.
+#[inline(always)]
+fn farthest<S: Simd>([a, b, c]: &[Points<S>; 3], [x, y, z]: [f32; 3]) -> f32x16<S> {
+    let a = (a[0] * x + a[1] * y) + a[2] * z;
+    let b = (b[0] * x + b[1] * y) + b[2] * z;
+    let c = (c[0] * x + c[1] * y) + c[2] * z;
+    max(max(a, b), c)
 }
 
 #[inline(always)]

@@ -1,0 +1,203 @@
+//! `belvedere dataset`: samples for learning, in shards.
+
+use super::error::CliError;
+use super::follow::{listen_for_stop, print_line, stop_wanted};
+use super::log::status_lines;
+use crate::dataset::{Folder, Making, Plan, contact_sheet, export_coco, export_kitti, make};
+use crate::description::package::PackagePath;
+use indicatif::{HumanBytes, ProgressBar, ProgressStyle};
+use std::io::IsTerminal as _;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Make a data set for learning: worlds × seeds × poses, as a plan says, in shards of `WebDataset`.
+///
+/// The bytes of a shard depend on the plan alone: not on the number of workers, on the machine, or on which shards are made
+/// with it. A shard is there as a whole or not at all, and what is there is not made again; so the command is started again
+/// after a kill or a full disk, and goes on. Once all shards are there, manifest.json has their SHA-256.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  belvedere dataset plan.toml -o out
+  belvedere dataset plan.toml -o out --shards 3..7        (shards 3, 4, 5, 6)
+  belvedere dataset plan.toml -o out --shard 2/16         (of 16 tasks, numbered from 0, that of number 2)
+  belvedere dataset plan.toml -o out                      (afterwards: what is missing, and the manifest)")]
+pub struct DatasetArgs {
+    /// The plan; docs/datasets.md has what it may say
+    plan: PathBuf,
+    /// The folder of the shards
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+    /// Make these shards alone, the last excluded, and no manifest
+    #[arg(long, value_name = "FIRST..END", conflicts_with = "shard")]
+    shards: Option<ShardRange>,
+    /// Make the share of one of several tasks alone, which are numbered from 0, and no manifest
+    #[arg(long, value_name = "TASK/TASKS")]
+    shard: Option<Share>,
+    /// Make so many shards at a time [default: as many as there are cores]
+    #[arg(long, value_name = "COUNT")]
+    workers: Option<NonZeroUsize>,
+    /// Write the pictures and objects of a sensor as COCO has them to FOLDER/coco/SENSOR as well; may be repeated
+    #[arg(long, value_name = "SENSOR", conflicts_with_all = ["shards", "shard"])]
+    coco: Vec<String>,
+    /// Write the pictures and objects of a pinhole camera as KITTI has them to FOLDER/kitti/SENSOR as well; may be repeated
+    #[arg(long, value_name = "SENSOR", conflicts_with_all = ["shards", "shard"])]
+    kitti: Vec<String>,
+    /// Say how many samples and shards the plan has, and make nothing
+    #[arg(long)]
+    count: bool,
+    /// A folder of ROS packages, looked into before `ROS_PACKAGE_PATH` and our own; may be repeated
+    #[arg(long, value_name = "FOLDER")]
+    package_path: Vec<PathBuf>,
+}
+
+/// `3..7`: 3, 4, 5, 6.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct ShardRange {
+    first: u64,
+    end: u64,
+}
+
+impl FromStr for ShardRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let range =
+            text.split_once("..").and_then(|(first, end)| Some((first.parse().ok()?, end.parse().ok()?)));
+        range
+            .filter(|(first, end)| first < end)
+            .map(|(first, end)| Self { first, end })
+            .ok_or_else(|| format!("'{text}' is no range; write FIRST..END, as 3..7 for 3, 4, 5 and 6"))
+    }
+}
+
+/// `2/16`: 2, 18, 34, …
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Share {
+    task: u64,
+    tasks: u64,
+}
+
+impl FromStr for Share {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let share =
+            text.split_once('/').and_then(|(task, tasks)| Some((task.parse().ok()?, tasks.parse().ok()?)));
+        share
+            .filter(|(task, tasks)| task < tasks)
+            .map(|(task, tasks)| Self { task, tasks })
+            .ok_or_else(|| format!("'{text}' is no share; write TASK/TASKS, as 0/16 to 15/16"))
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CliError::Dataset`].
+pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
+    listen_for_stop()?;
+    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
+    let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
+    let plan = Plan::read(&args.plan, &packages)?;
+    let all = plan.shards();
+    if args.count {
+        return print_line(&format!("{} samples, {all} shards", plan.samples()));
+    }
+    let shards: Vec<u64> = match (args.shards, args.shard) {
+        (Some(range), _) => (range.first..range.end.min(all)).collect(),
+        (_, Some(share)) => (share.task..all).step_by(share.tasks as usize).collect(),
+        _ => (0..all).collect(),
+    };
+    let folder = Folder::open(&args.output, &plan)?;
+    let there = shards.iter().filter(|shard| folder.has(**shard)).count();
+    let missing = shards.iter().filter(|shard| !folder.has(**shard));
+    let progress = Progress::new(
+        missing.map(|shard| plan.samples_of(*shard)).map(|range| range.end - range.start).sum(),
+    );
+    let cores = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    make(&plan, &folder, &shards, args.workers.unwrap_or(cores), &progress)?;
+    progress.bar.finish_and_clear();
+    if args.shards.is_some() || args.shard.is_some() {
+        let made = shards.len() - there;
+        let still = (0..all).filter(|shard| !folder.has(*shard)).count();
+        let then = if still == 0 {
+            "all are there: the same command without --shards or --shard writes the manifest".to_owned()
+        } else {
+            format!("{still} of {all} are not there yet")
+        };
+        return print_line(&format!(
+            "{}: {made} shards made, {there} were there; {then}",
+            args.output.display()
+        ));
+    }
+    let (manifest, path) = folder.finish(&plan, &progress)?;
+    let bytes: u64 = manifest.shards.iter().map(|shard| shard.bytes).sum();
+    print_line(&format!(
+        "{}: {} samples in {} shards, {there} of which were there, {}; {}",
+        args.output.display(),
+        manifest.samples,
+        manifest.shards.len(),
+        HumanBytes(bytes),
+        path.display()
+    ))?;
+    for sensor in &args.coco {
+        let to = args.output.join("coco").join(sensor);
+        let written = export_coco(&plan, &folder, sensor, &to, &progress)?;
+        print_line(&format!("{}: as COCO has them", written.display()))?;
+    }
+    for sensor in &args.kitti {
+        let to = args.output.join("kitti").join(sensor);
+        let written = export_kitti(&plan, &folder, sensor, &to, &progress)?;
+        print_line(&format!("{}: as KITTI has them", written.display()))?;
+    }
+    match contact_sheet(&plan, &folder)? {
+        Some(sheet) => print_line(&format!("{}: some samples, a row each", sheet.display())),
+        None => Ok(()),
+    }
+}
+
+/// How far it is, on a terminal.
+struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    fn new(samples: u64) -> Self {
+        let bar = if std::io::stderr().is_terminal() {
+            status_lines().add(ProgressBar::new(samples))
+        } else {
+            ProgressBar::hidden()
+        };
+        let style = "{bar:30} {pos}/{len} samples, {per_sec}, {elapsed} gone, {eta} left";
+        bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self { bar }
+    }
+}
+
+impl Making for Progress {
+    fn sample_done(&self) {
+        self.bar.inc(1);
+    }
+
+    fn is_stopped(&self) -> bool {
+        stop_wanted()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_and_shares() {
+        assert_eq!("3..7".parse(), Ok(ShardRange { first: 3, end: 7 }));
+        assert_eq!("2/16".parse(), Ok(Share { task: 2, tasks: 16 }));
+        for text in ["7..3", "3", "", "-1..2", "3..3", "a..b"] {
+            assert!(text.parse::<ShardRange>().unwrap_err().contains("3..7"), "{text}");
+        }
+        for text in ["16/16", "0/0", "1", "/", "-1/2"] {
+            assert!(text.parse::<Share>().unwrap_err().contains("0/16"), "{text}");
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! A data set in the layouts of others, made from its shards alone.
+
+mod coco;
+mod kitti;
+
+use super::labels::{Labels, ObjectJson, SensorLabels};
+use super::shard::{read_shard, write_whole};
+use super::{DatasetError, Folder, Making, Plan, SensorPlan};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+pub use coco::export_coco;
+pub use kitti::export_kitti;
+
+/// A picture of one sensor, and what is known of it.
+struct Shot<'a> {
+    /// Of the sample.
+    index: u64,
+    png: &'a [u8],
+    known: &'a SensorLabels,
+    objects: &'a [ObjectJson],
+    files: &'a BTreeMap<String, Vec<u8>>,
+}
+
+/// Looks at the pictures of a sensor, in the order of the samples.
+fn for_each_shot(
+    (plan, folder): (&Plan, &Folder),
+    sensor: &SensorPlan,
+    making: &dyn Making,
+    mut each: impl FnMut(Shot<'_>) -> Result<(), DatasetError>,
+) -> Result<(), DatasetError> {
+    for shard in 0..plan.shards() {
+        let path = folder.shard(shard);
+        let damaged = |what: String| DatasetError::Damaged { path: path.clone(), what };
+        read_shard(&path, |index, files| {
+            if making.is_stopped() {
+                return Err(DatasetError::Stopped);
+            }
+            let lacks = |field: &str| damaged(format!("sample {index} has no {field}"));
+            let json = files.get("json").ok_or_else(|| lacks("json"))?;
+            let labels: Labels = serde_json::from_slice(json)
+                .map_err(|error| damaged(format!("the JSON of sample {index}: {error}")))?;
+            let known = labels.sensors.get(&sensor.name).ok_or_else(|| lacks(&sensor.name))?;
+            let field = format!("{}.png", sensor.name);
+            let png = files.get(&field).ok_or_else(|| lacks(&field))?;
+            let objects = known.objects.as_deref().ok_or_else(|| lacks("objects"))?;
+            each(Shot { index, png, known, objects, files: &files })
+        })?;
+    }
+    Ok(())
+}
+
+/// The sensor of this name, if it has what an export needs: a picture and labels, and these channels of truth.
+fn find_sensor<'a>(plan: &'a Plan, name: &str, truth: &[&str]) -> Result<&'a SensorPlan, DatasetError> {
+    let refused = |what: String| DatasetError::NoExport { what };
+    let found = plan.sensors().iter().find(|sensor| sensor.name == name);
+    let names: Vec<&str> = plan.sensors().iter().map(|sensor| &*sensor.name).collect();
+    let sensor = found
+        .ok_or_else(|| refused(format!("the plan has no sensor '{name}'; it has {}", names.join(", "))))?;
+    if !sensor.labels {
+        return Err(refused(format!("the sensor '{name}' has no labels; give it labels = true in the plan")));
+    }
+    if let Some(lacking) = truth.iter().find(|truth| !sensor.truth.iter().any(|there| there == *truth)) {
+        let what = format!("the sensor '{name}' has no truth \"{lacking}\"; add it in the plan");
+        return Err(refused(what));
+    }
+    Ok(sensor)
+}
+
+/// A folder, made if it is not there.
+fn make_folder(path: PathBuf) -> Result<PathBuf, DatasetError> {
+    fs::create_dir_all(&path).map_err(|source| DatasetError::Output { path: path.clone(), source })?;
+    Ok(path)
+}
+
+/// Writes a file unless these bytes are in it.
+fn write_if_other(path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
+    if fs::read(path).is_ok_and(|there| there == bytes) { Ok(()) } else { write_whole(path, bytes) }
+}

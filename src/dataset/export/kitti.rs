@@ -1,0 +1,157 @@
+//! Objects as KITTI's benchmark of detection has them: pictures, a line of text an object, calibrations.
+
+use super::{Shot, find_sensor, for_each_shot, make_folder, write_if_other};
+use crate::dataset::labels::{IntrinsicsJson, ObjectJson};
+use crate::dataset::{DatasetError, Folder, Making, Plan};
+use belvedere_sensors::Pose;
+use glam::{DQuat, DVec2, DVec3};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Corners nearer than this are taken for as far, in metres: what is beside or behind has no picture.
+const NEAR_M: f64 = 0.01;
+
+/// Writes `training/image_2`, `label_2` and `calib` of a pinhole camera into a folder; gives `training`.
+///
+/// KITTI's boxes stand upright in the camera's frame: of those that do not, the yaw is that of their forward axis. How much
+/// of a thing is hidden is not known: `occluded` is 3.
+///
+/// # Errors
+/// When the plan's sensor has no labels or is no pinhole, a shard cannot be read or a file not be written.
+pub fn export_kitti(
+    plan: &Plan,
+    folder: &Folder,
+    sensor: &str,
+    to: &Path,
+    making: &dyn Making,
+) -> Result<PathBuf, DatasetError> {
+    let sensor = find_sensor(plan, sensor, &[])?;
+    let training = make_folder(to.join("training"))?;
+    let [pictures, labels, calibrations] =
+        ["image_2", "label_2", "calib"].map(|name| make_folder(training.join(name)));
+    let (pictures, labels, calibrations) = (pictures?, labels?, calibrations?);
+    for_each_shot((plan, folder), sensor, making, |Shot { index, png, known, objects, .. }| {
+        let pinhole = known.intrinsics.as_ref().filter(|lens| lens.distortion.iter().all(|k| *k == 0.0));
+        let Some(pinhole) = pinhole else {
+            let what = format!(
+                "the sensor '{}' is no pinhole, and KITTI knows no other; choose another",
+                sensor.name
+            );
+            return Err(DatasetError::NoExport { what });
+        };
+        let size = DVec2::new(f64::from(known.width), f64::from(known.height));
+        write_if_other(&pictures.join(format!("{index:06}.png")), png)?;
+        let lines: String = objects.iter().map(|object| line(object, pinhole, size)).collect();
+        write_if_other(&labels.join(format!("{index:06}.txt")), lines.as_bytes())?;
+        let calibration = calibration(pinhole);
+        write_if_other(&calibrations.join(format!("{index:06}.txt")), calibration.as_bytes())
+    })?;
+    Ok(training)
+}
+
+/// Type, truncated, occluded, alpha, the box in the picture, height, width and length, place, yaw.
+fn line(object: &ObjectJson, lens: &IntrinsicsJson, size: DVec2) -> String {
+    let pose = &object.optical_from_box;
+    let optical_from_box =
+        Pose::new(DVec3::from_array(pose.position), DQuat::from_array(pose.orientation).normalize());
+    let [length, width, height] = object.size;
+    let forward = optical_from_box.transform_vector(DVec3::X);
+    let yaw = libm::atan2(-forward.z, forward.x);
+    // The middle of the bottom.
+    let place = optical_from_box.transform_point(DVec3::NEG_Z * height / 2.0);
+    let alpha = wrapped(yaw - libm::atan2(place.x, place.z));
+    let [left, top, columns, rows] = object.bbox;
+    let mut text = object.category.split_whitespace().collect::<Vec<_>>().join("_");
+    let _ = writeln!(
+        text,
+        " {:.2} 3 {alpha:.4} {left}.00 {top}.00 {}.00 {}.00 {height:.4} {width:.4} {length:.4} {:.4} {:.4} {:.4} {yaw:.4}",
+        truncated(object, &optical_from_box, lens, size),
+        left + columns - 1,
+        top + rows - 1,
+        place.x,
+        place.y,
+        place.z,
+    );
+    text
+}
+
+/// The share of the box around the thing that is outside the picture, 0 to 1.
+fn truncated(object: &ObjectJson, optical_from_box: &Pose, lens: &IntrinsicsJson, size: DVec2) -> f64 {
+    let half = DVec3::from_array(object.size) / 2.0;
+    let mut extent = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+    for corner in 0..8 {
+        let sign = |axis: u32| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        let point = optical_from_box.transform_point(half * DVec3::new(sign(0), sign(1), sign(2)));
+        let depth = point.z.max(NEAR_M);
+        let pixel = DVec2::new(lens.fx * point.x / depth + lens.cx, lens.fy * point.y / depth + lens.cy);
+        extent = [extent[0].min(pixel), extent[1].max(pixel)];
+    }
+    let area = |[low, high]: [DVec2; 2]| (high - low).max(DVec2::ZERO).element_product();
+    let inside = [extent[0].max(DVec2::splat(-0.5)), extent[1].min(size - 0.5)];
+    let whole = area(extent);
+    if whole > 0.0 { 1.0 - area(inside) / whole } else { 0.0 }
+}
+
+/// To −π … π.
+fn wrapped(angle: f64) -> f64 {
+    angle - (angle / core::f64::consts::TAU).round() * core::f64::consts::TAU
+}
+
+/// One camera stands for all four; there is no lidar.
+fn calibration(lens: &IntrinsicsJson) -> String {
+    let IntrinsicsJson { fx, fy, cx, cy, .. } = lens;
+    let projection = format!("{fx:e} 0 {cx:e} 0 0 {fy:e} {cy:e} 0 0 0 1 0");
+    let mut text = [0, 1, 2, 3].map(|number| format!("P{number}: {projection}\n")).concat();
+    text.push_str("R0_rect: 1 0 0 0 1 0 0 0 1\n");
+    // From x forward, y left, z up.
+    text.push_str("Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::labels::PoseJson;
+
+    #[test]
+    fn a_car_ahead_that_drives_away_has_the_yaw_of_kittis() {
+        // 10 m ahead and 1 m below the camera, its x forward along the camera's z, its z up.
+        let optical_from_box = glam::DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y);
+        let object = ObjectJson {
+            model: "car".into(),
+            class: 1,
+            category: "a car".into(),
+            instances: vec![3],
+            pixels: 1,
+            bbox: [10, 20, 5, 6],
+            optical_from_box: PoseJson {
+                position: [0.0, 1.0, 10.0],
+                orientation: DQuat::from_mat3(&optical_from_box).to_array(),
+            },
+            size: [4.0, 1.8, 1.5],
+        };
+        let lens = IntrinsicsJson {
+            fx: 100.0,
+            fy: 100.0,
+            cx: 49.5,
+            cy: 49.5,
+            distortion_model: None,
+            distortion: Vec::new(),
+        };
+        let text = line(&object, &lens, DVec2::splat(100.0));
+        // A car that drives away along z has a yaw of −π/2; its bottom is half its height below its middle.
+        assert_eq!(
+            text,
+            "a_car 0.00 3 -1.5708 10.00 20.00 14.00 25.00 1.5000 1.8000 4.0000 0.0000 1.7500 10.0000 -1.5708\n"
+        );
+        // A picture whose right edge is its axis shows half of it.
+        let lens = IntrinsicsJson { cx: 99.5, ..lens };
+        let half = truncated(
+            &object,
+            &Pose::new(DVec3::new(0.0, 1.0, 10.0), DQuat::from_mat3(&optical_from_box)),
+            &lens,
+            DVec2::splat(100.0),
+        );
+        assert!((half - 0.5).abs() < 1e-9, "{half}");
+    }
+}

@@ -1,0 +1,253 @@
+//! What is known of a sample, as JSON: where the robot and its sensors were, their intrinsics, the things that are seen.
+
+use super::plan::Plan;
+use crate::simulation::Simulation;
+use crate::world::physics::ModelIndex;
+use crate::world::scene::WorldScene;
+use belvedere_bridge::payload::BoundingBox;
+use belvedere_bridge::{DistortionModel, FrameHeader, FrameView, Kind};
+use belvedere_sensors::Pose;
+use glam::{DMat3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A sample's JSON.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Labels {
+    /// As the plan has it.
+    pub(super) world: String,
+    pub(super) seed: u64,
+    /// Its number among the poses of the world and seed.
+    pub(super) pose: u64,
+    pub(super) world_from_robot: PoseJson,
+    pub(super) sensors: BTreeMap<String, SensorLabels>,
+}
+
+/// A rigid motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(super) struct PoseJson {
+    /// Metres.
+    pub(super) position: [f64; 3],
+    /// x y z w.
+    pub(super) orientation: [f64; 4],
+}
+
+impl From<&Pose> for PoseJson {
+    fn from(pose: &Pose) -> Self {
+        Self { position: pose.translation().to_array(), orientation: pose.rotation().to_array() }
+    }
+}
+
+/// What is known of one sensor's frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct SensorLabels {
+    pub(super) topic: String,
+    pub(super) encoding: String,
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// Of the frame of its description: x forward, z up.
+    pub(super) world_from_sensor: PoseJson,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) intrinsics: Option<IntrinsicsJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) angles: Option<AnglesJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) objects: Option<Vec<ObjectJson>>,
+}
+
+/// A camera's; pixels, centres of pixels at integers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct IntrinsicsJson {
+    pub(super) fx: f64,
+    pub(super) fy: f64,
+    pub(super) cx: f64,
+    pub(super) cy: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) distortion_model: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) distortion: Vec<f64>,
+}
+
+/// A scan's, in radians.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct AnglesJson {
+    pub(super) angle_min: f64,
+    pub(super) angle_increment: f64,
+    pub(super) vertical_angle_min: f64,
+    pub(super) vertical_angle_increment: f64,
+}
+
+/// A thing that is seen: all visuals of a model that are of one class.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct ObjectJson {
+    pub(super) model: String,
+    /// Its number in the channel of classes.
+    pub(super) class: u32,
+    /// The name of its class: the plan's; without one the model's if it has no label, else the number.
+    pub(super) category: String,
+    /// Those of its visuals that are seen, by their numbers in the channel of instances.
+    pub(super) instances: Vec<u32>,
+    /// How many pixels show it.
+    pub(super) pixels: u32,
+    /// First column and row of these, then how many columns and rows.
+    pub(super) bbox: [u32; 4],
+    /// The box around the whole of it, seen or not, along its model's axes: its middle in the optical frame (x right, y down,
+    /// z forward).
+    pub(super) optical_from_box: PoseJson,
+    /// Edges of that box in metres.
+    pub(super) size: [f64; 3],
+}
+
+/// What a frame's header and the things that are seen tell.
+pub(super) fn of_sensor(topic: &str, header: &FrameHeader, objects: Option<Vec<ObjectJson>>) -> SensorLabels {
+    let is_scan = header.kind() == Some(Kind::LaserScan);
+    let intrinsics = header.intrinsics().filter(|intrinsics| intrinsics.fx > 0.0);
+    let angles = header.scan_geometry().filter(|_| is_scan);
+    SensorLabels {
+        topic: topic.to_owned(),
+        encoding: header.encoding().map(|encoding| encoding.as_str().to_owned()).unwrap_or_default(),
+        width: header.width,
+        height: header.height,
+        world_from_sensor: PoseJson {
+            position: header.position,
+            orientation: header.orientation.map(f64::from),
+        },
+        intrinsics: intrinsics.map(|intrinsics| IntrinsicsJson {
+            fx: intrinsics.fx,
+            fy: intrinsics.fy,
+            cx: intrinsics.cx,
+            cy: intrinsics.cy,
+            distortion_model: intrinsics.model().map(DistortionModel::as_str).map(str::to_owned),
+            distortion: intrinsics.parameters().to_vec(),
+        }),
+        angles: angles.map(|scan| AnglesJson {
+            angle_min: scan.angle_min,
+            angle_increment: scan.angle_increment,
+            vertical_angle_min: scan.vertical_angle_min,
+            vertical_angle_increment: scan.vertical_angle_increment,
+        }),
+        objects,
+    }
+}
+
+/// What the numbers of a world's instances mean.
+pub(super) struct Names {
+    /// By instance.
+    instances: BTreeMap<u32, Visual>,
+    classes: BTreeMap<u32, String>,
+}
+
+/// Whose visual an instance is.
+struct Visual {
+    model: ModelIndex,
+    name: String,
+    /// What its file says of it.
+    label: Option<u32>,
+}
+
+/// What is seen of a thing.
+#[derive(Default)]
+struct Seen {
+    instances: Vec<u32>,
+    pixels: u32,
+    min: [u32; 2],
+    max: [u32; 2],
+}
+
+impl Names {
+    pub(super) fn of(simulation: &mut Simulation, plan: &Plan) -> Self {
+        let parts: Vec<_> =
+            simulation.scene().parts().map(|(model, link, instance, _)| (model, link, instance.0)).collect();
+        let mut instances = BTreeMap::new();
+        for (id, entity) in simulation.entities().iter() {
+            for (index, link) in entity.model.links.iter().enumerate() {
+                let of_link = parts.iter().filter(|part| (part.0, part.1) == (id.index(), index));
+                // A link's visuals come first.
+                for (visual, (model, _, instance)) in link.visuals.iter().zip(of_link) {
+                    let name = entity.name.clone();
+                    instances.insert(*instance, Visual { model: *model, name, label: visual.label });
+                }
+            }
+        }
+        Self { instances, classes: plan.classes.clone() }
+    }
+
+    /// The things in a frame, from the boxes of its visuals.
+    pub(super) fn objects(
+        &self,
+        simulation: &mut Simulation,
+        header: &FrameHeader,
+        boxes: &FrameView<'_>,
+    ) -> Vec<ObjectJson> {
+        let mut things: BTreeMap<(ModelIndex, u32), Seen> = BTreeMap::new();
+        for seen in boxes.structs::<BoundingBox>().into_iter().flatten() {
+            let Some(visual) = self.instances.get(&seen.instance) else { continue };
+            let thing = things.entry((visual.model, seen.label)).or_insert_with(|| Seen {
+                min: seen.min,
+                max: seen.max,
+                ..Seen::default()
+            });
+            thing.instances.push(seen.instance);
+            thing.pixels += seen.pixels;
+            for axis in 0..2 {
+                thing.min[axis] = thing.min[axis].min(seen.min[axis]);
+                thing.max[axis] = thing.max[axis].max(seen.max[axis]);
+            }
+        }
+        let optical_from_world = optical_from_world(header);
+        let object = |((model, class), seen): ((ModelIndex, u32), Seen)| {
+            let world_from_model = simulation.physics().world_from_model(model);
+            let [low, high] = self.extent(simulation.scene(), (model, class), &world_from_model);
+            let middle = Pose::from_translation((low + high) * 0.5);
+            let visual = seen.instances.first().and_then(|instance| self.instances.get(instance));
+            let name = visual.map(|visual| visual.name.clone()).unwrap_or_default();
+            let label = visual.and_then(|visual| visual.label);
+            let category = match (self.classes.get(&class), label) {
+                (Some(category), _) => category.clone(),
+                (None, None) => name.clone(),
+                (None, Some(label)) => label.to_string(),
+            };
+            let [left, top] = seen.min;
+            ObjectJson {
+                model: name,
+                class,
+                category,
+                instances: seen.instances,
+                pixels: seen.pixels,
+                bbox: [left, top, seen.max[0] - left + 1, seen.max[1] - top + 1],
+                optical_from_box: (&(optical_from_world * world_from_model * middle)).into(),
+                size: (high - low).to_array(),
+            }
+        };
+        things.into_iter().map(object).collect()
+    }
+
+    /// Corners of the box along a model's axes that holds all its visuals of a class.
+    fn extent(&self, scene: &WorldScene, key: (ModelIndex, u32), world_from_model: &Pose) -> [DVec3; 2] {
+        let model_from_world = world_from_model.inverse();
+        let of_thing = |(instance, visual): &(&u32, &Visual)| {
+            let class = scene.scene().instances()[**instance as usize].class();
+            (visual.model, class) == key
+        };
+        let mut extent = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        for (instance, _) in self.instances.iter().filter(of_thing) {
+            let Some(bounds) = scene.scene().bounds(*instance as usize) else { continue };
+            let model_from_instance = model_from_world * scene.poses()[*instance as usize];
+            for corner in 0..8 {
+                let of_axis = |axis: usize| bounds[corner >> axis & 1][axis];
+                let corner =
+                    model_from_instance.transform_point(DVec3::new(of_axis(0), of_axis(1), of_axis(2)));
+                extent = [extent[0].min(corner), extent[1].max(corner)];
+            }
+        }
+        if extent[0].is_finite() { extent } else { [DVec3::ZERO; 2] }
+    }
+}
+
+/// To x right, y down, z forward of a sensor whose frame in the header looks along its x, z up.
+fn optical_from_world(header: &FrameHeader) -> Pose {
+    let rotation = DQuat::from_array(header.orientation.map(f64::from)).normalize();
+    let world_from_sensor = Pose::new(DVec3::from_array(header.position), rotation);
+    let axes = DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y);
+    Pose::new(DVec3::ZERO, DQuat::from_mat3(&axes)) * world_from_sensor.inverse()
+}

@@ -1,0 +1,99 @@
+//! Shards are made, several at a time.
+
+use super::shard::ShardWriter;
+use super::studio::Studio;
+use super::{DatasetError, Folder, Plan};
+use belvedere_sensors::Execution;
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Who wants to know how far it is, and may end it.
+pub trait Making: Sync {
+    /// A sample is done.
+    fn sample_done(&self) {}
+
+    /// A shard is there.
+    fn shard_done(&self, _shard: u64) {}
+
+    /// Whether it is to end, at the next sample.
+    fn is_stopped(&self) -> bool {
+        false
+    }
+}
+
+/// Makes shards that are not there yet, up to `workers` of them at a time. The bytes depend neither on that number nor on
+/// the order of the shards.
+///
+/// # Errors
+/// The first that a worker has; the shards that were complete by then stay.
+pub fn make(
+    plan: &Plan,
+    folder: &Folder,
+    shards: &[u64],
+    workers: NonZeroUsize,
+    making: &dyn Making,
+) -> Result<(), DatasetError> {
+    let missing: Vec<u64> = shards.iter().copied().filter(|shard| !folder.has(*shard)).collect();
+    let workers = workers.get().min(missing.len());
+    let next = AtomicUsize::new(0);
+    let has_failed = AtomicBool::new(false);
+    let first_error = Mutex::new(None);
+    let work = || {
+        // One worker has all cores for each frame; several take a core each.
+        let execution = if workers == 1 { Execution::parallel() } else { Execution::default() };
+        let mut worker = Worker { plan, folder, execution, studio: None };
+        while let Some(shard) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let is_stopped = || has_failed.load(Ordering::Acquire) || making.is_stopped();
+            if let Err(error) = worker.make(*shard, making, &is_stopped) {
+                first_error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+                // The others stop, and their errors come after this one.
+                has_failed.store(true, Ordering::Release);
+                return;
+            }
+            making.shard_done(*shard);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..workers {
+            scope.spawn(work);
+        }
+    });
+    first_error.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
+}
+
+/// One of those who make shards.
+struct Worker<'a> {
+    plan: &'a Plan,
+    folder: &'a Folder,
+    execution: Execution,
+    /// The world that was looked at last.
+    studio: Option<Studio<'a>>,
+}
+
+impl Worker<'_> {
+    fn make(
+        &mut self,
+        shard: u64,
+        making: &dyn Making,
+        is_stopped: &dyn Fn() -> bool,
+    ) -> Result<(), DatasetError> {
+        let mut writer = ShardWriter::create(&self.folder.shard(shard))?;
+        for index in self.plan.samples_of(shard) {
+            if is_stopped() {
+                return Err(DatasetError::Stopped);
+            }
+            let sample = self.plan.sample(index);
+            let studio = match self.studio.take().filter(|studio| studio.world() == sample.world) {
+                Some(studio) => studio,
+                None => Studio::open(self.plan, sample.world, self.execution)?,
+            };
+            let fields = self.studio.insert(studio).take(sample)?;
+            writer.add(index, &fields)?;
+            making.sample_done();
+        }
+        writer.finish()?;
+        self.folder.sweep(shard);
+        Ok(())
+    }
+}

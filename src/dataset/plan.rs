@@ -1,0 +1,239 @@
+//! A plan: what its file says, checked, each mistake with its line.
+
+mod tables;
+
+use super::DatasetError;
+use super::poses::{Random, Route};
+use crate::description::diagnostics::Source;
+use crate::description::model::{Model, World};
+use crate::description::package::PackagePath;
+use crate::description::robot::{LoadOptions, load_robot};
+use crate::description::world::load_world;
+use crate::description::{Diagnostics, Rules};
+use belvedere_sensors::Pose;
+use serde::Deserialize;
+use sha2::{Digest as _, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use tables::{PlanFile, Text, classes, listed, random, route, sensors};
+
+/// Samples of a shard, if the plan does not say.
+const SAMPLES_PER_SHARD: u64 = 100;
+/// More would not have eight digits.
+const MOST_SAMPLES: u64 = 99_999_999;
+/// A truth of two frames: of the one before.
+pub(super) const FLOW: &str = "flow_back";
+
+/// What is to be made.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The plan's file.
+    pub(super) source: PathBuf,
+    /// SHA-256 of all that decides the bytes: the plan, the files that it names, the version of this program.
+    pub(super) identity: Identity,
+    pub(super) worlds: Vec<World>,
+    /// The name under which the plan has each world.
+    pub(super) world_names: Vec<String>,
+    pub(super) robot: Model,
+    pub(super) sensors: Vec<SensorPlan>,
+    pub(super) seeds: Vec<u64>,
+    /// Listed poses, `world_from_robot`.
+    pub(super) listed: Vec<Pose>,
+    pub(super) route: Option<Route>,
+    pub(super) random: Option<Random>,
+    /// Names of classes, by their numbers.
+    pub(super) classes: BTreeMap<u32, String>,
+    samples_per_shard: u64,
+}
+
+/// A sensor's stream, as it goes into each sample.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SensorPlan {
+    /// What its files begin with: `NAME.png`.
+    pub name: String,
+    /// Its stream, with a leading slash.
+    pub topic: String,
+    /// Channels of truth that go with it.
+    pub truth: Vec<String>,
+    /// Whether the things that are seen are listed, with boxes.
+    pub labels: bool,
+    /// Where it stands in the plan.
+    pub(super) source: Source,
+}
+
+/// What decides the bytes of a data set.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, Deserialize)]
+pub(super) struct Identity {
+    /// Name and version of this program.
+    pub(super) generator: String,
+    /// SHA-256 of the plan's text.
+    pub(super) plan: String,
+    /// SHA-256 of the files that it names, by the names that it has for them.
+    pub(super) files: BTreeMap<String, String>,
+}
+
+/// One sample of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sample {
+    /// Its number, from 0.
+    pub index: u64,
+    /// Which of the worlds.
+    pub world: usize,
+    /// Which of the seeds.
+    pub seed: usize,
+    /// Which of the poses.
+    pub pose: u64,
+}
+
+impl Plan {
+    /// Reads a plan, and the worlds and the robot that it names: files beside it, or what `packages` has by that name.
+    ///
+    /// # Errors
+    /// Whatever is wrong with it or with them.
+    pub fn read(path: &Path, packages: &PackagePath) -> Result<Self, DatasetError> {
+        let text = fs::read_to_string(path)
+            .map_err(|source| DatasetError::Input { path: path.to_owned(), source })?;
+        let mut diagnostics = Diagnostics::default();
+        let plan = Self::parse(&Text { path, text: &text }, packages, &mut diagnostics);
+        for problem in diagnostics.problems() {
+            if problem.severity == crate::description::Severity::Warning {
+                tracing::warn!("{problem}");
+            }
+        }
+        let errors: Vec<_> = diagnostics.errors().cloned().collect();
+        plan.filter(|_| errors.is_empty()).ok_or(DatasetError::Description(errors))
+    }
+
+    fn parse(text: &Text<'_>, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<Self> {
+        let file: PlanFile = match toml::from_str(text.text) {
+            Ok(file) => file,
+            Err(error) => {
+                let source = text.source(&error.span().unwrap_or(0..0));
+                let what = error.message().replace('\n', ", ");
+                diagnostics.error(&source, what, "see docs/datasets.md for what a plan has");
+                return None;
+            }
+        };
+        let folder = text.path.parent().unwrap_or(Path::new(""));
+        let beside = |name: &str| match folder.join(name) {
+            path if path.is_file() => path.to_string_lossy().into_owned(),
+            _ => name.to_owned(),
+        };
+        let mut files = BTreeMap::new();
+        let (mut worlds, mut world_names) = (Vec::new(), Vec::new());
+        for name in file.worlds.get_ref() {
+            let rules = Rules::default();
+            let Some(world) = load_world(&beside(name.get_ref()), packages, rules, diagnostics) else {
+                continue;
+            };
+            files.insert(name.get_ref().clone(), hash_of(&world.source.file));
+            worlds.push(world);
+            world_names.push(name.get_ref().clone());
+        }
+        if file.worlds.get_ref().is_empty() {
+            let source = text.source(&file.worlds.span());
+            diagnostics.error(&source, "worlds is empty", "name at least one, as worlds = [\"playground\"]");
+        }
+        let options =
+            LoadOptions { packages: packages.clone(), rules: Rules::default(), xacro_args: Vec::new() };
+        let robot = load_robot(&beside(file.robot.get_ref()), &options, diagnostics);
+        if let Some(robot) = &robot {
+            files.insert(file.robot.get_ref().clone(), hash_of(&robot.source.file));
+        }
+        let seeds = file.seeds.as_ref().map_or(vec![1], |seeds| seeds.get_ref().clone());
+        if let Some(given) = &file.seeds
+            && (seeds.is_empty() || seeds.iter().collect::<BTreeSet<_>>().len() < seeds.len())
+        {
+            let what = format!("seeds = {seeds:?} has none, or one of them twice");
+            diagnostics.error(&text.source(&given.span()), what, "write each seed once, as seeds = [1, 2]");
+        }
+        let samples_per_shard = file.samples_per_shard.as_ref().map_or(SAMPLES_PER_SHARD, |n| *n.get_ref());
+        if let Some(given) = file.samples_per_shard.as_ref().filter(|given| *given.get_ref() == 0) {
+            diagnostics.error(&text.source(&given.span()), "samples_per_shard = 0", "write 1 or more");
+        }
+        let sensors = sensors(text, &file.sensors, diagnostics);
+        let plan = Self {
+            source: text.path.to_owned(),
+            identity: Identity {
+                generator: concat!("belvedere ", env!("CARGO_PKG_VERSION")).into(),
+                plan: hex(&Sha256::digest(text.text)),
+                files,
+            },
+            worlds,
+            world_names,
+            robot: robot?,
+            sensors,
+            seeds,
+            listed: listed(text, &file.poses.get_ref().list, diagnostics),
+            route: file.poses.get_ref().path.as_ref().and_then(|path| route(text, path, diagnostics)),
+            random: file.poses.get_ref().random.as_ref().and_then(|table| random(text, table, diagnostics)),
+            classes: classes(text, &file.classes, diagnostics),
+            samples_per_shard: samples_per_shard.max(1),
+        };
+        let samples = plan.poses().checked_mul((plan.worlds.len() * plan.seeds.len()) as u64);
+        if samples.is_none_or(|samples| samples == 0 || samples > MOST_SAMPLES) && !diagnostics.has_errors() {
+            let what =
+                samples.map_or("far too many samples".to_owned(), |samples| format!("{samples} samples"));
+            let remedy = format!("ask for 1 to {MOST_SAMPLES}, by [poses] with list, path or random");
+            diagnostics.error(&text.source(&file.poses.span()), what, remedy);
+        }
+        Some(plan)
+    }
+
+    /// Poses of each world and seed.
+    pub(super) fn poses(&self) -> u64 {
+        let route = self.route.as_ref().map_or(0, |route| route.count);
+        let random = self.random.as_ref().map_or(0, |random| random.count);
+        (self.listed.len() as u64).saturating_add(route).saturating_add(random)
+    }
+
+    /// How many samples there are to be.
+    pub fn samples(&self) -> u64 {
+        self.poses() * (self.worlds.len() * self.seeds.len()) as u64
+    }
+
+    /// How many shards.
+    pub fn shards(&self) -> u64 {
+        self.samples().div_ceil(self.samples_per_shard)
+    }
+
+    /// The shard of a sample.
+    pub(super) fn shard_of(&self, sample: u64) -> u64 {
+        sample / self.samples_per_shard
+    }
+
+    /// The numbers of the samples of a shard.
+    pub fn samples_of(&self, shard: u64) -> Range<u64> {
+        let first = shard * self.samples_per_shard;
+        first..(first + self.samples_per_shard).min(self.samples())
+    }
+
+    /// What a sample shows: worlds one after the other, in each the seeds, with each the poses.
+    pub fn sample(&self, index: u64) -> Sample {
+        let (poses, seeds) = (self.poses(), self.seeds.len() as u64);
+        Sample {
+            index,
+            world: (index / poses / seeds) as usize,
+            seed: (index / poses % seeds) as usize,
+            pose: index % poses,
+        }
+    }
+
+    /// The streams that go into each sample.
+    pub fn sensors(&self) -> &[SensorPlan] {
+        &self.sensors
+    }
+}
+
+/// SHA-256 of a file that was read a moment ago.
+fn hash_of(path: &Path) -> String {
+    fs::read(path).map(|bytes| hex(&Sha256::digest(bytes))).unwrap_or_default()
+}
+
+/// Bytes as hexadecimal digits.
+pub(super) fn hex(bytes: &[u8]) -> String {
+    let digit = |value: u8| char::from_digit(u32::from(value), 16).unwrap_or_default();
+    bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
+}

@@ -1,9 +1,9 @@
 //! The ceiling: a slab with a plate for each code under it, and the list of where the codes' corners are.
 
-use crate::codes::{Code, Kind};
-use crate::output::{Content, Generated};
-use crate::room::{HEIGHT_M, LENGTH_M, WALL_M, WIDTH_M};
-use crate::sdf::{self, Part};
+use super::codes::{Code, Kind};
+use super::output::{Content, Generated};
+use super::room::{HEIGHT_M, LENGTH_M, WALL_M, WIDTH_M};
+use super::sdf::{self, Part};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -80,7 +80,7 @@ fn fiducial(code: &Code) -> String {
     };
     format!(
         "<fiducial><family>{family}</family><id>{id}</id><size>{}</size><pose>0 0 {} {} 0 0</pose></fiducial>",
-        crate::codes::round(code.edge_m()),
+        super::codes::round(code.edge_m()),
         -PLATE_M / 2.0,
         std::f64::consts::PI,
     )
@@ -88,7 +88,7 @@ fn fiducial(code: &Code) -> String {
 
 /// The plate's edge as written, without the last digits of a product.
 fn plate(code: &Code) -> f64 {
-    crate::codes::round(code.plate_m())
+    super::codes::round(code.plate_m())
 }
 
 fn materials(codes: &[Code]) -> String {
@@ -121,7 +121,7 @@ fn corners(code: &Code) -> [DVec3; 4] {
 }
 
 fn list(codes: &[Code]) -> String {
-    let micrometres = |value: f64| crate::codes::round(value) + 0.0;
+    let micrometres = |value: f64| super::codes::round(value) + 0.0;
     let entries: Vec<String> = codes
         .iter()
         .map(|code| {

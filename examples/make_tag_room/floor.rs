@@ -1,7 +1,7 @@
 //! The floor's texture: planks of wood, 2 m × 2 m, that continue at the edges. Integer arithmetic throughout, so
 //! that it is the same everywhere.
 
-use crate::output::{Content, Generated};
+use super::output::{Content, Generated};
 
 /// Pixels along an edge.
 const SIZE: u32 = 512;

@@ -3,8 +3,8 @@
 //! The furniture leaves the rectangle |x| < 2.5, |y| < 1.7 free to drive in, and stays low enough that from there
 //! it hides no code from a camera at a height of 0.36 m.
 
-use crate::output::{Content, Generated};
-use crate::sdf::{self, Color, HEADER, Part};
+use super::output::{Content, Generated};
+use super::sdf::{self, Color, HEADER, Part};
 use std::fmt::Write;
 
 /// Inside length along x.

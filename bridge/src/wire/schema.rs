@@ -1,5 +1,5 @@
 //! The whole wire format as data: the schema that the bindings of C, C++ and Python are made from
-//! (`bridge/c/tests/bindings.rs`).
+//! (`bridge/c/tests/bindings`).
 
 pub use super::layout::{Enum, Field, Struct, Value};
 

@@ -1,0 +1,372 @@
+//! What light does on surfaces beyond their diffuse colour, against formulas in f64.
+
+use crate::common;
+
+use belvedere_sensors::Pose;
+use belvedere_sensors::camera::{CameraConfig, Edges};
+use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, RayTableBuf};
+use belvedere_sensors::scene::{
+    ColourSpace, Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape,
+    TextureAlpha,
+};
+use common::oracle::{Ray, first_hit, pixel_ray};
+use common::{add, camera_of, glowing, look_at, picture, scenery, spot};
+use glam::DVec3;
+
+const FLOOR: Shape = Shape::Rectangle { size: [20.0, 20.0] };
+const BALL: Shape = Shape::Sphere { radius: 0.4 };
+const BALL_AT: DVec3 = DVec3::new(0.3, 0.2, 0.6);
+const LAMP_AT: DVec3 = DVec3::new(0.5, -0.3, 2.0);
+const SIZE: [u32; 2] = [320, 240];
+
+fn camera() -> CameraConfig<'static> {
+    camera_of(SIZE, 1.2)
+}
+
+fn view() -> Pose {
+    look_at(DVec3::new(-2.0, -0.5, 2.5), DVec3::new(0.3, 0.0, 0.2), 0.1)
+}
+
+fn ball_pose() -> Pose {
+    Pose::from_translation(BALL_AT)
+}
+
+/// Where a ray meets the floor or the ball, and the normal there.
+fn meet(ray: &Ray) -> Option<(DVec3, DVec3)> {
+    let at = |t: f64| ray.origin + ray.direction * t;
+    let ball = first_hit(&BALL, &ball_pose(), ray, 0.0, false);
+    let floor = first_hit(&FLOOR, &Pose::IDENTITY, ray, 0.0, false);
+    ball.map(|t| (at(t), (at(t) - BALL_AT).normalize())).or(floor.map(|t| (at(t), DVec3::Z)))
+}
+
+/// A floor and a ball of some material, in the light of one lamp, on black.
+fn floor_and_ball(material: &MaterialConfig, light: &LightConfig) -> SceneBuilder {
+    let mut builder = SceneBuilder::new();
+    builder.set_environment(Environment { ambient: [0.4; 3], background: [0.0; 3] });
+    let material = builder.add_material(material).unwrap();
+    add(&mut builder, FLOOR, Pose::IDENTITY, material);
+    add(&mut builder, BALL, ball_pose(), material);
+    builder.add_light(light).unwrap();
+    builder
+}
+
+/// Compares every pixel with the light that should come along its ray, in shares of full scale; `None` where either
+/// answer is right. Returns how many were compared.
+fn check(builder: &SceneBuilder, light: impl Fn(&Ray) -> Option<[f64; 3]>) -> usize {
+    let (pixels, view) = (picture(builder, camera(), view()), view());
+    let mut compared = 0;
+    for (index, pixel) in pixels.as_chunks::<3>().0.iter().enumerate() {
+        let ray = pixel_ray(&camera(), &view, index as u32 % SIZE[0], index as u32 / SIZE[0]);
+        let Some(expected) = light(&ray) else { continue };
+        for (value, expected) in pixel.iter().zip(expected) {
+            let error = (f64::from(*value) - 255.0 * expected.clamp(0.0, 1.0)).abs();
+            assert!(error < 0.51, "pixel {index} is {pixel:?}, should be {:?}", expected * 255.0);
+        }
+        compared += 1;
+    }
+    compared
+}
+
+/// Whether the ball keeps a point that is not on it from a lamp; `None` close to the shadow's edge.
+fn in_shadow(point: DVec3, to_lamp: DVec3) -> Option<bool> {
+    let ray = Ray { origin: point, direction: to_lamp };
+    let blocked = |radius| first_hit(&Shape::Sphere { radius }, &ball_pose(), &ray, 1e-9, true).is_some();
+    (blocked(0.399) == blocked(0.401)).then(|| blocked(0.4))
+}
+
+#[test]
+fn highlights_of_blinn_and_phong() {
+    let (specular, lamp_specular) = ([0.5, 0.3, 0.2], [0.9, 0.8, 1.0]);
+    let sun = DVec3::new(0.3, -0.2, -1.0);
+    for shininess in [1.0, 12.5, 200.0_f32] {
+        for kind in [
+            LightKind::Point { position: LAMP_AT.to_array() },
+            LightKind::Directional { direction: sun.to_array() },
+            spot(LAMP_AT.to_array(), -DVec3::Z, [0.9, 0.5, 1.0]),
+        ] {
+            let parallel = matches!(kind, LightKind::Directional { .. });
+            let material = MaterialConfig { diffuse: [0.3; 3], specular, shininess, ..Default::default() };
+            let attenuation = [1.0, 0.1, 0.2];
+            let light = LightConfig {
+                kind,
+                diffuse: [0.5; 3],
+                specular: lamp_specular,
+                attenuation,
+                cast_shadows: true,
+                ..Default::default()
+            };
+            let compared = check(&floor_and_ball(&material, &light), |ray| {
+                let Some((point, normal)) = meet(ray) else { return Some([0.0; 3]) };
+                let way = if parallel { -sun } else { LAMP_AT - point };
+                let (to_lamp, distance) = (way.normalize(), way.length());
+                let on_ball = (point - BALL_AT).length() < 0.41;
+                if !on_ball && in_shadow(point, way)? || normal.dot(to_lamp) <= 0.0 {
+                    return Some([0.7 * 0.4; 3]);
+                }
+                let mut gain =
+                    if parallel { 1.0 } else { 1.0 / (1.0 + 0.1 * distance + 0.2 * distance * distance) };
+                if matches!(kind, LightKind::Spot { .. }) {
+                    gain *= ((to_lamp.z - 0.5) / (f64::from(0.9_f32) - 0.5)).clamp(0.0, 1.0);
+                }
+                let middle = (to_lamp - ray.direction.normalize()).normalize();
+                let highlight = normal.dot(middle).max(0.0).powf(f64::from(shininess)) * gain;
+                Some(core::array::from_fn(|channel| {
+                    let shine = f64::from(specular[channel]) * f64::from(lamp_specular[channel]) * highlight;
+                    0.7 * 0.4 + 0.3 * 0.5 * normal.dot(to_lamp) * gain + shine
+                }))
+            });
+            assert!(compared > 76_000, "{compared}");
+        }
+    }
+    // Without a shininess there is no highlight, as in Gazebo.
+    let dull = MaterialConfig { specular, ..Default::default() };
+    let light = LightConfig { specular: lamp_specular, ..Default::default() };
+    let plain = floor_and_ball(&MaterialConfig::default(), &light);
+    assert!(picture(&floor_and_ball(&dull, &light), camera(), view()) == picture(&plain, camera(), view()));
+}
+
+#[test]
+fn falloff_of_a_spot() {
+    let axis = DVec3::new(0.2, 0.3, -1.0).normalize();
+    let (inner, outer) = (0.95_f32, 0.8_f32);
+    for falloff in [0.0, 0.3, 1.0, 4.0_f32] {
+        let kind = spot(LAMP_AT.to_array(), axis, [inner, outer, falloff]);
+        let material = MaterialConfig { diffuse: [0.9; 3], ambient: [0.0; 3], ..Default::default() };
+        let compared =
+            check(&floor_and_ball(&material, &LightConfig { kind, ..Default::default() }), |ray| {
+                let Some((point, normal)) = meet(ray) else { return Some([0.0; 3]) };
+                let to_lamp = (LAMP_AT - point).normalize();
+                let share = (-axis.dot(to_lamp) - f64::from(outer)) / f64::from(inner - outer);
+                // With a small exponent the cone's rim is steep.
+                if share.abs() < 1e-4 {
+                    return None;
+                }
+                let cone = if share > 0.0 { share.min(1.0).powf(f64::from(falloff)) } else { 0.0 };
+                Some([0.9 * normal.dot(to_lamp).max(0.0) * cone; 3])
+            });
+        assert!(compared > 76_000, "{compared}");
+    }
+}
+
+/// IEC 61966-2-1.
+fn decoded(value: f64) -> f64 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+fn encoded(light: f64) -> f64 {
+    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[test]
+fn linear_light() {
+    let (diffuse, ambient, emissive) = ([0.9, 0.5, 0.1], [0.3, 0.6, 0.9], [0.1, 0.0, 0.3]);
+    let (specular, shininess) = ([0.4; 3], 20.0);
+    let material = MaterialConfig { diffuse, ambient, emissive, specular, shininess, ..Default::default() };
+    let kind = LightKind::Point { position: LAMP_AT.to_array() };
+    let light = LightConfig { kind, diffuse: [0.8; 3], specular: [0.5; 3], ..Default::default() };
+    let mut builder = floor_and_ball(&material, &light);
+    builder.set_environment(Environment { ambient: [0.3; 3], background: [0.2, 0.4, 0.6] });
+    builder.set_colour_space(ColourSpace::Srgb);
+    let in_light = |channel: usize, colour: [f32; 3]| decoded(f64::from(colour[channel]));
+    let compared = check(&builder, |ray| {
+        let Some((point, normal)) = meet(ray) else { return Some([0.2, 0.4, 0.6]) };
+        let to_lamp = (LAMP_AT - point).normalize();
+        let facing = normal.dot(to_lamp).max(0.0);
+        let middle = (to_lamp - ray.direction.normalize()).normalize();
+        let highlight = if facing > 0.0 { normal.dot(middle).max(0.0).powf(20.0) } else { 0.0 };
+        Some(core::array::from_fn(|channel| {
+            let lit =
+                in_light(channel, diffuse) * 0.8 * facing + in_light(channel, specular) * 0.5 * highlight;
+            encoded((in_light(channel, emissive) + in_light(channel, ambient) * 0.3 + lit).min(1.0))
+        }))
+    });
+    assert!(compared > 76_000, "{compared}");
+
+    // A board of black and white, from afar, is as bright as half the light; between two texels, light is mixed.
+    let board = |space: ColourSpace, before: bool| {
+        let mut builder = SceneBuilder::new();
+        builder.set_environment(Environment { ambient: [1.0; 3], background: [0.0; 3] });
+        if before {
+            builder.set_colour_space(space);
+        }
+        let texels: Vec<_> = (0..64).map(|i| [[0, 0, 0, 255], [255; 4]][(i + i / 8) % 2]).collect();
+        let texture = Some(builder.add_texture(8, 8, &texels).unwrap());
+        let config =
+            MaterialConfig { ambient: [1.0; 3], texture, texture_repeat: [30.0; 2], ..Default::default() };
+        let material = builder.add_material(&config).unwrap();
+        add(&mut builder, FLOOR, Pose::IDENTITY, material);
+        builder.set_colour_space(space);
+        picture(&builder, camera_of([32, 24], 0.5), look_at(DVec3::Z * 15.0, DVec3::X * 0.1, 0.0))
+    };
+    assert!(board(ColourSpace::Srgb, true) == board(ColourSpace::Srgb, false));
+    let all_near =
+        |pixels: &[u8], value: f64| pixels.iter().all(|&pixel| (f64::from(pixel) - value).abs() <= 2.0);
+    assert!(all_near(&board(ColourSpace::Srgb, true), 255.0 * encoded(0.5)));
+    assert!(all_near(&board(ColourSpace::AsGiven, false), 127.5));
+}
+
+/// A material that shines by itself, of some alpha.
+fn pane(colour: [f32; 3], alpha: f32) -> MaterialConfig {
+    MaterialConfig { emissive: colour, diffuse: [0.0; 3], ambient: [0.0; 3], alpha, ..Default::default() }
+}
+
+/// Adds a square that looks along -x, so many metres from the origin, and returns its material.
+fn add_square(builder: &mut SceneBuilder, at: f64, side: f64, config: &MaterialConfig) {
+    let material = builder.add_material(config).unwrap();
+    let pose = Pose::from_xyz_rpy(DVec3::X * at, DVec3::new(0.0, -core::f64::consts::FRAC_PI_2, 0.0));
+    add(builder, Shape::Rectangle { size: [side; 2] }, pose, material);
+}
+
+#[test]
+fn panes_are_blended_over_what_is_behind() {
+    // Five panes one behind the other: the fifth is opaque, whatever its alpha.
+    let layers = [([0.9, 0.1, 0.2], 0.5), ([0.1, 0.8, 0.3], 0.25), ([0.2; 3], 0.0), ([0.7, 0.6, 0.5], 0.4)];
+    let mut builder = SceneBuilder::new();
+    builder.set_environment(Environment { background: [0.3, 0.5, 1.0], ..Default::default() });
+    for (index, (colour, alpha)) in layers.iter().enumerate() {
+        add_square(&mut builder, 2.0 + index as f64 * 0.01, 8.0 - index as f64, &pane(*colour, *alpha));
+    }
+    let glow = glowing(&mut builder, [0.0, 1.0, 0.5]);
+    add(&mut builder, BALL, Pose::from_translation(DVec3::X * 4.0), glow);
+    let pixels = picture(&builder, camera_of([64, 48], 0.5), Pose::IDENTITY);
+    let through = |behind: [f64; 3]| {
+        layers.iter().rev().fold(behind, |behind, (colour, alpha)| {
+            let alpha = f64::from(*alpha);
+            core::array::from_fn(|channel| {
+                alpha * f64::from(colour[channel]) + (1.0 - alpha) * behind[channel]
+            })
+        })
+    };
+    let near = |pixel: &[u8], colour: [f64; 3]| {
+        pixel.iter().zip(colour).all(|(&value, colour)| (f64::from(value) - 255.0 * colour).abs() < 0.51)
+    };
+    let (ball, sky) = (through([0.0, 1.0, 0.5]), through([0.3, 0.5, 1.0]));
+    let pixels = pixels.as_chunks::<3>().0;
+    assert!(near(&pixels[24 * 64 + 32], ball) && near(&pixels[0], sky), "{:?}", pixels[24 * 64 + 32]);
+    assert!(pixels.iter().all(|pixel| near(pixel, ball) || near(pixel, sky)));
+    add_square(&mut builder, 3.0, 8.0, &pane([0.25; 3], 0.1));
+    let pixels = picture(&builder, camera_of([64, 48], 0.5), Pose::IDENTITY);
+    assert!(pixels.as_chunks::<3>().0.iter().all(|pixel| near(pixel, through([0.25; 3]))));
+}
+
+#[test]
+fn what_is_behind_a_pane_is_what_it_is_without() {
+    let eye = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
+    let lens = Intrinsics { fx: 110.0, fy: 110.0, cx: 99.5, cy: 74.5, skew: 0.0 };
+    let fisheye =
+        RayTableBuf::from_lens(200, 150, &KannalaBrandt::new(lens, [0.01, 0.0, 0.0, 0.0]).unwrap()).unwrap();
+    for config in [camera_of([200, 150], 1.2), CameraConfig::new(&fisheye)] {
+        for edges in [Edges::Sharp, Edges::Smooth] {
+            let config = config.edges(edges);
+            let mut builder = SceneBuilder::new();
+            scenery(&mut builder);
+            let clear = picture(&builder, config, eye);
+            let black = builder.add_material(&pane([0.0; 3], 0.0625)).unwrap();
+            let close = InstanceConfig {
+                shape: Shape::Rectangle { size: [4.0; 2] },
+                world_from_instance: eye
+                    * Pose::from_xyz_rpy(
+                        DVec3::X * 0.05,
+                        DVec3::new(0.0, -core::f64::consts::FRAC_PI_2, 0.0),
+                    ),
+                material: black,
+                ..Default::default()
+            };
+            builder.add_instance(&close).unwrap();
+            let dimmed = picture(&builder, config, eye);
+            let apart = clear
+                .iter()
+                .zip(&dimmed)
+                .filter(|(clear, dimmed)| (f64::from(**clear) * 0.9375 - f64::from(**dimmed)).abs() > 1.0);
+            // At edges, rays in double precision may meet another thing than those in single precision.
+            let apart = apart.count();
+            assert!(apart * 250 < clear.len(), "{edges:?}: {apart} of {}", clear.len());
+        }
+    }
+}
+
+#[test]
+fn textures_are_cut_out_or_blended() {
+    // Alphas of 0, 85, 170 and 255 from left to right.
+    let texels: Vec<_> = (0..16).map(|i| [255, 255, 255, (i % 4 * 85) as u8]).collect();
+    let seen = |texture_alpha| {
+        let mut builder = SceneBuilder::new();
+        builder.set_environment(Environment { ambient: [1.0; 3], background: [0.0; 3] });
+        let texture = Some(builder.add_texture(4, 4, &texels).unwrap());
+        let config = MaterialConfig { ambient: [1.0; 3], texture, texture_alpha, ..Default::default() };
+        add_square(&mut builder, 4.0, 4.0, &config);
+        let material = MaterialConfig { ambient: [0.0; 3], diffuse: [1.0; 3], ..Default::default() };
+        add_square(&mut builder, 5.0, 40.0, &material);
+        let kind = LightKind::Directional { direction: [1.0, 0.0, 0.0] };
+        builder.add_light(&LightConfig { kind, cast_shadows: true, ..Default::default() }).unwrap();
+        let pixels = picture(&builder, camera_of([80, 60], 1.0), Pose::IDENTITY);
+        // Where the middles of the texels are: the square's x axis, along which u grows, is vertical.
+        let row = |metres: f64| (29.5 - metres / 4.0 * 40.0 / 0.5_f64.tan()).round() as usize;
+        [1.5, 0.5, -0.5, -1.5].map(|up| pixels[(row(up) * 80 + 40) * 3])
+    };
+    let sorted = |mut values: [u8; 4]| {
+        values.sort_unstable();
+        values
+    };
+    assert_eq!(sorted(seen(TextureAlpha::Ignored)), [255; 4]);
+    // What is cut out shows the wall in the shadow of the whole, which is black; what is blended casts none.
+    assert_eq!(sorted(seen(TextureAlpha::CutOut { least: 0.5 })), [0, 0, 255, 255]);
+    assert_eq!(sorted(seen(TextureAlpha::Blended)), [255; 4]);
+}
+
+#[test]
+fn normal_maps() {
+    // One normal all over, so that neither filters nor mip levels matter: to the right, down and out.
+    let texel = [200, 90, 220, 255_u8];
+    let [x, y, z] = [0, 1, 2].map(|i| f64::from(texel[i]) / 127.5 - 1.0);
+    let sun = DVec3::new(0.3, -0.5, -0.6);
+    let specular = [0.5; 3];
+    let corners = [[-0.4, -0.4, 0.0], [0.4, -0.4, 0.0], [0.4, 0.4, 0.0], [-0.4, 0.4, 0.0_f32]];
+    let triangles = [[0, 1, 2], [0, 2, 3]];
+    let upright = Pose::from_xyz_rpy(DVec3::new(0.2, 0.1, 0.9), DVec3::new(0.5, -0.3, 0.8));
+    // Texture coordinates of the mesh: as the plane's, turned by a quarter, and mirrored.
+    for (turned, mirror) in [(false, 1.0), (true, 1.0), (false, -1.0)] {
+        let mut builder = SceneBuilder::new();
+        builder.set_environment(Environment { ambient: [0.0; 3], background: [0.0; 3] });
+        let normal_map = Some(builder.add_normal_map(1, 1, &[texel]).unwrap());
+        let config =
+            MaterialConfig { diffuse: [0.5; 3], normal_map, specular, shininess: 9.0, ..Default::default() };
+        let material = builder.add_material(&config).unwrap();
+        let uv = |[px, py, _]: [f32; 3]| if turned { [py, -px] } else { [px * mirror, py] };
+        let mesh = builder.add_mesh(&corners, &corners.map(uv), &triangles).unwrap();
+        add(&mut builder, Shape::Mesh(mesh), upright, material);
+        add(
+            &mut builder,
+            Shape::Box { size: [6.0, 6.0, 0.2] },
+            Pose::from_translation(DVec3::Z * -0.1),
+            material,
+        );
+        let kind = LightKind::Directional { direction: sun.to_array() };
+        builder.add_light(&LightConfig { kind, specular: [1.0; 3], ..Default::default() }).unwrap();
+        let rotation = upright.rotation();
+        let square = Shape::Rectangle { size: [0.8; 2] };
+        let slab = Shape::Box { size: [6.0, 6.0, 0.2] };
+        let compared = check(&builder, |ray| {
+            let on_mesh = first_hit(&square, &upright, ray, 0.0, false);
+            let on_slab = first_hit(&slab, &Pose::from_translation(DVec3::Z * -0.1), ray, 0.0, false);
+            let along = |t: f64| ray.origin + ray.direction * t;
+            let local = match (on_mesh, on_slab) {
+                (Some(_), _) if turned => rotation * DVec3::new(-y, x, z),
+                (Some(_), _) => rotation * DVec3::new(x * f64::from(mirror), y, z),
+                // The sides of the slab are not looked at.
+                (None, Some(t)) if along(t).z > -1e-9 => DVec3::new(x, y, z),
+                (None, Some(_)) => return None,
+                (None, None) => return Some([0.0; 3]),
+            };
+            let surface = if on_mesh.is_some() { rotation * DVec3::Z } else { DVec3::Z };
+            let (normal, to_lamp) = (local.normalize(), -sun.normalize());
+            if surface.dot(to_lamp) <= 0.0 || normal.dot(to_lamp) <= 0.0 {
+                return Some([0.0; 3]);
+            }
+            let middle = (to_lamp - ray.direction.normalize()).normalize();
+            let highlight = normal.dot(middle).max(0.0).powf(9.0);
+            Some([0.5 * normal.dot(to_lamp) + 0.5 * highlight; 3])
+        });
+        assert!(compared > 60_000, "{compared}");
+    }
+}

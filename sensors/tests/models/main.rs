@@ -1,0 +1,25 @@
+//! Sensors: what they make of the truth.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_input;
+mod beams;
+mod depth_formats;
+mod depth_models;
+mod depth_principles;
+mod depth_sensors;
+mod device;
+mod gaussian;
+mod lens_pictures;
+mod light;
+mod lighting;
+mod mirrors;
+mod moments;
+mod noise_in_sensors;
+mod scanner;
+mod scanner_presets;
+mod shadows;
+mod shutter;
+mod textures;
+mod turning;

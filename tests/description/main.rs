@@ -1,0 +1,12 @@
+//! What files say, and what is said of their mistakes.
+
+#[path = "../sdf/mod.rs"]
+mod sdf;
+
+mod actors;
+mod budget;
+mod mesh;
+mod robot;
+mod shapes;
+mod world;
+mod world_faults;

@@ -1,0 +1,449 @@
+//! World files: what SDF and Gazebo mean by them.
+
+use crate::sdf;
+
+use belvedere::description::Severity;
+use belvedere::description::model::{Geometry, JointKind, LightKind};
+use belvedere::description::package::PackagePath;
+use belvedere::description::world::{load_world, world_names};
+use belvedere::description::{Diagnostics, Rules};
+use belvedere_sensors::Pose;
+use belvedere_sensors::scene::TextureAlpha;
+use glam::DVec3;
+use sdf::*;
+
+#[test]
+fn every_world_of_ours_loads_without_a_word() {
+    let names = world_names(&PackagePath::new([], None));
+    for expected in ["corridor", "empty", "playground", "tag_ceiling"] {
+        assert!(names.iter().any(|name| name == expected), "{names:?}");
+    }
+    for name in names {
+        let (world, problems) = load(&name, false);
+        assert!(problems.is_empty(), "{name}: {problems:#?}");
+        assert_eq!(world.unwrap().name, name);
+    }
+}
+
+#[test]
+fn tags_of_a_visual_and_of_the_ceiling() {
+    let tag = "<fiducial><family>tag36h11</family><id>3</id><size>0.16</size>\
+               <pose>0 0.1 0.5 0 0 1.5707963267948966</pose></fiducial>";
+    let world = good(
+        "1.6",
+        &box_visual(&format!("{tag}<fiducial><family>qr</family><id>0</id><size>1</size></fiducial>")),
+    );
+    let [first, second] = &world.models[0].links[0].visuals[0].fiducials[..] else { panic!("two tags") };
+    assert_eq!((first.family.as_str(), first.id, first.size_m), ("tag36h11", 3, 0.16));
+    close(first.visual_from_fiducial.transform_point(DVec3::X), DVec3::new(0.0, 1.1, 0.5));
+    assert_eq!((second.family.as_str(), second.id, second.visual_from_fiducial), ("qr", 0, Pose::IDENTITY));
+    let ceiling = load("tag_ceiling", false).0.unwrap();
+    let visuals = || ceiling.models.iter().flat_map(|model| &model.links).flat_map(|link| &link.visuals);
+    let count =
+        |family| visuals().flat_map(|visual| &visual.fiducials).filter(|tag| tag.family == family).count();
+    assert_eq!((count("tag36h11"), count("qr")), (32, 31));
+}
+
+#[test]
+fn the_playground_is_that_of_the_articles() {
+    let world = load("playground", false).0.unwrap();
+    assert_eq!(world.max_step_size_s, 0.01);
+    let [sun] = &world.lights[..] else { panic!("{:?}", world.lights) };
+    assert_eq!(sun.kind, LightKind::Directional);
+    close(sun.direction, DVec3::new(0.5, 0.1, -0.9).normalize());
+    assert!(sun.range_m.is_infinite() && sun.cast_shadows);
+    let bounds = |name: &str| {
+        let model = world.models.iter().find(|model| model.name == name).unwrap();
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for collision in &model.links[0].collisions {
+            let half = match collision.geometry {
+                Geometry::Box { size } => size / 2.0,
+                Geometry::Cylinder { radius, length } => DVec3::new(radius, radius, length / 2.0),
+                ref other => panic!("{other:?}"),
+            };
+            let at = collision.link_from_collision.translation();
+            (low, high) = (low.min(at - half), high.max(at + half));
+        }
+        (high - low, model.world_from_model.translation(), model.world_from_model.rpy().z)
+    };
+    let (size, at, _) = bounds("bookshelf");
+    close(size, DVec3::new(0.9, 0.4, 1.2));
+    close(at, DVec3::new(0.0, 1.53, 0.0));
+    let (size, at, yaw) = bounds("jersey_barrier");
+    close(size, DVec3::new(4.065, 0.811, 1.143));
+    close(at, DVec3::new(-4.0, -1.0, 0.0));
+    assert!((yaw + 0.7).abs() < 1e-9);
+    close(bounds("cylinder").0, DVec3::ONE);
+}
+
+#[test]
+fn the_corridors_walls_stand_where_its_state_puts_them() {
+    let world = load("corridor", false).0.unwrap();
+    let at = |name: &str| {
+        let model = world.models.iter().find(|model| model.name == name).unwrap();
+        (model.world_from_model.translation(), model.world_from_model.rpy().z)
+    };
+    assert_eq!(world.max_step_size_s, 0.001);
+    close(at("wall_0").0, DVec3::new(0.0, 2.0, 1.4));
+    close(at("wall_4").0, DVec3::new(11.25, -1.75, 1.4));
+    assert!((at("wall_4").1 - std::f64::consts::FRAC_PI_2).abs() < 1e-5);
+}
+
+#[test]
+fn an_unknown_name_lists_the_names() {
+    let (world, problems) = load("playgroud", false);
+    assert!(world.is_none());
+    let text = problems[0].to_string();
+    for word in ["no such world", "did you mean 'playground'?", "corridor, empty, playground, tag_ceiling"] {
+        assert!(text.contains(word), "{text}");
+    }
+}
+
+#[test]
+fn names_are_found_in_the_users_turtlebot_gazebo_first() {
+    let folder = Folder::new();
+    let text = "<sdf version='1.6'><world name='mine'/></sdf>";
+    folder.write("turtlebot_gazebo/worlds/playground.world", text);
+    let packages = PackagePath::new([folder.path("")], None);
+    let mut diagnostics = Diagnostics::default();
+    for name in ["playground", "playground.world"] {
+        assert_eq!(load_world(name, &packages, Rules::default(), &mut diagnostics).unwrap().name, "mine");
+    }
+    assert!(load_world("corridor", &packages, Rules::default(), &mut diagnostics).is_some());
+    assert!(diagnostics.problems().is_empty());
+}
+
+/// `turtlebot_gazebo`'s own worlds name meshes that Gazebo's database of models has.
+#[test]
+fn a_users_world_that_lacks_models_gives_way_to_ours_of_its_name() {
+    let folder = Folder::new();
+    let model = "<model name='m'><link name='l'><visual name='v'><geometry><mesh><uri>model://dumpster/meshes/dumpster.dae</uri>
+        </mesh></geometry></visual></link></model>";
+    let world = format!("<sdf version='1.4'><world name='theirs'>{model}</world></sdf>");
+    folder.write("turtlebot_gazebo/worlds/playground.world", &world);
+    let packages = PackagePath::new([folder.path("")], None);
+    let load = |name: &str, rules| {
+        let mut diagnostics = Diagnostics::default();
+        let name = load_world(name, &packages, rules, &mut diagnostics).unwrap().name;
+        let problems: Vec<String> = diagnostics.problems().iter().map(ToString::to_string).collect();
+        (name, diagnostics.has_errors(), problems.join("\n"))
+    };
+    let (name, fails, said) = load("playground", Rules::default());
+    assert_eq!((name.as_str(), fails), ("playground", false), "{said}");
+    assert!(said.contains("our own world of its name takes its place"), "{said}");
+    let path = folder.path("turtlebot_gazebo/worlds/playground.world");
+    let path = path.to_str().unwrap();
+    assert!(load(path, Rules::default()).1, "who gives a path wants that file");
+    let (name, fails, said) = load(path, Rules { skip_missing: true, ..Rules::default() });
+    assert_eq!((name.as_str(), fails), ("theirs", false), "{said}");
+    assert!(said.contains("dumpster"), "{said}");
+    // What is wrong with the file itself is told.
+    folder.write(
+        "turtlebot_gazebo/worlds/playground.world",
+        world.replace("<visual name='v'>", "<visual name='v'><pose>a</pose>"),
+    );
+    assert!(load("playground", Rules::default()).1);
+}
+
+// ------------------------------------------------------------------------------------------- meaning of elements
+
+#[test]
+fn scene_physics_and_gravity() {
+    let world = good(
+        "1.6",
+        "<scene><ambient>0.1 0.2 0.3 1</ambient><background>0.4 0.5 0.6</background><shadows>0</shadows><linear_light>1</linear_light></scene>
+         <physics type='ode'><max_step_size>0.002</max_step_size></physics><gravity>0 0 -1.6</gravity>
+         <light type='point' name='p'><cast_shadows>1</cast_shadows></light>",
+    );
+    assert_eq!((world.ambient, world.background), ([0.1, 0.2, 0.3], [0.4, 0.5, 0.6]));
+    assert!(world.linear_light && !world.shadows && !world.lights[0].cast_shadows);
+    assert_eq!((world.max_step_size_s, world.gravity), (0.002, DVec3::new(0.0, 0.0, -1.6)));
+    // SDF 1.4 has gravity in <physics>; defaults are those of the format.
+    let world = good("1.4", "<physics type='ode'><gravity>0 0 -3</gravity></physics>");
+    assert_eq!((world.max_step_size_s, world.gravity.z), (0.001, -3.0));
+    assert_eq!((world.ambient, world.background, world.shadows), ([0.4; 3], [0.7; 3], true));
+}
+
+#[test]
+fn lights() {
+    let world = good(
+        "1.6",
+        "<light type='spot' name='s'><pose>1 2 3 0 0 0</pose><diffuse>0.5 0.4 0.3 1</diffuse><specular>0.3 0.2 0.1 1</specular>
+           <intensity>2</intensity><direction>0 0 -2</direction>
+           <attenuation><range>7</range><constant>0.5</constant><linear>0.1</linear><quadratic>0.2</quadratic></attenuation>
+           <spot><inner_angle>0.3</inner_angle><outer_angle>0.6</outer_angle><falloff>1.5</falloff></spot></light>
+         <model name='m'><static>1</static><pose>0 0 5 0 0 1.5707963267948966</pose><link name='l'><pose>1 0 0 0 0 0</pose>
+           <light type='point' name='on_link'><pose>1 0 0 0 0 0</pose></light></link></model>",
+    );
+    let [spot, on_link] = &world.lights[..] else { panic!() };
+    assert_eq!(spot.kind, LightKind::Spot { inner_angle: 0.3, outer_angle: 0.6, falloff: 1.5 });
+    assert_eq!((spot.range_m, spot.attenuation, spot.diffuse), (7.0, [0.5, 0.1, 0.2], [1.0, 0.8, 0.6]));
+    assert_eq!((spot.specular, on_link.specular), ([0.6, 0.4, 0.2], [0.1; 3]));
+    close(spot.direction, DVec3::NEG_Z);
+    close(on_link.world_from_light.translation(), DVec3::new(0.0, 2.0, 5.0));
+}
+
+#[test]
+fn poses_nest() {
+    let world = good(
+        "1.6",
+        &format!(
+            "<model name='m'><static>1</static><pose>1 0 0 0 0 1.5707963267948966</pose>
+               <link name='l'><pose>1 0 0 0 0 0</pose><collision name='c'><pose>0 0 2 0 0 0</pose>{BOX}
+                 <laser_retro>7</laser_retro><surface><friction><ode><mu>0.3</mu></ode></friction></surface></collision></link>
+             </model>"
+        ),
+    );
+    let model = &world.models[0];
+    let collision = &model.links[0].collisions[0];
+    let pose = model.world_from_model * model.links[0].model_from_link * collision.link_from_collision;
+    close(pose.translation(), DVec3::new(1.0, 1.0, 2.0));
+    assert_eq!((collision.laser_retro, collision.friction), (7.0, Some(0.3)));
+    assert!(model.is_static && model.links[0].inertial.is_none());
+}
+
+#[test]
+fn relative_to_from_1_7_on() {
+    let content = format!(
+        "<frame name='corner'><pose>10 0 0 0 0 0</pose></frame>
+         <model name='m'><pose relative_to='corner'>0 1 0 0 0 0</pose>
+           <frame name='f' attached_to='a'><pose>0 0 1 0 0 1.5707963267948966</pose></frame>
+           <link name='b'><pose relative_to='f'>1 0 0 0 0 0</pose>
+             <visual name='v'><pose relative_to='a'>0 0 0 0 0 0</pose>{BOX}</visual></link>
+           <link name='a'><pose>1 0 0 0 0 0</pose></link>
+           <joint name='j' type='revolute'><parent>a</parent><child>b</child>
+             <axis><xyz expressed_in='__model__'>1 0 0</xyz></axis></joint>
+         </model>"
+    );
+    let world = good("1.7", &content);
+    let model = &world.models[0];
+    close(model.world_from_model.translation(), DVec3::new(10.0, 1.0, 0.0));
+    let b = &model.links[0];
+    close(b.model_from_link.translation(), DVec3::new(1.0, 1.0, 1.0));
+    let visual = b.model_from_link * b.visuals[0].link_from_visual;
+    close(visual.translation(), DVec3::X);
+    // b is turned by 90° about z: the model's x is its −y.
+    close(model.joints[0].axis, DVec3::NEG_Y);
+    assert_eq!(model.joints[0].kind, JointKind::Continuous);
+    // Before 1.7 a frame's name changes nothing, and we say so.
+    let (_, problems) = Folder::new().load("1.6", &visual_with_frame(), false);
+    assert!(matches!(&problems[..], [only] if only.severity == Severity::Warning), "{problems:#?}");
+    assert_bad(
+        "1.7",
+        "<model name='m'><pose relative_to='nowhere'/><link name='l'/></model>",
+        1,
+        &["nowhere"],
+    );
+    let circle = "<model name='m'>\n<link name='a'><pose relative_to='b'/></link>\n<link name='b'><pose relative_to='a'/></link></model>";
+    let (_, problems) = Folder::new().load("1.7", circle, false);
+    assert!(problems[0].to_string().contains("relative to itself"), "{problems:#?}");
+}
+
+fn visual_with_frame() -> String {
+    box_visual("<pose frame='x'>1 0 0 0 0 0</pose>")
+}
+
+#[test]
+fn degrees_and_quaternions_of_1_9() {
+    let world = good(
+        "1.9",
+        "<model name='a'><pose degrees='true'>0 0 0 0 0 90</pose><link name='l'/></model>
+         <model name='b'><pose rotation_format='quat_xyzw'>0 0 0 0 0 0.7071067811865476 0.7071067811865476</pose><link name='l'/></model>",
+    );
+    for model in &world.models {
+        assert!((model.world_from_model.rpy().z - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn joints() {
+    let joint = |kind: &str, more: &str| {
+        let content = format!(
+            "<model name='m'><link name='a'/><link name='b'><pose>1 0 0 0 0 0</pose></link>
+             <joint name='j' type='{kind}'>{more}<parent>a</parent><child>b</child><axis><xyz>0 0 2</xyz>
+             <limit><lower>-1</lower><upper>2</upper></limit></axis></joint></model>"
+        );
+        good("1.6", &content).models.remove(0)
+    };
+    let model = joint("revolute", "");
+    assert_eq!(model.joints[0].kind, JointKind::Revolute { lower: -1.0, upper: 2.0 });
+    close(model.joints[0].parent_from_child.translation(), DVec3::X);
+    close(model.joints[0].axis, DVec3::Z);
+    assert_eq!(joint("prismatic", "").joints[0].kind, JointKind::Prismatic { lower: -1.0, upper: 2.0 });
+    assert_eq!(joint("fixed", "").joints[0].kind, JointKind::Fixed);
+    // A hinge beside the child's origin.
+    let door = joint("revolute", "<pose>0 -0.5 0 0 0 0</pose>");
+    close(door.joints[0].parent_from_child.translation(), DVec3::X);
+    close(door.joints[0].pivot, DVec3::new(0.0, -0.5, 0.0));
+    assert_eq!((door.links.len(), door.joints.len()), (2, 1));
+}
+
+#[test]
+fn a_saved_state_moves_models() {
+    let content = "<model name='m'><pose>1 1 1 0 0 0</pose><link name='l'/></model>
+        <state world_name='w'><model name='m'><pose>5 6 7 0 0 0</pose><link name='l'><pose>9 9 9 0 0 0</pose></link></model></state>";
+    close(good("1.4", content).models[0].world_from_model.translation(), DVec3::new(5.0, 6.0, 7.0));
+    let unknown = "<model name='m'><link name='l'/></model><state world_name='w'><model name='n'/></state>";
+    let (_, problems) = Folder::new().load("1.4", unknown, false);
+    assert!(problems[0].to_string().contains("did you mean 'm'?"), "{problems:#?}");
+}
+
+#[test]
+fn includes_take_name_pose_and_static() {
+    let folder = Folder::new();
+    folder.write(
+        "models/thing/model.config",
+        "<model><sdf version='1.4'>old.sdf</sdf><sdf version='1.6'>new.sdf</sdf></model>",
+    );
+    let model =
+        "<sdf version='1.6'><model name='thing'><pose>1 1 1 0 0 0</pose><link name='l'/></model></sdf>";
+    folder.write("models/thing/new.sdf", model);
+    let content = "<include><uri>model://thing</uri></include>
+        <include><uri>model://thing</uri><name>second</name><static>true</static><pose>4 5 6 0 0 0</pose></include>
+        <model name='outer'><pose>1 0 0 0 0 0</pose><include><uri>model://thing</uri><pose>0 2 0 0 0 0</pose></include></model>";
+    let (world, problems) = folder.load("1.6", content, false);
+    assert!(problems.is_empty(), "{problems:#?}");
+    let world = world.unwrap();
+    let [first, second, outer] = &world.models[..] else { panic!() };
+    close(first.world_from_model.translation(), DVec3::ONE);
+    assert!(!first.is_static && first.links[0].inertial.is_some());
+    assert_eq!((second.name.as_str(), second.is_static), ("second", true));
+    close(second.world_from_model.translation(), DVec3::new(4.0, 5.0, 6.0));
+    assert_eq!(outer.links[0].name, "thing::l");
+    close(outer.links[0].model_from_link.translation(), DVec3::Y * 2.0);
+}
+
+#[test]
+fn materials() {
+    let folder = Folder::new();
+    folder.write("tags/materials/textures/a.png", b"");
+    folder.write(
+        "tags/materials/scripts/tags.material",
+        "material Base { technique { pass { ambient 0.5 0.5 0.5\n diffuse 1 0 0\n } } }
+         material Tag : Base { technique { pass { texture_unit { texture a.png\n scale 0.25 0.5\n } } } }",
+    );
+    let script =
+        "<script><uri>model://tags/materials/scripts</uri><uri>model://tags/materials/textures</uri>";
+    let look = |material: String| {
+        let content = box_visual(&format!("<material>{material}</material>"));
+        let (world, problems) = folder.load("1.6", &content, false);
+        assert!(problems.is_empty(), "{problems:#?}");
+        world.unwrap().models[0].links[0].visuals[0].material.clone()
+    };
+    let tag = look(format!("{script}<name>Tag</name></script>"));
+    assert_eq!((tag.ambient, tag.diffuse, tag.texture_repeat), ([0.5; 3], [1.0, 0.0, 0.0], [4.0, 2.0]));
+    assert!(tag.texture.unwrap().is_absolute());
+    // Colours override the script's; a colour alone stands for both lights.
+    let blue = look(format!("{script}<name>Tag</name></script><diffuse>0 0 1 1</diffuse>"));
+    assert_eq!((blue.ambient, blue.diffuse), ([0.5; 3], [0.0, 0.0, 1.0]));
+    let green = look("<diffuse>0 1 0 1</diffuse><emissive>0.1 0 0 1</emissive>".into());
+    assert_eq!(
+        (green.ambient, green.diffuse, green.emissive),
+        ([0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.1, 0.0, 0.0])
+    );
+    let pbr = look("<pbr><metal><albedo_map>tags/materials/textures/a.png</albedo_map></metal></pbr>".into());
+    assert!(pbr.texture.unwrap().ends_with("a.png") && pbr.diffuse == [1.0; 3]);
+    let grey = look(
+        "<script><uri>file://media/materials/scripts/gazebo.material</uri><name>Gazebo/Grey</name></script>"
+            .into(),
+    );
+    assert_eq!((grey.diffuse, grey.specular, grey.shininess), ([0.7; 3], [0.01; 3], 1.5));
+}
+
+#[test]
+fn gloss_and_alpha() {
+    let folder = Folder::new();
+    folder.write("tags/materials/textures/a.png", b"");
+    folder.write(
+        "tags/materials/scripts/tags.material",
+        "material Fence { technique { pass { diffuse 1 1 1 0.5\n specular 0.1 0.2 0.3 12.5\n alpha_rejection greater 127\n
+         texture_unit { texture a.png } } } }",
+    );
+    let look = |visual: String| {
+        let geometry = "<geometry><box><size>1 1 1</size></box></geometry>";
+        let (world, problems) = folder.load("1.6", &sdf::visual(&format!("{geometry}{visual}")), false);
+        assert!(problems.is_empty(), "{problems:#?}");
+        let material = world.unwrap().models[0].links[0].visuals[0].material.clone();
+        (material.specular, material.shininess, material.alpha, material.texture_alpha)
+    };
+    let material = |text: &str| look(format!("<material>{text}</material>"));
+    let opaque = TextureAlpha::Ignored;
+    let shiny = "<diffuse>1 1 1 0.5</diffuse><specular>0.4 0.5 0.6 1</specular>";
+    assert_eq!(material(shiny), ([0.4, 0.5, 0.6], 0.0, 0.5, opaque), "no shininess, no highlight");
+    let glossy = format!("{shiny}<shininess>30</shininess>");
+    assert_eq!(material(&glossy), ([0.4, 0.5, 0.6], 30.0, 0.5, opaque));
+    let glass = look(format!("<transparency>0.2</transparency><material>{glossy}</material>"));
+    assert_eq!(glass, ([0.4, 0.5, 0.6], 30.0, 0.4, opaque));
+    assert_eq!(look("<transparency>0.25</transparency>".into()).2, 0.75);
+    let script = "<script><uri>model://tags/materials/scripts</uri><uri>model://tags/materials/textures</uri>\
+                  <name>Fence</name></script>";
+    let cut_out = TextureAlpha::CutOut { least: 0.5 };
+    assert_eq!(material(script), ([0.1, 0.2, 0.3], 12.5, 0.5, cut_out));
+    let dull = format!("{script}<specular>1 1 1 1</specular>");
+    assert_eq!(material(&dull), ([1.0; 3], 0.0, 0.5, cut_out), "as Gazebo: the script's shininess goes");
+    let pbr = "<pbr><metal><albedo_map>tags/materials/textures/a.png</albedo_map></metal></pbr>";
+    assert_eq!(material(pbr), ([0.0; 3], 0.0, 1.0, cut_out));
+}
+
+#[test]
+fn normal_maps() {
+    let folder = Folder::new();
+    folder.write("tags/materials/textures/n.png", b"");
+    let load = |material: &str| {
+        let (world, problems) =
+            folder.load("1.6", &box_visual(&format!("<material>{material}</material>")), false);
+        (world.unwrap().models[0].links[0].visuals[0].material.normal_map.clone(), problems)
+    };
+    let shader = "<script><uri>model://tags/materials/textures</uri><name>Gazebo/Grey</name></script>\
+                  <shader type='normal_map_tangent_space'><normal_map>n.png</normal_map></shader>";
+    let pbr = "<pbr><metal><normal_map>tags/materials/textures/n.png</normal_map></metal></pbr>";
+    for material in [shader, pbr] {
+        let (map, problems) = load(material);
+        assert!(problems.is_empty() && map.unwrap().ends_with("n.png"), "{material}: {problems:#?}");
+    }
+    for (material, words) in [
+        (shader.replace("tangent", "object"), "<shader> is ignored"),
+        (pbr.replace("<normal_map>", "<normal_map type='object'>"), "<normal_map> is ignored"),
+        (pbr.replace("n.png", "gone.png"), "gone.png"),
+    ] {
+        let (map, problems) = load(&material);
+        assert!(
+            map.is_none() && matches!(&problems[..], [only] if only.to_string().contains(words)),
+            "{problems:#?}"
+        );
+    }
+}
+
+#[test]
+fn what_is_ignored_is_said() {
+    for content in [
+        "<plugin name='p' filename='libfoo.so'/>",
+        "<model name='m'><link name='l'/><plugin name='p' filename='libfoo.so'/></model>",
+        "<actor name='a'/>",
+        &box_visual("<material><lighting>0</lighting></material>"),
+        &box_visual("<material><double_sided>1</double_sided></material>"),
+        &box_visual("<material><pbr><metal><roughness>0.5</roughness></metal></pbr></material>"),
+        "<scene><sky/></scene>",
+    ] {
+        let (world, problems) = Folder::new().load("1.6", content, false);
+        assert!(world.is_some());
+        assert!(
+            matches!(&problems[..], [only] if only.severity == Severity::Warning),
+            "{content}: {problems:#?}"
+        );
+    }
+    good("1.6", "<gui><camera name='c'/></gui><audio/><wind/><spherical_coordinates/>");
+}
+
+/// libsdformat looks for a name without a folder, and for `file://NAME`, among the models too.
+#[test]
+fn models_are_found_by_their_names_alone() {
+    let folder = Folder::new();
+    let text = "<sdf version='1.6'><model name='crate'><link name='l'/></model></sdf>";
+    folder.write("models/crate/model.sdf", text);
+    for uri in ["crate", "file://crate", "model:///crate", "model://crate"] {
+        let (world, problems) = folder.load("1.6", &format!("<include><uri>{uri}</uri></include>"), false);
+        assert!(problems.is_empty(), "{uri}: {problems:#?}");
+        assert_eq!(world.unwrap().models[0].name, "crate");
+    }
+}

@@ -1,0 +1,65 @@
+//! A running simulation controlled from the command line, and the names that it gives.
+
+use crate::live;
+
+use belvedere_bridge::{Operation, StreamSpec};
+use live::control::{BOX, ROBOT, done_with, named, state};
+use live::{Simulator, output};
+
+#[test]
+fn the_command_line_says_what_was_done_and_why_not() {
+    let simulator = Simulator::start(&["--drive", "still"]);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("box.sdf");
+    std::fs::write(&file, BOX).unwrap();
+    let file = file.to_str().unwrap();
+    let control = |arguments: &[&str]| {
+        let output = output(&[&["control", "--domain", simulator.domain()], arguments].concat());
+        let said = [output.stdout, output.stderr].concat();
+        (output.status.code().unwrap(), String::from_utf8(said).unwrap())
+    };
+    for (arguments, code, words) in [
+        (&["pause"][..], 0, "pause: done at "),
+        (&["step", "10"], 0, "step: done at "),
+        (&["move", ROBOT, "0.5", "-0.25", "0", "-90"], 0, "move: done"),
+        (&["spawn", file, "--name", "crate", "--pose", "-1,-1,0.5,45"], 0, "spawn: done"),
+        (&["states"], 0, "crate "),
+        (&["states", "--json"], 0, "{\"angular\":"),
+        (&["states", "--links"], 0, "crate::body"),
+        (&["spawn", file, "--name", "crate"], 1, "spawn was refused: there is a model 'crate' already"),
+        (&["delete", "crate"], 0, "delete: done"),
+        (&["move", "nobody", "0", "0", "0"], 1, "no model 'nobody'"),
+        (&["spawn", "no_such.sdf"], 1, "cannot read no_such.sdf"),
+        (&["spawn", file, "--pose", "1,2"], 2, "three or four numbers"),
+        (&["step", "0"], 2, "0 is not in"),
+        (&["reset-world"], 0, "reset-world: done"),
+        (&["reset"], 0, "reset: done at 0.000000000 s"),
+        (&["resume"], 0, "resume: done"),
+    ] {
+        let (found, said) = control(arguments);
+        assert!(found == code && said.contains(words), "{arguments:?}: {found}: {said}");
+    }
+    let nobody = output(&["control", "pause", "--domain", &live::own_domain(), "--timeout", "0.2"]);
+    let said = String::from_utf8(nobody.stderr).unwrap();
+    assert!(nobody.status.code() == Some(1) && said.contains("belvedere run --domain"), "{said}");
+}
+
+#[test]
+fn a_robot_can_be_given_a_name() {
+    let simulator = Simulator::start(&["--drive", "still", "--name", "mobile_base"]);
+    let mut control = simulator.control();
+    done_with(&mut control, &named(Operation::SetModelState, "mobile_base"), "");
+    let mut links = simulator.subscribe(StreamSpec::LINK_STATES);
+    assert!(state(&mut links, "mobile_base::base_link").is_some());
+    for (name, words) in [
+        ("world", "is the world itself"),
+        ("", "is the world itself"),
+        ("a::b", "'::' stands between"),
+        (&"n".repeat(64), "more than 63 bytes"),
+        ("tag_room", "a model of the world is called 'tag_room'"),
+    ] {
+        let refused = output(&["run", "--name", name, "--domain", &live::own_domain()]);
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert!(!refused.status.success() && said.contains(words), "{name}: {said}");
+    }
+}

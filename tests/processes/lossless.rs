@@ -1,0 +1,77 @@
+//! A simulation that waits for its consumers: they get every frame, and one that stops is named.
+
+use crate::live;
+
+use live::{belvedere, follow, next_frame, own_domain};
+use std::io::Read as _;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+/// `belvedere run` as fast as it can, with its words kept.
+fn start(domain: &str, arguments: &[&str]) -> Child {
+    belvedere()
+        .args(["run", "--rate", "max", "--domain", domain])
+        .args(arguments)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the simulator's binary runs")
+}
+
+/// How it ended and what it said.
+fn end(mut child: Child) -> (bool, String) {
+    let mut said = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    (child.wait().unwrap().success(), said)
+}
+
+#[test]
+fn a_slow_consumer_gets_every_frame_from_the_first() {
+    let domain = own_domain();
+    let simulator = start(&domain, &["--duration", "2", "--wait-for", "recorder=2"]);
+    let [mut images, mut infos] =
+        follow(&domain, "recorder", &["image_raw", "camera_info"]).try_into().expect("two streams");
+    for seq in 0..60 {
+        // Slower than the simulator renders: it has to wait.
+        std::thread::sleep(Duration::from_millis(15));
+        let (image, info) = (next_frame(&mut images), next_frame(&mut infos));
+        assert_eq!((image.header().seq, info.header().seq), (seq, seq));
+        assert_eq!(image.header().stamp_ns, seq * 1_000_000_000 / 30);
+        assert_eq!(image.header().stamp_ns, info.header().stamp_ns);
+    }
+    assert_eq!(images.missed_total() + infos.missed_total(), 0);
+    let (success, said) = end(simulator);
+    assert!(success, "{said}");
+}
+
+#[test]
+fn who_holds_the_simulation_up_is_named() {
+    let domain = own_domain();
+    let simulator = start(&domain, &["--wait-for", "mapper", "--patience", "0.3"]);
+    let _never_taken = follow(&domain, "mapper", &["image_raw"]);
+    let (success, said) = end(simulator);
+    assert!(!success);
+    for words in
+        ["\"mapper\"", &format!("process {}", std::process::id()), "image_raw", "0.3 s", "--patience"]
+    {
+        assert!(said.contains(words), "no {words} in: {said}");
+    }
+}
+
+#[test]
+fn who_leaves_is_waited_for_and_then_named() {
+    let domain = own_domain();
+    let simulator = start(&domain, &["--wait-for", "mapper", "--patience", "0.5"]);
+    let mut images = follow(&domain, "mapper", &["image_raw"]);
+    next_frame(&mut images[0]);
+    drop(images);
+    // It comes back in time once.
+    let mut images = follow(&domain, "mapper", &["image_raw"]);
+    let seq = next_frame(&mut images[0]).header().seq;
+    next_frame(&mut images[0]);
+    assert!(seq < 20, "time stood while nobody was there: frame {seq}");
+    drop(images);
+    let (success, said) = end(simulator);
+    assert!(!success);
+    assert!(said.contains("\"mapper\" left and did not come back within 0.5 s"), "{said}");
+}

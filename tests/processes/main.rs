@@ -1,0 +1,40 @@
+//! The command, seen from other processes.
+
+#[path = "../eyes/mod.rs"]
+mod eyes;
+#[path = "../live/mod.rs"]
+mod live;
+#[path = "../page/mod.rs"]
+mod page;
+#[path = "../robot_models/mod.rs"]
+mod robot_models;
+#[path = "../sdf/mod.rs"]
+mod sdf;
+
+mod bad_input;
+mod cameras;
+mod commands;
+mod control_command_line;
+mod control_faults;
+mod control_models;
+mod control_time;
+mod dataset;
+mod housings;
+mod interest;
+mod kobuki;
+mod lidar_packets;
+mod lossless;
+mod optical_frames;
+mod poses;
+mod ranges;
+mod recording;
+mod repeatable;
+mod settings;
+mod several_robots;
+mod streams;
+mod tag_ceiling;
+mod tags;
+mod urdf;
+mod view;
+mod view_limits;
+mod view_recording;

@@ -1,0 +1,315 @@
+//! The page's server as another program sees it: who is let in, what comes, and that nobody is slowed.
+#![cfg(feature = "view")]
+
+use crate::live;
+use crate::page;
+
+use live::control::ROBOT;
+use live::{PATIENCE, belvedere, own_domain};
+use page::{Server, Shown, position};
+use serde_json::json;
+use std::io::Write as _;
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+use tungstenite::Message;
+
+const PICTURE: &str = "camera/rgb/image_raw";
+const DEPTH: &str = "camera/depth/image_raw";
+const STATES: &str = "simulation/link_states";
+const KINECT: [&str; 6] = ["--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "still"];
+
+#[test]
+fn only_who_knows_the_token_is_let_in_and_no_path_leaves_the_page() {
+    let server = Server::run(&own_domain(), &KINECT);
+    let (host, token) = (&server.host, &server.token);
+    let page = server.get(&format!("/?token={token}"));
+    assert!(page.starts_with("HTTP/1.1 200 ") && page.contains("<title>Belvedere"), "{page}");
+    assert!(server.get("/viewer.js").starts_with("HTTP/1.1 200 "));
+    let scene = server.get(&format!("/scene.glb?token={token}"));
+    assert!(scene.contains("glTF") && scene.contains("base_link"), "{}", &scene[..200]);
+    for target in ["/", "/?token=", "/?token=00000000000000000000000000000000", "/scene.glb"] {
+        let answer = server.get(target);
+        assert!(answer.starts_with("HTTP/1.1 403 ") && answer.contains("token"), "{target}: {answer}");
+    }
+    for path in [
+        "/../../etc/passwd",
+        "/%2e%2e/%2e%2e/etc/passwd",
+        "//etc/passwd",
+        "/viewer.js/../../Cargo.toml",
+        "/dist",
+    ] {
+        let answer = server.get(&format!("{path}?token={token}"));
+        assert!(answer.starts_with("HTTP/1.1 404 "), "{path}: {answer}");
+    }
+    let upgrade = |host: &str, origin: &str, token: &str| {
+        server.ask(&format!(
+            "GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nOrigin: {origin}\r\nUpgrade: websocket\r\n\
+             Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+        ))
+    };
+    let own = format!("http://{host}");
+    let port = host.rsplit(':').next().unwrap();
+    for (host, origin, token, reason) in [
+        (host.as_str(), own.as_str(), "wrong", "token"),
+        (host, "http://evil.example", token, "--allow-origin"),
+        (host, &format!("http://evil.example:{port}"), token, "--allow-origin"),
+        (&format!("evil.example:{port}"), &own, token, "not the name"),
+    ] {
+        let answer = upgrade(host, origin, token);
+        assert!(answer.starts_with("HTTP/1.1 403 ") && answer.contains(reason), "{host} {origin}: {answer}");
+    }
+    let long = format!("GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nX: {}\r\n\r\n", "x".repeat(1 << 20));
+    let mut stream = TcpStream::connect(host).unwrap();
+    // It is closed before all is read.
+    let _ = stream.write_all(long.as_bytes());
+    assert!(server.ask("no request at all\r\n\r\n").starts_with("HTTP/1.1 400 "));
+    assert!(server.ask(&format!("POST / HTTP/1.1\r\nHost: {host}\r\n\r\n")).starts_with("HTTP/1.1 405 "));
+    // It lives.
+    server.page().next("clock");
+}
+
+#[test]
+fn pictures_come_time_stands_and_the_robot_is_driven() {
+    let server = Server::run(&own_domain(), &KINECT);
+    let mut page = server.page();
+    let streams = page.told("streams");
+    let of = |kind: &str| {
+        let streams = streams["streams"].as_array().unwrap().iter();
+        streams
+            .filter(|stream| stream["kind"] == kind)
+            .map(|stream| stream["topic"].clone())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(of("image"), [PICTURE]);
+    let asked = Instant::now();
+    let picture = page.next(PICTURE);
+    assert!(asked.elapsed() < Duration::from_secs(1), "the first picture took {:?}", asked.elapsed());
+    assert_eq!((&picture.header["encoding"], picture.payload.len()), (&json!("rgb8"), 640 * 480 * 3));
+    assert!(page.next(PICTURE).stamp() > picture.stamp());
+    let depth = page.next(DEPTH);
+    assert_eq!((&depth.header["encoding"], depth.payload.len()), (&json!("16uc1"), 640 * 480 * 2));
+
+    assert_eq!(page.control("pause")["done"], true);
+    let stood = page.next(STATES);
+    assert_eq!(page.next(STATES).stamp(), stood.stamp());
+    assert_eq!(page.control("step")["done"], true);
+    // Ten steps of physics, then it stands again.
+    let mut stepped = page.next(STATES).stamp();
+    loop {
+        let next = page.next(STATES).stamp();
+        if next == stepped && next > stood.stamp() {
+            break;
+        }
+        stepped = next;
+    }
+    let step_ns = (stepped - stood.stamp()) / 10;
+    assert!([1_000_000, 10_000_000].contains(&step_ns), "{} and then {stepped}", stood.stamp());
+}
+
+#[test]
+fn what_a_page_may_not_do_is_refused_in_words() {
+    let server = Server::run(&own_domain(), &KINECT);
+    let mut page = server.page();
+    for (message, reason) in [
+        (json!({ "op": "control", "operation": "spawn" }), "may not"),
+        (json!({ "op": "drive", "topic": "scan" }), "no robot takes velocities on /scan"),
+        (json!({ "op": "next", "topic": "" }), "topic"),
+        (json!({ "op": "dance" }), "dance"),
+        (json!([]), "not understood"),
+    ] {
+        page.say(&message);
+        let text = page.told("status")["text"].to_string();
+        assert!(text.contains(reason), "{message}: {text}");
+    }
+    // Too long: it is let go, perhaps before all is sent.
+    let long = json!({ "op": "x".repeat(1 << 20) });
+    let _ = page.socket.send(Message::text(long.to_string()));
+    while page.socket.read().is_ok() {}
+    server.page().next("clock");
+}
+
+#[test]
+fn the_robot_goes_where_the_keys_send_it() {
+    let server = Server::run(&own_domain(), &KINECT);
+    let mut page = server.page();
+    let link = format!("{ROBOT}::");
+    let before = position(&page.next(STATES), &link);
+    let started = Instant::now();
+    loop {
+        page.say(&json!({ "op": "drive", "topic": "cmd_vel", "linear": [0.3, 0, 0] }));
+        let now = position(&page.next(STATES), &link);
+        if (now[0] - before[0]).hypot(now[1] - before[1]) > 0.2 {
+            break;
+        }
+        assert!(started.elapsed() < PATIENCE, "it stays at {now:?}");
+    }
+}
+
+#[test]
+fn a_slow_page_slows_nobody_and_what_nobody_shows_is_not_rendered() {
+    let domain = own_domain();
+    let server = Server::run(&domain, &KINECT);
+    let mut slow = server.page();
+    let mut quick = server.page();
+    let first = quick.next(PICTURE);
+    let seq = |shown: &Shown| shown.header["seq"].as_u64().unwrap();
+    let mut last = seq(&first);
+    // The other one asks and takes nothing, until no more fits between.
+    for _ in 0..60 {
+        slow.say(&json!({ "op": "next", "topic": PICTURE }));
+        let next = quick.next(PICTURE);
+        assert!(seq(&next) > last);
+        last = seq(&next);
+    }
+    // When it takes what was sent, it is told of now.
+    slow.next(STATES);
+    // Of depths none was made yet: the first frame is the first.
+    assert_eq!(seq(&quick.next(DEPTH)), 0);
+    // A page that goes, or asks no more, has nothing rendered for it.
+    drop(slow);
+    quick.say(&json!({ "op": "stop", "topic": PICTURE }));
+    quick.say(&json!({ "op": "stop", "topic": DEPTH }));
+    std::thread::sleep(Duration::from_millis(500));
+    let made = seq(&quick.next(DEPTH));
+    std::thread::sleep(Duration::from_secs(4));
+    let forgotten = seq(&quick.next(DEPTH));
+    assert!(forgotten < made + 110, "{made} and then {forgotten} of 30 a second");
+}
+
+#[test]
+fn a_page_goes_on_when_the_simulator_is_started_again() {
+    let domain = own_domain();
+    let server = Server::view(&domain);
+    let mut page = server.page();
+    let simulator = live::Simulator::start_in(domain.clone(), &KINECT);
+    let before = page.next(PICTURE);
+    simulator.kill();
+    let _again = live::Simulator::start_in(domain, &KINECT);
+    loop {
+        let next = page.next(PICTURE);
+        if next.header["restarted"] == true {
+            assert_eq!(next.payload.len(), before.payload.len());
+            break;
+        }
+    }
+}
+
+#[test]
+fn a_page_may_come_again_to_a_server_with_the_same_token() {
+    let domain = own_domain();
+    let arguments = [&KINECT[..], &["--token", "a-token-of-ours"]].concat();
+    let server = Server::run(&domain, &arguments);
+    assert_eq!(server.token, "a-token-of-ours");
+    let port = server.host.rsplit(':').next().unwrap().to_owned();
+    server.page().next(PICTURE);
+    server.kill();
+    let again = Server::run(&domain, &[&arguments[..], &["--port", &port]].concat());
+    again.page().next(PICTURE);
+}
+
+#[test]
+fn what_cannot_be_served_is_said_in_a_sentence() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    let fails = |arguments: &[&str], words: &[&str]| {
+        let output = belvedere().args(arguments).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            !output.status.success() && words.iter().all(|word| said.contains(word)),
+            "{arguments:?}: {said}"
+        );
+    };
+    let domain = own_domain();
+    fails(&["view", "--domain", &domain], &["nothing is published", "belvedere run"]);
+    fails(&["view", "--wait", "--domain", &domain, "--port", &port], &[&port, "in use", "--port"]);
+    fails(&["run", "--view", "--domain", &domain, "--port", &port], &[&port, "in use", "--port"]);
+    fails(&["view", "--wait", "--domain", &domain, "--listen", "192.0.2.1"], &["192.0.2.1", "cannot serve"]);
+    fails(&["view", "--token", "short"], &["8 or more"]);
+}
+
+#[test]
+fn a_camera_is_seen_in_a_terminal() {
+    let simulator = live::Simulator::start(&KINECT);
+    // It may not be there yet.
+    simulator.subscribe(PICTURE).wait(PATIENCE).unwrap();
+    let show = |arguments: &[&str]| {
+        let mut command = belvedere();
+        command.args(["view", "--domain", simulator.domain(), "--count", "1"]).args(arguments);
+        command.env("COLORTERM", "truecolor").output().unwrap()
+    };
+    for arguments in [&["--terminal"][..], &["--terminal", PICTURE], &["--terminal", DEPTH]] {
+        let output = show(arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).unwrap();
+        // 640 to 480 in 80 columns and 22 rows of two.
+        let lines: Vec<&str> = text.lines().filter(|line| line.contains('▀')).collect();
+        assert_eq!(lines.len(), 22, "{text}");
+        assert!(lines.iter().all(|line| line.matches('▀').count() == 59), "{text}");
+        assert!(text.contains("\x1b[38;2;") && text.contains("image_raw  "), "{text}");
+    }
+    let output = show(&["--terminal", "/odom"]);
+    assert!(!output.status.success() && !output.stderr.is_empty());
+    let output = show(&["--terminal", "/camera/rgb/imageraw"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("did you mean /camera/rgb/image_raw?"));
+}
+
+#[test]
+fn foxglove_is_spoken_on_the_same_port() {
+    let server = Server::run(&own_domain(), &KINECT);
+    for protocol in ["foxglove.websocket.v1", "foxglove.sdk.v1, foxglove.websocket.v1"] {
+        let mut client = server.connect(&format!("Sec-WebSocket-Protocol: {protocol}\r\n"));
+        assert_eq!(client.told("serverInfo")["metadata"]["ROS_DISTRO"], "noetic");
+        let advertised = client.told("advertise");
+        let channel = |topic: &str| {
+            let channels = advertised["channels"].as_array().unwrap().iter();
+            channels.clone().find(|channel| channel["topic"] == topic).cloned()
+        };
+        assert!(channel("/cmd_vel").is_none() && channel("/simulation/command").is_none());
+        let fixed = channel("/tf_static").unwrap();
+        assert_eq!(
+            (&fixed["schemaName"], &fixed["encoding"]),
+            (&json!("tf2_msgs/TFMessage"), &json!("ros1"))
+        );
+        // What was said once comes at each subscription.
+        for id in [7_u32, 8] {
+            client.say(
+                &json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": fixed["id"] }] }),
+            );
+            let message = client.binary(1);
+            assert_eq!(message[1..5], id.to_le_bytes());
+            // A count of transforms, and the first one's header.
+            assert!(u32::from_le_bytes(message[13..17].try_into().unwrap()) > 5);
+        }
+        let picture = channel("/camera/rgb/image_raw").unwrap();
+        client.say(&json!({ "op": "subscribe", "subscriptions": [{ "id": 9, "channelId": picture["id"] }] }));
+        let image = loop {
+            let message = client.binary(1);
+            if message[1..5] == 9_u32.to_le_bytes() {
+                break message;
+            }
+        };
+        assert!(image.len() > 640 * 480 * 3);
+        // Time is told before.
+        let stamp_ns = u64::from_le_bytes(image[5..13].try_into().unwrap());
+        let now_ns = u64::from_le_bytes(client.binary(2)[1..9].try_into().unwrap());
+        assert!(now_ns.abs_diff(stamp_ns) < 10_000_000_000, "{now_ns} and {stamp_ns}");
+        client.say(&json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
+        let values = client.told("parameterValues");
+        assert_eq!(values["id"], "a");
+        assert!(values["parameters"][0]["value"].as_str().unwrap().contains("<robot"));
+        for wrong in [
+            json!({ "op": "subscribe", "subscriptions": [{ "id": 1, "channelId": 4711 }] }),
+            json!({ "op": 1 }),
+        ] {
+            client.say(&wrong);
+            assert_eq!(client.told("status")["level"], 1);
+        }
+    }
+    let (host, token) = (&server.host, &server.token);
+    let answer = server.ask(&format!(
+        "GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+         Sec-WebSocket-Protocol: mqtt\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    ));
+    assert!(answer.starts_with("HTTP/1.1 400 ") && answer.contains("foxglove.sdk.v1"), "{answer}");
+}

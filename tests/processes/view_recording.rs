@@ -1,0 +1,137 @@
+//! `belvedere view run.mcap`: a recording on the page, along its time line.
+#![cfg(feature = "view")]
+
+use crate::live;
+use crate::page;
+
+use live::{belvedere, own_domain};
+use page::{Page, Server, position};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+const STATES: &str = "simulation/link_states";
+const PICTURE: &str = "camera/rgb/image_raw";
+const ROBOT: &str = "turtlebot::";
+
+/// Records four seconds of a robot that drives in circles.
+fn record(file: &Path) {
+    let run = ["run", "--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "loop"];
+    let mut command = belvedere();
+    command
+        .args(run)
+        .args(["--domain", &own_domain(), "--rate", "max", "--duration", "4", "--record"])
+        .arg(file);
+    assert!(command.output().unwrap().status.success());
+}
+
+/// Where it is once this holds.
+fn timeline(page: &mut Page, holds: impl Fn(&Value) -> bool) -> Value {
+    let deadline = Instant::now() + Duration::from_secs(30);
+    loop {
+        let told = page.told("timeline");
+        if holds(&told) {
+            return told;
+        }
+        assert!(Instant::now() < deadline, "{told}");
+    }
+}
+
+fn seek(page: &mut Page, seconds: f64) {
+    page.say(&json!({ "op": "seek", "position": seconds }));
+}
+
+/// The place of the robot and the picture at a time of a recording that stands.
+fn seen_at(page: &mut Page, seconds: f64) -> ([f64; 3], Vec<u8>) {
+    seek(page, seconds);
+    timeline(page, |told| (told["position"].as_f64().unwrap() - seconds).abs() < 1e-6);
+    // Frames of the place before may still be on their way.
+    let wanted_ns = (seconds * 1e9) as u64;
+    let of = |page: &mut Page, topic: &str| loop {
+        let shown = page.next(topic);
+        // As fast as it can a stream is recorded a little after others.
+        if shown.stamp() <= wanted_ns && wanted_ns - shown.stamp() <= 500_000_000 {
+            return shown;
+        }
+    };
+    let states = of(page, STATES);
+    let picture = of(page, PICTURE);
+    (position(&states, ROBOT), picture.payload)
+}
+
+#[test]
+fn a_recording_is_seen_as_it_was_at_any_time_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.mcap");
+    record(&file);
+    let domain = own_domain();
+    let server = Server::view_recording(&domain, &file);
+    let scene = server.get(&format!("/scene.glb?token={}", server.token));
+    assert!(scene.contains("turtlebot::") && scene.contains("cube::"), "models that were kept");
+    let mut page = server.page();
+    let first = page.told("timeline");
+    let duration = first["duration"].as_f64().unwrap();
+    assert!((3.9..4.1).contains(&duration), "{first}");
+    let mut others = server.page();
+    assert!(page.next(PICTURE).payload.len() == 640 * 480 * 3);
+    assert_eq!(page.control("pause")["done"], true);
+    timeline(&mut page, |told| told["paused"] == true);
+
+    // In any order: forwards, back, to the same place again.
+    let [late, early, again] = [3.2, 0.9, 3.2].map(|seconds| seen_at(&mut page, seconds));
+    assert!(late == again, "at the same time is seen the same");
+    assert!(late.0 != early.0 && late.1 != early.1, "{:?} and {:?}", late.0, early.0);
+    // Its beginning can be seen, too.
+    seen_at(&mut page, 0.0);
+    assert!(late == seen_at(&mut page, 3.2));
+    // Who comes late sees what is there, too.
+    assert_eq!(position(&others.next(STATES), ROBOT), late.0);
+    assert!(others.next(PICTURE).payload == late.1);
+
+    // A step is from one message of the clock to the next, from where it stands.
+    let stepped = page.control("step");
+    assert_eq!(stepped["done"], true, "{stepped}");
+    timeline(&mut page, |told| (3.21..3.6).contains(&told["position"].as_f64().unwrap()));
+
+    // Four times as fast it is soon at its end, where it stands; let go there it begins again.
+    seek(&mut page, 1.0);
+    page.say(&json!({ "op": "rate", "rate": 4.0 }));
+    let began = Instant::now();
+    assert_eq!(page.control("resume")["done"], true);
+    let end = timeline(&mut page, |told| told["position"] == duration && told["paused"] == true);
+    assert!(began.elapsed() > Duration::from_millis(700), "{:?} for 3 s", began.elapsed());
+    assert_eq!(end["rate"], 4.0);
+    assert_eq!(page.control("resume")["done"], true);
+    timeline(&mut page, |told| told["position"].as_f64().unwrap() < 3.0 && told["paused"] == false);
+
+    for (wrong, words) in [
+        (json!({ "op": "rate", "rate": 0.0 }), "a rate is from"),
+        (json!({ "op": "rate", "rate": -1.0 }), "a rate is from"),
+        (json!({ "op": "seek", "position": 1e300 }), "no place of a recording"),
+    ] {
+        page.say(&wrong);
+        let said = page.told("status");
+        assert!(said["text"].as_str().unwrap().contains(words), "{wrong}: {said}");
+    }
+    let refused = page.control("reset_simulation");
+    assert!(refused["reason"].as_str().unwrap().contains("this is a replay"), "{refused}");
+}
+
+#[test]
+fn what_cannot_be_shown_is_said_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.mcap");
+    std::fs::write(&file, "no recording").unwrap();
+    let missing = folder.path().join("missing.mcap");
+    for (file, words) in [(&file, "it is no MCAP file"), (&missing, "No such file")] {
+        let ended = belvedere().arg("view").arg(file).arg("--no-browser").output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+        assert!(ended.status.code() == Some(1) && said.contains(words), "{said}");
+    }
+    // A simulation has no time line.
+    let server = Server::run(&own_domain(), &["--drive", "still"]);
+    let mut page = server.page();
+    seek(&mut page, 1.0);
+    let said = page.told("status");
+    assert!(said["text"].as_str().unwrap().contains("no recording"), "{said}");
+}

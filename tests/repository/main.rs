@@ -1,0 +1,6 @@
+//! What holds of the repository itself: its layers, its pages, what its benchmarks say.
+
+mod benchmark_scenes;
+mod benchmark_verdict;
+mod docs;
+mod layers;

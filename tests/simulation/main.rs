@@ -1,0 +1,20 @@
+//! The simulator as a library.
+
+#[path = "../robot_models/mod.rs"]
+mod robot_models;
+#[path = "../sdf/mod.rs"]
+mod sdf;
+
+mod bases;
+mod coming_and_going;
+mod depth_presets;
+mod gpu_lidar;
+mod inertial;
+mod instruments;
+mod library;
+mod lidar_clouds;
+mod lidar_layouts;
+mod lidar_returns;
+mod optics;
+mod physics;
+mod robot;

@@ -1,7 +1,5 @@
 //! What disturbs scanners: retroreflectors that bloom, and other lidars, against closed forms.
 
-mod common;
-
 use belvedere_sensors::scanner::{
     Beam, Crosstalk, Echoes, Firing, Halo, Intensity, Pattern, Receiver, Returns, Scanner, ScannerConfig,
 };

@@ -5,11 +5,13 @@ use super::follow::{listen_for_stop, print_line, stop_wanted};
 use super::log::status_lines;
 use crate::dataset::{Folder, Making, Plan, contact_sheet, export_coco, export_kitti, make};
 use crate::description::package::PackagePath;
-use indicatif::{HumanBytes, ProgressBar, ProgressStyle};
+use indicatif::{HumanBytes, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal as _;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 /// Make a data set for learning: worlds × seeds × poses, as a plan says, in shards of `WebDataset`.
 ///
@@ -40,8 +42,9 @@ pub struct DatasetArgs {
     /// Write the pictures and objects of a sensor as COCO has them to FOLDER/coco/SENSOR as well; may be repeated
     #[arg(long, value_name = "SENSOR", conflicts_with_all = ["shards", "shard"])]
     coco: Vec<String>,
-    /// Write the pictures and objects of a pinhole camera as KITTI has them to FOLDER/kitti/SENSOR as well; may be repeated
-    #[arg(long, value_name = "SENSOR", conflicts_with_all = ["shards", "shard"])]
+    /// Write the pictures and objects of a pinhole camera as KITTI has them to FOLDER/kitti/CAMERA as well, and the clouds of a
+    /// lidar of Velodyne's; may be repeated
+    #[arg(long, value_name = "CAMERA[,LIDAR]", conflicts_with_all = ["shards", "shard"])]
     kitti: Vec<String>,
     /// Say how many samples and shards the plan has, and make nothing
     #[arg(long)]
@@ -146,9 +149,13 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
         let written = export_coco(&plan, &folder, sensor, &to, &progress)?;
         print_line(&format!("{}: as COCO has them", written.display()))?;
     }
-    for sensor in &args.kitti {
-        let to = args.output.join("kitti").join(sensor);
-        let written = export_kitti(&plan, &folder, sensor, &to, &progress)?;
+    for sensors in &args.kitti {
+        let (camera, lidar) = match sensors.split_once(',') {
+            Some((camera, lidar)) => (camera, Some(lidar)),
+            None => (sensors.as_str(), None),
+        };
+        let to = args.output.join("kitti").join(camera);
+        let written = export_kitti(&plan, &folder, (camera, lidar), &to, &progress)?;
         print_line(&format!("{}: as KITTI has them", written.display()))?;
     }
     match contact_sheet(&plan, &folder)? {
@@ -157,27 +164,40 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
     }
 }
 
-/// How far it is, on a terminal.
+/// Where there is no terminal, lines are at least so far apart.
+const LINE_PERIOD: Duration = Duration::from_secs(10);
+
+/// How far it is: a bar on a terminal, a line now and then in a log.
 struct Progress {
     bar: ProgressBar,
+    /// When the last line was written, if there are lines.
+    line: Option<Mutex<Instant>>,
 }
 
 impl Progress {
     fn new(samples: u64) -> Self {
-        let bar = if std::io::stderr().is_terminal() {
+        let is_terminal = std::io::stderr().is_terminal();
+        let bar = if is_terminal {
             status_lines().add(ProgressBar::new(samples))
         } else {
-            ProgressBar::hidden()
+            ProgressBar::with_draw_target(Some(samples), ProgressDrawTarget::hidden())
         };
         let style = "{bar:30} {pos}/{len} samples, {per_sec}, {elapsed} gone, {eta} left";
         bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self { bar }
+        Self { bar, line: (!is_terminal).then(|| Mutex::new(Instant::now())) }
     }
 }
 
 impl Making for Progress {
     fn sample_done(&self) {
         self.bar.inc(1);
+        let Some(Ok(mut last)) = self.line.as_ref().map(Mutex::lock) else { return };
+        if last.elapsed() >= LINE_PERIOD {
+            *last = Instant::now();
+            let (done, all) = (self.bar.position(), self.bar.length().unwrap_or_default());
+            let left = HumanDuration(self.bar.eta());
+            eprintln!("{done} of {all} samples, {left} left");
+        }
     }
 
     fn is_stopped(&self) -> bool {

@@ -4,7 +4,7 @@ mod coco;
 mod kitti;
 
 use super::labels::{Labels, ObjectJson, SensorLabels};
-use super::shard::{read_shard, write_whole};
+use super::shard::{read_shard, sweep, write_whole};
 use super::{DatasetError, Folder, Making, Plan, SensorPlan};
 use std::collections::BTreeMap;
 use std::fs;
@@ -20,6 +20,8 @@ struct Shot<'a> {
     png: &'a [u8],
     known: &'a SensorLabels,
     objects: &'a [ObjectJson],
+    /// Of all sensors of the sample.
+    sensors: &'a BTreeMap<String, SensorLabels>,
     files: &'a BTreeMap<String, Vec<u8>>,
 }
 
@@ -45,7 +47,7 @@ fn for_each_shot(
             let field = format!("{}.png", sensor.name);
             let png = files.get(&field).ok_or_else(|| lacks(&field))?;
             let objects = known.objects.as_deref().ok_or_else(|| lacks("objects"))?;
-            each(Shot { index, png, known, objects, files: &files })
+            each(Shot { index, png, known, objects, sensors: &labels.sensors, files: &files })
         })?;
     }
     Ok(())
@@ -68,9 +70,16 @@ fn find_sensor<'a>(plan: &'a Plan, name: &str, truth: &[&str]) -> Result<&'a Sen
     Ok(sensor)
 }
 
-/// A folder, made if it is not there.
+/// The data of an npy file of ours, behind its header.
+fn data_of(npy: &[u8]) -> &[u8] {
+    let length = npy.get(8..10).map_or(0, |bytes| usize::from(u16::from_le_bytes([bytes[0], bytes[1]])));
+    npy.get(10 + length..).unwrap_or_default()
+}
+
+/// A folder, made if it is not there, without what killed processes have left in it.
 fn make_folder(path: PathBuf) -> Result<PathBuf, DatasetError> {
     fs::create_dir_all(&path).map_err(|source| DatasetError::Output { path: path.clone(), source })?;
+    sweep(&path, "");
     Ok(path)
 }
 

@@ -1,7 +1,7 @@
 //! The folder of a data set: of which plan it is, which shards are there, and the manifest of all of them.
 
 use super::plan::{Identity, Plan, hex};
-use super::shard::write_whole;
+use super::shard::{sweep, write_whole};
 use super::{DatasetError, make::Making};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 /// What tells of which plan the shards are.
 const IDENTITY: &str = "plan.json";
 const MANIFEST: &str = "manifest.json";
+/// Some samples in one picture.
+pub(super) const CONTACT_SHEET: &str = "contact_sheet.png";
 
 /// The folder of a data set.
 #[derive(Debug, Clone)]
@@ -103,11 +105,7 @@ impl Folder {
 
     /// Removes what killed processes have left of a shard that is there now.
     pub(super) fn sweep(&self, shard: u64) {
-        let begin = format!(".{}.", shard_name(shard));
-        let entries = fs::read_dir(&self.path).into_iter().flatten().flatten();
-        for entry in entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(&begin)) {
-            let _ = fs::remove_file(entry.path());
-        }
+        sweep(&self.path, &shard_name(shard));
     }
 
     /// Writes the manifest of a plan's shards, all of which are there; gives it, and the file.
@@ -120,7 +118,6 @@ impl Folder {
             if making.is_stopped() {
                 return Err(DatasetError::Stopped);
             }
-            self.sweep(shard);
             let path = self.shard(shard);
             let (bytes, sha256) =
                 hash_file(&path).map_err(|source| DatasetError::Input { path: path.clone(), source })?;
@@ -147,6 +144,10 @@ impl Folder {
         }
         let text = serde_json::to_string_pretty(&manifest).unwrap_or_default() + "\n";
         write_whole(&path, text.as_bytes())?;
+        // All are there, so that whatever is not whole was left.
+        for begin in ["shard-", IDENTITY, MANIFEST, CONTACT_SHEET] {
+            sweep(&self.path, begin);
+        }
         Ok((manifest, path))
     }
 }

@@ -32,6 +32,16 @@ pub(super) struct PoseJson {
     pub(super) orientation: [f64; 4],
 }
 
+impl PoseJson {
+    fn of_sensor(header: &FrameHeader) -> Self {
+        Self { position: header.position, orientation: header.orientation.map(f64::from) }
+    }
+
+    pub(super) fn pose(&self) -> Pose {
+        Pose::new(DVec3::from_array(self.position), DQuat::from_array(self.orientation).normalize())
+    }
+}
+
 impl From<&Pose> for PoseJson {
     fn from(pose: &Pose) -> Self {
         Self { position: pose.translation().to_array(), orientation: pose.rotation().to_array() }
@@ -108,10 +118,7 @@ pub(super) fn of_sensor(topic: &str, header: &FrameHeader, objects: Option<Vec<O
         encoding: header.encoding().map(|encoding| encoding.as_str().to_owned()).unwrap_or_default(),
         width: header.width,
         height: header.height,
-        world_from_sensor: PoseJson {
-            position: header.position,
-            orientation: header.orientation.map(f64::from),
-        },
+        world_from_sensor: PoseJson::of_sensor(header),
         intrinsics: intrinsics.map(|intrinsics| IntrinsicsJson {
             fx: intrinsics.fx,
             fy: intrinsics.fy,
@@ -194,7 +201,7 @@ impl Names {
                 thing.max[axis] = thing.max[axis].max(seen.max[axis]);
             }
         }
-        let optical_from_world = optical_from_world(header);
+        let optical_from_world = optical_from_world(&PoseJson::of_sensor(header).pose());
         let object = |((model, class), seen): ((ModelIndex, u32), Seen)| {
             let world_from_model = simulation.physics().world_from_model(model);
             let [low, high] = self.extent(simulation.scene(), (model, class), &world_from_model);
@@ -244,10 +251,8 @@ impl Names {
     }
 }
 
-/// To x right, y down, z forward of a sensor whose frame in the header looks along its x, z up.
-fn optical_from_world(header: &FrameHeader) -> Pose {
-    let rotation = DQuat::from_array(header.orientation.map(f64::from)).normalize();
-    let world_from_sensor = Pose::new(DVec3::from_array(header.position), rotation);
+/// To x right, y down, z forward of a sensor that looks along its x, z up.
+pub(super) fn optical_from_world(world_from_sensor: &Pose) -> Pose {
     let axes = DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y);
     Pose::new(DVec3::ZERO, DQuat::from_mat3(&axes)) * world_from_sensor.inverse()
 }

@@ -13,9 +13,6 @@ pub trait Making: Sync {
     /// A sample is done.
     fn sample_done(&self) {}
 
-    /// A shard is there.
-    fn shard_done(&self, _shard: u64) {}
-
     /// Whether it is to end, at the next sample.
     fn is_stopped(&self) -> bool {
         false
@@ -51,7 +48,6 @@ pub fn make(
                 has_failed.store(true, Ordering::Release);
                 return;
             }
-            making.shard_done(*shard);
         }
     };
     std::thread::scope(|scope| {

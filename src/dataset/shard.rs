@@ -78,6 +78,15 @@ pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), DatasetError>
     file.finish()
 }
 
+/// Removes what killed processes have left of files whose names begin so.
+pub(super) fn sweep(folder: &Path, begin: &str) {
+    let begin = format!(".{begin}");
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    for entry in entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(&begin)) {
+        let _ = fs::remove_file(entry.path());
+    }
+}
+
 fn failed(path: &Path) -> impl Fn(io::Error) -> DatasetError {
     move |source| DatasetError::Output { path: path.to_owned(), source }
 }

@@ -1,5 +1,6 @@
 //! A contact sheet: some samples of a data set in one picture, a row each, for people to look at.
 
+use super::folder::CONTACT_SHEET;
 use super::shard::{read_shard, write_whole};
 use super::{DatasetError, Folder, Plan};
 use image::imageops::{self, FilterType};
@@ -51,7 +52,7 @@ pub fn contact_sheet(plan: &Plan, folder: &Folder) -> Result<Option<PathBuf>, Da
         }
         top += height + GAP;
     }
-    let path = folder.path().join("contact_sheet.png");
+    let path = folder.path().join(CONTACT_SHEET);
     let mut bytes = Cursor::new(Vec::new());
     sheet
         .write_to(&mut bytes, ImageFormat::Png)

@@ -6,7 +6,7 @@ use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Encoding, FrameHeader};
 use belvedere_sensors::Pose;
-use belvedere_sensors::scanner::{Beam, Intensity, Receiver, Returns, Weather};
+use belvedere_sensors::scanner::{Beam, Crosstalk, Halo, Intensity, Receiver, Returns, Weather};
 use glam::DVec3;
 
 const EYE: DVec3 = DVec3::new(0.0, 0.0, 2.5);
@@ -200,13 +200,15 @@ fn elements_of_the_plugin_are_those_of_a_scanner() {
     let all = "<preset>vlp16</preset><returns>3</returns><beam_rays>19</beam_rays><beam_divergence>0.002 0.001</beam_divergence>
         <beam_aperture>0.01 0.02</beam_aperture><pulse_length>0.5</pulse_length><intensity>power</intensity>
         <receiver_reach>90</receiver_reach><receiver_resolution>0.1</receiver_resolution><receiver_background>3</receiver_background>
-        <fog_visibility>50</fog_visibility><rain_rate>30</rain_rate><snow_rate>2</snow_rate>";
+        <beam_halo>0.02 0.01</beam_halo><crosstalk>0.001</crosstalk><fog_visibility>50</fog_visibility><rain_rate>30</rain_rate><snow_rate>2</snow_rate>";
     let physics = lidar_of(&(own(all) + &velodyne(""))).unwrap().physics;
     assert_eq!(physics.beam, Beam { divergence_rad: [0.002, 0.001], aperture_m: [0.01, 0.02], rays: 19 });
     assert_eq!(
         (physics.returns, physics.intensity, physics.pulse_m),
         (Returns::Several(3), Intensity::Power, 0.5)
     );
+    assert_eq!(physics.halo, Halo { share: 0.02, radius_rad: 0.01 });
+    assert_eq!(physics.crosstalk, Crosstalk { chance: 0.001 });
     assert_eq!(physics.receiver, Some(Receiver { reach_m: 90.0, resolution_m: 0.1, background: 3.0 }));
     assert_eq!(physics.weather, Weather { visibility_m: 50.0, rain_mm_per_h: 30.0, snow_mm_per_h: 2.0 });
     // Who wants more than the strongest return has rays for it, in a beam as wide as the preset's.
@@ -255,6 +257,11 @@ fn what_beams_cannot_be_is_refused_with_its_line() {
             vlp("<receiver_background>1</receiver_background>"),
             "is of a receiver without a reach; write <receiver_reach>",
         ),
+        (
+            vlp("<beam_halo>0.6 0.01</beam_halo>"),
+            "<beam_halo> of sensor 's' is 0.6 0.01; write a share of the light, 0 to 0.5, and a radius",
+        ),
+        (vlp("<crosstalk>1.5</crosstalk>"), "<crosstalk> of sensor 's' is 1.5; write a share of the firings"),
         (
             vlp("<fog_visibility>0.5</fog_visibility>"),
             "<fog_visibility> of sensor 's' is 0.5; write 1 or more",

@@ -69,14 +69,16 @@ impl Stream {
     pub const DROPS: u16 = 70;
     /// The channel of which pixels a stereo camera finds, as [`Stream::COLOUR`].
     pub const MATCH: u16 = 72;
+    /// The channel of what the firings of a scanner hear of other lidars.
+    pub const CROSSTALK: u16 = 73;
     /// The channel of biases, which are drawn once per sensor, in frame 0.
     pub const BIAS: u16 = 0xFFF0;
     /// The channel of the signs of the biases.
     pub const BIAS_SIGN: u16 = 0xFFF1;
     /// The channels that this crate's sensors and noise models draw from.
     #[rustfmt::skip]
-    pub const TAKEN: [u16; 31] = [
-        0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 64, 65, 66, 67, 68, 69, 70, 71, 72, Self::BIAS, Self::BIAS_SIGN,
+    pub const TAKEN: [u16; 32] = [
+        0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, Self::BIAS, Self::BIAS_SIGN,
     ];
 
     /// The random word of sample `index`, uniform on all of `u32`.

@@ -7,6 +7,7 @@
 mod beam;
 mod clock;
 mod config;
+mod crosstalk;
 mod echoes;
 mod error;
 mod firing;
@@ -32,8 +33,9 @@ use crate::trace::grid::Sight;
 use crate::trace::memory::view_lines;
 use crate::trace::{SenseError, Workspace};
 use beam::Bundle;
-pub use beam::{Beam, MAX_BEAM_RAYS};
+pub use beam::{Beam, Halo, MAX_BEAM_RAYS};
 pub use config::{ScannerConfig, Spread};
+pub use crosstalk::Crosstalk;
 pub use echoes::Echoes;
 pub use error::ScannerError;
 use fearless_simd::Simd;
@@ -75,12 +77,16 @@ impl<'a> Scanner<'a> {
     /// Names the first parameter that is out of its range.
     pub fn new(config: ScannerConfig<'a>) -> Result<Self, ScannerError> {
         config.check()?;
-        let ScannerConfig { beam, returns, intensity, weather, .. } = config;
-        let is_lit = intensity != Intensity::Retro || config.receiver.is_some() || weather != Weather::CLEAR;
+        let ScannerConfig { beam, halo, crosstalk, returns, intensity, weather, .. } = config;
+        let is_lit = intensity != Intensity::Retro
+            || config.receiver.is_some()
+            || weather != Weather::CLEAR
+            || halo.share > 0.0
+            || crosstalk != Crosstalk::NONE;
         let least = config.effective_receiver().map_or(0.0, |receiver| receiver.least());
         Ok(Self {
             bias: config.noise.bias(config.seed, config.sensor, 0),
-            bundle: Bundle::new(&beam),
+            bundle: Bundle::new(&beam, &halo),
             air: Air::new(&weather, &beam, least),
             least,
             is_line: beam.rays == 1 && returns.count() == 1 && !is_lit,

@@ -95,19 +95,40 @@ impl Path {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Behind {
     /// Of the ray.
-    pub(crate) lane: usize,
+    lane: u32,
     pub(crate) slot: u32,
     pub(crate) instance: u32,
+    cos_incidence: f32,
     /// All the way.
     pub(crate) range: f64,
-    pub(crate) cos_incidence: f64,
     /// What of the light it scatters and comes back.
     pub(crate) light: f64,
 }
 
 impl Behind {
     const NONE: Self =
-        Self { lane: 0, slot: NO_HIT, instance: 0, range: f64::INFINITY, cos_incidence: 1.0, light: 0.0 };
+        Self { lane: 0, slot: NO_HIT, instance: 0, cos_incidence: 1.0, range: f64::INFINITY, light: 0.0 };
+
+    /// Of a ray that has met it after a way, of which so much of the light comes back.
+    fn new(lane: usize, slot: u32, struck: &Struck, (way, light): (f64, f64)) -> Self {
+        Self {
+            lane: lane as u32,
+            slot,
+            instance: struck.instance,
+            cos_incidence: struck.cos_incidence as f32,
+            range: way + struck.range,
+            light,
+        }
+    }
+
+    /// Which ray it is of.
+    pub(crate) fn lane(&self) -> usize {
+        self.lane as usize
+    }
+
+    pub(crate) fn cos_incidence(&self) -> f64 {
+        self.cos_incidence.into()
+    }
 }
 
 /// Follows rays beyond what they have met.
@@ -197,14 +218,8 @@ impl Beyond {
                 };
                 let shares = Shares::of(view, struck.instance);
                 if let Some(found) = self.found.get_mut(self.found_count) {
-                    *found = Behind {
-                        lane: path.lane,
-                        slot,
-                        instance: struck.instance,
-                        range: path.range + struck.range,
-                        cos_incidence: struck.cos_incidence,
-                        light: path.light * shares.scattered(),
-                    };
+                    let light = path.light * shares.scattered();
+                    *found = Behind::new(path.lane, slot, &struck, (path.range, light));
                     self.found_count += 1;
                 }
                 let way = if shares.passed >= shares.reflected { Way::Through } else { Way::Back };
@@ -316,23 +331,19 @@ impl Glazing {
         self.cast(simd, band.view, &sight);
         let mut most = [0.0; WIDTH];
         let mut take = |behind: &Behind| {
-            if behind.light > most[behind.lane] {
-                most[behind.lane] = behind.light;
-                seen.far[behind.lane] = (behind.range * forward[behind.lane]) as f32;
-                seen.slots[behind.lane] = behind.slot;
-                seen.cosines[behind.lane] = behind.cos_incidence.clamp(0.0, 1.0) as f32;
+            let lane = behind.lane();
+            if behind.light > most[lane] {
+                most[lane] = behind.light;
+                seen.far[lane] = (behind.range * forward[lane]) as f32;
+                seen.slots[lane] = behind.slot;
+                seen.cosines[lane] = behind.cos_incidence.clamp(0.0, 1.0);
             }
         };
         for lane in 0..WIDTH {
             let Some(struck) = self.first.struck(band.view, resolver, lane) else { continue };
-            take(&Behind {
-                lane,
-                slot: self.first.slot(lane).unwrap_or(NO_HIT),
-                instance: struck.instance,
-                range: struck.range,
-                cos_incidence: struck.cos_incidence,
-                light: Shares::of(band.view, struck.instance).scattered(),
-            });
+            let slot = self.first.slot(lane).unwrap_or(NO_HIT);
+            let light = Shares::of(band.view, struck.instance).scattered();
+            take(&Behind::new(lane, slot, &struck, (0.0, light)));
         }
         for behind in self.beyond.look(simd, (band.view, resolver), &sight, &self.first) {
             take(behind);

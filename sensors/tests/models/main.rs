@@ -10,6 +10,7 @@ mod depth_models;
 mod depth_principles;
 mod depth_sensors;
 mod device;
+mod disturbed;
 mod gaussian;
 mod lens_pictures;
 mod light;

@@ -207,6 +207,6 @@ fn sensors_draw_from_the_channels_that_are_taken() {
     fill_standard_normal(best_level(), &stream, 0, &mut normals);
     let flipped = Stream { channel: Stream::BIAS_SIGN, ..stream }.word(0) >> 31 == 1;
     assert_eq!(bias, if flipped { -normals[0] } else { normals[0] });
-    let numbered = (0..20).chain([64, 65, 66, 67, 68, 69, 70, 71, 72, 0xFFF0, 0xFFF1]);
+    let numbered = (0..20).chain([64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 0xFFF0, 0xFFF1]);
     assert!(Stream::TAKEN.into_iter().eq(numbered), "{:?}", Stream::TAKEN);
 }

@@ -1,6 +1,6 @@
 //! Instances as COCO has them: one JSON of images, categories, and annotations with boxes and masks.
 
-use super::{Shot, find_sensor, for_each_shot, make_folder, write_if_other};
+use super::{Shot, data_of, find_sensor, for_each_shot, make_folder, write_if_other};
 use crate::dataset::{DatasetError, Folder, Making, Plan};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -68,10 +68,11 @@ pub fn export_coco(
     making: &dyn Making,
 ) -> Result<PathBuf, DatasetError> {
     let sensor = find_sensor(plan, sensor, &["instance"])?;
+    let to = make_folder(to.to_owned())?;
     let pictures = make_folder(to.join("images"))?;
     let (mut images, mut annotations) = (Vec::new(), Vec::new());
     let field = format!("{}.instance.npy", sensor.name);
-    for_each_shot((plan, folder), sensor, making, |Shot { index, png, known, objects, files }| {
+    for_each_shot((plan, folder), sensor, making, |Shot { index, png, known, objects, files, .. }| {
         let file_name = format!("{index:08}.png");
         write_if_other(&pictures.join(&file_name), png)?;
         let [width, height] = [known.width, known.height];
@@ -110,11 +111,9 @@ pub fn export_coco(
     Ok(path)
 }
 
-/// The numbers of an npy file of ours.
+/// The numbers of a channel of instances.
 fn instances(npy: &[u8]) -> Vec<u32> {
-    let length = npy.get(8..10).map_or(0, |bytes| usize::from(u16::from_le_bytes([bytes[0], bytes[1]])));
-    let numbers = npy.get(10 + length..).unwrap_or_default().as_chunks::<4>().0;
-    numbers.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect()
+    data_of(npy).as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect()
 }
 
 /// The mask of the pixels that show one of these instances.

@@ -1,36 +1,51 @@
 //! Objects as KITTI's benchmark of detection has them: pictures, a line of text an object, calibrations.
 
-use super::{Shot, find_sensor, for_each_shot, make_folder, write_if_other};
-use crate::dataset::labels::{IntrinsicsJson, ObjectJson};
+use super::{Shot, data_of, find_sensor, for_each_shot, make_folder, write_if_other};
+use crate::dataset::labels::{IntrinsicsJson, ObjectJson, optical_from_world};
 use crate::dataset::{DatasetError, Folder, Making, Plan};
 use belvedere_sensors::Pose;
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Corners nearer than this are taken for as far, in metres: what is beside or behind has no picture.
 const NEAR_M: f64 = 0.01;
 
-/// Writes `training/image_2`, `label_2` and `calib` of a pinhole camera into a folder; gives `training`.
+/// Bytes of a point of [`VELODYNE`]'s, which begins with x, y, z and intensity.
+const POINT: usize = 22;
+/// Clouds as Velodyne's driver sends them.
+const VELODYNE: &str = "xyzirt_f32";
+
+/// Writes `training/image_2`, `label_2` and `calib` of a pinhole camera into a folder, and `velodyne` of a lidar if one is
+/// named; gives `training`.
 ///
 /// KITTI's boxes stand upright in the camera's frame: of those that do not, the yaw is that of their forward axis. How much
 /// of a thing is hidden is not known: `occluded` is 3.
 ///
 /// # Errors
-/// When the plan's sensor has no labels or is no pinhole, a shard cannot be read or a file not be written.
+/// When the plan's camera has no labels or is no pinhole, the lidar sends no clouds of Velodyne's layout, a shard cannot be
+/// read or a file not be written.
 pub fn export_kitti(
     plan: &Plan,
     folder: &Folder,
-    sensor: &str,
+    (sensor, lidar): (&str, Option<&str>),
     to: &Path,
     making: &dyn Making,
 ) -> Result<PathBuf, DatasetError> {
     let sensor = find_sensor(plan, sensor, &[])?;
+    let has_lidar = |name: &&str| plan.sensors().iter().any(|sensor| sensor.name == **name);
+    if let Some(name) = lidar.filter(|name| !has_lidar(name)) {
+        let what = format!("the plan has no sensor '{name}'; write CAMERA,LIDAR by the names that it has");
+        return Err(DatasetError::NoExport { what });
+    }
     let training = make_folder(to.join("training"))?;
     let [pictures, labels, calibrations] =
         ["image_2", "label_2", "calib"].map(|name| make_folder(training.join(name)));
     let (pictures, labels, calibrations) = (pictures?, labels?, calibrations?);
-    for_each_shot((plan, folder), sensor, making, |Shot { index, png, known, objects, .. }| {
+    let clouds = lidar.map(|name| Ok::<_, DatasetError>((name, make_folder(training.join("velodyne"))?)));
+    let clouds = clouds.transpose()?;
+    for_each_shot((plan, folder), sensor, making, |shot| {
+        let Shot { index, png, known, objects, .. } = shot;
         let pinhole = known.intrinsics.as_ref().filter(|lens| lens.distortion.iter().all(|k| *k == 0.0));
         let Some(pinhole) = pinhole else {
             let what = format!(
@@ -43,7 +58,13 @@ pub fn export_kitti(
         write_if_other(&pictures.join(format!("{index:06}.png")), png)?;
         let lines: String = objects.iter().map(|object| line(object, pinhole, size)).collect();
         write_if_other(&labels.join(format!("{index:06}.txt")), lines.as_bytes())?;
-        let calibration = calibration(pinhole);
+        let mut optical_from_lidar = optical_from_world(&Pose::IDENTITY);
+        if let Some((name, clouds)) = &clouds {
+            let (world_from_lidar, points) = cloud(&shot, name)?;
+            optical_from_lidar = optical_from_world(&known.world_from_sensor.pose()) * world_from_lidar;
+            write_if_other(&clouds.join(format!("{index:06}.bin")), &points)?;
+        }
+        let calibration = calibration(pinhole, &optical_from_lidar);
         write_if_other(&calibrations.join(format!("{index:06}.txt")), calibration.as_bytes())
     })?;
     Ok(training)
@@ -51,9 +72,7 @@ pub fn export_kitti(
 
 /// Type, truncated, occluded, alpha, the box in the picture, height, width and length, place, yaw.
 fn line(object: &ObjectJson, lens: &IntrinsicsJson, size: DVec2) -> String {
-    let pose = &object.optical_from_box;
-    let optical_from_box =
-        Pose::new(DVec3::from_array(pose.position), DQuat::from_array(pose.orientation).normalize());
+    let optical_from_box = object.optical_from_box.pose();
     let [length, width, height] = object.size;
     let forward = optical_from_box.transform_vector(DVec3::X);
     let yaw = libm::atan2(-forward.z, forward.x);
@@ -97,21 +116,44 @@ fn wrapped(angle: f64) -> f64 {
     angle - (angle / core::f64::consts::TAU).round() * core::f64::consts::TAU
 }
 
-/// One camera stands for all four; there is no lidar.
-fn calibration(lens: &IntrinsicsJson) -> String {
+/// Where a lidar is, and its points: x, y, z in metres and the reflectance, 0 to 1.
+fn cloud(shot: &Shot<'_>, name: &str) -> Result<(Pose, Vec<u8>), DatasetError> {
+    let known = shot.sensors.get(name).filter(|known| known.encoding == VELODYNE);
+    let npy = shot.files.get(&format!("{name}.npy"));
+    let Some((known, npy)) = known.zip(npy) else {
+        let what = format!(
+            "the sensor '{name}' sends no clouds as Velodyne's driver does, and KITTI knows no others; choose another"
+        );
+        return Err(DatasetError::NoExport { what });
+    };
+    let point = |point: &[u8; POINT]| {
+        let numbers: [f32; 4] = bytemuck::pod_read_unaligned(&point[..16]);
+        let [x, y, z, intensity] = numbers;
+        [x, y, z, (intensity / 255.0).clamp(0.0, 1.0)]
+    };
+    let points: Vec<[f32; 4]> = data_of(npy).as_chunks::<POINT>().0.iter().map(point).collect();
+    Ok((known.world_from_sensor.pose(), bytemuck::cast_slice(&points).to_vec()))
+}
+
+/// One camera stands for all four.
+fn calibration(lens: &IntrinsicsJson, optical_from_lidar: &Pose) -> String {
     let IntrinsicsJson { fx, fy, cx, cy, .. } = lens;
     let projection = format!("{fx:e} 0 {cx:e} 0 0 {fy:e} {cy:e} 0 0 0 1 0");
     let mut text = [0, 1, 2, 3].map(|number| format!("P{number}: {projection}\n")).concat();
-    text.push_str("R0_rect: 1 0 0 0 1 0 0 0 1\n");
-    // From x forward, y left, z up.
-    text.push_str("Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
-    text
+    text.push_str("R0_rect: 1 0 0 0 1 0 0 0 1\nTr_velo_to_cam:");
+    let (turn, shift) = (optical_from_lidar.rotation_matrix(), optical_from_lidar.translation());
+    for row in 0..3 {
+        let [x, y, z] = turn.row(row).to_array();
+        let _ = write!(text, " {x:e} {y:e} {z:e} {:e}", shift[row]);
+    }
+    text + "\n"
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::dataset::labels::PoseJson;
+    use glam::DQuat;
 
     #[test]
     fn a_car_ahead_that_drives_away_has_the_yaw_of_kittis() {

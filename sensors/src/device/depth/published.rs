@@ -114,6 +114,6 @@ pub const D4XX_MATCHING: Matching =
     Matching { projector: 0.5, half: 0.5 / 36.0, full: 0.5 / 20.25, spread: 0.2 };
 
 /// How far a D4xx pulls disparities to whole pixels at the most, assumed: Intel writes of the effect, and of a parameter that makes
-/// it three to five times less (A. Grunnet-Jepsen et al., "Subpixel linearity improvement for Intel RealSense depth camera D400
+/// it three to five times less (A. Grunnet-Jepsen et al., "Subpixel linearity improvement for Intel `RealSense` depth camera D400
 /// series"), not of its size.
 pub const D4XX_LOCKING_PX: f64 = 0.04;

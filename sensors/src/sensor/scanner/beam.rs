@@ -31,6 +31,38 @@ pub struct Beam {
     pub rays: u32,
 }
 
+/// Light beside the beam, of the lens and of what lies on it: a disc, all of it equally bright, which eight rays on a ring of
+/// 0.707 of its radius stand for. Of most surfaces nothing is noticed of it; but a retroreflector, which sends back up to a
+/// hundred times as much, blooms: beams beside it have a return at its range, and it looks larger.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Halo {
+    /// Share of the light, 0 to 0.5.
+    pub share: f64,
+    /// Radius, 0 to 0.2 rad.
+    pub radius_rad: f64,
+}
+
+impl Halo {
+    /// No light beside the beam.
+    pub const NONE: Self = Self { share: 0.0, radius_rad: 0.0 };
+
+    pub(super) fn check(&self) -> Result<(), ScannerError> {
+        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+        if !(0.0..=0.5).contains(&self.share) {
+            return wrong("share of the halo", self.share, "0 to 0.5");
+        }
+        if !(0.0..=0.2).contains(&self.radius_rad) {
+            return wrong("radius_rad of the halo", self.radius_rad, "0 to 0.2 rad");
+        }
+        Ok(())
+    }
+}
+
+/// Rays of a halo.
+const HALO_RAYS: usize = 8;
+/// Most rays of a beam and its halo.
+pub(super) const MOST_RAYS: usize = MAX_BEAM_RAYS + HALO_RAYS;
+
 impl Beam {
     /// A single ray, as thin as a line.
     pub const RAY: Self = Self { divergence_rad: [0.0; 2], aperture_m: [0.0; 2], rays: 1 };
@@ -65,33 +97,51 @@ const fn ring(rays: u32) -> Option<[u32; 3]> {
 /// Where the rays of a beam lie in it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bundle {
+    /// Of it and its halo.
     pub(super) rays: usize,
-    /// Left and up, as shares of half its width and height.
-    places: [[f64; 2]; MAX_BEAM_RAYS],
-    /// Half of what it widens by, a metre.
-    slope: [f64; 2],
-    /// Half of what it begins with.
-    half: [f64; 2],
+    /// Of it alone: the first.
+    pub(super) own: usize,
+    /// Left and up, how far off its middle they begin, and by how much they get farther off it, a metre.
+    starts: [[f64; 2]; MOST_RAYS],
+    slopes: [[f64; 2]; MOST_RAYS],
+    /// What part of the light each stands for, of its own and of the halo's.
+    shares: [f64; 2],
 }
 
 impl Bundle {
-    pub(super) fn new(beam: &Beam) -> Self {
-        let mut places = [[0.0; 2]; MAX_BEAM_RAYS];
+    pub(super) fn new(beam: &Beam, halo: &Halo) -> Self {
+        let slope = beam.divergence_rad.map(|angle| tan(0.5 * angle));
+        let half = beam.aperture_m.map(|width| 0.5 * width);
+        let (mut starts, mut slopes) = ([[0.0; 2]; MOST_RAYS], [[0.0; 2]; MOST_RAYS]);
         let mut rays = 0;
         for count in ring(beam.rays).unwrap_or([1, 0, 0]) {
             let radius = sqrt((rays as f64 + 0.5 * f64::from(count)) / f64::from(beam.rays));
             let radius = if rays == 0 { 0.0 } else { radius };
             for ray in 0..count {
                 let (up, left) = sin_cos(TAU * f64::from(ray) / f64::from(count));
-                places[rays] = [radius * left, radius * up];
+                let place = [radius * left, radius * up];
+                starts[rays] = [place[0] * half[0], place[1] * half[1]];
+                slopes[rays] = [place[0] * slope[0], place[1] * slope[1]];
                 rays += 1;
             }
         }
-        let slope = beam.divergence_rad.map(|angle| {
-            let (sin, cos) = sin_cos(0.5 * angle);
-            sin / cos
-        });
-        Self { rays, places, slope, half: beam.aperture_m.map(|width| 0.5 * width) }
+        let own = rays;
+        if halo.share > 0.0 {
+            let radius = tan(halo.radius_rad * sqrt(0.5));
+            for ray in 0..HALO_RAYS {
+                let (up, left) = sin_cos(TAU * ray as f64 / HALO_RAYS as f64);
+                slopes[rays] = [radius * left, radius * up];
+                rays += 1;
+            }
+        }
+        let shares = [(1.0 - halo.share) / own as f64, halo.share / HALO_RAYS as f64];
+        Self { rays, own, starts, slopes, shares }
+    }
+
+    /// What part of the light a ray stands for.
+    #[inline(always)]
+    pub(super) fn share(&self, ray: usize) -> f64 {
+        self.shares[usize::from(ray >= self.own)]
     }
 
     /// The cross section of a firing's beam: left and up.
@@ -108,9 +158,14 @@ impl Bundle {
     /// A ray of a beam from a place, in a direction, with a cross section: where it starts, and its unit direction.
     #[inline(always)]
     pub(super) fn ray(&self, ray: usize, origin: DVec3, ahead: DVec3, [left, up]: [DVec3; 2]) -> [DVec3; 2] {
-        let ([x, y], [wide, high], [width, height]) = (self.places[ray], self.slope, self.half);
-        let direction = ahead + left * (x * wide) + up * (y * high);
+        let ([x, y], [aside, above]) = (self.starts[ray], self.slopes[ray]);
+        let direction = ahead + left * aside + up * above;
         let direction = direction * (1.0 / sqrt(direction.length_squared()));
-        [origin + left * (x * width) + up * (y * height), direction]
+        [origin + left * x + up * y, direction]
     }
+}
+
+fn tan(angle: f64) -> f64 {
+    let (sin, cos) = sin_cos(angle);
+    sin / cos
 }

@@ -1,6 +1,7 @@
 //! What a scanner is like.
 
-use super::beam::Beam;
+use super::beam::{Beam, Halo};
+use super::crosstalk::Crosstalk;
 use super::error::ScannerError;
 use super::intensity::{Intensity, Receiver};
 use super::pattern::Pattern;
@@ -60,6 +61,10 @@ pub struct ScannerConfig<'a> {
     pub spreads: &'a [Spread],
     /// How wide its beams are.
     pub beam: Beam,
+    /// What light there is beside them.
+    pub halo: Halo,
+    /// What is heard of other lidars.
+    pub crosstalk: Crosstalk,
     /// How far apart in range what a beam meets is told apart, in metres: half the length of a pulse.
     pub pulse_m: f64,
     /// Which returns of a firing are reported.
@@ -91,6 +96,8 @@ impl<'a> ScannerConfig<'a> {
             noise: GaussianNoise::NONE,
             spreads: &[],
             beam: Beam::RAY,
+            halo: Halo::NONE,
+            crosstalk: Crosstalk::NONE,
             pulse_m: 1.0,
             returns: Returns::Strongest,
             intensity: Intensity::Retro,
@@ -120,6 +127,10 @@ impl<'a> ScannerConfig<'a> {
         spreads: &'a [Spread],
         /// Sets how wide its beams are.
         beam: Beam,
+        /// Sets what light there is beside them.
+        halo: Halo,
+        /// Sets what is heard of other lidars.
+        crosstalk: Crosstalk,
         /// Sets how far apart in range what a beam meets is told apart, in metres.
         pulse_m: f64,
         /// Sets which returns of a firing are reported.
@@ -169,6 +180,8 @@ impl<'a> ScannerConfig<'a> {
             before = spread.from_m;
         }
         self.beam.check()?;
+        self.halo.check()?;
+        self.crosstalk.check(self.range_max_m)?;
         if !(0.0..f64::INFINITY).contains(&self.pulse_m) {
             return wrong("pulse_m", self.pulse_m, "0 or more, and finite");
         }

@@ -1,7 +1,8 @@
 //! A frame of a scanner as it is taken: firing by firing, 64 rays at a time.
 
 use super::Scanner;
-use super::beam::{Bundle, MAX_BEAM_RAYS};
+use super::ScannerConfig;
+use super::beam::{Bundle, MOST_RAYS};
 use super::echoes::Echoes;
 use super::firing::{Firing, FiringLanes};
 use super::intensity::reflected;
@@ -52,8 +53,9 @@ struct Bench {
     beyond: Option<Beyond>,
 }
 
-/// Most echoes of a firing: of each ray what it meets, and what it meets beyond mirrors and panes; and of the air.
-const MOST_ECHOES: usize = MAX_BEAM_RAYS * (1 + SURFACES_BEYOND) + MOST_IN_AIR;
+/// Most echoes of a firing: of each ray what it meets, and what it meets beyond mirrors and panes; of the air; and of another
+/// lidar.
+const MOST_ECHOES: usize = MOST_RAYS * (1 + SURFACES_BEYOND) + MOST_IN_AIR + 1;
 
 impl Bench {
     fn new(has_mirrors: bool) -> Self {
@@ -236,7 +238,8 @@ impl<'a> Frame<'a> {
             echoing.clear();
             self.listen((view, resolver), volley, rays.clone(), echoing);
             self.listen_beyond(resolver, behind, &rays, echoing);
-            self.listen_to_air(volley, (first + lane) as u32, rays, echoing);
+            self.listen_to_air(volley, (first + lane) as u32, rays.start..rays.start + bundle.own, echoing);
+            self.listen_to_others((first + lane) as u32, echoing);
             let firing = lanes.lane(lane);
             let found = echoing.returns(config.returns, config.pulse_m, *least);
             for (place, echo) in found[..returns].iter().enumerate() {
@@ -260,11 +263,11 @@ impl<'a> Frame<'a> {
         echoing: &mut Echoing<MOST_ECHOES>,
     ) {
         let Scanner { config, bundle, air, is_lit, .. } = self.scanner;
-        let share = 1.0 / bundle.rays as f64;
+        let first = rays.start;
         for ray in rays {
             let (Some(range), Some(slot)) = (volley.range(ray), volley.slot(ray)) else { continue };
             let met = if *is_lit { volley.struck(view, resolver, ray) } else { None };
-            let mut share = share;
+            let mut share = bundle.share(ray - first);
             if self.has_mirrors {
                 share *= Shares::of(view, resolver.hit(slot).instance.instance).scattered();
             }
@@ -286,15 +289,24 @@ impl<'a> Frame<'a> {
         echoing: &mut Echoing<MOST_ECHOES>,
     ) {
         let Scanner { config, bundle, air, is_lit, .. } = self.scanner;
-        for met in behind.iter().filter(|met| rays.contains(&met.lane)) {
+        for met in behind.iter().filter(|met| rays.contains(&met.lane())) {
             let Behind { range, light, .. } = *met;
-            let mut weight = light / bundle.rays as f64;
+            let mut weight = light * bundle.share(met.lane() - rays.start);
             if *is_lit {
-                let reflected = reflected(self.scene, met.instance, met.cos_incidence);
+                let reflected = reflected(self.scene, met.instance, met.cos_incidence());
                 weight *= reflected * air.clearness(range) / (range * range);
             }
             let signal = config.intensity.signal(range, weight, resolver.laser_retro(met.slot));
             echoing.push(Echo { range, weight, signal });
+        }
+    }
+
+    /// What one firing hears of another lidar.
+    fn listen_to_others(&self, firing: u32, echoing: &mut Echoing<MOST_ECHOES>) {
+        let ScannerConfig { crosstalk, intensity, range_max_m, .. } = self.scanner.config;
+        if let Some(range) = crosstalk.heard(&self.noise, firing, range_max_m) {
+            let weight = 1.0 / (range * range);
+            echoing.push(Echo { range, weight, signal: intensity.signal(range, weight, 0.0) });
         }
     }
 

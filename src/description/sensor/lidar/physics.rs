@@ -8,7 +8,7 @@ use crate::description::values::{child_text, numbers};
 use crate::description::xml::Element;
 use belvedere_sensors::scanner::presets::{Maker, Preset};
 use belvedere_sensors::scanner::{
-    Beam, Intensity, MAX_RETURNS, Pattern, Receiver, Returns, ScannerConfig, Weather,
+    Beam, Crosstalk, Halo, Intensity, MAX_RETURNS, Pattern, Receiver, Returns, ScannerConfig, Weather,
 };
 
 /// What beams are, meet and bring back, as [`ScannerConfig`] has it.
@@ -16,6 +16,10 @@ use belvedere_sensors::scanner::{
 pub struct BeamPhysics {
     /// How wide they are.
     pub beam: Beam,
+    /// What light there is beside them.
+    pub halo: Halo,
+    /// What is heard of other lidars.
+    pub crosstalk: Crosstalk,
     /// How far apart returns are told apart, in metres.
     pub pulse_m: f64,
     /// Which returns are reported.
@@ -31,16 +35,18 @@ pub struct BeamPhysics {
 impl BeamPhysics {
     /// That of a preset, or single rays all of which come back.
     pub(super) fn of(preset: Option<&Preset>) -> Self {
-        let ScannerConfig { pulse_m, returns, intensity, receiver, weather, .. } =
+        let ScannerConfig { halo, crosstalk, pulse_m, returns, intensity, receiver, weather, .. } =
             ScannerConfig::new(Pattern::Table(&[]));
         let beam = preset.map_or(Beam::RAY, |preset| preset.beam);
-        Self { beam, pulse_m, returns, intensity, receiver, weather }
+        Self { beam, halo, crosstalk, pulse_m, returns, intensity, receiver, weather }
     }
 
     /// Puts it into a scanner's.
     pub fn applied_to<'a>(&self, config: ScannerConfig<'a>) -> ScannerConfig<'a> {
         config
             .beam(self.beam)
+            .halo(self.halo)
+            .crosstalk(self.crosstalk)
             .pulse_m(self.pulse_m)
             .returns(self.returns)
             .intensity(self.intensity)
@@ -50,10 +56,12 @@ impl BeamPhysics {
 }
 
 /// What of them files may write.
-pub(super) const NAMES: [&str; 12] = [
+pub(super) const NAMES: [&str; 14] = [
     "beam_rays",
     "beam_divergence",
     "beam_aperture",
+    "beam_halo",
+    "crosstalk",
     "pulse_length",
     "returns",
     "intensity",
@@ -113,11 +121,16 @@ impl Reader<'_> {
         };
         let intensity = self.one_of(own, "intensity", &INTENSITIES, "");
         let shape = self.beam(own, physics);
+        let halo = self.halo(own);
+        let is_share = |chance: f64| (0.0..=1.0).contains(&chance);
+        let chance = self.checked(own, "crosstalk", 0.0, is_share, "write a share of the firings, 0 to 1");
         let pulse = self.not_negative_or(own, "pulse_length", physics.pulse_m);
         let receiver = self.receiver(own);
         let weather = self.weather(own);
         physics.intensity = intensity?.unwrap_or_default();
         physics.beam = shape?;
+        physics.halo = halo?;
+        physics.crosstalk = Crosstalk { chance: chance? };
         physics.pulse_m = pulse?;
         physics.receiver = receiver?;
         physics.weather = weather?;
@@ -193,6 +206,19 @@ impl Reader<'_> {
             return Some(width);
         }
         let remedy = format!("write two numbers from 0 to {WIDEST}: across, and up");
+        self.diagnostics.error(&child.source, format!("{what} is {text}"), remedy);
+        None
+    }
+
+    /// A share of the light, and a radius.
+    fn halo(&mut self, own: Option<&Element>) -> Option<Halo> {
+        let Some(child) = own.and_then(|own| own.child("beam_halo")) else { return Some(Halo::NONE) };
+        let (text, what) = (child.text(), self.what("beam_halo"));
+        let [share, radius_rad] = numbers::<2>(&text, &what, &child.source, self.diagnostics)?;
+        if (0.0..=0.5).contains(&share) && (0.0..=WIDEST).contains(&radius_rad) {
+            return Some(Halo { share, radius_rad });
+        }
+        let remedy = format!("write a share of the light, 0 to 0.5, and a radius in radians, 0 to {WIDEST}");
         self.diagnostics.error(&child.source, format!("{what} is {text}"), remedy);
         None
     }

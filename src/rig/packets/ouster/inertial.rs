@@ -1,5 +1,5 @@
-//! Packets of an Ouster's inertial unit, little-endian, in the layouts of `udp_profile_imu`: LEGACY, a sample of 48 bytes;
-//! ACCEL32_GYRO32_NMEA, eight samples in 452 bytes (as ouster-sdk 1.0.1 reads them).
+//! Packets of an Ouster's inertial unit, little-endian, in the layouts of `udp_profile_imu`: `LEGACY`, a sample of 48 bytes;
+//! `ACCEL32_GYRO32_NMEA`, eight samples in 452 bytes (as ouster-sdk 1.0.1 reads them).
 
 use super::{IMU_PORT, INITIALIZATION, SERIAL, crc::crc64};
 use crate::description::model::ImuProfile;
@@ -61,7 +61,9 @@ impl ImuPackets {
         };
         if is_full {
             let Self { packet, sinks, .. } = self;
-            sinks.iter_mut().for_each(|sink| sink.send(packet, IMU_PORT, stamp_ns));
+            for sink in sinks {
+                sink.send(packet, IMU_PORT, stamp_ns);
+            }
         }
     }
 

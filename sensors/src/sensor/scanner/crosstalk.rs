@@ -1,0 +1,39 @@
+//! Pulses of other lidars that a receiver takes for its own.
+
+use super::error::ScannerError;
+use crate::noise::Stream;
+
+/// Pulses of other lidars, which fire when they like: a share of the firings hears one, at a range that has nothing to do with
+/// the scene, any from 0 to the largest alike. It is as strong as what a white surface that faces the scanner sends back
+/// from there in clear air.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crosstalk {
+    /// Share of the firings, 0 to 1.
+    pub chance: f64,
+}
+
+impl Crosstalk {
+    /// No other lidars.
+    pub const NONE: Self = Self { chance: 0.0 };
+
+    pub(super) fn check(self, range_max_m: f64) -> Result<(), ScannerError> {
+        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+        if !(0.0..=1.0).contains(&self.chance) {
+            return wrong("chance of crosstalk", self.chance, "0 to 1");
+        }
+        if self.chance > 0.0 && range_max_m == f64::INFINITY {
+            return wrong("range_max_m", range_max_m, "finite where there is crosstalk");
+        }
+        Ok(())
+    }
+
+    /// The range at which a firing hears another lidar, if it does.
+    pub(super) fn heard(self, noise: &Stream, firing: u32, range_max_m: f64) -> Option<f64> {
+        if self.chance == 0.0 {
+            return None;
+        }
+        let stream = Stream { channel: Stream::CROSSTALK, ..*noise };
+        let uniform = |index| f64::from(stream.uniform(2 * firing + index));
+        (uniform(0) < self.chance).then(|| uniform(1) * range_max_m)
+    }
+}

@@ -6,12 +6,10 @@ mod robot_models;
 mod sdf;
 
 mod bases;
-mod coming_and_going;
 mod depth_presets;
 mod gpu_lidar;
 mod inertial;
 mod instruments;
-mod library;
 mod lidar_clouds;
 mod lidar_layouts;
 mod lidar_returns;

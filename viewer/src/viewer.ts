@@ -59,6 +59,8 @@ const connection = new Connection(`ws://${location.host}/?${query}`, (page) => `
   onTimeline: (playhead) => {
     document.body.classList.add("recorded");
     timeline.show(playhead);
+    // Both buttons say the same, and a click on either means what they say.
+    showState();
   },
   onMessage: complain,
 });

@@ -276,7 +276,7 @@ impl Measurer<'_> {
         &self,
         simd: S,
         band: &Band<'_>,
-        (measure, resolver, glazing): (&Measure, &mut Resolver<'_>, &mut Option<Glazing>),
+        (measure, resolver, glazing): (&Measure, &mut Resolver<'_>, Option<Glazing>),
         [column, row]: [usize; 2],
         output: &mut Rows<'_>,
     ) -> Lanes<f32> {
@@ -325,7 +325,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
         let Self { camera, capture, .. } = self;
         let tiling = Tiling::of(band.rays.fan());
         let mut brush = Brush::new(&camera.camera, capture, band);
-        let mut glazing = Glazing::of(band.view).filter(|_| output.seen.is_none());
+        let glazing = Glazing::of(band.view).filter(|_| output.seen.is_none());
         let measure = Measure::new(&band.view.world_from_sensor);
         let mut resolver = Resolver::new(band.view);
         if let Some(truth) = &mut output.truth {
@@ -354,7 +354,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 if is_first {
                     let mut depths = [f32::NAN; LANES];
                     if is_measured {
-                        let tools = (&measure, &mut resolver, &mut glazing);
+                        let tools = (&measure, &mut resolver, glazing);
                         depths = self.measure(simd, band, tools, tile, output);
                     }
                     if wants_points {

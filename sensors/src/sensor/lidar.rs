@@ -236,7 +236,7 @@ impl BandWork<Lines<'_>> for Scanner<'_> {
         let Lines { scan: Scan { ranges, intensities, .. }, samples, .. } = output;
         let config = &self.lidar.config;
         let (min, max) = (config.range_min_m as f32, config.range_max_m as f32);
-        let mut glazing = Glazing::of(band.view);
+        let glazing = Glazing::of(band.view);
         for_each_block(
             band,
             #[inline(always)]
@@ -244,7 +244,7 @@ impl BandWork<Lines<'_>> for Scanner<'_> {
                 let mut truth = measure.block::<S, false>(simd, band, &mut resolver, block);
                 let mut slots = &band.target.slot[place.block];
                 let mut seen = None;
-                if let Some(glazing) = &mut glazing {
+                if let Some(glazing) = glazing {
                     seen = glazing.look::<S, false>(simd, band, &mut resolver, &self.sight, block);
                 }
                 if let Some(seen) = &mut seen {

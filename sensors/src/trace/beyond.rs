@@ -273,28 +273,31 @@ impl Seen {
 }
 
 /// Looks beyond mirrors and panes for a grid of rays.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Glazing {
     /// From the sensor's axes to the world's.
     axes: DMat3,
-    first: Volley,
-    beyond: Beyond,
+}
+
+/// The rays of a block that meet a mirror or a pane: a bit each, and of those unit directions in the world, and how far
+/// they reach.
+struct Glazed {
+    lanes: u16,
+    directions: [DVec3; WIDTH],
+    farthest: [f64; WIDTH],
 }
 
 impl Glazing {
     /// None if a scene has no mirrors and panes.
     pub(crate) fn of(view: &View<'_>) -> Option<Self> {
         let is_needed = view.scene.has_mirrors_or_panes();
-        is_needed.then(|| Self {
-            axes: view.world_from_sensor.rotation_matrix(),
-            first: Volley::new(),
-            beyond: Beyond::new(),
-        })
+        is_needed.then(|| Self { axes: view.world_from_sensor.rotation_matrix() })
     }
 
     /// What a block sees, if any of its rays meets such a surface: of each ray that from which most light comes back, were all as
     /// far away; of two alike, the nearer.
     pub(crate) fn look<S: Simd, const DEPTH: bool>(
-        &mut self,
+        self,
         simd: S,
         band: &Band<'_>,
         resolver: &mut Resolver<'_>,
@@ -302,10 +305,8 @@ impl Glazing {
         [column, row]: [usize; 2],
     ) -> Option<Seen> {
         let fan = band.rays.fan();
-        let mut seen =
-            Seen { lanes: 0, far: [f32::INFINITY; WIDTH], slots: [NO_HIT; WIDTH], cosines: [1.0; WIDTH] };
+        let mut glazed = Glazed { lanes: 0, directions: [DVec3::X; WIDTH], farthest: [0.0; WIDTH] };
         let (mut forward, mut lengths) = ([1.0; WIDTH], [f64::INFINITY, 0.0]);
-        self.first.clear();
         for (lane, slot) in band.target.slot[block_index(band, [column, row])].iter().enumerate() {
             if *slot == NO_HIT || Shares::of(band.view, resolver.hit(*slot).instance.instance).is_matt() {
                 continue;
@@ -319,43 +320,70 @@ impl Glazing {
             if DEPTH {
                 forward[lane] = unit.x;
             }
-            self.first.set(lane, DVec3::ZERO, self.axes * unit, 0.0, sight.range[1] * length);
-            seen.lanes |= 1 << lane;
+            glazed.directions[lane] = self.axes * unit;
+            glazed.farthest[lane] = sight.range[1] * length;
+            glazed.lanes |= 1 << lane;
         }
-        if seen.lanes == 0 {
+        if glazed.lanes == 0 {
             return None;
         }
         // From t of the grid to metres.
         let range = [0, 1].map(|end| sight.range[end] * lengths[end]);
         let sight = Sight { range, ..*sight };
-        self.cast(simd, band.view, &sight);
-        let mut most = [0.0; WIDTH];
-        let mut take = |behind: &Behind| {
-            let lane = behind.lane();
-            if behind.light > most[lane] {
-                most[lane] = behind.light;
-                seen.far[lane] = (behind.range * forward[lane]) as f32;
-                seen.slots[lane] = behind.slot;
-                seen.cosines[lane] = behind.cos_incidence.clamp(0.0, 1.0);
-            }
-        };
-        for lane in 0..WIDTH {
-            let Some(struck) = self.first.struck(band.view, resolver, lane) else { continue };
-            let slot = self.first.slot(lane).unwrap_or(NO_HIT);
-            let light = Shares::of(band.view, struck.instance).scattered();
-            take(&Behind::new(lane, slot, &struck, (0.0, light)));
-        }
-        for behind in self.beyond.look(simd, (band.view, resolver), &sight, &self.first) {
-            take(behind);
-        }
-        Some(seen)
+        Some(see(simd, (band.view, resolver), &sight, &glazed, &forward))
     }
+}
 
-    #[inline(never)]
-    fn cast<S: Simd>(&mut self, simd: S, view: &View<'_>, sight: &Sight) {
-        simd.vectorize(
-            #[inline(always)]
-            || self.first.cast(simd, view, sight),
-        );
+/// What rays see that meet mirrors or panes. By itself, since what rays are followed with takes some 400 KB of the stack:
+/// more than is left to a thread that waits for others in the middle of a band.
+#[inline(never)]
+fn see<S: Simd>(
+    simd: S,
+    (view, resolver): (&View<'_>, &mut Resolver<'_>),
+    sight: &Sight,
+    glazed: &Glazed,
+    forward: &[f64; WIDTH],
+) -> Seen {
+    let mut seen = Seen {
+        lanes: glazed.lanes,
+        far: [f32::INFINITY; WIDTH],
+        slots: [NO_HIT; WIDTH],
+        cosines: [1.0; WIDTH],
+    };
+    let mut first = Volley::new();
+    let mut beyond = Beyond::new();
+    first.clear();
+    for lane in (0..WIDTH).filter(|lane| glazed.lanes >> lane & 1 == 1) {
+        first.set(lane, DVec3::ZERO, glazed.directions[lane], 0.0, glazed.farthest[lane]);
     }
+    cast(simd, &mut first, view, sight);
+    let mut most = [0.0; WIDTH];
+    let mut take = |behind: &Behind| {
+        let lane = behind.lane();
+        if behind.light > most[lane] {
+            most[lane] = behind.light;
+            seen.far[lane] = (behind.range * forward[lane]) as f32;
+            seen.slots[lane] = behind.slot;
+            seen.cosines[lane] = behind.cos_incidence.clamp(0.0, 1.0);
+        }
+    };
+    for lane in 0..WIDTH {
+        let Some(struck) = first.struck(view, resolver, lane) else { continue };
+        let slot = first.slot(lane).unwrap_or(NO_HIT);
+        let light = Shares::of(view, struck.instance).scattered();
+        take(&Behind::new(lane, slot, &struck, (0.0, light)));
+    }
+    for behind in beyond.look(simd, (view, resolver), sight, &first) {
+        take(behind);
+    }
+    seen
+}
+
+/// Casts a volley. Compiled once a level.
+#[inline(never)]
+fn cast<S: Simd>(simd: S, volley: &mut Volley, view: &View<'_>, sight: &Sight) {
+    simd.vectorize(
+        #[inline(always)]
+        || volley.cast(simd, view, sight),
+    );
 }

@@ -68,7 +68,7 @@ impl<'a> Seen<'a> {
         obstacles: Obstacles<'_>,
     ) {
         let faces = sight.faces;
-        let mut glazing = Glazing::of(band.view);
+        let glazing = Glazing::of(band.view);
         let fan = band.rays.fan();
         let across = fan.blocks_across();
         let measure = Measure::new(&band.view.world_from_sensor);
@@ -97,7 +97,7 @@ impl<'a> Seen<'a> {
                     if device.wants_incidence() {
                         cosines[part] = finder.cosines(simd, band, &columns, &mut resolver, block);
                     }
-                    if let Some(glazing) = &mut glazing {
+                    if let Some(glazing) = glazing {
                         let seen = if matches!(device.look, Look::Light(_)) {
                             glazing.look::<S, false>(simd, band, &mut resolver, sight, block)
                         } else {

@@ -49,8 +49,6 @@ struct Bench {
     normals: [f32; LANES * MAX_RETURNS],
     /// What comes back of one firing.
     echoing: Echoing<MOST_ECHOES>,
-    /// What follows rays beyond mirrors and panes, if there are any.
-    beyond: Option<Beyond>,
 }
 
 /// Most echoes of a firing: of each ray what it meets, and what it meets beyond mirrors and panes; of the air; and of another
@@ -58,9 +56,8 @@ struct Bench {
 const MOST_ECHOES: usize = MOST_RAYS * (1 + SURFACES_BEYOND) + MOST_IN_AIR + 1;
 
 impl Bench {
-    fn new(has_mirrors: bool) -> Self {
+    fn new() -> Self {
         Self {
-            beyond: has_mirrors.then(Beyond::new),
             lanes: FiringLanes::new(),
             volley: Volley::new(),
             normals: [0.0; LANES * MAX_RETURNS],
@@ -106,7 +103,7 @@ impl<'a> Frame<'a> {
     ) {
         let end = ((piece + 1) * self.in_piece).min(self.firings.count);
         let mut next = (piece * self.in_piece).min(end);
-        let mut bench = Bench::new(self.has_mirrors);
+        let mut bench = Bench::new();
         let returns = self.scanner.returns();
         while next < end {
             let motion = self.motions.at(self.firings.time_s(next));
@@ -153,16 +150,13 @@ impl<'a> Frame<'a> {
             let lanes = lane..count.min(lane + most);
             self.aim(view, motion, lanes.clone(), bench);
             bench.volley.cast(simd, view, &sight);
-            if self.scanner.is_line && !self.has_mirrors {
+            let tools = (&bench.lanes, &bench.volley, &bench.normals, &mut bench.echoing);
+            if self.has_mirrors {
+                self.measure_mirrored(simd, (view, resolver), first, lanes.clone(), tools, &mut echoes);
+            } else if self.scanner.is_line {
                 self.measure_lines(resolver, lanes.clone(), bench, &mut echoes);
             } else {
-                let Bench { volley, beyond, .. } = bench;
-                let mut behind: &[Behind] = &[];
-                if let Some(beyond) = beyond {
-                    behind = beyond.look(simd, (view, resolver), &sight, volley);
-                }
-                let bench = (&bench.lanes, &bench.volley, &bench.normals, &mut bench.echoing);
-                self.measure_beams((view, resolver), first, lanes.clone(), bench, behind, &mut echoes);
+                self.measure_beams((view, resolver), first, lanes.clone(), tools, &[], &mut echoes);
             }
             if let Some(truth) = &mut echoes.truth {
                 for (lane, ray) in lanes.clone().zip((0..LANES).step_by(self.scanner.bundle.rays)) {
@@ -219,6 +213,22 @@ impl<'a> Frame<'a> {
             let intensity = slot.map_or(0.0, |slot| resolver.laser_retro(slot));
             echoes.put(lane, range, self.point(&bench.lanes.lane(lane), met, range), intensity);
         }
+    }
+
+    /// What beams measure among mirrors and panes. By itself, since what follows rays beyond them takes 200 KB of the stack.
+    #[inline(never)]
+    fn measure_mirrored<S: Simd>(
+        &self,
+        simd: S,
+        (view, resolver): (&View<'_>, &mut Resolver<'_>),
+        first: usize,
+        firings: Range<usize>,
+        bench: BeamBench<'_>,
+        echoes: &mut Echoes<'_>,
+    ) {
+        let mut beyond = Beyond::new();
+        let behind = beyond.look(simd, (view, resolver), &self.scanner.sight(), bench.1);
+        self.measure_beams((view, resolver), first, firings, bench, behind, echoes);
     }
 
     /// What beams measure: their returns.

@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::follow::{listen_for_stop, print_line, stop_wanted};
 use super::log::status_lines;
-use crate::dataset::{Folder, Making, Plan, contact_sheet, export_coco, export_kitti, make};
+use crate::dataset::{DatasetError, Folder, Making, Plan, contact_sheet, export_coco, export_kitti, make};
 use crate::description::package::PackagePath;
 use indicatif::{HumanBytes, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal as _;
@@ -108,7 +108,10 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
         return print_line(&format!("{} samples, {all} shards", plan.samples()));
     }
     let shards: Vec<u64> = match (args.shards, args.shard) {
-        (Some(range), _) => (range.first..range.end.min(all)).collect(),
+        (Some(ShardRange { first, end }), _) if end > all => {
+            return Err(DatasetError::NoSuchShards { first, end, shards: all }.into());
+        }
+        (Some(range), _) => (range.first..range.end).collect(),
         (_, Some(share)) => (share.task..all).step_by(share.tasks as usize).collect(),
         _ => (0..all).collect(),
     };

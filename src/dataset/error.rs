@@ -58,6 +58,18 @@ pub enum DatasetError {
         /// What is wrong with it.
         what: String,
     },
+    /// The plan has no such shards.
+    #[error(
+        "the plan has {shards} shards, numbered from 0, and not {first}..{end}; ask for some of 0..{shards}"
+    )]
+    NoSuchShards {
+        /// The first that was asked for.
+        first: u64,
+        /// One after the last.
+        end: u64,
+        /// How many there are.
+        shards: u64,
+    },
     /// The plan has not what a layout needs.
     #[error("{what}")]
     NoExport {

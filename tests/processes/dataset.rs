@@ -132,6 +132,10 @@ fn the_bytes_depend_neither_on_workers_nor_on_the_order_of_shards_nor_on_kills()
 
     let several = folder.path().join("several");
     make(&plan, &several, &["--workers", "2", "--shards", "6..9"]);
+    assert!(
+        refused(&plan, &several, &["--shards", "9..11"])
+            .contains("10 shards, numbered from 0, and not 9..11")
+    );
     make(&plan, &several, &["--workers", "3", "--shard", "1/2"]);
     assert!(!several.join("manifest.json").exists());
     let said = make(&plan, &several, &["--workers", "3"]);

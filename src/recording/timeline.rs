@@ -104,7 +104,9 @@ fn times<R: Read>(mut recording: RecordingReader<R>) -> Result<[u64; 2], Recordi
             Ok(Some(Item::Message(message))) => message.log_time_ns,
             Ok(Some(Item::Frame(frame))) => frame.log_time_ns,
             Ok(Some(_)) => continue,
-            Ok(None) | Err(RecordingError::Cut) => break,
+            Ok(None) => break,
+            // All that is whole can be played, if anything is.
+            Err(RecordingError::Cut) if times.is_some() => break,
             Err(error) => return Err(error),
         };
         times = Some([times.map_or(time_ns, |[first, _]| first), time_ns]);

@@ -1,11 +1,8 @@
 //! `belvedere view run.mcap`: a recording on the page, along its time line.
 #![cfg(feature = "view")]
 
-use crate::live;
-use crate::page;
-
-use live::{belvedere, own_domain};
-use page::{Page, Server, position};
+use crate::live::{belvedere, own_domain};
+use crate::page::{Page, Server, position};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -123,7 +120,11 @@ fn what_cannot_be_shown_is_said_in_a_sentence() {
     let file = folder.path().join("run.mcap");
     std::fs::write(&file, "no recording").unwrap();
     let missing = folder.path().join("missing.mcap");
-    for (file, words) in [(&file, "it is no MCAP file"), (&missing, "No such file")] {
+    let empty = folder.path().join("empty.mcap");
+    std::fs::write(&empty, "").unwrap();
+    for (file, words) in
+        [(&file, "it is no MCAP file"), (&missing, "No such file"), (&empty, "it ends in the middle")]
+    {
         let ended = belvedere().arg("view").arg(file).arg("--no-browser").output().unwrap();
         let said = String::from_utf8_lossy(&ended.stderr).into_owned();
         assert!(ended.status.code() == Some(1) && said.contains(words), "{said}");

@@ -141,6 +141,8 @@ pub(super) fn of_sensor(topic: &str, header: &FrameHeader, objects: Option<Vec<O
 pub(super) struct Names {
     /// By instance.
     instances: BTreeMap<u32, Visual>,
+    /// The instances of a model that are of one class.
+    things: BTreeMap<(ModelIndex, u32), Vec<u32>>,
     classes: BTreeMap<u32, String>,
 }
 
@@ -163,20 +165,29 @@ struct Seen {
 
 impl Names {
     pub(super) fn of(simulation: &mut Simulation, plan: &Plan) -> Self {
-        let parts: Vec<_> =
-            simulation.scene().parts().map(|(model, link, instance, _)| (model, link, instance.0)).collect();
+        let mut parts: BTreeMap<(ModelIndex, usize), Vec<u32>> = BTreeMap::new();
+        for (model, link, instance, _) in simulation.scene().parts() {
+            parts.entry((model, link)).or_default().push(instance.0);
+        }
         let mut instances = BTreeMap::new();
+        let mut things: BTreeMap<(ModelIndex, u32), Vec<u32>> = BTreeMap::new();
         for (id, entity) in simulation.entities().iter() {
             for (index, link) in entity.model.links.iter().enumerate() {
-                let of_link = parts.iter().filter(|part| (part.0, part.1) == (id.index(), index));
+                let model = id.index();
+                let of_link = parts.get(&(model, index)).into_iter().flatten();
                 // A link's visuals come first.
-                for (visual, (model, _, instance)) in link.visuals.iter().zip(of_link) {
+                for (visual, instance) in link.visuals.iter().zip(of_link) {
                     let name = entity.name.clone();
-                    instances.insert(*instance, Visual { model: *model, name, label: visual.label });
+                    instances.insert(*instance, Visual { model, name, label: visual.label });
                 }
             }
         }
-        Self { instances, classes: plan.classes.clone() }
+        let scene = simulation.scene().scene();
+        for (instance, visual) in &instances {
+            let class = scene.instances()[*instance as usize].class();
+            things.entry((visual.model, class)).or_default().push(*instance);
+        }
+        Self { instances, things, classes: plan.classes.clone() }
     }
 
     /// The things in a frame, from the boxes of its visuals.
@@ -232,12 +243,8 @@ impl Names {
     /// Corners of the box along a model's axes that holds all its visuals of a class.
     fn extent(&self, scene: &WorldScene, key: (ModelIndex, u32), world_from_model: &Pose) -> [DVec3; 2] {
         let model_from_world = world_from_model.inverse();
-        let of_thing = |(instance, visual): &(&u32, &Visual)| {
-            let class = scene.scene().instances()[**instance as usize].class();
-            (visual.model, class) == key
-        };
         let mut extent = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        for (instance, _) in self.instances.iter().filter(of_thing) {
+        for instance in self.things.get(&key).into_iter().flatten() {
             let Some(bounds) = scene.scene().bounds(*instance as usize) else { continue };
             let model_from_instance = model_from_world * scene.poses()[*instance as usize];
             for corner in 0..8 {

@@ -1,13 +1,11 @@
 //! Actors follow their scripts, and are seen, pushed against and taken out like any other model.
 
-use crate::sdf;
-
+use crate::sdf::{Folder, load};
 use belvedere::description::read;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_sensors::Pose;
 use glam::DVec3;
-use sdf::{Folder, load};
 use std::time::Duration;
 
 /// A box of 1 m that goes from x = 3 to x = 5 in 2 s and back in 2 s, after half a second.

@@ -1,11 +1,9 @@
 //! Small files that unfold into much: each ends with one clear error, in no time.
 
-use crate::sdf;
-
+use crate::sdf::Folder;
 use belvedere::description::package::PackagePath;
 use belvedere::description::robot::{LoadOptions, load_robot};
 use belvedere::description::{Diagnostics, Rules};
-use sdf::Folder;
 use std::time::{Duration, Instant};
 
 /// Loads a robot and gives its errors.

@@ -1,12 +1,10 @@
 //! Mesh files: the same box in every format, and everything that can be wrong with one.
 
-use crate::sdf;
-
+use crate::sdf::*;
 use belvedere::description::mesh::{UpAxis, load_mesh, load_mesh_parts};
 use belvedere::description::model::{Geometry, Mesh};
 use belvedere::description::{Diagnostics, Severity, Source};
 use glam::DVec3;
-use sdf::*;
 use std::path::Path;
 
 /// Corners of the box from (0, 0, 0) to (1, 2, 3); corner i has bit 0 for x, 1 for y, 2 for z.

@@ -2,6 +2,7 @@
 
 use crate::sdf;
 
+use crate::sdf::*;
 use belvedere::description::Severity;
 use belvedere::description::model::{Geometry, JointKind, LightKind};
 use belvedere::description::package::PackagePath;
@@ -10,7 +11,6 @@ use belvedere::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::TextureAlpha;
 use glam::DVec3;
-use sdf::*;
 
 #[test]
 fn every_world_of_ours_loads_without_a_word() {

@@ -1,11 +1,9 @@
 //! World files: everything that can be wrong with one.
 
-use crate::sdf;
-
+use crate::sdf::*;
 use belvedere::description::Severity;
 use belvedere::description::model::Geometry;
 use glam::DVec3;
-use sdf::*;
 
 #[test]
 fn files_that_are_no_worlds() {

@@ -3,7 +3,7 @@
 
 use crate::live;
 
-use live::{files_of, output, own_domain};
+use crate::live::{files_of, output, own_domain};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;

@@ -1,13 +1,11 @@
 //! Cameras of robot files as other processes see them: what `check` says of them, classes, rolling shutters, motion
 //! blur, automatic exposure.
 
-use crate::live;
-
+use crate::live::control::{done, done_with, named, step};
+use crate::live::{Simulator, follow, next_frame, output};
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{Frame, Operation, SimulationControl, Subscriber};
 use glam::DQuat;
-use live::control::{done, done_with, named, step};
-use live::{Simulator, follow, next_frame, output};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 

@@ -2,9 +2,9 @@
 
 use crate::live;
 
+use crate::live::control::{BOX, ROBOT, done_with, named, state};
+use crate::live::{Simulator, output};
 use belvedere_bridge::{Operation, StreamSpec};
-use live::control::{BOX, ROBOT, done_with, named, state};
-use live::{Simulator, output};
 
 #[test]
 fn the_command_line_says_what_was_done_and_why_not() {

@@ -2,10 +2,10 @@
 
 use crate::live;
 
+use crate::live::control::{BOX, ROBOT, done, named, refusal, states};
+use crate::live::{PATIENCE, Simulator, next_frame};
 use belvedere_bridge::payload::{SimulationCommand, SimulationResult};
 use belvedere_bridge::{Domain, Node, Operation, SimulationControl, StreamSpec, Text};
-use live::control::{BOX, ROBOT, done, named, refusal, states};
-use live::{PATIENCE, Simulator, next_frame};
 use rustix::process::Signal;
 use std::time::{Duration, Instant};
 

@@ -1,11 +1,9 @@
 //! Models of a running simulation moved, added and removed by another process, as its streams show it.
 
-use crate::live;
-
+use crate::live::control::{BOX, ROBOT, assert_near, done, done_with, named, state, states, step};
+use crate::live::{Simulator, follow, next_frame};
 use belvedere_bridge::payload::{Imu, ModelState, Odometry, SimulationCommand};
 use belvedere_bridge::{Operation, SimulationControl, StreamSpec, Subscriber, Text};
-use live::control::{BOX, ROBOT, assert_near, done, done_with, named, state, states, step};
-use live::{Simulator, follow, next_frame};
 
 #[test]
 fn models_are_moved_and_put_back() {

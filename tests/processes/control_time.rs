@@ -1,11 +1,9 @@
 //! Time of a simulation in the hands of another process: it stands, goes on, goes by steps, begins again.
 
-use crate::live;
-
+use crate::live::control::{BOX, ROBOT, call, done, done_with, named, step};
+use crate::live::{Simulator, belvedere, follow, next_frame, own_domain};
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{Domain, Node, Operation, SimulationControl, Subscriber};
-use live::control::{BOX, ROBOT, call, done, done_with, named, step};
-use live::{Simulator, belvedere, follow, next_frame, own_domain};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 use xxhash_rust::xxh3::xxh3_128;

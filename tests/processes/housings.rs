@@ -1,8 +1,6 @@
 //! A lidar in a housing looks out of it, and sees everything else.
 
-use crate::live;
-
-use live::{Simulator, belvedere, next_frame};
+use crate::live::{Simulator, belvedere, next_frame};
 use std::fmt::Write as _;
 use tempfile::TempDir;
 

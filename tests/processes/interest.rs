@@ -1,8 +1,6 @@
 //! What nobody follows is not rendered, and what is followed does not depend on what else is.
 
-use crate::live;
-
-use live::{Simulator, next_frame};
+use crate::live::{Simulator, next_frame};
 use std::time::Duration;
 
 const KINECT: [&str; 6] = ["--robot", "kobuki_hexagons_kinect", "--world", "playground", "--seed", "7"];

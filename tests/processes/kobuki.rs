@@ -2,8 +2,9 @@
 //! and the motors' power.
 
 use crate::live;
-use crate::robot_models;
 
+use crate::live::{Simulator, next_frame};
+use crate::robot_models::{ground, hang, kobuki, static_model, world, xyz};
 use belvedere::description::model::{Geometry, Model};
 use belvedere::robot::contact::{CLIFF_M, Contact, cliff_reading};
 use belvedere::robot::kobuki::Report;
@@ -16,8 +17,6 @@ use belvedere_bridge::payload::{
 use belvedere_bridge::{Kind, StreamSpec, Subscriber};
 use belvedere_sensors::Pose;
 use glam::DVec3;
-use live::{Simulator, next_frame};
-use robot_models::{ground, hang, kobuki, static_model, world, xyz};
 use std::time::Instant;
 
 /// Steps in seconds that worlds use: corridor, a Gazebo server at 250 Hz, playground, and one that holds two reports

@@ -1,9 +1,7 @@
 //! Data packets of lidars as programs that know nothing of belvedere get them. What is in them is decoded by
 //! `.ci/packets`.
 
-use crate::live;
-
-use live::{output, own_domain};
+use crate::live::{output, own_domain};
 use std::fs;
 use std::net::UdpSocket;
 use std::time::Duration;

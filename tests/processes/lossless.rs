@@ -1,8 +1,6 @@
 //! A simulation that waits for its consumers: they get every frame, and one that stops is named.
 
-use crate::live;
-
-use live::{belvedere, follow, next_frame, own_domain};
+use crate::live::{belvedere, follow, next_frame, own_domain};
 use std::io::Read as _;
 use std::process::{Child, Stdio};
 use std::time::Duration;

@@ -1,7 +1,6 @@
 //! The frames that pictures are in: x right, y down, z forward, whatever frame a camera's plugin names.
 
-use crate::live;
-
+use crate::live::{Simulator, next_frame, output};
 use belvedere::description::model::Model;
 use belvedere::description::optical::{new_frames, optical_frames};
 use belvedere::description::package::PackagePath;
@@ -9,7 +8,6 @@ use belvedere::description::robot::{LoadOptions, load_robot};
 use belvedere::description::{Diagnostics, Rules};
 use belvedere_bridge::payload::Transform;
 use glam::DVec3;
-use live::{Simulator, next_frame, output};
 use std::fs;
 
 /// Cameras in every relation to the frame that they name.

@@ -1,8 +1,9 @@
 //! Where links stand: the same whatever the order and the names in a file.
 
-use crate::live;
 use crate::sdf;
 
+use crate::live::{belvedere, own_domain};
+use crate::sdf::{BOX, Folder, close, good};
 use belvedere::description::Diagnostics;
 use belvedere::description::model::{Model, World};
 use belvedere::description::package::PackagePath;
@@ -11,8 +12,6 @@ use belvedere::robot::placement;
 use belvedere::world::physics::Physics;
 use belvedere_sensors::Pose;
 use glam::DVec3;
-use live::{belvedere, own_domain};
-use sdf::{BOX, Folder, close, good};
 use std::collections::BTreeMap;
 
 /// A robot of a base, a mast, an arm and two wheels: the order of its elements is the test's.

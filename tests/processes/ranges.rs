@@ -1,10 +1,8 @@
 //! Rangefinders and lidars of several layers, as other processes see them.
 
-use crate::live;
-
+use crate::live::{Simulator, next_frame, output};
 use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, Subscriber};
-use live::{Simulator, next_frame, output};
 
 const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rangefinders.urdf");
 /// Over the ground: the robot sinks into it by less than a millimetre.

@@ -2,13 +2,13 @@
 
 use crate::live;
 
+use crate::live::control::{done, refusal, step};
+use crate::live::{PATIENCE, Simulator, belvedere, output, own_domain};
 use belvedere::recording::{
     Compression, Item, RecordedFrame, RecordedStream, RecordingError, RecordingReader, RecordingWriter,
 };
 use belvedere_bridge::payload::{Clock, SimulationCommand};
 use belvedere_bridge::{Domain, Encoding, FrameHeader, Kind, Node, Operation, SimulationControl};
-use live::control::{done, refusal, step};
-use live::{PATIENCE, Simulator, belvedere, output, own_domain};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::cell::Cell;

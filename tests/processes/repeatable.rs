@@ -1,8 +1,6 @@
 //! Same world, seed and commands: the same bytes, whatever the machine does meanwhile.
 
-use crate::live;
-
-use live::{belvedere, own_domain};
+use crate::live::{belvedere, own_domain};
 
 /// The hashes that a run of one simulated second ends with.
 fn hashes(seed: &str, threads: &str) -> String {

@@ -1,10 +1,8 @@
 //! Settings of sensors, changed by another process while they run.
 
-use crate::live;
-
+use crate::live::{PATIENCE, Simulator, follow, next_frame, output};
 use belvedere_bridge::payload::{SensorSettings, Setting, SimulationCommand};
 use belvedere_bridge::{Operation, SimulationControl, StreamSpec, Subscriber, Text};
-use live::{PATIENCE, Simulator, follow, next_frame, output};
 use xxhash_rust::xxh3::xxh3_128;
 
 const CAMERA: &str = "camera1";

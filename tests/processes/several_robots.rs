@@ -1,11 +1,9 @@
 //! Several robots in one world, and robots that come and go while it runs: seen from another process.
 
-use crate::live;
-
+use crate::live::control::{done_with, named, refusal};
+use crate::live::{PATIENCE, Simulator, belvedere, files_of, follow, next_frame, own_domain};
 use belvedere_bridge::payload::{Odometry, SimulationCommand, Transform, VelocityCommand};
 use belvedere_bridge::{Operation, StreamSpec, Text};
-use live::control::{done_with, named, refusal};
-use live::{PATIENCE, Simulator, belvedere, files_of, follow, next_frame, own_domain};
 use std::process::Output;
 use std::time::{Duration, Instant};
 

@@ -3,9 +3,9 @@
 
 use crate::live;
 
+use crate::live::{Simulator, files_of, next_frame, output, own_domain};
 use belvedere_bridge::payload::{CameraInfo, Odometry, VelocityCommand};
 use belvedere_bridge::{DistortionModel, Encoding, StreamSpec};
-use live::{Simulator, files_of, next_frame, output, own_domain};
 use std::time::Instant;
 
 fn camera_info(arguments: &[&str]) -> CameraInfo {

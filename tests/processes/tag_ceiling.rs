@@ -17,13 +17,11 @@ mod room;
 #[path = "../../examples/make_tag_room/sdf.rs"]
 mod sdf;
 
-use crate::eyes;
-
+use crate::eyes::{april_tags, listed, qr_codes};
 use belvedere::description::model::{Geometry, Model, World};
 use belvedere::description::package::PackagePath;
 use belvedere::description::world::load_world;
 use belvedere::description::{Diagnostics, Rules};
-use eyes::{april_tags, listed, qr_codes};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 

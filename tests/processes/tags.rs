@@ -1,16 +1,13 @@
 //! The main job's point: detectors that nobody here wrote, in another process than the simulator, find every code
 //! on the ceiling, and the robot's place from them.
 
-use crate::eyes;
-use crate::live;
-
+use crate::eyes::{Seen, april_tags, listed, qr_codes};
+use crate::live::{PATIENCE, Simulator, next_frame};
 use belvedere_bridge::payload::{BoundingBox, TagDetection};
 use belvedere_bridge::{Frame, Intrinsics, Synchronizer};
 use belvedere_sensors::Pose;
-use eyes::{Seen, april_tags, listed, qr_codes};
 use glam::{DQuat, DVec3};
 use image::GrayImage;
-use live::{PATIENCE, Simulator, next_frame};
 use nalgebra::{Matrix6, Vector6};
 use std::collections::{BTreeMap, HashMap};
 

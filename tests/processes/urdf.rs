@@ -1,13 +1,11 @@
 //! `belvedere urdf`: what it prints is the robot that was loaded, in a form that needs no xacro and no package path.
 
-use crate::live;
-
+use crate::live::belvedere;
 use belvedere::description::model::Model;
 use belvedere::description::package::PackagePath;
 use belvedere::description::robot::{LoadOptions, load_robot, robot_names};
 use belvedere::description::xml::Element;
 use belvedere::description::{Diagnostics, Rules};
-use live::belvedere;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;

@@ -2,12 +2,11 @@
 #![cfg(feature = "view")]
 
 use crate::live;
-use crate::page;
 
+use crate::live::control::{BOX, ROBOT, done_with, named};
+use crate::live::{PATIENCE, belvedere, own_domain};
+use crate::page::{Server, Shown, position};
 use belvedere_bridge::{Domain, Node, Operation, SimulationControl};
-use live::control::{BOX, ROBOT, done_with, named};
-use live::{PATIENCE, belvedere, own_domain};
-use page::{Server, Shown, position};
 use serde_json::json;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;

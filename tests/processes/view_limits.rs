@@ -1,11 +1,8 @@
 //! What the page's server does when there are too many clients, no browser, or files to be given away.
 #![cfg(feature = "view")]
 
-use crate::live;
-use crate::page;
-
-use live::{PATIENCE, belvedere, own_domain};
-use page::Server;
+use crate::live::{PATIENCE, belvedere, own_domain};
+use crate::page::Server;
 use serde_json::json;
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};

@@ -1,16 +1,15 @@
 //! What files say of joints and masses, and what physics makes of it.
 
-use crate::robot_models;
 use crate::sdf;
 
+use crate::robot_models::{ground, kobuki, world, xyz};
+use crate::sdf::{Folder, good};
 use belvedere::description::Severity;
 use belvedere::description::model::{Geometry, JointKind, Mesh, Model, World};
 use belvedere::robot::{Robot, placement};
 use belvedere::world::physics::Physics;
 use belvedere_sensors::Pose;
 use glam::DVec3;
-use robot_models::{ground, kobuki, world, xyz};
-use sdf::{Folder, good};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 

@@ -2,12 +2,12 @@
 
 use crate::robot_models;
 
+use crate::robot_models::{empty_model, ground, kobuki, static_model, world, xyz};
 use belvedere::description::model::{Geometry, Model};
 use belvedere::robot::{Autopilot, Command, Robot, placement};
 use belvedere::world::physics::Physics;
 use belvedere_sensors::Pose;
 use glam::DVec3;
-use robot_models::{empty_model, ground, kobuki, static_model, world, xyz};
 use std::f64::consts::TAU;
 
 /// Steps in seconds that worlds use: corridor, a Gazebo server at 250 Hz, playground.

@@ -2,6 +2,8 @@
 
 use crate::common;
 
+use crate::common::random::tries;
+use crate::common::{LIDAR, add_grey, camera_of, depth_camera};
 use belvedere_sensors::camera::{Camera, CameraConfig};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan, TooNear};
@@ -12,8 +14,6 @@ use belvedere_sensors::scene::{
 };
 use belvedere_sensors::trace::{WorkspaceBuf, grid_workspace_len};
 use belvedere_sensors::{Capture, Pose, SenseError, Sensor};
-use common::random::tries;
-use common::{LIDAR, add_grey, camera_of, depth_camera};
 use glam::{DQuat, DVec3};
 use proptest::array::uniform3;
 use proptest::collection::vec;

@@ -1,7 +1,6 @@
 //! Beams of scanners: what comes back of what their width, surfaces and the air make of a pulse, against closed forms.
 
-use crate::common;
-
+use crate::common::add_grey;
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scanner::{
     Beam, DropSizes, Echoes, Firing, Intensity, Pattern, Receiver, Returns, Scanner, ScannerConfig, Weather,
@@ -10,7 +9,6 @@ use belvedere_sensors::scanner::{
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::trace::{Truth, WorkspaceBuf};
 use belvedere_sensors::{Capture, Keyframe, Moment, Pose, Sensor, Shutter};
-use common::add_grey;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 

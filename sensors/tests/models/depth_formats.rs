@@ -2,6 +2,7 @@
 
 use crate::common;
 
+use crate::common::{LIDAR, add, add_grey, depth_camera, glowing, look_at, scan};
 use belvedere_sensors::camera::PixelFormat;
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, OutOfRange, POINT_STEP, TooNear};
 use belvedere_sensors::noise::GaussianNoise;
@@ -9,7 +10,6 @@ use belvedere_sensors::optics::Lens;
 use belvedere_sensors::scene::{InstanceConfig, SceneBuilder, Shape, visibility};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Pose, Sensor};
-use common::{LIDAR, add, add_grey, depth_camera, glowing, look_at, scan};
 use glam::DVec3;
 
 struct Frame {

@@ -4,6 +4,8 @@
 
 use crate::common;
 
+use crate::common::planes::{assert_near, narrow, nguyen_m, plane, rms, take};
+use crate::common::{add_grey, camera_of, depth_camera, depth_frame, scenery};
 use belvedere_sensors::camera::{CameraConfig, CameraError};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::depth::{
@@ -15,8 +17,6 @@ use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Pose, Sensor, Shutter, Slice};
-use common::planes::{assert_near, narrow, nguyen_m, plane, rms, take};
-use common::{add_grey, camera_of, depth_camera, depth_frame, scenery};
 use core::f64::consts::{FRAC_PI_2, SQRT_2};
 use glam::DVec3;
 

@@ -3,8 +3,8 @@
 
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
-use crate::common;
-
+use crate::common::planes::{assert_near, narrow, plane, rms, take};
+use crate::common::{add, add_grey, camera_of, depth_camera, depth_frame};
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::device::depth::{
@@ -14,8 +14,6 @@ use belvedere_sensors::noise::Stream;
 use belvedere_sensors::scene::{Environment, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Pose, Sensor};
-use common::planes::{assert_near, narrow, plane, rms, take};
-use common::{add, add_grey, camera_of, depth_camera, depth_frame};
 use core::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
 use glam::DVec3;
 

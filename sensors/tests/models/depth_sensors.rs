@@ -5,6 +5,8 @@
 
 use crate::common;
 
+use crate::common::planes::{Frame, assert_near, narrow, nguyen_m, plane, rms, take};
+use crate::common::{add_grey, camera_of, depth_camera, depth_frame, scenery};
 use belvedere_sensors::Pose;
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::DepthCameraConfig;
@@ -17,8 +19,6 @@ use belvedere_sensors::optics::{Intrinsics, Pinhole, PinholeGrid};
 use belvedere_sensors::scene::{SceneBuilder, Shape, visibility};
 use belvedere_sensors::trace::rays::{Rays, cast_rays, workspace_len};
 use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf};
-use common::planes::{Frame, assert_near, narrow, nguyen_m, plane, rms, take};
-use common::{add_grey, camera_of, depth_camera, depth_frame, scenery};
 use core::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 

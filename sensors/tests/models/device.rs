@@ -2,6 +2,7 @@
 
 use crate::common;
 
+use crate::common::{add, camera_of, glowing, picture_with};
 use belvedere_sensors::camera::{Camera, CameraConfig, CameraError, Mosaic, Picture, PixelFormat};
 use belvedere_sensors::device::{
     AutoExposure, AutoExposureConfig, DeviceConfig, Exposure, Metering, Tone, Vignetting, presets,
@@ -9,7 +10,6 @@ use belvedere_sensors::device::{
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Execution, Pose, Sensor, Slice};
-use common::{add, camera_of, glowing, picture_with};
 use glam::DVec3;
 
 const SIZE: [u32; 2] = [320, 240];

@@ -1,7 +1,8 @@
 //! Pictures through lenses of every model, ray by ray against an oracle in f64.
 
-use crate::common;
-
+use crate::common::brute::{Found, Pair, Tally};
+use crate::common::exactness::{Dice, SOLIDS, geosphere};
+use crate::common::{Stage, depth_image, look_at, picture, scenery};
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::noise::GaussianNoise;
@@ -15,9 +16,6 @@ use belvedere_sensors::scene::{
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use belvedere_sensors::{Capture, Execution, Pose, Sensor};
-use common::brute::{Found, Pair, Tally};
-use common::exactness::{Dice, SOLIDS, geosphere};
-use common::{Stage, depth_image, look_at, picture, scenery};
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 

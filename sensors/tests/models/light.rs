@@ -1,7 +1,7 @@
 //! What light does on surfaces beyond their diffuse colour, against formulas in f64.
 
-use crate::common;
-
+use crate::common::oracle::{Ray, first_hit, pixel_ray};
+use crate::common::{add, camera_of, glowing, look_at, picture, scenery, spot};
 use belvedere_sensors::Pose;
 use belvedere_sensors::camera::{CameraConfig, Edges};
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, RayTableBuf};
@@ -9,8 +9,6 @@ use belvedere_sensors::scene::{
     ColourSpace, Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape,
     TextureAlpha,
 };
-use common::oracle::{Ray, first_hit, pixel_ray};
-use common::{add, camera_of, glowing, look_at, picture, scenery, spot};
 use glam::DVec3;
 
 const FLOOR: Shape = Shape::Rectangle { size: [20.0, 20.0] };

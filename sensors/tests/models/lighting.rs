@@ -2,10 +2,10 @@
 
 use crate::common;
 
+use crate::common::oracle::{Ray, first_hit, pixel_ray, scaled};
+use crate::common::{SIZE, add, camera, look_at, picture, spot};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{Environment, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape};
-use common::oracle::{Ray, first_hit, pixel_ray, scaled};
-use common::{SIZE, add, camera, look_at, picture, spot};
 use glam::DVec3;
 
 const DIFFUSE: [f32; 3] = [0.9, 0.6, 0.3];

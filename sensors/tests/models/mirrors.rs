@@ -2,8 +2,7 @@
 
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
-use crate::common;
-
+use crate::common::{LIDAR, add, add_grey, camera_of, depth_camera, depth_frame, scan};
 use belvedere_sensors::Pose;
 use belvedere_sensors::device::depth::{DepthModel, SecondEye};
 use belvedere_sensors::noise::Stream;
@@ -13,7 +12,6 @@ use belvedere_sensors::scanner::{
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, MaterialId, SceneBuilder, SceneError, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Keyframe, Moment, Sensor, Shutter};
-use common::{LIDAR, add, add_grey, camera_of, depth_camera, depth_frame, scan};
 use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
 

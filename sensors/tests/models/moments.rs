@@ -1,12 +1,10 @@
 //! One scene at several moments: poses are no part of it.
 
-use crate::common;
-
+use crate::common::{LIDAR, Stage, add_grey, camera, picture, scan, scenery};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Moment, Pose, SenseError, Sensor};
-use common::{LIDAR, Stage, add_grey, camera, picture, scan, scenery};
 use glam::{DQuat, DVec3};
 
 /// A ball of 0.5 m, 3 m ahead of the origin.

@@ -3,12 +3,12 @@
 
 use crate::common;
 
+use crate::common::{LIDAR, add, camera, depth_camera, depth_frame, glowing, picture_with, scan_frame};
 use belvedere_sensors::Pose;
 use belvedere_sensors::camera::PixelFormat;
 use belvedere_sensors::lidar::{Beams, LidarConfig};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
-use common::{LIDAR, add, camera, depth_camera, depth_frame, glowing, picture_with, scan_frame};
 use core::f64::consts::{PI, SQRT_2};
 use glam::DVec3;
 

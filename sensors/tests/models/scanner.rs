@@ -1,7 +1,6 @@
 //! Scanners: every firing from where sensor and things are at its own time, against closed forms.
 
-use crate::common;
-
+use crate::common::{add_grey, scenery};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scanner::{
@@ -10,7 +9,6 @@ use belvedere_sensors::scanner::{
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::trace::{Truth, WorkspaceBuf};
 use belvedere_sensors::{Capture, Execution, Keyframe, Moment, Pose, SenseError, Sensor, Shutter, Slice};
-use common::{add_grey, scenery};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 

@@ -2,13 +2,13 @@
 
 use crate::common;
 
+use crate::common::oracle::pixel_ray;
+use crate::common::{SIZE, add, camera, camera_of, look_at, picture};
 use belvedere_sensors::Pose;
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::scene::{
     Environment, LightConfig, LightKind, MaterialConfig, MaterialId, SceneBuilder, Shape,
 };
-use common::oracle::pixel_ray;
-use common::{SIZE, add, camera, camera_of, look_at, picture};
 use core::fmt::Write;
 use glam::DVec3;
 

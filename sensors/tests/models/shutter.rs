@@ -1,8 +1,7 @@
 //! Frames that are taken slice by slice: rolling shutters against closed form, motion blur, and what slices must be.
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
-use crate::common;
-
+use crate::common::{LIDAR, SIZE, add, camera, camera_of, glowing, pinhole, scenery};
 use belvedere_sensors::camera::{Camera, CameraConfig, Mosaic, Picture, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::DeviceConfig;
@@ -13,7 +12,6 @@ use belvedere_sensors::scene::{Environment, Scene, SceneBuilder, Shape};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Execution, Moment, Pose, SenseError, Sensor, Shutter, Slice};
-use common::{LIDAR, SIZE, add, camera, camera_of, glowing, pinhole, scenery};
 use glam::DVec3;
 
 fn take<T: Sensor>(

@@ -2,12 +2,12 @@
 
 use crate::common;
 
+use crate::common::{SIZE, add, camera, camera_of, look_at, picture};
 use belvedere_sensors::Pose;
 use belvedere_sensors::optics::Lens;
 use belvedere_sensors::scene::{
     Environment, MaterialConfig, MaterialId, SceneBuilder, Shape, fill_mip_levels, mip_levels, mip_texels,
 };
-use common::{SIZE, add, camera, camera_of, look_at, picture};
 use core::f64::consts::PI;
 use glam::DVec3;
 

@@ -1,14 +1,12 @@
 //! A lidar that turns and moves while it scans: each beam's range against that from where the lidar is at its time.
 
-use crate::common;
-
+use crate::common::{LIDAR, add_grey, scenery};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, Sweep};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::scene::{Scene, SceneBuilder, Shape};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::{Truth, WorkspaceBuf};
 use belvedere_sensors::{Capture, Execution, Moment, Pose, SenseError, Sensor, Shutter, Slice};
-use common::{LIDAR, add_grey, scenery};
 use core::f64::consts::{PI, TAU};
 use glam::DVec3;
 

@@ -1,16 +1,14 @@
 //! Lidars whose angles go beyond a pole or a turn.
 
-use crate::common;
-
+use crate::common::brute::{Found, Tally};
+use crate::common::exactness::{Dice, Scenario, scenarios, stands};
+use crate::common::{LIDAR, add_grey, scan};
 use belvedere_sensors::Pose;
 use belvedere_sensors::lidar::Beams;
 use belvedere_sensors::optics::{Optics, SphericalGrid};
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
-use common::brute::{Found, Tally};
-use common::exactness::{Dice, Scenario, scenarios, stands};
-use common::{LIDAR, add_grey, scan};
 use core::f64::consts::{PI, TAU};
 use glam::DVec3;
 

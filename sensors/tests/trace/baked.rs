@@ -1,15 +1,14 @@
 //! Baked scenes: what comes back is what was written, and what somebody has spoilt does no harm.
 
-use crate::common;
 #[path = "../../fuzz/entry.rs"]
 mod entry;
 
+use crate::common::random::tries;
+use crate::common::{LIDAR, add_grey, camera, depth_camera, depth_image, picture, scan, scenery};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{BakedError, Scene, SceneBuilder, Shape};
 use belvedere_sensors::trace::CacheLine;
 use bytemuck::Zeroable;
-use common::random::tries;
-use common::{LIDAR, add_grey, camera, depth_camera, depth_image, picture, scan, scenery};
 use glam::DVec3;
 use proptest::prelude::*;
 

@@ -1,13 +1,11 @@
 //! Building scenes, and what it costs.
 
-use crate::common;
-
+use crate::common::{camera_of, picture};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
     InstanceConfig, InstanceId, LightConfig, LightId, LightKind, MaterialConfig, MaterialId, Scene,
     SceneBuilder, SceneError, Shape, TextureId,
 };
-use common::{camera_of, picture};
 use glam::DVec3;
 use std::time::{Duration, Instant};
 

@@ -1,12 +1,10 @@
 //! Depth images and scans against closed formulas, pixel by pixel and beam by beam.
 
-use crate::common;
-
+use crate::common::oracle::{Ray, first_hit, pixel_ray, scaled};
+use crate::common::{LIDAR, SIZE, add_grey, camera, depth_camera, depth_image, look_at, scan};
 use belvedere_sensors::Pose;
 use belvedere_sensors::lidar::{Beams, TooNear};
 use belvedere_sensors::scene::{SceneBuilder, Shape};
-use common::oracle::{Ray, first_hit, pixel_ray, scaled};
-use common::{LIDAR, SIZE, add_grey, camera, depth_camera, depth_image, look_at, scan};
 use core::f64::consts::PI;
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! Smooth edges against pictures of 64 rays a pixel, and against the box filter's own transfer function.
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
-use crate::common;
-
+use crate::common::exactness::geosphere;
+use crate::common::{Stage, add, glowing, look_at, picture, picture_with};
 use belvedere_sensors::camera::{CameraConfig, Edges, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::noise::GaussianNoise;
@@ -13,8 +13,6 @@ use belvedere_sensors::scene::{
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Execution, Pose, Sensor};
-use common::exactness::geosphere;
-use common::{Stage, add, glowing, look_at, picture, picture_with};
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 

@@ -1,15 +1,13 @@
 //! Every ray against a scalar oracle in f64, over scenes that are hard to trace.
 
-use crate::common;
-
+use crate::common::adversary;
+use crate::common::brute::{Pair, Tally};
+use crate::common::casts::{cast, cast_each};
+use crate::common::exactness::{Dice, Scenario, scenarios, stands};
 use belvedere_sensors::optics::{Lens, Optics, PinholeGrid, SphericalGrid};
 use belvedere_sensors::trace::Faces;
 use belvedere_sensors::trace::rays::Rays;
 use belvedere_sensors::{Execution, Pose};
-use common::adversary;
-use common::brute::{Pair, Tally};
-use common::casts::{cast, cast_each};
-use common::exactness::{Dice, Scenario, scenarios, stands};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::{DVec2, DVec3};
 

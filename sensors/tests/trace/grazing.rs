@@ -1,14 +1,12 @@
 //! Where rays run along triangles.
 
-use crate::common;
-
+use crate::common::add_grey;
+use crate::common::exactness::Dice;
 use belvedere_sensors::Pose;
 use belvedere_sensors::optics::{Lens, Optics, PinholeGrid, SphericalGrid};
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
-use common::add_grey;
-use common::exactness::Dice;
 use glam::{DVec3, Vec3};
 
 #[test]

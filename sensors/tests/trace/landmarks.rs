@@ -4,6 +4,7 @@
 
 use crate::common;
 
+use crate::common::add_grey;
 use belvedere_sensors::optics::{
     Intrinsics, KannalaBrandt, Lens, Mapping, Optics, Pinhole, PinholeGrid, RayTableBuf, SphericalGrid,
     WideAngle,
@@ -12,7 +13,6 @@ use belvedere_sensors::scene::{InstanceConfig, SceneBuilder, Shape, visibility};
 use belvedere_sensors::simd::{Level, best_level};
 use belvedere_sensors::trace::{Landmark, Sighting, WorkspaceBuf, landmarks_workspace_len, see_landmarks};
 use belvedere_sensors::{Moment, Pose, SenseError, Shutter, Slice};
-use common::add_grey;
 use glam::{DMat3, DVec2, DVec3};
 
 const RANGE: [f64; 2] = [0.05, 50.0];

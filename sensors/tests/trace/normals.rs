@@ -1,13 +1,11 @@
 //! Normals of solids against closed form: of every shape, scaled and turned, from far and from a hand's breadth away.
 
-use crate::common;
-
+use crate::common::oracle::{first_surface, ray_at};
+use crate::common::{camera_of, look_at};
 use belvedere_sensors::camera::{Camera, Picture};
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::trace::{Truth, WorkspaceBuf};
 use belvedere_sensors::{Capture, Pose, Sensor};
-use common::oracle::{first_surface, ray_at};
-use common::{camera_of, look_at};
 use glam::{DVec3, Vec3};
 
 const SIZE: [u32; 2] = [120, 90];

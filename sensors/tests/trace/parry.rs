@@ -1,14 +1,12 @@
 //! Shapes of parry3d: the same hits as parry3d itself finds, in double precision, ray by ray.
 #![cfg(feature = "parry")]
 
-use crate::common;
-
+use crate::common::{LIDAR, look_at, scan};
 use belvedere_sensors::Pose;
 use belvedere_sensors::lidar::Beams;
 use belvedere_sensors::parry::ParryError;
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, SceneError, Shape as Kind};
 use belvedere_sensors::simd::WIDTH;
-use common::{LIDAR, look_at, scan};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use parry3d::math::Pose as Pose32;
 use parry3d::shape as single;

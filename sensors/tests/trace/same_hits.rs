@@ -1,14 +1,12 @@
 //! Every output of a cast has the same bytes at every SIMD level and for any number of threads.
 
-use crate::common;
-
+use crate::common::casts::{cast, cast_each, levels};
+use crate::common::exactness::{Dice, Scenario, scenarios, stands};
 use belvedere_sensors::Execution;
 use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::Faces;
 use belvedere_sensors::trace::rays::Rays;
-use common::casts::{cast, cast_each, levels};
-use common::exactness::{Dice, Scenario, scenarios, stands};
 
 /// All that is told of a scene's hits, as bytes.
 fn cast_all(scenario: &Scenario, execution: Execution) -> Vec<(&'static str, Vec<u8>)> {

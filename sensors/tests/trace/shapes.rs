@@ -3,14 +3,14 @@
 
 use crate::common;
 
+use crate::common::oracle::{first_hit_scaled, pixel_ray, scaled};
+use crate::common::{camera_of, depth_camera, depth_image, look_at};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::tree::{LEAF, NONE};
 use belvedere_sensors::scene::{
     HeightField, HeightGrid, InstanceConfig, MaterialConfig, SceneBuilder, SceneError, Shape,
 };
 use belvedere_sensors::simd::WIDTH;
-use common::oracle::{first_hit_scaled, pixel_ray, scaled};
-use common::{camera_of, depth_camera, depth_image, look_at};
 use glam::DVec3;
 
 /// A pixel may disagree about hit and miss where a change of the shape's size by this part changes the answer.

@@ -1,14 +1,12 @@
 //! Sizes of pictures and scans that nobody here chose: the common ones of cameras and lidars, on one thread and more.
 #![cfg(feature = "std")]
 
-use crate::common;
-
+use crate::common::{LIDAR, add_grey, camera_of};
 use belvedere_sensors::camera::{Camera, Picture, PixelFormat};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Execution, Pose, Sensor};
-use common::{LIDAR, add_grey, camera_of};
 use glam::DVec3;
 
 /// Sizes that cameras are sold with, and those that were seen to fail.

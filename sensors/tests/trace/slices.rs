@@ -1,8 +1,7 @@
 //! Scenes of the caller's own arrays: what a builder's are, to the last bit, and checked as these are.
 #![allow(clippy::large_stack_arrays, reason = "arrays are what is tested")]
 
-use crate::common;
-
+use crate::common::{LIDAR, camera, depth_camera};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::scene::build::{Scratch, max_size, scratch_len};
@@ -11,7 +10,6 @@ use belvedere_sensors::scene::*;
 use belvedere_sensors::trace::{Truth, WorkspaceBuf};
 use belvedere_sensors::{Capture, Execution, Moment, Pose, Sensor};
 use bytemuck::Zeroable;
-use common::{LIDAR, camera, depth_camera};
 use glam::DVec3;
 
 type Soup = (Vec<[f32; 3]>, Vec<[f32; 2]>, Vec<[u32; 3]>);

@@ -1,14 +1,12 @@
 //! Tables of directions: the hits of the grids they were taken from, and of each ray cast alone.
 
-use crate::common;
-
+use crate::common::{Stage, add_grey, scenery};
 use belvedere_sensors::optics::{Optics, PinholeGrid, RayTable, SphericalGrid, TableError};
 use belvedere_sensors::scene::{SceneBuilder, Shape, visibility};
 use belvedere_sensors::trace::rays::{Rays, cast_rays, workspace_len};
 use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use belvedere_sensors::{Execution, Pose};
 use bytemuck::Zeroable;
-use common::{Stage, add_grey, scenery};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DQuat, DVec3};
 

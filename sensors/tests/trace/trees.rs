@@ -1,7 +1,6 @@
 //! Trees over triangles: what the builder writes is what tracing relies on, whatever the triangles.
 
-use crate::common;
-
+use crate::common::random::tries;
 use belvedere_sensors::Execution;
 use belvedere_sensors::scene::build::{
     Plan, Quality, Scratch, Tree, build, max_size, plan, refit, scratch_len,
@@ -11,7 +10,6 @@ use belvedere_sensors::scene::{SceneError, TreeFault, validate_scratch_len, vali
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::simd::WIDTH;
 use bytemuck::Zeroable;
-use common::random::tries;
 use proptest::prelude::*;
 
 type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);

@@ -4,6 +4,7 @@
 
 use crate::common;
 
+use crate::common::{camera_of, scenery};
 use belvedere_sensors::camera::{Camera, CameraConfig, Picture};
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, Lens, Optics, Pinhole, RayTableBuf};
 use belvedere_sensors::scene::{InstanceConfig, Scene, SceneBuilder, Shape, visibility};
@@ -12,7 +13,6 @@ use belvedere_sensors::trace::{
     Faces, Hits, SeenBox, Truth, WorkspaceBuf, cast_grid, grid_workspace_len, seen_boxes,
 };
 use belvedere_sensors::{Capture, Moment, Pose, SenseError, Sensor, Slice};
-use common::{camera_of, scenery};
 use glam::{DVec2, DVec3, Vec3};
 
 const SIZE: [u32; 2] = [163, 121];

@@ -2,8 +2,9 @@
 //!
 //! Two million rays, or with `BELVEDERE_FULL=1` in the environment a hundred million: for release builds.
 
-use crate::common;
-
+use crate::common::exactness::{Dice, geosphere};
+use crate::common::random::is_full;
+use crate::common::{LIDAR, add_grey, scan};
 use belvedere_sensors::Pose;
 use belvedere_sensors::lidar::Beams;
 use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
@@ -11,9 +12,6 @@ use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::rays::{Rays, cast_rays, workspace_len};
 use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
-use common::exactness::{Dice, geosphere};
-use common::random::is_full;
-use common::{LIDAR, add_grey, scan};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 

@@ -12,6 +12,7 @@
 //! | `dataset` | samples for learning, in shards (feature `dataset`) |
 //! | `server` | the same for other processes: shared memory, commands (feature `server`) |
 //! | `recording` | runs kept in MCAP files, and played again (feature `recording`) |
+//! | `link` | streams on other machines (feature `link`) |
 //! | `view` | a page in the browser (feature `view`) |
 //! | `picture` | frames as pictures for people (feature `cli`) |
 //! | `cli` | the `belvedere` command (feature `cli`) |
@@ -27,6 +28,8 @@ pub mod dataset;
 pub mod description;
 pub mod entities;
 pub mod gltf;
+#[cfg(feature = "link")]
+pub mod link;
 #[cfg(feature = "cli")]
 pub mod picture;
 #[cfg(feature = "recording")]

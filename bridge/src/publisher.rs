@@ -315,10 +315,20 @@ impl LoanedFrame {
     /// others have the frame.
     /// [`Error::Transport`] when a subscriber could not be reached; the others were.
     pub fn send(self) -> Result<usize, Error> {
+        let session = self.ports.template.session;
+        let seq = self.ports.next_seq.fetch_add(1, Ordering::Relaxed);
+        self.relay(session, seq)
+    }
+
+    /// The same for a frame of another publisher, whose session and number it keeps, as from another machine: its
+    /// consumers are told by them of what was lost on the way. A publisher that relays sends nothing of its own.
+    ///
+    /// # Errors
+    /// As [`send`](Self::send).
+    pub fn relay(self, session: u64, seq: u64) -> Result<usize, Error> {
         let Self { mut sample, ports } = self;
         let header = sample.user_header_mut();
-        header.session = ports.template.session;
-        header.seq = ports.next_seq.fetch_add(1, Ordering::Relaxed);
+        (header.session, header.seq) = (session, seq);
         header.publish_mono_ns = clock::mono_ns();
         let (header, len) = (sample.user_header(), sample.payload().len());
         debug_assert_eq!(

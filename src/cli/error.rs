@@ -35,6 +35,10 @@ pub enum CliError {
     /// The page cannot be served.
     #[error(transparent)]
     View(#[from] crate::view::ViewError),
+    /// Streams cannot be carried to or from another machine.
+    #[cfg(feature = "link")]
+    #[error(transparent)]
+    Link(#[from] crate::link::LinkError),
     /// Packets of a lidar cannot be sent.
     #[error("{0}")]
     Packets(String),

@@ -9,6 +9,8 @@ pub mod error;
 pub mod follow;
 pub mod hz;
 pub mod info;
+#[cfg(feature = "link")]
+pub mod link;
 pub mod list;
 pub mod log;
 pub mod message;
@@ -67,6 +69,8 @@ enum Command {
     View(view::ViewArgs),
     Record(record::RecordArgs),
     Replay(replay::ReplayArgs),
+    #[cfg(feature = "link")]
+    Link(link::LinkArgs),
     Info(info::InfoArgs),
     Check(check::CheckArgs),
     Urdf(urdf::UrdfArgs),
@@ -92,6 +96,8 @@ fn command_names() -> impl Iterator<Item = &'static str> {
         "view",
         "record",
         "replay",
+        #[cfg(feature = "link")]
+        "link",
         "info",
         "check",
         "urdf",
@@ -117,6 +123,8 @@ pub fn main() -> ExitCode {
         Some(Command::View(args)) => view::run(args),
         Some(Command::Record(args)) => record::run(args),
         Some(Command::Replay(args)) => replay::run(args),
+        #[cfg(feature = "link")]
+        Some(Command::Link(args)) => link::run(args),
         Some(Command::Info(args)) => info::run(args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Urdf(args)) => urdf::run(args),

@@ -16,6 +16,7 @@ const SIMULATOR: &[&str] = &[
     "dataset",
     "server",
     "recording",
+    "link",
     "view",
     "picture",
     "cli",

@@ -38,6 +38,8 @@ pub struct StreamInfo {
     pub subscribers: usize,
     /// Largest payload in bytes; 0 without a publisher.
     pub max_payload_len: usize,
+    /// Frames that a late subscriber is given at first.
+    pub history: usize,
 }
 
 impl Node {
@@ -91,5 +93,6 @@ fn describe(topic: String, frames: &Frames) -> StreamInfo {
         publishers: ports.number_of_publishers(),
         subscribers: ports.number_of_subscribers(),
         max_payload_len,
+        history: frames.static_config().history_size(),
     }
 }

@@ -1,0 +1,198 @@
+//! [`Mirror`]: a stream of the simulator's machine, in this one's shared memory.
+
+use super::LinkError;
+use super::tally::Tally;
+use super::transport::{Inlet, Outlet, Transport, Urgency};
+use super::wire::{self, Described};
+use belvedere_bridge::{Domain, Kind, Node, Publisher, StreamSpec, Subscriber};
+use std::error::Error;
+use std::io::Read;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// How long the thread of a command stream sleeps before it looks whether it is to end.
+const NAP: Duration = Duration::from_millis(50);
+
+/// See the module.
+pub(super) struct Mirror {
+    described: Described,
+    way: Way,
+}
+
+enum Way {
+    /// From the robot.
+    In {
+        key: String,
+        /// None while nobody here takes the stream: then it does not go over the network, and is not rendered.
+        inlet: Option<Inlet>,
+        end: Arc<Mutex<FrameEnd>>,
+    },
+    /// To it.
+    Out { stop: Arc<AtomicBool>, thread: JoinHandle<()> },
+}
+
+impl Mirror {
+    pub(super) fn open(
+        node: &Node,
+        transport: &Transport,
+        from: &Domain,
+        described: &Described,
+        spec: StreamSpec,
+        tally: Arc<Tally>,
+    ) -> Result<Self, LinkError> {
+        let way = if wire::is_command(spec.kind) {
+            let commands = node.command_subscriber(&spec)?;
+            let key = wire::command_key(from.as_str(), &spec.topic);
+            let outlet = transport.outlet(key, Urgency::Command)?;
+            let stop = Arc::new(AtomicBool::new(false));
+            let stopped = stop.clone();
+            let thread = std::thread::Builder::new()
+                .name("link commands".into())
+                .spawn(move || hand_back(commands, spec.kind, &outlet, &stopped, &tally))?;
+            Way::Out { stop, thread }
+        } else {
+            let key = wire::frame_key(from.as_str(), &spec.topic);
+            let publisher = Some(node.publisher(&spec)?);
+            let end = FrameEnd { spec, publisher, last: None, tally };
+            Way::In { key, inlet: None, end: Arc::new(Mutex::new(end)) }
+        };
+        Ok(Self { described: described.clone(), way })
+    }
+
+    /// Whether it is still what the other side tells of.
+    pub(super) fn is_of(&self, described: &Described) -> bool {
+        self.described == *described
+    }
+
+    /// Takes the stream from the network while somebody here wants it; with `update`, gives late consumers what is kept.
+    pub(super) fn tend(&mut self, transport: &Transport, update: bool) -> Result<(), LinkError> {
+        let Way::In { key, inlet, end } = &mut self.way else { return Ok(()) };
+        let is_wanted = {
+            let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
+            let Some(publisher) = &end.publisher else { return Ok(()) };
+            if update {
+                publisher.update()?;
+            }
+            // The last message that is kept for late consumers has to be here, and an answer before it is asked for.
+            let is_always = end.spec.history > 0 || end.spec.kind == Kind::SimulationResult;
+            let is_wanted = is_always || publisher.subscribers() > 0;
+            if is_wanted != inlet.is_some() {
+                // What is sent while nobody wants it is not lost.
+                end.last = None;
+                end.tally.is_carried.store(is_wanted, Ordering::Relaxed);
+            }
+            is_wanted
+        };
+        // Without the lock, which the inlet's thread takes.
+        if !is_wanted {
+            *inlet = None;
+        } else if inlet.is_none() {
+            let taker = end.clone();
+            *inlet = Some(transport.inlet(key.clone(), move |_, message| {
+                taker.lock().unwrap_or_else(PoisonError::into_inner).take(message.reader(), message.len());
+            })?);
+        }
+        Ok(())
+    }
+
+    /// Ends it; gives the thread that is still to end, which may be waiting for the network.
+    pub(super) fn end(self) -> Option<JoinHandle<()>> {
+        match self.way {
+            Way::In { inlet, end, .. } => {
+                drop(inlet);
+                // A message that is just being taken may still hold it, and the place must be free at once.
+                let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
+                end.publisher = None;
+                end.tally.is_carried.store(false, Ordering::Relaxed);
+                None
+            }
+            Way::Out { stop, thread } => {
+                stop.store(true, Ordering::Relaxed);
+                Some(thread)
+            }
+        }
+    }
+}
+
+/// Where frames from the network go.
+struct FrameEnd {
+    spec: StreamSpec,
+    publisher: Option<Publisher>,
+    /// Session and number of the frame before.
+    last: Option<(u64, u64)>,
+    tally: Arc<Tally>,
+}
+
+impl FrameEnd {
+    fn take(&mut self, message: impl Read, len: usize) {
+        if let Err(error) = self.try_to_take(message, len) {
+            self.tally.refuse(&self.spec.topic, &error);
+        }
+    }
+
+    fn try_to_take(&mut self, mut message: impl Read, len: usize) -> Result<(), Box<dyn Error>> {
+        let Some(publisher) = &self.publisher else { return Ok(()) };
+        let header = wire::header(&mut message, len, &self.spec)?;
+        let lost = match self.last {
+            // What holds for ever is told again and again.
+            Some(last) if last == (header.session, header.seq) => return Ok(()),
+            Some((session, seq)) if session == header.session => {
+                header.seq.saturating_sub(seq).saturating_sub(1)
+            }
+            _ => 0,
+        };
+        let mut frame = publisher.loan(header.payload_len as usize)?;
+        message.read_exact(frame.payload_mut())?;
+        *frame.header_mut() = header;
+        frame.relay(header.session, header.seq)?;
+        self.last = Some((header.session, header.seq));
+        self.tally.lose(lost);
+        self.tally.carry(header.payload_len as usize);
+        Ok(())
+    }
+}
+
+/// Hands commands of this machine's consumers to the simulator's.
+fn hand_back(mut commands: Subscriber, kind: Kind, outlet: &Outlet, stop: &AtomicBool, tally: &Tally) {
+    let mut is_told = false;
+    while !stop.load(Ordering::Relaxed) {
+        let is_wanted = outlet.is_wanted();
+        tally.is_carried.store(is_wanted, Ordering::Relaxed);
+        is_told &= !is_wanted;
+        let taken = match commands.wait(NAP) {
+            Ok(false) => Ok(None),
+            // Each of those to the simulation is waited for; of the others the newest holds.
+            Ok(true) if kind == Kind::SimulationCommand => commands.take(),
+            Ok(true) => commands.take_newest(),
+            Err(error) => Err(error),
+        };
+        match taken {
+            Ok(None) => {}
+            Ok(Some(_)) if !is_wanted => {
+                tally.lose(1);
+                if !is_told {
+                    is_told = true;
+                    tracing::warn!(topic = commands.topic(), "a command is lost: nobody takes it over there");
+                }
+            }
+            Ok(Some(frame)) => {
+                let (message, bytes) = (wire::frame(frame.header(), frame.payload()), frame.payload().len());
+                drop(frame);
+                match outlet.put(message) {
+                    Ok(()) => tally.carry(bytes),
+                    Err(error) => {
+                        tally.lose(1);
+                        tracing::warn!(topic = commands.topic(), %error, "a command is lost");
+                    }
+                }
+            }
+            Err(error) => {
+                tracing::warn!(topic = commands.topic(), %error, "commands cannot be read");
+                std::thread::sleep(NAP);
+            }
+        }
+    }
+    tally.is_carried.store(false, Ordering::Relaxed);
+}

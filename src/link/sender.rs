@@ -1,0 +1,341 @@
+//! [`LinkSender`]: the simulator's side.
+
+use super::LinkError;
+use super::tally::{LinkProgress, Tallies, Tally};
+use super::transport::{Endpoints, Inlet, Outlet, Transport, Urgency};
+use super::wire::{self, Announcement, Described};
+use belvedere_bridge::{Encoding, Kind, Node, Publisher, StreamSpec, Subscriber};
+use std::collections::BTreeMap;
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How often new streams are looked for.
+const LOOK: Duration = Duration::from_millis(500);
+/// How often the streams are told of, and again what is sent once and holds for ever.
+const ANNOUNCE: Duration = Duration::from_secs(1);
+/// How long the thread of a stream that nobody wants sleeps before it looks whether somebody does.
+const NAP: Duration = Duration::from_millis(20);
+/// How long one that waits for frames does before it looks whether they are still wanted.
+const WAIT: Duration = Duration::from_millis(100);
+
+/// Which commands are taken from the network.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum CarriedCommands {
+    /// None: who is connected may only look.
+    None,
+    /// What robots are told: velocities, and what a Kobuki takes besides.
+    #[default]
+    Robots,
+    /// Those to the simulation, too: pause, step, reset, move, configure; and spawn, whose text names files of this
+    /// machine.
+    All,
+}
+
+/// What is carried.
+#[derive(Debug, Clone, Default)]
+pub struct SenderOptions {
+    /// Where the other machines are.
+    pub endpoints: Endpoints,
+    /// Topics, with or without a leading slash; all if there are none.
+    pub topics: Vec<String>,
+    /// Commands from there.
+    pub commands: CarriedCommands,
+}
+
+/// Hands the streams of a domain to other machines, each for as long as somebody there takes it, and their commands to
+/// the domain.
+///
+/// It is a consumer as others are, a thread a stream: a slow network costs it frames, and the simulator nothing.
+pub struct LinkSender {
+    node: Node,
+    options: SenderOptions,
+    wanted: BTreeSet<String>,
+    transport: Transport,
+    announcements: Outlet,
+    carriers: BTreeMap<String, Carrier>,
+    /// Threads of streams that are gone, which may still be waiting for the network.
+    ending: Vec<JoinHandle<()>>,
+    tallies: Tallies,
+    next_look: Instant,
+    next_announcement: Instant,
+}
+
+/// A stream that is told of.
+struct Carrier {
+    described: Described,
+    way: Way,
+}
+
+enum Way {
+    /// From the robot.
+    Out { stop: Arc<AtomicBool>, thread: JoinHandle<()> },
+    /// To it.
+    In { _inlet: Inlet, end: Arc<Mutex<CommandEnd>> },
+}
+
+impl LinkSender {
+    /// Opens the way to other machines.
+    ///
+    /// # Errors
+    /// When an address cannot be listened at.
+    pub fn open(node: Node, options: SenderOptions) -> Result<Self, LinkError> {
+        let transport = Transport::open(&options.endpoints)?;
+        let key = wire::announcement_key(node.domain().as_str());
+        let announcements = transport.outlet(key, Urgency::Told)?;
+        let wanted = options.topics.iter().map(|topic| topic.trim_start_matches('/').to_owned()).collect();
+        let now = Instant::now();
+        Ok(Self {
+            node,
+            options,
+            wanted,
+            transport,
+            announcements,
+            carriers: BTreeMap::new(),
+            ending: Vec::new(),
+            tallies: Tallies::default(),
+            next_look: now,
+            next_announcement: now,
+        })
+    }
+
+    /// Looks after streams that come and go; to be called some fifty times a second.
+    ///
+    /// # Errors
+    /// When streams cannot be listed or opened; the others are carried on.
+    pub fn tend(&mut self) -> Result<(), LinkError> {
+        let now = Instant::now();
+        let looked = if now >= self.next_look {
+            self.next_look = now + LOOK;
+            self.look()
+        } else {
+            Ok(())
+        };
+        if now >= self.next_announcement {
+            self.next_announcement = now + ANNOUNCE;
+            let streams = self.carriers.values().map(|carrier| carrier.described.clone()).collect();
+            self.announcements.put(Announcement::new(streams).to_bytes())?;
+        }
+        looked
+    }
+
+    fn look(&mut self) -> Result<(), LinkError> {
+        let infos = self.node.streams()?;
+        let described = infos.iter().filter_map(Described::new);
+        let here: BTreeMap<String, (Described, StreamSpec)> = described
+            .filter_map(|described| {
+                let spec = described.spec()?;
+                self.is_carried(&spec).then(|| (described.topic.clone(), (described, spec)))
+            })
+            .collect();
+        let is_same = |topic: &String, carrier: &mut Carrier| {
+            here.get(topic).is_some_and(|(described, _)| *described == carrier.described)
+        };
+        let gone = self.carriers.extract_if(.., |topic, carrier| !is_same(topic, carrier));
+        for (_, carrier) in gone.collect::<Vec<_>>() {
+            self.end(carrier);
+        }
+        self.ending.retain(|thread| !thread.is_finished());
+        let mut done = Ok(());
+        for (topic, (described, spec)) in here {
+            if !self.carriers.contains_key(&topic) {
+                match self.carrier(described, spec) {
+                    Ok(carrier) => {
+                        self.carriers.insert(topic, carrier);
+                        self.next_announcement = Instant::now();
+                    }
+                    // It is tried again at the next look; the others do not wait for it.
+                    Err(error) => done = Err(error),
+                }
+            }
+        }
+        done
+    }
+
+    fn is_carried(&self, spec: &StreamSpec) -> bool {
+        let commands = self.options.commands;
+        let is_allowed = match spec.kind {
+            Kind::SimulationCommand | Kind::SimulationResult => commands == CarriedCommands::All,
+            kind if wire::is_command(kind) => commands != CarriedCommands::None,
+            _ => true,
+        };
+        is_allowed && (self.wanted.is_empty() || self.wanted.contains(&spec.topic))
+    }
+
+    fn carrier(&self, described: Described, spec: StreamSpec) -> Result<Carrier, LinkError> {
+        let domain = self.node.domain().as_str();
+        let is_command = wire::is_command(spec.kind);
+        let tally = self.tallies.of(&spec.topic, is_command);
+        let way = if is_command {
+            let key = wire::command_key(domain, &spec.topic);
+            let end = CommandEnd { node: self.node.clone(), spec, publisher: None, tally };
+            let end = Arc::new(Mutex::new(end));
+            let taker = end.clone();
+            let inlet = self.transport.inlet(key, move |_, message| {
+                taker.lock().unwrap_or_else(PoisonError::into_inner).take(message.reader(), message.len());
+            })?;
+            Way::In { _inlet: inlet, end }
+        } else {
+            let urgency = if spec.encoding == Encoding::Struct { Urgency::Message } else { Urgency::Bulk };
+            let outlet = self.transport.outlet(wire::frame_key(domain, &spec.topic), urgency)?;
+            let stop = Arc::new(AtomicBool::new(false));
+            let (node, stopped) = (self.node.clone(), stop.clone());
+            let thread = std::thread::Builder::new()
+                .name("link stream".into())
+                .spawn(move || carry(&node, &spec, &outlet, &stopped, &tally))?;
+            Way::Out { stop, thread }
+        };
+        Ok(Carrier { described, way })
+    }
+
+    fn end(&mut self, carrier: Carrier) {
+        match carrier.way {
+            Way::Out { stop, thread } => {
+                stop.store(true, Ordering::Relaxed);
+                self.ending.push(thread);
+            }
+            // A message that is just being taken may still hold it.
+            Way::In { end, .. } => end.lock().unwrap_or_else(PoisonError::into_inner).publisher = None,
+        }
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> LinkProgress {
+        let streams = self.carriers.len();
+        LinkProgress { peers: self.transport.peers(), streams, ..self.tallies.sum() }
+    }
+
+    /// Frames carried and lost of each topic.
+    pub fn by_topic(&self) -> BTreeMap<String, (u64, u64)> {
+        self.tallies.by_topic()
+    }
+
+    /// Tells the others that nothing more comes, and ends.
+    pub fn close(mut self) {
+        for (_, carrier) in std::mem::take(&mut self.carriers) {
+            self.end(carrier);
+        }
+        if self.announcements.is_wanted()
+            && let Err(error) = self.announcements.put(Announcement::new(Vec::new()).to_bytes())
+        {
+            tracing::debug!(%error, "the other side was not told of the end");
+        }
+        self.transport.close();
+        for thread in self.ending {
+            // One that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Carries a stream for as long as somebody wants it.
+fn carry(node: &Node, spec: &StreamSpec, outlet: &Outlet, stop: &AtomicBool, tally: &Tally) {
+    let mut subscriber: Option<Subscriber> = None;
+    let mut kept = Kept::default();
+    while !stop.load(Ordering::Relaxed) {
+        let is_wanted = outlet.is_wanted();
+        tally.is_carried.store(is_wanted, Ordering::Relaxed);
+        if !is_wanted {
+            // Not followed, so not rendered.
+            subscriber = None;
+            std::thread::sleep(NAP);
+            continue;
+        }
+        let carried = match &mut subscriber {
+            Some(subscriber) => carry_next(subscriber, spec, outlet, tally, &mut kept),
+            None => node.subscriber(&spec.topic).map(|new| subscriber = Some(new)).map_err(LinkError::from),
+        };
+        if let Err(error) = carried {
+            tracing::warn!(topic = spec.topic, %error, "a frame is not carried");
+            std::thread::sleep(NAP);
+        }
+    }
+    tally.is_carried.store(false, Ordering::Relaxed);
+}
+
+/// The last message of a stream that is sent once, and again for those who come later.
+#[derive(Default)]
+struct Kept {
+    message: Option<Vec<u8>>,
+    sent: Option<Instant>,
+}
+
+fn carry_next(
+    subscriber: &mut Subscriber,
+    spec: &StreamSpec,
+    outlet: &Outlet,
+    tally: &Tally,
+    kept: &mut Kept,
+) -> Result<(), LinkError> {
+    if !subscriber.wait(WAIT)? {
+        if let Some(message) = &kept.message
+            && kept.sent.is_none_or(|sent| sent.elapsed() >= ANNOUNCE)
+        {
+            kept.sent = Some(Instant::now());
+            outlet.put(message.clone())?;
+        }
+        return Ok(());
+    }
+    // Of pictures the newest; of messages, such as transforms, every one.
+    let frame = match spec.encoding {
+        Encoding::Struct => subscriber.take()?,
+        _ => subscriber.take_newest()?,
+    };
+    let Some(frame) = frame else { return Ok(()) };
+    tally.lose(frame.missed());
+    let message = wire::frame(frame.header(), frame.payload());
+    let bytes = frame.payload().len();
+    // Before the network is waited for, so that the stream has its memory back.
+    drop(frame);
+    if matches!(spec.kind, Kind::StaticTransforms | Kind::SensorSettings) {
+        *kept = Kept { message: Some(message.clone()), sent: Some(Instant::now()) };
+    }
+    outlet.put(message)?;
+    tally.carry(bytes);
+    Ok(())
+}
+
+/// The end of a command stream in this machine's domain.
+struct CommandEnd {
+    node: Node,
+    spec: StreamSpec,
+    /// Opened by the first command, so that one who only looks takes no place of a driver; and the longest that it sends.
+    publisher: Option<Publisher>,
+    tally: Arc<Tally>,
+}
+
+impl CommandEnd {
+    fn take(&mut self, message: impl std::io::Read, len: usize) {
+        if let Err(error) = self.try_to_take(message, len) {
+            self.tally.refuse(&self.spec.topic, &error);
+        }
+    }
+
+    fn try_to_take(
+        &mut self,
+        mut message: impl std::io::Read,
+        len: usize,
+    ) -> Result<(), Box<dyn std::error::Error>> {
+        let header = wire::header(&mut message, len, &self.spec)?;
+        let len = header.payload_len as usize;
+        let publisher = match self.publisher.take() {
+            Some(publisher) if publisher.max_payload_len() >= len => publisher,
+            smaller => {
+                // Places of senders are few.
+                drop(smaller);
+                let max_payload_len = self.spec.max_payload_len.max(len);
+                self.node.publisher(&StreamSpec { max_payload_len, ..self.spec.clone() })?
+            }
+        };
+        let publisher = self.publisher.insert(publisher);
+        let mut frame = publisher.loan(len)?;
+        message.read_exact(frame.payload_mut())?;
+        *frame.header_mut() = header;
+        frame.send()?;
+        self.tally.carry(len);
+        Ok(())
+    }
+}

@@ -1,0 +1,92 @@
+//! What a link has carried and lost.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// How far a link is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LinkProgress {
+    /// Machines that there is a connection with.
+    pub peers: usize,
+    /// Streams that are told of.
+    pub streams: usize,
+    /// Of them, those that are carried now, as somebody takes them.
+    pub carried: usize,
+    /// Frames carried, commands included.
+    pub frames: u64,
+    /// Bytes of their payloads.
+    pub bytes: u64,
+    /// Commands among them.
+    pub commands: u64,
+    /// Frames that were sent and not carried: there was no time or no way for them.
+    pub lost: u64,
+    /// Messages from the network that were not taken, since they were no frames of the stream.
+    pub refused: u64,
+}
+
+/// What was carried of one stream.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    pub(super) is_carried: AtomicBool,
+    pub(super) frames: AtomicU64,
+    pub(super) bytes: AtomicU64,
+    pub(super) lost: AtomicU64,
+    pub(super) refused: AtomicU64,
+}
+
+impl Tally {
+    pub(super) fn carry(&self, bytes: usize) {
+        self.frames.fetch_add(1, Ordering::Relaxed);
+        self.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
+    }
+
+    pub(super) fn lose(&self, frames: u64) {
+        // Numbers come from the network: none is too large to be counted.
+        let add = |lost: u64| Some(lost.saturating_add(frames));
+        let _ = self.lost.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
+    }
+
+    /// Counts what is not taken; the first, and then each tenth, hundredth … is warned of.
+    pub(super) fn refuse(&self, topic: &str, why: &dyn std::fmt::Display) {
+        let refused = self.refused.fetch_add(1, Ordering::Relaxed) + 1;
+        if refused == 10_u64.pow(refused.ilog10()) {
+            tracing::warn!(topic, refused, "a message from the network was refused: {why}");
+        }
+    }
+}
+
+/// The tallies of all streams, also of those that are gone.
+#[derive(Debug, Default)]
+pub(super) struct Tallies(Mutex<BTreeMap<String, (bool, Arc<Tally>)>>);
+
+impl Tallies {
+    /// Of a stream, as it was left.
+    pub(super) fn of(&self, topic: &str, is_command: bool) -> Arc<Tally> {
+        let mut tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        tallies.entry(topic.to_owned()).or_insert_with(|| (is_command, Arc::default())).1.clone()
+    }
+
+    /// All together; peers and streams are the caller's to know.
+    pub(super) fn sum(&self) -> LinkProgress {
+        let mut sum = LinkProgress::default();
+        for (is_command, tally) in self.0.lock().unwrap_or_else(PoisonError::into_inner).values() {
+            let frames = tally.frames.load(Ordering::Relaxed);
+            sum.frames += frames;
+            sum.commands += if *is_command { frames } else { 0 };
+            sum.carried += usize::from(tally.is_carried.load(Ordering::Relaxed));
+            sum.bytes += tally.bytes.load(Ordering::Relaxed);
+            sum.lost = sum.lost.saturating_add(tally.lost.load(Ordering::Relaxed));
+            sum.refused += tally.refused.load(Ordering::Relaxed);
+        }
+        sum
+    }
+
+    /// Frames carried and lost of each stream of which there were any.
+    pub(super) fn by_topic(&self) -> BTreeMap<String, (u64, u64)> {
+        let tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let read = |tally: &Tally| (tally.frames.load(Ordering::Relaxed), tally.lost.load(Ordering::Relaxed));
+        let each = tallies.iter().map(|(topic, (_, tally))| (topic.clone(), read(tally)));
+        each.filter(|(_, counts)| *counts != (0, 0)).collect()
+    }
+}

@@ -1,0 +1,177 @@
+//! Zenoh, and nothing but it: bytes on keys between two machines.
+
+use super::LinkError;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use zenoh::bytes::ZBytes;
+use zenoh::pubsub::{Publisher, Subscriber};
+use zenoh::qos::{CongestionControl, Priority};
+use zenoh::{Config, Session, Wait as _};
+
+/// Largest message that is taken from the network, bytes: eight frames of four million RGB pixels.
+pub(super) const MAX_MESSAGE: usize = 128 << 20;
+
+/// Settings of Zenoh that are not its defaults, as its configuration file names them.
+const SETTINGS: &[(&str, &str)] = &[
+    // Who is met is who was named: nobody is looked for, and nothing is told of others.
+    ("scouting/multicast/enabled", "false"),
+    ("scouting/gossip/enabled", "false"),
+    // A peer that is not there at first, or goes, is tried again every second.
+    ("connect/timeout_ms", "-1"),
+    ("connect/exit_on_failure", "false"),
+    ("connect/retry/period_init_ms", "500"),
+    ("connect/retry/period_max_ms", "1000"),
+    ("connect/retry/period_increase_factor", "1"),
+    // A peer that says nothing for three seconds is gone; it says something every 0.75 s.
+    ("transport/link/tx/lease", "3000"),
+    // What waits in the system's buffer is late, and nothing can overtake it there.
+    ("transport/link/tcp/so_sndbuf", "524288"),
+    // Buffers of a megabyte: a picture comes in a few reads.
+    ("transport/link/rx/buffer_size", "1048576"),
+];
+
+/// Where the other machine is, each as `tcp/HOST:PORT`.
+#[derive(Debug, Clone, Default)]
+pub struct Endpoints {
+    /// Addresses of this machine, at which others are waited for.
+    pub listen: Vec<String>,
+    /// Addresses of others, which are called, again and again.
+    pub connect: Vec<String>,
+}
+
+/// How soon a message goes when others wait, too.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Urgency {
+    /// Before all others.
+    Command,
+    /// Before pictures, and not at all if there is no room: it is told again soon.
+    Told,
+    /// Before pictures.
+    Message,
+    /// After what is small.
+    Bulk,
+}
+
+/// A session with other machines.
+pub(super) struct Transport {
+    session: Session,
+}
+
+impl Transport {
+    pub(super) fn open(endpoints: &Endpoints) -> Result<Self, LinkError> {
+        let what = || {
+            let calls = endpoints.connect.iter().map(|address| format!("--connect {address}"));
+            let ears = endpoints.listen.iter().map(|address| format!("--listen {address}"));
+            ears.chain(calls).collect::<Vec<_>>().join(" ")
+        };
+        let failed = |error: zenoh::Error| LinkError::Transport { what: what(), detail: error.to_string() };
+        let mut config = Config::default();
+        for (key, value) in SETTINGS {
+            config.insert_json5(key, value).map_err(failed)?;
+        }
+        config
+            .insert_json5("transport/link/rx/max_message_size", &MAX_MESSAGE.to_string())
+            .map_err(failed)?;
+        // Set in any case: by default Zenoh listens on all addresses.
+        for (key, addresses) in
+            [("listen/endpoints", &endpoints.listen), ("connect/endpoints", &endpoints.connect)]
+        {
+            let addresses = serde_json::Value::from(addresses.clone()).to_string();
+            config.insert_json5(key, &addresses).map_err(failed)?;
+        }
+        Ok(Self { session: zenoh::open(config).wait().map_err(failed)? })
+    }
+
+    /// Machines, or routers, that there is a connection with.
+    pub(super) fn peers(&self) -> usize {
+        let info = self.session.info();
+        info.peers_zid().wait().count() + info.routers_zid().wait().count()
+    }
+
+    /// The sending end of a key.
+    pub(super) fn outlet(&self, key: String, urgency: Urgency) -> Result<Outlet, LinkError> {
+        let failed = |error: zenoh::Error| LinkError::Transport {
+            what: "opening a key for sending".into(),
+            detail: error.to_string(),
+        };
+        let priority = match urgency {
+            Urgency::Command => Priority::RealTime,
+            Urgency::Told | Urgency::Message => Priority::InteractiveHigh,
+            Urgency::Bulk => Priority::Data,
+        };
+        // Whoever sends waits for room: it is the link that does so, never the simulator, whose frames give way in shared
+        // memory. Dropped by Zenoh, large frames would hardly ever pass a narrow line.
+        let congestion = match urgency {
+            Urgency::Told => CongestionControl::Drop,
+            _ => CongestionControl::Block,
+        };
+        let publisher = self
+            .session
+            .declare_publisher(key)
+            .congestion_control(congestion)
+            .priority(priority)
+            .express(true)
+            .wait()
+            .map_err(failed)?;
+        let is_wanted = Arc::new(AtomicBool::new(false));
+        let told = is_wanted.clone();
+        // It is told what is, and then of changes.
+        publisher
+            .matching_listener()
+            .callback(move |status| told.store(status.matching(), Ordering::Relaxed))
+            .background()
+            .wait()
+            .map_err(failed)?;
+        Ok(Outlet { publisher, is_wanted })
+    }
+
+    /// The receiving end of a key, or of all that a pattern stands for. `taken` gets each message with its key, in a
+    /// thread of Zenoh's, which it must not hold up.
+    pub(super) fn inlet(
+        &self,
+        key: String,
+        taken: impl Fn(&str, &ZBytes) + Send + Sync + 'static,
+    ) -> Result<Inlet, LinkError> {
+        self.session
+            .declare_subscriber(key)
+            .callback(move |sample| taken(sample.key_expr().as_str(), sample.payload()))
+            .wait()
+            .map(Inlet)
+            .map_err(|error| LinkError::Transport {
+                what: "opening a key for receiving".into(),
+                detail: error.to_string(),
+            })
+    }
+
+    /// Ends it; who waits for room goes on.
+    pub(super) fn close(&self) {
+        if let Err(error) = self.session.close().wait() {
+            tracing::debug!(%error, "the session did not end in order");
+        }
+    }
+}
+
+/// See [`Transport::outlet`].
+pub(super) struct Outlet {
+    publisher: Publisher<'static>,
+    is_wanted: Arc<AtomicBool>,
+}
+
+impl Outlet {
+    /// Whether somebody has the other end; costs a read of memory.
+    pub(super) fn is_wanted(&self) -> bool {
+        self.is_wanted.load(Ordering::Relaxed)
+    }
+
+    /// Sends a message, and waits while there is no room for it: while the line is narrower than what is sent, and for
+    /// some seconds after it was cut.
+    pub(super) fn put(&self, message: Vec<u8>) -> Result<(), LinkError> {
+        self.publisher.put(message).wait().map_err(|error| LinkError::Transport {
+            what: format!("sending {}", self.publisher.key_expr()),
+            detail: error.to_string(),
+        })
+    }
+}
+
+/// See [`Transport::inlet`]; what comes is taken until it is dropped.
+pub(super) struct Inlet(#[allow(dead_code, reason = "kept for its end")] Subscriber<()>);

@@ -1,0 +1,340 @@
+"""A simulator in one network namespace, consumers of its streams in another, and all that can happen in between.
+
+check.py BELVEDERE FOLDER: needs root, `ip` and `tc` of iproute2, and the Python packages belvedere and eclipse-zenoh.
+Prints what was measured; ends with an error when something does not hold.
+"""
+
+import contextlib
+import json
+import os
+import signal
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+belvedere, folder = sys.argv[1], Path(sys.argv[2])
+here = Path(__file__).parent
+# Shared memory is common to both namespaces, so each side has a domain of its own.
+tag = os.getpid()
+near, far = f"near-{tag}", f"far-{tag}"
+spaces = {near: f"blvd-near-{tag}", far: f"blvd-far-{tag}"}
+cables = {near: f"bn{tag}", far: f"bf{tag}"}
+ADDRESS = "10.77.15.1:7447"
+running = []
+
+
+def ip(*words):
+    subprocess.run(("ip", *words), check=True)
+
+
+def inside(domain, *words):
+    return ("ip", "netns", "exec", spaces[domain], *words)
+
+
+def start(name, domain, *words):
+    with open(folder / f"{name}.log", "ab") as log:
+        process = subprocess.Popen(inside(domain, *words), stdout=log, stderr=log)
+    process.log = folder / f"{name}.log"
+    running.append(process)
+    return process
+
+
+def end(process, how=signal.SIGTERM):
+    process.send_signal(how)
+    try:
+        process.wait(15)
+    except subprocess.TimeoutExpired:
+        raise SystemExit(f"{process.args} does not end") from None
+    running.remove(process)
+    return process.returncode
+
+
+def ended_well(process):
+    code = end(process, signal.SIGINT)
+    assert code == 0, f"{process.args} ended with {code}:\n{process.log.read_text()}"
+
+
+class Frames:
+    """A consumer beside this process, and what it has written."""
+
+    number = 0
+
+    def __init__(self, domain, topic):
+        Frames.number += 1
+        self.path = folder / f"frames-{Frames.number}"
+        self.path.touch()
+        script = str(here / "frames.py")
+        self.process = start(f"consumer-{Frames.number}", domain, sys.executable, script, domain, topic, str(self.path))
+
+    def now(self):
+        """The frames so far: by session and number, (stamp, sent, taken, missed, hash)."""
+        found = {}
+        for line in self.path.read_text().splitlines():
+            words = line.split()
+            if len(words) == 7:
+                session, seq, stamp, sent, taken, missed = map(int, words[:6])
+                found[session, seq] = (stamp, sent, taken, missed, words[6])
+        return found
+
+    def wait(self, count, seconds, what):
+        """Waits for so many frames more than there are."""
+        before, deadline = len(self.now()), time.monotonic() + seconds
+        while len(self.now()) < before + count:
+            assert time.monotonic() < deadline, f"{what}: {len(self.now()) - before} of {count} frames in {seconds} s"
+            assert self.process.poll() is None, f"{what}: the consumer has ended"
+            time.sleep(0.02)
+
+    def end(self):
+        end(self.process)
+        return self.now()
+
+
+def send(*words):
+    return start("send", near, belvedere, "link", "send", "--domain", near, "--listen", f"tcp/{ADDRESS}", *words)
+
+
+def receive(*words):
+    words = ("--domain", far, "--from", near, "--connect", f"tcp/{ADDRESS}", *words)
+    return start("receive", far, belvedere, "link", "receive", *words)
+
+
+def listed(domain):
+    words = inside(domain, belvedere, "list", "--domain", domain, "--json")
+    said = subprocess.run(words, capture_output=True, text=True, check=False).stdout
+    return {stream["topic"]: stream for stream in map(json.loads, said.splitlines())}
+
+
+def until(holds, seconds, what):
+    deadline = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < deadline, f"in vain for {seconds} s: {what}"
+        time.sleep(0.05)
+
+
+def compared(topic, what, count, seconds, *, lossless=False):
+    """Takes a stream on both sides, compares every frame that crossed, and says how it did."""
+    sides = [Frames(domain, topic) for domain in (near, far)]
+    for side in sides:
+        side.wait(1, 15, f"{what}: {topic}")
+    sides[1].wait(count, seconds, f"{what}: {topic}")
+    after, before = sides[1].end(), sides[0].end()
+    common = sorted(set(before) & set(after))
+    assert len(common) >= count * 0.7, f"{what}: {len(common)} frames of {topic} on both sides"
+    for key in common:
+        assert before[key][4] == after[key][4], f"{what}: {topic}: frame {key} is another one over there"
+        assert before[key][0] == after[key][0]
+    # Between the first and the last of those that crossed.
+    sent = [key for key in before if common[0] <= key <= common[-1]]
+    lost = len(sent) - len(common)
+    latencies = sorted((after[key][2] - before[key][1]) / 1e6 for key in common)
+    percent = 100 * lost / len(sent)
+    p99 = latencies[min(len(latencies) - 1, int(len(latencies) * 0.99))]
+    seconds = (before[common[-1]][1] - before[common[0]][1]) / 1e9
+    print(
+        f"{what}: {topic}: {len(common)} frames in {seconds:.1f} s, all bytes equal, {lost} lost ({percent:.1f} %), "
+        f"from sending to taking {statistics.median(latencies):.2f} ms median, {p99:.2f} ms p99",
+        flush=True,
+    )
+    assert not lossless or lost == 0, f"{what}: {lost} frames of {topic} were lost"
+
+
+def drive(domain, velocity, seconds):
+    words = (sys.executable, "-c", DRIVE, domain, str(velocity), str(seconds))
+    subprocess.run(inside(domain, *words), check=True)
+
+
+DRIVE = """
+import belvedere, sys, time
+domain, velocity, seconds = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
+with belvedere.Node("driver", domain=domain) as node:
+    with node.subscribe("odom") as odom, node.velocity_publisher("cmd_vel") as wheels:
+        assert wheels.wait(10), "nobody takes commands"
+        end = time.monotonic() + seconds
+        fastest = 0.0
+        while time.monotonic() < end:
+            wheels.send(velocity, 0.0)
+            odom.wait(0.1)
+            while (frame := odom.take()) is not None:
+                with frame:
+                    fastest = max(fastest, float(frame.array["twist_linear"].ravel()[0]))
+            time.sleep(0.02)
+        assert fastest > velocity * 0.8, f"told to go {velocity} m/s, it went {fastest}"
+        print(f"commands: told to go {velocity} m/s there, it goes {fastest:.2f} m/s here", flush=True)
+"""
+
+
+def cable(state):
+    ip("-n", spaces[near], "link", "set", cables[near], state)
+
+
+def shape(*words):
+    for domain in (near, far):
+        tc = ("tc", "qdisc", "replace", "dev", cables[domain], "root", *words)
+        subprocess.run(inside(domain, *tc), check=True)
+
+
+def run():
+    address, _, _ = ADDRESS.partition(":")
+    for space in spaces.values():
+        ip("netns", "add", space)
+        ip("-n", space, "link", "set", "lo", "up")
+    ends = ("link", "add", cables[near], "netns", spaces[near], "type", "veth", "peer")
+    ip(*ends, "name", cables[far], "netns", spaces[far])
+    for domain, own in ((near, address), (far, "10.77.15.2")):
+        ip("-n", spaces[domain], "address", "add", f"{own}/24", "dev", cables[domain])
+        ip("-n", spaces[domain], "link", "set", cables[domain], "up")
+
+    # The far side first: it goes on trying, and says so.
+    receiver = receive()
+    until(lambda: "there is no connection" in receiver.log.read_text(), 20, "a word that nobody is there")
+    simulator = start("simulator", near, belvedere, "run", "--domain", near, "--drive", "still")
+    until(lambda: "/image_raw" in listed(near), 60, "a simulator")
+    sender = send()
+    until(lambda: "/image_raw" in listed(far), 20, "its streams on the other side")
+    described = ("kind", "encoding", "rate_hz", "frame_id", "layers", "max_payload_bytes")
+    here_now, there_now = listed(near), listed(far)
+    left_out = {"/simulation/command", "/simulation/result"}
+    assert set(here_now) - set(there_now) == left_out, set(here_now) ^ set(there_now)
+    for topic, stream in there_now.items():
+        assert [stream[name] for name in described] == [here_now[topic][name] for name in described], topic
+    print(f"{len(there_now)} streams are described there as here")
+
+    # Nobody looks over there, so nobody renders here; then somebody does, and goes.
+    time.sleep(1)
+    assert listed(near)["/image_raw"]["subscribers"] == 0, "pictures are taken for nobody"
+    looker = Frames(far, "image_raw")
+    looker.wait(5, 20, "pictures on the other side")
+    assert listed(near)["/image_raw"]["subscribers"] == 1
+    looker.end()
+    until(lambda: listed(near)["/image_raw"]["subscribers"] == 0, 5, "the end of interest")
+    print("a stream that nobody takes there is not taken here")
+
+    compared("image_raw", "a free cable", 330, 60)
+    compared("scan", "a free cable", 20, 20)
+    late = Frames(far, "tf_static")
+    late.wait(1, 5, "what was sent once, long ago")
+    late.end()
+    drive(far, 0.3, 2)
+
+    # A cable that is cut, for less and for more than the three seconds after which a connection is given up.
+    for seconds in (1.5, 8.0):
+        here_side, there_side = Frames(near, "odom"), Frames(far, "odom")
+        pictures = Frames(far, "image_raw")
+        pictures.wait(10, 20, "pictures before the cut")
+        there_side.wait(10, 10, "odometry before the cut")
+        cable("down")
+        time.sleep(seconds)
+        cable("up")
+        mended = time.monotonic()
+        pictures.wait(1, 20, f"pictures after {seconds} s without a cable")
+        again = time.monotonic() - mended
+        pictures.wait(30, 20, "more of them")
+        there_side.wait(30, 20, "odometry after the cut")
+        after, before = there_side.end(), here_side.end()
+        pictures.end()
+        keys = sorted(before)
+        stamps = [before[key][0] for key in keys]
+        # The simulator's own consumer has lost nothing, so the simulator has not waited.
+        assert sum(frame[3] for frame in before.values()) == 0, "frames were lost beside the simulator"
+        wall = [before[key][1] for key in keys]
+        slowest = max(b - a for a, b in zip(wall, wall[1:], strict=False)) / 1e6
+        assert slowest < 1000, f"the simulator stood for {slowest} ms"
+        first, last = min(after), max(after)
+        lost = sum(1 for key in before if first <= key <= last) - len(after)
+        told = sum(frame[3] for key, frame in after.items() if key != first)
+        assert lost == told, f"{lost} lost, consumers were told of {told}"
+        assert all(before[key][4] == frame[4] for key, frame in after.items() if key in before)
+        print(
+            f"cable cut for {seconds} s: pictures again {again:.1f} s after it was mended; of odometry {lost} lost, which "
+            f"consumers are told of; the simulator sent {len(stamps)} meanwhile, its longest pause {slowest:.0f} ms",
+            flush=True,
+        )
+
+    # Either side is killed.
+    for name in ("send", "receive"):
+        there_side = Frames(far, "image_raw")
+        there_side.wait(10, 20, "pictures before a kill")
+        victim = sender if name == "send" else receiver
+        running.remove(victim)
+        victim.kill()
+        victim.wait()
+        time.sleep(1)
+        killed = time.monotonic()
+        if name == "send":
+            sender = send()
+        else:
+            receiver = receive()
+        there_side.wait(1, 30, f"pictures after `{name}` was killed")
+        again = time.monotonic() - killed
+        there_side.wait(30, 20, "more of them")
+        frames = there_side.end()
+        assert len({session for session, _ in frames}) == 1, "the same simulator is told as another"
+        print(f"`link {name}` killed and started again: pictures again after {again:.1f} s", flush=True)
+    drive(far, 0.2, 2)
+
+    # Lines that are narrow, long, or both; and a bad one.
+    for what, words in (
+        ("100 Mbit/s, 20 ms", ("netem", "delay", "10ms", "rate", "100mbit", "limit", "10000")),
+        ("300 Mbit/s, 2 ms", ("netem", "delay", "1ms", "rate", "300mbit", "limit", "10000")),
+        ("1 % of packets lost, 2 ms", ("netem", "delay", "1ms", "loss", "1%", "limit", "10000")),
+    ):
+        shape(*words)
+        compared("image_raw", what, 60, 60)
+        compared("odom", what, 100, 30)
+    for domain in (near, far):
+        subprocess.run(inside(domain, "tc", "qdisc", "del", "dev", cables[domain], "root"), check=True)
+
+    # Somebody else's program of Zenoh, as hostile as it can.
+    words = (sys.executable, str(here / "hostile.py"))
+    watched = Frames(far, "image_raw")
+    watched.wait(10, 20, "pictures before the attack")
+    attack = inside(far, *words, f"tcp/{ADDRESS}", near, "6")
+    attack = subprocess.run(attack, check=True, capture_output=True, text=True)
+    watched.end()
+    assert sender.poll() is None and receiver.poll() is None, "a link did not survive"
+    print(f"{attack.stdout.strip()} hostile messages")
+    compared("image_raw", "after hostile messages", 60, 30)
+    until(lambda: len(listed(far)) == len(there_now), 10, "all streams after them")
+
+    # The simulator ends, and another comes.
+    ended_well(simulator)
+    until(lambda: "/image_raw" not in listed(far), 10, "the end of its streams over there")
+    again = Frames(far, "image_raw")
+    simulator = start("simulator", near, belvedere, "run", "--domain", near, "--drive", "spin", "--seed", "2")
+    again.wait(10, 60, "pictures of the next simulator")
+    again.end()
+
+    # All commands, and only some streams.
+    ended_well(sender)
+    until(lambda: not listed(far), 10, "the end of all streams over there")
+    sender = send("--commands", "all")
+    until(lambda: "/simulation/result" in listed(far), 20, "the simulation's results on the other side")
+    for words in (("pause",), ("step", "3"), ("resume",)):
+        subprocess.run(inside(far, belvedere, "control", "--domain", far, *words), check=True, capture_output=True)
+    print("the simulation was paused, stepped and resumed from there")
+    ended_well(receiver)
+    receiver = receive("/scan", "odom")
+    until(lambda: set(listed(far)) == {"/scan", "/odom"}, 20, "two streams alone")
+    # A second link in a domain that has one.
+    second = receive("/scan")
+    assert second.wait(20) == 1 and "is in use" in second.log.read_text(), second.log.read_text()
+    running.remove(second)
+    for process in (receiver, sender, simulator):
+        ended_well(process)
+
+
+try:
+    run()
+except BaseException:
+    for log in sorted(folder.glob("*.log")):
+        print(f"--- {log.name}\n{log.read_text()[-4000:]}", file=sys.stderr)
+    raise
+finally:
+    for process in running:
+        with contextlib.suppress(ProcessLookupError):
+            process.kill()
+            process.wait()
+    for space in spaces.values():
+        subprocess.run(("ip", "netns", "del", space), check=False, stderr=subprocess.DEVNULL)

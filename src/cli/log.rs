@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use tracing_subscriber::EnvFilter;
 
 /// What is shown without `RUST_LOG`.
-const DEFAULT_FILTER: &str = "warn,belvedere=info";
+const DEFAULT_FILTER: &str = "warn,belvedere=info,zenoh=error";
 
 /// The lines of the live status, if there is one: log lines go above them.
 pub fn status_lines() -> &'static MultiProgress {

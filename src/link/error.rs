@@ -18,6 +18,8 @@ pub enum LinkError {
         detail: String,
     },
     /// The system gives no thread.
-    #[error("the system gives no thread that follows a stream: {0}; end other programs, or raise `ulimit -u`")]
+    #[error(
+        "the system gives no thread that follows a stream: {0}; end other programs, or raise `ulimit -u`"
+    )]
     Thread(#[from] std::io::Error),
 }

@@ -171,6 +171,7 @@ impl LinkSender {
         let tally = self.tallies.of(&spec.topic, is_command);
         let way = if is_command {
             let key = wire::command_key(domain, &spec.topic);
+            tally.is_carried.store(true, Ordering::Relaxed);
             let end = CommandEnd { node: self.node.clone(), spec, publisher: None, tally };
             let end = Arc::new(Mutex::new(end));
             let taker = end.clone();
@@ -198,7 +199,11 @@ impl LinkSender {
                 self.ending.push(thread);
             }
             // A message that is just being taken may still hold it.
-            Way::In { end, .. } => end.lock().unwrap_or_else(PoisonError::into_inner).publisher = None,
+            Way::In { end, .. } => {
+                let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
+                end.publisher = None;
+                end.tally.is_carried.store(false, Ordering::Relaxed);
+            }
         }
     }
 

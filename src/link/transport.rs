@@ -19,9 +19,7 @@ const SETTINGS: &[(&str, &str)] = &[
     // A peer that is not there at first, or goes, is tried again every second.
     ("connect/timeout_ms", "-1"),
     ("connect/exit_on_failure", "false"),
-    ("connect/retry/period_init_ms", "500"),
-    ("connect/retry/period_max_ms", "1000"),
-    ("connect/retry/period_increase_factor", "1"),
+    ("connect/retry", "{ period_init_ms: 500, period_max_ms: 1000, period_increase_factor: 2 }"),
     // A peer that says nothing for three seconds is gone; it says something every 0.75 s.
     ("transport/link/tx/lease", "3000"),
     // What waits in the system's buffer is late, and nothing can overtake it there.

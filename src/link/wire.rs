@@ -59,10 +59,7 @@ pub(super) struct Described {
 
 /// Streams towards a robot or its simulator.
 pub(super) fn is_command(kind: Kind) -> bool {
-    matches!(
-        kind,
-        Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower | Kind::SimulationCommand
-    )
+    matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower | Kind::SimulationCommand)
 }
 
 /// Why something from the network is not taken.
@@ -155,7 +152,8 @@ impl Described {
         let fits = max_payload_len <= MAX_MESSAGE - size_of::<FrameHeader>();
         let is_right = spec.encoding == encoding && spec.name().is_ok_and(|name| name == self.topic);
         let rate_hz = self.rate_hz.filter(|rate| rate.is_finite() && *rate > 0.0);
-        let spec = StreamSpec { history, max_payload_len, rate_hz, layers: self.layers, ..spec }.frame_id(&self.frame_id);
+        let spec = StreamSpec { history, max_payload_len, rate_hz, layers: self.layers, ..spec }
+            .frame_id(&self.frame_id);
         (fits && is_right && spec.header().is_ok()).then_some(spec)
     }
 }
@@ -170,11 +168,7 @@ pub(super) fn frame(header: &FrameHeader, payload: &[u8]) -> Vec<u8> {
 
 /// The header of a message of so many bytes, checked against all that a reader of its payload relies on; the payload is
 /// what is left in `message`.
-pub(super) fn header(
-    mut message: impl Read,
-    len: usize,
-    spec: &StreamSpec,
-) -> Result<FrameHeader, Refusal> {
+pub(super) fn header(mut message: impl Read, len: usize, spec: &StreamSpec) -> Result<FrameHeader, Refusal> {
     let mut header = FrameHeader::default();
     let Some(there) = len.checked_sub(size_of::<FrameHeader>()) else { return Err(Refusal::Short(len)) };
     message.read_exact(bytemuck::bytes_of_mut(&mut header)).map_err(|_| Refusal::Short(len))?;
@@ -264,7 +258,8 @@ mod tests {
         let spec = described.spec().unwrap();
         assert_eq!((spec.kind, spec.encoding, spec.history), (Kind::LaserScan, Encoding::RangesF32, 0));
         assert_eq!((spec.rate_hz, spec.layers, spec.max_payload_len), (Some(5.5), Some(16), 2880));
-        let command = Described { kind: "velocity_command".into(), encoding: "struct".into(), ..described.clone() };
+        let command =
+            Described { kind: "velocity_command".into(), encoding: "struct".into(), ..described.clone() };
         assert_eq!(command.spec().unwrap().max_publishers, 8);
         let spoilt = [
             Described { topic: "/scan".into(), ..described.clone() },

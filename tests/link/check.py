@@ -1,6 +1,7 @@
 """A simulator in one network namespace, consumers of its streams in another, and all that can happen in between.
 
-check.py BELVEDERE FOLDER: needs root, `ip` and `tc` of iproute2, and the Python packages belvedere and eclipse-zenoh.
+check.py BELVEDERE FOLDER: the first is built with the feature `link`; the simulator, and all other commands, are
+BELVEDERE_BIN if that is set. Needs root, `ip` and `tc` of iproute2, and the Python packages belvedere and eclipse-zenoh.
 Prints what was measured; ends with an error when something does not hold.
 """
 
@@ -14,7 +15,8 @@ import sys
 import time
 from pathlib import Path
 
-belvedere, folder = sys.argv[1], Path(sys.argv[2])
+link, folder = sys.argv[1], Path(sys.argv[2])
+belvedere = os.environ.get("BELVEDERE_BIN", link)
 here = Path(__file__).parent
 # Shared memory is common to both namespaces, so each side has a domain of its own.
 tag = os.getpid()
@@ -92,12 +94,12 @@ class Frames:
 
 
 def send(*words):
-    return start("send", near, belvedere, "link", "send", "--domain", near, "--listen", f"tcp/{ADDRESS}", *words)
+    return start("send", near, link, "link", "send", "--domain", near, "--listen", f"tcp/{ADDRESS}", *words)
 
 
 def receive(*words):
     words = ("--domain", far, "--from", near, "--connect", f"tcp/{ADDRESS}", *words)
-    return start("receive", far, belvedere, "link", "receive", *words)
+    return start("receive", far, link, "link", "receive", *words)
 
 
 def listed(domain):

@@ -223,15 +223,12 @@ impl Shown {
 fn words(before: &LinkProgress, now: &LinkProgress, seconds: f64) -> String {
     let a_second = |before: u64, now: u64| now.saturating_sub(before) as f64 / seconds.max(1e-9);
     let LinkProgress { peers, streams, carried, commands, lost, refused, .. } = *now;
-    let mut text = format!(
-        "{peers} connected, {carried} of {streams} streams taken, {:.0} frames/s, {}/s, {commands} commands, {lost} lost",
+    let refused = if refused > 0 { format!(", {refused} refused") } else { String::new() };
+    format!(
+        "{peers} connected, {carried} of {streams} streams taken, {:.0} frames/s, {}/s, {commands} commands, {lost} lost{refused}",
         a_second(before.frames, now.frames),
         HumanBytes(a_second(before.bytes, now.bytes) as u64),
-    );
-    if refused > 0 {
-        text += &format!(", {refused} refused");
-    }
-    text
+    )
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// How often those who have come late are given the last frame of streams that keep it.
 const UPDATE: Duration = Duration::from_millis(100);
 /// The other side says something every second; after so long it is told that it does not.
-const SILENCE: Duration = Duration::from_secs(3);
+const SILENCE: Duration = Duration::from_secs(5);
 /// Names of other domains that are kept to be told.
 const MAX_OTHERS: usize = 8;
 
@@ -61,6 +61,8 @@ struct Heard {
 struct Silence {
     since: Instant,
     is_told: bool,
+    /// Frames that had come by then: they are a sign of life, too.
+    frames: u64,
 }
 
 impl LinkReceiver {
@@ -98,7 +100,7 @@ impl LinkReceiver {
             mirrors: BTreeMap::new(),
             ending: Vec::new(),
             tallies: Tallies::default(),
-            silence: Silence { since: now, is_told: false },
+            silence: Silence { since: now, is_told: false, frames: 0 },
             next_update: now,
         })
     }
@@ -110,8 +112,10 @@ impl LinkReceiver {
     /// are warned of, and tried again.
     pub fn tend(&mut self) -> Result<(), LinkError> {
         let now = Instant::now();
-        let Heard { streams, others, refused } =
-            std::mem::take(&mut *self.heard.lock().unwrap_or_else(PoisonError::into_inner));
+        let (streams, refused) = {
+            let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+            (heard.streams.take(), heard.refused.take())
+        };
         if let Some(refused) = refused {
             tracing::warn!("the simulator's link is not understood: {refused}");
         }
@@ -119,16 +123,10 @@ impl LinkReceiver {
             if self.silence.is_told {
                 tracing::info!("domain {} of the other machine is heard", self.from);
             }
-            self.silence = Silence { since: now, is_told: false };
+            self.silence = Silence { since: now, is_told: false, ..self.silence };
             self.apply(&streams)?;
         } else if !self.silence.is_told && now - self.silence.since > SILENCE {
-            self.silence.is_told = true;
-            let why = match (self.transport.peers(), others.first()) {
-                (0, _) => "there is no connection; it is tried again".to_owned(),
-                (_, None) => "there is a connection, and no `belvedere link send` at its end".to_owned(),
-                (_, Some(other)) => format!("there is domain {other}; name it with --from"),
-            };
-            tracing::warn!("nothing is heard of domain {}: {why}", self.from);
+            self.tell_of_silence(now);
         }
         let is_time = now >= self.next_update;
         if is_time {
@@ -140,6 +138,22 @@ impl LinkReceiver {
             }
         }
         Ok(())
+    }
+
+    /// Warns that nothing is heard, unless frames are.
+    fn tell_of_silence(&mut self, now: Instant) {
+        let frames = self.tallies.sum().frames;
+        let is_told = frames == self.silence.frames;
+        if is_told {
+            let heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+            let why = match (self.transport.peers(), heard.others.first()) {
+                (0, _) => "there is no connection; it is tried again".to_owned(),
+                (_, None) => "there is a connection, and no `belvedere link send` at its end".to_owned(),
+                (_, Some(other)) => format!("there is domain {other}; name it with --from"),
+            };
+            tracing::warn!("nothing is heard of domain {}: {why}", self.from);
+        }
+        self.silence = Silence { since: now, is_told, frames };
     }
 
     /// Opens and closes streams until they are those that were announced.

@@ -85,7 +85,7 @@ impl LinkSender {
     pub fn open(node: Node, options: SenderOptions) -> Result<Self, LinkError> {
         let transport = Transport::open(&options.endpoints)?;
         let key = wire::announcement_key(node.domain().as_str());
-        let announcements = transport.outlet(key, Urgency::Told)?;
+        let announcements = transport.outlet(key, Urgency::Message)?;
         let wanted = options.topics.iter().map(|topic| topic.trim_start_matches('/').to_owned()).collect();
         let now = Instant::now();
         Ok(Self {

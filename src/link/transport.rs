@@ -22,6 +22,12 @@ const SETTINGS: &[(&str, &str)] = &[
     ("connect/retry", "{ period_init_ms: 500, period_max_ms: 1000, period_increase_factor: 2 }"),
     // A peer that says nothing for three seconds is gone; it says something every 0.75 s.
     ("transport/link/tx/lease", "3000"),
+    // Whoever sends waits for room, a second for each piece of a message and ten for all: it is the link that waits, never
+    // the simulator, whose frames give way in shared memory. With Zenoh's own 1 and 50 ms large frames hardly ever pass a
+    // narrow line. Without a limit (`CongestionControl::Block`) the connection is closed under whoever waits, and the one
+    // that follows was seen to be cut off, too, while both sides took it to be there (Zenoh 1.10.2).
+    ("transport/link/tx/queue/congestion_control/drop/wait_before_drop", "1000000"),
+    ("transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments", "10000000"),
     // What waits in the system's buffer is late, and nothing can overtake it there.
     ("transport/link/tcp/so_sndbuf", "524288"),
     // Buffers of a megabyte: a picture comes in a few reads.
@@ -42,8 +48,6 @@ pub struct Endpoints {
 pub(super) enum Urgency {
     /// Before all others.
     Command,
-    /// Before pictures, and not at all if there is no room: it is told again soon.
-    Told,
     /// Before pictures.
     Message,
     /// After what is small.
@@ -94,19 +98,13 @@ impl Transport {
         };
         let priority = match urgency {
             Urgency::Command => Priority::RealTime,
-            Urgency::Told | Urgency::Message => Priority::InteractiveHigh,
+            Urgency::Message => Priority::InteractiveHigh,
             Urgency::Bulk => Priority::Data,
-        };
-        // Whoever sends waits for room: it is the link that does so, never the simulator, whose frames give way in shared
-        // memory. Dropped by Zenoh, large frames would hardly ever pass a narrow line.
-        let congestion = match urgency {
-            Urgency::Told => CongestionControl::Drop,
-            _ => CongestionControl::Block,
         };
         let publisher = self
             .session
             .declare_publisher(key)
-            .congestion_control(congestion)
+            .congestion_control(CongestionControl::Drop)
             .priority(priority)
             .express(true)
             .wait()
@@ -161,8 +159,8 @@ impl Outlet {
         self.is_wanted.load(Ordering::Relaxed)
     }
 
-    /// Sends a message, and waits while there is no room for it: while the line is narrower than what is sent, and for
-    /// some seconds after it was cut.
+    /// Sends a message, and waits while there is no room for it, as when the line is narrower than what is sent; when it
+    /// was cut for a second at most, and then the message is lost.
     pub(super) fn put(&self, message: Vec<u8>) -> Result<(), LinkError> {
         self.publisher.put(message).wait().map_err(|error| LinkError::Transport {
             what: format!("sending {}", self.publisher.key_expr()),

@@ -24,6 +24,8 @@ near, far = f"near-{tag}", f"far-{tag}"
 spaces = {near: f"blvd-near-{tag}", far: f"blvd-far-{tag}"}
 cables = {near: f"bn{tag}", far: f"bf{tag}"}
 ADDRESS = "10.77.15.1:7447"
+# Machines that do something else meanwhile take so many times as long.
+PATIENCE = 3
 running = []
 
 
@@ -82,7 +84,7 @@ class Frames:
 
     def wait(self, count, seconds, what):
         """Waits for so many frames more than there are."""
-        before, deadline = len(self.now()), time.monotonic() + seconds
+        before, deadline = len(self.now()), time.monotonic() + PATIENCE * seconds
         while len(self.now()) < before + count:
             assert time.monotonic() < deadline, f"{what}: {len(self.now()) - before} of {count} frames in {seconds} s"
             assert self.process.poll() is None, f"{what}: the consumer has ended"
@@ -109,7 +111,7 @@ def listed(domain):
 
 
 def until(holds, seconds, what):
-    deadline = time.monotonic() + seconds
+    deadline = time.monotonic() + PATIENCE * seconds
     while not holds():
         assert time.monotonic() < deadline, f"in vain for {seconds} s: {what}"
         time.sleep(0.05)
@@ -160,7 +162,7 @@ with belvedere.Node("driver", domain=domain) as node:
             odom.wait(0.1)
             while (frame := odom.take()) is not None:
                 with frame:
-                    fastest = max(fastest, float(frame.array["twist_linear"].ravel()[0]))
+                    fastest = max(fastest, float(frame.array["linear"].ravel()[0]))
             time.sleep(0.02)
         assert fastest > velocity * 0.8, f"told to go {velocity} m/s, it went {fastest}"
         print(f"commands: told to go {velocity} m/s there, it goes {fastest:.2f} m/s here", flush=True)
@@ -244,7 +246,7 @@ def run():
         slowest = max(b - a for a, b in zip(wall, wall[1:], strict=False)) / 1e6
         assert slowest < 1000, f"the simulator stood for {slowest} ms"
         first, last = min(after), max(after)
-        lost = sum(1 for key in before if first <= key <= last) - len(after)
+        lost = last[1] - first[1] + 1 - len(after)
         told = sum(frame[3] for key, frame in after.items() if key != first)
         assert lost == told, f"{lost} lost, consumers were told of {told}"
         assert all(before[key][4] == frame[4] for key, frame in after.items() if key in before)

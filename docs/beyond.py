@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""For mdBook: links of the pages to files beyond docs/ become their places in the repository: the book
-has none of them."""
+"""For mdBook: links of pages to files beyond docs/, which are not in the book, become their places in the repository."""
 
 import json
 import posixpath

@@ -118,7 +118,9 @@ fn five_hundred_moving_bodies_cost_less_than_a_millisecond_a_frame() {
     assert!(received.iter().all(|count| *count >= FRAMES - 1), "{received:?}");
     // Poses are copied in each step. To ask for all of them costs more, as they are interpolated.
     let poses = || alone.physics().moving_links().map(|(_, _, pose)| pose.translation()).sum::<DVec3>();
-    let copy_ms = milliseconds(|| assert!((0..1000).map(|_| poses()).sum::<DVec3>().is_finite())) / 1e3;
+    let copy = || milliseconds(|| assert!((0..100).map(|_| poses()).sum::<DVec3>().is_finite())) / 100.0;
+    // The least of some: what else the machine does only adds to it.
+    let copy_ms = (0..20).map(|_| copy()).fold(f64::INFINITY, f64::min);
     // Of 1 ms.
     let steps = 100.0 / 3.0;
     costs_ms.sort_by(f64::total_cmp);

@@ -126,6 +126,27 @@ fn the_remnant_of_a_half_cleaned_node_goes() {
     assert!(!own.exists());
 }
 
+/// What a process leaves that is killed while it cleans up, between the last file of a node and its directory.
+#[test]
+fn the_empty_directory_of_a_node_goes() {
+    let mut domain = TestDomain::new("empty");
+    let child = Process::start(&domain, "join", &[]);
+    let deadline = Instant::now() + PATIENCE;
+    while domain.usage().files < 2 && Instant::now() < deadline {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    child.kill();
+    let own = Path::new("/tmp/iceoryx2/nodes").join(domain.node_ids().remove(0));
+    domain.usage();
+    for file in domain.files() {
+        std::fs::remove_file(file).unwrap();
+    }
+    assert!(own.exists());
+    domain.assert_nothing_left_after_the_next_start();
+    assert!(!own.exists());
+}
+
 /// A process that cleans up removes the tag of a port and then frees its place in the stream. One that is killed in
 /// between leaves the place taken, and nothing that tells of it.
 #[test]

@@ -10,7 +10,8 @@ use fearless_simd::{Simd, SimdBase, f32x16};
 /// Runs an expression compiled for the instruction set of a [`Level`], with its token.
 ///
 /// [`fearless_simd::dispatch!`] without a version of its own for SSE4.2, the best level of few machines: SSE2's takes
-/// up to a seventh longer there, and each level is a quarter of this crate's time of compilation.
+/// up to a seventh longer there, and each level is a quarter of this crate's time of compilation. The unit tests have the
+/// baseline's alone, for the same reason: they are of parts, and the levels are compared from outside.
 macro_rules! dispatch {
     (@with $token:expr, $simd:pat => $op:expr) => {{
         let token = $token;
@@ -19,7 +20,7 @@ macro_rules! dispatch {
     }};
     ($level:expr, $simd:pat => $op:expr) => {{
         let level: $crate::simd::Level = $level;
-        #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+        #[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(test)))]
         let result = if let Some(token) = level.as_avx512() {
             $crate::simd::dispatch!(@with token, $simd => $op)
         } else if let Some(token) = level.as_avx2() {
@@ -28,6 +29,14 @@ macro_rules! dispatch {
             $crate::simd::dispatch!(@with token, $simd => $op)
         } else {
             unreachable!("the target has SSE2")
+        };
+        #[cfg(all(target_arch = "x86_64", target_feature = "sse2", test))]
+        let result = {
+            let _ = level;
+            match $crate::simd::Level::baseline().as_sse2() {
+                Some(token) => $crate::simd::dispatch!(@with token, $simd => $op),
+                None => unreachable!("the target has SSE2"),
+            }
         };
         #[cfg(not(all(target_arch = "x86_64", target_feature = "sse2")))]
         let result = fearless_simd::dispatch!(level, $simd => $op);

@@ -8,6 +8,7 @@
 //!   and from then on looks for the node under the default prefix, since the right one stood in the description;
 //! - *half a node*: a description without a monitor, or a monitor whose files are not all there, or that has not got its
 //!   final permissions. iceoryx2 takes it for one that is just being made, for ever;
+//! - *a node's directory*, when its files went first, and does not tell any more whose it was;
 //! - *a listener's socket and counters*, of a process killed before it had entered the listener into its stream: the
 //!   tag is removed, these are not;
 //! - *a pool*, of a publisher killed while it was closing;
@@ -26,7 +27,7 @@ use std::{
 use iceoryx2::{node::NodeView as _, prelude::Config};
 
 use super::{
-    living::{born_long_ago, dead_nodes},
+    living::{born_long_ago, dead_nodes, runs},
     places::{Places, SHM, entries},
 };
 
@@ -41,6 +42,7 @@ pub(crate) fn remove(config: &Config, places: &Places) {
         places.remove_node(&dead.id().value().to_string());
     }
     places.remove_half_made_nodes();
+    places.remove_empty_nodes();
     places.remove_ownerless();
 }
 
@@ -83,6 +85,16 @@ impl Places {
         for id in ids {
             if born_long_ago(&id) && !self.is_complete(&id, &description) {
                 self.remove_node(&id);
+            }
+        }
+    }
+
+    /// Of any domain: a node that lives has its description in its directory, and one that is being made has a process.
+    fn remove_empty_nodes(&self) {
+        for id in names(&self.nodes) {
+            if born_long_ago(&id) && id.parse().is_ok_and(|id| !runs(id)) {
+                // Only when it is empty.
+                let _ = fs::remove_dir(self.nodes.join(id));
             }
         }
     }

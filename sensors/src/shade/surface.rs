@@ -106,62 +106,7 @@ impl Surfaces {
         repeat: [f32; 2],
         steps: &Steps,
     ) {
-        let instance = view.instance(index);
         let placed = &view.placed[index as usize];
-        macro_rules! solid {
-            ($solid:expr) => {
-                self.add_lanes::<TEXTURED>(
-                    tile,
-                    index,
-                    placed,
-                    (repeat, steps),
-                    #[inline(always)]
-                    |_, point| solid_surface::<TEXTURED>($solid, instance.size, point),
-                )
-            };
-        }
-        match placed.kind() {
-            Kind::Solid(Solid::Sphere) => solid!(Solid::Sphere),
-            Kind::Solid(Solid::Cylinder) => solid!(Solid::Cylinder),
-            Kind::Solid(Solid::Capsule) => solid!(Solid::Capsule),
-            Kind::Solid(Solid::Ellipsoid) => solid!(Solid::Ellipsoid),
-            Kind::Solid(Solid::Cone) => solid!(Solid::Cone),
-            // Theirs are flat faces.
-            Kind::Solid(Solid::Box | Solid::Rectangle | Solid::Plane) => {}
-            Kind::Triangles(triangles) => self.add_lanes::<TEXTURED>(
-                tile,
-                index,
-                placed,
-                (repeat, steps),
-                #[inline(always)]
-                |lane, point| {
-                    // Other lanes may have hit the triangle of something else.
-                    if tile.placed[lane] != index {
-                        return flat(DVec3::Z, point, [DVec3::ZERO; 2]);
-                    }
-                    match triangles {
-                        Triangles::Mesh => on_triangle::<TEXTURED>(view, placed, tile.local[lane], point),
-                        Triangles::HeightField => on_height_field(view, placed, tile.local[lane], point),
-                    }
-                },
-            ),
-        }
-    }
-
-    /// `surface` gives the surface at a point, both in the axes of the instance.
-    #[inline(always)]
-    fn add_lanes<const TEXTURED: bool>(
-        &mut self,
-        tile: &Tile,
-        index: u32,
-        placed: &Placed,
-        (repeat, steps): ([f32; 2], &Steps),
-        surface: impl Fn(usize, DVec3) -> Surface,
-    ) {
-        let inverse = placed.inverse.map(DVec3::from_array);
-        let to_local = |v: DVec3| DVec3::new(inverse[0].dot(v), inverse[1].dot(v), inverse[2].dot(v));
-        let mine = |lane: usize| tile.placed[lane] == index;
-
         // One array a loop, and local arrays between them: what may overlap in memory is not vectorised.
         let mut point = [[0.0; LANES]; 3];
         for axis in 0..3 {
@@ -173,24 +118,23 @@ impl Surfaces {
                     + z * (f64::from(tile.point[2][lane]) - tz);
             }
         }
-        // Points and texture coordinates are in double precision, directions and differences in single.
-        let mut normal = [[0.0_f32; LANES]; 3];
-        let mut uv = [[0.0; LANES]; 2];
-        let mut gradient = [[[0.0_f32; LANES]; 3]; 2];
-        for lane in 0..LANES {
-            let surface = surface(lane, DVec3::new(point[0][lane], point[1][lane], point[2][lane]));
-            for axis in 0..3 {
-                normal[axis][lane] = surface.normal[axis] as f32;
-            }
-            if TEXTURED {
-                for axis in 0..2 {
-                    uv[axis][lane] = surface.uv[axis];
-                    gradient[axis][0][lane] = surface.uv_gradient[axis].x as f32;
-                    gradient[axis][1][lane] = surface.uv_gradient[axis].y as f32;
-                    gradient[axis][2][lane] = surface.uv_gradient[axis].z as f32;
-                }
-            }
-        }
+        let Some(local) = Local::at::<TEXTURED>(view, tile, index, &point) else { return };
+        self.add_lanes::<TEXTURED>(tile, index, placed, &local, (repeat, steps));
+    }
+
+    /// Takes what a shape says of its points into the view.
+    #[inline(always)]
+    fn add_lanes<const TEXTURED: bool>(
+        &mut self,
+        tile: &Tile,
+        index: u32,
+        placed: &Placed,
+        Local { normal, uv, gradient }: &Local,
+        (repeat, steps): ([f32; 2], &Steps),
+    ) {
+        let inverse = placed.inverse.map(DVec3::from_array);
+        let to_local = |v: DVec3| DVec3::new(inverse[0].dot(v), inverse[1].dot(v), inverse[2].dot(v));
+        let mine = |lane: usize| tile.placed[lane] == index;
         // Normals go by the inverse transpose, and are unit ones again afterwards.
         let mut turned = [[0.0; LANES]; 3];
         for axis in 0..3 {
@@ -285,6 +229,84 @@ impl Surfaces {
                             * repeat[axis];
                     let old = self.footprint[side][axis][lane];
                     self.footprint[side][axis][lane] = if mine(lane) { change } else { old };
+                }
+            }
+        }
+    }
+}
+
+/// What the shape of an instance says of points, lane by lane, in the axes of the instance: directions and differences in
+/// single precision, texture coordinates in double.
+struct Local {
+    normal: [Lanes<f32>; 3],
+    uv: [Lanes<f64>; 2],
+    gradient: [[Lanes<f32>; 3]; 2],
+}
+
+impl Local {
+    /// Of the lanes that have hit `index`; the others are undetermined. Nothing for shapes of flat faces.
+    #[inline(always)]
+    fn at<const TEXTURED: bool>(
+        view: &View<'_>,
+        tile: &Tile,
+        index: u32,
+        point: &[Lanes<f64>; 3],
+    ) -> Option<Self> {
+        let instance = view.instance(index);
+        let placed = &view.placed[index as usize];
+        let mut local =
+            Self { normal: [[0.0; LANES]; 3], uv: [[0.0; LANES]; 2], gradient: [[[0.0; LANES]; 3]; 2] };
+        macro_rules! solid {
+            ($solid:expr) => {
+                local.fill::<TEXTURED>(
+                    point,
+                    #[inline(always)]
+                    |_, point| solid_surface::<TEXTURED>($solid, instance.size, point),
+                )
+            };
+        }
+        match placed.kind() {
+            Kind::Solid(Solid::Sphere) => solid!(Solid::Sphere),
+            Kind::Solid(Solid::Cylinder) => solid!(Solid::Cylinder),
+            Kind::Solid(Solid::Capsule) => solid!(Solid::Capsule),
+            Kind::Solid(Solid::Ellipsoid) => solid!(Solid::Ellipsoid),
+            Kind::Solid(Solid::Cone) => solid!(Solid::Cone),
+            Kind::Solid(Solid::Box | Solid::Rectangle | Solid::Plane) => return None,
+            Kind::Triangles(triangles) => local.fill::<TEXTURED>(
+                point,
+                #[inline(always)]
+                |lane, point| {
+                    // Other lanes may have hit the triangle of something else.
+                    if tile.placed[lane] != index {
+                        return flat(DVec3::Z, point, [DVec3::ZERO; 2]);
+                    }
+                    match triangles {
+                        Triangles::Mesh => on_triangle::<TEXTURED>(view, placed, tile.local[lane], point),
+                        Triangles::HeightField => on_height_field(view, placed, tile.local[lane], point),
+                    }
+                },
+            ),
+        }
+        Some(local)
+    }
+
+    #[inline(always)]
+    fn fill<const TEXTURED: bool>(
+        &mut self,
+        point: &[Lanes<f64>; 3],
+        surface: impl Fn(usize, DVec3) -> Surface,
+    ) {
+        for lane in 0..LANES {
+            let surface = surface(lane, DVec3::new(point[0][lane], point[1][lane], point[2][lane]));
+            for axis in 0..3 {
+                self.normal[axis][lane] = surface.normal[axis] as f32;
+            }
+            if TEXTURED {
+                for axis in 0..2 {
+                    self.uv[axis][lane] = surface.uv[axis];
+                    self.gradient[axis][0][lane] = surface.uv_gradient[axis].x as f32;
+                    self.gradient[axis][1][lane] = surface.uv_gradient[axis].y as f32;
+                    self.gradient[axis][2][lane] = surface.uv_gradient[axis].z as f32;
                 }
             }
         }

@@ -61,10 +61,33 @@ impl Fan {
         (lane & ((1 << self.shift_x) - 1), lane >> self.shift_x)
     }
 
+    /// The lanes of a block that lie in a rectangle of the grid, of which some do: a bit each.
+    #[inline(always)]
+    pub(crate) const fn lanes_within(&self, columns: [i32; 2], rows: [i32; 2], block: [usize; 2]) -> u64 {
+        let [first_column, last_column] = clipped(columns, block[0], self.shift_x);
+        let [first_row, last_row] = clipped(rows, block[1], self.shift_y);
+        let line = (2 << last_column) - (1 << first_column);
+        // The first lanes of the block's rows: with the bits of a line times these, each of the rows has them.
+        let starts = if self.shift_y == 0 { 1 } else { 0x1111 };
+        let wanted = (2_u64 << (last_row << self.shift_x)) - (1 << (first_row << self.shift_x));
+        line * (starts & wanted)
+    }
+
     /// Lane of a ray in its block.
     #[inline(always)]
     pub(crate) const fn lane(&self, column: i32, row: i32) -> usize {
         let (mask_x, mask_y) = ((1 << self.shift_x) - 1, (1 << self.shift_y) - 1);
         ((((row & mask_y) << self.shift_x) | (column & mask_x)) as usize) & (WIDTH - 1)
     }
+}
+
+/// A range of columns or rows, counted from a block's first, as far as it lies in the block.
+#[inline(always)]
+const fn clipped([first, last]: [i32; 2], block: usize, shift: u32) -> [u32; 2] {
+    let start = (block << shift) as i32;
+    let end = start + (1 << shift) - 1;
+    [
+        (if first > start { first } else { start } - start) as u32,
+        (if last < end { last } else { end } - start) as u32,
+    ]
 }

@@ -129,8 +129,13 @@ impl<'a> HeightGrid<'a> {
         for j in 0..HIGH {
             let row = (row + j as u32).min(field.rows - 1);
             y[j] = field.y_at(row);
-            for i in 0..WIDE {
-                z[j][i] = self.height(row, (column + i as u32).min(field.columns - 1));
+            let line = &self.heights[row as usize * field.columns as usize..][..field.columns as usize];
+            if let Some(heights) = line[column as usize..].first_chunk() {
+                z[j] = *heights;
+            } else {
+                for i in 0..WIDE {
+                    z[j][i] = line[(column as usize + i).min(line.len() - 1)];
+                }
             }
         }
 

@@ -50,19 +50,6 @@ fn asked<S: Simd>(simd: S, columns: [i32; 2], strip: usize) -> mask32x16<S> {
     here.simd_ge(i32x16::splat(simd, columns[0])) & here.simd_le(i32x16::splat(simd, columns[1]))
 }
 
-/// Whether 1/t of any ray of a strip that lies in the columns is less than `nearest`.
-#[inline(always)]
-pub(super) fn shows<S: Simd>(
-    simd: S,
-    inverse: &[f32; WIDTH],
-    columns: [i32; 2],
-    strip: usize,
-    nearest: f32,
-) -> bool {
-    let inverse = f32x16::load_array_ref(simd, inverse);
-    (inverse.simd_lt(f32x16::splat(simd, nearest)) & asked(simd, columns, strip)).any_true()
-}
-
 /// Draws a leaf into the target.
 #[inline(always)]
 pub(super) fn draw<S: Simd, P: Projection>(

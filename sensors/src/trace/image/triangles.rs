@@ -17,7 +17,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16}
 use tiny::{TINY_TRIANGLE, TINY_TRIANGLES, draw_tiny};
 
 /// Grid rectangles of up to that many rays are tested ray by ray against all sixteen triangles.
-const FEW_RAYS: i32 = 48;
+const FEW_RAYS: i32 = 16;
 
 /// Draws the blurred triangles of a leaf, from planes in double precision. By itself, and with copies of all, so that
 /// the usual way has what it needs in registers.

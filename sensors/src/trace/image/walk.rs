@@ -205,8 +205,8 @@ fn hidden<S: Simd, P: Projection>(
     let blocks_across = fan.blocks_across();
     let nearest = f32x16::splat(simd, entry.nearest);
     let pieces = fan.pieces(entry.columns.map(i32::from));
-    let rows = (i32::from(entry.rows[0]) >> fan.shift_y) as usize
-        ..=(i32::from(entry.rows[1]) >> fan.shift_y) as usize;
+    let entry_rows = entry.rows.map(i32::from);
+    let rows = (entry_rows[0] >> fan.shift_y) as usize..=(entry_rows[1] >> fan.shift_y) as usize;
     for [first, last] in pieces {
         if first > last {
             continue;
@@ -225,10 +225,10 @@ fn hidden<S: Simd, P: Projection>(
                 while lanes != 0 {
                     let column = column + lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
-                    // Of a strip, it is worth asking for the rays in question: it is sixteen columns wide.
-                    if !strip::is_one::<P>(fan)
-                        || strip::shows(simd, &target.inverse[start + column], rays, column, entry.nearest)
-                    {
+                    // Most entries pass by few rays, and the other rays of the block say nothing of them.
+                    let asked = fan.lanes_within(rays, entry_rows, [column, row]);
+                    let inverse = f32x16::load_array_ref(simd, &target.inverse[start + column]);
+                    if inverse.simd_lt(nearest).to_bitmask() & asked != 0 {
                         return false;
                     }
                 }

@@ -1,0 +1,176 @@
+// What is seen in Chromium, by comparing screenshots: belvedere's program.
+import assert from "node:assert/strict";
+import pixelmatch from "pixelmatch";
+import { chromium } from "playwright-core";
+import { PNG } from "pngjs";
+import { WebSocket } from "ws";
+import { end, killAll, sleep, start, until } from "./simulator.js";
+
+const PICTURE = "camera/rgb/image_raw";
+const SIZE = { width: 1280, height: 720 };
+/** How far from where its range says a pixel of a scan's point may be: half of a point's four, and rounding. */
+const POINT_PX = 3;
+/** Pixels that differ after the robot was driven, at least; there are about ten times as many. */
+const MANY = 2000;
+
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  args: ["--no-sandbox"],
+});
+
+/** A screenshot of a part of the page. */
+const shoot = async (page, part) => PNG.sync.read(await page.locator(part).screenshot());
+
+/** How many pixels of two screenshots differ as an eye sees it, and which. */
+function compare(one, other) {
+  assert.deepEqual([one.width, one.height], [other.width, other.height]);
+  const mask = new PNG({ width: one.width, height: one.height });
+  const options = { threshold: 0.1, includeAA: true, diffMask: true };
+  const count = pixelmatch(one.data, other.data, mask.data, one.width, one.height, options);
+  const pixels = [];
+  for (let at = 0; at < mask.width * mask.height; at++) {
+    if (mask.data[4 * at + 3] > 0) pixels.push([at % mask.width, Math.floor(at / mask.width)]);
+  }
+  return { count, pixels };
+}
+
+/** Waits until a part of the page looks the same twice, and gives how it looks. */
+async function settled(page, part) {
+  let before = await shoot(page, part);
+  return until(`${part} looks the same twice`, async () => {
+    await sleep(300);
+    const now = await shoot(page, part);
+    const isSame = compare(before, now).count === 0;
+    before = now;
+    return isSame && now;
+  });
+}
+
+async function setTime(page, wanted) {
+  await page.click("#pause");
+  await until(wanted, () => page.evaluate((wanted) => window.viewer().state === wanted, wanted));
+}
+
+/** Follows a scan as a client of its own; gives what has the newest frame of it. */
+function followScan(url, topic) {
+  const socket = new WebSocket(url.replace("http:", "ws:"));
+  const ask = () => socket.send(JSON.stringify({ op: "next", topic }));
+  let newest = null;
+  socket.on("open", ask);
+  socket.on("message", (data, isBinary) => {
+    if (!isBinary) return;
+    newest = data;
+    ask();
+  });
+  return { newest: () => newest, end: () => socket.close() };
+}
+
+/** The points of a frame of a scan whose scanner stands upright: an implementation that is not the page's. */
+function pointsOf(frame) {
+  const length = frame.readUInt32LE(0);
+  const { position, orientation, width, elemStride, scan } = JSON.parse(frame.toString("utf8", 4, 4 + length));
+  const heading = 2 * Math.atan2(orientation[2], orientation[3]);
+  const points = [];
+  for (let ray = 0; ray < width; ray++) {
+    const range = frame.readFloatLE(4 + length + ray * elemStride);
+    if (!(range >= scan.rangeMin && range <= scan.rangeMax)) continue;
+    const angle = heading + scan.angleMin + ray * scan.angleIncrement;
+    points.push([position[0] + range * Math.cos(angle), position[1] + range * Math.sin(angle), position[2]]);
+  }
+  return points;
+}
+
+try {
+  const domain = `screenshots-${process.pid}`;
+  const driven = await start(domain, 0, ["--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "still"]);
+  const page = await browser.newPage({ viewport: SIZE });
+  await page.goto(driven.url);
+  await page.uncheck("#follow");
+  await until("the robot", () => page.evaluate(() => window.viewer().robot));
+  const panel = `figure[data-topic="${PICTURE}"] canvas`;
+  await until("pictures", () => page.evaluate((topic) => window.viewer().frames[topic] > 2, PICTURE));
+
+  // While time stands nothing moves, not a pixel of the page.
+  await setTime(page, "paused");
+  const stood = { page: await settled(page, "body"), space: await shoot(page, "#space"), picture: await shoot(page, panel) };
+  await sleep(1000);
+  assert.equal(compare(stood.page, await shoot(page, "body")).count, 0);
+
+  // It is driven: both the world in 3D and the camera's picture look otherwise, and then stand again.
+  await setTime(page, "running");
+  const from = await page.evaluate(() => window.viewer().robot);
+  await page.keyboard.down("ArrowUp");
+  await page.keyboard.down("ArrowLeft");
+  await until("driven", async () => {
+    const now = await page.evaluate(() => window.viewer().robot);
+    return Math.hypot(now[0] - from[0], now[1] - from[1]) > 0.3;
+  });
+  const moving = await shoot(page, panel);
+  const change = await until("that the picture moves", async () => compare(moving, await shoot(page, panel)).count);
+  await page.keyboard.up("ArrowLeft");
+  await page.keyboard.up("ArrowUp");
+  await setTime(page, "paused");
+  await settled(page, "body");
+  const moved = {
+    space: compare(stood.space, await shoot(page, "#space")),
+    picture: compare(stood.picture, await shoot(page, panel)),
+  };
+  assert.ok(moved.space.count > MANY && moved.picture.count > MANY, JSON.stringify(moved));
+  console.log("time that stands changes no pixel of the page");
+  console.log(
+    `driven, ${change} pixels of the picture change from one look to the next; when it stands again, ` +
+      `${moved.picture.count} of the picture and ${moved.space.count} of the 3D view have`,
+  );
+  await page.close();
+  await end(driven);
+
+  // The robot stands in its scan: seen from above, what the scan adds to the view is where its ranges say, on things.
+  const scanning = await start(domain, 0, ["--robot", "kobuki_nostack_rplidar", "--world", "playground", "--drive", "still"]);
+  const plan = await browser.newPage({ viewport: SIZE });
+  await plan.goto(scanning.url);
+  await until("the robot", () => plan.evaluate(() => window.viewer().robot));
+  await until("a scan", () => plan.evaluate(() => window.viewer().frames.scan > 2));
+  await plan.evaluate(() => window.space.look([-0.02, 0, 9]));
+  const follower = followScan(scanning.url, "scan");
+  await until("that both follow it", follower.newest);
+  await setTime(plan, "paused");
+  const shown = await settled(plan, "#space");
+  const points = await plan.evaluate((points) => {
+    const { left, top } = window.space.canvas.getBoundingClientRect();
+    return points.map((point) => window.space.pixelOf(point)).map(([x, y]) => [x - left, y - top]);
+  }, pointsOf(follower.newest()));
+  follower.end();
+  await plan.uncheck('[data-key="scan"]');
+  const added = compare(shown, await settled(plan, "#space"));
+  const distance = ([x, y], [atX, atY]) => Math.max(Math.abs(x + 0.5 - atX), Math.abs(y + 0.5 - atY));
+  const strays = added.pixels.filter((pixel) => points.every((point) => distance(pixel, point) > POINT_PX));
+  assert.deepEqual(strays, []);
+  const inView = points.filter(([x, y]) => x > POINT_PX && y > POINT_PX && x < shown.width - POINT_PX && y < shown.height - POINT_PX);
+  const seen = inView.filter((point) => added.pixels.some((pixel) => distance(pixel, point) <= POINT_PX));
+  // By its noise every other range ends behind what it hit.
+  assert.ok(inView.length > 100 && seen.length > inView.length / 3, `${seen.length} of ${inView.length}`);
+  const modelsAt = (places) =>
+    plan.evaluate((places) => {
+      const { left, top } = window.space.canvas.getBoundingClientRect();
+      return places.map(([x, y]) => window.space.pick(window.space.placeOf([x + left, y + top]))?.model);
+    }, places);
+  const robot = await plan.evaluate(() => {
+    const { left, top } = window.space.canvas.getBoundingClientRect();
+    const [x, y] = window.space.pixelOf(window.space.robotPosition());
+    return [x - left, y - top];
+  });
+  const [itself, ...hit] = await modelsAt([robot, ...seen]);
+  assert.equal(itself, "turtlebot");
+  const onThings = hit.filter((model) => model !== undefined && model !== "ground_plane");
+  // At a corner, or nearer by its noise, one may have the floor behind it.
+  assert.ok(onThings.length > 0.8 * hit.length && new Set(onThings).size >= 4, hit.join(" "));
+  console.log(
+    `the robot stands in its scan: all ${added.count} pixels of it are within ${POINT_PX} of where its ranges say, ` +
+      `${onThings.length} of ${hit.length} points on ${[...new Set(onThings)].join(", ")}`,
+  );
+  await plan.close();
+  await end(scanning);
+} finally {
+  killAll();
+  await browser.close();
+}

@@ -89,9 +89,14 @@ impl Mirror {
         if !is_wanted {
             *inlet = None;
         } else if inlet.is_none() {
-            let taker = end.clone();
-            *inlet = Some(transport.inlet(key.clone(), move |_, message| {
-                taker.lock().unwrap_or_else(PoisonError::into_inner).take(message.reader(), message.len());
+            let (taker, key) = (end.clone(), key.clone());
+            *inlet = Some(transport.inlet(key.clone(), move |said, message| {
+                let mut end = taker.lock().unwrap_or_else(PoisonError::into_inner);
+                let is_right = wire::is_at(said, &key).map_err(Into::into);
+                let taken = is_right.and_then(|()| end.take(message.reader(), message.len()));
+                if let Err(error) = taken {
+                    end.tally.refuse(&end.spec.topic, &error);
+                }
             })?);
         }
         Ok(())
@@ -126,13 +131,7 @@ struct FrameEnd {
 }
 
 impl FrameEnd {
-    fn take(&mut self, message: impl Read, len: usize) {
-        if let Err(error) = self.try_to_take(message, len) {
-            self.tally.refuse(&self.spec.topic, &error);
-        }
-    }
-
-    fn try_to_take(&mut self, mut message: impl Read, len: usize) -> Result<(), Box<dyn Error>> {
+    fn take(&mut self, mut message: impl Read, len: usize) -> Result<(), Box<dyn Error>> {
         let Some(publisher) = &self.publisher else { return Ok(()) };
         let header = wire::header(&mut message, len, &self.spec)?;
         let lost = match self.last {

@@ -175,8 +175,13 @@ impl LinkSender {
             let end = CommandEnd { node: self.node.clone(), spec, publisher: None, tally };
             let end = Arc::new(Mutex::new(end));
             let taker = end.clone();
-            let inlet = self.transport.inlet(key, move |_, message| {
-                taker.lock().unwrap_or_else(PoisonError::into_inner).take(message.reader(), message.len());
+            let inlet = self.transport.inlet(key.clone(), move |said, message| {
+                let mut end = taker.lock().unwrap_or_else(PoisonError::into_inner);
+                let is_right = wire::is_at(said, &key).map_err(Into::into);
+                let taken = is_right.and_then(|()| end.take(message.reader(), message.len()));
+                if let Err(error) = taken {
+                    end.tally.refuse(&end.spec.topic, &error);
+                }
             })?;
             Way::In { _inlet: inlet, end }
         } else {
@@ -313,13 +318,7 @@ struct CommandEnd {
 }
 
 impl CommandEnd {
-    fn take(&mut self, message: impl std::io::Read, len: usize) {
-        if let Err(error) = self.try_to_take(message, len) {
-            self.tally.refuse(&self.spec.topic, &error);
-        }
-    }
-
-    fn try_to_take(
+    fn take(
         &mut self,
         mut message: impl std::io::Read,
         len: usize,

@@ -121,8 +121,8 @@ impl Transport {
         Ok(Outlet { publisher, is_wanted })
     }
 
-    /// The receiving end of a key, or of all that a pattern stands for. `taken` gets each message with its key, in a
-    /// thread of Zenoh's, which it must not hold up.
+    /// The receiving end of a key, or of all that a pattern stands for. `taken` gets each message with the key that its
+    /// sender put it on, in a thread of Zenoh's, which it must not hold up.
     pub(super) fn inlet(
         &self,
         key: String,
@@ -130,7 +130,10 @@ impl Transport {
     ) -> Result<Inlet, LinkError> {
         self.session
             .declare_subscriber(key)
-            .callback(move |sample| taken(sample.key_expr().as_str(), sample.payload()))
+            .callback(move |sample| {
+                let key = sample.attachment().map(ZBytes::to_bytes).unwrap_or_default();
+                taken(std::str::from_utf8(&key).unwrap_or_default(), sample.payload());
+            })
             .wait()
             .map(Inlet)
             .map_err(|error| LinkError::Transport {
@@ -162,7 +165,10 @@ impl Outlet {
     /// Sends a message, and waits while there is no room for it, as when the line is narrower than what is sent; when it
     /// was cut for a second at most, and then the message is lost.
     pub(super) fn put(&self, message: Vec<u8>) -> Result<(), LinkError> {
-        self.publisher.put(message).wait().map_err(|error| LinkError::Transport {
+        // Zenoh gives keys numbers, and after a connection was lost and made again a few messages were seen to arrive at
+        // other keys than theirs (Zenoh 1.10.2). So each has its own with it.
+        let key = self.publisher.key_expr().as_str().as_bytes();
+        self.publisher.put(message).attachment(key).wait().map_err(|error| LinkError::Transport {
             what: format!("sending {}", self.publisher.key_expr()),
             detail: error.to_string(),
         })

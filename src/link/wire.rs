@@ -77,6 +77,8 @@ pub(super) enum Refusal {
     Other { kind: u16, encoding: u16 },
     #[error("its session is 0")]
     Session,
+    #[error("its sender has put it on another key: \"{0}\"")]
+    Key(String),
     #[error("{0}")]
     Announcement(String),
 }
@@ -156,6 +158,11 @@ impl Described {
             .frame_id(&self.frame_id);
         (fits && is_right && spec.header().is_ok()).then_some(spec)
     }
+}
+
+/// That a message is where its sender wanted it.
+pub(super) fn is_at(said: &str, key: &str) -> Result<(), Refusal> {
+    if said == key { Ok(()) } else { Err(Refusal::Key(said.chars().take(300).collect())) }
 }
 
 /// A frame for the way.

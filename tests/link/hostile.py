@@ -85,9 +85,15 @@ end = time.monotonic() + seconds
 while time.monotonic() < end:
     key = dice.choice(keys)
     bad = spoilt(real[key])
-    session.put(key, bad)
-    session.put(f"belvedere/{domain}/commands/{dice.choice(commands)}", dice.choice((bad, dice.randbytes(432))))
-    session.put(f"belvedere/{domain}/streams", spoilt_streams(heard["streams"]))
+    command = f"belvedere/{domain}/commands/{dice.choice(commands)}"
+    for to, message in (
+        (key, bad),
+        (command, dice.choice((bad, dice.randbytes(432)))),
+        (f"belvedere/{domain}/streams", spoilt_streams(heard["streams"])),
+    ):
+        # The key that a message is for goes with it.
+        said = to if dice.randrange(8) else dice.choice((None, "", key, "\u00fc" * 500))
+        session.put(to, message, attachment=said)
     sent += 3
     time.sleep(0.002)
 session.close()

@@ -5,8 +5,8 @@ use std::io::{self, IsTerminal as _, Write};
 use std::sync::OnceLock;
 use tracing_subscriber::EnvFilter;
 
-/// What is shown without `RUST_LOG`.
-const DEFAULT_FILTER: &str = "warn,belvedere=info,zenoh=error";
+/// What is shown without `RUST_LOG`. Zenoh tells at length of each connection that is lost; a link says so itself.
+const DEFAULT_FILTER: &str = "warn,belvedere=info,zenoh=off";
 
 /// The lines of the live status, if there is one: log lines go above them.
 pub fn status_lines() -> &'static MultiProgress {

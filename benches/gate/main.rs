@@ -6,6 +6,7 @@
 mod budgets;
 mod casts;
 mod clock;
+mod devices;
 mod frames;
 mod gate;
 mod idle;
@@ -67,6 +68,7 @@ fn run(options: &Options) -> Result<(), String> {
     frames::run(&mut gate, simd);
     lenses::run(&mut gate, simd);
     moments::run(&mut gate, simd);
+    devices::run(&mut gate, simd);
 
     if gate.measured + gate.left_out == 0 {
         return Err(format!("no entry's name contains {:?}", options.filter));

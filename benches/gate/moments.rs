@@ -40,12 +40,12 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
 }
 
 /// A ground, a lamp, and bodies of all kinds at two times: at the stamp, and a frame before.
-struct Stage {
-    builder: SceneBuilder,
-    before: Vec<Pose>,
+pub(super) struct Stage {
+    pub(super) builder: SceneBuilder,
+    pub(super) before: Vec<Pose>,
 }
 
-fn stage(bodies: u32) -> Stage {
+pub(super) fn stage(bodies: u32) -> Stage {
     let mut builder = SceneBuilder::new();
     let material = builder.add_material(&MaterialConfig::default()).expect("a plain material");
     let mut add = |shape, world_from_instance| {
@@ -75,7 +75,7 @@ fn stage(bodies: u32) -> Stage {
     Stage { builder, before }
 }
 
-fn sensor(turn: f64) -> Pose {
+pub(super) fn sensor(turn: f64) -> Pose {
     Pose::from_xyz_rpy(DVec3::new(0.0, 0.0, 1.2), DVec3::new(0.0, 0.15, turn))
 }
 

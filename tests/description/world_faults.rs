@@ -37,6 +37,12 @@ fn bad_numbers() {
         &["<size> of a box is '1 -2 3'", "above 0"],
     );
     assert_bad("1.6", &shape("<box><size>1 2</size></box>"), 2, &["too few numbers"]);
+    let flat = shape("<box><size>1 0 3</size></box>");
+    assert_bad("1.6", &flat, 2, &["<size> of a box is '1 0 3'", "above 0"]);
+    let (world, problems) = Folder::new().load("1.6", &flat, true);
+    assert!(world.unwrap().models[0].links[0].visuals.is_empty());
+    assert_eq!(problems[0].severity, Severity::Warning, "{problems:?}");
+    assert!(problems[0].to_string().contains("so the shape is left out"), "{problems:?}");
     let look = |look: &str| visual(&format!("<geometry><box><size>1 1 1</size></box></geometry>{look}"));
     for (element, words) in [
         ("<transparency>1.5</transparency>", "<transparency> is 1.5"),

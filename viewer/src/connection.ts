@@ -35,6 +35,8 @@ export interface Handlers {
 }
 
 const RETRY_MS = 500;
+/** Frames of a stream that are asked for: one is on its way while another is drawn, and never more. */
+const AHEAD = 2;
 
 export class Connection {
   private socket: WebSocket | undefined;
@@ -115,17 +117,17 @@ export class Connection {
     const topic = frame.header.topic;
     const handler = this.followed.get(topic);
     if (handler === undefined) return;
-    // Asked for before this one is shown: one is on its way while one is drawn, and never more.
-    this.ask(topic);
+    // Before this one is shown.
+    this.ask(topic, 1);
     handler(frame);
   }
 
-  private ask(topic: string) {
-    if (!document.hidden) this.say({ op: "next", topic });
+  private ask(topic: string, frames: number) {
+    if (!document.hidden) this.say({ op: "next", topic, frames });
   }
 
   private askForAll() {
-    for (const topic of this.followed.keys()) this.ask(topic);
+    for (const topic of this.followed.keys()) this.ask(topic, AHEAD);
   }
 
   private say(message: object) {
@@ -136,7 +138,7 @@ export class Connection {
   follow(topic: string, handler: (frame: Frame) => void) {
     const isNew = !this.followed.has(topic);
     this.followed.set(topic, handler);
-    if (isNew) this.ask(topic);
+    if (isNew) this.ask(topic, AHEAD);
   }
 
   stop(topic: string) {

@@ -4,10 +4,6 @@ import * as THREE from "three";
 import { rgba } from "./colour";
 import type { Frame } from "./frame";
 import { place } from "./points";
-import { IS_SOFTWARE } from "./software";
-
-/** Of how many pixels in a row, and of how many rows, one is shown. */
-const STEP = IS_SOFTWARE ? 2 : 1;
 
 const VERTEX = `
 precision highp usampler2D;
@@ -27,8 +23,7 @@ vec3 shade(float share) {
 
 void main() {
   ivec2 extent = textureSize(depths, 0);
-  int across = (extent.x + STEP - 1) / STEP;
-  ivec2 pixel = STEP * ivec2(gl_VertexID % across, gl_VertexID / across);
+  ivec2 pixel = ivec2(gl_VertexID % extent.x, gl_VertexID / extent.x);
   uint millimetres = texelFetch(depths, pixel, 0).r;
   float depth = float(millimetres) * 0.001;
   vec2 ray = (vec2(pixel) - lens.zw) / lens.xy;
@@ -55,13 +50,12 @@ export class DepthCloud {
     const material = new THREE.ShaderMaterial({
       vertexShader: VERTEX,
       fragmentShader: FRAGMENT,
-      defines: { STEP },
       uniforms: {
         depths: { value: null },
         colours: { value: null },
         lens: { value: new THREE.Vector4(1, 1, 0, 0) },
         range: { value: new THREE.Vector2(0, 5) },
-        size: { value: 2 * STEP },
+        size: { value: 2 },
         coloured: { value: false },
         colourLens: { value: new THREE.Vector4(1, 1, 0, 0) },
         colourSize: { value: new THREE.Vector2(1, 1) },
@@ -86,7 +80,7 @@ export class DepthCloud {
       this.depths.internalFormat = "R16UI";
       this.depths.unpackAlignment = 2;
       this.uniform("depths").value = this.depths;
-      this.object.geometry.setDrawRange(0, Math.ceil(width / STEP) * Math.ceil(height / STEP));
+      this.object.geometry.setDrawRange(0, width * height);
     } else {
       this.depths.image.data = texels;
     }

@@ -6,7 +6,9 @@ import type { Frame } from "./frame";
 import { Frustum } from "./frustum";
 import { Picture } from "./picture";
 import { Points } from "./points";
+import { IS_SOFTWARE } from "./software";
 import type { Space } from "./space";
+import { SplattedCloud } from "./splats";
 
 /** Ends what shows the frames of a stream. */
 type End = () => void;
@@ -126,7 +128,7 @@ export class Layers {
   }
 
   private depthCloud(topic: string): End {
-    const cloud = new DepthCloud();
+    const cloud = IS_SOFTWARE ? new SplattedCloud() : new DepthCloud();
     this.space.add(cloud.object);
     const ends = [
       this.follow(topic, (frame) => {

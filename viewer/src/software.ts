@@ -11,5 +11,5 @@ function nameOfRenderer(): string {
   return typeof name === "string" ? name : "";
 }
 
-/** Pictures are drawn by the processor, which has other things to do: with less smoothness and fewer points. */
+/** Pictures are drawn by the processor, which has other things to do: with less smoothness, and points otherwise. */
 export const IS_SOFTWARE = BY_PROCESSOR.test(nameOfRenderer());

@@ -4,10 +4,16 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 import type { LinkState } from "./frame";
+import { Resolution } from "./resolution";
 import { IS_SOFTWARE } from "./software";
 
 /** A frame that is drawn in so much time, milliseconds, is drawn by a graphics card. */
 const FAST_MS = 34;
+
+/** The same material by Lambert's law alone, which takes a fraction of the time of a physical one. */
+function cheap({ name, color, map, side, transparent, opacity, vertexColors }: THREE.MeshStandardMaterial) {
+  return new THREE.MeshLambertMaterial({ name, color, map, side, transparent, opacity, vertexColors });
+}
 
 export class Space {
   readonly scene = new THREE.Scene();
@@ -58,6 +64,8 @@ export class Space {
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     let drawn: { fence: WebGLSync; began: number } | null = null;
     let next = 0;
+    const resolution = IS_SOFTWARE ? new Resolution() : null;
+    let share = 1;
     const draw = (now: number) => {
       requestAnimationFrame(draw);
       if (drawn !== null) {
@@ -66,11 +74,16 @@ export class Space {
         gl.deleteSync(drawn.fence);
         // Without a graphics card drawing takes the processors' time: half of it is left to all else.
         next = now + Math.max(0, now - drawn.began - FAST_MS);
+        resolution?.tell(now - drawn.began);
         drawn = null;
       }
+      if (now < next) return;
       // What has not changed is not drawn again.
-      if (!this.changed || now < next) return;
+      const wanted = resolution === null ? (this.changed ? 1 : null) : resolution.next(now, this.changed);
+      if (wanted === null) return;
       this.changed = false;
+      if (wanted !== share) this.renderer.setPixelRatio(wanted * Math.min(window.devicePixelRatio, 2));
+      share = wanted;
       this.renderer.render(this.scene, this.camera);
       const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
       gl.flush();
@@ -118,6 +131,7 @@ export class Space {
         if (object.userData.robot === true) this.robot ??= object;
       }
       if (object instanceof THREE.Mesh) {
+        if (IS_SOFTWARE) object.material = cheap(object.material as THREE.MeshStandardMaterial);
         for (const material of [object.material].flat() as THREE.Material[]) {
           material.clippingPlanes = [this.ceiling];
         }
@@ -229,14 +243,19 @@ export class Space {
 
   /** Puts links where they are now. */
   move(states: LinkState[]) {
+    const [at, turned] = [new THREE.Vector3(), new THREE.Quaternion()];
     for (const { name, position, orientation } of states) {
       const link = this.links.get(name);
-      link?.position.set(...position);
-      link?.quaternion.set(...orientation);
+      at.set(...position);
+      turned.set(...orientation);
+      // While time stands they are where they were.
+      if (link === undefined || (link.position.equals(at) && link.quaternion.equals(turned))) continue;
+      link.position.copy(at);
+      link.quaternion.copy(turned);
+      this.touch();
     }
     if (this.followsRobot) this.lookAtRobot();
     else if (this.robot !== undefined) this.robotWas.copy(this.robot.position);
-    this.touch();
   }
 
   /** How often it has been drawn. */

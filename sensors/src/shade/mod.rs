@@ -164,9 +164,12 @@ impl Shader {
         let mapped = textured || bumpy;
         let repeat = material.texture_repeat;
 
-        // Step 1: normals, and what the pixels cover of the texture.
+        // Step 1: normals, and what the pixels cover of the texture. Without lamps nothing depends on normals.
         let mut footprints = [Footprint::nothing(simd); ROWS];
-        if let Kind::Solid(solid) = instance.kind()
+        let is_flat_light = scene.lights.is_empty() && self.seen.is_none();
+        if is_flat_light && !mapped {
+            // Neither is wanted.
+        } else if let Kind::Solid(solid) = instance.kind()
             && solid.has_flat_faces()
         {
             let faces = faces(simd, view, tile, (placed, solid), lanes);

@@ -54,6 +54,8 @@ pub(crate) struct Surfaces {
     /// Change of u and of v per metre, times any factor above 0. Only if it is wanted.
     pub(crate) gradient: [[Lanes<f32>; 3]; 2],
     pub(crate) wants_gradient: bool,
+    /// Of the instance at hand.
+    local: Local,
 }
 
 impl Surfaces {
@@ -64,6 +66,11 @@ impl Surfaces {
             footprint: [[[0.0; LANES]; 2]; 2],
             gradient: [[[0.0; LANES]; 3]; 2],
             wants_gradient: false,
+            local: Local {
+                normal: [[0.0; LANES]; 3],
+                uv: [[0.0; LANES]; 2],
+                gradient: [[[0.0; LANES]; 3]; 2],
+            },
         }
     }
 
@@ -118,8 +125,9 @@ impl Surfaces {
                     + z * (f64::from(tile.point[2][lane]) - tz);
             }
         }
-        let Some(local) = Local::at::<TEXTURED>(view, tile, index, &point) else { return };
-        self.add_lanes::<TEXTURED>(tile, index, placed, &local, (repeat, steps));
+        if self.local.fill::<TEXTURED>(view, tile, index, &point) {
+            self.add_lanes::<TEXTURED>(tile, index, placed, (repeat, steps));
+        }
     }
 
     /// Takes what a shape says of its points into the view.
@@ -129,9 +137,9 @@ impl Surfaces {
         tile: &Tile,
         index: u32,
         placed: &Placed,
-        Local { normal, uv, gradient }: &Local,
         (repeat, steps): ([f32; 2], &Steps),
     ) {
+        let Local { normal, uv, gradient } = &self.local;
         let inverse = placed.inverse.map(DVec3::from_array);
         let to_local = |v: DVec3| DVec3::new(inverse[0].dot(v), inverse[1].dot(v), inverse[2].dot(v));
         let mine = |lane: usize| tile.placed[lane] == index;
@@ -244,21 +252,20 @@ struct Local {
 }
 
 impl Local {
-    /// Of the lanes that have hit `index`; the others are undetermined. Nothing for shapes of flat faces.
+    /// Of the lanes that have hit `index`; the others are undetermined. Not for shapes of flat faces.
     #[inline(always)]
-    fn at<const TEXTURED: bool>(
+    fn fill<const TEXTURED: bool>(
+        &mut self,
         view: &View<'_>,
         tile: &Tile,
         index: u32,
         point: &[Lanes<f64>; 3],
-    ) -> Option<Self> {
+    ) -> bool {
         let instance = view.instance(index);
         let placed = &view.placed[index as usize];
-        let mut local =
-            Self { normal: [[0.0; LANES]; 3], uv: [[0.0; LANES]; 2], gradient: [[[0.0; LANES]; 3]; 2] };
         macro_rules! solid {
             ($solid:expr) => {
-                local.fill::<TEXTURED>(
+                self.take::<TEXTURED>(
                     point,
                     #[inline(always)]
                     |_, point| solid_surface::<TEXTURED>($solid, instance.size, point),
@@ -271,8 +278,8 @@ impl Local {
             Kind::Solid(Solid::Capsule) => solid!(Solid::Capsule),
             Kind::Solid(Solid::Ellipsoid) => solid!(Solid::Ellipsoid),
             Kind::Solid(Solid::Cone) => solid!(Solid::Cone),
-            Kind::Solid(Solid::Box | Solid::Rectangle | Solid::Plane) => return None,
-            Kind::Triangles(triangles) => local.fill::<TEXTURED>(
+            Kind::Solid(Solid::Box | Solid::Rectangle | Solid::Plane) => return false,
+            Kind::Triangles(triangles) => self.take::<TEXTURED>(
                 point,
                 #[inline(always)]
                 |lane, point| {
@@ -287,11 +294,11 @@ impl Local {
                 },
             ),
         }
-        Some(local)
+        true
     }
 
     #[inline(always)]
-    fn fill<const TEXTURED: bool>(
+    fn take<const TEXTURED: bool>(
         &mut self,
         point: &[Lanes<f64>; 3],
         surface: impl Fn(usize, DVec3) -> Surface,

@@ -79,7 +79,7 @@ impl Loader<'_> {
         (length("radius"), length("length"))
     }
 
-    /// N lengths above 0 in a required attribute.
+    /// N lengths above 0 in a required attribute. Gazebo goes on with 0, of which nothing is seen or met.
     fn lengths<const N: usize>(&mut self, shape: &Element, name: &str) -> Option<[f64; N]> {
         let text = self.required(shape, name)?;
         let what = format!("attribute '{name}' of <{}>", shape.name);
@@ -87,7 +87,12 @@ impl Loader<'_> {
         if values.iter().all(|value| *value > 0.0) {
             return Some(values);
         }
-        self.diagnostics.error(&shape.source, format!("{what} is '{text}'"), "lengths must be above 0");
+        if self.rules.gazebo_compat && values.iter().all(|value| *value >= 0.0) {
+            let what = format!("{what} is '{text}', so the shape is left out");
+            self.diagnostics.warning(&shape.source, what, "lengths must be above 0");
+        } else {
+            self.diagnostics.error(&shape.source, format!("{what} is '{text}'"), "lengths must be above 0");
+        }
         None
     }
 

@@ -48,6 +48,30 @@ fn poses_follow_from_joints_in_any_order() {
 }
 
 #[test]
+fn a_shape_without_extent_is_an_error_or_left_out_as_gazebo_does() {
+    let flat = |length: &str| {
+        format!(
+            "<link name='base'><visual><geometry><cylinder radius='0.2' length='{length}'/></geometry></visual></link>"
+        )
+    };
+    let (_, problems) = load_as(&flat("0"), false);
+    assert_eq!(
+        problems,
+        ["r.urdf:1: error: attribute 'length' of <cylinder> is '0'; lengths must be above 0"]
+    );
+    let (model, problems) = load_as(&flat("0"), true);
+    assert_eq!(
+        problems,
+        [
+            "r.urdf:1: warning: attribute 'length' of <cylinder> is '0', so the shape is left out; lengths must be above 0"
+        ]
+    );
+    assert!(model.unwrap().links[0].visuals.is_empty());
+    let (_, problems) = load_as(&flat("-1"), true);
+    assert!(problems[0].contains("error"), "{problems:?}");
+}
+
+#[test]
 fn links_have_mass_shapes_and_looks() {
     let model = accepted(
         "<material name='Orange'><color rgba='1 0.5 0 1'/></material>\

@@ -1,6 +1,6 @@
 """A simulator in one network namespace, consumers of its streams in another, and all that can happen in between.
 
-check.py BELVEDERE FOLDER: the first is built with the feature `link`; the simulator, and all other commands, are
+check.py BELVEDERE FOLDER [PART…]: the first is built with the feature `link`; the simulator, and all other commands, are
 BELVEDERE_BIN if that is set. Needs root, `ip` and `tc` of iproute2, and the Python packages belvedere and eclipse-zenoh.
 Prints what was measured; ends with an error when something does not hold.
 """
@@ -15,7 +15,7 @@ import sys
 import time
 from pathlib import Path
 
-link, folder = sys.argv[1], Path(sys.argv[2])
+link, folder, wanted = sys.argv[1], Path(sys.argv[2]), sys.argv[3:]
 belvedere = os.environ.get("BELVEDERE_BIN", link)
 here = Path(__file__).parent
 # Shared memory is common to both namespaces, so each side has a domain of its own.
@@ -27,6 +27,7 @@ ADDRESS = "10.77.15.1:7447"
 # Machines that do something else meanwhile take so many times as long.
 PATIENCE = 3
 running = []
+parties = {}
 
 
 def ip(*words):
@@ -70,7 +71,9 @@ class Frames:
         self.path = folder / f"frames-{Frames.number}"
         self.path.touch()
         script = str(here / "frames.py")
-        self.process = start(f"consumer-{Frames.number}", domain, sys.executable, script, domain, topic, str(self.path))
+        self.process = start(
+            f"consumer-{Frames.number}", domain, sys.executable, script, domain, topic, str(self.path)
+        )
 
     def now(self):
         """The frames so far: by session and number, (stamp, sent, taken, missed, hash)."""
@@ -86,7 +89,9 @@ class Frames:
         """Waits for so many frames more than there are."""
         before, deadline = len(self.now()), time.monotonic() + PATIENCE * seconds
         while len(self.now()) < before + count:
-            assert time.monotonic() < deadline, f"{what}: {len(self.now()) - before} of {count} frames in {seconds} s"
+            assert time.monotonic() < deadline, (
+                f"{what}: {len(self.now()) - before} of {count} frames in {seconds} s"
+            )
             assert self.process.poll() is None, f"{what}: the consumer has ended"
             time.sleep(0.02)
 
@@ -182,7 +187,7 @@ def shape(*words):
     return True
 
 
-def run():
+def lay_cable():
     address, _, _ = ADDRESS.partition(":")
     for space in spaces.values():
         ip("netns", "add", space)
@@ -193,22 +198,30 @@ def run():
         ip("-n", spaces[domain], "address", "add", f"{own}/24", "dev", cables[domain])
         ip("-n", spaces[domain], "link", "set", cables[domain], "up")
 
-    # The far side first: it goes on trying, and says so.
-    receiver = receive()
+
+def begin():
+    """The far side first: it goes on trying, and says so."""
+    parties["receiver"] = receiver = receive()
     until(lambda: "there is no connection" in receiver.log.read_text(), 20, "a word that nobody is there")
-    simulator = start("simulator", near, belvedere, "run", "--domain", near, "--drive", "still")
+    parties["simulator"] = start("simulator", near, belvedere, "run", "--domain", near, "--drive", "still")
     until(lambda: "/image_raw" in listed(near), 60, "a simulator")
-    sender = send()
+    parties["sender"] = send()
     until(lambda: "/image_raw" in listed(far), 20, "its streams on the other side")
-    described = ("kind", "encoding", "rate_hz", "frame_id", "layers", "max_payload_bytes")
+
+
+def described():
+    """What is there is there as it is here."""
+    told = ("kind", "encoding", "rate_hz", "frame_id", "layers", "max_payload_bytes")
     here_now, there_now = listed(near), listed(far)
     left_out = {"/simulation/command", "/simulation/result"}
     assert set(here_now) - set(there_now) == left_out, set(here_now) ^ set(there_now)
     for topic, stream in there_now.items():
-        assert [stream[name] for name in described] == [here_now[topic][name] for name in described], topic
-    print(f"{len(there_now)} streams are described there as here")
+        assert [stream[name] for name in told] == [here_now[topic][name] for name in told], topic
+    print(f"{len(there_now)} streams are described there as here", flush=True)
 
-    # Nobody looks over there, so nobody renders here; then somebody does, and goes.
+
+def interest():
+    """Nobody looks over there, so nobody renders here; then somebody does, and goes."""
     time.sleep(1)
     assert listed(near)["/image_raw"]["subscribers"] == 0, "pictures are taken for nobody"
     looker = Frames(far, "image_raw")
@@ -216,8 +229,10 @@ def run():
     assert listed(near)["/image_raw"]["subscribers"] == 1
     looker.end()
     until(lambda: listed(near)["/image_raw"]["subscribers"] == 0, 5, "the end of interest")
-    print("a stream that nobody takes there is not taken here")
+    print("a stream that nobody takes there is not taken here", flush=True)
 
+
+def free():
     compared("image_raw", "a free cable", 330, 60)
     compared("scan", "a free cable", 20, 20)
     late = Frames(far, "tf_static")
@@ -225,7 +240,9 @@ def run():
     late.end()
     drive(far, 0.3, 2)
 
-    # A cable that is cut, for less and for more than the three seconds after which a connection is given up.
+
+def cut():
+    """For less and for more than the three seconds after which a connection is given up."""
     for seconds in (1.5, 8.0):
         here_side, there_side = Frames(near, "odom"), Frames(far, "odom")
         pictures = Frames(far, "image_raw")
@@ -259,20 +276,19 @@ def run():
             flush=True,
         )
 
-    # Either side is killed.
-    for name in ("send", "receive"):
+
+def kills():
+    """Either side is killed."""
+    for name, role, again_started in (("send", "sender", send), ("receive", "receiver", receive)):
         there_side = Frames(far, "image_raw")
         there_side.wait(10, 20, "pictures before a kill")
-        victim = sender if name == "send" else receiver
+        victim = parties[role]
         running.remove(victim)
         victim.kill()
         victim.wait()
         time.sleep(1)
         killed = time.monotonic()
-        if name == "send":
-            sender = send()
-        else:
-            receiver = receive()
+        parties[role] = again_started()
         there_side.wait(1, 30, f"pictures after `{name}` was killed")
         again = time.monotonic() - killed
         there_side.wait(30, 20, "more of them")
@@ -281,7 +297,9 @@ def run():
         print(f"`link {name}` killed and started again: pictures again after {again:.1f} s", flush=True)
     drive(far, 0.2, 2)
 
-    # Lines that are narrow, long, or bad.
+
+def narrow():
+    """Lines that are narrow, long, or bad."""
     for what, words in (
         ("100 Mbit/s", ("tbf", "rate", "100mbit", "burst", "256kb", "latency", "50ms")),
         ("300 Mbit/s", ("tbf", "rate", "300mbit", "burst", "256kb", "latency", "50ms")),
@@ -296,47 +314,66 @@ def run():
     for domain in (near, far):
         subprocess.run(inside(domain, "tc", "qdisc", "del", "dev", cables[domain], "root"), check=True)
 
-    # Somebody else's program of Zenoh, as hostile as it can.
+
+def hostile():
+    """Somebody else's program of Zenoh, as bad as it can."""
+    count = len(listed(far))
     words = (sys.executable, str(here / "hostile.py"))
     watched = Frames(far, "image_raw")
     watched.wait(10, 20, "pictures before the attack")
     attack = inside(far, *words, f"tcp/{ADDRESS}", near, "6")
     attack = subprocess.run(attack, check=True, capture_output=True, text=True)
     watched.end()
-    assert sender.poll() is None and receiver.poll() is None, "a link did not survive"
+    for role in ("sender", "receiver"):
+        assert parties[role].poll() is None, f"the {role} did not survive"
     print(f"{attack.stdout.strip()} hostile messages")
     compared("image_raw", "after hostile messages", 60, 30)
-    until(lambda: len(listed(far)) == len(there_now), 10, "all streams after them")
+    until(lambda: len(listed(far)) == count, 10, "all streams after them")
 
-    # The simulator ends, and another comes.
-    ended_well(simulator)
+
+def another_simulator():
+    """The simulator ends, and another comes."""
+    ended_well(parties["simulator"])
     until(lambda: "/image_raw" not in listed(far), 10, "the end of its streams over there")
     again = Frames(far, "image_raw")
-    simulator = start("simulator", near, belvedere, "run", "--domain", near, "--drive", "spin", "--seed", "2")
+    parties["simulator"] = start(
+        "simulator", near, belvedere, "run", "--domain", near, "--drive", "spin", "--seed", "2"
+    )
     again.wait(10, 60, "pictures of the next simulator")
     again.end()
 
-    # All commands, and only some streams.
-    ended_well(sender)
+
+def control():
+    """All commands, and only some streams."""
+    ended_well(parties["sender"])
     until(lambda: not listed(far), 10, "the end of all streams over there")
-    sender = send("--commands", "all")
+    parties["sender"] = send("--commands", "all")
     until(lambda: "/simulation/result" in listed(far), 20, "the simulation's results on the other side")
     for words in (("pause",), ("step", "3"), ("resume",)):
         subprocess.run(inside(far, belvedere, "control", "--domain", far, *words), check=True, capture_output=True)
     print("the simulation was paused, stepped and resumed from there")
-    ended_well(receiver)
-    receiver = receive("/scan", "odom")
+    ended_well(parties["receiver"])
+    parties["receiver"] = receive("/scan", "odom")
     until(lambda: set(listed(far)) == {"/scan", "/odom"}, 20, "two streams alone")
-    # A second link in a domain that has one.
-    second = receive("/scan")
-    assert second.wait(20) == 1 and "is in use" in second.log.read_text(), second.log.read_text()
-    running.remove(second)
-    for process in (receiver, sender, simulator):
-        ended_well(process)
 
 
+def second():
+    """A second link in a domain that has one."""
+    other = receive("/scan")
+    assert other.wait(20) == 1 and "is in use" in other.log.read_text(), other.log.read_text()
+    running.remove(other)
+
+
+# Namespaces and processes are taken away, however this ends.
+signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended from outside"))
 try:
-    run()
+    lay_cable()
+    begin()
+    for part in (described, interest, free, cut, kills, narrow, hostile, another_simulator, control, second):
+        if not wanted or part.__name__ in wanted:
+            part()
+    for party in parties.values():
+        ended_well(party)
 except BaseException:
     for log in sorted(folder.glob("*.log")):
         print(f"--- {log.name}\n{log.read_text()[-4000:]}", file=sys.stderr)

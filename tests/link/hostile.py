@@ -34,6 +34,9 @@ frames = session.declare_subscriber(f"belvedere/{domain}/frames/**", take_frame)
 streams = session.declare_subscriber(f"belvedere/{domain}/streams", take_streams)
 time.sleep(2)
 assert real and heard, "the link is not heard"
+# From here on this program only sends.
+frames.undeclare()
+streams.undeclare()
 
 
 def spoilt(frame):
@@ -70,7 +73,9 @@ def spoilt_streams(good):
         case 2:
             told["version"] = dice.choice((0, 2, -1, "1", None, 2**40))
         case 3:
-            one[dice.choice(list(one))] = dice.choice((None, -1, 2**70, 1e308, "", "x" * 5000, [], {}, "../../a", "a//b"))
+            one[dice.choice(list(one))] = dice.choice(
+                (None, -1, 2**70, 1e308, "", "x" * 5000, [], {}, "../../a", "a//b")
+            )
         case 4:
             one["max_payload_len"] = dice.choice((2**27, 2**40, 2**63))
         case _:
@@ -79,7 +84,12 @@ def spoilt_streams(good):
 
 
 keys = sorted(real)
-commands = ["cmd_vel", "mobile_base/commands/motor_power", "mobile_base/commands/reset_odometry", "simulation/command"]
+commands = [
+    "cmd_vel",
+    "mobile_base/commands/motor_power",
+    "mobile_base/commands/reset_odometry",
+    "simulation/command",
+]
 sent = 0
 end = time.monotonic() + seconds
 while time.monotonic() < end:

@@ -267,7 +267,7 @@ fn obj_or_stl(path: &Path) -> std::io::Result<Vec<u8>> {
 
 /// The picture that a mesh in `folder` names: there, or in the `materials/textures` of its model, where Gazebo looks
 /// too. Folders of the machine that the mesh was made on are left off.
-fn find_texture(name: &str, folder: &Path) -> Option<PathBuf> {
+pub(crate) fn find_texture(name: &str, folder: &Path) -> Option<PathBuf> {
     let name = name.replace('\\', "/");
     let file = name.rsplit('/').next().filter(|file| !file.is_empty())?;
     let model = folder.ancestors().take(4).map(|above| above.join("materials/textures"));

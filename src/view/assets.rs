@@ -1,9 +1,10 @@
 //! Files that robots' descriptions name, for clients that cannot read this machine's: a client is given a name for each, and
-//! for no other name is a file read.
+//! for no other name is a file read. So it is with the pictures that a Collada file names in turn.
 
+use crate::description::mesh::find_texture;
 use crate::description::xml::{Element, Node};
 use percent_encoding::percent_decode_str;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -13,9 +14,19 @@ const LARGEST: u64 = 64 << 20;
 /// The package that there is none of, which clients ask us for.
 const PACKAGE: &str = "package://belvedere";
 
-/// The files, by the names that clients have for them.
+/// What a picture's file ends with.
+const PICTURES: [&str; 8] = ["png", "jpg", "jpeg", "tga", "bmp", "gif", "tif", "tiff"];
+
+/// Where the list of a Collada file's pictures ends.
+const PICTURES_END: &str = "</library_images>";
+
+/// The files, and the names that clients have for them.
 #[derive(Debug, Default)]
-pub(super) struct Assets(BTreeMap<String, PathBuf>);
+pub(super) struct Assets {
+    files: BTreeMap<String, PathBuf>,
+    /// Of what descriptions name.
+    names: HashMap<PathBuf, String>,
+}
 
 impl Assets {
     /// Gives the files of a plain URDF names by which clients can ask for them, instead of those on this machine.
@@ -49,27 +60,72 @@ impl Assets {
 
     /// A file has one name. It ends as the file's does, since by that clients know what is in it.
     fn name(&mut self, path: &Path) -> String {
-        if let Some((name, _)) = self.0.iter().find(|(_, known)| *known == path) {
+        if let Some(name) = self.names.get(path) {
             return name.clone();
         }
-        let file = path.file_name().map(|name| name.to_string_lossy().replace(['%', '?', '#', ' '], "_"));
-        let name = format!("{PACKAGE}/{}/{}", self.0.len(), file.unwrap_or_default());
-        self.0.insert(name.clone(), path.to_owned());
+        let name = format!("{PACKAGE}/{}/{}", self.names.len(), plain_name(path));
+        self.names.insert(path.to_owned(), name.clone());
+        self.files.insert(name.clone(), path.to_owned());
         name
     }
 
     /// The file with this name.
     pub(super) fn path(&self, name: &str) -> Option<PathBuf> {
-        self.0.get(name).cloned()
+        self.files.get(name).cloned()
     }
+
+    /// Gives the pictures that a Collada file names, the asset `name`, names below its own, and puts those into the file.
+    /// What is not found, or is no picture, stays as it is.
+    pub(super) fn rename_pictures(&mut self, name: &str, path: &Path, collada: Vec<u8>) -> Vec<u8> {
+        let (Some((base, _)), Some(folder)) = (name.rsplit_once('/'), path.parent()) else { return collada };
+        let collada = match String::from_utf8(collada) {
+            Ok(text) => text,
+            Err(error) => return error.into_bytes(),
+        };
+        let begin = collada.find("<library_images").unwrap_or(collada.len());
+        let end = collada[begin..].find(PICTURES_END).map_or(begin, |at| begin + at + PICTURES_END.len());
+        let mut renamed = collada[..begin].to_owned();
+        for (index, piece) in collada[begin..end].split_inclusive('>').enumerate() {
+            // What stands before a mark, and the mark.
+            let (text, mark) = piece.split_at(piece.find('<').unwrap_or(piece.len()));
+            if let Some(picture) = picture(text.trim(), folder) {
+                let own = format!("{index}/{}", plain_name(&picture));
+                self.files.insert(format!("{base}/{own}"), picture);
+                renamed += &own;
+            } else {
+                renamed += text;
+            }
+            renamed += mark;
+        }
+        (renamed + &collada[end..]).into_bytes()
+    }
+}
+
+/// The file's own name, without what has a meaning in a URL or in XML.
+fn plain_name(path: &Path) -> String {
+    let file =
+        path.file_name().map(|name| name.to_string_lossy().replace(['%', '?', '#', ' ', '&', '<', '>'], "_"));
+    file.unwrap_or_default()
+}
+
+/// The picture that a Collada file in `folder` calls so.
+fn picture(named: &str, folder: &Path) -> Option<PathBuf> {
+    let named = percent_decode_str(named.trim_start_matches("file://")).decode_utf8().ok()?;
+    let path = find_texture(&named, folder)?;
+    let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+    PICTURES.contains(&ending.as_str()).then_some(path)
+}
+
+/// Whether it is a Collada file.
+pub(super) fn is_collada(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dae"))
 }
 
 /// Reads a file for a client.
 ///
 /// # Errors
 /// In words.
-pub(super) fn read(path: Option<PathBuf>, name: &str) -> Result<Vec<u8>, String> {
-    let path = path.ok_or_else(|| format!("no robot's description names '{name}'"))?;
+pub(super) fn read(path: &Path, name: &str) -> Result<Vec<u8>, String> {
     // Where it is on this machine is nobody's business.
     let failed = |error: std::io::Error| format!("'{name}' cannot be read: {}", error.kind());
     let mut bytes = Vec::new();

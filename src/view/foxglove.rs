@@ -5,6 +5,7 @@
 //! a stream that keeps its last message, as static transforms do, gives it at each subscription.
 
 use super::Shared;
+use super::advertisement::Advertiser;
 use super::assets;
 use super::drivers::Drivers;
 use super::socket::{Said, Socket};
@@ -17,9 +18,6 @@ use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 use tungstenite::{Error, Message};
-
-/// Names of the protocol, the one that is preferred first; they differ in nothing else.
-pub(super) const SUBPROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
 
 const NAP: Duration = Duration::from_millis(50);
 /// Subscriptions of a client at a time.
@@ -84,6 +82,7 @@ struct Source {
 pub(super) struct Foxglove<'a> {
     shared: &'a Shared,
     socket: Socket,
+    advertiser: Advertiser,
     channels: BTreeMap<String, Channel>,
     next_id: u32,
     listed: Option<u64>,
@@ -99,8 +98,10 @@ pub(super) struct Foxglove<'a> {
 }
 
 impl<'a> Foxglove<'a> {
-    pub(super) fn new(shared: &'a Shared, socket: Socket) -> Self {
+    /// Who speaks the protocol of this name.
+    pub(super) fn new(shared: &'a Shared, socket: Socket, protocol: &str) -> Self {
         Self {
+            advertiser: Advertiser::new(protocol),
             clock: shared.node.subscriber("clock").ok(),
             shared,
             socket,
@@ -160,14 +161,7 @@ impl<'a> Foxglove<'a> {
             let channel = self.channels.entry(ros.topic.clone()).or_insert_with(|| {
                 let id = self.next_id;
                 self.next_id += 1;
-                came.push(json!({
-                    "id": id,
-                    "topic": ros.topic,
-                    "encoding": "ros1",
-                    "schemaName": ros.message_type.name,
-                    "schema": ros.message_type.definition(),
-                    "schemaEncoding": "ros1msg",
-                }));
+                came.push((id, ros.clone()));
                 Channel { id, topics: BTreeSet::new(), ros }
             });
             channel.topics.insert(stream.topic.clone());
@@ -184,7 +178,8 @@ impl<'a> Foxglove<'a> {
             self.say(&json!({ "op": "unadvertise", "channelIds": gone }))?;
         }
         if !came.is_empty() {
-            self.say(&json!({ "op": "advertise", "channels": came }))?;
+            let advertisement = self.advertiser.advertise(came.iter().map(|(id, ros)| (*id, ros)));
+            self.say(&advertisement)?;
         }
         Ok(())
     }
@@ -236,7 +231,7 @@ impl<'a> Foxglove<'a> {
                 ));
             }
             Request::FetchAsset { uri, request_id } => {
-                let file = assets::read(self.shared.asset(&uri), &uri);
+                let file = self.shared.asset(&uri);
                 self.socket.send(Message::binary(assets::response(request_id, file)))?;
             }
             // They never change.
@@ -369,10 +364,4 @@ fn ros_stream(stream: &StreamInfo) -> Option<RosStream> {
     let is_command = matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
     let is_ours = stream.topic == StreamSpec::SIMULATION_COMMAND;
     (!is_command && !is_ours).then(|| RosStream::new(kind, &stream.topic, stream.layers)).flatten()
-}
-
-/// The name that a client and this server have in common, by the header in which it names its own.
-pub(super) fn common_protocol(offered: &str) -> Option<&'static str> {
-    let offered: Vec<&str> = offered.split(',').map(str::trim).collect();
-    SUBPROTOCOLS.into_iter().find(|known| offered.contains(known))
 }

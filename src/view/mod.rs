@@ -8,6 +8,7 @@
 //! | `socket` | a WebSocket that keeps no thread waiting |
 //! | `waiting` | how a client's thread sleeps |
 //! | `foxglove`, `twist` | Foxglove's protocol, for whoever speaks it |
+//! | `advertisement` | how its versions make streams known |
 //! | `assets` | files that robots name, for its clients |
 //! | `page` | what a page of ours says and is told |
 //! | `payload`, `pipe` | frames as that page takes them, and the way that they go |
@@ -19,6 +20,7 @@
 //! subscribers of its own, so that a slow one gets fewer frames and slows nobody.
 
 mod access;
+mod advertisement;
 mod assets;
 mod bundle;
 mod commander;
@@ -38,9 +40,10 @@ pub use access::token;
 
 use crate::recording::Timeline;
 use access::{Access, random_token};
-use assets::Assets;
+use advertisement::{SUBPROTOCOLS, common_protocol};
+use assets::{Assets, is_collada};
 use belvedere_bridge::Node;
-use foxglove::{Foxglove, SUBPROTOCOLS, common_protocol};
+use foxglove::Foxglove;
 use http::{Request, Status, refuse, respond};
 use listing::Listing;
 use page::Page;
@@ -52,7 +55,6 @@ use socket::{Socket, is_complete};
 use std::collections::BTreeMap;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
@@ -129,9 +131,14 @@ impl Shared {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// The file that a client calls so.
-    fn asset(&self, name: &str) -> Option<PathBuf> {
-        self.assets.lock().unwrap_or_else(PoisonError::into_inner).path(name)
+    /// What is in the file that a client calls so, or why it is not given.
+    fn asset(&self, name: &str) -> Result<Vec<u8>, String> {
+        let assets = || self.assets.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(path) = assets().path(name) else {
+            return Err(format!("no robot's description names '{name}'"));
+        };
+        let bytes = assets::read(&path, name)?;
+        Ok(if is_collada(&path) { assets().rename_pictures(name, &path, bytes) } else { bytes })
     }
 
     /// Parameters of these names, or all.
@@ -344,7 +351,7 @@ fn serve_socket(mut stream: TcpStream, request: &Request, shared: &Shared) -> io
     let served =
         http::upgrade(&mut stream, request, protocol).and_then(|()| Socket::new(stream)).and_then(|socket| {
             let served = match protocol {
-                Some(_) => Foxglove::new(shared, socket).serve(),
+                Some(protocol) => Foxglove::new(shared, socket, protocol).serve(),
                 None => Page::new(shared, random_token()?, socket).serve(),
             };
             served.map_err(io::Error::other)

@@ -2,7 +2,7 @@
 //!
 //! | the page says | which means |
 //! |---|---|
-//! | `{"op":"next","topic":T}` | send the next frame of T, the newest if it waits already |
+//! | `{"op":"next","topic":T,"frames":N}` | send the next frame of T, the newest if it waits already; or the next two |
 //! | `{"op":"stop","topic":T}` | follow T no more |
 //! | `{"op":"control","id":N,"operation":O,…}` | do what `belvedere control` does; the answer is a `result` with the same id |
 //! | `{"op":"seek","position":S}` | go on at so many seconds after the beginning of the recording |
@@ -34,6 +34,9 @@ const SHORT_NAP: Duration = Duration::from_millis(4);
 const FORGOTTEN: Duration = Duration::from_secs(3);
 /// Time between two words on where a recording is.
 const PLAYHEAD_INTERVAL: Duration = Duration::from_millis(100);
+/// Frames of a stream that a page may have asked for: with one, its next would wait until it was asked for, which on a busy
+/// machine takes as long as a frame.
+const MAX_AHEAD: u8 = 2;
 /// Streams that a page may follow at a time.
 const MAX_FOLLOWED: usize = 64;
 
@@ -53,6 +56,8 @@ const OPERATIONS: [Operation; 7] = [
 enum Request {
     Next {
         topic: String,
+        #[serde(default = "one")]
+        frames: u8,
     },
     Stop {
         topic: String,
@@ -73,11 +78,15 @@ enum Request {
     },
 }
 
+fn one() -> u8 {
+    1
+}
+
 /// A stream that a page follows.
 struct Followed {
     subscriber: Subscriber,
-    /// The page waits for a frame.
-    wanted: bool,
+    /// For so many frames the page waits.
+    wanted: u8,
     asked: Instant,
 }
 
@@ -146,7 +155,7 @@ impl<'a> Page<'a> {
 
     /// Sleeps until the page says something, or there is something for it.
     fn wait(&mut self) {
-        let wanted = self.followed.iter_mut().filter(|followed| followed.wanted);
+        let wanted = self.followed.iter_mut().filter(|followed| followed.wanted > 0);
         let nap = if self.awaited > 0 { SHORT_NAP } else { NAP };
         wait(&self.socket, self.pipe.as_ref(), wanted.map(|followed| &mut followed.subscriber), nap);
     }
@@ -157,7 +166,7 @@ impl<'a> Page<'a> {
             Said::Binary(_) => Err("it is binary".to_owned()),
         };
         let done = match request {
-            Ok(Request::Next { topic }) => self.want(&topic),
+            Ok(Request::Next { topic, frames }) => self.want(&topic, frames),
             Ok(Request::Stop { topic }) => {
                 self.followed.retain(|followed| followed.subscriber.topic() != topic);
                 Ok(())
@@ -174,17 +183,17 @@ impl<'a> Page<'a> {
         done.or_else(|reason| self.complain(&reason))
     }
 
-    fn want(&mut self, topic: &str) -> Result<(), String> {
+    fn want(&mut self, topic: &str, frames: u8) -> Result<(), String> {
         let now = Instant::now();
         if let Some(known) = self.followed.iter_mut().find(|followed| followed.subscriber.topic() == topic) {
-            (known.wanted, known.asked) = (true, now);
+            (known.wanted, known.asked) = (known.wanted.saturating_add(frames).min(MAX_AHEAD), now);
             return Ok(());
         }
         if self.followed.len() >= MAX_FOLLOWED {
             return Err(format!("a page may follow {MAX_FOLLOWED} streams; close some panels"));
         }
         let subscriber = self.shared.node.subscriber(topic).map_err(|error| error.to_string())?;
-        self.followed.push(Followed { subscriber, wanted: true, asked: now });
+        self.followed.push(Followed { subscriber, wanted: frames.min(MAX_AHEAD), asked: now });
         if let Some(timeline) = self.shared.timeline.get() {
             timeline.refresh();
         }
@@ -228,11 +237,11 @@ impl<'a> Page<'a> {
 
     fn send_frames(&mut self) -> Result<(), Error> {
         let now = Instant::now();
-        self.followed.retain(|followed| followed.wanted || now - followed.asked < FORGOTTEN);
+        self.followed.retain(|followed| followed.wanted > 0 || now - followed.asked < FORGOTTEN);
         let mut failed = None;
         for followed in &mut self.followed {
             let is_full = self.pipe.as_ref().is_some_and(Pipe::has_unsent) || self.socket.has_unsent();
-            if !followed.wanted || is_full {
+            if followed.wanted == 0 || is_full {
                 continue;
             }
             match followed.subscriber.take_newest() {
@@ -240,7 +249,7 @@ impl<'a> Page<'a> {
                     let message =
                         payload::encode(followed.subscriber.topic(), &frame.view(), frame.restarted());
                     drop(frame);
-                    followed.wanted = false;
+                    followed.wanted -= 1;
                     followed.asked = now;
                     // A page that has let go of it asks again.
                     if self.pipe.as_mut().is_some_and(|pipe| pipe.send(&message).is_err()) {
@@ -251,7 +260,7 @@ impl<'a> Page<'a> {
                 }
                 Ok(None) => {}
                 Err(error) => {
-                    followed.wanted = false;
+                    followed.wanted = 0;
                     failed = Some(error.to_string());
                 }
             }

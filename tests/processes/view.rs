@@ -323,7 +323,8 @@ fn a_camera_is_seen_in_a_terminal() {
 #[test]
 fn foxglove_is_spoken_on_the_same_port() {
     let server = Server::run(&own_domain(), &KINECT);
-    for protocol in ["foxglove.websocket.v1", "foxglove.sdk.v1, foxglove.websocket.v1"] {
+    let latest = "foxglove.sdk.v1, foxglove.sdk.v1.1";
+    for protocol in ["foxglove.websocket.v1", "foxglove.sdk.v1, foxglove.websocket.v1", latest] {
         let mut client = server.connect(&format!("Sec-WebSocket-Protocol: {protocol}\r\n"));
         assert_eq!(client.told("serverInfo")["metadata"]["ROS_DISTRO"], "noetic");
         let advertised = client.told("advertise");
@@ -333,10 +334,12 @@ fn foxglove_is_spoken_on_the_same_port() {
         };
         assert!(channel("/cmd_vel").is_none() && channel("/simulation/command").is_none());
         let fixed = channel("/tf_static").unwrap();
-        assert_eq!(
-            (&fixed["schemaName"], &fixed["encoding"]),
-            (&json!("tf2_msgs/TFMessage"), &json!("ros1"))
-        );
+        let schema = match fixed["schemaId"].as_u64() {
+            Some(id) => &advertised["schemas"][id as usize - 1]["name"],
+            None => &fixed["schemaName"],
+        };
+        assert_eq!((schema, &fixed["encoding"]), (&json!("tf2_msgs/TFMessage"), &json!("ros1")));
+        assert_eq!(fixed["schemaId"].is_u64(), protocol == latest);
         // What was said once comes at each subscription.
         for id in [7_u32, 8] {
             client.say(

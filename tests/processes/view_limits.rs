@@ -8,6 +8,7 @@ use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
@@ -84,6 +85,31 @@ fn without_a_browser_the_address_is_printed_and_served() {
     }
 }
 
+/// A mesh of one triangle whose file names pictures: beside it, in `materials/textures` as of another machine, one that is
+/// not there, and outside of the list of pictures.
+fn write_collada(folder: &Path) -> PathBuf {
+    fs::create_dir_all(folder.join("materials/textures")).unwrap();
+    fs::write(folder.join("a picture.png"), "of a part").unwrap();
+    fs::write(folder.join("materials/textures/wood.jpg"), "of wood").unwrap();
+    let image = |name: &str| format!("<image id='{name}'><init_from>{name}</init_from></image>");
+    let images = ["a%20picture.png", "C:\\models\\wood.jpg", "../secret"].map(image).concat();
+    let text = format!(
+        "<COLLADA version='1.4.1'><library_images>{images}</library_images><library_effects><effect id='e'><profile_COMMON>\
+         <newparam sid='s'><surface type='2D'><init_from>a picture.png</init_from></surface></newparam><technique sid='t'>\
+         <lambert/></technique></profile_COMMON></effect></library_effects><library_geometries><geometry id='g'><mesh>\
+         <source id='p'><float_array id='f' count='9'>0 0 0 0.1 0 0 0 0.1 0</float_array><technique_common>\
+         <accessor source='#f' count='3' stride='3'><param name='X' type='float'/><param name='Y' type='float'/>\
+         <param name='Z' type='float'/></accessor></technique_common></source><vertices id='v'><input semantic='POSITION' \
+         source='#p'/></vertices><triangles count='1'><input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p>\
+         </triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id='o'><node>\
+         <instance_geometry url='#g'/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene \
+         url='#o'/></scene></COLLADA>"
+    );
+    let path = folder.join("b.dae");
+    fs::write(&path, text).unwrap();
+    path
+}
+
 /// Clients of Foxglove's protocol are given the meshes that a robot names, by names of ours, and no other file.
 #[test]
 fn meshes_are_given_to_who_cannot_read_them_and_nothing_else_is() {
@@ -98,8 +124,10 @@ fn meshes_are_given_to_who_cannot_read_them_and_nothing_else_is() {
         &robot,
         format!(
             "<robot name='r'><link name='base'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' \
-             ixz='0' iyz='0'/></inertial><visual><geometry><mesh filename='file://{}'/></geometry></visual></link></robot>",
-            mesh.display().to_string().replace(' ', "%20")
+             ixz='0' iyz='0'/></inertial><visual><geometry><mesh filename='file://{}'/></geometry></visual><visual>\
+             <geometry><mesh filename='file://{}'/></geometry></visual></link></robot>",
+            mesh.display().to_string().replace(' ', "%20"),
+            write_collada(folder.path()).display()
         ),
     )
     .unwrap();
@@ -140,6 +168,19 @@ fn meshes_are_given_to_who_cannot_read_them_and_nothing_else_is() {
             "{wrong}: {error}"
         );
     }
+    // Pictures that a Collada file names have names below its own in what is sent of it, and no other file is given.
+    let collada = fetch(&name.replace("/0/a_part.stl", "/1/b.dae"), 10);
+    assert_eq!((collada.0, &*collada.1), (0, ""));
+    let collada = String::from_utf8(collada.2).unwrap();
+    let named: Vec<&str> =
+        collada.split("<init_from>").skip(1).filter_map(|rest| rest.split('<').next()).collect();
+    let [own, other, missing, of_surface] = named[..] else { panic!("{collada}") };
+    assert!(own.ends_with("/a_picture.png") && other.ends_with("/wood.jpg"), "{named:?}");
+    assert_eq!((missing, of_surface), ("../secret", "a picture.png"));
+    let beside = |own: &str| name.replace("/0/a_part.stl", &format!("/1/{own}"));
+    assert_eq!(fetch(&beside(own), 11).2, b"of a part");
+    assert_eq!(fetch(&beside(other), 12).2, b"of wood");
+    assert_eq!(fetch(&beside(missing), 13).0, 1);
     // What is there no more is said, without its place on this machine.
     fs::remove_file(&mesh).unwrap();
     let (status, error, _) = fetch(&name, 9);

@@ -11,19 +11,39 @@ const { FoxgloveClient } = protocol;
 const { parse } = rosmsg;
 const { MessageReader, MessageWriter } = serialization;
 
+/** The schemas that a connection is sent beside its channels, as `foxglove.sdk.v1.1` has it, by their numbers: each once. */
+function tableOf(connection) {
+  const schemas = new Map();
+  connection.on("message", (data, isBinary) => {
+    const told = isBinary ? {} : JSON.parse(data);
+    for (const schema of told.op === "advertise" ? (told.schemas ?? []) : []) {
+      assert.ok(!schemas.has(schema.id) && ![...schemas.values()].some(({ name }) => name === schema.name), schema.name);
+      schemas.set(schema.id, schema);
+    }
+  });
+  return schemas;
+}
+
 try {
   const simulator = await start(`foxglove-${process.pid}`, 0, [
     "--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "still",
   ]);
   const socket = (protocols) => new WebSocket(simulator.url.replace("http:", "ws:"), protocols);
-  for (const name of ["foxglove.websocket.v1", "foxglove.sdk.v1"]) {
+  for (const name of ["foxglove.websocket.v1", "foxglove.sdk.v1", "foxglove.sdk.v1.1"]) {
     const connection = socket([name]);
+    const table = tableOf(connection);
     const client = new FoxgloveClient({ ws: connection });
     const [channels, readers, messages] = [new Map(), new Map(), new Map()];
     let [info, now, parameters, error] = [null, 0n, null, null];
     client.on("error", (reason) => (error = reason));
     client.on("serverInfo", (event) => (info = event));
-    client.on("advertise", (added) => added.forEach((channel) => channels.set(channel.topic, channel)));
+    client.on("advertise", (added) => {
+      for (const { schemaId, ...channel } of added) {
+        // The client knows no table: what it has is put into the channel.
+        const { name: schemaName, data: schema } = table.get(schemaId) ?? {};
+        channels.set(channel.topic, schemaId === undefined ? channel : { ...channel, schemaName, schema });
+      }
+    });
     client.on("time", (event) => (now = event.timestamp));
     client.on("parameterValues", (event) => (parameters = event.parameters));
     client.on("message", ({ subscriptionId, data, timestamp }) => {
@@ -32,6 +52,7 @@ try {
     });
     await until("channels", () => channels.has("/tf_static") && channels.has("/camera/rgb/image_raw"));
     assert.deepEqual(info.supportedEncodings, ["ros1", "json"]);
+    assert.equal(table.size > 5, name === "foxglove.sdk.v1.1");
     const topics = [
       "/camera/rgb/image_raw", "/camera/depth/points", "/camera/rgb/camera_info", "/tf", "/tf_static", "/odom",
       "/joint_states", "/gazebo/link_states",

@@ -71,7 +71,7 @@ enum Role {
 #[derive(Clone, Debug, clap::Args)]
 #[group(id = "way")]
 struct WayArgs {
-    /// Address of this machine at which the other one is waited for; may be repeated
+    /// Address of this machine at which the other one is waited for; may be repeated. This or --connect is needed
     #[arg(long, value_name = "tcp/HOST:PORT", value_parser = address, required_unless_present = "connect")]
     listen: Vec<String>,
     /// Address of the other machine, or of a Zenoh router, which is called again and again; may be repeated

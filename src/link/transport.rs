@@ -43,6 +43,12 @@ pub struct Endpoints {
     pub connect: Vec<String>,
 }
 
+/// What Zenoh says, without the places in its sources where it says so.
+fn words(error: &zenoh::Error) -> String {
+    let said = error.to_string();
+    said.split_once(" at /").map_or(said.as_str(), |(words, _)| words).to_owned()
+}
+
 /// How soon a message goes when others wait, too.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Urgency {
@@ -66,7 +72,7 @@ impl Transport {
             let ears = endpoints.listen.iter().map(|address| format!("--listen {address}"));
             ears.chain(calls).collect::<Vec<_>>().join(" ")
         };
-        let failed = |error: zenoh::Error| LinkError::Transport { what: what(), detail: error.to_string() };
+        let failed = |error: zenoh::Error| LinkError::Transport { what: what(), detail: words(&error) };
         let mut config = Config::default();
         for (key, value) in SETTINGS {
             config.insert_json5(key, value).map_err(failed)?;
@@ -94,7 +100,7 @@ impl Transport {
     pub(super) fn outlet(&self, key: String, urgency: Urgency) -> Result<Outlet, LinkError> {
         let failed = |error: zenoh::Error| LinkError::Transport {
             what: "opening a key for sending".into(),
-            detail: error.to_string(),
+            detail: words(&error),
         };
         let priority = match urgency {
             Urgency::Command => Priority::RealTime,
@@ -138,7 +144,7 @@ impl Transport {
             .map(Inlet)
             .map_err(|error| LinkError::Transport {
                 what: "opening a key for receiving".into(),
-                detail: error.to_string(),
+                detail: words(&error),
             })
     }
 
@@ -170,7 +176,7 @@ impl Outlet {
         let key = self.publisher.key_expr().as_str().as_bytes();
         self.publisher.put(message).attachment(key).wait().map_err(|error| LinkError::Transport {
             what: format!("sending {}", self.publisher.key_expr()),
-            detail: error.to_string(),
+            detail: words(&error),
         })
     }
 }

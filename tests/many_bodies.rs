@@ -73,9 +73,9 @@ fn simulation(world: World) -> Simulation {
 /// links are published, beside a simulation that only steps.
 #[test]
 fn five_hundred_moving_bodies_cost_less_than_a_millisecond_a_frame() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     const BODIES: usize = 500;
     const FRAMES: u32 = 30;
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let text = shapes(BODIES, 3.0, LIDAR);
     let moving = || {
         let mut moving = simulation(load(&text));

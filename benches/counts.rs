@@ -46,8 +46,8 @@ fn limit(name: &str) -> LibraryBenchmarkConfig {
     config
 }
 
-fn cast(rays: &str) -> (Built, Caster) {
-    let scene = Scene::new("S1");
+fn cast(scene: &str, rays: &str) -> (Built, Caster) {
+    let scene = Scene::new(scene);
     let rays = RaySet::new(rays, &scene).first(20_000);
     let caster = Caster::new(&rays, execution(simd()), Wanted::All);
     (Built::new(&scene.mesh), caster)
@@ -58,11 +58,19 @@ fn room_mesh() -> Mesh {
 }
 
 fn room_camera() -> (Built, Caster) {
-    cast("R1")
+    cast("S1", "R1")
 }
 
 fn room_rays() -> (Built, Caster) {
-    cast("R5")
+    cast("S1", "R5")
+}
+
+fn room_ring() -> (Built, Caster) {
+    cast("S1", "R2")
+}
+
+fn warehouse_ring() -> (Built, Caster) {
+    cast("S2", "R2")
 }
 
 fn zeros() -> Vec<f32> {
@@ -90,6 +98,19 @@ fn refit_s1((mut tree, mesh): (Tree, Mesh)) -> (Tree, Mesh) {
 // A camera's 307,200 rays in the room.
 #[library_benchmark(config = limit("trace_S1_R1"), setup = room_camera)]
 fn trace_s1_r1((built, mut caster): (Built, Caster)) -> (Built, Caster) {
+    black_box(caster.cast(black_box(&built)));
+    (built, caster)
+}
+
+// A planar lidar's 720 rays in the room, and between the racks of a warehouse of 100,392 triangles.
+#[library_benchmark(config = limit("trace_S1_R2"), setup = room_ring)]
+fn trace_s1_r2((built, mut caster): (Built, Caster)) -> (Built, Caster) {
+    black_box(caster.cast(black_box(&built)));
+    (built, caster)
+}
+
+#[library_benchmark(config = limit("trace_S2_R2"), setup = warehouse_ring)]
+fn trace_s2_r2((built, mut caster): (Built, Caster)) -> (Built, Caster) {
     black_box(caster.cast(black_box(&built)));
     (built, caster)
 }
@@ -136,7 +157,8 @@ fn tag_room_rows((scene, camera, mut workspace, mut pixels): RoomView) -> RoomVi
 
 library_benchmark_group!(
     name = counts,
-    benchmarks = [build_s1, refit_s1, trace_s1_r1, trace_s1_r5, noise, tag_room_rows]
+    benchmarks =
+        [build_s1, refit_s1, trace_s1_r1, trace_s1_r2, trace_s2_r2, trace_s1_r5, noise, tag_room_rows]
 );
 
 main!(library_benchmark_groups = counts);

@@ -2,10 +2,10 @@
 
 use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
-use super::moments::{Stage, sensor, stage};
+use super::moments::{Stage, depths, sensor, stage};
 use crate::scenes::ours;
 use belvedere_sensors::camera::CameraConfig;
-use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
+use belvedere_sensors::depth::DepthCameraConfig;
 use belvedere_sensors::device::depth::{DepthModel, presets as depth_presets};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::PinholeGrid;
@@ -42,7 +42,9 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
         let mut kinect = depth_presets::named("kinect_v1").expect("our own preset").model(580.0);
         // Its shadow takes a second ray a pixel, which is another thing to measure.
         kinect.second_eye = None;
-        let [mut kinect, mut gaussian] = [kinect, gaussian].map(|model| depths(&stage, model, level));
+        let camera = CameraConfig::new(PinholeGrid::from_fov(640, 480, 1.0).expect("in range"));
+        let sides = [kinect, gaussian].map(|model| DepthCameraConfig::new(camera.clone()).model(model));
+        let [mut kinect, mut gaussian] = sides.map(|config| depths(&stage, config, level));
         gate.run(entry("depth_kinect", "Gaussian noise"), (&mut kinect, 1.0), (&mut gaussian, 1.0));
     }
 }
@@ -84,21 +86,5 @@ fn scans<'a>(
         let workspace = &mut workspace.lend(scanner.workspace_len(&scene, &capture));
         let output = Echoes::new().points(black_box(&mut points)).intensities(black_box(&mut intensities));
         scanner.sense(&scene, &capture, workspace, output).expect("outputs of the right size");
-    }
-}
-
-/// Depth frames of 640 × 480 pixels by a model.
-fn depths(stage: &Stage, model: DepthModel, level: Level) -> impl FnMut() + use<'_> {
-    let camera = CameraConfig::new(PinholeGrid::from_fov(640, 480, 1.0).expect("in range"));
-    let camera = DepthCamera::new(DepthCameraConfig::new(camera).model(model)).expect("in range");
-    let mut workspace = WorkspaceBuf::default();
-    workspace.execution = ours::execution(level);
-    let mut depths = vec![0.0; camera.pixels()];
-    move || {
-        let scene = stage.builder.scene();
-        let capture = Capture::new(0, stage.builder.moment(sensor(0.0)));
-        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
-        let output = DepthFrame::new().depth_32fc1(black_box(&mut depths));
-        camera.sense(&scene, &capture, workspace, output).expect("outputs of the right size");
     }
 }

@@ -164,11 +164,13 @@ impl LinkReceiver {
             .filter(|described| is_wanted(&described.topic))
             .filter_map(|described| Some((described.topic.as_str(), (described, described.spec()?))))
             .collect();
-        let is_same = |topic: &String, mirror: &mut Mirror| {
-            announced.get(topic.as_str()).is_some_and(|(described, _)| mirror.is_of(described))
+        let is_same = |topic: &str, mirror: &Mirror| {
+            announced.get(topic).is_some_and(|(described, _)| mirror.is_of(described))
         };
-        let gone = self.mirrors.extract_if(.., |topic, mirror| !is_same(topic, mirror));
-        self.ending.extend(gone.filter_map(|(_, mirror)| mirror.end()));
+        let gone = self.mirrors.iter().filter(|(topic, mirror)| !is_same(topic, mirror));
+        for topic in gone.map(|(topic, _)| topic.clone()).collect::<Vec<_>>() {
+            self.ending.extend(self.mirrors.remove(&topic).and_then(Mirror::end));
+        }
         self.ending.retain(|thread| !thread.is_finished());
         for (topic, (described, spec)) in announced {
             if self.mirrors.contains_key(topic) {

@@ -131,12 +131,14 @@ impl LinkSender {
                 self.is_carried(&spec).then(|| (described.topic.clone(), (described, spec)))
             })
             .collect();
-        let is_same = |topic: &String, carrier: &mut Carrier| {
+        let is_same = |topic: &str, carrier: &Carrier| {
             here.get(topic).is_some_and(|(described, _)| *described == carrier.described)
         };
-        let gone = self.carriers.extract_if(.., |topic, carrier| !is_same(topic, carrier));
-        for (_, carrier) in gone.collect::<Vec<_>>() {
-            self.end(carrier);
+        let gone = self.carriers.iter().filter(|(topic, carrier)| !is_same(topic, carrier));
+        for topic in gone.map(|(topic, _)| topic.clone()).collect::<Vec<_>>() {
+            if let Some(carrier) = self.carriers.remove(&topic) {
+                self.end(carrier);
+            }
         }
         self.ending.retain(|thread| !thread.is_finished());
         let mut done = Ok(());

@@ -9,6 +9,7 @@
 //! | [`entities`] | who is in the world, by name |
 //! | [`rig`] | the sensors on their schedule, rendered straight into a sink's memory |
 //! | [`simulation`] | all of it, stepped and rendered by a caller: the library |
+//! | [`randomize`] | lamps and materials drawn at random, for learning |
 //! | `dataset` | samples for learning, in shards (feature `dataset`) |
 //! | `server` | the same for other processes: shared memory, commands (feature `server`) |
 //! | `recording` | runs kept in MCAP files, and played again (feature `recording`) |
@@ -34,6 +35,7 @@ pub mod link;
 pub mod picture;
 #[cfg(feature = "recording")]
 pub mod recording;
+pub mod randomize;
 pub mod rig;
 pub mod robot;
 #[cfg(feature = "server")]

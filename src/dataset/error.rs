@@ -41,7 +41,7 @@ pub enum DatasetError {
     },
     /// The folder holds something else.
     #[error(
-        "{} holds shards of another plan, or of another version of a world, a robot or this program: {what}; choose another folder, or remove that one",
+        "{} holds shards of another plan, or of another version of a world, a robot, what they are made of or this program: {what}; choose another folder, or remove that one",
         folder.display()
     )]
     OtherPlan {

@@ -75,9 +75,7 @@ impl Folder {
         } else if there.plan != wanted.plan {
             format!("{} is not as it was", plan.source.display())
         } else {
-            let differs = |name: &&String| there.files.get(*name) != wanted.files.get(*name);
-            let names: Vec<&str> = wanted.files.keys().filter(differs).map(String::as_str).collect();
-            format!("{} is not as it was", names.join(", "))
+            format!("not as before: {}", wanted.changed(&there).join(", "))
         };
         Err(DatasetError::OtherPlan { folder: path.to_owned(), what })
     }

@@ -1,5 +1,6 @@
 //! What is known of a sample, as JSON: where the robot and its sensors were, their intrinsics, the things that are seen.
 
+use super::looks::LooksJson;
 use super::plan::Plan;
 use crate::simulation::Simulation;
 use crate::world::physics::ModelIndex;
@@ -20,6 +21,9 @@ pub(super) struct Labels {
     /// Its number among the poses of the world and seed.
     pub(super) pose: u64,
     pub(super) world_from_robot: PoseJson,
+    /// If they are drawn at random.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) looks: Option<LooksJson>,
     pub(super) sensors: BTreeMap<String, SensorLabels>,
 }
 

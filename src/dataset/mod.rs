@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `plan` | what a plan's file says, each mistake with its line |
 //! | `poses` | where the robot stands for each sample |
+//! | `looks` | what lamps and materials look like in each sample |
 //! | `studio` | a world with the robot in it, and its sensors' frames |
 //! | `fields` | frames as files: PNG, npy |
 //! | `labels` | what is known of a sample, as JSON |
@@ -22,6 +23,7 @@ mod export;
 mod fields;
 mod folder;
 mod labels;
+mod looks;
 mod make;
 mod plan;
 mod poses;

@@ -1,8 +1,13 @@
 //! A plan: what its file says, checked, each mistake with its line.
 
+mod identity;
+mod randomize;
 mod tables;
 
+pub(super) use identity::{Identity, hex};
+
 use super::DatasetError;
+use super::looks::Randomization;
 use super::poses::{Random, Route};
 use crate::description::diagnostics::Source;
 use crate::description::model::{Model, World};
@@ -11,8 +16,6 @@ use crate::description::robot::{LoadOptions, load_robot};
 use crate::description::world::load_world;
 use crate::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
-use serde::Deserialize;
-use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::ops::Range;
@@ -43,6 +46,8 @@ pub struct Plan {
     pub(super) listed: Vec<Pose>,
     pub(super) route: Option<Route>,
     pub(super) random: Option<Random>,
+    /// Between what limits looks are drawn, if they are.
+    pub(super) randomization: Option<Randomization>,
     /// Names of classes, by their numbers.
     pub(super) classes: BTreeMap<u32, String>,
     samples_per_shard: u64,
@@ -61,17 +66,6 @@ pub struct SensorPlan {
     pub labels: bool,
     /// Where it stands in the plan.
     pub(super) source: Source,
-}
-
-/// What decides the bytes of a data set.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, Deserialize)]
-pub(super) struct Identity {
-    /// Name and version of this program.
-    pub(super) generator: String,
-    /// SHA-256 of the plan's text.
-    pub(super) plan: String,
-    /// SHA-256 of the files that it names, by the names that it has for them.
-    pub(super) files: BTreeMap<String, String>,
 }
 
 /// One sample of a plan.
@@ -121,14 +115,12 @@ impl Plan {
             path if path.is_file() => path.to_string_lossy().into_owned(),
             _ => name.to_owned(),
         };
-        let mut files = BTreeMap::new();
         let (mut worlds, mut world_names) = (Vec::new(), Vec::new());
         for name in file.worlds.get_ref() {
             let rules = Rules::default();
             let Some(world) = load_world(&beside(name.get_ref()), packages, rules, diagnostics) else {
                 continue;
             };
-            files.insert(name.get_ref().clone(), hash_of(&world.source.file));
             worlds.push(world);
             world_names.push(name.get_ref().clone());
         }
@@ -139,9 +131,12 @@ impl Plan {
         let options =
             LoadOptions { packages: packages.clone(), rules: Rules::default(), xacro_args: Vec::new() };
         let robot = load_robot(&beside(file.robot.get_ref()), &options, diagnostics);
-        if let Some(robot) = &robot {
-            files.insert(file.robot.get_ref().clone(), hash_of(&robot.source.file));
-        }
+        let mut files = diagnostics.files().clone();
+        files.extend(identity::pictures(&worlds, robot.as_ref()).cloned());
+        let randomization = file
+            .randomize
+            .as_ref()
+            .map(|table| randomize::randomization(text, table, &worlds, robot.as_ref(), diagnostics));
         let seeds = file.seeds.as_ref().map_or(vec![1], |seeds| seeds.get_ref().clone());
         if let Some(given) = &file.seeds
             && (seeds.is_empty() || seeds.iter().collect::<BTreeSet<_>>().len() < seeds.len())
@@ -156,11 +151,7 @@ impl Plan {
         let sensors = sensors(text, &file.sensors, diagnostics);
         let plan = Self {
             source: text.path.to_owned(),
-            identity: Identity {
-                generator: concat!("belvedere ", env!("CARGO_PKG_VERSION")).into(),
-                plan: hex(&Sha256::digest(text.text)),
-                files,
-            },
+            identity: Identity::new(text.text, &files, &identity::roots(text.path, packages)),
             worlds,
             world_names,
             robot: robot?,
@@ -169,6 +160,7 @@ impl Plan {
             listed: listed(text, &file.poses.get_ref().list, diagnostics),
             route: file.poses.get_ref().path.as_ref().and_then(|path| route(text, path, diagnostics)),
             random: file.poses.get_ref().random.as_ref().and_then(|table| random(text, table, diagnostics)),
+            randomization,
             classes: classes(text, &file.classes, diagnostics),
             samples_per_shard: samples_per_shard.max(1),
         };
@@ -225,15 +217,4 @@ impl Plan {
     pub fn sensors(&self) -> &[SensorPlan] {
         &self.sensors
     }
-}
-
-/// SHA-256 of a file that was read a moment ago.
-fn hash_of(path: &Path) -> String {
-    fs::read(path).map(|bytes| hex(&Sha256::digest(bytes))).unwrap_or_default()
-}
-
-/// Bytes as hexadecimal digits.
-pub(super) fn hex(bytes: &[u8]) -> String {
-    let digit = |value: u8| char::from_digit(u32::from(value), 16).unwrap_or_default();
-    bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
 }

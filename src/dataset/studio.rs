@@ -3,6 +3,7 @@
 use super::DatasetError;
 use super::fields::{self, Field};
 use super::labels::{self, Labels, Names};
+use super::looks::Wardrobe;
 use super::plan::{FLOW, Plan, Sample, SensorPlan};
 use crate::description::Severity;
 use crate::description::diagnostics::Problem;
@@ -23,6 +24,8 @@ pub(super) struct Studio<'a> {
     simulation: Simulation,
     robot: EntityId,
     names: Names,
+    /// If looks are drawn at random.
+    wardrobe: Option<Wardrobe>,
     /// The memory of a sensor's frames.
     frames: Vec<FrameBuf>,
 }
@@ -37,7 +40,8 @@ impl<'a> Studio<'a> {
         let options = SpawnOptions { world_from_model, is_robot: Some(true), ..SpawnOptions::default() };
         let robot = simulation.spawn(&plan.robot, options).map_err(refused)?;
         let names = Names::of(&mut simulation, plan);
-        let mut studio = Self { plan, world, simulation, robot, names, frames: Vec::new() };
+        let wardrobe = Wardrobe::of(plan, world, &mut simulation, robot);
+        let mut studio = Self { plan, world, simulation, robot, names, wardrobe, frames: Vec::new() };
         studio.check()?;
         Ok(studio)
     }
@@ -83,6 +87,11 @@ impl<'a> Studio<'a> {
         }
         let pose = plan.pose(sample, self)?;
         let before = plan.before(sample).map(|before| plan.pose(before, self)).transpose()?;
+        let drawn = self.wardrobe.as_ref().map(|wardrobe| wardrobe.draw(plan, sample));
+        let (looks, looks_json) = drawn.unzip();
+        if looks.is_some() {
+            self.simulation.set_looks(looks).map_err(failed)?;
+        }
         let mut fields = Vec::new();
         let mut of_sensors = BTreeMap::new();
         for sensor in &plan.sensors {
@@ -115,6 +124,7 @@ impl<'a> Studio<'a> {
             seed,
             pose: sample.pose,
             world_from_robot: (&pose).into(),
+            looks: looks_json,
             sensors: of_sensors,
         };
         let bytes = serde_json::to_vec(&labels).unwrap_or_default();

@@ -1,5 +1,6 @@
 //! What was found wrong in the user's files, each with its place and its remedy.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -71,10 +72,11 @@ impl fmt::Display for Problem {
 
 impl std::error::Error for Problem {}
 
-/// Every problem found while loading, in the order of discovery.
+/// Every problem found while loading, in the order of discovery; and every file that was read.
 #[derive(Debug, Default, Clone)]
 pub struct Diagnostics {
     problems: Vec<Problem>,
+    files: BTreeSet<PathBuf>,
 }
 
 impl Diagnostics {
@@ -112,6 +114,18 @@ impl Diagnostics {
         if !self.problems.contains(&problem) {
             self.problems.push(problem);
         }
+    }
+
+    /// Notes that what is loaded depends on the content of a file.
+    pub fn opened(&mut self, file: &Path) {
+        if !self.files.contains(file) {
+            self.files.insert(file.to_owned());
+        }
+    }
+
+    /// The files on whose content that depends which was loaded, as they were opened.
+    pub fn files(&self) -> &BTreeSet<PathBuf> {
+        &self.files
     }
 
     /// All problems, in the order of discovery.

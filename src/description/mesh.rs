@@ -87,10 +87,13 @@ pub fn load_mesh_parts(
         );
         return None;
     }
+    diagnostics.opened(path);
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let mut parts = match extension.to_ascii_lowercase().as_str() {
         "dae" => collada::load(path, up_axis, diagnostics)?,
-        "stl" | "obj" => match mesh_loader::Loader::default().load_with_reader(path, obj_or_stl) {
+        "stl" | "obj" => match mesh_loader::Loader::default()
+            .load_with_reader(path, |file| obj_or_stl(file, diagnostics))
+        {
             Ok(scene) => scene.meshes.into_iter().zip(scene.materials).map(from_scene).collect(),
             Err(error) => {
                 diagnostics.error(
@@ -260,7 +263,9 @@ impl Look {
 }
 
 /// Reads a file for `mesh-loader`.
-fn obj_or_stl(path: &Path) -> std::io::Result<Vec<u8>> {
+fn obj_or_stl(path: &Path, diagnostics: &mut Diagnostics) -> std::io::Result<Vec<u8>> {
+    // The materials that an OBJ names as well.
+    diagnostics.opened(path);
     let is_stl = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("stl"));
     if is_stl { std::fs::read(path) } else { obj::read(path) }
 }

@@ -84,6 +84,7 @@ pub fn load_robot(file_or_name: &str, options: &LoadOptions, diagnostics: &mut D
 
 /// A robot from an SDF file of one model.
 fn load_sdf(path: &Path, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Model> {
+    diagnostics.opened(path);
     match Element::parse_file(path) {
         Ok(root) => sdf::load_model(&root, &options.packages, options.rules, diagnostics),
         Err(problem) => {

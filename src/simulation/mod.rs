@@ -26,7 +26,7 @@ use crate::entities::{Entities, Entity, EntityId, Origin};
 use crate::rig::{RigOptions, Stage};
 use crate::robot::{self, Autopilot, Command, InertialUnit, Robot};
 use crate::world::physics::{Physics, Placement};
-use crate::world::scene::WorldScene;
+use crate::world::scene::{Looks, WorldScene};
 use belvedere_sensors::{Execution, Pose};
 use glam::DVec3;
 use render::Studio;
@@ -254,6 +254,15 @@ impl Simulation {
     pub fn set_seed(&mut self, seed: u64) {
         self.options.seed = seed;
         self.studio = None;
+    }
+
+    /// Lets everything look otherwise to the sensors, or again as the files say; until somebody is spawned or deleted.
+    /// [`Looks::of`] has what there is: `simulation.scene().scene()`.
+    ///
+    /// # Errors
+    /// When there are not as many materials or lamps, or a number of theirs cannot be.
+    pub fn set_looks(&mut self, looks: Option<Looks>) -> Result<(), SimulationError> {
+        self.scene.set_looks(looks).map_err(|error| SimulationError::Refused(error.to_string()))
     }
 
     /// Where the robots' bases are.

@@ -1,6 +1,9 @@
 //! What the sensors see of the world: its shapes, looks and lamps as a `sensors` scene, kept in step with physics.
 
 mod assembly;
+mod looks;
+
+pub use looks::Looks;
 
 use crate::description::diagnostics::Problem;
 use crate::description::housing::{Part, ShapeIndex};
@@ -9,7 +12,8 @@ use crate::description::model::{LinkIndex, Model, World};
 use crate::world::physics::{ModelIndex, Physics};
 use assembly::{Assembly, Placed, of_link, refused};
 use belvedere_sensors::scene::{
-    ColourSpace, Environment, InstanceId, LightConfig, LightKind, Scene, SceneBuilder, Shape, visibility,
+    ColourSpace, Environment, InstanceId, LightConfig, LightKind, Scene, SceneBuilder, SceneError, Shape,
+    visibility,
 };
 use belvedere_sensors::{Moment, Pose};
 
@@ -22,6 +26,8 @@ pub struct WorldScene {
     assembly: Assembly,
     stamp_ns: Option<u64>,
     edition: u64,
+    /// In the place of what the files say.
+    looks: Option<Looks>,
 }
 
 impl WorldScene {
@@ -47,7 +53,7 @@ impl WorldScene {
             added.map_err(|error| refused(error, &light.source))?;
         }
         assembly.forget_files();
-        Ok(Self { assembly, stamp_ns: None, edition: 0 })
+        Ok(Self { assembly, stamp_ns: None, edition: 0, looks: None })
     }
 
     /// Moves everything that moves to where it is at a time between the last two physics steps.
@@ -89,6 +95,7 @@ impl WorldScene {
     ) -> Result<(), Problem> {
         self.stamp_ns = None;
         self.edition += 1;
+        self.looks = None;
         let added = model.links.iter().enumerate().try_for_each(|(number, link)| {
             self.assembly.add_link((index, number), link, &(*world_from_model * link.model_from_link))
         });
@@ -119,6 +126,7 @@ impl WorldScene {
     /// Lets a model be seen no more. Its places and memory in the scene are used again.
     pub fn remove_model(&mut self, index: ModelIndex) {
         self.edition += 1;
+        self.looks = None;
         let assembly = &mut self.assembly;
         let links = assembly.placed.get_mut(index).map(std::mem::take).unwrap_or_default();
         let mut gone: Vec<_> = links.into_iter().flatten().collect();
@@ -190,7 +198,21 @@ impl WorldScene {
 
     /// What there is to see.
     pub fn scene(&self) -> Scene<'_> {
-        self.assembly.builder.scene()
+        let scene = self.assembly.builder.scene();
+        // They were looked at when they came, and end when there are other materials.
+        self.looks.as_ref().and_then(|looks| looks.on(scene).ok()).unwrap_or(scene)
+    }
+
+    /// Lets everything look otherwise, or again as the files say, until a model is added or taken out.
+    ///
+    /// # Errors
+    /// [`SceneError`] if there are not as many materials or lamps, or one of them cannot be.
+    pub fn set_looks(&mut self, looks: Option<Looks>) -> Result<(), SceneError> {
+        if let Some(looks) = &looks {
+            looks.on(self.assembly.builder.scene())?;
+        }
+        self.looks = looks;
+        Ok(())
     }
 }
 

@@ -13,6 +13,7 @@ const SIMULATOR: &[&str] = &[
     "entities",
     "rig",
     "simulation",
+    "randomize",
     "dataset",
     "server",
     "recording",

@@ -75,7 +75,65 @@ impl Material {
     }
 }
 
+impl Material {
+    /// The same with its colours of reflected light, of lamps and from everywhere, made into others one by one.
+    #[must_use]
+    pub fn recoloured(mut self, of: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
+        (self.diffuse, self.ambient) = (of(self.diffuse), of(self.ambient));
+        self
+    }
+
+    /// The same without its picture. One whose alpha says where the surface is stays: the shape would be another one.
+    #[must_use]
+    pub fn without_texture(mut self) -> Self {
+        if !self.has_texture_alpha() {
+            self.texture = NO_TEXTURE;
+        }
+        self
+    }
+
+    /// Colour of the reflected light of lamps, which a texture is multiplied by.
+    pub const fn colour(&self) -> [f32; 3] {
+        self.diffuse
+    }
+
+    /// Whether it has a picture.
+    pub const fn is_textured(&self) -> bool {
+        self.texture != NO_TEXTURE
+    }
+}
+
 impl Light {
+    /// The same lamp with its light, that of highlights as well, times a factor in each of red, green and blue.
+    #[must_use]
+    pub fn times(mut self, factor: [f32; 3]) -> Self {
+        for (channel, factor) in factor.into_iter().enumerate() {
+            self.diffuse[channel] *= factor;
+            self.specular[channel] *= factor;
+        }
+        self
+    }
+
+    /// Unit vector along which the light of a directional lamp or a spot travels, in the world.
+    pub fn direction(&self) -> Option<[f64; 3]> {
+        (self.form() != super::Form::Point).then_some(self.direction)
+    }
+
+    /// Where a point of light or a spot is, in the world, in metres.
+    pub fn position(&self) -> Option<[f64; 3]> {
+        (self.form() != super::Form::Directional).then_some(self.position)
+    }
+
+    /// A directional lamp or spot that shines along another vector of any length but 0; others as they are.
+    #[must_use]
+    pub fn with_direction(mut self, direction: [f64; 3]) -> Self {
+        if self.form() != super::Form::Point {
+            let kind = LightKind::Directional { direction };
+            self.direction = Self::new(&LightConfig { kind, ..LightConfig::default() }).direction;
+        }
+        self
+    }
+
     /// The same lamp of another colour.
     #[must_use]
     pub const fn with_diffuse(mut self, diffuse: [f32; 3]) -> Self {

@@ -1,6 +1,7 @@
 //! The tables of a plan's file, and what is wrong with them.
 
 use super::SensorPlan;
+use super::randomize::RandomizeTable;
 use crate::dataset::poses::{Random, Route};
 use crate::description::Diagnostics;
 use crate::description::diagnostics::Source;
@@ -23,6 +24,8 @@ pub(super) struct PlanFile {
     pub(super) samples_per_shard: Option<Spanned<u64>>,
     pub(super) sensors: Vec<Spanned<SensorTable>>,
     pub(super) poses: Spanned<PosesTable>,
+    #[serde(default)]
+    pub(super) randomize: Option<RandomizeTable>,
     #[serde(default)]
     pub(super) classes: BTreeMap<Spanned<String>, String>,
 }

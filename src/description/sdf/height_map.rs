@@ -38,6 +38,7 @@ impl Loader<'_> {
         let path = self.existing_file(shape, &uri, scope.folder, "height map")?;
         let key = (path.clone(), size.map(f64::to_bits));
         if !self.heights.contains_key(&key) {
+            self.diagnostics.opened(&path);
             let read = read(&path, size);
             if let Err(why) = &read {
                 self.missing(

@@ -190,6 +190,7 @@ impl Loader<'_> {
         if let Some(known) = self.material_scripts.get(file) {
             return known.clone();
         }
+        self.diagnostics.opened(file);
         let materials = match ogre_material::parse_file(file) {
             Ok(materials) => materials,
             Err(problem) => {

@@ -79,6 +79,7 @@ pub(super) fn load_world_file(
     rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<World> {
+    diagnostics.opened(path);
     match Element::parse_file(path) {
         Ok(root) => load_world(&root, packages, rules, diagnostics),
         Err(problem) => {
@@ -162,6 +163,7 @@ impl<'a> Loader<'a> {
 impl Loader<'_> {
     /// Reads a file up to its `<sdf>` element and version.
     fn read_root(&mut self, path: &Path) -> Option<(Element, Version)> {
+        self.diagnostics.opened(path);
         let root = match Element::parse_file(path) {
             Ok(root) => root,
             Err(problem) => {

@@ -354,6 +354,7 @@ impl Loader<'_> {
 
     /// The `<sdf>` of the highest version that a `model.config` names.
     fn file_of_config(&mut self, config: &Path) -> Option<PathBuf> {
+        self.diagnostics.opened(config);
         let root = match Element::parse_file(config) {
             Ok(root) => root,
             Err(problem) => {

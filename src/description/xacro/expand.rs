@@ -31,6 +31,7 @@ pub fn expand(
     arguments: &[(String, String)],
     diagnostics: &mut Diagnostics,
 ) -> Result<Element, Problem> {
+    diagnostics.opened(path);
     expand_root(Element::parse_file(path)?, path, packages, arguments, diagnostics)
 }
 
@@ -64,7 +65,7 @@ pub fn expand_root(
 /// The state of an expansion.
 pub(super) struct Expander<'a> {
     pub(super) packages: &'a PackagePath,
-    diagnostics: &'a mut Diagnostics,
+    pub(super) diagnostics: &'a mut Diagnostics,
     pub(super) arguments: HashMap<String, String>,
     /// The file's scope first, then one for each macro call that is being expanded.
     pub(super) scopes: Vec<Scope>,

@@ -252,7 +252,9 @@ impl Names for Properties<'_, '_> {
             ("xacro.load_yaml" | "load_yaml", [Value::Text(file)]) => {
                 // A relative name counts from the file that is being expanded.
                 let folder = self.expander.files.last().and_then(|file| file.parent());
-                Some(yaml::load(&folder.unwrap_or(Path::new("")).join(file.trim())))
+                let path = folder.unwrap_or(Path::new("")).join(file.trim());
+                self.expander.diagnostics.opened(&path);
+                Some(yaml::load(&path))
             }
             _ => None,
         }

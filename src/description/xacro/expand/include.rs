@@ -50,6 +50,7 @@ impl Expander<'_> {
         let included = if let Some(parsed) = self.parsed.get(&path) {
             parsed.clone()
         } else {
+            self.diagnostics.opened(&path);
             let parsed = Rc::new(Element::parse_file(&path)?);
             self.parsed.insert(path.clone(), parsed.clone());
             parsed

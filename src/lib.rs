@@ -33,9 +33,9 @@ pub mod gltf;
 pub mod link;
 #[cfg(feature = "cli")]
 pub mod picture;
+pub mod randomize;
 #[cfg(feature = "recording")]
 pub mod recording;
-pub mod randomize;
 pub mod rig;
 pub mod robot;
 #[cfg(feature = "server")]

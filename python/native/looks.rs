@@ -1,4 +1,4 @@
-//! Looks of each world of a batch: colours of bodies, lamps, light from everywhere.
+//! Looks of each world of a batch: colours and pictures of bodies, lamps, light from everywhere.
 
 use crate::data::Data;
 use crate::errors::of;
@@ -7,12 +7,14 @@ use numpy::{Element, PyReadonlyArrayDyn};
 use pyo3::PyResult;
 
 /// Arrays as Python hands them over, each if it is wanted: colours of bodies (N, bodies, 3), colours of lamps (N, lamps, 3),
-/// where lamps are or which way they shine (N, lamps, 3), light from everywhere (N, 3).
+/// where lamps are or which way they shine (N, lamps, 3), light from everywhere (N, 3), whether pictures are on bodies
+/// (N, bodies).
 pub(crate) type GivenLooks<'py> = (
     Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, f64>>,
     Option<PyReadonlyArrayDyn<'py, f32>>,
+    Option<PyReadonlyArrayDyn<'py, bool>>,
 );
 
 /// The same, checked. What is none is as the world has it, as is a body whose colour is NaN.
@@ -21,17 +23,19 @@ pub(crate) struct Looks {
     light_colors: Option<Vec<[f32; 3]>>,
     light_vectors: Option<Vec<[f64; 3]>>,
     ambient: Option<Vec<[f32; 3]>>,
+    textured: Option<Vec<bool>>,
 }
 
 impl Looks {
     pub(crate) fn read(world: &Data, frames: usize, given: GivenLooks<'_>) -> PyResult<Self> {
-        let (colors, light_colors, light_vectors, ambient) = given;
+        let (colors, light_colors, light_vectors, ambient, textured) = given;
         let (bodies, lamps) = (frames * world.bodies.len(), frames * world.builder.scene().lights().len());
         Ok(Self {
             colors: colors.map(|array| rows("colors", &array, bodies)).transpose()?,
             light_colors: light_colors.map(|array| rows("light_colors", &array, lamps)).transpose()?,
             light_vectors: light_vectors.map(|array| rows("light_vectors", &array, lamps)).transpose()?,
             ambient: ambient.map(|array| rows("ambient", &array, frames)).transpose()?,
+            textured: textured.map(|array| flags("textured", &array, bodies)).transpose()?,
         })
     }
 
@@ -44,16 +48,22 @@ impl Looks {
         lights: &'a mut Vec<Light>,
     ) -> Result<Scene<'a>, SceneError> {
         let mut scene = world.builder.scene();
-        if let Some(colors) = &self.colors {
+        if self.colors.is_some() || self.textured.is_some() {
             materials.clear();
             materials.extend_from_slice(scene.materials());
-            let colors = &colors[frame * world.bodies.len()..];
-            for (body, color) in world.bodies.iter().zip(colors) {
-                if color.iter().all(|part| part.is_finite()) {
-                    for (instance, _) in &body.parts {
-                        let material = scene.instances()[instance.0 as usize].material_id().0 as usize;
-                        materials[material] = materials[material].with_colour(*color);
-                    }
+            let first = frame * world.bodies.len();
+            for (number, body) in world.bodies.iter().enumerate() {
+                let color = self.colors.as_ref().map(|colors| colors[first + number]);
+                let color = color.filter(|color| color.iter().all(|part| part.is_finite()));
+                let is_bare = self.textured.as_ref().is_some_and(|textured| !textured[first + number]);
+                if color.is_none() && !is_bare {
+                    continue;
+                }
+                for (instance, _) in &body.parts {
+                    let material = scene.instances()[instance.0 as usize].material_id().0 as usize;
+                    let own = materials[material];
+                    let own = if is_bare { own.without_texture() } else { own };
+                    materials[material] = color.map_or(own, |color| own.with_colour(color));
                 }
             }
             scene = scene.with_materials(materials)?;
@@ -77,6 +87,15 @@ impl Looks {
         }
         Ok(scene)
     }
+}
+
+/// So many yes or no.
+fn flags(argument: &str, array: &PyReadonlyArrayDyn<'_, bool>, need: usize) -> PyResult<Vec<bool>> {
+    let flags = array.as_slice().map_err(|error| of(argument, error))?;
+    if flags.len() != need {
+        return Err(of(argument, format_args!("{} of them, and {need} are expected", flags.len())));
+    }
+    Ok(flags.to_vec())
 }
 
 /// So many rows of three numbers.

@@ -102,6 +102,22 @@ def test_lamps_move() -> None:
     assert pictures[0].mean() > pictures[1].mean() + 20
 
 
+def test_pictures_come_off() -> None:
+    pictured = bv.World()
+    pictured.set_environment(ambient=(1, 1, 1))
+    picture = np.full((4, 4, 3), (255, 0, 102), np.uint8)
+    pictured.add_box((0.2, 10, 10), (3.1, 0, 0), name="wall", color=(0.4, 0.4, 0.4), texture=picture)
+    batch = bv.Batch(pictured, 3)
+    batch.textured[1:] = False
+    batch.colors[2] = (0, 0.2, 0.6)
+    frames = batch.render(bv.Camera(8, 6, fov=0.5), HERE)["rgb"].reshape(3, -1, 3)
+    # Light from everywhere is 1: a pixel is 255 times colour and picture.
+    for seen, expected in zip(frames, [(102, 0, 41), (102, 102, 102), (0, 51, 153)], strict=True):
+        np.testing.assert_array_equal(seen, np.broadcast_to(expected, seen.shape))
+    batch.reset()
+    assert batch.textured.all()
+
+
 def test_memory_of_a_world_of_forty_bodies() -> None:
     many = bv.World()
     for index in range(40):

@@ -61,15 +61,16 @@ impl MaterialRanges {
     /// What is drawn for the body of this index.
     pub fn draw(&self, draws: &Draws, body: u32) -> DrawnMaterial {
         let thing = Thing::Body(body);
-        let color = match &self.colors {
-            Colors::Own => None,
-            Colors::Between([low, high]) => Some([0, 1, 2].map(|channel: usize| {
-                draws.between([low[channel], high[channel]], thing, channel as u32)
-            })),
-            Colors::OneOf(colors) => {
-                colors.get((draws.share(thing, 0) * colors.len() as f64) as usize).copied()
-            }
-        };
+        let color =
+            match &self.colors {
+                Colors::Own => None,
+                Colors::Between([low, high]) => Some([0, 1, 2].map(|channel: usize| {
+                    draws.between([low[channel], high[channel]], thing, channel as u32)
+                })),
+                Colors::OneOf(colors) => {
+                    colors.get((draws.share(thing, 0) * colors.len() as f64) as usize).copied()
+                }
+            };
         DrawnMaterial {
             color,
             hue_deg: draws.between(self.hue_deg, thing, 3),

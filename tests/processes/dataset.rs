@@ -59,7 +59,7 @@ fn small_plan(folder: &Path) -> PathBuf {
     plan(folder, &topics.replace("kobuki_hexagons_kinect", "eyes.sdf").replace("3, 0]", "3, 0.4]"))
 }
 
-fn plan(folder: &Path, text: &str) -> PathBuf {
+pub(crate) fn plan(folder: &Path, text: &str) -> PathBuf {
     let path = folder.join("plan.toml");
     fs::write(&path, text).unwrap();
     path
@@ -71,20 +71,20 @@ fn command(plan: &Path, out: &Path, args: &[&str]) -> Command {
     command
 }
 
-fn make(plan: &Path, out: &Path, args: &[&str]) -> String {
+pub(crate) fn make(plan: &Path, out: &Path, args: &[&str]) -> String {
     let Output { status, stdout, stderr } = command(plan, out, args).output().unwrap();
     assert!(status.success(), "{}", String::from_utf8_lossy(&stderr));
     String::from_utf8(stdout).unwrap()
 }
 
-fn refused(plan: &Path, out: &Path, args: &[&str]) -> String {
+pub(crate) fn refused(plan: &Path, out: &Path, args: &[&str]) -> String {
     let Output { status, stderr, .. } = command(plan, out, args).output().unwrap();
     assert_eq!(status.code(), Some(1));
     String::from_utf8(stderr).unwrap()
 }
 
 /// All files of a folder that have no temporary name.
-fn files(out: &Path) -> BTreeMap<String, Vec<u8>> {
+pub(crate) fn files(out: &Path) -> BTreeMap<String, Vec<u8>> {
     let names = fs::read_dir(out)
         .into_iter()
         .flatten()
@@ -96,7 +96,7 @@ fn files(out: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// The files of a tar, by their names.
-fn untar(path: &Path) -> BTreeMap<String, Vec<u8>> {
+pub(crate) fn untar(path: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut tar = tar::Archive::new(fs::File::open(path).unwrap());
     let read = |entry: std::io::Result<tar::Entry<'_, fs::File>>| {
         let mut entry = entry.unwrap();
@@ -108,7 +108,7 @@ fn untar(path: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// The numbers of an npy file, after its header.
-fn floats(npy: &[u8]) -> Vec<f32> {
+pub(crate) fn floats(npy: &[u8]) -> Vec<f32> {
     let begin = 10 + usize::from(u16::from_le_bytes([npy[8], npy[9]]));
     npy[begin..].chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect()
 }

@@ -19,6 +19,7 @@ mod control_faults;
 mod control_models;
 mod control_time;
 mod dataset;
+mod dataset_looks;
 mod housings;
 mod interest;
 mod kobuki;

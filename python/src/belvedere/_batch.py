@@ -62,6 +62,8 @@ class Batch:
         self.poses: NDArray[np.float64] = np.zeros((count, bodies, 7))
         #: Colours of bodies: (n, bodies, 3), from 0 to 1; NaN for that of the world.
         self.colors: NDArray[np.float32] = np.zeros((count, bodies, 3), np.float32)
+        #: Whether pictures are on bodies: (n, bodies). What is cut out or clear by its picture keeps it.
+        self.textured: NDArray[np.bool_] = np.ones((count, bodies), np.bool_)
         #: Colours of lamps times brightness: (n, lamps, 3).
         self.light_colors: NDArray[np.float32] = np.zeros((count, len(lamps), 3), np.float32)
         #: Which way directional lamps shine, where the others are: (n, lamps, 3).
@@ -84,7 +86,7 @@ class Batch:
     @property
     def memory(self) -> int:
         """Bytes that a world has of its own."""
-        own = (self.poses, self.colors, self.light_colors, self.light_vectors, self.ambient)
+        own = (self.poses, self.colors, self.textured, self.light_colors, self.light_vectors, self.ambient)
         return sum(array.nbytes for array in (*own, self.seeds, self.frames, self.episodes)) // self.n
 
     def number(self, body: str | int) -> int:
@@ -106,6 +108,7 @@ class Batch:
         chosen = self._mask(mask)
         self.poses[chosen] = self._stand[: len(self._names)]
         self.colors[chosen] = np.nan
+        self.textured[chosen] = True
         self.light_colors[chosen] = self._lamp_colors
         self.light_vectors[chosen] = self._lamp_vectors
         self.ambient[chosen] = self._world.ambient()
@@ -163,6 +166,7 @@ class Batch:
             self._own("light_colors", np.float32),
             self._own("light_vectors", np.float64),
             self._own("ambient", np.float32),
+            self._own("textured", np.bool_),
         )
         numbers = _arrays.seeds("batch.frames", self.frames, lead)
         each = (_arrays.seeds("batch.seeds", self.seeds, lead), numbers, chosen.tolist(), looks)
@@ -176,6 +180,7 @@ class Batch:
         shapes = {
             "poses": (self.n, len(self._names), 7),
             "colors": (self.n, len(self._names), 3),
+            "textured": (self.n, len(self._names)),
             "light_colors": (self.n, lamps, 3),
             "light_vectors": (self.n, lamps, 3),
             "ambient": (self.n, 3),

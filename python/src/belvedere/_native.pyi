@@ -11,9 +11,13 @@ __all__ = ["Camera", "DepthCamera", "Lidar", "Scanner", "Simulation", "World", "
 # Poses of the sensor (N, 7), numbers of bodies, their poses (N, bodies, 7).
 _Places: TypeAlias = tuple[NDArray[np.float64], Sequence[int], NDArray[np.float64] | None]
 _Moves: TypeAlias = tuple[Sequence[int], NDArray[np.float64] | None]
-# Colours of bodies, colours of lamps, where lamps are, light from everywhere: (N, ..., 3).
+# Colours of bodies, colours of lamps, where lamps are, light from everywhere: (N, ..., 3); whether pictures are on bodies.
 _Looks: TypeAlias = tuple[
-    NDArray[np.float32] | None, NDArray[np.float32] | None, NDArray[np.float64] | None, NDArray[np.float32] | None
+    NDArray[np.float32] | None,
+    NDArray[np.float32] | None,
+    NDArray[np.float64] | None,
+    NDArray[np.float32] | None,
+    NDArray[np.bool_] | None,
 ]
 # Seeds, numbers of frames, which are taken, looks.
 _Each: TypeAlias = tuple[Sequence[int], Sequence[int], Sequence[bool] | None, _Looks | None]

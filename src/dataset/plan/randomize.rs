@@ -54,7 +54,9 @@ pub(super) fn randomization(
     robot: Option<&Model>,
     diagnostics: &mut Diagnostics,
 ) -> Randomization {
-    let mut checked = Checked { text, diagnostics };
+    // What cannot be loaded has no names.
+    let has_names = !diagnostics.has_errors();
+    let mut checked = Checked { text, diagnostics, has_names };
     let lights: BTreeSet<&str> =
         worlds.iter().flat_map(|world| &world.lights).map(|light| light.name.as_str()).collect();
     let models = worlds.iter().flat_map(|world| &world.models).chain(robot);
@@ -84,6 +86,8 @@ pub(super) fn randomization(
 struct Checked<'a> {
     text: &'a Text<'a>,
     diagnostics: &'a mut Diagnostics,
+    /// Whether all worlds and the robot are there.
+    has_names: bool,
 }
 
 impl Checked<'_> {
@@ -166,7 +170,7 @@ impl Checked<'_> {
         there: &BTreeSet<&str>,
     ) -> Option<Vec<String>> {
         for name in given.into_iter().flatten() {
-            if there.contains(name.get_ref().as_str()) {
+            if !self.has_names || there.contains(name.get_ref().as_str()) {
                 continue;
             }
             let remedy = match nearest(name.get_ref(), there.iter().copied()) {

@@ -41,6 +41,9 @@ pub struct CheckArgs {
     /// Go on as Gazebo classic does where something is missing, with a warning in place of the error
     #[arg(long)]
     pub gazebo_compat: bool,
+    /// Leave out models, meshes and textures that the world names and nobody has, with a warning for each, as Gazebo does
+    #[arg(long)]
+    pub skip_missing: bool,
     /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
     #[arg(long)]
     pub apply_up_axis: bool,
@@ -53,7 +56,7 @@ impl CheckArgs {
     fn rules(&self) -> Rules {
         let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
         let sensor_models = self.sensor_models.into();
-        Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis, sensor_models }
+        Rules { gazebo_compat: self.gazebo_compat, skip_missing: self.skip_missing, up_axis, sensor_models }
     }
 }
 

@@ -1,8 +1,9 @@
 //! A world, a robot or a thing, whichever a file, a name or a text stands for.
 
-use super::diagnostics::Diagnostics;
+use super::diagnostics::{Diagnostics, Source};
 use super::model::{Model, World};
 use super::robot::{LoadOptions, load_robot, robot_names};
+use super::values::nearest;
 use super::world::{load_world, world_names};
 use super::xml::Element;
 use super::{sdf, urdf, xacro};
@@ -23,6 +24,22 @@ pub enum Described {
 /// # Errors
 /// Whatever is wrong is added to `diagnostics`; what is returned beside errors is not to be used.
 pub fn load(file_or_name: &str, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Described> {
+    let path = Path::new(file_or_name);
+    if path.components().count() == 1 && path.extension().is_none() && !path.is_file() {
+        let (robots, worlds) = (robot_names(&options.packages), world_names(&options.packages));
+        let names = || robots.iter().chain(&worlds).map(String::as_str);
+        if names().all(|name| name != file_or_name) {
+            let suggestion = nearest(file_or_name, names()).map(|near| format!("did you mean '{near}'? "));
+            let remedy = format!(
+                "{}give the path of a .urdf, .xacro, .sdf or .world file, or the name of a robot ({}) or a world ({})",
+                suggestion.unwrap_or_default(),
+                robots.join(", "),
+                worlds.join(", ")
+            );
+            diagnostics.error(&Source::new(path, 0), "no such robot or world", remedy);
+            return None;
+        }
+    }
     if is_world(file_or_name, options) {
         load_world(file_or_name, &options.packages, options.rules, diagnostics).map(Described::World)
     } else {
@@ -102,6 +119,17 @@ mod tests {
             ("no/such.urdf", false),
         ] {
             assert_eq!(is_world(name, &options()), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_name_that_nobody_has_is_told_what_is_near_of_both() {
+        for (name, near) in [("playgrond", "playground"), ("kobuki_nostack_camra", "kobuki_nostack_camera")] {
+            let mut diagnostics = Diagnostics::default();
+            assert!(load(name, &options(), &mut diagnostics).is_none());
+            let errors: Vec<String> = diagnostics.errors().map(ToString::to_string).collect();
+            let says = format!("{name}: error: no such robot or world; did you mean '{near}'?");
+            assert!(errors.len() == 1 && errors[0].starts_with(&says), "{errors:?}");
         }
     }
 

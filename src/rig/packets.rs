@@ -92,11 +92,9 @@ pub(super) struct Packets {
     sinks: Vec<PacketSink>,
 }
 
-impl Column<'_> {
-    /// Ranges and intensities of each laser.
-    fn lasers(&self) -> impl Iterator<Item = (&[f32], &[f32])> {
-        self.ranges.chunks_exact(self.returns).zip(self.intensities.chunks_exact(self.returns))
-    }
+/// The whole number that is nearest to one that is not negative, as a few instructions that compilers vectorize.
+fn nearest(value: f32) -> u32 {
+    (value + 0.5) as i32 as u32
 }
 
 impl Packets {

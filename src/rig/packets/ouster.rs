@@ -1,14 +1,13 @@
 //! Ouster's lidar packets: 16 columns each, little-endian, in the layouts of `udp_profile_lidar` (OS1 User Guide v1.14;
 //! sensor documentation, "Lidar Data").
 
-mod crc;
 mod inertial;
 mod metadata;
 
-use super::{Column, Protocol};
+use super::{Column, Protocol, nearest};
 use crate::description::model::{self, ImuProfile, PacketProfile};
 use crate::rig::ouster::OusterHead;
-use crc::crc64;
+use crc::{CRC_64_XZ, Crc, Table};
 pub(in crate::rig) use inertial::ImuPackets;
 
 /// Columns of a packet.
@@ -18,6 +17,8 @@ const LIDAR_PORT: u16 = 7502;
 const IMU_PORT: u16 = 7503;
 /// Ticks of the encoder a turn.
 const TICKS: u32 = 90_112;
+/// Of a packet but its last eight bytes, which are it.
+static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
 /// Of the device, and of its start: all packets have them, but for the first firmware's.
 const SERIAL: u64 = 1;
 const INITIALIZATION: u32 = 1;
@@ -58,6 +59,9 @@ struct Ouster {
     packet: Vec<u8>,
     /// Columns that are in it.
     filled: usize,
+    /// Of the column that is put in: each return of each laser, in steps of the layout, and its signal; 0 for none.
+    ranges: Vec<u32>,
+    signals: Vec<u32>,
 }
 
 /// Those of a lidar.
@@ -77,7 +81,16 @@ pub(super) fn of(lidar: &model::Lidar) -> Option<Box<dyn Protocol>> {
         name,
         packet,
         filled: 0,
+        ranges: Vec::new(),
+        signals: Vec::new(),
     }))
+}
+
+/// Puts words into the bytes of channels, little-endian.
+fn put<const WORDS: usize>(place: &mut [u8], channels: impl Iterator<Item = [u32; WORDS]>) {
+    for (place, words) in place.chunks_exact_mut(4 * WORDS).zip(channels) {
+        place.copy_from_slice(bytemuck::cast_slice(&words.map(u32::to_le)));
+    }
 }
 
 impl Ouster {
@@ -85,30 +98,44 @@ impl Ouster {
         self.profile == PacketProfile::Legacy
     }
 
-    /// Range in steps, reflectivity, signal and near infrared of a beam's returns, as far as the layout has them.
-    fn write_channel(profile: PacketProfile, place: &mut [u8], echoes: impl Iterator<Item = (u32, f32)>) {
-        place.fill(0);
-        let returns = if profile == PacketProfile::Rng19Rfl8Sig16Nir16Dual { 2 } else { 1 };
-        for (number, (range, intensity)) in echoes.take(returns).enumerate() {
-            let (reflectivity, signal) = (intensity.round() as u8, intensity.round() as u16);
-            let within = |bits: u32| if range < 1 << bits { range } else { 0 };
-            match profile {
-                PacketProfile::Legacy | PacketProfile::Rng19Rfl8Sig16Nir16 => {
-                    let range = within(if profile == PacketProfile::Legacy { 20 } else { 19 });
-                    place[..4].copy_from_slice(&range.to_le_bytes());
-                    place[4] = reflectivity;
-                    place[6..8].copy_from_slice(&signal.to_le_bytes());
-                }
-                PacketProfile::Rng19Rfl8Sig16Nir16Dual => {
-                    let (first, second) = (4 * number, 8 + 2 * number);
-                    place[first..first + 3].copy_from_slice(&within(19).to_le_bytes()[..3]);
-                    place[first + 3] = reflectivity;
-                    place[second..second + 2].copy_from_slice(&signal.to_le_bytes());
-                }
-                PacketProfile::Rng15Rfl8Nir8 => {
-                    place[..2].copy_from_slice(&(within(15) as u16).to_le_bytes());
-                    place[2] = reflectivity;
-                }
+    /// Puts ranges, reflectivities, signals and near infrared of a column's beams into their channels.
+    fn write_channels(&mut self, place: usize, column: &Column<'_>) {
+        let (head, profile, returns) = (&self.head, self.profile, column.returns);
+        let (bits, step_mm) = match profile {
+            PacketProfile::Legacy => (20, 1.0),
+            PacketProfile::Rng19Rfl8Sig16Nir16 | PacketProfile::Rng19Rfl8Sig16Nir16Dual => (19, 1.0),
+            PacketProfile::Rng15Rfl8Nir8 => (15, 8.0),
+        };
+        let within = |range: u32| if range < 1 << bits { range } else { 0 };
+        self.ranges.clear();
+        self.ranges.extend(column.ranges.iter().map(|range| within(head.told(*range, step_mm))));
+        let told = |(range, intensity): (&f32, &f32)| {
+            if range.is_finite() { nearest(intensity.min(f32::from(u16::MAX))) } else { 0 }
+        };
+        self.signals.clear();
+        self.signals.extend(column.ranges.iter().zip(column.intensities).map(told));
+
+        let place = &mut self.packet[place..][..self.layout.channel * head.lasers.len()];
+        let echoes = self.ranges.chunks_exact(returns).zip(self.signals.chunks_exact(returns));
+        let reflectivity = |signal: u32| signal.min(255);
+        match profile {
+            PacketProfile::Legacy | PacketProfile::Rng19Rfl8Sig16Nir16 => put(
+                place,
+                echoes.map(|(ranges, signals)| [ranges[0], reflectivity(signals[0]) | signals[0] << 16, 0]),
+            ),
+            PacketProfile::Rng19Rfl8Sig16Nir16Dual => put(
+                place,
+                echoes.map(|(ranges, signals)| {
+                    let echo = |number: usize| match (ranges.get(number), signals.get(number)) {
+                        (Some(range), Some(signal)) => (range | reflectivity(*signal) << 24, *signal),
+                        _ => (0, 0),
+                    };
+                    let ((first, first_signal), (second, second_signal)) = (echo(0), echo(1));
+                    [first, second, first_signal | second_signal << 16, 0]
+                }),
+            ),
+            PacketProfile::Rng15Rfl8Nir8 => {
+                put(place, echoes.map(|(ranges, signals)| [ranges[0] | reflectivity(signals[0]) << 16]))
             }
         }
     }
@@ -125,7 +152,7 @@ impl Ouster {
         text[4..7].copy_from_slice(&INITIALIZATION.to_le_bytes()[..3]);
         text[7..12].copy_from_slice(&SERIAL.to_le_bytes()[..5]);
         let checked = length - size_of::<u64>();
-        let sum = crc64(&self.packet[..checked]);
+        let sum = CRC.checksum(&self.packet[..checked]);
         self.packet[checked..].copy_from_slice(&sum.to_le_bytes());
     }
 }
@@ -140,10 +167,10 @@ impl Protocol for Ouster {
             self.filled = 0;
         }
         let Layout { header, column_header, channel, column_footer, .. } = self.layout;
-        let beams = self.head.lasers.len();
-        let length = column_header + channel * beams + column_footer;
-        let (is_legacy, profile) = (self.is_legacy(), self.profile);
-        let place = &mut self.packet[header + self.filled * length..][..length];
+        let length = column_header + channel * self.head.lasers.len() + column_footer;
+        let begin = header + self.filled * length;
+        let is_legacy = self.is_legacy();
+        let place = &mut self.packet[begin..][..length];
         place[..8].copy_from_slice(&column.time_ns.to_le_bytes());
         place[8..10].copy_from_slice(&(column.number as u16).to_le_bytes());
         if is_legacy {
@@ -155,14 +182,7 @@ impl Protocol for Ouster {
             // Valid.
             place[10..12].copy_from_slice(&1_u16.to_le_bytes());
         }
-        let step_mm = if profile == PacketProfile::Rng15Rfl8Nir8 { 8.0 } else { 1.0 };
-        let channels = place[column_header..].chunks_exact_mut(channel);
-        for (place, (ranges, intensities)) in channels.zip(column.lasers()) {
-            let told = |(range, intensity): (&f32, &f32)| {
-                (self.head.told(*range, step_mm), if range.is_finite() { *intensity } else { 0.0 })
-            };
-            Self::write_channel(profile, place, ranges.iter().zip(intensities).map(told));
-        }
+        self.write_channels(begin + column_header, column);
         self.filled += 1;
         if self.filled < COLUMNS {
             return None;

@@ -7,7 +7,7 @@
 //! firings: the first has the last returns, the second the strongest, or the second strongest where that is the last;
 //! where there is but one return, both have it.
 
-use super::{Column, Protocol};
+use super::{Column, Protocol, nearest};
 use crate::description::model;
 use belvedere_sensors::scanner::Returns;
 
@@ -55,6 +55,9 @@ struct Velodyne {
     /// Blocks of the same firings.
     returns: usize,
     begun_ns: u64,
+    /// Of the column that is put in: each return of each laser, 0 for none.
+    distances: Vec<u16>,
+    reflectivities: Vec<u8>,
 }
 
 /// Those of a lidar; none if its packets are not known.
@@ -69,32 +72,41 @@ pub(super) fn of(lidar: &model::Lidar) -> Option<Box<dyn Protocol>> {
     };
     let mut packet = [0; LEN];
     packet[1204..].copy_from_slice(&[mode, model.product]);
-    Some(Box::new(Velodyne { packet, model, filled: 0, returns, begun_ns: 0 }))
+    let (distances, reflectivities) = (Vec::new(), Vec::new());
+    Some(Box::new(Velodyne { packet, model, filled: 0, returns, begun_ns: 0, distances, reflectivities }))
 }
 
 impl Velodyne {
-    /// Puts a firing into its block, or that of each of its returns.
-    fn write(
-        &mut self,
-        firing: usize,
-        hundredths: u16,
-        lasers: usize,
-        (ranges, intensities): (&[f32], &[f32]),
-    ) {
-        let (group, place) = (firing / LASERS, firing % LASERS);
-        let blocks = self.packet[group * self.returns * BLOCK..].chunks_exact_mut(BLOCK);
-        for (number, block) in blocks.take(self.returns).enumerate() {
-            if place == 0 {
-                let bank = BANKS[group % lasers.div_ceil(LASERS)];
-                block[..2].copy_from_slice(&bank.to_le_bytes());
-                block[2..4].copy_from_slice(&hundredths.to_le_bytes());
+    /// Puts a column's firings into their blocks, each return into those of its own.
+    fn write(&mut self, hundredths: u16, column: &Column<'_>) {
+        let (returns, step_m) = (self.returns, self.model.step_m);
+        self.distances.clear();
+        let distance = |range: &f32| if range.is_finite() { nearest(range / step_m) as u16 } else { 0 };
+        self.distances.extend(column.ranges.iter().map(distance));
+        self.reflectivities.clear();
+        self.reflectivities.extend(column.intensities.iter().map(|told| nearest(told.min(255.0)) as u8));
+        let lasers = column.ranges.len() / returns;
+        let mut laser = 0;
+        while laser < lasers {
+            let (group, place) = ((self.filled + laser) / LASERS, (self.filled + laser) % LASERS);
+            let end = lasers.min(laser + LASERS - place);
+            let blocks = self.packet[group * returns * BLOCK..].chunks_exact_mut(BLOCK);
+            for (number, block) in blocks.take(returns).enumerate() {
+                if place == 0 {
+                    let bank = BANKS[group % lasers.div_ceil(LASERS)];
+                    block[..2].copy_from_slice(&bank.to_le_bytes());
+                    block[2..4].copy_from_slice(&hundredths.to_le_bytes());
+                }
+                for (place, laser) in block[4 + 3 * place..].chunks_exact_mut(3).zip(laser..end) {
+                    let echo = laser * returns + number;
+                    let echo = if number > 0 && self.distances[echo] == 0 { laser * returns } else { echo };
+                    let distance = self.distances[echo];
+                    let reflectivity = if distance == 0 { 0 } else { self.reflectivities[echo] };
+                    let [low, high] = distance.to_le_bytes();
+                    place.copy_from_slice(&[low, high, reflectivity]);
+                }
             }
-            let number = if ranges[number].is_finite() { number } else { 0 };
-            let range = ranges[number];
-            let distance = if range.is_finite() { (range / self.model.step_m).round() as u16 } else { 0 };
-            let place = &mut block[4 + 3 * place..][..3];
-            place[..2].copy_from_slice(&distance.to_le_bytes());
-            place[2] = if distance == 0 { 0 } else { intensities[number].round() as u8 };
+            laser = end;
         }
     }
 }
@@ -113,11 +125,8 @@ impl Protocol for Velodyne {
             self.begun_ns = column.time_ns + self.model.ahead_ns;
         }
         let hundredths = (column.turned * 36_000.0).round().rem_euclid(36_000.0) as u16;
-        let lasers = column.ranges.len() / self.returns;
-        for (laser, echoes) in column.lasers().enumerate() {
-            self.write(self.filled + laser, hundredths, lasers, echoes);
-        }
-        self.filled += lasers;
+        self.write(hundredths, column);
+        self.filled += column.ranges.len() / self.returns;
         if self.filled < if self.returns == 1 { self.model.firings } else { self.model.pairs } {
             return None;
         }

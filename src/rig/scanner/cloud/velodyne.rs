@@ -41,25 +41,34 @@ impl CloudForm for VelodyneCloud {
             header.set_packed(shown as u32, 1);
         }
         header.stamp_ns = scan.stamp_ns;
-        let mut places = frame.payload_mut().chunks_exact_mut(POINT_STEP);
-        for index in 0..echoes {
-            // There is a row of first returns, then one of the second.
-            let (row, place) = (index / in_row, index % in_row);
-            let in_rows = (row / returns * in_row + place) * returns + row % returns;
-            let echo = if is_organized { in_rows } else { index };
+        let end_s = scan.taken_s.unwrap_or(0.0);
+        let put = |place: &mut [u8; POINT_STEP], firing: usize, number: usize| {
+            let echo = firing * returns + number;
             let is_point = scan.is_point(echo);
             if !is_point && !is_organized {
-                continue;
+                return false;
             }
-            let Some(place) = places.next() else { break };
-            let firing = echo / returns;
             let point = if is_point { found.points[echo] } else { [f32::NAN; 3] };
-            let time_s = scan.time_s(firing) - scan.taken_s.unwrap_or(0.0);
             let ring = self.rings[found.lasers[firing] as usize];
             place[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
             place[12..16].copy_from_slice(&found.intensities[echo].to_le_bytes());
             place[16..18].copy_from_slice(&ring.to_le_bytes());
-            place[18..].copy_from_slice(&(time_s as f32).to_le_bytes());
+            place[18..].copy_from_slice(&((scan.time_s(firing) - end_s) as f32).to_le_bytes());
+            true
+        };
+        let mut places = frame.payload_mut().as_chunks_mut().0.iter_mut();
+        // An organized cloud has a row of first returns, then one of the second; another has those of a firing together.
+        let rows = if is_organized { in_row } else { 1 };
+        let mut next = places.next();
+        for first in (0..firings).step_by(rows) {
+            for number in 0..returns {
+                for firing in first..firings.min(first + rows) {
+                    let Some(place) = &mut next else { return Some(frame) };
+                    if put(place, firing, number) {
+                        next = places.next();
+                    }
+                }
+            }
         }
         Some(frame)
     }

@@ -84,7 +84,7 @@ fn studio(folder: &Path) {
 
 /// All samples' files, whatever shard they are in.
 fn samples(out: &Path) -> BTreeMap<String, Vec<u8>> {
-    let shards = files(out).into_keys().filter(|name| name.ends_with(".tar"));
+    let shards = files(out).into_keys().filter(|name| name.starts_with("shard-"));
     shards.flat_map(|shard| untar(&out.join(shard))).collect()
 }
 

@@ -26,6 +26,7 @@ cables = {near: f"bn{tag}", far: f"bf{tag}"}
 ADDRESS = "10.77.15.1:7447"
 # Machines that do something else meanwhile take so many times as long.
 PATIENCE = 3
+CUTS = [float(word) for word in os.environ.get("CUTS", "1.5 2.5 8").split()]
 running = []
 parties = {}
 
@@ -242,8 +243,8 @@ def free():
 
 
 def cut():
-    """For less and for more than the three seconds after which a connection is given up."""
-    for seconds in (1.5, 8.0):
+    """For less and for more than the two seconds after which a connection is given up, and for just these."""
+    for seconds in CUTS:
         here_side, there_side = Frames(near, "odom"), Frames(far, "odom")
         pictures = Frames(far, "image_raw")
         pictures.wait(10, 20, "pictures before the cut")
@@ -252,7 +253,7 @@ def cut():
         time.sleep(seconds)
         cable("up")
         mended = time.monotonic()
-        pictures.wait(1, 20, f"pictures after {seconds} s without a cable")
+        pictures.wait(1, 3, f"pictures after {seconds} s without a cable")
         again = time.monotonic() - mended
         pictures.wait(30, 20, "more of them")
         there_side.wait(30, 20, "odometry after the cut")
@@ -331,6 +332,48 @@ def hostile():
     until(lambda: len(listed(far)) == count, 10, "all streams after them")
 
 
+def flood():
+    """Somebody announces more streams than there is room for."""
+    ended_well(parties["receiver"])
+    until(lambda: not listed(far), 10, "the end of all streams over there")
+    before, most = taken_memory(), 1500 << 20
+    parties["receiver"] = receiver = receive("--memory", str(most >> 20))
+    until(lambda: "/image_raw" in listed(far), 20, "streams on the other side")
+    watched = Frames(far, "image_raw")
+    watched.wait(10, 20, "pictures before the flood")
+    log = receiver.log.read_text()
+    words = inside(far, sys.executable, str(here / "flood.py"), f"tcp/{ADDRESS}", near, "8")
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as attack:
+        memory, streams, files = 0, 0, 0
+        while attack.poll() is None:
+            # `ip netns exec` has become the program that it runs.
+            memory = max(memory, taken_memory() - before)
+            files = max(files, len(list(Path(f"/proc/{receiver.pid}/fd").iterdir())))
+            streams = max(streams, len(listed(far)))
+        said = attack.stdout.read().strip()
+    assert attack.returncode == 0
+    watched.end()
+    assert receiver.poll() is None, "the receiver did not survive"
+    # They were announced, and some of them opened.
+    assert streams > len(listed(near)) + 10, streams
+    assert memory < most, f"{memory >> 20} MiB of shared memory were taken"
+    told = receiver.log.read_text().removeprefix(log)
+    warnings = [line for line in told.splitlines() if "is not opened" in line]
+    assert len(warnings) == 1 and "--memory" in warnings[0] and "flood/" in warnings[0], told
+    print(
+        f"{said}: at most {streams} streams open, {files} files, {memory >> 20} MiB more in /dev/shm, of {most >> 20} that "
+        f"were allowed",
+        flush=True,
+    )
+    until(lambda: not any("flood" in topic for topic in listed(far)), 10, "the end of the flood")
+    compared("image_raw", "after the flood", 60, 30)
+
+
+def taken_memory():
+    state = os.statvfs("/dev/shm")
+    return (state.f_blocks - state.f_bfree) * state.f_frsize
+
+
 def another_simulator():
     """The simulator ends, and another comes."""
     ended_well(parties["simulator"])
@@ -369,11 +412,13 @@ signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended from outside"))
 try:
     lay_cable()
     begin()
-    for part in (described, interest, free, cut, kills, narrow, hostile, another_simulator, control, second):
+    for part in (described, interest, free, cut, kills, narrow, hostile, flood, another_simulator, control, second):
         if not wanted or part.__name__ in wanted:
             part()
     for party in parties.values():
         ended_well(party)
+    left = [path.name for path in Path("/dev/shm").iterdir() if near in path.name or far in path.name]
+    assert not left, f"left in /dev/shm: {left}"
 except BaseException:
     for log in sorted(folder.glob("*.log")):
         print(f"--- {log.name}\n{log.read_text()[-4000:]}", file=sys.stderr)

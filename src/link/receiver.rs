@@ -3,7 +3,7 @@
 use super::LinkError;
 use super::mirror::Mirror;
 use super::room::{Room, Taken};
-use super::tally::{LinkProgress, Tallies};
+use super::tally::{LinkProgress, Tallies, Tally};
 use super::transport::{Endpoints, Inlet, Transport};
 use super::wire::{self, Announcement, Described};
 use belvedere_bridge::{Domain, Error, Node, StreamSpec};
@@ -49,6 +49,8 @@ pub struct LinkReceiver {
     /// Threads of streams that are gone.
     ending: Vec<JoinHandle<()>>,
     tallies: Tallies,
+    /// Of announcements.
+    refused: Tally,
     silence: Silence,
     next_update: Instant,
 }
@@ -109,6 +111,7 @@ impl LinkReceiver {
             room: Room::new(memory),
             ending: Vec::new(),
             tallies: Tallies::default(),
+            refused: Tally::default(),
             silence: Silence { since: now, is_told: false, frames: 0 },
             next_update: now,
         })
@@ -126,7 +129,7 @@ impl LinkReceiver {
             (heard.streams.take(), heard.refused.take())
         };
         if let Some(refused) = refused {
-            tracing::warn!("the simulator's link is not understood: {refused}");
+            self.refused.refuse("list of streams", &refused);
         }
         if let Some(streams) = streams {
             if self.silence.is_told {

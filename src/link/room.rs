@@ -3,10 +3,14 @@
 //! Whoever reaches the port can announce streams. Each that is opened here takes a pool in `/dev/shm`, which the
 //! simulators of this machine need, too; so there is a bound on all of them together, and on their number.
 
+use rustix::process::{Resource, getrlimit};
 use std::time::{Duration, Instant};
 
-/// Most streams that are opened. Each takes six descriptors of files, of which a process has 1024 by default.
-const MAX_STREAMS: usize = 128;
+/// Most streams that are opened, whatever they need.
+const MAX_STREAMS: usize = 256;
+/// Open files of a stream, generously, and those of all else.
+const FILES: usize = 12;
+const OTHER_FILES: usize = 100;
 /// What a stream takes beside its pool, bytes: books, queues and connections, generously.
 const BOOKS: u64 = 256 << 10;
 /// Time between two warnings, since the same is announced once a second.
@@ -16,6 +20,7 @@ const QUIET: Duration = Duration::from_secs(60);
 pub(super) struct Room {
     /// Bytes that all streams together may take.
     memory: u64,
+    streams: usize,
     last_warning: Option<Instant>,
 }
 
@@ -34,8 +39,10 @@ pub(super) enum Full {
         mib(*.needed), mib(*.left), mib(*.most)
     )]
     Memory { needed: u64, left: u64, most: u64 },
-    #[error("{MAX_STREAMS} streams of the other machine are open, the most there may be; name the topics that are wanted")]
-    Streams,
+    #[error(
+        "{0} streams of the other machine are open, the most there may be; name the topics that are wanted, or allow more open files (ulimit -n) for up to {MAX_STREAMS}"
+    )]
+    Streams(usize),
 }
 
 fn mib(bytes: u64) -> String {
@@ -43,16 +50,19 @@ fn mib(bytes: u64) -> String {
 }
 
 impl Room {
+    /// With so many bytes, and as many streams as this process may open files for.
     pub(super) fn new(memory: u64) -> Self {
-        Self { memory, last_warning: None }
+        let files = getrlimit(Resource::Nofile).current.map_or(usize::MAX, |files| files as usize);
+        let streams = (files.saturating_sub(OTHER_FILES) / FILES).min(MAX_STREAMS);
+        Self { memory, streams, last_warning: None }
     }
 
     /// Adds a stream with a pool of so many bytes to what is taken, if there is room for it.
     pub(super) fn take(&self, taken: &mut Taken, pool_bytes: u64) -> Result<(), Full> {
         let needed = pool_bytes.saturating_add(BOOKS);
         let left = self.memory.saturating_sub(taken.bytes);
-        if taken.streams >= MAX_STREAMS {
-            return Err(Full::Streams);
+        if taken.streams >= self.streams {
+            return Err(Full::Streams(self.streams));
         }
         if needed > left {
             return Err(Full::Memory { needed, left, most: self.memory });
@@ -86,7 +96,7 @@ mod tests {
 
     #[test]
     fn all_streams_together_have_a_bound() {
-        let room = Room::new(100 << 20);
+        let room = Room { streams: MAX_STREAMS, ..Room::new(100 << 20) };
         let mut taken = Taken::default();
         let full = Full::Memory { needed: (100 << 20) + BOOKS, left: 100 << 20, most: 100 << 20 };
         assert_eq!(room.take(&mut taken, 100 << 20), Err(full));
@@ -104,9 +114,8 @@ mod tests {
     fn streams_that_need_next_to_nothing_are_counted() {
         let room = Room::new(u64::MAX);
         let mut taken = Taken::default();
-        for _ in 0..MAX_STREAMS {
-            room.take(&mut taken, 0).unwrap();
-        }
-        assert_eq!(room.take(&mut taken, 0), Err(Full::Streams));
+        while room.take(&mut taken, 0).is_ok() {}
+        assert!((1..=MAX_STREAMS).contains(&taken.streams), "{taken:?}");
+        assert_eq!(room.take(&mut taken, 0), Err(Full::Streams(taken.streams)));
     }
 }

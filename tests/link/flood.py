@@ -1,6 +1,6 @@
 """Another program of Zenoh, which announces more streams than a machine has room for.
 
-flood.py ADDRESS DOMAIN SECONDS: beside the streams that are there, by turns hundreds of large ones and thousands of small
+flood.py ADDRESS,ADDRESS DOMAIN SECONDS: beside the streams that are there, by turns hundreds of large ones and thousands of small
 ones. Says how many, and how many bytes their frames would take.
 """
 
@@ -10,14 +10,14 @@ import time
 
 import zenoh
 
-address, domain, seconds = sys.argv[1], sys.argv[2], float(sys.argv[3])
+addresses, domain, seconds = sys.argv[1].split(","), sys.argv[2], float(sys.argv[3])
 # Frames of a stream of pictures: eight consumers with two that wait and two that are held, three more.
 FRAMES = 35
 LARGE, SMALL = 32 << 20, 64
 config = zenoh.Config()
 config.insert_json5("scouting/multicast/enabled", "false")
 config.insert_json5("listen/endpoints", "[]")
-config.insert_json5("connect/endpoints", json.dumps([address]))
+config.insert_json5("connect/endpoints", json.dumps(addresses))
 session = zenoh.open(config)
 heard = []
 streams = session.declare_subscriber(

@@ -305,9 +305,10 @@ fn carry_next(
     if matches!(spec.kind, Kind::StaticTransforms | Kind::SensorSettings) {
         *kept = Kept { message: Some(message.clone()), sent: Some(Instant::now()) };
     }
-    match outlet.put(message)? {
-        true => tally.carry(bytes),
-        false => tally.lose(1),
+    if outlet.put(message)? {
+        tally.carry(bytes);
+    } else {
+        tally.lose(1);
     }
     Ok(())
 }

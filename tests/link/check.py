@@ -55,7 +55,7 @@ def begin():
     parties["simulator"] = start("simulator", near, belvedere, "run", "--domain", near, "--drive", "still")
     until(lambda: "/image_raw" in listed(near), 60, "a simulator")
     parties["sender"] = send()
-    until(lambda: "/image_raw" in listed(far), 20, "its streams on the other side")
+    until(all_there, 20, "its streams on the other side")
 
 
 def described():

@@ -6,7 +6,7 @@ use iceoryx2::{node::Node as IoxNode, prelude::LogLevel};
 
 use crate::{
     Domain, Error,
-    domain::{Ipc, Keeper},
+    domain::{Ipc, Keeper, room},
 };
 
 /// This process's membership of a domain; publishers and subscribers are made from it. Clones are the same node.
@@ -46,6 +46,14 @@ impl Node {
     #[must_use]
     pub fn domain(&self) -> &Domain {
         self.keeper().domain()
+    }
+
+    /// Bytes that are free in `/dev/shm` now, for pools of publishers and all else there.
+    ///
+    /// # Errors
+    /// [`Error::Transport`] when the system does not say.
+    pub fn free_shared_memory(&self) -> Result<u64, Error> {
+        room::free()
     }
 
     /// Removes what killed processes of the domain have left; done on opening, and by subscribers in silence. In a

@@ -62,6 +62,9 @@ enum Role {
         /// The simulator's domain there, if it is another than the one here
         #[arg(long, value_name = "NAME")]
         from: Option<Domain>,
+        /// Shared memory that all its streams together may take here, in MiB; half of what is free at the start if not given
+        #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+        memory: Option<u64>,
         #[command(flatten)]
         way: WayArgs,
     },
@@ -115,11 +118,12 @@ pub fn run(args: &LinkArgs) -> Result<(), CliError> {
             link.close();
             attended.and_then(|()| summary("sent", &counts))
         }
-        Role::Receive { topics, domain, from, way } => {
+        Role::Receive { topics, domain, from, memory, way } => {
             let node = Node::open(&domain.domain, NAME)?;
             let from = from.clone().unwrap_or_else(|| domain.domain.clone());
             let said = format!("domain {} is that of the other machine's domain {from}", domain.domain);
-            let options = ReceiverOptions { endpoints: endpoints(way), from, topics: topics.clone() };
+            let memory = memory.map(|mib| mib << 20);
+            let options = ReceiverOptions { endpoints: endpoints(way), from, topics: topics.clone(), memory };
             let mut link = LinkReceiver::open(node, options)?;
             let attended = attend(way, &said, &mut link, LinkReceiver::tend, LinkReceiver::progress);
             let counts = link.by_topic();

@@ -18,6 +18,7 @@ const NAP: Duration = Duration::from_millis(50);
 /// See the module.
 pub(super) struct Mirror {
     described: Described,
+    pool_bytes: u64,
     way: Way,
 }
 
@@ -42,6 +43,7 @@ impl Mirror {
         spec: StreamSpec,
         tally: Arc<Tally>,
     ) -> Result<Self, LinkError> {
+        let pool_bytes = wire::pool_bytes(&spec);
         let way = if wire::is_command(spec.kind) {
             let commands = node.command_subscriber(&spec)?;
             let key = wire::command_key(from.as_str(), &spec.topic);
@@ -58,12 +60,17 @@ impl Mirror {
             let end = FrameEnd { spec, publisher, last: None, tally };
             Way::In { key, inlet: None, end: Arc::new(Mutex::new(end)) }
         };
-        Ok(Self { described: described.clone(), way })
+        Ok(Self { described: described.clone(), pool_bytes, way })
     }
 
     /// Whether it is still what the other side tells of.
     pub(super) fn is_of(&self, described: &Described) -> bool {
         self.described == *described
+    }
+
+    /// Bytes of shared memory that its frames may take.
+    pub(super) fn pool_bytes(&self) -> u64 {
+        self.pool_bytes
     }
 
     /// Takes the stream from the network while somebody here wants it; with `update`, gives late consumers what is kept.
@@ -180,7 +187,8 @@ fn hand_back(mut commands: Subscriber, kind: Kind, outlet: &Outlet, stop: &Atomi
                 let (message, bytes) = (wire::frame(frame.header(), frame.payload()), frame.payload().len());
                 drop(frame);
                 match outlet.put(message) {
-                    Ok(()) => tally.carry(bytes),
+                    Ok(true) => tally.carry(bytes),
+                    Ok(false) => tally.lose(1),
                     Err(error) => {
                         tally.lose(1);
                         tracing::warn!(topic = commands.topic(), %error, "a command is lost");

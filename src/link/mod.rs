@@ -5,6 +5,7 @@
 //! | [`LinkSender`] | the simulator's side: a consumer of its streams, and a sender of the commands that come |
 //! | [`LinkReceiver`] | the other side: the same streams in that machine's shared memory, and commands on their way back |
 //! | `mirror` | a stream of the other side's |
+//! | `room` | how much shared memory these may take |
 //! | `wire` | keys and messages, and the checks of what comes |
 //! | `transport` | Zenoh, which no other file knows |
 //! | `tally` | what was carried and lost |
@@ -17,6 +18,7 @@
 mod error;
 mod mirror;
 mod receiver;
+mod room;
 mod sender;
 mod tally;
 mod transport;

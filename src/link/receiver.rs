@@ -2,7 +2,8 @@
 
 use super::LinkError;
 use super::mirror::Mirror;
-use super::tally::{LinkProgress, Tallies};
+use super::room::{Room, Taken};
+use super::tally::{LinkProgress, Tallies, Tally};
 use super::transport::{Endpoints, Inlet, Transport};
 use super::wire::{self, Announcement, Described};
 use belvedere_bridge::{Domain, Error, Node, StreamSpec};
@@ -27,6 +28,8 @@ pub struct ReceiverOptions {
     pub from: Domain,
     /// Topics, with or without a leading slash; all if there are none.
     pub topics: Vec<String>,
+    /// Bytes of shared memory that all streams together may take here; half of what is free at the start if it is `None`.
+    pub memory: Option<u64>,
 }
 
 /// Stands in a domain of this machine for a simulator on another one: the same streams with the same frames, and
@@ -42,9 +45,12 @@ pub struct LinkReceiver {
     heard: Arc<Mutex<Heard>>,
     _announcements: Inlet,
     mirrors: BTreeMap<String, Mirror>,
+    room: Room,
     /// Threads of streams that are gone.
     ending: Vec<JoinHandle<()>>,
     tallies: Tallies,
+    /// Of announcements.
+    refused: Tally,
     silence: Silence,
     next_update: Instant,
 }
@@ -69,8 +75,12 @@ impl LinkReceiver {
     /// Opens the way to the simulator's machine, which need not be there yet.
     ///
     /// # Errors
-    /// When an address cannot be listened at.
+    /// When an address cannot be listened at; [`Error::Transport`] when the system does not say how much memory is free.
     pub fn open(node: Node, options: ReceiverOptions) -> Result<Self, LinkError> {
+        let memory = match options.memory {
+            Some(memory) => memory,
+            None => node.free_shared_memory()? / 2,
+        };
         let transport = Transport::open(&options.endpoints)?;
         let heard: Arc<Mutex<Heard>> = Arc::default();
         let (hearing, from) = (heard.clone(), options.from.to_string());
@@ -98,8 +108,10 @@ impl LinkReceiver {
             heard,
             _announcements: announcements,
             mirrors: BTreeMap::new(),
+            room: Room::new(memory),
             ending: Vec::new(),
             tallies: Tallies::default(),
+            refused: Tally::default(),
             silence: Silence { since: now, is_told: false, frames: 0 },
             next_update: now,
         })
@@ -117,7 +129,7 @@ impl LinkReceiver {
             (heard.streams.take(), heard.refused.take())
         };
         if let Some(refused) = refused {
-            tracing::warn!("the simulator's link is not understood: {refused}");
+            self.refused.refuse("list of streams", &refused);
         }
         if let Some(streams) = streams {
             if self.silence.is_told {
@@ -172,8 +184,17 @@ impl LinkReceiver {
             self.ending.extend(self.mirrors.remove(&topic).and_then(Mirror::end));
         }
         self.ending.retain(|thread| !thread.is_finished());
+        let mut taken = Taken::default();
+        for mirror in self.mirrors.values() {
+            taken.add(mirror.pool_bytes());
+        }
+        let mut left_out: Vec<(&str, Box<dyn std::error::Error>)> = Vec::new();
         for (topic, (described, spec)) in announced {
             if self.mirrors.contains_key(topic) {
+                continue;
+            }
+            if let Err(full) = self.room.take(&mut taken, wire::pool_bytes(&spec)) {
+                left_out.push((topic, full.into()));
                 continue;
             }
             let tally = self.tallies.of(topic, wire::is_command(spec.kind));
@@ -182,8 +203,12 @@ impl LinkReceiver {
                     self.mirrors.insert(topic.to_owned(), mirror);
                 }
                 Err(error @ LinkError::Bridge(Error::DomainInUse { .. })) => return Err(error),
-                Err(error) => tracing::warn!(topic, %error, "a stream of the other machine cannot be opened"),
+                // It is tried again with the next announcement.
+                Err(error) => left_out.push((topic, error.into())),
             }
+        }
+        if let Some((topic, why)) = left_out.first() {
+            self.room.warn(topic, why, left_out.len() - 1);
         }
         Ok(())
     }

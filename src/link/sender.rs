@@ -305,8 +305,11 @@ fn carry_next(
     if matches!(spec.kind, Kind::StaticTransforms | Kind::SensorSettings) {
         *kept = Kept { message: Some(message.clone()), sent: Some(Instant::now()) };
     }
-    outlet.put(message)?;
-    tally.carry(bytes);
+    if outlet.put(message)? {
+        tally.carry(bytes);
+    } else {
+        tally.lose(1);
+    }
     Ok(())
 }
 

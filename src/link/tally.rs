@@ -4,6 +4,11 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// Topics that are counted each by itself; names come from the network, and who makes up ever new ones has them counted
+/// together.
+const MAX_TOPICS: usize = 4096;
+const OTHERS: &str = "others";
+
 /// How far a link is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LinkProgress {
@@ -64,6 +69,8 @@ impl Tallies {
     /// Of a stream, as it was left.
     pub(super) fn of(&self, topic: &str, is_command: bool) -> Arc<Tally> {
         let mut tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_known = tallies.len() < MAX_TOPICS || tallies.contains_key(topic);
+        let topic = if is_known { topic } else { OTHERS };
         tallies.entry(topic.to_owned()).or_insert_with(|| (is_command, Arc::default())).1.clone()
     }
 

@@ -1,8 +1,9 @@
 //! Zenoh, and nothing but it: bytes on keys between two machines.
 
 use super::LinkError;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 use zenoh::bytes::ZBytes;
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::qos::{CongestionControl, Priority};
@@ -16,23 +17,31 @@ const SETTINGS: &[(&str, &str)] = &[
     // Who is met is who was named: nobody is looked for, and nothing is told of others.
     ("scouting/multicast/enabled", "false"),
     ("scouting/gossip/enabled", "false"),
-    // A peer that is not there at first, or goes, is tried again every second.
+    // A peer that is not there at first, or goes, is called again and again. A call is given up after two and a half
+    // seconds: TCP asks a cut line after 1, 2, 4, 8 … s, and one call would go on asking less and less often for ten.
     ("connect/timeout_ms", "-1"),
     ("connect/exit_on_failure", "false"),
-    ("connect/retry", "{ period_init_ms: 500, period_max_ms: 1000, period_increase_factor: 2 }"),
-    // A peer that says nothing for three seconds is gone; it says something every 0.75 s.
-    ("transport/link/tx/lease", "3000"),
-    // Whoever sends waits for room, a second for each piece of a message and ten for all: it is the link that waits, never
-    // the simulator, whose frames give way in shared memory. With Zenoh's own 1 and 50 ms large frames hardly ever pass a
-    // narrow line. Without a limit (`CongestionControl::Block`) the connection is closed under whoever waits, and the one
-    // that follows was seen to be cut off, too, while both sides took it to be there (Zenoh 1.10.2).
-    ("transport/link/tx/queue/congestion_control/drop/wait_before_drop", "1000000"),
-    ("transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments", "10000000"),
+    ("connect/retry", "{ period_init_ms: 250, period_max_ms: 500, period_increase_factor: 2 }"),
+    ("transport/unicast/open_timeout", "2500"),
+    // A peer that says nothing for two seconds is gone; it says something every half second.
+    ("transport/link/tx/lease", "2000"),
+    // Whoever sends waits for room, half a second for each piece of a message and two for all: it is the link that waits,
+    // never the simulator, whose frames give way in shared memory. With Zenoh's own 1 and 50 ms large frames hardly ever
+    // pass a narrow line. Longer waits make a cut cable last: see `Gate`. Without a limit (`CongestionControl::Block`) the
+    // connection is closed under whoever waits, and the one that follows was seen to be cut off, too, while both sides
+    // took it to be there (Zenoh 1.10.2).
+    ("transport/link/tx/queue/congestion_control/drop/wait_before_drop", "500000"),
+    ("transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments", "2000000"),
     // What waits in the system's buffer is late, and nothing can overtake it there.
     ("transport/link/tcp/so_sndbuf", "524288"),
     // Buffers of a megabyte: a picture comes in a few reads.
     ("transport/link/rx/buffer_size", "1048576"),
 ];
+
+/// How long a message waits for the first piece of room, as set above.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// How long nothing is sent when a message has waited in vain.
+const PAUSE: Duration = Duration::from_millis(100);
 
 /// Where the other machine is, each as `tcp/HOST:PORT`.
 #[derive(Debug, Clone, Default)]
@@ -63,6 +72,31 @@ pub(super) enum Urgency {
 /// A session with other machines.
 pub(super) struct Transport {
     session: Session,
+    gates: [Arc<Gate>; 3],
+}
+
+/// Where messages of one urgency go to Zenoh one after the other, and none while nothing moves.
+///
+/// Whoever waits for room in Zenoh holds a lock that Zenoh needs to give up a connection, too (1.10.2). When a cable was cut
+/// and the threads of a dozen streams waited one after the other, that took ten seconds and more; the other machine had
+/// long called again then, its new connection was taken for one more of the old, and closed with it. So after one that
+/// has waited in vain nobody waits for a while, in which the lock is free.
+#[derive(Default)]
+struct Gate(Mutex<Option<Instant>>);
+
+impl Gate {
+    /// Sends, if others did not just find that nothing moves; whether it was tried.
+    fn pass<E>(&self, send: impl FnOnce() -> Result<(), E>) -> Result<bool, E> {
+        let mut closed_until = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let began = Instant::now();
+        if closed_until.is_some_and(|until| began < until) {
+            return Ok(false);
+        }
+        let sent = send();
+        let now = Instant::now();
+        *closed_until = (now - began >= PATIENCE).then(|| now + PAUSE);
+        sent.map(|()| true)
+    }
 }
 
 impl Transport {
@@ -87,7 +121,7 @@ impl Transport {
             let addresses = serde_json::Value::from(addresses.clone()).to_string();
             config.insert_json5(key, &addresses).map_err(failed)?;
         }
-        Ok(Self { session: zenoh::open(config).wait().map_err(failed)? })
+        Ok(Self { session: zenoh::open(config).wait().map_err(failed)?, gates: Default::default() })
     }
 
     /// Machines, or routers, that there is a connection with.
@@ -115,6 +149,7 @@ impl Transport {
             .express(true)
             .wait()
             .map_err(failed)?;
+        let gate = self.gates[urgency as usize].clone();
         let is_wanted = Arc::new(AtomicBool::new(false));
         let told = is_wanted.clone();
         // It is told what is, and then of changes.
@@ -124,7 +159,7 @@ impl Transport {
             .background()
             .wait()
             .map_err(failed)?;
-        Ok(Outlet { publisher, is_wanted })
+        Ok(Outlet { publisher, gate, is_wanted })
     }
 
     /// The receiving end of a key, or of all that a pattern stands for. `taken` gets each message with the key that its
@@ -159,6 +194,7 @@ impl Transport {
 /// See [`Transport::outlet`].
 pub(super) struct Outlet {
     publisher: Publisher<'static>,
+    gate: Arc<Gate>,
     is_wanted: Arc<AtomicBool>,
 }
 
@@ -168,13 +204,14 @@ impl Outlet {
         self.is_wanted.load(Ordering::Relaxed)
     }
 
-    /// Sends a message, and waits while there is no room for it, as when the line is narrower than what is sent; when it
-    /// was cut for a second at most, and then the message is lost.
-    pub(super) fn put(&self, message: Vec<u8>) -> Result<(), LinkError> {
+    /// Sends a message, and waits while there is no room for it, as when the line is narrower than what is sent. False if
+    /// it was not tried, since nothing moves; one that waits in vain is lost, too, and Zenoh does not say so.
+    pub(super) fn put(&self, message: Vec<u8>) -> Result<bool, LinkError> {
         // Zenoh gives keys numbers, and after a connection was lost and made again a few messages were seen to arrive at
         // other keys than theirs (Zenoh 1.10.2). So each has its own with it.
         let key = self.publisher.key_expr().as_str().as_bytes();
-        self.publisher.put(message).attachment(key).wait().map_err(|error| LinkError::Transport {
+        let sent = self.gate.pass(|| self.publisher.put(message).attachment(key).wait());
+        sent.map_err(|error| LinkError::Transport {
             what: format!("sending {}", self.publisher.key_expr()),
             detail: words(&error),
         })

@@ -62,6 +62,11 @@ pub(super) fn is_command(kind: Kind) -> bool {
     matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower | Kind::SimulationCommand)
 }
 
+/// Bytes of shared memory that a mirror of the stream may take here; of commands their senders have the pools.
+pub(super) fn pool_bytes(spec: &StreamSpec) -> u64 {
+    if is_command(spec.kind) { 0 } else { spec.pool_bytes() }
+}
+
 /// Why something from the network is not taken.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Refusal {

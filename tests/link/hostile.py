@@ -1,6 +1,6 @@
 """Another program of Zenoh, which puts on a link's keys what does not belong there.
 
-hostile.py ADDRESS DOMAIN SECONDS: lists of streams that are none, or that nobody can have, and messages that are no
+hostile.py ADDRESS,ADDRESS DOMAIN SECONDS: lists of streams that are none, or that nobody can have, and messages that are no
 frames, cut, lengthened, or with bytes turned over, of streams and of commands. Says how many.
 """
 
@@ -12,11 +12,11 @@ import time
 
 import zenoh
 
-address, domain, seconds = sys.argv[1], sys.argv[2], float(sys.argv[3])
+addresses, domain, seconds = sys.argv[1].split(","), sys.argv[2], float(sys.argv[3])
 config = zenoh.Config()
 config.insert_json5("scouting/multicast/enabled", "false")
 config.insert_json5("listen/endpoints", "[]")
-config.insert_json5("connect/endpoints", json.dumps([address]))
+config.insert_json5("connect/endpoints", json.dumps(addresses))
 session = zenoh.open(config)
 dice = random.Random(15)
 real, heard = {}, {}

@@ -1,0 +1,121 @@
+//! [`Room`]: how much of this machine's shared memory streams of another one may take.
+//!
+//! Whoever reaches the port can announce streams. Each that is opened here takes a pool in `/dev/shm`, which the
+//! simulators of this machine need, too; so there is a bound on all of them together, and on their number.
+
+use rustix::process::{Resource, getrlimit};
+use std::time::{Duration, Instant};
+
+/// Most streams that are opened, whatever they need.
+const MAX_STREAMS: usize = 256;
+/// Open files of a stream, generously, and those of all else.
+const FILES: usize = 12;
+const OTHER_FILES: usize = 100;
+/// What a stream takes beside its pool, bytes: books, queues and connections, generously.
+const BOOKS: u64 = 256 << 10;
+/// Time between two warnings, since the same is announced once a second.
+const QUIET: Duration = Duration::from_secs(60);
+
+/// See the module.
+pub(super) struct Room {
+    /// Bytes that all streams together may take.
+    memory: u64,
+    streams: usize,
+    last_warning: Option<Instant>,
+}
+
+/// What is taken by the streams that are open.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Taken {
+    pub(super) streams: usize,
+    pub(super) bytes: u64,
+}
+
+/// Why there is no room for a stream.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+pub(super) enum Full {
+    #[error(
+        "its frames need {} of shared memory, {} of the {} that the other machine's streams may take are left; name the topics that are wanted, or allow more with --memory",
+        mib(*.needed), mib(*.left), mib(*.most)
+    )]
+    Memory { needed: u64, left: u64, most: u64 },
+    #[error(
+        "{0} streams of the other machine are open, the most there may be; name the topics that are wanted, or allow more open files (ulimit -n) for up to {MAX_STREAMS}"
+    )]
+    Streams(usize),
+}
+
+fn mib(bytes: u64) -> String {
+    format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
+}
+
+impl Room {
+    /// With so many bytes, and as many streams as this process may open files for.
+    pub(super) fn new(memory: u64) -> Self {
+        let files = getrlimit(Resource::Nofile).current.map_or(usize::MAX, |files| files as usize);
+        let streams = (files.saturating_sub(OTHER_FILES) / FILES).min(MAX_STREAMS);
+        Self { memory, streams, last_warning: None }
+    }
+
+    /// Adds a stream with a pool of so many bytes to what is taken, if there is room for it.
+    pub(super) fn take(&self, taken: &mut Taken, pool_bytes: u64) -> Result<(), Full> {
+        let needed = pool_bytes.saturating_add(BOOKS);
+        let left = self.memory.saturating_sub(taken.bytes);
+        if taken.streams >= self.streams {
+            return Err(Full::Streams(self.streams));
+        }
+        if needed > left {
+            return Err(Full::Memory { needed, left, most: self.memory });
+        }
+        taken.add(pool_bytes);
+        Ok(())
+    }
+
+    /// Warns of the first of so many streams that are not opened, unless that was done lately.
+    pub(super) fn warn(&mut self, topic: &str, why: &dyn std::fmt::Display, others: usize) {
+        if self.last_warning.is_some_and(|last| last.elapsed() < QUIET) {
+            return;
+        }
+        self.last_warning = Some(Instant::now());
+        let more = if others > 0 { format!(" (and {others} others are not opened)") } else { String::new() };
+        tracing::warn!(topic, "a stream of the other machine is not opened: {why}{more}");
+    }
+}
+
+impl Taken {
+    /// Counts a stream that is open.
+    pub(super) fn add(&mut self, pool_bytes: u64) {
+        self.streams += 1;
+        self.bytes = self.bytes.saturating_add(pool_bytes).saturating_add(BOOKS);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_streams_together_have_a_bound() {
+        let room = Room { streams: MAX_STREAMS, ..Room::new(100 << 20) };
+        let mut taken = Taken::default();
+        let full = Full::Memory { needed: (100 << 20) + BOOKS, left: 100 << 20, most: 100 << 20 };
+        assert_eq!(room.take(&mut taken, 100 << 20), Err(full));
+        assert_eq!(taken.streams, 0);
+        while room.take(&mut taken, 7 << 20).is_ok() {}
+        assert!(taken.bytes <= 100 << 20 && taken.bytes + (8 << 20) > 100 << 20, "{taken:?}");
+        // What is smaller still fits.
+        room.take(&mut taken, 0).unwrap();
+        assert!(matches!(room.take(&mut taken, u64::MAX), Err(Full::Memory { .. })));
+        let words = room.take(&mut taken, 7 << 20).unwrap_err().to_string();
+        assert!(words.contains("7.2 MiB") && words.contains("--memory"), "{words}");
+    }
+
+    #[test]
+    fn streams_that_need_next_to_nothing_are_counted() {
+        let room = Room::new(u64::MAX);
+        let mut taken = Taken::default();
+        while room.take(&mut taken, 0).is_ok() {}
+        assert!((1..=MAX_STREAMS).contains(&taken.streams), "{taken:?}");
+        assert_eq!(room.take(&mut taken, 0), Err(Full::Streams(taken.streams)));
+    }
+}

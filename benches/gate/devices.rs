@@ -43,8 +43,8 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
         // Its shadow takes a second ray a pixel, which is another thing to measure.
         kinect.second_eye = None;
         let camera = CameraConfig::new(PinholeGrid::from_fov(640, 480, 1.0).expect("in range"));
-        let sides = [kinect, gaussian].map(|model| DepthCameraConfig::new(camera.clone()).model(model));
-        let [mut kinect, mut gaussian] = sides.map(|config| depths(&stage, config, level));
+        let sides = [kinect, gaussian].map(|model| DepthCameraConfig::new(camera).model(model));
+        let [mut kinect, mut gaussian] = sides.map(|config| depths(&stage, &config, level));
         gate.run(entry("depth_kinect", "Gaussian noise"), (&mut kinect, 1.0), (&mut gaussian, 1.0));
     }
 }

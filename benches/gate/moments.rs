@@ -34,7 +34,7 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
         let stage = stage(40);
         // As many rays in one picture as in 75 small ones: what a small one costs beyond its rays.
         let sides = [[64, 64], [640, 480]].map(|size| DepthCameraConfig::new(camera(size)));
-        let [mut small, mut large] = sides.map(|config| depths(&stage, config, level));
+        let [mut small, mut large] = sides.map(|config| depths(&stage, &config, level));
         let mut many = || (0..75).for_each(|_| small());
         gate.run(entry("depth_64x64", "as many rays in one"), (&mut many, 1.0), (&mut large, 1.0));
     }
@@ -145,10 +145,10 @@ fn pictures(stage: &Stage, rolling: bool, level: Level) -> impl FnMut() + use<'_
 /// Depth frames of a camera.
 pub fn depths<'a>(
     stage: &'a Stage,
-    config: DepthCameraConfig<'static>,
+    config: &DepthCameraConfig<'static>,
     level: Level,
 ) -> impl FnMut() + use<'a> {
-    let camera = DepthCamera::new(config).expect("in range");
+    let camera = DepthCamera::new(*config).expect("in range");
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = ours::execution(level);
     let mut depths = vec![0.0; camera.pixels()];

@@ -6,6 +6,7 @@ use crate::randomize::{Draws, LightRanges, Limits, MaterialRanges, Thing};
 use crate::simulation::Simulation;
 use crate::world::scene::Looks;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Tables of a plan: for what they are, by name, or for all; and what is in them. Of several for a thing the last counts.
 pub(super) type Ranges<T> = Vec<(Option<Vec<String>>, T)>;
@@ -101,7 +102,10 @@ impl Wardrobe {
     ) -> Option<Self> {
         let randomization = plan.randomization.as_ref()?;
         let mut bodies = Vec::new();
-        let parts: Vec<_> = simulation.scene().parts().collect();
+        let mut parts: BTreeMap<_, Vec<u32>> = BTreeMap::new();
+        for (model, link, instance, _) in simulation.scene().parts() {
+            parts.entry((model, link)).or_default().push(instance.0);
+        }
         let scene = simulation.scene().scene();
         let own = Looks::of(&scene);
         let material_of: Vec<_> = scene.instances().iter().map(|one| one.material_id().0 as usize).collect();
@@ -112,10 +116,10 @@ impl Wardrobe {
                 let name = format!("{}::{}", entity.name, link.name);
                 let names = [entity.name.as_str(), name.as_str()];
                 let Some(ranges) = last_for(&randomization.materials, &names, id != robot) else { continue };
-                let of_link = parts.iter().filter(|part| (part.0, part.1) == (id.index(), number));
+                let of_link = parts.get(&(id.index(), number)).map_or(&[][..], Vec::as_slice);
                 // A link's visuals come first.
-                let visuals = link.visuals.iter().zip(of_link).map(|(visual, (_, _, instance, _))| {
-                    (visual.name.clone(), instance.0, material_of[instance.0 as usize])
+                let visuals = link.visuals.iter().zip(of_link).map(|(visual, instance)| {
+                    (visual.name.clone(), *instance, material_of[*instance as usize])
                 });
                 let visuals = visuals.collect();
                 bodies.push(RandomBody { index: index - 1, name, visuals, ranges });

@@ -135,7 +135,7 @@ impl Ouster {
                 }),
             ),
             PacketProfile::Rng15Rfl8Nir8 => {
-                put(place, echoes.map(|(ranges, signals)| [ranges[0] | reflectivity(signals[0]) << 16]))
+                put(place, echoes.map(|(ranges, signals)| [ranges[0] | reflectivity(signals[0]) << 16]));
             }
         }
     }

@@ -16,9 +16,6 @@ pub struct Budgets {
     /// What the ratios of each SIMD level were measured on.
     #[serde(default)]
     pub processors: BTreeMap<String, String>,
-    /// How far the ratios of an entry may fall where its frame is so short that they vary more than others'.
-    #[serde(default)]
-    pub tolerances: BTreeMap<String, f64>,
     /// By SIMD level.
     #[serde(flatten)]
     pub levels: BTreeMap<String, Ratios>,
@@ -28,9 +25,8 @@ const HEAD: &str = "\
 # What `cargo bench --bench gate` and `cargo bench --bench counts` hold the code to; benches/README.md explains.
 # Ratios, more of which is better, by SIMD level: written by `cargo bench --bench gate -- --record`.
 # Those of frames that were new on another or a busy machine are, by hand, an eighth lower than measured there.
+# Those of rings (R2) at avx512 are, by hand, the lowest that were seen on two machines.
 # Instructions, by hand from what `cargo bench --bench counts` prints.
-# Tolerances, by hand: a ring's frame of 20 to 80 µs is timed as fast or slow as what shares the core leaves it of caches
-# and branch prediction (S3/R2: 4.5 to 6.2 of one program); what it executes is counted, to 5 %.
 
 ";
 

@@ -73,6 +73,10 @@ fn warehouse_ring() -> (Built, Caster) {
     cast("S2", "R2")
 }
 
+fn noisy_ball_ring() -> (Built, Caster) {
+    cast("S3", "R2")
+}
+
 fn zeros() -> Vec<f32> {
     vec![0.0; 16_384]
 }
@@ -102,7 +106,8 @@ fn trace_s1_r1((built, mut caster): (Built, Caster)) -> (Built, Caster) {
     (built, caster)
 }
 
-// A planar lidar's 720 rays in the room, and between the racks of a warehouse of 100,392 triangles.
+// A planar lidar's 720 rays in the room, between the racks of a warehouse of 100,392 triangles, and beside a ball of
+// 997,376.
 #[library_benchmark(config = limit("trace_S1_R2"), setup = room_ring)]
 fn trace_s1_r2((built, mut caster): (Built, Caster)) -> (Built, Caster) {
     black_box(caster.cast(black_box(&built)));
@@ -111,6 +116,12 @@ fn trace_s1_r2((built, mut caster): (Built, Caster)) -> (Built, Caster) {
 
 #[library_benchmark(config = limit("trace_S2_R2"), setup = warehouse_ring)]
 fn trace_s2_r2((built, mut caster): (Built, Caster)) -> (Built, Caster) {
+    black_box(caster.cast(black_box(&built)));
+    (built, caster)
+}
+
+#[library_benchmark(config = limit("trace_S3_R2"), setup = noisy_ball_ring)]
+fn trace_s3_r2((built, mut caster): (Built, Caster)) -> (Built, Caster) {
     black_box(caster.cast(black_box(&built)));
     (built, caster)
 }
@@ -157,8 +168,17 @@ fn tag_room_rows((scene, camera, mut workspace, mut pixels): RoomView) -> RoomVi
 
 library_benchmark_group!(
     name = counts,
-    benchmarks =
-        [build_s1, refit_s1, trace_s1_r1, trace_s1_r2, trace_s2_r2, trace_s1_r5, noise, tag_room_rows]
+    benchmarks = [
+        build_s1,
+        refit_s1,
+        trace_s1_r1,
+        trace_s1_r2,
+        trace_s2_r2,
+        trace_s3_r2,
+        trace_s1_r5,
+        noise,
+        tag_room_rows
+    ]
 );
 
 main!(library_benchmark_groups = counts);

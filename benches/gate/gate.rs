@@ -39,7 +39,7 @@ pub struct Gate<'a> {
     pub options: &'a Options,
     pub level: &'static str,
     pub budgets: Budgets,
-    /// How far ratios may fall, unless their entry has a tolerance of its own.
+    /// How far ratios may fall.
     pub tolerance: f64,
     /// Names of those that fell.
     pub fallen: Vec<String>,
@@ -76,13 +76,12 @@ impl<'a> Gate<'a> {
         (theirs, theirs_work): (&mut dyn FnMut(), f64),
     ) {
         let recorded = self.budgets.ratio(self.level, entry.group, entry.name);
-        let tolerance = self.tolerance.max(self.budgets.tolerances.get(entry.name).copied().unwrap_or(0.0));
         let mut kept: Option<(Measured, Verdict)> = None;
         for _ in 0..TRIES {
             let ours = Side { call: &mut *ours, work: ours_work };
             let theirs = Side { call: &mut *theirs, work: theirs_work };
             let measured = measure(entry.clock, self.options.rounds(), ours, theirs);
-            let verdict = judge(measured.ratio, recorded, tolerance);
+            let verdict = judge(measured.ratio, recorded, self.tolerance);
             let keep = |(kept, _): (Measured, Verdict)| {
                 if self.options.record { measured.ratio < kept.ratio } else { measured.ratio > kept.ratio }
             };

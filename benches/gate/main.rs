@@ -82,11 +82,11 @@ fn run(options: &Options) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "{} of {} ratios fell below their records by more than their tolerance: {}. Find out why \
-         (benches/README.md), or record the new ones with \
-         `cargo bench -p belvedere --bench gate -- --record --filter NAME` and say why.",
+        "{} of {} ratios fell more than {:.0} % below their records: {}. Find out why (benches/README.md), or \
+         record the new ones with `cargo bench -p belvedere --bench gate -- --record --filter NAME` and say why.",
         gate.fallen.len(),
         gate.measured,
+        100.0 * tolerance,
         gate.fallen.join(", ")
     ))
 }

@@ -92,9 +92,10 @@ pub(super) struct Packets {
     sinks: Vec<PacketSink>,
 }
 
-/// The whole number that is nearest to one that is not negative, as a few instructions that compilers vectorize.
-fn nearest(value: f32) -> u32 {
-    (value + 0.5) as i32 as u32
+/// The nearest whole number from 0 to `most`, which is below 2²², as a few instructions that compilers vectorize; 0 of
+/// what is no number.
+fn nearest(value: f32, most: f32) -> u32 {
+    (value.clamp(0.0, most) + 0.5) as i32 as u32
 }
 
 impl Packets {
@@ -232,8 +233,13 @@ mod tests {
             packets.open(&PacketTarget::Udp(receiver.local_addr().unwrap())).unwrap();
             let columns = 384 / lasers;
             for column in 0..columns {
+                // No return, and one from farther than can be told.
                 let ranges: Vec<f32> = (0..lasers)
-                    .map(|id| if id == 3 { f32::INFINITY } else { 1.0 + 0.002 * id as f32 })
+                    .map(|id| match id {
+                        3 => f32::INFINITY,
+                        5 => 131.08,
+                        _ => 1.0 + 0.002 * id as f32,
+                    })
                     .collect();
                 packets.push(&Column {
                     frame: 1,
@@ -242,7 +248,7 @@ mod tests {
                     turned: 0.999_96 + 0.0004 * column as f64,
                     returns: 1,
                     ranges: &ranges,
-                    intensities: &vec![300.0 - 100.0 * (column % 3) as f32; lasers],
+                    intensities: &vec![[300.0, 200.0, -2.0][column % 3]; lasers],
                 });
             }
             let mut packet = [0; 2000];
@@ -258,8 +264,11 @@ mod tests {
                 for place in 0..32 {
                     let (id, column) = (place % lasers, column + place / lasers);
                     let at = 100 * block + 4 + 3 * place;
-                    let (distance, reflectivity) =
-                        if id == 3 { (0, 0) } else { (500 + id as u16, [255, 200, 100][column % 3]) };
+                    let (distance, reflectivity) = if [3, 5].contains(&id) {
+                        (0, 0)
+                    } else {
+                        (500 + id as u16, [255, 200, 0][column % 3])
+                    };
                     assert_eq!((u16_at(at), packet[at + 2]), (distance, reflectivity), "{block} {place}");
                 }
             }

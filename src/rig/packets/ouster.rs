@@ -110,7 +110,7 @@ impl Ouster {
         self.ranges.clear();
         self.ranges.extend(column.ranges.iter().map(|range| within(head.told(*range, step_mm))));
         let told = |(range, intensity): (&f32, &f32)| {
-            if range.is_finite() { nearest(intensity.min(f32::from(u16::MAX))) } else { 0 }
+            if range.is_finite() { nearest(*intensity, f32::from(u16::MAX)) } else { 0 }
         };
         self.signals.clear();
         self.signals.extend(column.ranges.iter().zip(column.intensities).map(told));

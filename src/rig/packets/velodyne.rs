@@ -81,10 +81,13 @@ impl Velodyne {
     fn write(&mut self, hundredths: u16, column: &Column<'_>) {
         let (returns, step_m) = (self.returns, self.model.step_m);
         self.distances.clear();
-        let distance = |range: &f32| if range.is_finite() { nearest(range / step_m) as u16 } else { 0 };
+        // What is farther than can be told is no return.
+        let farthest = f32::from(u16::MAX);
+        let told = |steps: f32| if steps <= farthest { nearest(steps, farthest) as u16 } else { 0 };
+        let distance = |range: &f32| told(range / step_m);
         self.distances.extend(column.ranges.iter().map(distance));
         self.reflectivities.clear();
-        self.reflectivities.extend(column.intensities.iter().map(|told| nearest(told.min(255.0)) as u8));
+        self.reflectivities.extend(column.intensities.iter().map(|told| nearest(*told, 255.0) as u8));
         let lasers = column.ranges.len() / returns;
         let mut laser = 0;
         while laser < lasers {

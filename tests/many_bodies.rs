@@ -1,4 +1,4 @@
-//! What many bodies cost: beyond physics when all move, at the start and on the way when all sleep.
+//! What many bodies cost: beside physics when all move, at the start and on the way when all sleep.
 
 use belvedere::description::model::World;
 use belvedere::description::read;
@@ -70,11 +70,15 @@ fn simulation(world: World) -> Simulation {
 }
 
 /// Poses are taken over from physics, the scene follows them, a sensor looks at it, and the states of all models and
-/// links are published, beside a simulation that only steps.
+/// links are published, beside a simulation that only steps: a machine that is slow for one is slow for both.
 #[test]
-fn five_hundred_moving_bodies_cost_less_than_a_millisecond_a_frame() {
+fn five_hundred_moving_bodies_cost_a_sixth_of_their_physics() {
     const BODIES: usize = 500;
-    const FRAMES: u32 = 30;
+    const FRAMES: u32 = 60;
+    /// Steps of 1 ms in a frame at 30 Hz: Gazebo's default, of which a user's frame is made.
+    const STEPS: f64 = 100.0 / 3.0;
+    /// Steps of the world here.
+    const STEPS_HERE: f64 = 10.0 / 3.0;
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let text = shapes(BODIES, 3.0, LIDAR);
     let moving = || {
@@ -100,18 +104,17 @@ fn five_hundred_moving_bodies_cost_less_than_a_millisecond_a_frame() {
         assert!(subscriber.take().unwrap().is_none());
     }
     let mut received = [0; 3];
-    let mut costs_ms = Vec::new();
+    let (mut with_ms, mut without_ms) = (Vec::new(), Vec::new());
     for frame in 0..=FRAMES {
         let until_ns = u64::from(frame) * 100_000_000 / 3;
-        let with_ms = milliseconds(|| {
+        with_ms.push(milliseconds(|| {
             while server.time_ns() < until_ns || server.next_ns() <= until_ns {
                 server.advance();
             }
-        });
-        let without_ms = milliseconds(|| {
+        }));
+        without_ms.push(milliseconds(|| {
             alone.run_until(until_ns);
-        });
-        costs_ms.push(with_ms - without_ms);
+        }));
         for (subscriber, received) in subscribers.iter_mut().zip(&mut received) {
             while let Some(frame) = subscriber.take().unwrap() {
                 *received += 1;
@@ -126,13 +129,20 @@ fn five_hundred_moving_bodies_cost_less_than_a_millisecond_a_frame() {
     let copy = || milliseconds(|| assert!((0..100).map(|_| poses()).sum::<DVec3>().is_finite())) / 100.0;
     // The least of some: what else the machine does only adds to it.
     let copy_ms = (0..20).map(|_| copy()).fold(f64::INFINITY, f64::min);
-    // Of 1 ms.
-    let steps = 100.0 / 3.0;
-    costs_ms.sort_by(f64::total_cmp);
-    // What else the machine does adds to some: most of the others tell.
-    let frame_ms = costs_ms[costs_ms.len() / 4];
-    println!("{frame_ms:.3} ms a frame, and {copy_ms:.4} ms at most in each of {steps:.0} steps");
-    assert!(frame_ms + copy_ms * steps < 1.0, "{frame_ms} ms a frame, {copy_ms} ms a step");
+    // What else the machine does adds to some frames: the lower quartile of each is undisturbed.
+    let quartile = |costs_ms: &mut [f64]| {
+        costs_ms.sort_by(f64::total_cmp);
+        costs_ms[costs_ms.len() / 4]
+    };
+    let without_ms = quartile(&mut without_ms);
+    let frame_ms = quartile(&mut with_ms) - without_ms;
+    let (added_ms, physics_ms) = (frame_ms + copy_ms * STEPS, without_ms / STEPS_HERE * STEPS);
+    println!(
+        "{frame_ms:.3} ms a frame, and {copy_ms:.4} ms at most in each of {STEPS:.0} steps: \
+         {:.3} of the {physics_ms:.2} ms of physics",
+        added_ms / physics_ms
+    );
+    assert!(added_ms < physics_ms / 6.0, "{added_ms} ms a frame beside {physics_ms} ms");
 }
 
 /// As gz-sim's `3k_shapes.sdf`.

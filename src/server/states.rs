@@ -90,9 +90,11 @@ impl StateStreams {
         }
         if self.links.is_wanted() {
             self.messages.clear();
+            let mut name = String::new();
             for (id, entity) in entities.iter() {
                 self.messages.extend(entity.model.links.iter().enumerate().map(|(number, link)| {
-                    let name = format!("{}::{}", entity.name, link.name);
+                    name.clear();
+                    name.extend([entity.name.as_str(), "::", link.name.as_str()]);
                     let pose = physics.world_from_link_at(id.index(), number, stamp_ns);
                     state(&name, &pose, physics.link_velocity(id.index(), number))
                 }));

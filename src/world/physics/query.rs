@@ -38,9 +38,11 @@ impl Physics {
     /// Velocity of a link's origin in m/s and its rate of turn in rad/s, both in the world frame; zero for a
     /// link that never moves.
     pub fn link_velocity(&self, model: ModelIndex, link: LinkIndex) -> (DVec3, DVec3) {
-        let Some(body) = self.models[model].links[link].body else { return (DVec3::ZERO, DVec3::ZERO) };
-        let origin = vector(self.world_from_link(model, link).translation());
-        let body = &self.rapier.bodies[self.bodies[body].handle];
+        let placed = &self.models[model].links[link];
+        let Some(body) = placed.body else { return (DVec3::ZERO, DVec3::ZERO) };
+        let body = &self.bodies[body];
+        let origin = vector(body.current.transform_point(placed.body_from_link.translation()));
+        let body = &self.rapier.bodies[body.handle];
         (body.velocity_at_point(origin).as_dvec3(), body.angvel().as_dvec3())
     }
 

@@ -1,9 +1,9 @@
 """A line that is long, and loses packets: what netem does, for kernels that have none.
 
-line.py DEVICE DEVICE DELAY_MS JITTER_MS LOSS_PERCENT: makes two network devices, whose packets it hands from one to the other,
-each after the delay, more or less by the jitter but never before the one in front of it, and some not at all. They are the
-kernel's own (TUN), so TCP meets true round trips and true losses. Says "there" when the devices are, which are gone when it
-ends. Writes on SIGTERM how many packets it carried, lost, and how late it was itself.
+line.py DEVICE DEVICE DELAY_MS JITTER_MS LOSS_PERCENT: makes two network devices and hands packets from one to the other,
+each after the delay, more or less by the jitter but never before the one in front of it, and some not at all. The devices
+are the kernel's (TUN), so TCP meets true round trips and true losses. Says "there" when they are; when it ends they are
+gone. On SIGTERM it says how many packets it carried and lost, and how late it was itself at most.
 """
 
 import fcntl

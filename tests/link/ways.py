@@ -2,8 +2,8 @@
 
 ways.py WAY here DOMAIN ADDRESS: on the simulator's machine, until it is told to end (SIGTERM).
 ways.py WAY there DOMAIN ADDRESS SECONDS: on the other one, until so long after the first picture.
-Each says as JSON what it has sent and taken, pictures by their numbers, in ns of the clock that both sides share, since both
-are on one machine. CPU time is that between its first and its last picture.
+Each says as JSON what it has sent and taken, pictures by their numbers, in ns of the clock that both sides share, since
+both are on one machine. CPU time is that between its first and its last picture.
 
 | way | is |
 |---|---|

@@ -232,13 +232,18 @@ def here(way, domain, address):
     commands, sent = [], {}
     opened_way = opened(way, domain, address, True)
     began = time.process_time()
-    taker = threading.Thread(
-        target=opened_way.take_commands, args=(lambda *command: commands.append(command),), daemon=True
-    )
-    taker.start()
-    # The other side ends first.
-    with contextlib.suppress(ConnectionError):
-        opened_way.send_pictures(is_over, sent)
+
+    def send():
+        # The other side ends first.
+        with contextlib.suppress(ConnectionError):
+            opened_way.send_pictures(is_over, sent)
+
+    def take():
+        opened_way.take_commands(lambda *command: commands.append(command))
+
+    # Neither is waited for: Zenoh was seen to wait minutes for room on a line that loses packets, its other side gone.
+    for task in (send, take):
+        threading.Thread(target=task, daemon=True).start()
     is_over.wait()
     say({"sent": list(sent.items()), "commands": commands, "cpu_s": time.process_time() - began})
 

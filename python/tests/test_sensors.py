@@ -110,7 +110,9 @@ def test_a_stereo_camera_without_its_projector_needs_texture() -> None:
     world = bv.World()
     world.add_box((0.1, 20, 20), pose=(2, 0, 0, 0, 0, 0, 1))
     found = {
-        on: np.isfinite(bv.DepthCamera(120, 90, 1.0, model="d435", projector=on).render(world, [0, 0, 0, 0, 0, 0, 1])["depth"])
+        on: np.isfinite(
+            bv.DepthCamera(120, 90, 1.0, model="d435", projector=on).render(world, [0, 0, 0, 0, 0, 0, 1])["depth"]
+        )
         for on in (True, False)
     }
     assert found[True][:, 60:110].mean() > 0.98

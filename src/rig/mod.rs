@@ -40,6 +40,7 @@ mod state;
 mod true_pose;
 mod truth;
 mod tuning;
+mod whole;
 
 pub use error::RigError;
 pub use outlet::{Outlet, Tally};

@@ -92,12 +92,6 @@ pub(super) struct Packets {
     sinks: Vec<PacketSink>,
 }
 
-/// The nearest whole number from 0 to `most`, which is below 2²², as a few instructions that compilers vectorize; 0 of
-/// what is no number.
-fn nearest(value: f32, most: f32) -> u32 {
-    (value.clamp(0.0, most) + 0.5) as i32 as u32
-}
-
 impl Packets {
     /// Of a lidar; none if its packets are not known.
     pub(super) fn of(lidar: &model::Lidar) -> Option<Self> {

@@ -27,6 +27,8 @@ mod navsat;
 mod on_demand;
 mod ouster;
 mod outlet;
+#[cfg(test)]
+mod pace;
 pub mod packets;
 pub mod pictures;
 mod range;

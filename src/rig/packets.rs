@@ -1,5 +1,7 @@
 //! Data packets as a scanner's maker sends them, over UDP and into files: a file a maker, and a row of it below.
 
+#[cfg(test)]
+mod any_input;
 mod ouster;
 mod pcap;
 mod velodyne;
@@ -200,22 +202,9 @@ impl Rig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::description::model::{Lidar, SensorKind};
+    use crate::rig::pace::lidar;
     use std::time::Duration;
     use velodyne::HOUR_NS;
-
-    /// A lidar with a preset and whatever else stands beside that.
-    fn lidar(own: &str) -> Lidar {
-        let model = format!(
-            "<sdf version='1.6'><model name='m'><link name='l'><sensor name='s' type='ray'>
-             <plugin filename='belvedere'>{own}</plugin></sensor></link></model></sdf>"
-        );
-        let SensorKind::Ray(lidar) = crate::description::read::model(&model).unwrap().sensors.remove(0).kind
-        else {
-            panic!()
-        };
-        lidar
-    }
 
     /// Bytes at the places that the manual gives.
     #[test]

@@ -6,6 +6,7 @@ mod sdf;
 mod actors;
 mod budget;
 mod mesh;
+mod of_others;
 mod robot;
 mod shapes;
 mod world;

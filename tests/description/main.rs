@@ -7,6 +7,7 @@ mod actors;
 mod budget;
 mod mesh;
 mod of_others;
+mod of_others_sensors;
 mod robot;
 mod shapes;
 mod world;

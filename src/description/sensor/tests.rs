@@ -4,7 +4,6 @@ mod camera;
 mod device;
 mod lens;
 mod preset;
-mod ros2;
 
 use super::{Camera, DepthCamera, KINDS, Kind, Lidar, Rangefinder, kind_of, parse_sensor};
 use crate::description::diagnostics::{Diagnostics, Severity};

@@ -165,38 +165,3 @@ fn a_wrong_lens_gives_one_error_with_its_line() {
         );
     }
 }
-
-#[test]
-fn sdfs_types_are_those_of_wide_angle_cameras_where_a_pinhole_is_meant() {
-    let with = |inside: &str, rules: Rules| {
-        let text = format!("<sensor name='c' type='camera'><camera><lens>{inside}</lens></camera></sensor>");
-        let (sensor, problems) = parse_with(&text, rules);
-        let Some(SensorKind::Camera(Camera { camera, .. })) = sensor.map(|sensor| sensor.kind) else {
-            panic!("{problems:?}")
-        };
-        (camera.lens, problems.join("\n"))
-    };
-    let compat = || Rules { gazebo_compat: true, ..Rules::default() };
-    let stereographic = "<type>stereographic</type><scale_to_hfov>1</scale_to_hfov>";
-    // What intrinsics say holds, as in Gazebo.
-    let (lens, said) =
-        with(&format!("{stereographic}<intrinsics><fx>170</fx></intrinsics>"), Rules::default());
-    assert_eq!((lens.model, lens.intrinsics.fx), (LensModel::Pinhole, 170.0));
-    assert!(said.contains("the <type> stereographic of sensor 'c' is left out"), "{said}");
-    // Without them a lens is what it says, but for Gazebo's cameras.
-    assert!(matches!(with(stereographic, Rules::default()).0.model, LensModel::WideAngle { .. }));
-    assert_eq!(with(stereographic, compat()).0.model, LensModel::Pinhole);
-    // Types that Gazebo does not know are never a pinhole's.
-    let (lens, said) = with("<type>equirectangular</type>", compat());
-    assert_eq!((lens.model, said.as_str()), (LensModel::Equirectangular, ""));
-    // Beside a lens that stays, a distortion is left out.
-    let text = format!(
-        "<sensor name='c' type='camera'><camera><distortion><k1>.1</k1></distortion><lens>{stereographic}</lens>\
-         </camera></sensor>"
-    );
-    let (sensor, problems) = parse(&text);
-    assert!(
-        sensor.is_some() && problems[0].contains("<distortion> of sensor 'c' is left out"),
-        "{problems:?}"
-    );
-}

@@ -1,6 +1,27 @@
-//! Plugins of ROS 2.
+//! Sensors as other people write them: for ROS 2, and with lenses that Gazebo does not look at.
 
-use super::*;
+use belvedere::description::model::{LensModel, Sensor, SensorKind};
+use belvedere::description::sensor::{Camera, DepthCamera, Lidar, parse_sensor};
+use belvedere::description::xml::Element;
+use belvedere::description::{Diagnostics, Rules};
+use std::path::Path;
+
+fn parse_with(text: &str, rules: Rules) -> (Option<Sensor>, Vec<String>) {
+    let element = Element::parse(text, Path::new("s.sdf")).unwrap();
+    let mut diagnostics = Diagnostics::default();
+    let sensor = parse_sensor(&element, 0, rules, &mut diagnostics);
+    (sensor, diagnostics.problems().iter().map(ToString::to_string).collect())
+}
+
+fn parse(text: &str) -> (Option<Sensor>, Vec<String>) {
+    parse_with(text, Rules::default())
+}
+
+fn accepted(text: &str) -> Sensor {
+    let (sensor, problems) = parse(text);
+    assert!(problems.is_empty(), "{problems:?}");
+    sensor.unwrap()
+}
 
 fn scan(inside: &str) -> (Option<Sensor>, Vec<String>) {
     parse(&format!(
@@ -62,4 +83,39 @@ fn cameras_are_named_in_small_letters() {
         ("/s/depth/camera_info", "/s/points")
     );
     assert_eq!((p.cutoff_m, p.cutoff_max_m), (0.001, 10.0));
+}
+
+#[test]
+fn sdfs_types_are_those_of_wide_angle_cameras_where_a_pinhole_is_meant() {
+    let with = |inside: &str, rules: Rules| {
+        let text = format!("<sensor name='c' type='camera'><camera><lens>{inside}</lens></camera></sensor>");
+        let (sensor, problems) = parse_with(&text, rules);
+        let Some(SensorKind::Camera(Camera { camera, .. })) = sensor.map(|sensor| sensor.kind) else {
+            panic!("{problems:?}")
+        };
+        (camera.lens, problems.join("\n"))
+    };
+    let compat = || Rules { gazebo_compat: true, ..Rules::default() };
+    let stereographic = "<type>stereographic</type><scale_to_hfov>1</scale_to_hfov>";
+    // What intrinsics say holds, as in Gazebo.
+    let (lens, said) =
+        with(&format!("{stereographic}<intrinsics><fx>170</fx></intrinsics>"), Rules::default());
+    assert_eq!((lens.model, lens.intrinsics.fx), (LensModel::Pinhole, 170.0));
+    assert!(said.contains("the <type> stereographic of sensor 'c' is left out"), "{said}");
+    // Without them a lens is what it says, but for Gazebo's cameras.
+    assert!(matches!(with(stereographic, Rules::default()).0.model, LensModel::WideAngle { .. }));
+    assert_eq!(with(stereographic, compat()).0.model, LensModel::Pinhole);
+    // Types that Gazebo does not know are never a pinhole's.
+    let (lens, said) = with("<type>equirectangular</type>", compat());
+    assert_eq!((lens.model, said.as_str()), (LensModel::Equirectangular, ""));
+    // Beside a lens that stays, a distortion is left out.
+    let text = format!(
+        "<sensor name='c' type='camera'><camera><distortion><k1>.1</k1></distortion><lens>{stereographic}</lens>\
+         </camera></sensor>"
+    );
+    let (sensor, problems) = parse(&text);
+    assert!(
+        sensor.is_some() && problems[0].contains("<distortion> of sensor 'c' is left out"),
+        "{problems:?}"
+    );
 }

@@ -85,7 +85,7 @@ pub fn is_world(file_or_name: &str, options: &LoadOptions) -> bool {
     if path.is_file() {
         return match Element::parse_file(path) {
             // An SDF file of one model is a robot, or a thing.
-            Ok(root) => root.name == "sdf" && root.child("model").is_none() || root.name == "gazebo",
+            Ok(root) => matches!(root.name.as_str(), "sdf" | "gazebo") && root.child("model").is_none(),
             Err(_) => path.extension().is_some_and(|extension| extension == "world" || extension == "sdf"),
         };
     }

@@ -22,6 +22,7 @@ mod plugin;
 mod preset;
 mod range;
 mod reader;
+mod ros2;
 #[cfg(test)]
 mod tests;
 

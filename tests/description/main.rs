@@ -6,6 +6,8 @@ mod sdf;
 mod actors;
 mod budget;
 mod mesh;
+mod of_others;
+mod of_others_sensors;
 mod robot;
 mod shapes;
 mod world;

@@ -12,11 +12,7 @@ use crate::server::commands;
 
 pub(super) fn report(robot: &Model, gazebo_compat: bool) -> Vec<String> {
     let mut lines = vec![format!("robot {} ({})", robot.name, robot.source)];
-    let roots = (0..robot.links.len()).filter(|link| robot.joint_above(*link).is_none());
-    for root in roots {
-        lines.push(link_line(robot, root));
-        branch(robot, root, "", &mut lines);
-    }
+    lines.extend(tree(robot));
     for sensor in &robot.sensors {
         lines.push(String::new());
         lines.extend(sensor_report(robot, sensor, gazebo_compat));
@@ -73,15 +69,35 @@ fn reporters(robot: &Model) -> Vec<String> {
     lines.collect()
 }
 
-/// The joints below a link, drawn with lines. As deep as the tree, which the loader has checked to be one.
-fn branch(model: &Model, parent: LinkIndex, indent: &str, lines: &mut Vec<String>) {
+/// The links by their joints, drawn with lines: each link once, also where joints of an SDF model close a loop.
+fn tree(model: &Model) -> Vec<String> {
+    let (mut lines, mut shown) = (Vec::new(), vec![false; model.links.len()]);
+    let is_root = |link: &LinkIndex| model.joint_above(*link).is_none();
+    let links = || 0..model.links.len();
+    // What no root leads to lies on a loop.
+    for link in links().filter(is_root).chain(links()) {
+        if !std::mem::replace(&mut shown[link], true) {
+            lines.push(link_line(model, link));
+            branch(model, link, "", &mut shown, &mut lines);
+        }
+    }
+    lines
+}
+
+/// The joints below a link; those that end at a link which is `shown` already say so, and end there.
+fn branch(model: &Model, parent: LinkIndex, indent: &str, shown: &mut [bool], lines: &mut Vec<String>) {
     let below: Vec<&Joint> = model.joints.iter().filter(|joint| joint.parent == parent).collect();
     for (number, joint) in below.iter().enumerate() {
         let is_last = number + 1 == below.len();
         let (fork, further) = if is_last { ("└─ ", "   ") } else { ("├─ ", "│  ") };
-        let place = pose(&joint.parent_from_child);
-        lines.push(format!("{indent}{fork}{}  {} {place}", link_line(model, joint.child), joint_kind(joint)));
-        branch(model, joint.child, &format!("{indent}{further}"), lines);
+        let (kind, place) = (joint_kind(joint), pose(&joint.parent_from_child));
+        if std::mem::replace(&mut shown[joint.child], true) {
+            let name = &model.links[joint.child].name;
+            lines.push(format!("{indent}{fork}{name}, shown already  {kind} {place}"));
+            continue;
+        }
+        lines.push(format!("{indent}{fork}{}  {kind} {place}", link_line(model, joint.child)));
+        branch(model, joint.child, &format!("{indent}{further}"), shown, lines);
     }
 }
 
@@ -105,5 +121,47 @@ pub(super) fn joint_kind(joint: &Joint) -> String {
         JointKind::Prismatic { lower, upper } => {
             format!("prismatic along {} from {} to {} m", axis(), number(lower), number(upper))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::description::any::{Described, load_text};
+    use crate::description::package::PackagePath;
+    use crate::description::robot::LoadOptions;
+    use crate::description::{Diagnostics, Rules};
+
+    #[test]
+    fn joints_that_close_loops_end_where_they_began() {
+        let joint = |parent: &str, child: &str| {
+            format!(
+                "<joint name='{parent}{child}' type='fixed'><parent>{parent}</parent><child>{child}</child></joint>"
+            )
+        };
+        let ends = [("a", "b"), ("b", "c"), ("c", "b"), ("a", "c"), ("d", "e"), ("e", "d")];
+        let joints: String = ends.iter().map(|(parent, child)| joint(parent, child)).collect();
+        let links: String = ["a", "b", "c", "d", "e"].map(|name| format!("<link name='{name}'/>")).concat();
+        let text = format!("<sdf version='1.6'><model name='m'>{links}{joints}</model></sdf>");
+        let packages = PackagePath::new([], None);
+        let options = LoadOptions { packages, rules: Rules::default(), xacro_args: Vec::new() };
+        let mut diagnostics = Diagnostics::default();
+        let loaded = load_text(&text, "m.sdf", &options, &mut diagnostics);
+        let Some(Described::Model(model)) = loaded else { panic!("{:?}", diagnostics.problems()) };
+        let names: Vec<String> = tree(&model)
+            .iter()
+            .map(|line| line.split("  fixed").next().unwrap_or_default().replace(" [1 kg]", ""))
+            .collect();
+        let expected = [
+            "a",
+            "├─ b",
+            "│  └─ c",
+            "│     └─ b, shown already",
+            "└─ c, shown already",
+            "d",
+            "└─ e",
+            "   └─ d, shown already",
+        ];
+        assert_eq!(names, expected);
     }
 }

@@ -50,7 +50,12 @@ impl Loader<'_> {
             return None;
         }
         let model = Model::empty(name, element.source.clone());
-        Some(ParsedModel { model, pose: self.pose(element, scope.version), lights: Vec::new() })
+        Some(ParsedModel {
+            model,
+            pose: self.pose(element, scope.version),
+            lights: Vec::new(),
+            is_merged: false,
+        })
     }
 
     fn skin(&mut self, skin: &Element, scope: Scope<'_>) -> Option<Link> {

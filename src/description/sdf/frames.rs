@@ -37,7 +37,7 @@ impl Loader<'_> {
             }
         }
         WrittenPose {
-            pose: parse_pose(element, self.diagnostics).unwrap_or(Pose::IDENTITY),
+            pose: parse_pose(element, self.rules.gazebo_compat, self.diagnostics).unwrap_or(Pose::IDENTITY),
             relative_to: relative_to.map(str::to_owned),
             source: element.source.clone(),
         }
@@ -65,10 +65,16 @@ impl Loader<'_> {
 }
 
 /// Reads `x y z roll pitch yaw`, and from SDF 1.9 on `degrees` and `rotation_format="quat_xyzw"`.
-fn parse_pose(element: &Element, diagnostics: &mut Diagnostics) -> Option<Pose> {
-    let text = element.text();
+fn parse_pose(element: &Element, gazebo_compat: bool, diagnostics: &mut Diagnostics) -> Option<Pose> {
+    let mut text = element.text();
     if text.is_empty() {
         return Some(Pose::IDENTITY);
+    }
+    let count = text.split_whitespace().count();
+    if gazebo_compat && element.attribute("rotation_format").is_none() && count != 6 {
+        let what = format!("<pose> is '{text}': of its {count} numbers the first 6 count, and others are 0");
+        diagnostics.warning(&element.source, what, "write x y z roll pitch yaw");
+        text = text.split_whitespace().chain(["0"; 6]).take(6).collect::<Vec<_>>().join(" ");
     }
     match element.attribute("rotation_format").unwrap_or("euler_rpy") {
         "euler_rpy" => {
@@ -105,6 +111,8 @@ fn parse_pose(element: &Element, diagnostics: &mut Diagnostics) -> Option<Pose> 
 
 struct Frame {
     parent: String,
+    /// What it moves with.
+    attached_to: String,
     /// Pose in the parent.
     pose: Pose,
     source: Source,
@@ -131,9 +139,10 @@ impl Frames {
 
     /// Adds a frame whose pose was written in `written`, relative to `default_parent` if it does not say.
     pub(super) fn add(&mut self, name: &str, written: &WrittenPose, default_parent: Option<&str>) {
-        let parent = written.relative_to.as_deref().or(default_parent).unwrap_or(self.root).to_owned();
-        self.frames
-            .insert(name.to_owned(), Frame { parent, pose: written.pose, source: written.source.clone() });
+        let attached_to = default_parent.unwrap_or(self.root).to_owned();
+        let parent = written.relative_to.clone().unwrap_or_else(|| attached_to.clone());
+        let frame = Frame { parent, attached_to, pose: written.pose, source: written.source.clone() };
+        self.frames.insert(name.to_owned(), frame);
     }
 
     /// Adds a joint's frame. A name that a link or frame has already means that one, as in libsdformat; the joint's own
@@ -164,9 +173,28 @@ impl Frames {
         outer.map_or(written.pose, |root_from_frame| root_from_frame * written.pose)
     }
 
+    /// Whether there is a frame of that name already.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.frames.contains_key(name)
+    }
+
+    /// The link that a frame moves with: the first of what it is attached to that `link` knows as one.
+    pub(super) fn link_of<T>(&self, name: &str, link: impl Fn(&str) -> Option<T>) -> Option<T> {
+        let mut name = name;
+        // A chain longer than there are frames goes in a circle.
+        for _ in 0..=self.frames.len() {
+            if let Some(found) = link(name) {
+                return Some(found);
+            }
+            name = &self.frames.get(name)?.attached_to;
+        }
+        None
+    }
+
     /// Adds a frame of known pose in another.
     pub(super) fn add_known(&mut self, name: String, parent: &str, pose: Pose, source: &Source) {
-        self.frames.insert(name, Frame { parent: parent.into(), pose, source: source.clone() });
+        let frame = Frame { parent: parent.into(), attached_to: parent.into(), pose, source: source.clone() };
+        self.frames.insert(name, frame);
     }
 
     /// The pose of a frame in the root. `source` is where it is asked for.

@@ -21,11 +21,19 @@ fn world_link(source: &Source) -> Link {
     Link { is_static: true, ..Link::empty(WORLD.into(), source.clone()) }
 }
 
+/// The link of that name, or the first of the model of that name.
+fn link_called(name: &str, links: &[Link]) -> Option<LinkIndex> {
+    let inside = |link: &Link| link.name.strip_prefix(name).is_some_and(|rest| rest.starts_with("::"));
+    let exact = links.iter().position(|link| link.name == name);
+    let first = (name == "__model__" && !links.is_empty()).then_some(0);
+    exact.or(first).or_else(|| links.iter().position(inside))
+}
+
 impl Loader<'_> {
     pub(super) fn joint(&mut self, element: &Element, scope: Scope<'_>, frames: &Frames, parts: &mut Parts) {
         let name = name_of(element);
         let kind_name = element.attribute("type").unwrap_or_default();
-        let Some(child) = self.joint_end(element, "child", &parts.links) else { return };
+        let Some(child) = self.joint_end(element, "child", frames, parts) else { return };
         if child_text(element, "parent").as_deref() == Some(WORLD) {
             if kind_name == "fixed" {
                 parts.links[child].is_static = true;
@@ -35,7 +43,7 @@ impl Loader<'_> {
                 parts.links.push(world_link(&element.source));
             }
         }
-        let Some(parent) = self.joint_end(element, "parent", &parts.links) else { return };
+        let Some(parent) = self.joint_end(element, "parent", frames, parts) else { return };
 
         let model_from_joint =
             frames.resolve_joint(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);
@@ -57,8 +65,9 @@ impl Loader<'_> {
         });
     }
 
-    /// The link named in `<parent>` or `<child>`.
-    fn joint_end(&mut self, joint: &Element, end: &str, links: &[Link]) -> Option<LinkIndex> {
+    /// The link named in `<parent>` or `<child>`, or that of the frame named there.
+    fn joint_end(&mut self, joint: &Element, end: &str, frames: &Frames, parts: &Parts) -> Option<LinkIndex> {
+        let links = &parts.links;
         let Some(name) = child_text(joint, end) else {
             self.diagnostics.error(
                 &joint.source,
@@ -67,8 +76,11 @@ impl Loader<'_> {
             );
             return None;
         };
-        let found = links.iter().position(|link| link.name == name);
-        if found.is_none() {
+        let found = frames.link_of(&name, |name| link_called(name, links));
+        if found.is_none() && parts.lacks {
+            let what = format!("the joint '{}' is left out with its {end} '{name}'", name_of(joint));
+            self.diagnostics.warning(&joint.source, what, "get the models that are missing");
+        } else if found.is_none() {
             let near = nearest(&name, links.iter().map(|link| link.name.as_str()))
                 .map(|near| format!("did you mean '{near}'?"))
                 .unwrap_or_default();
@@ -84,7 +96,11 @@ impl Loader<'_> {
     fn joint_kind(&mut self, element: &Element, kind: &str) -> Option<JointKind> {
         let limit = element.child("axis").and_then(|axis| axis.child("limit"));
         let mut bound = |name: &str, default: f64| {
-            limit.and_then(|limit| child_number(limit, name, self.diagnostics)).unwrap_or(default)
+            let text = limit.and_then(|limit| child_text(limit, name)).unwrap_or_default();
+            match text.parse::<f64>() {
+                Ok(unbounded) if unbounded.is_infinite() => unbounded,
+                _ => limit.and_then(|limit| child_number(limit, name, self.diagnostics)).unwrap_or(default),
+            }
         };
         let (lower, upper) = (bound("lower", -NO_LIMIT), bound("upper", NO_LIMIT));
         let lower = if lower <= -NO_LIMIT { f64::NEG_INFINITY } else { lower };

@@ -7,6 +7,7 @@ use crate::description::xml::Element;
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::MAX_FALLOFF;
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// `<attenuation><range>` where none is given (sdf/1.6), in metres.
 const DEFAULT_RANGE_M: f64 = 10.0;
@@ -59,7 +60,7 @@ impl Loader<'_> {
             kind,
             diffuse: diffuse.map(|value| value * intensity as f32),
             specular: specular.map(|value| value * intensity as f32),
-            direction: self.direction(element)?,
+            direction: if kind == LightKind::Point { DVec3::NEG_Z } else { self.direction(element)? },
             range_m: if is_sun { f64::INFINITY } else { range_m },
             attenuation: if is_sun { [1.0, 0.0, 0.0] } else { attenuation },
             cast_shadows: child_bool(element, "cast_shadows", self.diagnostics).unwrap_or(false),
@@ -73,13 +74,13 @@ impl Loader<'_> {
         let vector = numbers(&text, "<direction>", &child.source, self.diagnostics).map(DVec3::from_array)?;
         let unit = vector.try_normalize();
         if unit.is_none() {
-            self.diagnostics.error(
+            self.missing(
                 &child.source,
                 format!("<direction> is '{text}': it has no length"),
-                "write the direction in which the light travels, such as 0 0 -1",
+                "write the direction in which the light travels, such as 0 0 -1, which is taken otherwise",
             );
         }
-        unit
+        unit.or(self.rules.gazebo_compat.then_some(DVec3::NEG_Z))
     }
 
     fn spot(&mut self, element: &Element) -> Option<LightKind> {
@@ -92,9 +93,17 @@ impl Loader<'_> {
             return None;
         };
         let mut number = |name: &str| child_number(spot, name, self.diagnostics).unwrap_or(0.0);
-        let (inner_angle, outer_angle, falloff) =
+        let (mut inner_angle, mut outer_angle, falloff) =
             (number("inner_angle"), number("outer_angle"), number("falloff"));
-        if !(0.0..=std::f64::consts::PI).contains(&outer_angle)
+        if outer_angle > PI {
+            self.diagnostics.warning(
+                &spot.source,
+                format!("<outer_angle> is {outer_angle}: the cone is all that lies before the light"),
+                "write the full angle in radians, up to 3.1416",
+            );
+            (inner_angle, outer_angle) = (inner_angle.min(PI), PI);
+        }
+        if !(0.0..=PI).contains(&outer_angle)
             || !(0.0..=outer_angle).contains(&inner_angle)
             || !(0.0..=f64::from(MAX_FALLOFF)).contains(&falloff)
         {

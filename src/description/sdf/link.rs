@@ -23,23 +23,29 @@ impl Loader<'_> {
         &mut self,
         element: &Element,
         scope: Scope<'_>,
-        frames: &Frames,
+        frames: &mut Frames,
         is_static: bool,
         parts: &mut Parts,
     ) {
-        let name = name_of(element);
+        let mut name = name_of(element);
         if name.is_empty() {
             self.diagnostics.error(&element.source, "<link> has no name", "write <link name=\"…\">");
             return;
         }
         if let Some(first) = parts.links.iter().find(|link| link.name == name) {
             let first = first.source.clone();
-            self.diagnostics.error(
-                &element.source,
-                format!("two links of this model are called '{name}' (the first at {first})"),
-                "rename one",
-            );
-            return;
+            let what = format!("two links of this model are called '{name}' (the first at {first})");
+            if !self.rules.gazebo_compat {
+                self.diagnostics.error(&element.source, what, "rename one");
+                return;
+            }
+            self.diagnostics.warning(&element.source, what, "rename one");
+            // Files that Gazebo saved have such links. Joints and frames mean the first.
+            let is_free = |name: &String| parts.links.iter().all(|link| link.name != *name);
+            let Some(free) = (1..).map(|number| format!("{name}_{number}")).find(is_free) else { return };
+            name = free;
+            let pose = self.pose(element, scope.version);
+            frames.add(&name, &pose, None);
         }
         let model_from_link =
             frames.resolve(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);

@@ -5,9 +5,11 @@
 //! |---|---|
 //! | `world` | `<world>`: scene, physics, models, lights, `<state>` |
 //! | `model` | `<model>` with nested models flattened, and `<include>` |
+//! | `nested` | models inside of models |
 //! | `link`, `joint`, `light` | those elements |
 //! | `geometry`, `polyline`, `height_map`, `material` | shapes and their looks |
 //! | `frames` | `<pose>`, and `relative_to` from SDF 1.7 on |
+//! | `fuel` | models that Gazebo's tools have downloaded |
 //! | `resources` | where `model://` and other URIs point to |
 //!
 //! Elements that change neither motion nor picture here are passed over in silence (`<gui>`, `<audio>`,
@@ -15,6 +17,7 @@
 
 mod actor;
 mod frames;
+mod fuel;
 mod geometry;
 mod height_map;
 mod joint;
@@ -22,6 +25,7 @@ mod light;
 mod link;
 mod material;
 mod model;
+mod nested;
 mod polyline;
 mod resources;
 mod world;
@@ -134,12 +138,21 @@ pub(super) fn load_model(
         return None;
     };
     let folder = path.parent().unwrap_or(Path::new(""));
-    let parsed = loader.model(element, Scope { folder, version })?;
-    if let Some(light) = parsed.lights.first() {
-        loader.diagnostics.error(
+    let Some(parsed) = loader.model(element, Scope { folder, version }) else {
+        if !diagnostics.has_errors() {
+            diagnostics.error(
+                &element.source,
+                format!("nothing is left of the model '{}'", name_of(element)),
+                "get the models that it includes",
+            );
+        }
+        return None;
+    };
+    for light in &parsed.lights {
+        loader.diagnostics.warning(
             &light.source,
-            format!("the light '{}' cannot be added to a running world", light.name),
-            "remove the <light>, or put it into the world file",
+            format!("the light '{}' is left out: lights belong to the world, not to a robot", light.name),
+            "put the <light> into the world file where it is to shine",
         );
     }
     Some(Model { world_from_model: parsed.pose.pose, ..parsed.model })
@@ -236,11 +249,13 @@ impl Loader<'_> {
             return Some(value as f32);
         }
         let source = &parent.child(name).unwrap_or(parent).source;
-        self.diagnostics.error(
-            source,
-            format!("<{name}> is {value}"),
-            format!("write a number from 0 to {most}"),
-        );
+        let remedy = format!("write a number from 0 to {most}");
+        if self.rules.gazebo_compat {
+            let value = (value as f32).clamp(0.0, most);
+            self.diagnostics.warning(source, format!("<{name}> is out of range: it is {value}"), remedy);
+            return Some(value);
+        }
+        self.diagnostics.error(source, format!("<{name}> is {value}"), remedy);
         None
     }
 

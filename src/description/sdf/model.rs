@@ -10,7 +10,6 @@ use crate::description::model::{Joint, JointKind, Light, Link, Model, ModelPlugi
 use crate::description::plugin;
 use crate::description::values::{child_bool, child_text, nearest};
 use crate::description::xml::{Element, Weight};
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// A model whose place in what it stands in is not resolved yet.
@@ -19,6 +18,8 @@ pub(super) struct ParsedModel {
     pub(super) pose: WrittenPose,
     /// Lights on its links; their poses are in the model frame.
     pub(super) lights: Vec<Light>,
+    /// `<include merge="true">`: its links and joints become the outer model's own, and keep their names.
+    pub(super) is_merged: bool,
 }
 
 /// What an `<include>` brought.
@@ -40,6 +41,8 @@ pub(super) struct Parts {
     pub(super) sensors: Vec<Sensor>,
     pub(super) plugins: Vec<ModelPlugin>,
     pub(super) lights: Vec<Light>,
+    /// Whether something that it includes was left out.
+    pub(super) lacks: bool,
 }
 
 impl Loader<'_> {
@@ -58,25 +61,31 @@ impl Loader<'_> {
             return None;
         }
         let is_static = child_bool(element, "static", self.diagnostics).unwrap_or(false);
-        let mut nested = Vec::new();
+        let (mut nested, mut parts) = (Vec::new(), Parts::default());
         for child in element.elements() {
             match child.name.as_str() {
-                "model" => nested.extend(self.model(child, scope)),
-                "include" => {
-                    if let Some(included) = self.include(child, scope) {
+                "model" => match self.model(child, scope) {
+                    Some(inner) => nested.push(inner),
+                    None => parts.lacks = true,
+                },
+                "include" => match self.include(child, scope) {
+                    Some(mut included) => {
+                        if matches!(child.attribute("merge"), Some("true" | "1")) {
+                            included.models.iter_mut().for_each(|inner| inner.is_merged = true);
+                        }
                         nested.extend(included.models);
                     }
-                }
+                    None => parts.lacks = true,
+                },
                 "gripper" => self.ignored(child, "it is not simulated"),
                 _ => {}
             }
         }
 
         self.make_names_unique(&mut nested);
-        let frames = self.model_frames(element, &nested, scope.version);
-        let mut parts = Parts::default();
+        let mut frames = self.model_frames(element, &nested, scope.version);
         for child in element.elements_named("link") {
-            self.link(child, scope, &frames, is_static, &mut parts);
+            self.link(child, scope, &mut frames, is_static, &mut parts);
         }
         if child_bool(element, "self_collide", self.diagnostics) == Some(true) {
             parts.links.iter_mut().for_each(|link| link.self_collide = true);
@@ -84,8 +93,12 @@ impl Loader<'_> {
         for inner in nested {
             self.dissolve(inner, &frames, &mut parts);
         }
+        if parts.links.is_empty() && parts.lacks {
+            // What it would consist of was left out, and that was told.
+            return None;
+        }
         if parts.links.is_empty() {
-            self.diagnostics.error(
+            self.missing(
                 &element.source,
                 format!("the model '{name}' has no link"),
                 "give it a <link> with a <visual> or a <collision>",
@@ -117,7 +130,7 @@ impl Loader<'_> {
             ..Model::empty(name, source)
         };
         plugin::read(element, &mut model, self.rules, self.diagnostics);
-        Some(ParsedModel { model, pose, lights: parts.lights })
+        Some(ParsedModel { model, pose, lights: parts.lights, is_merged: false })
     }
 
     /// `placement_frame`: the pose is that of this frame of the model, not of the model's own.
@@ -129,37 +142,13 @@ impl Loader<'_> {
         }
     }
 
-    /// Two models of one name cannot be told apart: the later one gets a number.
-    pub(super) fn make_names_unique(&mut self, models: &mut [ParsedModel]) {
-        let mut taken: HashSet<String> = HashSet::new();
-        let given: HashSet<String> = models.iter().map(|parsed| parsed.model.name.clone()).collect();
-        for Model { name, source, .. } in models.iter_mut().map(|parsed| &mut parsed.model) {
-            if taken.insert(name.clone()) {
-                continue;
-            }
-            let numbered = (0..).map(|number| format!("{name}_{number}"));
-            let Some(unique) =
-                numbered.into_iter().find(|unique| !taken.contains(unique) && !given.contains(unique))
-            else {
-                continue;
-            };
-            self.diagnostics.warning(
-                source,
-                format!("two models are called '{name}': this one becomes '{unique}'"),
-                "give each model or <include> its own <name>",
-            );
-            taken.insert(unique.clone());
-            *name = unique;
-        }
-    }
-
     /// The frames that poses of this model can be relative to.
     fn model_frames(&mut self, element: &Element, nested: &[ParsedModel], version: Version) -> Frames {
         let mut frames = Frames::new("__model__");
         for inner in nested {
             frames.add(&inner.model.name, &inner.pose, None);
             for link in &inner.model.links {
-                let name = format!("{}::{}", inner.model.name, link.name);
+                let name = inner.naming()(&link.name);
                 frames.add_known(name, &inner.model.name, link.model_from_link, &link.source);
             }
         }
@@ -170,43 +159,16 @@ impl Loader<'_> {
                 _ => continue,
             };
             let pose = self.pose(child, version);
-            frames.add(&name_of(child), &pose, parent);
+            // Of two that have one name, it is the first's.
+            if !frames.has(&name_of(child)) {
+                frames.add(&name_of(child), &pose, parent);
+            }
         }
         for child in element.elements_named("joint") {
             let pose = self.pose(child, version);
             frames.add_joint(&name_of(child), &pose, child_text(child, "child").as_deref());
         }
         frames
-    }
-
-    /// Makes the links, joints and sensors of a nested model those of the outer one.
-    fn dissolve(&mut self, inner: ParsedModel, frames: &Frames, parts: &mut Parts) {
-        let ParsedModel { model, pose, lights } = inner;
-        let outer_from_inner =
-            frames.resolve(&model.name, &pose.source, self.diagnostics).unwrap_or(pose.pose);
-        let (first, first_joint) = (parts.links.len(), parts.joints.len());
-        parts.links.extend(model.links.into_iter().map(|mut link| {
-            link.name = format!("{}::{}", model.name, link.name);
-            link.model_from_link = outer_from_inner * link.model_from_link;
-            // Gazebo keeps what a nested model says of itself.
-            link.is_static |= model.is_static;
-            link
-        }));
-        parts.joints.extend(model.joints.into_iter().map(|mut joint| {
-            joint.name = format!("{}::{}", model.name, joint.name);
-            joint.parent += first;
-            joint.child += first;
-            joint
-        }));
-        parts.sensors.extend(model.sensors.into_iter().map(|mut sensor| {
-            sensor.link += first;
-            sensor
-        }));
-        parts.plugins.extend(model.plugins.into_iter().map(|plugin| plugin.behind(first, first_joint)));
-        parts.lights.extend(lights.into_iter().map(|mut light| {
-            light.world_from_light = outer_from_inner * light.world_from_light;
-            light
-        }));
     }
 
     /// `<include>`: the models and lights of another file, with name, pose and static overridden.
@@ -328,7 +290,7 @@ impl Loader<'_> {
                 self.missing(
                     &element.source,
                     format!("'{uri}' cannot be fetched: '{scheme}://' is not read"),
-                    "download the model and write model://NAME",
+                    "download it with `gz fuel download -u`, or put its folder into GAZEBO_MODEL_PATH; write model://NAME otherwise",
                 );
                 return None;
             }

@@ -1,5 +1,6 @@
 //! Where the URIs of a world point to.
 
+use super::fuel::FuelUri;
 use crate::description::package::PackagePath;
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
@@ -76,7 +77,21 @@ impl<'a> Resources<'a> {
                 candidates.extend(self.media_folders.iter().map(|media| media.join(rest)));
                 candidates
             }
-            Some((scheme, _)) => return Resolved::UnknownScheme(scheme.to_owned()),
+            Some((scheme, rest)) => {
+                let fuel = FuelUri::parse(rest).filter(|_| matches!(scheme, "https" | "http" | "fuel"));
+                let Some(fuel) = fuel else { return Resolved::UnknownScheme(scheme.to_owned()) };
+                // A copy among the models has the folder's name alone.
+                let place = if fuel.file.is_empty() {
+                    fuel.name.clone()
+                } else {
+                    format!("{}/{}", fuel.name, fuel.file)
+                };
+                let found = fuel.downloaded().or_else(|| self.in_models(&place).find(|place| place.exists()));
+                return match found {
+                    Some(found) => Resolved::Found(std::path::absolute(&found).unwrap_or(found)),
+                    None => Resolved::UnknownScheme(scheme.to_owned()),
+                };
+            }
             None => vec![folder.join(uri)],
         };
         let found = candidates.iter().find(|candidate| candidate.exists()).cloned();

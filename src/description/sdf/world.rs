@@ -59,7 +59,7 @@ impl Loader<'_> {
             );
         }
         let mut placed: Vec<(Model, Vec<_>)> = Vec::new();
-        for ParsedModel { mut model, pose, lights } in models {
+        for ParsedModel { mut model, pose, lights, .. } in models {
             model.world_from_model =
                 frames.resolve(&model.name, &pose.source, self.diagnostics).unwrap_or(pose.pose);
             placed.push((model, lights));

@@ -1,6 +1,6 @@
 //! `<camera>`: angle of view, picture, clip distances, noise; its lens is in `lens.rs`.
 
-use super::camera_plugin::{CameraTopics, gz_camera};
+use super::camera_plugin::{CameraTopics, gz_camera, is_ros2_camera};
 use super::gz::{gz_topic, is_gz};
 use super::lens::Picture;
 use super::reader::Reader;
@@ -39,6 +39,9 @@ impl Reader<'_> {
         let is_wide_angle = sensor.attribute("type").is_some_and(|kind| kind.starts_with("wide"));
         let camera = self.camera(sensor, FAR_M, is_wide_angle)?;
         let plugin = self.plugin(sensor, &KIND).and_then(|element| {
+            if is_ros2_camera(element) {
+                return self.ros2_camera(element);
+            }
             let topics = CameraTopics { image: "image_raw", info: "camera_info" };
             let plugin = self.camera_plugin(element, &topics);
             self.not_simulated_by_plugin(element, &[]);

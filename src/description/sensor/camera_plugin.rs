@@ -3,6 +3,7 @@
 use super::gz::frame_name;
 use super::plugin::{absolute, topic};
 use super::reader::Reader;
+use super::ros2;
 use crate::description::model::{CameraPlugin, Lens, LensModel};
 use crate::description::values::{child_bool, child_text};
 use crate::description::xml::Element;
@@ -34,6 +35,25 @@ pub(super) struct CameraTopics {
 }
 
 impl Reader<'_> {
+    /// That of ROS 2: names in small letters, the rate and the coefficients of the sensor itself.
+    pub(super) fn ros2_camera(&mut self, plugin: &Element) -> Option<CameraPlugin> {
+        let camera_name = child_text(plugin, "camera_name").unwrap_or_else(|| self.sensor.clone());
+        let read =
+            ["ros", "camera_name", "frame_name", "hack_baseline", "min_depth", "max_depth", "border_crop"];
+        self.left_out(plugin, |name| read.contains(&name) || READ_BY_NOBODY.contains(&name), "take it out");
+        Some(CameraPlugin {
+            image_topic: ros2_topic(plugin, &camera_name, "image_raw"),
+            camera_info_topic: ros2_topic(plugin, &camera_name, "camera_info"),
+            frame_name: ros2::frame_name(plugin),
+            camera_name,
+            hack_baseline_m: self.number(Some(plugin), "hack_baseline", 0.0)?,
+            distortion: [0.0; 5],
+            auto_distortion: true,
+            principal_point: [None; 2],
+            focal_length: None,
+        })
+    }
+
     pub(super) fn camera_plugin(&mut self, plugin: &Element, topics: &CameraTopics) -> Option<CameraPlugin> {
         let text = |name: &str| child_text(plugin, name);
         let camera_name = text("cameraName").unwrap_or_default();
@@ -138,6 +158,18 @@ pub(super) fn gz_camera(sensor: &Element, image_topic: String) -> CameraPlugin {
         principal_point: [None; 2],
         focal_length: None,
     }
+}
+
+/// A camera's topic in ROS 2. Files name it with the camera's name before it, or without.
+pub(super) fn ros2_topic(plugin: &Element, camera_name: &str, name: &str) -> String {
+    let full = format!("{camera_name}/{name}");
+    ros2::topic(plugin, &full, &[name, &format!("~/{name}")])
+}
+
+/// Whether a camera's plugin is that of ROS 2, which has another's file name.
+pub(super) fn is_ros2_camera(plugin: &Element) -> bool {
+    let of_ros1 = |child: &Element| CAMERA_PARAMETERS.contains(&child.name.as_str());
+    ros2::is_ros2(plugin) && !plugin.elements().any(of_ros1)
 }
 
 /// The two ways in which files write a coefficient.

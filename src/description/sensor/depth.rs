@@ -1,6 +1,6 @@
 //! Depth cameras: a `<camera>` that measures depth, too, and `libgazebo_ros_openni_kinect.so`.
 
-use super::camera_plugin::{CameraTopics, gz_camera};
+use super::camera_plugin::{CameraTopics, gz_camera, ros2_topic};
 use super::gz::gz_topic;
 use super::plugin::{absolute, extension, plain_name, topic};
 use super::reader::Reader;
@@ -49,9 +49,12 @@ impl DepthCamera {
     }
 }
 
+const ROS2_PLUGIN: &str = "gazebo_ros_camera";
+
 pub(super) const KIND: Kind = Kind {
     types: &["depth", "depth_camera", "rgbd", "rgbd_camera"],
-    plugins: &["gazebo_ros_openni_kinect"],
+    // In ROS 2 that of cameras publishes all of them.
+    plugins: &["gazebo_ros_openni_kinect", ROS2_PLUGIN],
     is_extended: true,
     read: |reader, sensor| reader.depth_camera(sensor).map(SensorKind::Depth),
 };
@@ -60,6 +63,9 @@ impl Reader<'_> {
     fn depth_camera(&mut self, sensor: &Element) -> Option<DepthCamera> {
         let camera = self.camera(sensor, FAR_M, false)?;
         let plugin = self.plugin(sensor, &KIND).and_then(|element| {
+            if plain_name(element) == ROS2_PLUGIN {
+                return self.ros2_depth(element, &camera);
+            }
             let plugin = self.depth_plugin(element)?;
             self.compare_lenses(element, &plugin.camera, &camera.lens);
             Some(plugin)
@@ -125,9 +131,26 @@ impl Reader<'_> {
         }
         let names = [&self.sensor, &plugin.camera.camera_name].map(|name| name.to_ascii_lowercase());
         let is_named = |preset: &&&str| names.iter().any(|name| name.contains(**preset));
-        let has_plugin =
-            sensor.elements_named("plugin").any(|plugin| KIND.plugins.contains(&plain_name(plugin)));
+        let has_plugin = sensor.elements_named("plugin").any(|plugin| KIND.plugins[0] == plain_name(plugin));
         presets::NAMES.iter().find(is_named).copied().or(has_plugin.then_some("kinect_v1"))
+    }
+
+    fn ros2_depth(&mut self, plugin: &Element, camera: &CameraSensor) -> Option<DepthCameraPlugin> {
+        let own = self.ros2_camera(plugin)?;
+        let topic = |name: &str| ros2_topic(plugin, &own.camera_name, name);
+        let remedy = "write <min_depth> below <max_depth>, in metres";
+        let cutoff_m = self.checked(Some(plugin), "min_depth", 0.4, |depth| depth >= 0.0, remedy)?;
+        let cutoff_max_m =
+            self.checked(Some(plugin), "max_depth", camera.far_m, |depth| depth > cutoff_m, remedy)?;
+        Some(DepthCameraPlugin {
+            depth_image_topic: topic("depth/image_raw"),
+            depth_camera_info_topic: topic("depth/camera_info"),
+            point_cloud_topic: topic("points"),
+            camera: own,
+            cutoff_m,
+            cutoff_max_m,
+            depth_16uc1: false,
+        })
     }
 
     fn depth_plugin(&mut self, plugin: &Element) -> Option<DepthCameraPlugin> {

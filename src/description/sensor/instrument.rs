@@ -3,10 +3,9 @@
 use super::Kind;
 use super::gz::{frame_name, gz_topic};
 use super::noise::instrument;
-use super::plugin::{absolute, plain_name};
 use super::reader::Reader;
+use super::ros2;
 use crate::description::model::Noise;
-use crate::description::values::child_text;
 use crate::description::xml::Element;
 use belvedere_sensors::noise::InstrumentConfig;
 
@@ -46,20 +45,5 @@ impl Reader<'_> {
 
 /// In ROS 2 the topic is `~/out`, under the plugin's name, unless it is remapped.
 pub(super) fn ros2_names(plugin: &Element) -> InstrumentPlugin {
-    let ros = plugin.child("ros");
-    let namespace = ros.and_then(|ros| child_text(ros, "namespace")).unwrap_or_default();
-    let own = plugin.attribute("name").unwrap_or(plain_name(plugin));
-    let remapped = ros.into_iter().flat_map(|ros| ros.elements_named("remapping")).find_map(|remapping| {
-        let text = remapping.text();
-        Some(text.strip_prefix("~/out:=")?.trim().to_owned())
-    });
-    let topic = match remapped {
-        Some(topic) if topic.starts_with('/') => topic,
-        Some(topic) => match topic.strip_prefix("~/") {
-            Some(topic) => absolute(&[&namespace, own, topic]),
-            None => absolute(&[&namespace, &topic]),
-        },
-        None => absolute(&[&namespace, own, "out"]),
-    };
-    InstrumentPlugin { topic, frame_name: child_text(plugin, "frame_name").unwrap_or_default() }
+    InstrumentPlugin { topic: ros2::topic(plugin, "~/out", &[]), frame_name: ros2::frame_name(plugin) }
 }

@@ -52,8 +52,18 @@ impl Reader<'_> {
         let center = self.center(distortion);
         let model = self.model(element, picture);
         let intrinsics = element.and_then(|element| element.child("intrinsics"));
-        let (mut model, coefficients, center) = (model?, coefficients?, center?);
+        let (mut model, mut coefficients, mut center) = (model?, coefficients?, center?);
 
+        if let (LensModel::WideAngle { .. }, Some(distortion)) = (&model, distortion)
+            && coefficients.iter().any(|&value| value != 0.0)
+        {
+            // Gazebo looks at one of them alone, by the type of the camera.
+            let kind = lens_type(element, &model);
+            let what =
+                format!("<distortion> of sensor '{}' is left out beside a lens of type {kind}", self.sensor);
+            self.diagnostics.warning(&distortion.source, what, "take one of them out");
+            (coefficients, center) = (Vec::new(), None);
+        }
         let is_distorted = coefficients.iter().any(|&value| value != 0.0);
         if let (true, Some(distortion)) = (is_distorted, distortion) {
             if model != LensModel::Pinhole {
@@ -208,6 +218,15 @@ impl Reader<'_> {
         let kind = lens.and_then(|lens| child_text(lens, "type"));
         let default = if picture.is_wide_angle { "stereographic" } else { "gnomonical" };
         let kind = kind.as_deref().unwrap_or(default);
+        if let Some(lens) = lens.filter(|lens| self.is_pinhole_after_all(lens, kind, picture)) {
+            let what = format!(
+                "the <type> {kind} of sensor '{}' is left out: in Gazebo it is for wide-angle cameras",
+                self.sensor
+            );
+            let remedy = "write <type>gnomonical</type>, or make the sensor a wideanglecamera";
+            self.diagnostics.warning(&lens.source, what, remedy);
+            return Some(LensModel::Pinhole);
+        }
         let own: &[&str] = match kind {
             "kannala_brandt" => &["k1", "k2", "k3", "k4"],
             "eucm" => &["alpha", "beta"],
@@ -257,6 +276,14 @@ impl Reader<'_> {
             "equirectangular" => Some(LensModel::Equirectangular),
             _ => self.angle_map(lens, kind),
         }
+    }
+
+    /// Gazebo looks at SDF's types in wide-angle cameras alone, and its files have one wherever there is a `<lens>`.
+    /// `<intrinsics>` say that a pinhole is meant.
+    fn is_pinhole_after_all(&self, lens: &Element, kind: &str, picture: &Picture) -> bool {
+        let of_sdf = ["stereographic", "equidistant", "equisolid_angle", "orthographic", "custom"];
+        let is_meant = self.rules.gazebo_compat || lens.child("intrinsics").is_some();
+        !picture.is_wide_angle && is_meant && of_sdf.contains(&kind)
     }
 
     fn alpha(&mut self, lens: &Element) -> Option<f64> {

@@ -2,6 +2,7 @@
 
 mod physics;
 mod profile;
+mod ray_sensor;
 
 use super::gz::{frame_name, gz_topic};
 use super::imu_profile::ImuProfile;
@@ -52,6 +53,7 @@ pub(super) const KIND: Kind = Kind {
         "gazebo_ros_block_laser",
         "gazebo_ros_velodyne_laser",
         "gazebo_ros_velodyne_gpu_laser",
+        "gazebo_ros_ray_sensor",
     ],
     is_extended: true,
     read: |reader, sensor| reader.lidar(sensor).map(SensorKind::Ray),
@@ -210,6 +212,9 @@ impl Reader<'_> {
     /// What it does to what the sensor measures becomes the sensor's.
     fn laser_plugin(&mut self, plugin: &Element, ray: &mut RaySensor) -> Option<LaserPlugin> {
         let name = plain_name(plugin);
+        if name == "gazebo_ros_ray_sensor" {
+            return self.ray_sensor_plugin(plugin);
+        }
         let is_velodyne = name.starts_with("gazebo_ros_velodyne");
         // Hokuyo's plugin leaves noise to the sensor.
         if !matches!(name, "gazebo_ros_laser" | "gazebo_ros_gpu_laser") {

@@ -1,0 +1,175 @@
+//! What worlds and models of other people write: saved by Gazebo, nested, with parts that nobody has.
+
+use crate::sdf::*;
+use belvedere::description::any::{Described, load};
+use belvedere::description::model::{JointKind, LightKind};
+use belvedere::description::package::PackagePath;
+use belvedere::description::robot::LoadOptions;
+use belvedere::description::{Diagnostics, Problem, Rules, Severity};
+
+/// Loads a model file beside others, with these rules.
+fn described(folder: &Folder, file: &str, rules: Rules) -> (Option<Described>, Vec<Problem>) {
+    let mut diagnostics = Diagnostics::default();
+    let options = LoadOptions { packages: PackagePath::new([], None), rules, xacro_args: Vec::new() };
+    let described = load(folder.path(file).to_str().unwrap(), &options, &mut diagnostics);
+    (described, diagnostics.problems().to_vec())
+}
+
+fn skip_missing() -> Rules {
+    Rules { skip_missing: true, ..Rules::default() }
+}
+
+fn warnings(problems: &[Problem], words: &[&str]) {
+    assert!(problems.iter().all(|problem| problem.severity == Severity::Warning), "{problems:#?}");
+    assert_eq!(problems.len(), words.len(), "{problems:#?}");
+    for (problem, words) in problems.iter().zip(words) {
+        assert!(problem.to_string().contains(words), "{problem} lacks {words}");
+    }
+}
+
+const BALL: &str = "<sdf version='1.7'><model name='ball'><link name='core'><pose>0 0 1 0 0 0</pose></link>\
+    <link name='skin'/><joint name='glue' type='fixed'><parent>core</parent><child>skin</child></joint></model></sdf>";
+
+#[test]
+fn a_model_around_a_missing_one_is_left_out_with_it() {
+    let folder = Folder::new();
+    let text = "<sdf version='1.6'><world name='w'><model name='shelf_1'><include><uri>model://nobodys_shelf</uri>\
+        </include></model><model name='kept'><link name='l'/></model></world></sdf>";
+    folder.write("test.world", text);
+    let (world, problems) = described(&folder, "test.world", skip_missing());
+    warnings(&problems, &["no model 'model://nobodys_shelf'"]);
+    let Some(Described::World(world)) = world else { panic!("{world:?}") };
+    assert_eq!(world.models.iter().map(|model| model.name.as_str()).collect::<Vec<_>>(), ["kept"]);
+    // Without the rule it is one error, not two.
+    let (_, problems) = described(&folder, "test.world", Rules::default());
+    assert_one_error(&problems, 1, &["nobodys_shelf"]);
+    // Of a model file nothing is left.
+    folder.write(
+        "b.sdf",
+        "<sdf version='1.6'><model name='b'><include><uri>model://nobodys_shelf</uri></include></model></sdf>",
+    );
+    let (model, problems) = described(&folder, "b.sdf", skip_missing());
+    assert!(model.is_none() && problems[1].to_string().contains("error: nothing is left of the model 'b'"));
+}
+
+#[test]
+fn joints_to_what_is_missing_are_left_out_with_it() {
+    let folder = Folder::new();
+    let text = "<sdf version='1.6'><model name='plane'><include><uri>model://nobodys_wing</uri></include>\
+        <link name='pad'/><joint name='j' type='fixed'><parent>wing::spar</parent><child>pad</child></joint>\
+        </model></sdf>";
+    folder.write("plane.sdf", text);
+    let (model, problems) = described(&folder, "plane.sdf", skip_missing());
+    warnings(&problems, &["nobodys_wing", "the joint 'j' is left out with its parent 'wing::spar'"]);
+    assert!(
+        matches!(model, Some(Described::Model(model)) if model.joints.is_empty() && model.links.len() == 1)
+    );
+}
+
+#[test]
+fn merged_models_keep_the_names_of_their_parts() {
+    let folder = Folder::new();
+    folder.write("ball/model.sdf", BALL);
+    let world = |merge: &str, core: &str| {
+        format!(
+            "<model name='toy'><link name='base'/><include{merge}><uri>ball</uri><pose>2 0 0 0 0 0</pose></include>\
+             <frame name='grip' attached_to='{core}'/><frame name='tip' attached_to='grip'/>\
+             <joint name='j' type='fixed'><parent>__model__</parent><child>tip</child></joint></model>"
+        )
+    };
+    for (merge, core, glue) in [(" merge='true'", "core", "glue"), ("", "ball::core", "ball::glue")] {
+        let (world, problems) = folder.load("1.10", &world(merge, core), false);
+        assert!(problems.is_empty(), "{problems:#?}");
+        let toy = &world.unwrap().models[0];
+        let joints: Vec<_> =
+            toy.joints.iter().map(|j| (j.name.as_str(), toy.links[j.child].name.as_str())).collect();
+        let skin = core.replace("core", "skin");
+        assert_eq!(joints, [(glue, skin.as_str()), ("j", core)]);
+        let core = &toy.links[toy.link_named(core).unwrap()];
+        assert_eq!(core.model_from_link.translation(), glam::DVec3::new(2.0, 0.0, 1.0));
+        assert_eq!(toy.joints[1].parent, 0, "the canonical link");
+    }
+}
+
+#[test]
+fn a_joint_to_a_nested_model_is_to_its_first_link() {
+    let folder = Folder::new();
+    folder.write("ball/model.sdf", BALL);
+    let toy = "<model name='toy'><link name='base'/><include><uri>ball</uri></include>\
+        <joint name='j' type='fixed'><parent>base</parent><child>ball</child></joint></model>";
+    let (world, problems) = folder.load("1.8", toy, false);
+    assert!(problems.is_empty(), "{problems:#?}");
+    let toy = &world.unwrap().models[0];
+    assert_eq!(toy.links[toy.joints[1].child].name, "ball::core");
+}
+
+#[test]
+fn limits_may_be_infinite() {
+    let model = "<model name='m'><link name='a'/><link name='b'/><joint name='j' type='revolute'>\
+        <parent>a</parent><child>b</child><axis><limit><lower>-inf</lower><upper>inf</upper></limit></axis></joint>\
+        <joint name='k' type='prismatic'><parent>a</parent><child>b</child><axis><limit><lower>-1</lower>\
+        <upper>inf</upper></limit></axis></joint></model>";
+    let world = good("1.9", model);
+    let [j, k] = &world.models[0].joints[..] else { panic!() };
+    assert_eq!(j.kind, JointKind::Continuous);
+    assert_eq!(k.kind, JointKind::Prismatic { lower: -1.0, upper: f64::INFINITY });
+}
+
+#[test]
+fn what_gazebo_goes_on_with_goes_on_in_its_mode() {
+    let load = |content: &str| {
+        let (world, problems) = Folder::new().load("1.6", content, true);
+        assert!(problems.iter().all(|problem| problem.severity == Severity::Warning), "{problems:#?}");
+        (world.unwrap(), problems.iter().map(ToString::to_string).collect::<String>())
+    };
+    // Saved worlds hold links of one name; each stands where it was saved.
+    let twice = "<model name='m'><link name='door'><pose>1 0 0 0 0 0</pose></link>\
+        <link name='door'><pose>2 0 0 0 0 0</pose></link></model>";
+    let (world, said) = load(twice);
+    let at = world.models[0].links.iter().map(|l| (l.name.as_str(), l.model_from_link.translation().x));
+    assert_eq!(at.collect::<Vec<_>>(), [("door", 1.0), ("door_1", 2.0)]);
+    assert!(said.contains("two links of this model are called 'door'"), "{said}");
+    // Models of plugins alone.
+    let (world, said) =
+        load("<model name='m'><static>1</static><plugin name='p' filename='libp.so'/></model>");
+    assert!(world.models.is_empty() && said.contains("'m' has no link"), "{said}");
+    for (pose, x, z) in [("1 2 3 0 0", 1.0, 3.0), ("1 2 3 0 0 0 -0 7", 1.0, 3.0), ("1", 1.0, 0.0)] {
+        let (world, said) =
+            load(&format!("<model name='m'><link name='l'><pose>{pose}</pose></link></model>"));
+        let place = world.models[0].links[0].model_from_link.translation();
+        assert_eq!((place.x, place.z), (x, z));
+        assert!(said.contains(&format!("<pose> is '{pose}'")), "{said}");
+    }
+}
+
+#[test]
+fn lights_wider_than_half_a_turn_and_without_direction() {
+    let light = |kind: &str, inside: &str| format!("<light name='l' type='{kind}'>{inside}</light>");
+    let spot = "<spot><inner_angle>4</inner_angle><outer_angle>9</outer_angle><falloff>1</falloff></spot>";
+    let (world, problems) = Folder::new().load("1.6", &light("spot", spot), false);
+    warnings(&problems, &["<outer_angle> is 9: the cone is all that lies before the light"]);
+    let pi = std::f64::consts::PI;
+    let kind = LightKind::Spot { inner_angle: pi, outer_angle: pi, falloff: 1.0 };
+    assert_eq!(world.unwrap().lights[0].kind, kind);
+    let nowhere = "<direction>0 0 0</direction>";
+    assert_eq!(good("1.6", &light("point", nowhere)).lights.len(), 1);
+    let (world, problems) = Folder::new().load("1.6", &light("directional", nowhere), true);
+    warnings(&problems, &["it has no length"]);
+    assert_eq!(world.unwrap().lights[0].direction, glam::DVec3::NEG_Z);
+}
+
+#[test]
+fn a_robots_lights_are_left_out_with_a_warning() {
+    let folder = Folder::new();
+    let lamp = "<light name='lamp' type='point'/>";
+    for (file, root) in [("a.sdf", "sdf version='1.6'"), ("b.sdf", "gazebo version='1.3'")] {
+        let text = format!(
+            "<{root}><model name='m'><link name='l'>{lamp}</link></model></{}>",
+            &root[..root.find(' ').unwrap()]
+        );
+        folder.write(file, text);
+        let (model, problems) = described(&folder, file, Rules::default());
+        warnings(&problems, &["the light 'lamp' is left out"]);
+        assert!(matches!(model, Some(Described::Model(model)) if model.links.len() == 1));
+    }
+}

@@ -29,7 +29,7 @@ impl DepthCamera {
 #[pymethods]
 impl DepthCamera {
     #[new]
-    #[pyo3(signature = (size, lens, clip, exposure, grey, smooth, noise, device, range, depth_noise, model))]
+    #[pyo3(signature = (size, lens, clip, exposure, grey, smooth, noise, device, range, depth_noise, model, projector))]
     fn new(
         size: [u32; 2],
         lens: (Option<(String, Vec<f64>)>, Option<f64>),
@@ -42,6 +42,7 @@ impl DepthCamera {
         range: [Option<f64>; 2],
         depth_noise: [f32; 2],
         model: Option<&str>,
+        projector: bool,
     ) -> PyResult<Self> {
         let eye = Eye::new(size, lens, clip, exposure, (grey, smooth), noise, device)?;
         let mut limits = [0.0, f64::INFINITY];
@@ -55,6 +56,11 @@ impl DepthCamera {
             })?;
             limits = preset.range_m;
             depth_model = preset.model(eye.rays.focal_px().unwrap_or_else(|| preset.focal_px()));
+            if !projector {
+                depth_model = depth_model.without_projector().ok_or_else(|| {
+                    of("projector", format_args!("a {name} measures by its light; leave it on"))
+                })?;
+            }
         }
         let range = [range[0].unwrap_or(limits[0]), range[1].unwrap_or(limits[1])];
         let camera = Self { eye, range, model: depth_model };

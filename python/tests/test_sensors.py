@@ -106,6 +106,21 @@ def test_a_scanner_that_moves(wall: bv.World) -> None:
     assert (np.isfinite(still) & np.isfinite(moved) & (still != moved)).any()
 
 
+def test_a_stereo_camera_without_its_projector_needs_texture() -> None:
+    world = bv.World()
+    world.add_box((0.1, 20, 20), pose=(2, 0, 0, 0, 0, 0, 1))
+    found = {
+        on: np.isfinite(
+            bv.DepthCamera(120, 90, 1.0, model="d435", projector=on).render(world, [0, 0, 0, 0, 0, 0, 1])["depth"]
+        )
+        for on in (True, False)
+    }
+    assert found[True][:, 60:110].mean() > 0.98
+    assert not found[False].any()
+    with pytest.raises(ValueError, match="projector: a xtion measures by its light"):
+        bv.DepthCamera(model="xtion", projector=False)
+
+
 @pytest.mark.parametrize("model", bv.DepthCamera.models())
 def test_every_model_has_noise_of_its_seed(wall: bv.World, model: str) -> None:
     camera = bv.DepthCamera(160, 120, fov=1.0, model=model)

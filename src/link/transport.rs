@@ -32,8 +32,6 @@ const SETTINGS: &[(&str, &str)] = &[
     // took it to be there (Zenoh 1.10.2).
     ("transport/link/tx/queue/congestion_control/drop/wait_before_drop", "500000"),
     ("transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments", "2000000"),
-    // What waits in the system's buffer is late, and nothing can overtake it there.
-    ("transport/link/tcp/so_sndbuf", "524288"),
     // Buffers of a megabyte: a picture comes in a few reads.
     ("transport/link/rx/buffer_size", "1048576"),
 ];

@@ -49,6 +49,9 @@ impl Behaviour for model::DepthCamera {
         say("depth", format!("{coding}, valid from {from} to {to} m"));
         if let Some(preset) = self.preset {
             say("device", format!("{}: {}", preset.name, preset.source));
+            if !self.has_projector_on {
+                say("", "its projector is off".into());
+            }
         }
         report::plugin(&depth.camera, say);
     }
@@ -91,7 +94,10 @@ impl DepthChannel {
         let eye = Eye::new(camera, &lens, opening).map_err(|error| refused(&*error))?;
         let limits = Limits {
             range_m: described.range_m(),
-            model: described.preset.map_or(DepthModel::new(), |preset| preset.model(focal_px(&eye, camera))),
+            model: described.preset.map_or(DepthModel::new(), |preset| {
+                let model = preset.model(focal_px(&eye, camera));
+                model.without_projector().filter(|_| !described.has_projector_on).unwrap_or(model)
+            }),
             out_of_range: if opening.gazebo_compat { OutOfRange::Nan } else { OutOfRange::Infinite },
             too_near: if opening.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
         };

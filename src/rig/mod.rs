@@ -27,6 +27,8 @@ mod navsat;
 mod on_demand;
 mod ouster;
 mod outlet;
+#[cfg(test)]
+mod pace;
 pub mod packets;
 pub mod pictures;
 mod range;
@@ -40,6 +42,7 @@ mod state;
 mod true_pose;
 mod truth;
 mod tuning;
+mod whole;
 
 pub use error::RigError;
 pub use outlet::{Outlet, Tally};

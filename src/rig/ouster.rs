@@ -1,5 +1,6 @@
 //! An Ouster's head in its maker's terms: what metadata say of it, and what clouds and packets have of its ranges.
 
+use super::whole::nearest_below;
 use belvedere_sensors::scanner::presets::Preset;
 use belvedere_sensors::scanner::{Columns, Laser, Pattern};
 
@@ -25,11 +26,12 @@ impl OusterHead {
         Self { lasers: head.lasers, columns, beam_origin_m }
     }
 
-    /// A range from where a beam started as it is told, from the axis, in steps of so many millimetres; 0 if there is none.
-    pub(super) fn told(&self, range_m: f32, step_mm: f64) -> u32 {
-        let steps = (f64::from(range_m) + self.beam_origin_m) * (1000.0 / step_mm);
-        // To the nearest whole number, which is in the lower bits of the sum: it is vectorized, as `round` is not.
-        if range_m.is_finite() { (steps + 2.0_f64.powi(52)).to_bits() as u32 } else { 0 }
+    /// A range from where a beam started as it is told, from the axis, in steps of so many millimetres; 0 if there is none,
+    /// or it takes more than so many bits.
+    #[inline]
+    pub(super) fn told(&self, range_m: f32, step_mm: f64, bits: u32) -> u32 {
+        let limit = (1_u64 << bits) as f64 - 0.5;
+        nearest_below((f64::from(range_m) + self.beam_origin_m) * (1000.0 / step_mm), limit)
     }
 
     pub(super) fn beam_origin_mm(&self) -> f64 {

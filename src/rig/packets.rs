@@ -1,5 +1,7 @@
 //! Data packets as a scanner's maker sends them, over UDP and into files: a file a maker, and a row of it below.
 
+#[cfg(test)]
+mod any_input;
 mod ouster;
 mod pcap;
 mod velodyne;
@@ -90,12 +92,6 @@ const PROTOCOLS: [Row; 2] = [(Maker::Ouster, ouster::of), (Maker::Velodyne, velo
 pub(super) struct Packets {
     protocol: Box<dyn Protocol>,
     sinks: Vec<PacketSink>,
-}
-
-/// The nearest whole number from 0 to `most`, which is below 2²², as a few instructions that compilers vectorize; 0 of
-/// what is no number.
-fn nearest(value: f32, most: f32) -> u32 {
-    (value.clamp(0.0, most) + 0.5) as i32 as u32
 }
 
 impl Packets {
@@ -206,22 +202,9 @@ impl Rig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::description::model::{Lidar, SensorKind};
+    use crate::rig::pace::lidar;
     use std::time::Duration;
     use velodyne::HOUR_NS;
-
-    /// A lidar with a preset and whatever else stands beside that.
-    fn lidar(own: &str) -> Lidar {
-        let model = format!(
-            "<sdf version='1.6'><model name='m'><link name='l'><sensor name='s' type='ray'>
-             <plugin filename='belvedere'>{own}</plugin></sensor></link></model></sdf>"
-        );
-        let SensorKind::Ray(lidar) = crate::description::read::model(&model).unwrap().sensors.remove(0).kind
-        else {
-            panic!()
-        };
-        lidar
-    }
 
     /// Bytes at the places that the manual gives.
     #[test]

@@ -5,7 +5,6 @@ BELVEDERE_BIN if that is set. Needs root, `ip` and `tc` of iproute2, and the Pyt
 Prints what was measured; ends with an error when something does not hold.
 """
 
-import contextlib
 import os
 import signal
 import subprocess
@@ -28,7 +27,6 @@ from stage import (
     end,
     ended_well,
     far,
-    folder,
     here,
     inside,
     ip,
@@ -41,8 +39,9 @@ from stage import (
     running,
     send,
     shape,
-    spaces,
+    show_logs,
     start,
+    strike,
     until,
     wanted,
 )
@@ -284,15 +283,7 @@ try:
     left = [path.name for path in Path("/dev/shm").iterdir() if near in path.name or far in path.name]
     assert not left, f"left in /dev/shm: {left}"
 except BaseException:
-    for log in sorted(folder.glob("*.log")):
-        print(f"--- {log.name}\n{log.read_text()[-4000:]}", file=sys.stderr)
+    show_logs()
     raise
 finally:
-    for process in running:
-        with contextlib.suppress(ProcessLookupError):
-            process.kill()
-            process.wait()
-    for domain, space in spaces.items():
-        # Whoever joins a domain removes what the killed have left, and leaves nothing; nobody else ever joins these.
-        subprocess.run((belvedere, "list", "--domain", domain), check=False, capture_output=True)
-        subprocess.run(("ip", "netns", "del", space), check=False, stderr=subprocess.DEVNULL)
+    strike()

@@ -1,5 +1,6 @@
-"""The stage of check.py: two network namespaces, the cable between them, and the programs in them."""
+"""The stage of check.py and figures.py: two network namespaces, the cable between them, and the programs in them."""
 
+import contextlib
 import json
 import os
 import signal
@@ -102,12 +103,12 @@ class Frames:
         return self.now()
 
 
-def send(*words):
-    return start("send", near, link, "link", "send", "--domain", near, "--listen", f"tcp/{ADDRESS}", *words)
+def send(*words, address=ADDRESS):
+    return start("send", near, link, "link", "send", "--domain", near, "--listen", f"tcp/{address}", *words)
 
 
-def receive(*words):
-    words = ("--domain", far, "--from", near, "--connect", f"tcp/{ADDRESS}", *words)
+def receive(*words, address=ADDRESS):
+    words = ("--domain", far, "--from", near, "--connect", f"tcp/{address}", *words)
     return start("receive", far, "prlimit", f"--nofile={FILES}", link, "link", "receive", *words)
 
 
@@ -197,5 +198,27 @@ def lay_cable():
     ends = ("link", "add", cables[near], "netns", spaces[near], "type", "veth", "peer")
     ip(*ends, "name", cables[far], "netns", spaces[far])
     for domain, own in ((near, address), (far, far_address)):
-        ip("-n", spaces[domain], "address", "add", f"{own}/24", "dev", cables[domain])
-        ip("-n", spaces[domain], "link", "set", cables[domain], "up")
+        plug(domain, cables[domain], own)
+
+
+def plug(domain, device, address):
+    """A network device of a namespace gets its address, and works."""
+    ip("-n", spaces[domain], "address", "add", f"{address}/24", "dev", device)
+    ip("-n", spaces[domain], "link", "set", device, "up")
+
+
+def show_logs():
+    for log in sorted(folder.glob("*.log")):
+        print(f"--- {log.name}\n{log.read_text()[-4000:]}", file=sys.stderr)
+
+
+def strike():
+    """Takes the stage down."""
+    for process in running:
+        with contextlib.suppress(ProcessLookupError):
+            process.kill()
+            process.wait()
+    for domain, space in spaces.items():
+        # Whoever joins a domain removes what the killed have left, and leaves nothing; nobody else ever joins these.
+        subprocess.run((belvedere, "list", "--domain", domain), check=False, capture_output=True)
+        subprocess.run(("ip", "netns", "del", space), check=False, stderr=subprocess.DEVNULL)

@@ -67,6 +67,23 @@ fn a_preset_of_the_file_has_noise_steps_and_shadows() {
     );
 }
 
+/// Without its projector a stereo camera finds nothing on a plain wall.
+#[test]
+fn a_stereo_camera_without_its_projector_needs_texture() {
+    let share = |projector: &str| {
+        let own = format!("<plugin filename='belvedere'>{projector}<preset>d435</preset></plugin>");
+        let depths = depths(&camera(&format!("{OPENNI}{own}")));
+        // Rows above the box: the wall alone. The left of them the other imager does not see.
+        let wall = (10..50).flat_map(|row| depths[row * 320 + 100..(row + 1) * 320 - 10].to_vec());
+        let found: Vec<bool> = wall.map(f32::is_finite).collect();
+        found.iter().filter(|found| **found).count() as f64 / found.len() as f64
+    };
+    for on in ["", "<projector>true</projector>"] {
+        assert!(share(on) > 0.98, "{on}: {}", share(on));
+    }
+    assert_eq!(share("<projector>false</projector>"), 0.0);
+}
+
 #[test]
 fn real_sensor_models_make_a_kinect_of_the_articles_robot() {
     let preset = |sensor_models| {

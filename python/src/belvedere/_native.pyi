@@ -134,6 +134,7 @@ class DepthCamera:
         range: Sequence[float | None],
         depth_noise: Sequence[float],
         model: str | None,
+        projector: bool,
     ) -> DepthCamera: ...
     @staticmethod
     def presets() -> list[tuple[str, tuple[int, int], float, tuple[float, float]]]: ...

@@ -242,6 +242,7 @@ class DepthCamera(Sensor):
         fov: horizontal field of view in radians; without it and ``lens``, the model's.
         model: a preset of the device, with its noise, steps, shadows and range: ``DepthCamera.models()``. Without it depths
             are true.
+        projector: of a stereo ``model``: False switches its projector off, so that it finds only what has texture.
         lens: another lens, in place of ``fov``.
         least: metres; at or below is too near. Without it, the model's, or 0.
         most: metres; at or above is too far. Without it, the model's, or ∞.
@@ -268,6 +269,7 @@ class DepthCamera(Sensor):
         fov: float | None = None,
         *,
         model: str | None = None,
+        projector: bool = True,
         lens: Lens | None = None,
         least: float | None = None,
         most: float | None = None,
@@ -289,6 +291,8 @@ class DepthCamera(Sensor):
             fov = math.radians(preset[2]) if fov is None and lens is None else fov
             if noise != 0.0:
                 raise ValueError("noise: the model has its own; leave one of the two out")
+        elif not projector:
+            raise ValueError("projector: a depth camera without a model has none")
         if width is None or height is None:
             raise ValueError("width, height: two whole numbers are expected, or a model that has them")
         size = _size(width, height)
@@ -307,6 +311,7 @@ class DepthCamera(Sensor):
             ],
             [0.0, _arrays.number("noise", noise)],
             model,
+            bool(projector),
         )
         self._frame = (size[1], size[0])
         self._channels = {

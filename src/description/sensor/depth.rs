@@ -33,6 +33,8 @@ pub struct DepthCamera {
     pub plugin: Option<DepthCameraPlugin>,
     /// Which device it is; without one its depths are true.
     pub preset: Option<&'static DepthPreset>,
+    /// Whether the device's projector is on.
+    pub has_projector_on: bool,
 }
 
 impl DepthCamera {
@@ -73,15 +75,19 @@ impl Reader<'_> {
             Some(own) => {
                 self.left_out(
                     own,
-                    |name| name == "preset",
-                    "take it out: the plugin of belvedere has preset",
+                    |name| ["preset", "projector"].contains(&name),
+                    "take it out: the plugin of belvedere has preset and projector",
                 );
                 Some(self.preset_name(own, &presets::NAMES)?)
             }
             None => None,
         };
         let preset = written.or_else(|| self.known(sensor, plugin.as_ref()?)).and_then(presets::named);
-        let depth = DepthCamera { camera, plugin, preset };
+        let has_projector_on = match (extension(sensor), preset) {
+            (Some(own), Some(preset)) => self.projector(own, preset)?,
+            _ => true,
+        };
+        let depth = DepthCamera { camera, plugin, preset, has_projector_on };
         if let (Some(preset), [least, most]) = (preset, depth.range_m())
             && least >= most
         {
@@ -97,6 +103,24 @@ impl Reader<'_> {
             return None;
         }
         Some(depth)
+    }
+
+    /// Whether the projector is on: the `<projector>` of our plugin. A device that measures by its light cannot be without.
+    fn projector(&mut self, own: &Element, preset: &DepthPreset) -> Option<bool> {
+        let is_on = child_bool(own, "projector", self.diagnostics).unwrap_or(true);
+        let measures_without =
+            |preset: &DepthPreset| preset.model(preset.focal_px()).without_projector().is_some();
+        if is_on || measures_without(preset) {
+            return Some(is_on);
+        }
+        let others =
+            presets::NAMES.iter().copied().filter(|name| presets::named(name).is_some_and(measures_without));
+        self.diagnostics.error(
+            Self::place(Some(own), "projector", own),
+            format!("{} is off, and a {} measures by its light", self.what("projector"), preset.name),
+            format!("take it out, or choose one of {}", others.collect::<Vec<_>>().join(", ")),
+        );
+        None
     }
 
     /// The device that a sensor is known to be, if real ones are asked for: that of which its name, or its camera's,

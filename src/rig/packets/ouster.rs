@@ -4,10 +4,10 @@
 mod inertial;
 mod metadata;
 
-use super::{Column, Protocol, nearest};
+use super::{Column, Protocol};
 use crate::description::model::{self, ImuProfile, PacketProfile};
 use crate::rig::ouster::OusterHead;
-use crc::{CRC_64_XZ, Crc, Table};
+use crate::rig::whole::nearest;
 pub(in crate::rig) use inertial::ImuPackets;
 
 /// Columns of a packet.
@@ -17,8 +17,8 @@ const LIDAR_PORT: u16 = 7502;
 const IMU_PORT: u16 = 7503;
 /// Ticks of the encoder a turn.
 const TICKS: u32 = 90_112;
-/// Of a packet but its last eight bytes, which are it.
-static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
+/// Lasers that are converted at once: heads have 32, 64 or 128.
+const LASERS: usize = 32;
 /// Of the device, and of its start: all packets have them, but for the first firmware's.
 const SERIAL: u64 = 1;
 const INITIALIZATION: u32 = 1;
@@ -59,9 +59,6 @@ struct Ouster {
     packet: Vec<u8>,
     /// Columns that are in it.
     filled: usize,
-    /// Of the column that is put in: each return of each laser, in steps of the layout, and its signal; 0 for none.
-    ranges: Vec<u32>,
-    signals: Vec<u32>,
 }
 
 /// Those of a lidar.
@@ -81,15 +78,24 @@ pub(super) fn of(lidar: &model::Lidar) -> Option<Box<dyn Protocol>> {
         name,
         packet,
         filled: 0,
-        ranges: Vec::new(),
-        signals: Vec::new(),
     }))
 }
 
+/// CRC-64/XZ: of a packet but its last eight bytes, which are it.
+fn checksum(text: &[u8]) -> u64 {
+    let mut digest = crc64fast::Digest::new();
+    digest.write(text);
+    digest.sum64()
+}
+
+/// Ranges in steps of a layout, and signals, of a return of each laser; 0 for none.
+type Told = ([u32; LASERS], [u32; LASERS]);
+
 /// Puts words into the bytes of channels, little-endian.
-fn put<const WORDS: usize>(place: &mut [u8], channels: impl Iterator<Item = [u32; WORDS]>) {
-    for (place, words) in place.chunks_exact_mut(4 * WORDS).zip(channels) {
-        place.copy_from_slice(bytemuck::cast_slice(&words.map(u32::to_le)));
+#[inline]
+fn put<const WORDS: usize>(place: &mut [u8], words: impl Fn(usize) -> [u32; WORDS]) {
+    for (laser, place) in place.chunks_exact_mut(4 * WORDS).enumerate() {
+        place.copy_from_slice(words(laser % LASERS).map(u32::to_le_bytes).as_flattened());
     }
 }
 
@@ -100,42 +106,65 @@ impl Ouster {
 
     /// Puts ranges, reflectivities, signals and near infrared of a column's beams into their channels.
     fn write_channels(&mut self, place: usize, column: &Column<'_>) {
-        let (head, profile, returns) = (&self.head, self.profile, column.returns);
-        let (bits, step_mm) = match profile {
-            PacketProfile::Legacy => (20, 1.0),
-            PacketProfile::Rng19Rfl8Sig16Nir16 | PacketProfile::Rng19Rfl8Sig16Nir16Dual => (19, 1.0),
-            PacketProfile::Rng15Rfl8Nir8 => (15, 8.0),
-        };
-        let within = |range: u32| if range < 1 << bits { range } else { 0 };
-        self.ranges.clear();
-        self.ranges.extend(column.ranges.iter().map(|range| within(head.told(*range, step_mm))));
-        let told = |(range, intensity): (&f32, &f32)| {
-            if range.is_finite() { nearest(*intensity, f32::from(u16::MAX)) } else { 0 }
-        };
-        self.signals.clear();
-        self.signals.extend(column.ranges.iter().zip(column.intensities).map(told));
+        // Their number is known to the compiler where it is one of the usual ones.
+        match column.returns {
+            1 => self.write_returns(place, column, 1),
+            2 => self.write_returns(place, column, 2),
+            returns => self.write_returns(place, column, returns),
+        }
+    }
 
-        let place = &mut self.packet[place..][..self.layout.channel * head.lasers.len()];
-        let echoes = self.ranges.chunks_exact(returns).zip(self.signals.chunks_exact(returns));
+    #[expect(clippy::inline_always, reason = "so that the number of returns is a constant in it")]
+    #[inline(always)]
+    fn write_returns(&mut self, place: usize, column: &Column<'_>, returns: usize) {
+        let head = &self.head;
+        let length = self.layout.channel * LASERS;
+        let places = self.packet[place..].chunks_exact_mut(length).take(head.lasers.len() / LASERS);
+        let values = column.ranges.chunks_exact(LASERS * returns);
+        let values = values.zip(column.intensities.chunks_exact(LASERS * returns));
         let reflectivity = |signal: u32| signal.min(255);
-        match profile {
-            PacketProfile::Legacy | PacketProfile::Rng19Rfl8Sig16Nir16 => put(
-                place,
-                echoes.map(|(ranges, signals)| [ranges[0], reflectivity(signals[0]) | signals[0] << 16, 0]),
-            ),
-            PacketProfile::Rng19Rfl8Sig16Nir16Dual => put(
-                place,
-                echoes.map(|(ranges, signals)| {
-                    let echo = |number: usize| match (ranges.get(number), signals.get(number)) {
-                        (Some(range), Some(signal)) => (range | reflectivity(*signal) << 24, *signal),
-                        _ => (0, 0),
-                    };
-                    let ((first, first_signal), (second, second_signal)) = (echo(0), echo(1));
-                    [first, second, first_signal | second_signal << 16, 0]
-                }),
-            ),
-            PacketProfile::Rng15Rfl8Nir8 => {
-                put(place, echoes.map(|(ranges, signals)| [ranges[0] | reflectivity(signals[0]) << 16]));
+        for (place, (ranges, intensities)) in places.zip(values) {
+            let told = |number: usize, step_mm: f64, bits: u32| {
+                let (mut steps, mut signals) = ([0; LASERS], [0; LASERS]);
+                let ranges = ranges.chunks_exact(returns).map(|returns| returns[number]);
+                let intensities = intensities.chunks_exact(returns).map(|returns| returns[number]);
+                let places = steps.iter_mut().zip(&mut signals);
+                for ((steps, signal), (range, intensity)) in places.zip(ranges.zip(intensities)) {
+                    *steps = head.told(range, step_mm, bits);
+                    *signal = if range.is_finite() { nearest(intensity, f32::from(u16::MAX)) } else { 0 };
+                }
+                (steps, signals)
+            };
+            let echo = |(ranges, signals): &Told, laser: usize| (ranges[laser], signals[laser]);
+            match self.profile {
+                profile @ (PacketProfile::Legacy | PacketProfile::Rng19Rfl8Sig16Nir16) => {
+                    let only = told(0, 1.0, if profile == PacketProfile::Legacy { 20 } else { 19 });
+                    put(place, |laser| {
+                        let (range, signal) = echo(&only, laser);
+                        [range, reflectivity(signal) | signal << 16, 0]
+                    });
+                }
+                PacketProfile::Rng19Rfl8Sig16Nir16Dual => {
+                    let none = ([0; LASERS], [0; LASERS]);
+                    let echoes = [told(0, 1.0, 19), if returns > 1 { told(1, 1.0, 19) } else { none }];
+                    put(place, |laser| {
+                        let [(first, signal), (second, second_signal)] =
+                            [echo(&echoes[0], laser), echo(&echoes[1], laser)];
+                        [
+                            first | reflectivity(signal) << 24,
+                            second | reflectivity(second_signal) << 24,
+                            signal | second_signal << 16,
+                            0,
+                        ]
+                    });
+                }
+                PacketProfile::Rng15Rfl8Nir8 => {
+                    let only = told(0, 8.0, 15);
+                    put(place, |laser| {
+                        let (range, signal) = echo(&only, laser);
+                        [range | reflectivity(signal) << 16]
+                    });
+                }
             }
         }
     }
@@ -152,7 +181,7 @@ impl Ouster {
         text[4..7].copy_from_slice(&INITIALIZATION.to_le_bytes()[..3]);
         text[7..12].copy_from_slice(&SERIAL.to_le_bytes()[..5]);
         let checked = length - size_of::<u64>();
-        let sum = CRC.checksum(&self.packet[..checked]);
+        let sum = checksum(&self.packet[..checked]);
         self.packet[checked..].copy_from_slice(&sum.to_le_bytes());
     }
 }

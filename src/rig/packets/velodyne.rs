@@ -7,8 +7,9 @@
 //! firings: the first has the last returns, the second the strongest, or the second strongest where that is the last;
 //! where there is but one return, both have it.
 
-use super::{Column, Protocol, nearest};
+use super::{Column, Protocol};
 use crate::description::model;
+use crate::rig::whole::nearest;
 use belvedere_sensors::scanner::Returns;
 
 /// Bytes of a packet.
@@ -55,9 +56,6 @@ struct Velodyne {
     /// Blocks of the same firings.
     returns: usize,
     begun_ns: u64,
-    /// Of the column that is put in: each return of each laser, 0 for none.
-    distances: Vec<u16>,
-    reflectivities: Vec<u8>,
 }
 
 /// Those of a lidar; none if its packets are not known.
@@ -72,44 +70,56 @@ pub(super) fn of(lidar: &model::Lidar) -> Option<Box<dyn Protocol>> {
     };
     let mut packet = [0; LEN];
     packet[1204..].copy_from_slice(&[mode, model.product]);
-    let (distances, reflectivities) = (Vec::new(), Vec::new());
-    Some(Box::new(Velodyne { packet, model, filled: 0, returns, begun_ns: 0, distances, reflectivities }))
+    Some(Box::new(Velodyne { packet, model, filled: 0, returns, begun_ns: 0 }))
+}
+
+/// A return's distance and, in the third byte, reflectivity; 0 for none, and of what is farther than can be told.
+#[inline]
+fn echo(range_m: f32, intensity: f32, step_m: f32) -> u32 {
+    let farthest = f32::from(u16::MAX);
+    let steps = range_m / step_m;
+    let distance = nearest(if steps <= farthest { steps } else { 0.0 }, farthest);
+    if distance == 0 { 0 } else { distance | nearest(intensity, 255.0) << 16 }
+}
+
+/// Puts the echoes of four lasers into their twelve bytes.
+#[inline]
+fn put(place: &mut [u8; 12], [a, b, c, d]: [u32; 4]) {
+    let words = [a | b << 24, b >> 8 | c << 16, c >> 16 | d << 8].map(u32::to_le_bytes);
+    place.copy_from_slice(words.as_flattened());
 }
 
 impl Velodyne {
-    /// Puts a column's firings into their blocks, each return into those of its own.
-    fn write(&mut self, hundredths: u16, column: &Column<'_>) {
-        let (returns, step_m) = (self.returns, self.model.step_m);
-        self.distances.clear();
-        // What is farther than can be told is no return.
-        let farthest = f32::from(u16::MAX);
-        let told = |steps: f32| if steps <= farthest { nearest(steps, farthest) as u16 } else { 0 };
-        let distance = |range: &f32| told(range / step_m);
-        self.distances.extend(column.ranges.iter().map(distance));
-        self.reflectivities.clear();
-        self.reflectivities.extend(column.intensities.iter().map(|told| nearest(*told, 255.0) as u8));
-        let lasers = column.ranges.len() / returns;
-        let mut laser = 0;
-        while laser < lasers {
-            let (group, place) = ((self.filled + laser) / LASERS, (self.filled + laser) % LASERS);
-            let end = lasers.min(laser + LASERS - place);
-            let blocks = self.packet[group * returns * BLOCK..].chunks_exact_mut(BLOCK);
-            for (number, block) in blocks.take(returns).enumerate() {
+    /// Puts a column's firings into their blocks, each return into those of its own. The lasers of a block's part are so
+    /// many, and so are their returns: known to the compiler, they are all converted at once.
+    fn write<const PART: usize, const RETURNS: usize>(&mut self, hundredths: u16, column: &Column<'_>) {
+        let parts = column.ranges.chunks_exact(PART * RETURNS);
+        let banks = parts.len();
+        for (bank, ranges) in parts.enumerate() {
+            let mut echoes = [0; 2 * LASERS];
+            let values = ranges.iter().zip(&column.intensities[bank * PART * RETURNS..][..PART * RETURNS]);
+            for (told, (range, intensity)) in echoes.iter_mut().zip(values) {
+                *told = echo(*range, *intensity, self.model.step_m);
+            }
+            let (group, place) = (self.filled / LASERS, self.filled % LASERS);
+            for number in 0..RETURNS {
+                let block = &mut self.packet[(group * RETURNS + number) * BLOCK..][..BLOCK];
                 if place == 0 {
-                    let bank = BANKS[group % lasers.div_ceil(LASERS)];
-                    block[..2].copy_from_slice(&bank.to_le_bytes());
+                    block[..2].copy_from_slice(&BANKS[group % banks].to_le_bytes());
                     block[2..4].copy_from_slice(&hundredths.to_le_bytes());
                 }
-                for (place, laser) in block[4 + 3 * place..].chunks_exact_mut(3).zip(laser..end) {
-                    let echo = laser * returns + number;
-                    let echo = if number > 0 && self.distances[echo] == 0 { laser * returns } else { echo };
-                    let distance = self.distances[echo];
-                    let reflectivity = if distance == 0 { 0 } else { self.reflectivities[echo] };
-                    let [low, high] = distance.to_le_bytes();
-                    place.copy_from_slice(&[low, high, reflectivity]);
+                let places = block[4 + 3 * place..][..3 * PART].as_chunks_mut().0;
+                for (place, echoes) in places.iter_mut().zip(echoes.chunks_exact(4 * RETURNS)) {
+                    // The only return of a firing is in both blocks.
+                    let told =
+                        |laser: usize| match (echoes[laser * RETURNS], echoes[laser * RETURNS + number]) {
+                            (only, 0) => only,
+                            (_, echo) => echo,
+                        };
+                    put(place, [told(0), told(1), told(2), told(3)]);
                 }
             }
-            laser = end;
+            self.filled += PART;
         }
     }
 }
@@ -127,9 +137,13 @@ impl Protocol for Velodyne {
         if self.filled == 0 {
             self.begun_ns = column.time_ns + self.model.ahead_ns;
         }
-        let hundredths = (column.turned * 36_000.0).round().rem_euclid(36_000.0) as u16;
-        self.write(hundredths, column);
-        self.filled += column.ranges.len() / self.returns;
+        let hundredths = ((column.turned * 36_000.0 + 0.5) as u32 % 36_000) as u16;
+        match (column.ranges.len() / self.returns < LASERS, self.returns) {
+            (true, 1) => self.write::<16, 1>(hundredths, column),
+            (true, _) => self.write::<16, 2>(hundredths, column),
+            (false, 1) => self.write::<LASERS, 1>(hundredths, column),
+            (false, _) => self.write::<LASERS, 2>(hundredths, column),
+        }
         if self.filled < if self.returns == 1 { self.model.firings } else { self.model.pairs } {
             return None;
         }

@@ -48,9 +48,27 @@ pub(super) struct Scan<'a> {
 
 impl Scan<'_> {
     /// Whether a return is of something that is to be shown.
-    fn is_point(&self, echo: usize) -> bool {
-        !self.found.points[echo][0].is_nan()
-            && f64::from(self.found.intensities[echo]) >= self.layout.min_intensity
+    #[inline]
+    fn is_point(&self, point: &[f32; 3], intensity: f32) -> bool {
+        !point[0].is_nan() & (f64::from(intensity) >= self.layout.min_intensity)
+    }
+
+    /// How many of its returns are.
+    fn points(&self) -> usize {
+        let echoes = self.firings * self.returns;
+        let returns = self.found.points[..echoes].iter().zip(&self.found.intensities[..echoes]);
+        returns.filter(|(point, intensity)| self.is_point(point, **intensity)).count()
+    }
+
+    /// Each firing's time, laser, and points with intensities.
+    fn firings(&self) -> impl Iterator<Item = (f64, u32, &[[f32; 3]], &[f32])> {
+        let found = self.found;
+        let returns =
+            found.points.chunks_exact(self.returns).zip(found.intensities.chunks_exact(self.returns));
+        let firings = found.times[..self.firings].iter().zip(&found.lasers).zip(returns);
+        firings.map(|((time, laser), (points, intensities))| {
+            (if self.taken_s.is_some() { *time } else { 0.0 }, *laser, points, intensities)
+        })
     }
 
     /// When it began.
@@ -61,6 +79,31 @@ impl Scan<'_> {
     /// When a firing was, in seconds after the beginning.
     fn time_s(&self, firing: usize) -> f64 {
         if self.taken_s.is_some() { self.found.times[firing] } else { 0.0 }
+    }
+}
+
+/// Places of the points that are shown, one after the other: what is written to one is kept, or written over by the next.
+/// So nothing depends on whether a return is shown but where the next one goes, which costs less than a branch.
+struct Places<'a> {
+    bytes: &'a mut [u8],
+    at: usize,
+}
+
+impl<'a> Places<'a> {
+    fn of(bytes: &'a mut [u8]) -> Self {
+        Self { bytes, at: 0 }
+    }
+
+    /// The next; none when all are kept.
+    #[inline]
+    fn next<const STEP: usize>(&mut self) -> Option<&mut [u8; STEP]> {
+        self.bytes.get_mut(self.at..)?.first_chunk_mut()
+    }
+
+    /// Keeps what is there, or not.
+    #[inline]
+    fn keep<const STEP: usize>(&mut self, is_kept: bool) {
+        self.at += if is_kept { STEP } else { 0 };
     }
 }
 

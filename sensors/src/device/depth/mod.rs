@@ -102,6 +102,15 @@ impl DepthModel {
         self
     }
 
+    /// The same with its projector switched off, whose pattern then adds nothing to the contrast of what is seen; none if
+    /// it cannot measure without.
+    #[must_use]
+    pub fn without_projector(mut self) -> Option<Self> {
+        let matching = self.matching?;
+        self.matching = Some(Matching { projector: 0.0, ..matching });
+        Some(self)
+    }
+
     /// Sets the noise of a depth.
     #[must_use]
     pub fn noise(mut self, noise: impl Into<DepthNoise>) -> Self {

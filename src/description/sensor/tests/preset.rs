@@ -76,6 +76,12 @@ fn what_is_wrong_with_a_preset_is_said() {
         sensor.is_none() && problems[0].contains("no valid depth: a kinect_v1 measures 0.8 to 4 m"),
         "{problems:?}"
     );
+    let dark = problem("<projector>false</projector><preset>xtion</preset>");
+    assert!(
+        dark.contains("<projector> of sensor 's' is off, and a xtion measures by its light")
+            && dark.contains("choose one of d415, d435, d455"),
+        "{dark}"
+    );
     // Sensors of other kinds are no devices of this list.
     let (_, problems) =
         parse(&format!("<sensor name='c' type='camera'>{}</sensor>", ours("<preset>kinect_v1</preset>")));

@@ -1,7 +1,7 @@
 //! Packets of an Ouster's inertial unit, little-endian, in the layouts of `udp_profile_imu`: `LEGACY`, a sample of 48 bytes;
 //! `ACCEL32_GYRO32_NMEA`, eight samples in 452 bytes (as ouster-sdk 1.0.1 reads them).
 
-use super::{CRC, IMU_PORT, INITIALIZATION, SERIAL};
+use super::{IMU_PORT, INITIALIZATION, SERIAL, checksum};
 use crate::description::model::ImuProfile;
 use crate::rig::packets::{PacketSink, PacketTarget};
 use belvedere_sensors::imu::InertialReading;
@@ -105,7 +105,7 @@ impl ImuPackets {
             return false;
         }
         self.packet.resize(BEFORE + SAMPLES * SAMPLE + AFTER - size_of::<u64>(), 0);
-        let sum = CRC.checksum(&self.packet);
+        let sum = checksum(&self.packet);
         self.packet.extend(sum.to_le_bytes());
         true
     }

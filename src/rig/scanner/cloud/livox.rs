@@ -1,8 +1,9 @@
 //! The cloud of Livox's drivers: x, y, z, intensity, tag, line, timestamp. It is stamped with the beginning of the scan.
 
-use super::{CloudForm, Scan};
+use super::{CloudForm, Places, Scan};
 use crate::rig::outlet::Outlet;
 use crate::rig::sink::Frame;
+use crate::rig::whole::rounded;
 use belvedere_bridge::Encoding;
 use belvedere_sensors::scanner::Intensity;
 
@@ -36,21 +37,24 @@ impl CloudForm for LivoxCloud {
     }
 
     fn write(&self, scan: &Scan<'_>, _: usize, outlet: &Outlet) -> Option<Frame> {
-        let Scan { found, firings, returns, .. } = *scan;
-        let shown = || (0..firings * returns).filter(|&echo| scan.is_point(echo));
-        let count = shown().count();
+        let count = scan.points();
         let mut frame = outlet.loan(count * POINT_STEP)?;
         let header = frame.header_mut();
         header.set_packed(count as u32, 1);
         header.stamp_ns = scan.begin_ns();
-        for (place, echo) in frame.payload_mut().chunks_exact_mut(POINT_STEP).zip(shown()) {
-            let (firing, number) = (echo / returns, echo % returns);
-            let time_ns = scan.begin_ns() as f64 + (scan.time_s(firing) * 1e9).round();
-            place[..12].copy_from_slice(bytemuck::bytes_of(&found.points[echo].map(f32::to_le_bytes)));
-            place[12..16].copy_from_slice(&self.told(found.intensities[echo]).to_le_bytes());
-            place[16] = (number.min(3) << RETURN_BIT) as u8;
-            place[17] = found.lasers[firing] as u8;
-            place[18..].copy_from_slice(&time_ns.to_le_bytes());
+        let begin_ns = header.stamp_ns as f64;
+        let mut places = Places::of(frame.payload_mut());
+        for (time_s, laser, points, intensities) in scan.firings() {
+            let time_ns = begin_ns + rounded(time_s * 1e9);
+            for (number, (point, intensity)) in points.iter().zip(intensities).enumerate() {
+                let Some(place) = places.next::<POINT_STEP>() else { return Some(frame) };
+                place[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
+                place[12..16].copy_from_slice(&self.told(*intensity).to_le_bytes());
+                place[16] = (number.min(3) << RETURN_BIT) as u8;
+                place[17] = laser as u8;
+                place[18..].copy_from_slice(&time_ns.to_le_bytes());
+                places.keep::<POINT_STEP>(scan.is_point(point, *intensity));
+            }
         }
         Some(frame)
     }

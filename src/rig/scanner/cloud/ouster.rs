@@ -5,10 +5,13 @@ use super::{CloudForm, Scan};
 use crate::rig::ouster::OusterHead;
 use crate::rig::outlet::Outlet;
 use crate::rig::sink::Frame;
+use crate::rig::whole::{nearest, nearest_below};
 use belvedere_bridge::Encoding;
 use belvedere_sensors::scanner::presets::Preset;
 
 const POINT_STEP: usize = 48;
+/// Rows that are written at once: what was found lies by columns, and a line of the cache has several rows of it.
+const TILE: usize = 8;
 
 pub(super) struct OusterCloud {
     head: OusterHead,
@@ -42,24 +45,31 @@ impl CloudForm for OusterCloud {
         let header = frame.header_mut();
         header.set_packed(columns as u32, rows as u32);
         header.stamp_ns = scan.begin_ns();
-        let rows_of_points = frame.payload_mut().chunks_exact_mut(POINT_STEP * columns);
-        for ((row, &shift), points) in self.shifts.iter().enumerate().zip(rows_of_points) {
-            for (at, place) in points.chunks_exact_mut(POINT_STEP).enumerate() {
-                let firing = (at + columns - shift) % columns * rows + row;
-                let echo = firing * scan.returns + stream;
-                let is_point = scan.is_point(echo);
-                let point = if is_point { found.points[echo] } else { [f32::NAN; 3] };
-                let intensity = found.intensities[echo];
-                let time_ns = (scan.time_s(firing) * 1e9).round() as u32;
-                let range = if is_point { self.head.told(found.ranges[echo], 1.0) } else { 0 };
-                let mut bytes = [0; POINT_STEP];
-                bytes[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
-                bytes[16..20].copy_from_slice(&intensity.to_le_bytes());
-                bytes[20..24].copy_from_slice(&time_ns.to_le_bytes());
-                bytes[24..26].copy_from_slice(&u16::from(intensity.round() as u8).to_le_bytes());
-                bytes[26..28].copy_from_slice(&(row as u16).to_le_bytes());
-                bytes[32..36].copy_from_slice(&range.to_le_bytes());
-                place.copy_from_slice(&bytes);
+        let (all, _) = frame.payload_mut().as_chunks_mut::<POINT_STEP>();
+        for (tile, shifts) in self.shifts.chunks(TILE).enumerate() {
+            let (first, points) = (tile * TILE, &mut all[tile * TILE * columns..]);
+            for column in 0..columns {
+                for (row, shift) in shifts.iter().enumerate() {
+                    let firing = column * rows + first + row;
+                    let echo = firing * scan.returns + stream;
+                    let (point, intensity) = (found.points[echo], found.intensities[echo]);
+                    let is_point = scan.is_point(&point, intensity);
+                    let point = if is_point { point } else { [f32::NAN; 3] };
+                    let time_ns = nearest_below(scan.time_s(firing) * 1e9, f64::from(u32::MAX));
+                    let range = if is_point { self.head.told(found.ranges[echo], 1.0, 32) } else { 0 };
+                    let reflectivity = nearest(intensity, 255.0) as u16;
+                    // It looks to where the head does so many columns later.
+                    let at = column + shift;
+                    let at = if at < columns { at } else { at - columns };
+                    let bytes = &mut points[row * columns + at];
+                    *bytes = [0; POINT_STEP];
+                    bytes[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
+                    bytes[16..20].copy_from_slice(&intensity.to_le_bytes());
+                    bytes[20..24].copy_from_slice(&time_ns.to_le_bytes());
+                    bytes[24..26].copy_from_slice(&reflectivity.to_le_bytes());
+                    bytes[26..28].copy_from_slice(&((first + row) as u16).to_le_bytes());
+                    bytes[32..36].copy_from_slice(&range.to_le_bytes());
+                }
             }
         }
         Some(frame)

@@ -1,6 +1,6 @@
 //! The cloud of Velodyne's driver: x, y, z, intensity, ring, time. It is stamped with the end of the scan.
 
-use super::{CloudForm, Scan};
+use super::{CloudForm, Places, Scan};
 use crate::rig::outlet::Outlet;
 use crate::rig::sink::Frame;
 use belvedere_bridge::Encoding;
@@ -28,46 +28,58 @@ impl CloudForm for VelodyneCloud {
     }
 
     fn write(&self, scan: &Scan<'_>, _: usize, outlet: &Outlet) -> Option<Frame> {
-        let Scan { found, firings, returns, .. } = *scan;
-        let (is_organized, in_row) = (scan.layout.is_organized, self.in_row);
-        let echoes = firings * returns;
-        let shown =
-            if is_organized { echoes } else { (0..echoes).filter(|&echo| scan.is_point(echo)).count() };
-        let mut frame = outlet.loan(shown * POINT_STEP)?;
+        if scan.layout.is_organized { self.write_all(scan, outlet) } else { self.write_shown(scan, outlet) }
+    }
+}
+
+/// Puts a return into its place.
+#[inline]
+fn put(place: &mut [u8; POINT_STEP], point: [f32; 3], intensity: f32, ring: u16, before_s: f64) {
+    place[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
+    place[12..16].copy_from_slice(&intensity.to_le_bytes());
+    place[16..18].copy_from_slice(&ring.to_le_bytes());
+    place[18..].copy_from_slice(&(before_s as f32).to_le_bytes());
+}
+
+impl VelodyneCloud {
+    /// What is shown alone, the returns of a firing together.
+    fn write_shown(&self, scan: &Scan<'_>, outlet: &Outlet) -> Option<Frame> {
+        let count = scan.points();
+        let mut frame = outlet.loan(count * POINT_STEP)?;
         let header = frame.header_mut();
-        if is_organized {
-            header.set_packed(in_row as u32, (echoes / in_row) as u32);
-        } else {
-            header.set_packed(shown as u32, 1);
-        }
+        header.set_packed(count as u32, 1);
         header.stamp_ns = scan.stamp_ns;
         let end_s = scan.taken_s.unwrap_or(0.0);
-        let put = |place: &mut [u8; POINT_STEP], firing: usize, number: usize| {
-            let echo = firing * returns + number;
-            let is_point = scan.is_point(echo);
-            if !is_point && !is_organized {
-                return false;
+        let mut places = Places::of(frame.payload_mut());
+        for (time_s, laser, points, intensities) in scan.firings() {
+            let ring = self.rings[laser as usize];
+            for (point, intensity) in points.iter().zip(intensities) {
+                let Some(place) = places.next() else { return Some(frame) };
+                put(place, *point, *intensity, ring, time_s - end_s);
+                places.keep::<POINT_STEP>(scan.is_point(point, *intensity));
             }
-            let point = if is_point { found.points[echo] } else { [f32::NAN; 3] };
-            let ring = self.rings[found.lasers[firing] as usize];
-            place[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
-            place[12..16].copy_from_slice(&found.intensities[echo].to_le_bytes());
-            place[16..18].copy_from_slice(&ring.to_le_bytes());
-            place[18..].copy_from_slice(&((scan.time_s(firing) - end_s) as f32).to_le_bytes());
-            true
-        };
-        let mut places = frame.payload_mut().as_chunks_mut().0.iter_mut();
-        // An organized cloud has a row of first returns, then one of the second; another has those of a firing together.
-        let rows = if is_organized { in_row } else { 1 };
-        let mut next = places.next();
-        for first in (0..firings).step_by(rows) {
-            for number in 0..returns {
-                for firing in first..firings.min(first + rows) {
-                    let Some(place) = &mut next else { return Some(frame) };
-                    if put(place, firing, number) {
-                        next = places.next();
-                    }
-                }
+        }
+        Some(frame)
+    }
+
+    /// All returns: a row of first ones, then one of the second.
+    fn write_all(&self, scan: &Scan<'_>, outlet: &Outlet) -> Option<Frame> {
+        let Scan { found, firings, returns, .. } = *scan;
+        let in_row = self.in_row;
+        let mut frame = outlet.loan(firings * returns * POINT_STEP)?;
+        let header = frame.header_mut();
+        header.set_packed(in_row as u32, (firings * returns / in_row) as u32);
+        header.stamp_ns = scan.stamp_ns;
+        let end_s = scan.taken_s.unwrap_or(0.0);
+        let rows = frame.payload_mut().chunks_exact_mut(in_row * POINT_STEP);
+        for (number, row) in rows.enumerate() {
+            let (first, number) = (number / returns * in_row, number % returns);
+            for (place, firing) in row.as_chunks_mut().0.iter_mut().zip(first..) {
+                let echo = firing * returns + number;
+                let (point, intensity) = (found.points[echo], found.intensities[echo]);
+                let point = if scan.is_point(&point, intensity) { point } else { [f32::NAN; 3] };
+                let ring = self.rings[found.lasers[firing] as usize];
+                put(place, point, intensity, ring, scan.time_s(firing) - end_s);
             }
         }
         Some(frame)

@@ -42,7 +42,10 @@ impl Loader<'_> {
             self.diagnostics.warning(&element.source, what, "rename one");
             // Files that Gazebo saved have such links. Joints and frames mean the first.
             let is_free = |name: &String| parts.links.iter().all(|link| link.name != *name);
-            let Some(free) = (1..).map(|number| format!("{name}_{number}")).find(is_free) else { return };
+            let Some(free) = (1..=parts.links.len()).map(|number| format!("{name}_{number}")).find(is_free)
+            else {
+                return;
+            };
             name = free;
             let pose = self.pose(element, scope.version);
             frames.add(&name, &pose, None);

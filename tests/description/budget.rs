@@ -4,6 +4,7 @@ use crate::sdf::Folder;
 use belvedere::description::package::PackagePath;
 use belvedere::description::robot::{LoadOptions, load_robot};
 use belvedere::description::{Diagnostics, Rules};
+use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 /// Loads a robot and gives its errors.
@@ -103,4 +104,22 @@ fn sdf_includes_that_fan_out() {
     let (_, problems) = folder.load("1.6", "<include><uri>model://m0</uri></include>", false);
     assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
     assert!(problems[0].to_string().contains("more than 500000 elements"), "{}", problems[0]);
+}
+
+#[test]
+fn a_name_that_comes_ten_thousand_times() {
+    const COUNT: usize = 10_000;
+    let start = Instant::now();
+    let links = "<link name='l'/>".repeat(COUNT);
+    let model = |links: &str| format!("<model name='m'><static>true</static>{links}</model>");
+    for content in [model(&links), model("<link name='l'/>").repeat(COUNT)] {
+        let (world, problems) = Folder::new().load("1.6", &content, true);
+        let world = world.unwrap();
+        let names: HashSet<&str> = match &world.models[..] {
+            [model] => model.links.iter().map(|link| link.name.as_str()).collect(),
+            models => models.iter().map(|model| model.name.as_str()).collect(),
+        };
+        assert_eq!((names.len(), problems.len()), (COUNT, COUNT - 1));
+    }
+    assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
 }

@@ -127,7 +127,7 @@ fn what_gazebo_goes_on_with_goes_on_in_its_mode() {
         <link name='door'><pose>2 0 0 0 0 0</pose></link></model>";
     let (world, said) = load(twice);
     let at = world.models[0].links.iter().map(|l| (l.name.as_str(), l.model_from_link.translation().x));
-    assert_eq!(at.collect::<Vec<_>>(), [("door", 1.0), ("door_1", 2.0)]);
+    assert_eq!(at.collect::<Vec<_>>(), [("door", 1.0), ("door_0", 2.0)]);
     assert!(said.contains("two links of this model are called 'door'"), "{said}");
     // Models of plugins alone.
     let (world, said) =

@@ -2,6 +2,7 @@
 
 use super::frames::Frames;
 use super::model::Parts;
+use super::names::Again;
 use super::{Loader, Scope, name_of};
 use crate::description::fiducial::fiducials;
 use crate::description::inertia;
@@ -32,8 +33,8 @@ impl Loader<'_> {
             self.diagnostics.error(&element.source, "<link> has no name", "write <link name=\"…\">");
             return;
         }
-        if let Some(first) = parts.links.iter().find(|link| link.name == name) {
-            let first = first.source.clone();
+        if let Err(Again { first, unique }) = parts.link_names.take(&name, parts.links.len()) {
+            let first = &parts.links[first].source;
             let what = format!("two links of this model are called '{name}' (the first at {first})");
             if !self.rules.gazebo_compat {
                 self.diagnostics.error(&element.source, what, "rename one");
@@ -41,12 +42,7 @@ impl Loader<'_> {
             }
             self.diagnostics.warning(&element.source, what, "rename one");
             // Files that Gazebo saved have such links. Joints and frames mean the first.
-            let is_free = |name: &String| parts.links.iter().all(|link| link.name != *name);
-            let Some(free) = (1..=parts.links.len()).map(|number| format!("{name}_{number}")).find(is_free)
-            else {
-                return;
-            };
-            name = free;
+            name = unique;
             let pose = self.pose(element, scope.version);
             frames.add(&name, &pose, None);
         }

@@ -25,6 +25,7 @@ mod light;
 mod link;
 mod material;
 mod model;
+mod names;
 mod nested;
 mod polyline;
 mod resources;

@@ -2,6 +2,7 @@
 //! `inner::name`, as Gazebo calls them.
 
 use super::frames::{Frames, WrittenPose};
+use super::names::Names;
 use super::resources::Resolved;
 use super::{Loader, Scope, Version, canonical, name_of, resources};
 use crate::description::diagnostics::Source;
@@ -37,6 +38,8 @@ const A_FILE: usize = 20;
 #[derive(Default)]
 pub(super) struct Parts {
     pub(super) links: Vec<Link>,
+    /// Of its own links.
+    pub(super) link_names: Names,
     pub(super) joints: Vec<Joint>,
     pub(super) sensors: Vec<Sensor>,
     pub(super) plugins: Vec<ModelPlugin>,
@@ -61,7 +64,8 @@ impl Loader<'_> {
             return None;
         }
         let is_static = child_bool(element, "static", self.diagnostics).unwrap_or(false);
-        let (mut nested, mut parts) = (Vec::new(), Parts::default());
+        let link_names = Names::of(element.elements_named("link").map(name_of));
+        let (mut nested, mut parts) = (Vec::new(), Parts { link_names, ..Parts::default() });
         for child in element.elements() {
             match child.name.as_str() {
                 "model" => match self.model(child, scope) {

@@ -3,8 +3,8 @@
 use super::Loader;
 use super::frames::Frames;
 use super::model::{ParsedModel, Parts};
+use super::names::{Again, Names};
 use crate::description::model::Model;
-use std::collections::HashSet;
 
 impl ParsedModel {
     /// What the outer model calls a link or joint of this one.
@@ -17,25 +17,18 @@ impl ParsedModel {
 impl Loader<'_> {
     /// Two models of one name cannot be told apart: the later one gets a number.
     pub(super) fn make_names_unique(&mut self, models: &mut [ParsedModel]) {
-        let mut taken: HashSet<String> = HashSet::new();
-        let given: HashSet<String> = models.iter().map(|parsed| parsed.model.name.clone()).collect();
-        for Model { name, source, .. } in models.iter_mut().map(|parsed| &mut parsed.model) {
-            if taken.insert(name.clone()) {
-                continue;
+        let mut names = Names::of(models.iter().map(|parsed| parsed.model.name.clone()));
+        for (index, Model { name, source, .. }) in
+            models.iter_mut().map(|parsed| &mut parsed.model).enumerate()
+        {
+            if let Err(Again { unique, .. }) = names.take(name, index) {
+                self.diagnostics.warning(
+                    source,
+                    format!("two models are called '{name}': this one becomes '{unique}'"),
+                    "give each model or <include> its own <name>",
+                );
+                *name = unique;
             }
-            let numbered = (0..).map(|number| format!("{name}_{number}"));
-            let Some(unique) =
-                numbered.into_iter().find(|unique| !taken.contains(unique) && !given.contains(unique))
-            else {
-                continue;
-            };
-            self.diagnostics.warning(
-                source,
-                format!("two models are called '{name}': this one becomes '{unique}'"),
-                "give each model or <include> its own <name>",
-            );
-            taken.insert(unique.clone());
-            *name = unique;
         }
     }
 

@@ -33,11 +33,10 @@ impl Names {
 
     /// Takes a name for the thing of this index.
     pub(super) fn take(&mut self, name: &str, index: usize) -> Result<(), Again> {
-        let Some(Taken { first, mut next }) = self.taken.get(name) else {
+        let Some(&Taken { first, mut next }) = self.taken.get(name) else {
             self.taken.insert(name.to_owned(), Taken { first: index, next: 0 });
             return Ok(());
         };
-        let first = *first;
         let unique = loop {
             let numbered = format!("{name}_{next}");
             next += 1;

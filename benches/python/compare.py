@@ -22,6 +22,7 @@ import os
 import pathlib
 import statistics
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
@@ -648,11 +649,15 @@ def agreement(ours: Peer, theirs: Peer) -> float:
 
 
 def compare(
-    scene: Scene, size: tuple[int, int], channels: tuple[str, ...], threads: int, arguments: argparse.Namespace
-) -> dict[str, str]:
-    """Prints a row for each peer; returns those who are missing, and why."""
+    scene: Scene,
+    size: tuple[int, int],
+    channels: tuple[str, ...],
+    threads: int,
+    arguments: argparse.Namespace,
+    missing: dict[str, str],
+) -> str:
+    """Prints a row for each peer; returns one of all: Belvedere's rate, and how many times faster it is than each."""
     peers: dict[str, Peer] = {}
-    missing = {}
     for name, make in PEERS.items():
         if "rgb" in channels and name in ("open3d", "embreex", "mj_multiRay"):
             continue
@@ -663,7 +668,7 @@ def compare(
         except NotImplementedError:
             pass
         except Exception as error:  # whatever a peer's installation lacks
-            missing[f"{name}, {scene.name}"] = why(error)
+            missing[name if isinstance(error, ImportError) else f"{name}, {scene.name}"] = why(error)
     clock = time.process_time if threads == 1 else time.perf_counter
     rates: dict[str, list[float]] = {name: [] for name in peers}
     turns = dict.fromkeys(peers, 0)
@@ -672,20 +677,25 @@ def compare(
             each, turns[name] = rate(peer, turns[name], arguments.seconds / arguments.rounds, clock)
             rates[name].append(each)
     what = "RGB-D" if "rgb" in channels else "depth"
+    summary = dict.fromkeys(PEERS, "")
     for name, peer in peers.items():
         row = [scene.name, f"{what} {size[0]}x{size[1]}", str(threads), name]
         row.append(f"{statistics.median(rates[name]):,.{0 if rates[name][0] >= 100 else 1}f}")
+        summary[name] = row[-1]
         if name == "belvedere":
             row += ["", ""]
         else:
             ratios = sorted(ours / theirs for ours, theirs in zip(rates["belvedere"], rates[name], strict=True))
             row += [f"{statistics.median(ratios):.1f} ({ratios[0]:.1f} to {ratios[-1]:.1f})"]
+            if name != "belvedere, meshes":
+                middle = statistics.median(ratios)
+                summary[name] = f"{middle:.{1 if middle < 10 else 0}f}×"
             same = "belvedere" if name in WITH_SHAPES else "belvedere, meshes"
             row += [f"{agreement(peers.get(same, peers['belvedere']), peer):.1%}"]
         print(f"| {' | '.join(row)} |", flush=True)
     for peer in peers.values():
         peer.close()
-    return missing
+    return f"| {scene.name} | {what} {size[0]} × {size[1]} | {' | '.join(summary.values())} |"
 
 
 def why(error: Exception) -> str:
@@ -790,6 +800,7 @@ FRAMES = (
     ((64, 64), ("depth",)),
     ((128, 128), ("depth",)),
     ((640, 480), ("depth",)),
+    ((64, 64), ("depth", "rgb")),
     ((128, 128), ("depth", "rgb")),
 )
 
@@ -814,12 +825,17 @@ def main() -> None:
         "| scene | frame | threads | who | frames/s | belvedere is faster, times | same depth |\n"
         "|---|---|---|---|---:|---:|---:|"
     )
+    summaries: dict[int, list[str]] = defaultdict(list)
     for scene in scenes:
         if arguments.scene not in scene.name:
             continue
         for threads in (int(number) for number in arguments.threads.split(",")):
             for size, channels in FRAMES:
-                missing |= compare(scene, size, channels, threads, arguments)
+                summaries[threads] += [compare(scene, size, channels, threads, arguments, missing)]
+    for threads, rows in summaries.items():
+        print(f"\nthreads={threads}: Belvedere's frames a second, and how many times as fast as the others it is\n")
+        print(f"| scene | frame | {' | '.join(PEERS)} |\n|---|---|{'---:|' * len(PEERS)}")
+        print("\n".join(rows))
     overhead(scenes[0], arguments)
     memory()
     print()

@@ -1,20 +1,29 @@
 """Belvedere beside what a user would pick instead: the same scenes, poses and outputs, one run, ratios.
 
-    python benches/python/compare.py [--seconds 1.0] [--threads 1,2]
+    python benches/python/compare.py [--seconds 1.0] [--rounds 5] [--threads 1,2] [--scene WORD]
 
 Peers that are not installed are named and left out: open3d (or open3d-cpu), embreex with trimesh, mujoco, pybullet,
-pyrender.
-Rates are the median of some rounds in which everybody takes turns, so that whatever else the machine does meets all alike.
+pyrender. So are the scenes whose shapes are another package's: mjlab has the Unitree G1, dm_control a humanoid of
+capsules; MuJoCo reads both.
+
+Everybody takes turns, round after round. A rate is the median of the rounds, a ratio the median of their ratios, with
+the least and the greatest. Of one thread it is processor time that counts, of more it is wall time.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import importlib
+import importlib.util
 import math
+import multiprocessing
 import os
+import pathlib
 import statistics
 import time
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 # Before anything starts threads.
@@ -26,7 +35,10 @@ import numpy as np
 
 import belvedere as bv
 
-FOV = 1.2  # horizontal, radians
+#: Rays of a call, of those who take rays: enough that what a call costs does not show.
+RAYS_OF_A_CALL = 2**19
+#: Frames whose depths are compared.
+LOOKS = (0, 9, 18, 27)
 
 
 @dataclass
@@ -35,6 +47,7 @@ class Part:
 
     vertices: np.ndarray
     faces: np.ndarray
+    #: Its kind and its size, as MuJoCo writes them: radius and half a length, half edges. None for a mesh.
     shape: tuple[str, tuple[float, ...]] | None
     pose: np.ndarray
 
@@ -46,8 +59,33 @@ class Scene:
     name: str
     parts: list[Part]
     poses: np.ndarray = field(default_factory=lambda: np.zeros((0, 7)))
+    #: Of the cameras, horizontally, in radians.
+    fov: float = 1.2
     #: Belvedere's own, of shapes where there are shapes.
     world: bv.World = field(default_factory=bv.World)
+
+    def __post_init__(self) -> None:
+        self.world.add_light("directional", direction=(0.4, 0.2, -1), shadows=False)
+
+    def add(self, part: Part) -> None:
+        """Add a body, also to Belvedere's world: a shape if it is one."""
+        self.parts.append(part)
+        match part.shape:
+            case ("sphere", (radius,)):
+                self.world.add_sphere(radius, part.pose)
+            case ("capsule", (radius, half)):
+                self.world.add_capsule(radius, 2 * half, part.pose)
+            case ("box", half):
+                self.world.add_box(tuple(2 * edge for edge in half), part.pose)
+            case None:
+                self.world.add_mesh(part.vertices, part.faces, part.pose)
+
+    def of_meshes(self) -> Scene:
+        """The same without shapes, as those see it who know triangles alone."""
+        scene = Scene(self.name, self.parts, self.poses, self.fov)
+        for part in self.parts:
+            scene.world.add_mesh(part.vertices, part.faces, part.pose)
+        return scene
 
     @property
     def triangles(self) -> int:
@@ -92,6 +130,13 @@ def sphere(radius: float, around: int, down: int) -> tuple[np.ndarray, np.ndarra
     return np.concatenate(vertices) * radius, np.array(faces)
 
 
+def capsule(radius: float, half: float) -> tuple[np.ndarray, np.ndarray]:
+    """A capsule of triangles: a ball, cut through and drawn apart."""
+    vertices, faces = sphere(radius, 20, 11)
+    vertices[:, 2] += np.copysign(half, vertices[:, 2])
+    return vertices, faces
+
+
 def box(size: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]) * size
     faces = [
@@ -117,20 +162,17 @@ def pose(x: float, y: float, z: float) -> np.ndarray:
 
 def look_at(eye: np.ndarray, target: np.ndarray) -> np.ndarray:
     """A sensor's pose: +x to the target, z up."""
-    x = (target - eye) / np.linalg.norm(target - eye)
-    y = np.cross([0, 0, 1.0], x)
-    y /= np.linalg.norm(y)
-    m = np.stack([x, y, np.cross(x, y)], axis=1)
-    # The largest of the four parts first: any rotation.
-    w = math.sqrt(max(0.0, 1 + m[0, 0] + m[1, 1] + m[2, 2])) / 2
-    qx = math.copysign(math.sqrt(max(0.0, 1 + m[0, 0] - m[1, 1] - m[2, 2])) / 2, m[2, 1] - m[1, 2])
-    qy = math.copysign(math.sqrt(max(0.0, 1 - m[0, 0] + m[1, 1] - m[2, 2])) / 2, m[0, 2] - m[2, 0])
-    qz = math.copysign(math.sqrt(max(0.0, 1 - m[0, 0] - m[1, 1] + m[2, 2])) / 2, m[1, 0] - m[0, 1])
-    return np.array([*eye, qx, qy, qz, w])
+    ahead = target - eye
+    # Halves of the turn about z, and of that about y, which goes down.
+    yaw = math.atan2(ahead[1], ahead[0]) / 2
+    pitch = math.atan2(-ahead[2], math.hypot(ahead[0], ahead[1])) / 2
+    x, y = -math.sin(pitch) * math.sin(yaw), math.sin(pitch) * math.cos(yaw)
+    return np.array([*eye, x, y, math.cos(pitch) * math.sin(yaw), math.cos(pitch) * math.cos(yaw)])
 
 
 def around(target: tuple[float, float, float], radius: float, height: float, count: int = 32) -> np.ndarray:
-    angles = np.linspace(0, 2 * math.pi, count, endpoint=False)
+    # Who takes but a few of them has gone round as well.
+    angles = 2 * math.pi * (np.arange(count) * (math.sqrt(5) - 1) / 2 % 1)
     at = np.array(target)
     return np.stack([look_at(at + [radius * math.cos(a), radius * math.sin(a), height], at) for a in angles])
 
@@ -148,19 +190,20 @@ def balls() -> Scene:
             pose(0, 0, 0),
         )
     )
-    for index in range(40):
+    for _ in range(40):
         radius = random.uniform(0.15, 0.45)
         at = pose(*random.uniform(-3, 3, 2), radius)
-        scene.world.add_sphere(radius, at, name=f"ball{index}")
-        scene.parts.append(Part(*sphere(radius, 20, 11), ("sphere", (radius,)), at))
+        scene.add(Part(*sphere(radius, 20, 11), ("sphere", (radius,)), at))
     scene.poses = around((0, 0, 0.3), 4.0, 1.5)
     return scene
 
 
-def humanoid() -> Scene:
-    """A stand-in of a humanoid: 31 bodies of meshes over a height field. No shapes: meshes for everybody."""
-    random = np.random.default_rng(4)
-    scene = Scene("humanoid of 31 meshes over terrain", [])
+def terrain(name: str, random: np.random.Generator) -> Scene:
+    """A height field, for somebody to stand on.
+
+    Peers have it as a mesh, cut as Belvedere cuts its cells; MuJoCo's rays would take five times as long on a field.
+    """
+    scene = Scene(name, [])
     size, cells = 8.0, 64
     rows = np.linspace(-size / 2, size / 2, cells + 1)
     x, y = np.meshgrid(rows, rows[::-1])
@@ -171,20 +214,85 @@ def humanoid() -> Scene:
     for row in range(cells):
         for column in range(cells):
             a = row * (cells + 1) + column
-            # Cut as Belvedere cuts its cells.
             faces += [(a, a + cells + 1, a + 1), (a + 1, a + cells + 1, a + cells + 2)]
     scene.parts.append(Part(vertices, np.array(faces), None, pose(0, 0, 0)))
-    limbs = [((0, 0, 0.95), 0.14, 2.0), ((0, 0, 1.15), 0.15, 2.0), ((0, 0, 1.5), 0.11, 1.2)]
-    for side in (-1, 1):
-        limbs += [((0, side * 0.09, 0.85 - 0.11 * step), 0.07, 1.8) for step in range(7)]
-        limbs += [((0.05 * step, side * (0.2 + 0.01 * step), 1.25 - 0.09 * step), 0.05, 1.8) for step in range(7)]
-    for index, (at, radius, stretch) in enumerate(limbs):
-        points, triangles = sphere(radius, 48, 26)
-        points = points * (1 + 0.02 * random.normal(size=(len(points), 1))) * (1, 1, stretch * 0.6)
-        where = pose(*at)
-        scene.world.add_mesh(points, triangles, where, name=f"limb{index}")
-        scene.parts.append(Part(points, triangles, None, where))
     scene.poses = around((0, 0, 0.8), 2.5, 0.4)
+    return scene
+
+
+def limbs() -> list[tuple[tuple[float, float, float], float, float]]:
+    """A figure of 31 limbs: where they are, how thick, and how many times as long."""
+    made = [((0, 0, 0.95), 0.14, 1.2), ((0, 0, 1.15), 0.15, 1.2), ((0, 0, 1.5), 0.11, 0.72)]
+    for side in (-1, 1):
+        made += [((0, side * 0.09, 0.85 - 0.11 * step), 0.07, 1.08) for step in range(7)]
+        made += [((0.05 * step, side * (0.2 + 0.01 * step), 1.25 - 0.09 * step), 0.05, 1.08) for step in range(7)]
+    return made
+
+
+def mesh_figure() -> Scene:
+    """A stand-in of a humanoid that needs no package. No shapes: meshes for everybody."""
+    random = np.random.default_rng(4)
+    scene = terrain("figure of 31 meshes over terrain", random)
+    for at, radius, stretch in limbs():
+        points, triangles = sphere(radius, 48, 26)
+        points = points * (1 + 0.02 * random.normal(size=(len(points), 1))) * (1, 1, stretch)
+        scene.add(Part(points, triangles, None, pose(*at)))
+    return scene
+
+
+def capsule_figure() -> Scene:
+    """The same of capsules."""
+    scene = terrain("figure of 31 capsules over terrain", np.random.default_rng(4))
+    for at, radius, stretch in limbs():
+        size = (0.8 * radius, 0.5 * radius * stretch)
+        scene.add(Part(*capsule(*size), ("capsule", size), pose(*at)))
+    return scene
+
+
+def robot(package: str, file: str, group: int) -> Iterator[Part]:
+    """The bodies of a robot in a package, as MuJoCo reads it, in its first pose."""
+    import mujoco
+
+    found = importlib.util.find_spec(package)
+    if found is None or found.origin is None:
+        raise ModuleNotFoundError(f"No module named {package!r}")
+    model = mujoco.MjModel.from_xml_path(str(pathlib.Path(found.origin).parent / file))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    for index in np.flatnonzero(model.geom_group == group):
+        turn = np.zeros(4)
+        mujoco.mju_mat2Quat(turn, data.geom_xmat[index])
+        at = np.concatenate([data.geom_xpos[index], np.roll(turn, -1)])
+        size = model.geom_size[index].tolist()
+        match mujoco.mjtGeom(model.geom_type[index]):
+            case mujoco.mjtGeom.mjGEOM_SPHERE:
+                yield Part(*sphere(size[0], 20, 11), ("sphere", (size[0],)), at)
+            case mujoco.mjtGeom.mjGEOM_CAPSULE:
+                yield Part(*capsule(*size[:2]), ("capsule", tuple(size[:2])), at)
+            case mujoco.mjtGeom.mjGEOM_MESH:
+                mesh = model.geom_dataid[index]
+                first, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+                vertices = model.mesh_vert[first : first + model.mesh_vertnum[mesh]].astype(np.float64)
+                yield Part(vertices, model.mesh_face[face : face + model.mesh_facenum[mesh]].copy(), None, at)
+
+
+def unitree_g1() -> Scene:
+    """31 bodies, what is visual of them 35 meshes of 393,270 triangles.
+
+    Seen as the model's own camera sees it, the one of MuJoCo Warp's benchmark: 2.1 m away, at 45 degrees.
+    """
+    scene = terrain("Unitree G1 over terrain", np.random.default_rng(4))
+    for part in robot("mjlab", "asset_zoo/robots/unitree_g1/xmls/g1.xml", 2):
+        scene.add(part)
+    scene.poses, scene.fov = around((0, 0, 0.72), 2.07, 0.42), math.pi / 4
+    return scene
+
+
+def suite_humanoid() -> Scene:
+    """16 capsules and 3 balls; the figure of MuJoCo Warp's benchmark."""
+    scene = terrain("dm_control's humanoid over terrain", np.random.default_rng(4))
+    for part in robot("dm_control", "suite/humanoid.xml", 0):
+        scene.add(part)
     return scene
 
 
@@ -198,15 +306,14 @@ def room() -> Scene:
     for _ in range(24):
         size = random.uniform(0.2, 0.9, 3)
         boxes.append((tuple(size), (*random.uniform((-2.5, -2), (2.5, 2)), size[2] / 2)))
-    for index, (size, at) in enumerate(boxes):
-        scene.world.add_box(size, pose(*at), name=f"box{index}")
-        scene.parts.append(Part(*box(size), ("box", tuple(edge / 2 for edge in size)), pose(*at)))
+    for size, at in boxes:
+        scene.add(Part(*box(size), ("box", tuple(edge / 2 for edge in size)), pose(*at)))
     scene.poses = around((0, 0, 1.0), 1.2, 0.6)
     return scene
 
 
 def warehouse() -> Scene:
-    """One mesh of 100,000 triangles: shelves of boxes and drums."""
+    """One mesh: shelves of boxes and drums, from the aisles between them."""
     random = np.random.default_rng(6)
     points, triangles, first = [], [], 0
     for row in range(10):
@@ -221,15 +328,17 @@ def warehouse() -> Scene:
     points.append(ground[0])
     triangles.append(ground[1] + first)
     vertices, faces = np.concatenate(points), np.concatenate(triangles)
-    scene = Scene(f"warehouse of {len(faces):,} triangles", [Part(vertices, faces, None, pose(0, 0, 0))])
-    scene.world.add_mesh(vertices, faces, name="warehouse")
-    scene.poses = around((0, 0, 1.0), 6.0, 1.5)
+    scene = Scene(f"warehouse of {len(faces):,} triangles", [])
+    scene.add(Part(vertices, faces, None, pose(0, 0, 0)))
+    eyes = [np.array([index % 5 * 3.0 - 6, random.uniform(-12, 12), 1.6]) for index in range(32)]
+    ways = [np.array([math.cos(angle), math.sin(angle), -0.1]) for angle in random.uniform(0, 2 * math.pi, 32)]
+    scene.poses = np.stack([look_at(eye, eye + way) for eye, way in zip(eyes, ways, strict=True)])
     return scene
 
 
 def rays_of(scene: Scene, width: int, height: int) -> list[np.ndarray]:
     """Rays (height·width, 6) of each pose; their directions are 1 long along the optical axis: t is the depth."""
-    focal = width / (2 * math.tan(FOV / 2))
+    focal = width / (2 * math.tan(scene.fov / 2))
     columns, rows = np.meshgrid(np.arange(width) - (width - 1) / 2, np.arange(height) - (height - 1) / 2)
     local = np.stack([np.ones_like(columns), -columns / focal, -rows / focal], axis=2).reshape(-1, 3)
     rays = []
@@ -240,43 +349,71 @@ def rays_of(scene: Scene, width: int, height: int) -> list[np.ndarray]:
     return rays
 
 
-#: Takes a number of frames; the first frame's depth, if it is one that can be compared.
-Take = Callable[[int], np.ndarray | None]
+@dataclass
+class Peer:
+    """Somebody who takes frames of a scene."""
+
+    #: Takes a call's frames, of the poses from this number on.
+    take: Callable[[int], object]
+    #: The depth of the frame at a pose.
+    depth: Callable[[int], np.ndarray]
+    #: Frames of a call.
+    batch: int = 1
+    #: Gives back what it holds.
+    close: Callable[[], object] = lambda: None
 
 
-def belvedere(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Take:
-    camera = bv.DepthCamera(width, height, fov=FOV)
+def belvedere(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Peer:
+    camera = bv.DepthCamera(width, height, fov=scene.fov)
     shape = (len(scene.poses), height, width)
     out = {"depth": np.empty(shape, np.float32)}
     if "rgb" in channels:
         out["rgb"] = np.empty((*shape, 3), np.uint8)
 
-    def take(count: int) -> np.ndarray:
-        for _ in range(0, count, len(scene.poses)):
-            camera.render(scene.world, scene.poses, out=out, threads=threads)
-        return out["depth"][0]
+    def take(_: int) -> None:
+        camera.render(scene.world, scene.poses, out=out, threads=threads)
 
-    return take
+    def depth(index: int) -> np.ndarray:
+        return camera.render(scene.world, scene.poses[index], threads=threads)["depth"]
+
+    return Peer(take, depth, len(scene.poses))
 
 
-def open3d(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Take:
+def belvedere_meshes(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Peer:
+    """Belvedere, made to see the triangles that peers see."""
+    if all(part.shape is None for part in scene.parts):
+        raise NotImplementedError("there are no shapes")
+    return belvedere(scene.of_meshes(), width, height, threads, channels)
+
+
+def batches_of_rays(scene: Scene, width: int, height: int) -> list[np.ndarray]:
+    """The rays of calls, one after the other, made beforehand: what is timed is what the tree does."""
+    rays = rays_of(scene, width, height)
+    frames = 1
+    while frames < len(rays) and 2 * frames * width * height <= RAYS_OF_A_CALL:
+        frames *= 2
+    return [np.concatenate(rays[first : first + frames]) for first in range(0, len(rays), frames)]
+
+
+def open3d(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Peer:
     import open3d as o3d
 
     ray_scene = o3d.t.geometry.RaycastingScene(nthreads=threads)
     vertices, faces = scene.soup()
     ray_scene.add_triangles(o3d.core.Tensor(vertices), o3d.core.Tensor(faces))
-    # Rays are made beforehand: what is timed is what the tree does.
-    rays = [o3d.core.Tensor(one.reshape(height, width, 6)) for one in rays_of(scene, width, height)]
+    rays = [o3d.core.Tensor(batch) for batch in batches_of_rays(scene, width, height)]
+    batch = len(scene.poses) // len(rays)
 
-    def take(count: int) -> np.ndarray:
-        for index in range(count):
-            hits = ray_scene.cast_rays(rays[index % len(rays)], nthreads=threads)
-        return ray_scene.cast_rays(rays[0], nthreads=threads)["t_hit"].numpy() if count else hits
+    def take(index: int):
+        return ray_scene.cast_rays(rays[index // batch % len(rays)], nthreads=threads)
 
-    return take
+    def depth(index: int) -> np.ndarray:
+        return take(index)["t_hit"].numpy().reshape(batch, height, width)[index % batch]
+
+    return Peer(take, depth, batch)
 
 
-def embreex(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Take:
+def embreex(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Peer:
     if threads != 1:
         raise NotImplementedError("one thread alone")
     from embreex import rtcore_scene
@@ -286,16 +423,18 @@ def embreex(scene: Scene, width: int, height: int, threads: int, channels: tuple
     embree = rtcore_scene.EmbreeScene()
     TriangleMesh(embree, vertices, faces.astype(np.int32))
     rays = [
-        (np.ascontiguousarray(one[:, :3]), np.ascontiguousarray(one[:, 3:]))
-        for one in rays_of(scene, width, height)
+        (np.ascontiguousarray(batch[:, :3]), np.ascontiguousarray(batch[:, 3:]))
+        for batch in batches_of_rays(scene, width, height)
     ]
+    batch = len(scene.poses) // len(rays)
 
-    def take(count: int) -> np.ndarray:
-        for index in range(count):
-            embree.run(*rays[index % len(rays)], query="DISTANCE")
-        return np.asarray(embree.run(*rays[0], query="DISTANCE")).reshape(height, width)
+    def take(index: int):
+        return embree.run(*rays[index // batch % len(rays)], query="DISTANCE")
 
-    return take
+    def depth(index: int) -> np.ndarray:
+        return np.asarray(take(index)).reshape(batch, height, width)[index % batch]
+
+    return Peer(take, depth, batch)
 
 
 def mujoco_model(scene: Scene, width: int, height: int):
@@ -303,7 +442,7 @@ def mujoco_model(scene: Scene, width: int, height: int):
 
     spec = mujoco.MjSpec()
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
-    spec.visual.global_.fovy = math.degrees(2 * math.atan(math.tan(FOV / 2) * height / width))
+    spec.visual.global_.fovy = math.degrees(2 * math.atan(math.tan(scene.fov / 2) * height / width))
     spec.visual.quality.offsamples = 0
     spec.visual.map.znear, spec.visual.map.zfar = 0.01, 50.0
     for index, part in enumerate(scene.parts):
@@ -311,13 +450,17 @@ def mujoco_model(scene: Scene, width: int, height: int):
         geom = body.add_geom(contype=0, conaffinity=0)
         if part.shape is None:
             spec.add_mesh(
-                name=f"mesh{index}", uservert=part.vertices.ravel().tolist(), userface=part.faces.ravel().tolist()
+                name=f"mesh{index}",
+                uservert=part.vertices.ravel().tolist(),
+                userface=part.faces.ravel().tolist(),
+                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
             )
             geom.type, geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"mesh{index}"
         else:
             kind, size = part.shape
             geom.type = {
                 "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
+                "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
                 "box": mujoco.mjtGeom.mjGEOM_BOX,
                 "plane": mujoco.mjtGeom.mjGEOM_PLANE,
             }[kind]
@@ -328,7 +471,7 @@ def mujoco_model(scene: Scene, width: int, height: int):
     return mujoco, model, data
 
 
-def mj_multi_ray(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Take:
+def mj_multi_ray(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Peer:
     if threads != 1:
         raise NotImplementedError("one thread alone")
     mujoco, model, data = mujoco_model(scene, width, height)
@@ -336,27 +479,27 @@ def mj_multi_ray(scene: Scene, width: int, height: int, threads: int, channels: 
     count = width * height
     ids, distances = np.zeros(count, np.int32), np.zeros(count)
     units = [
-        np.ascontiguousarray(one[:, 3:] / np.linalg.norm(one[:, 3:], axis=1, keepdims=True), dtype=np.float64)
+        np.ascontiguousarray(
+            one[:, 3:] / np.linalg.norm(one[:, 3:], axis=1, keepdims=True), dtype=np.float64
+        ).ravel()
         for one in rays
     ]
     lengths = np.linalg.norm(rays[0][:, 3:], axis=1)
 
-    def cast(index: int) -> None:
-        at = scene.poses[index % len(rays)][:3]
+    def take(index: int) -> None:
+        at = index % len(rays)
         mujoco.mj_multiRay(
-            model, data, at, units[index % len(rays)].ravel(), None, 1, -1, ids, distances, None, count, 100.0
+            model, data, scene.poses[at, :3], units[at], None, 1, -1, ids, distances, None, count, 100.0
         )
 
-    def take(frames: int) -> np.ndarray:
-        for index in range(frames):
-            cast(index)
-        cast(0)
+    def depth(index: int) -> np.ndarray:
+        take(index)
         return np.where(distances < 0, np.inf, distances / lengths).reshape(height, width)
 
-    return take
+    return Peer(take, depth)
 
 
-def mujoco_renderer(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Take:
+def mujoco_renderer(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Peer:
     if threads != 1:
         raise NotImplementedError("LP_NUM_THREADS=1")
     mujoco, model, data = mujoco_model(scene, width, height)
@@ -377,40 +520,43 @@ def mujoco_renderer(scene: Scene, width: int, height: int, threads: int, channel
         (renderer.enable_depth_rendering if depth else renderer.disable_depth_rendering)()
         return renderer.render()
 
-    def take(count: int) -> np.ndarray:
-        for index in range(count):
-            depth = draw(index, True)
-            if "rgb" in channels:
-                draw(index, False)
-        return draw(0, True) if count else depth
+    def take(index: int) -> None:
+        draw(index, True)
+        if "rgb" in channels:
+            draw(index, False)
 
-    return take
+    def depth(index: int) -> np.ndarray:
+        return draw(index, True)
+
+    return Peer(take, depth, close=renderer.close)
 
 
-def pybullet(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Take:
+def pybullet(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Peer:
     if threads != 1:
         raise NotImplementedError("one thread alone")
     import pybullet as p
 
     client = p.connect(p.DIRECT)
     for part in scene.parts:
-        shape = p.createVisualShape(
-            p.GEOM_MESH,
-            vertices=part.vertices.tolist(),
-            indices=part.faces.ravel().tolist(),
-            physicsClientId=client,
-        )
-        p.createMultiBody(0, -1, shape, part.pose[:3].tolist(), part.pose[3:].tolist(), physicsClientId=client)
+        vertices, at = part.vertices.tolist(), (part.pose[:3].tolist(), part.pose[3:].tolist())
+        # It takes no more indices at once.
+        for first in range(0, len(part.faces), 2**17):
+            faces = part.faces[first : first + 2**17].ravel().tolist()
+            shape = p.createVisualShape(p.GEOM_MESH, vertices=vertices, indices=faces, physicsClientId=client)
+            p.createMultiBody(0, -1, shape, *at, physicsClientId=client)
     near, far = 0.02, 100.0
-    fovy = math.degrees(2 * math.atan(math.tan(FOV / 2) * height / width))
-    projection = p.computeProjectionMatrixFOV(fovy, width / height, near, far)
+    fovy = math.degrees(2 * math.atan(math.tan(scene.fov / 2) * height / width))
+    projection = list(p.computeProjectionMatrixFOV(fovy, width / height, near, far))
+    # It draws what a pixel's corner sees; half a pixel on is the middle, which everybody else sees.
+    projection[8] += 1 / width
+    projection[9] += 1 / height
     views = []
     for at in scene.poses:
         axes = rotation(at[3:])
         views.append(p.computeViewMatrix(at[:3].tolist(), (at[:3] + axes[:, 0]).tolist(), axes[:, 2].tolist()))
 
-    def draw(index: int) -> np.ndarray:
-        got = p.getCameraImage(
+    def take(index: int):
+        return p.getCameraImage(
             width,
             height,
             views[index % len(views)],
@@ -419,35 +565,39 @@ def pybullet(scene: Scene, width: int, height: int, threads: int, channels: tupl
             renderer=p.ER_TINY_RENDERER,
             physicsClientId=client,
         )
-        return np.asarray(got[3]).reshape(height, width)
 
-    def take(count: int) -> np.ndarray:
-        for index in range(count):
-            draw(index)
-        z = draw(0)
+    def depth(index: int) -> np.ndarray:
+        z = np.asarray(take(index)[3]).reshape(height, width)
         return far * near / (far - (far - near) * z)
 
-    return take
+    return Peer(take, depth, close=lambda: p.disconnect(client))
 
 
-def pyrender(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Take:
+def pyrender(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Peer:
     if threads != 1:
         raise NotImplementedError("LP_NUM_THREADS=1")
+    import OpenGL.EGL
     import pyrender as pr
     import trimesh
 
+    # A renderer that goes would end the display, and MuJoCo draws on the same.
+    OpenGL.EGL.eglTerminate = lambda display: True
     drawn = pr.Scene(ambient_light=(0.4, 0.4, 0.4))
+    drawn.add(pr.DirectionalLight(intensity=3.0))
     for part in scene.parts:
         at = np.eye(4)
         at[:3, :3], at[:3, 3] = rotation(part.pose[3:]), part.pose[:3]
         drawn.add(pr.Mesh.from_trimesh(trimesh.Trimesh(part.vertices, part.faces, process=False)), pose=at)
-    node = drawn.add(pr.PerspectiveCamera(2 * math.atan(math.tan(FOV / 2) * height / width), znear=0.02, zfar=100))
+    focal = width / (2 * math.tan(scene.fov / 2))
+    # The depth of a pixel is that of the first of its four samples, which is not in the middle.
+    center = (width / 2 - 1 / 8, height / 2 + 3 / 8)
+    node = drawn.add(pr.IntrinsicsCamera(focal, focal, *center, znear=0.02, zfar=100))
     renderer = pr.OffscreenRenderer(width, height)
-    flags = 0 if "rgb" in channels else pr.RenderFlags.DEPTH_ONLY
+    flags = pr.RenderFlags.NONE if "rgb" in channels else pr.RenderFlags.DEPTH_ONLY
     # Looks along −z, y is up.
     turn = np.array([[0, 0, -1.0], [-1, 0, 0], [0, 1, 0]])
 
-    def draw(index: int) -> np.ndarray:
+    def take(index: int) -> np.ndarray:
         pose_of = np.eye(4)
         at = scene.poses[index % len(scene.poses)]
         pose_of[:3, :3], pose_of[:3, 3] = rotation(at[3:]) @ turn, at[:3]
@@ -455,17 +605,16 @@ def pyrender(scene: Scene, width: int, height: int, threads: int, channels: tupl
         got = renderer.render(drawn, flags)
         return got if flags else got[1]
 
-    def take(count: int) -> np.ndarray:
-        for index in range(count):
-            draw(index)
-        depth = draw(0)
-        return np.where(depth == 0, np.inf, depth)
+    def depth(index: int) -> np.ndarray:
+        got = take(index)
+        return np.where(got == 0, np.inf, got)
 
-    return take
+    return Peer(take, depth, close=renderer.delete)
 
 
 PEERS = {
     "belvedere": belvedere,
+    "belvedere, meshes": belvedere_meshes,
     "open3d": open3d,
     "embreex": embreex,
     "mj_multiRay": mj_multi_ray,
@@ -475,25 +624,28 @@ PEERS = {
 }
 
 
-def rate(take: Take, seconds: float) -> tuple[float, int]:
-    """Frames a second, and how many were taken."""
-    count, start = 32, time.perf_counter()
-    take(count)
-    first = time.perf_counter() - start
-    count = max(1, min(100_000, int(count * seconds / max(first, 1e-9))))
-    count = -(-count // 32) * 32 if count > 32 else count
-    start = time.perf_counter()
-    take(count)
-    # A frame more is taken to be looked at; Belvedere takes whole batches.
-    return count / (time.perf_counter() - start), count
+#: Who has shapes, as Belvedere has them.
+WITH_SHAPES = ("belvedere, meshes", "mj_multiRay", "mujoco.Renderer")
 
 
-def agreement(ours: np.ndarray, theirs: np.ndarray | None) -> str:
+def rate(peer: Peer, first: int, seconds: float, clock: Callable[[], float]) -> tuple[float, int]:
+    """Frames a second, and the number of the next one."""
+    index, start = first, clock()
+    while (past := clock() - start) < seconds:
+        peer.take(index)
+        index += peer.batch
+    return (index - first) / past, index
+
+
+def agreement(ours: Peer, theirs: Peer) -> float:
     """The share of pixels whose depths differ by less than 2 cm."""
-    if theirs is None or theirs.shape != ours.shape:
-        return "-"
-    near = np.isclose(np.where(ours > 30, 99, ours), np.where(theirs > 30, 99, theirs), atol=0.02)
-    return f"{near.mean():.0%}"
+    shares = []
+    for index in LOOKS:
+        one, other = (np.asarray(peer.depth(index), np.float64) for peer in (ours, theirs))
+        shares.append(
+            np.isclose(np.where(one > 30, 99, one), np.where(other > 30, 99, other), rtol=1e-5, atol=0.02)
+        )
+    return float(np.mean(shares))
 
 
 def compare(
@@ -501,84 +653,196 @@ def compare(
     size: tuple[int, int],
     channels: tuple[str, ...],
     threads: int,
-    seconds: float,
+    arguments: argparse.Namespace,
     missing: dict[str, str],
-) -> None:
-    takes: dict[str, Take] = {}
+) -> str:
+    """Prints a row for each peer; returns one of all: Belvedere's rate, and how many times faster it is than each."""
+    peers: dict[str, Peer] = {}
     for name, make in PEERS.items():
-        if name in missing or ("rgb" in channels and name in ("open3d", "embreex", "mj_multiRay")):
+        if "rgb" in channels and name in ("open3d", "embreex", "mj_multiRay"):
             continue
         try:
-            takes[name] = make(scene, *size, threads, channels)
-            takes[name](1)
+            peer = make(scene, *size, threads, channels)
+            peer.take(0)
+            peers[name] = peer
         except NotImplementedError:
-            takes.pop(name, None)
+            pass
         except Exception as error:  # whatever a peer's installation lacks
-            takes.pop(name, None)
-            missing[name] = f"{type(error).__name__}: {str(error).splitlines()[0][:100] if str(error) else ''}"
-    rates: dict[str, list[float]] = {name: [] for name in takes}
-    for _ in range(3):
-        for name, take in takes.items():
-            rates[name].append(rate(take, seconds / 3)[0])
-    ours = takes["belvedere"](1)
-    base = statistics.median(rates["belvedere"])
+            missing[name if isinstance(error, ImportError) else f"{name}, {scene.name}"] = why(error)
+    clock = time.process_time if threads == 1 else time.perf_counter
+    rates: dict[str, list[float]] = {name: [] for name in peers}
+    turns = dict.fromkeys(peers, 0)
+    for _ in range(arguments.rounds):
+        for name, peer in peers.items():
+            each, turns[name] = rate(peer, turns[name], arguments.seconds / arguments.rounds, clock)
+            rates[name].append(each)
     what = "RGB-D" if "rgb" in channels else "depth"
-    for name, take in takes.items():
-        own = statistics.median(rates[name])
-        ratio = "" if name == "belvedere" else f"{base / own:10.1f}x"
-        same = "" if name == "belvedere" else agreement(ours, take(1))
-        print(
-            f"| {scene.name} | {what} {size[0]}x{size[1]} | {threads} | {name} | {own:,.0f} | {ratio} | {same} |",
-            flush=True,
-        )
+    summary = dict.fromkeys(PEERS, "")
+    for name, peer in peers.items():
+        row = [scene.name, f"{what} {size[0]}x{size[1]}", str(threads), name]
+        row.append(f"{statistics.median(rates[name]):,.{0 if rates[name][0] >= 100 else 1}f}")
+        summary[name] = row[-1]
+        if name == "belvedere":
+            row += ["", ""]
+        else:
+            ratios = sorted(ours / theirs for ours, theirs in zip(rates["belvedere"], rates[name], strict=True))
+            row += [f"{statistics.median(ratios):.1f} ({ratios[0]:.1f} to {ratios[-1]:.1f})"]
+            if name != "belvedere, meshes":
+                middle = statistics.median(ratios)
+                summary[name] = f"{middle:.{1 if middle < 10 else 0}f}×"
+            same = "belvedere" if name in WITH_SHAPES else "belvedere, meshes"
+            row += [f"{agreement(peers.get(same, peers['belvedere']), peer):.1%}"]
+        print(f"| {' | '.join(row)} |", flush=True)
+    for peer in peers.values():
+        peer.close()
+    return f"| {scene.name} | {what} {size[0]} × {size[1]} | {' | '.join(summary.values())} |"
 
 
-def overhead(scene: Scene, seconds: float) -> None:
-    """What a call costs besides its frames: frames of 256 poses beside those of 4,096, one thread, 64x64."""
-    camera = bv.DepthCamera(64, 64, fov=FOV)
+def why(error: Exception) -> str:
+    return f"{type(error).__name__}: {str(error).splitlines()[0][:100] if str(error) else ''}"
 
-    def frames_a_second(count: int) -> float:
-        poses = np.resize(scene.poses, (count, 7))
-        out = {"depth": np.empty((count, 64, 64), np.float32)}
-        taken, start = 0, time.perf_counter()
-        while time.perf_counter() - start < seconds:
-            camera.render(scene.world, poses, out=out, threads=1)
-            taken += count
-        return taken / (time.perf_counter() - start)
 
-    for count in (1, 16, 256):
-        ratios = [frames_a_second(count) / frames_a_second(8192) for _ in range(3)]
-        print(
-            f"| calls of {count} frames beside calls of 8,192 | depth 64x64 | 1 | overhead | {1 - statistics.median(ratios):.1%} | | |"
-        )
+class Unwanted:
+    """Belvedere's native sensor, asked for frames of which none is wanted: what a call costs besides them remains."""
+
+    def __init__(self, native: object) -> None:
+        self.native = native
+
+    def render(self, world, now, after, before, each, *rest) -> None:
+        self.native.render(world, now, after, before, (*each[:2], [False] * len(each[0]), None), *rest)
+
+
+def overhead(scene: Scene, arguments: argparse.Namespace) -> None:
+    """What a call costs besides its frames, one thread, 64x64.
+
+    Two ways. Calls whose frames are not wanted do all but take them. And of a + b·N, fitted to what calls of N frames
+    cost, a is what a call costs even of no frame; what Python does for each frame is in b there.
+    """
+    counts = (1, 16, 256, 8192)
+    out = {"depth": np.empty((max(counts), 64, 64), np.float32)}
+    full, empty = bv.DepthCamera(64, 64, fov=scene.fov), bv.DepthCamera(64, 64, fov=scene.fov)
+    empty._native = Unwanted(empty._native)
+    poses = np.resize(scene.poses, (max(counts), 7))
+
+    def cost(camera: bv.DepthCamera, count: int) -> float:
+        """Of a call, in microseconds. All calls together take all poses, however few frames a call has."""
+        calls = 0
+        arrays = {"depth": out["depth"][:count]}
+        start = time.process_time()
+        while (past := time.process_time() - start) < arguments.seconds / arguments.rounds:
+            for first in range(0, max(count, len(scene.poses)), count):
+                camera.render(scene.world, poses[first : first + count], out=arrays, threads=1)
+                calls += 1
+        return past / calls * 1e6
+
+    rounds: list[tuple[np.ndarray, np.ndarray]] = []
+    for _ in range(max(5, arguments.rounds)):
+        both = np.array([[cost(camera, count) for camera in (full, empty)] for count in counts])
+        rounds.append((both[:, 0], both[:, 1]))
+    fits = np.array([fit(np.array(counts, float), costs) for costs, _ in rounds])
+    print(
+        "\n| frames of a call | call, µs | without its frames, µs | share | a / (a + b·N) |\n|---|---|---|---|---|"
+    )
+    for row, count in enumerate(counts):
+        shares = [besides[row] / costs[row] for costs, besides in rounds]
+        fitted = fits[:, 0] / (fits[:, 0] + fits[:, 1] * count)
+        costs, besides = np.median([[one[row] for one in both] for both in rounds], axis=0)
+        print(f"| {count:,} | {costs:,.1f} | {besides:,.1f} | {spread(shares, '.2%')} | {spread(fitted, '.2%')} |")
+    a, b = (spread(values, ".1f") for values in fits.T)
+    print(f"a = {a} µs a call, b = {b} µs a frame; medians, least to greatest")
+
+
+def fit(counts: np.ndarray, costs: np.ndarray) -> np.ndarray:
+    """a and b of a + b·N: least squares of what differs in proportion, so that small calls count as well."""
+    return np.linalg.lstsq(np.stack([1 / costs, counts / costs], axis=1), np.ones(len(costs)), rcond=None)[0]
+
+
+def spread(values: list[float] | np.ndarray, form: str) -> str:
+    return f"{statistics.median(values):{form}} ({min(values):{form}} to {max(values):{form}})"
+
+
+def resident() -> int:
+    """Bytes of this process that are in memory."""
+    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def growth(count: int, answer: multiprocessing.Queue) -> None:
+    """Answers by how much this process grew by a batch, and what it has of it still after a frame of each world."""
+    scene, camera = balls(), bv.DepthCamera(8, 8, fov=1.2)
+    bv.Batch(scene.world, 1).render(camera, scene.poses[0], threads=1)
+    out = {"depth": np.ones((count, 8, 8), np.float32)}
+    before = resident()
+    batch = bv.Batch(scene.world, count)
+    made = resident() - before
+    batch.render(camera, scene.poses[0], out, threads=1)
+    answer.put((made, resident() - before))
+
+
+def memory() -> None:
+    """What a world in a batch takes besides what all share: of its arrays, and of a process that is new."""
+    start, counts = multiprocessing.get_context("spawn"), (1_000, 11_000)
+    grown = []
+    for count in counts:
+        answer = start.Queue()
+        process = start.Process(target=growth, args=(count, answer))
+        process.start()
+        grown.append(answer.get(timeout=60))
+        process.join()
+    made, after = ((more - less) / (counts[1] - counts[0]) / 1024 for less, more in zip(*grown, strict=True))
+    one = bv.Batch(balls().world, 1)
+    print(
+        f"\na world of {len(one.bodies)} bodies in a batch: its arrays {one.memory / 1024:.2f} KB; resident, between "
+        f"{counts[0]:,} and {counts[1]:,} worlds, {made:.2f} KB each, {after:.2f} KB when a frame of each was taken"
+    )
+
+
+FRAMES = (
+    ((64, 64), ("depth",)),
+    ((128, 128), ("depth",)),
+    ((640, 480), ("depth",)),
+    ((64, 64), ("depth", "rgb")),
+    ((128, 128), ("depth", "rgb")),
+)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=1.0, help="for each figure")
+    parser.add_argument("--seconds", type=float, default=1.0, help="for each figure, over all rounds")
+    parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--threads", default="1,2")
     parser.add_argument("--scene", default="", help="part of a scene's name")
     arguments = parser.parse_args()
     missing: dict[str, str] = {}
-    scenes = [make() for make in (balls, humanoid, room, warehouse)]
+    with contextlib.suppress(ImportError):
+        importlib.import_module("pybullet")  # it prints a line
+    scenes = []
+    for make in (balls, unitree_g1, mesh_figure, suite_humanoid, capsule_figure, room, warehouse):
+        try:
+            scenes.append(make())
+        except ImportError as error:
+            missing[f"scene {make.__name__}"] = why(error)
     print(
-        "| scene | frame | threads | who | frames/s | belvedere is faster | same depth |\n|---|---|---|---|---|---|---|"
+        "| scene | frame | threads | who | frames/s | belvedere is faster, times | same depth |\n"
+        "|---|---|---|---|---:|---:|---:|"
     )
+    summaries: dict[int, list[str]] = defaultdict(list)
     for scene in scenes:
         if arguments.scene not in scene.name:
             continue
         for threads in (int(number) for number in arguments.threads.split(",")):
-            for size, channels in (
-                ((64, 64), ("depth",)),
-                ((128, 128), ("depth",)),
-                ((640, 480), ("depth",)),
-                ((128, 128), ("depth", "rgb")),
-            ):
-                compare(scene, size, channels, threads, arguments.seconds, missing)
-    overhead(scenes[0], arguments.seconds)
-    print(f"\n{', '.join(f'{scene.name}: {scene.triangles:,} triangles' for scene in scenes)}")
-    for name, why in missing.items():
-        print(f"left out: {name} ({why})")
+            for size, channels in FRAMES:
+                summaries[threads] += [compare(scene, size, channels, threads, arguments, missing)]
+    for threads, rows in summaries.items():
+        print(f"\nthreads={threads}: Belvedere's frames a second, and how many times as fast as the others it is\n")
+        print(f"| scene | frame | {' | '.join(PEERS)} |\n|---|---|{'---:|' * len(PEERS)}")
+        print("\n".join(rows))
+    overhead(scenes[0], arguments)
+    memory()
+    print()
+    for scene in scenes:
+        print(f"{scene.name}: {len(scene.parts)} bodies, {scene.triangles:,} triangles")
+    for name, reason in missing.items():
+        print(f"left out: {name} ({reason})")
 
 
 if __name__ == "__main__":

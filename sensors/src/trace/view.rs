@@ -173,6 +173,12 @@ pub(crate) fn check_moment(scene: &Scene<'_>, moment: &Moment<'_>) -> Result<(),
 }
 
 impl<'a> View<'a> {
+    /// A direction of the sensor in the frame.
+    #[inline(always)]
+    pub(crate) fn frame_from_sensor(&self, direction: DVec3) -> DVec3 {
+        self.sensor_from_world.transpose() * direction
+    }
+
     /// Places what `visibility` lets the sensor see around it, at a moment that has been [checked](check_moment).
     pub(crate) fn new(
         scene: &Scene<'a>,

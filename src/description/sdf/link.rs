@@ -40,6 +40,7 @@ impl Loader<'_> {
                 self.diagnostics.error(&element.source, what, "rename one");
                 return;
             }
+            let what = format!("{what}: this one becomes '{unique}'");
             self.diagnostics.warning(&element.source, what, "rename one");
             // Files that Gazebo saved have such links. Joints and frames mean the first.
             name = unique;

@@ -20,7 +20,9 @@ const OUSTER: [(&str, usize); 4] = [
 ];
 
 fn velodyne(preset: &str, returns: usize) -> Box<dyn Protocol> {
-    let dual = if returns == 2 { "<returns>dual</returns>" } else { "" };
+    // The HDL-32E's beams have no width of their own, and a single ray has one return.
+    let dual = "<returns>dual</returns><beam_divergence>0.003 0.0015</beam_divergence>";
+    let dual = if returns == 2 { dual } else { "" };
     Packets::of(&lidar(&format!("<preset>{preset}</preset>{dual}"))).unwrap().protocol
 }
 

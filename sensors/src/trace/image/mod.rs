@@ -17,6 +17,7 @@ mod silhouette;
 mod solid;
 mod strip;
 mod target;
+mod thin;
 mod triangles;
 mod walk;
 

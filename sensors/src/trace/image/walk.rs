@@ -4,9 +4,10 @@ use super::leaf::{Leaf, Rules};
 use super::sharp::Source;
 use super::solid::{self, Part};
 use super::strip;
+use super::thin::{self, Line};
 use super::target::Target;
 use super::triangles;
-use crate::optics::rays::{Points, Projection, max};
+use crate::optics::rays::{Fan, Points, Projection, max};
 use crate::scene::tree::{self, LEAF, NONE, TriangleBlock, WideNode};
 use crate::scene::{Kind, Triangles};
 use crate::simd::WIDTH;
@@ -19,7 +20,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 const TOP: u32 = u32::MAX;
 
 /// More than the deepest trees leave waiting: fifteen siblings a level.
-const STACK: usize = 15 * (tree::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
+const STACK: usize = 15 * (tree::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2 + thin::MOST_RAYS as usize * WIDTH;
 
 /// A subtree to visit.
 #[derive(Clone, Copy)]
@@ -58,6 +59,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
         ..blank
     };
     let mut waiting = 1;
+    let mut line = Line::NONE;
     while waiting > 0 {
         waiting -= 1;
         let entry = stack[waiting];
@@ -92,6 +94,12 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                     made = view.height_grid(placed).block(leaf);
                     &made
                 };
+                if thin::is_single(&entry.columns, &entry.rows) {
+                    line.point(view, projection, index, [entry.columns[0], entry.rows[0]]);
+                    if !line.meets_any(simd, block) {
+                        continue;
+                    }
+                }
                 let leaf = Leaf {
                     source: Source { view, placed, block },
                     corners: corners_in_sensor(simd, block, &placed.to_sensor),
@@ -122,7 +130,11 @@ pub(crate) fn walk<S: Simd, P: Projection>(
             };
             (node, &placed.to_sensor, index)
         };
-        waiting = push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting);
+        if placed != TOP && thin::suits(&entry.columns, &entry.rows) {
+            waiting = push_thin(simd, projection, view, target, first_block_row, node, &entry, placed, &mut line, &mut stack, waiting);
+        } else {
+            waiting = push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting);
+        }
     }
 }
 
@@ -192,6 +204,70 @@ fn push_children<S: Simd, P: Projection>(
     waiting
 }
 
+/// Puts the children of a node that the few rays of an entry meet on the stack, ray by ray, the nearest on top.
+#[allow(clippy::too_many_arguments, reason = "the pieces of one kernel")]
+#[inline(always)]
+fn push_thin<S: Simd, P: Projection>(
+    simd: S,
+    projection: P,
+    view: &View<'_>,
+    target: &Target<'_>,
+    first_block_row: usize,
+    node: &WideNode,
+    entry: &Entry,
+    placed: u32,
+    line: &mut Line,
+    stack: &mut [Entry; STACK],
+    mut waiting: usize,
+) -> usize {
+    for row in entry.rows[0]..=entry.rows[1] {
+        for column in entry.columns[0]..=entry.columns[1] {
+            let [block, lane] = place(projection.fan(), first_block_row, [column, row]);
+            let so_far = target.inverse[block][lane];
+            if so_far >= entry.nearest {
+                continue;
+            }
+            line.point(view, projection, placed, [column, row]);
+            let (near, mut lanes) = line.meet(simd, node, so_far);
+            if lanes == 0 {
+                continue;
+            }
+            let mut nearest = [0.0; WIDTH];
+            near.store_array(&mut nearest);
+            let first = waiting;
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+                lanes &= lanes - 1;
+                let entry = Entry {
+                    child: node.child[lane],
+                    placed,
+                    nearest: nearest[lane],
+                    columns: [column; 2],
+                    rows: [row; 2],
+                };
+                let mut at = waiting;
+                while at > first && stack[at - 1].nearest > entry.nearest {
+                    stack[at] = stack[at - 1];
+                    at -= 1;
+                }
+                stack[at] = entry;
+                waiting += 1;
+            }
+        }
+    }
+    waiting
+}
+
+/// Block and lane of a ray.
+#[inline(always)]
+fn place(fan: &Fan, first_block_row: usize, [column, row]: [u16; 2]) -> [usize; 2] {
+    let (column, row) = (i32::from(column), i32::from(row));
+    let column = if column >= fan.width { column - fan.width } else { column };
+    let block = ((row >> fan.shift_y) as usize - first_block_row) * fan.blocks_across()
+        + (column >> fan.shift_x) as usize;
+    [block, fan.lane(column, row)]
+}
+
 /// Whether all that an entry may show is behind what has been hit already.
 #[inline(always)]
 fn hidden<S: Simd, P: Projection>(
@@ -202,6 +278,10 @@ fn hidden<S: Simd, P: Projection>(
     entry: &Entry,
 ) -> bool {
     let fan = projection.fan();
+    if thin::is_single(&entry.columns, &entry.rows) {
+        let [block, lane] = place(fan, first_block_row, [entry.columns[0], entry.rows[0]]);
+        return target.inverse[block][lane] >= entry.nearest;
+    }
     let blocks_across = fan.blocks_across();
     let nearest = f32x16::splat(simd, entry.nearest);
     let pieces = fan.pieces(entry.columns.map(i32::from));

@@ -1,0 +1,152 @@
+//! Single rays against the boxes of a node.
+//!
+//! Where triangles are smaller than the distance of two rays, most boxes are passed by one ray or none. To project such
+//! boxes onto the grid costs several times what it costs to ask the ray itself, in the frame of the mesh, which also
+//! lies closer: a box that is turned has corners beside it.
+
+use crate::optics::rays::{Points, Projection, max, min};
+use crate::scene::tree::{NONE, TriangleBlock, WideNode};
+use crate::simd::WIDTH;
+use crate::trace::view::View;
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
+use glam::DVec3;
+
+/// Entries of up to so many rays are looked at ray by ray.
+pub(super) const MOST_RAYS: u32 = 2;
+
+/// Lesser components of a direction count as this, so that no 0·∞ comes up.
+const TINY: f32 = 1e-30;
+
+/// A share of the distance by which boxes are wider than they are: what is drawn is rounded.
+const SLACK: f32 = 3e-6;
+
+/// Whether an entry is one for single rays.
+#[inline(always)]
+pub(super) fn suits(columns: &[u16; 2], rows: &[u16; 2]) -> bool {
+    u32::from(columns[1] - columns[0] + 1) * u32::from(rows[1] - rows[0] + 1) <= MOST_RAYS
+}
+
+/// Whether an entry is of a single ray.
+#[inline(always)]
+pub(super) fn is_single(columns: &[u16; 2], rows: &[u16; 2]) -> bool {
+    columns[0] == columns[1] && rows[0] == rows[1]
+}
+
+/// A ray in the frame of an instance.
+pub(super) struct Line {
+    placed: u32,
+    at: [u16; 2],
+    origin_high: [f32; 3],
+    origin_low: [f32; 3],
+    /// Reciprocals of the direction's components.
+    inverse: [f32; 3],
+    /// The axis along which it runs furthest, last, and how far it runs along the others on its way.
+    axes: [usize; 3],
+    shear: [f32; 2],
+}
+
+impl Line {
+    /// Of no instance.
+    pub(super) const NONE: Self = Self {
+        placed: u32::MAX,
+        at: [0; 2],
+        origin_high: [0.0; 3],
+        origin_low: [0.0; 3],
+        inverse: [0.0; 3],
+        axes: [0; 3],
+        shear: [0.0; 2],
+    };
+
+    /// Makes it the ray of a column and row, in the frame of an instance.
+    #[inline(always)]
+    pub(super) fn point<P: Projection>(
+        &mut self,
+        view: &View<'_>,
+        projection: P,
+        placed: u32,
+        at: [u16; 2],
+    ) {
+        if self.placed == placed && self.at == at {
+            return;
+        }
+        let fan = projection.fan();
+        let column = i32::from(at[0]);
+        let column = if column >= fan.width { column - fan.width } else { column };
+        let direction = view.frame_from_sensor(projection.direction(column, i32::from(at[1])));
+        let instance = &view.placed[placed as usize];
+        let direction: DVec3 = instance.vector_in_instance(direction);
+        let direction = direction.to_array().map(|component| component as f32);
+        let size = direction.map(f32::abs);
+        let z = if size[0] > size[1] { 0 } else { 1 };
+        let z = if size[2] >= size[z] { 2 } else { z };
+        let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
+        self.axes = [x, y, z];
+        self.shear = [direction[x] / direction[z], direction[y] / direction[z]];
+        self.inverse = direction.map(|component| {
+            1.0 / if component.abs() < TINY { TINY.copysign(component) } else { component }
+        });
+        (self.placed, self.at) = (placed, at);
+        self.origin_high = instance.to_sensor.origin_high;
+        self.origin_low = instance.to_sensor.origin_low;
+    }
+
+    /// The children that the ray may meet before 1/t is as little as `so_far`, a bit each, and a bound of 1/t from above.
+    #[inline(always)]
+    pub(super) fn meet<S: Simd>(&self, simd: S, node: &WideNode, so_far: f32) -> (f32x16<S>, u64) {
+        let low = [
+            self.from_origin(simd, &node.min[0], 0),
+            self.from_origin(simd, &node.min[1], 1),
+            self.from_origin(simd, &node.min[2], 2),
+        ];
+        let high = [
+            self.from_origin(simd, &node.max[0], 0),
+            self.from_origin(simd, &node.max[1], 1),
+            self.from_origin(simd, &node.max[2], 2),
+        ];
+        let slack = max(max(max(high[0], -low[0]), max(high[1], -low[1])), max(high[2], -low[2])) * SLACK;
+        let mut enters = f32x16::splat(simd, 0.0);
+        let mut leaves = f32x16::splat(simd, f32::MAX);
+        for axis in 0..3 {
+            let first = (low[axis] - slack) * self.inverse[axis];
+            let second = (high[axis] + slack) * self.inverse[axis];
+            enters = max(enters, min(first, second));
+            leaves = min(leaves, max(first, second));
+        }
+        let there = u32x16::load_array_ref(simd, &node.child).simd_ne(u32x16::splat(simd, NONE));
+        let nearest = f32x16::splat(simd, 1.0001) / max(enters, f32x16::splat(simd, 1e-30));
+        let met = enters.simd_le(leaves) & nearest.simd_gt(f32x16::splat(simd, so_far)) & there;
+        (nearest, met.to_bitmask())
+    }
+
+    /// Whether the ray may meet one of the triangles: some triangle's box around the ray, sheared so that the ray is its
+    /// axis, holds the ray.
+    #[inline(always)]
+    pub(super) fn meets_any<S: Simd>(&self, simd: S, block: &TriangleBlock) -> bool {
+        let a = self.sheared(simd, &block.corners[0]);
+        let b = self.sheared(simd, &block.corners[1]);
+        let c = self.sheared(simd, &block.corners[2]);
+        // What lies beside the ray by more than it lies along it is no question of rounding.
+        let slack = max(max(a[2], b[2]), c[2]) * SLACK;
+        let least = [min(min(a[0], b[0]), c[0]), min(min(a[1], b[1]), c[1])];
+        let most = [max(max(a[0], b[0]), c[0]), max(max(a[1], b[1]), c[1])];
+        let around = max(max(least[0], least[1]), -min(most[0], most[1]));
+        around.simd_le(slack).any_true()
+    }
+
+    /// One corner of sixteen triangles beside the ray, and how far along it.
+    #[inline(always)]
+    fn sheared<S: Simd>(&self, simd: S, corner: &[[f32; WIDTH]; 3]) -> Points<S> {
+        let [x, y, z] = self.axes;
+        let far = self.from_origin(simd, &corner[z % 3], z % 3);
+        [
+            self.from_origin(simd, &corner[x % 3], x % 3) - far * self.shear[0],
+            self.from_origin(simd, &corner[y % 3], y % 3) - far * self.shear[1],
+            far.abs(),
+        ]
+    }
+
+    #[inline(always)]
+    fn from_origin<S: Simd>(&self, simd: S, values: &[f32; WIDTH], axis: usize) -> f32x16<S> {
+        (f32x16::load_array_ref(simd, values) - self.origin_high[axis]) - self.origin_low[axis]
+    }
+}

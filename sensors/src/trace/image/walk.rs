@@ -1,14 +1,15 @@
 //! Once through the trees, front to back.
 
+use super::entry::{Entry, STACK, insert};
 use super::leaf::{Leaf, Rules};
 use super::sharp::Source;
+use super::single::SingleRay;
 use super::solid::{self, Part};
 use super::strip;
-use super::thin::{self, Line};
 use super::target::Target;
 use super::triangles;
-use crate::optics::rays::{Fan, Points, Projection, max};
-use crate::scene::tree::{self, LEAF, NONE, TriangleBlock, WideNode};
+use crate::optics::rays::{Points, Projection, max};
+use crate::scene::tree::{LEAF, NONE, TriangleBlock, WideNode};
 use crate::scene::{Kind, Triangles};
 use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
@@ -18,23 +19,6 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 
 /// The `placed` of an entry in the tree over the instances.
 const TOP: u32 = u32::MAX;
-
-/// More than the deepest trees leave waiting: fifteen siblings a level.
-const STACK: usize = 15 * (tree::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2 + thin::MOST_RAYS as usize * WIDTH;
-
-/// A subtree to visit.
-#[derive(Clone, Copy)]
-struct Entry {
-    /// As in [`WideNode::child`].
-    child: u32,
-    /// Which instance's tree, or [`TOP`].
-    placed: u32,
-    /// Bound of 1/t from above.
-    nearest: f32,
-    /// First and last column and row of the rays that may pass.
-    columns: [u16; 2],
-    rows: [u16; 2],
-}
 
 /// Draws what a view shows into the rows of `target`, whose first block row is `first_block_row`.
 #[allow(clippy::large_stack_arrays, reason = "26 KiB, once a band: a heap there may not be")]
@@ -59,7 +43,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
         ..blank
     };
     let mut waiting = 1;
-    let mut line = Line::NONE;
+    let mut single = SingleRay::NONE;
     while waiting > 0 {
         waiting -= 1;
         let entry = stack[waiting];
@@ -94,9 +78,9 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                     made = view.height_grid(placed).block(leaf);
                     &made
                 };
-                if thin::is_single(&entry.columns, &entry.rows) {
-                    line.point(view, projection, index, [entry.columns[0], entry.rows[0]]);
-                    if !line.meets_any(simd, block) {
+                if entry.is_of_one_ray() {
+                    single.aim(view, projection, index, entry.first_ray());
+                    if !single.meets_any(simd, block) {
                         continue;
                     }
                 }
@@ -130,11 +114,12 @@ pub(crate) fn walk<S: Simd, P: Projection>(
             };
             (node, &placed.to_sensor, index)
         };
-        if placed != TOP && thin::suits(&entry.columns, &entry.rows) {
-            waiting = push_thin(simd, projection, view, target, first_block_row, node, &entry, placed, &mut line, &mut stack, waiting);
+        waiting = if placed != TOP && entry.is_of_few_rays() {
+            let (entry, seen) = (Entry { placed, ..entry }, (view, &*target, first_block_row));
+            push_by_ray(simd, projection, node, &entry, seen, &mut single, &mut stack, waiting)
         } else {
-            waiting = push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting);
-        }
+            push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting)
+        };
     }
 }
 
@@ -192,80 +177,48 @@ fn push_children<S: Simd, P: Projection>(
             columns: [spilled[0][lane] as u16, spilled[1][lane] as u16],
             rows: [spilled[2][lane] as u16, spilled[3][lane] as u16],
         };
-        // Insertion: there are few.
-        let mut at = waiting;
-        while at > first && stack[at - 1].nearest > entry.nearest {
-            stack[at] = stack[at - 1];
-            at -= 1;
-        }
-        stack[at] = entry;
-        waiting += 1;
+        waiting = insert(stack, first, waiting, entry);
     }
     waiting
 }
 
-/// Puts the children of a node that the few rays of an entry meet on the stack, ray by ray, the nearest on top.
+/// Puts the children of a node that the few rays of an entry may meet on the stack, ray by ray, the nearest on top.
 #[allow(clippy::too_many_arguments, reason = "the pieces of one kernel")]
 #[inline(always)]
-fn push_thin<S: Simd, P: Projection>(
+fn push_by_ray<S: Simd, P: Projection>(
     simd: S,
     projection: P,
-    view: &View<'_>,
-    target: &Target<'_>,
-    first_block_row: usize,
     node: &WideNode,
     entry: &Entry,
-    placed: u32,
-    line: &mut Line,
+    (view, target, first_block_row): (&View<'_>, &Target<'_>, usize),
+    single: &mut SingleRay,
     stack: &mut [Entry; STACK],
     mut waiting: usize,
 ) -> usize {
     for row in entry.rows[0]..=entry.rows[1] {
         for column in entry.columns[0]..=entry.columns[1] {
-            let [block, lane] = place(projection.fan(), first_block_row, [column, row]);
-            let so_far = target.inverse[block][lane];
+            let so_far = target.inverse_of(projection.fan(), first_block_row, [column, row]);
             if so_far >= entry.nearest {
                 continue;
             }
-            line.point(view, projection, placed, [column, row]);
-            let (near, mut lanes) = line.meet(simd, node, so_far);
+            single.aim(view, projection, entry.placed, [column, row]);
+            let (nearest, mut lanes) = single.meet(simd, node, so_far);
             if lanes == 0 {
                 continue;
             }
-            let mut nearest = [0.0; WIDTH];
-            near.store_array(&mut nearest);
+            let mut near = [0.0; WIDTH];
+            nearest.store_array(&mut near);
             let first = waiting;
             while lanes != 0 {
                 let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
                 lanes &= lanes - 1;
-                let entry = Entry {
-                    child: node.child[lane],
-                    placed,
-                    nearest: nearest[lane],
-                    columns: [column; 2],
-                    rows: [row; 2],
-                };
-                let mut at = waiting;
-                while at > first && stack[at - 1].nearest > entry.nearest {
-                    stack[at] = stack[at - 1];
-                    at -= 1;
-                }
-                stack[at] = entry;
-                waiting += 1;
+                let (child, nearest) = (node.child[lane], near[lane]);
+                let child = Entry { child, nearest, columns: [column; 2], rows: [row; 2], ..*entry };
+                waiting = insert(stack, first, waiting, child);
             }
         }
     }
     waiting
-}
-
-/// Block and lane of a ray.
-#[inline(always)]
-fn place(fan: &Fan, first_block_row: usize, [column, row]: [u16; 2]) -> [usize; 2] {
-    let (column, row) = (i32::from(column), i32::from(row));
-    let column = if column >= fan.width { column - fan.width } else { column };
-    let block = ((row >> fan.shift_y) as usize - first_block_row) * fan.blocks_across()
-        + (column >> fan.shift_x) as usize;
-    [block, fan.lane(column, row)]
 }
 
 /// Whether all that an entry may show is behind what has been hit already.
@@ -278,9 +231,8 @@ fn hidden<S: Simd, P: Projection>(
     entry: &Entry,
 ) -> bool {
     let fan = projection.fan();
-    if thin::is_single(&entry.columns, &entry.rows) {
-        let [block, lane] = place(fan, first_block_row, [entry.columns[0], entry.rows[0]]);
-        return target.inverse[block][lane] >= entry.nearest;
+    if entry.is_of_one_ray() {
+        return target.inverse_of(fan, first_block_row, entry.first_ray()) >= entry.nearest;
     }
     let blocks_across = fan.blocks_across();
     let nearest = f32x16::splat(simd, entry.nearest);

@@ -60,7 +60,7 @@ impl SingleRay {
         let direction: DVec3 = instance.vector_in_instance(direction);
         let direction = direction.to_array().map(|component| component as f32);
         let size = direction.map(f32::abs);
-        let z = if size[0] > size[1] { 0 } else { 1 };
+        let z = usize::from(size[0] <= size[1]);
         let z = if size[2] >= size[z] { 2 } else { z };
         let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
         self.axes = [x, y, z];
@@ -76,14 +76,14 @@ impl SingleRay {
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, node: &WideNode, so_far: f32) -> (f32x16<S>, u64) {
         let low = [
-            self.from_origin(simd, &node.min[0], 0),
-            self.from_origin(simd, &node.min[1], 1),
-            self.from_origin(simd, &node.min[2], 2),
+            self.relative(simd, &node.min[0], 0),
+            self.relative(simd, &node.min[1], 1),
+            self.relative(simd, &node.min[2], 2),
         ];
         let high = [
-            self.from_origin(simd, &node.max[0], 0),
-            self.from_origin(simd, &node.max[1], 1),
-            self.from_origin(simd, &node.max[2], 2),
+            self.relative(simd, &node.max[0], 0),
+            self.relative(simd, &node.max[1], 1),
+            self.relative(simd, &node.max[2], 2),
         ];
         let slack = max(max(max(high[0], -low[0]), max(high[1], -low[1])), max(high[2], -low[2])) * SLACK;
         let mut enters = f32x16::splat(simd, 0.0);
@@ -118,16 +118,16 @@ impl SingleRay {
     #[inline(always)]
     fn sheared<S: Simd>(&self, simd: S, corner: &[[f32; WIDTH]; 3]) -> Points<S> {
         let [x, y, z] = self.axes;
-        let far = self.from_origin(simd, &corner[z % 3], z % 3);
+        let far = self.relative(simd, &corner[z % 3], z % 3);
         [
-            self.from_origin(simd, &corner[x % 3], x % 3) - far * self.shear[0],
-            self.from_origin(simd, &corner[y % 3], y % 3) - far * self.shear[1],
+            self.relative(simd, &corner[x % 3], x % 3) - far * self.shear[0],
+            self.relative(simd, &corner[y % 3], y % 3) - far * self.shear[1],
             far.abs(),
         ]
     }
 
     #[inline(always)]
-    fn from_origin<S: Simd>(&self, simd: S, values: &[f32; WIDTH], axis: usize) -> f32x16<S> {
+    fn relative<S: Simd>(&self, simd: S, values: &[f32; WIDTH], axis: usize) -> f32x16<S> {
         (f32x16::load_array_ref(simd, values) - self.origin_high[axis]) - self.origin_low[axis]
     }
 }

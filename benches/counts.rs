@@ -20,6 +20,7 @@ use gungraun::{
     Callgrind, CallgrindMetrics, EventKind, LibraryBenchmarkConfig, OutputFormat, library_benchmark,
     library_benchmark_group, main,
 };
+use scenes::fine::FineMeshes;
 use scenes::ours::{Built, Caster, Tree, Wanted, execution};
 use scenes::{Mesh, RaySet, Scene, level};
 use std::hint::black_box;
@@ -133,6 +134,17 @@ fn trace_s1_r5((built, mut caster): (Built, Caster)) -> (Built, Caster) {
     (built, caster)
 }
 
+fn fine_view() -> FineMeshes {
+    FineMeshes::new(simd())
+}
+
+// Depths and colours of 64 × 64 pixels: bodies of triangles finer than these, over a terrain.
+#[library_benchmark(config = limit("fine_meshes"), setup = fine_view)]
+fn fine_meshes(mut view: FineMeshes) -> FineMeshes {
+    black_box(&mut view).sense();
+    view
+}
+
 // 16,384 normal numbers.
 #[library_benchmark(config = limit("noise"), setup = zeros)]
 fn noise(mut normals: Vec<f32>) -> Vec<f32> {
@@ -176,6 +188,7 @@ library_benchmark_group!(
         trace_s2_r2,
         trace_s3_r2,
         trace_s1_r5,
+        fine_meshes,
         noise,
         tag_room_rows
     ]

@@ -21,6 +21,7 @@
 #![allow(unreachable_pub, reason = "a module of several targets, none of which exports it")]
 
 mod blob;
+pub mod fine;
 pub mod level;
 pub mod moving;
 mod noise;

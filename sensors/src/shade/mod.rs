@@ -210,7 +210,7 @@ impl Shader {
             }
         } else {
             self.surfaces.wants_gradient = bumpy;
-            self.surfaces.add(view, tile, placed, mapped.then_some(repeat), steps);
+            self.surfaces.add(view, tile, (placed, lanes), mapped.then_some(repeat), steps);
             for row in 0..ROWS {
                 footprints[row] = self.surfaces.footprint(simd, row);
             }

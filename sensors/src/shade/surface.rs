@@ -93,14 +93,14 @@ impl Surfaces {
         &mut self,
         view: &View<'_>,
         tile: &Tile,
-        placed: u32,
+        (placed, lanes): (u32, u64),
         repeat: Option<[f32; 2]>,
         steps: &Steps,
     ) {
         if let Some(repeat) = repeat {
-            self.add_kind::<true>(view, tile, placed, repeat, steps);
+            self.add_kind::<true>(view, tile, (placed, lanes), repeat, steps);
         } else {
-            self.add_kind::<false>(view, tile, placed, [1.0; 2], steps);
+            self.add_kind::<false>(view, tile, (placed, lanes), [1.0; 2], steps);
         }
     }
 
@@ -109,11 +109,16 @@ impl Surfaces {
         &mut self,
         view: &View<'_>,
         tile: &Tile,
-        index: u32,
+        (index, lanes): (u32, u64),
         repeat: [f32; 2],
         steps: &Steps,
     ) {
         let placed = &view.placed[index as usize];
+        if !TEXTURED && let Kind::Triangles(triangles) = placed.kind() {
+            self.local.take_normals(view, placed, triangles, &tile.local, lanes);
+            self.add_lanes::<TEXTURED>(tile, index, placed, (repeat, steps));
+            return;
+        }
         // One array a loop, and local arrays between them: what may overlap in memory is not vectorised.
         let mut point = [[0.0; LANES]; 3];
         for axis in 0..3 {
@@ -125,7 +130,7 @@ impl Surfaces {
                     + z * (f64::from(tile.point[2][lane]) - tz);
             }
         }
-        if self.local.fill::<TEXTURED>(view, tile, index, &point) {
+        if self.local.fill::<TEXTURED>(view, tile, (index, lanes), &point) {
             self.add_lanes::<TEXTURED>(tile, index, placed, (repeat, steps));
         }
     }
@@ -258,7 +263,7 @@ impl Local {
         &mut self,
         view: &View<'_>,
         tile: &Tile,
-        index: u32,
+        (index, lanes): (u32, u64),
         point: &[Lanes<f64>; 3],
     ) -> bool {
         let instance = view.instance(index);
@@ -268,7 +273,7 @@ impl Local {
                 self.take::<TEXTURED>(
                     point,
                     #[inline(always)]
-                    |_, point| solid_surface::<TEXTURED>($solid, instance.size, point),
+                    |point| solid_surface::<TEXTURED>($solid, instance.size, point),
                 )
             };
         }
@@ -279,62 +284,99 @@ impl Local {
             Kind::Solid(Solid::Ellipsoid) => solid!(Solid::Ellipsoid),
             Kind::Solid(Solid::Cone) => solid!(Solid::Cone),
             Kind::Solid(Solid::Box | Solid::Rectangle | Solid::Plane) => return false,
-            Kind::Triangles(triangles) => self.take::<TEXTURED>(
-                point,
-                #[inline(always)]
-                |lane, point| {
-                    // Other lanes may have hit the triangle of something else.
-                    if tile.placed[lane] != index {
-                        return flat(DVec3::Z, point, [DVec3::ZERO; 2]);
-                    }
-                    match triangles {
-                        Triangles::Mesh => on_triangle::<TEXTURED>(view, placed, tile.local[lane], point),
-                        Triangles::HeightField => on_height_field(view, placed, tile.local[lane], point),
-                    }
-                },
-            ),
+            Kind::Triangles(triangles) => {
+                let mut rest = lanes;
+                while rest != 0 {
+                    let lane = rest.trailing_zeros() as usize % LANES;
+                    rest &= rest - 1;
+                    let (point, local) =
+                        (DVec3::from_array([0, 1, 2].map(|axis| point[axis][lane])), tile.local[lane]);
+                    let surface = match triangles {
+                        Triangles::Mesh => on_triangle(view, placed, local, point),
+                        Triangles::HeightField => on_height_field(view, placed, local, point),
+                    };
+                    self.put::<TEXTURED>(lane, &surface);
+                }
+            }
         }
         true
     }
 
     #[inline(always)]
-    fn take<const TEXTURED: bool>(
-        &mut self,
-        point: &[Lanes<f64>; 3],
-        surface: impl Fn(usize, DVec3) -> Surface,
-    ) {
+    fn take<const TEXTURED: bool>(&mut self, point: &[Lanes<f64>; 3], surface: impl Fn(DVec3) -> Surface) {
         for lane in 0..LANES {
-            let surface = surface(lane, DVec3::new(point[0][lane], point[1][lane], point[2][lane]));
-            for axis in 0..3 {
-                self.normal[axis][lane] = surface.normal[axis] as f32;
+            let surface = surface(DVec3::new(point[0][lane], point[1][lane], point[2][lane]));
+            self.put::<TEXTURED>(lane, &surface);
+        }
+    }
+
+    #[inline(always)]
+    fn put<const TEXTURED: bool>(&mut self, lane: usize, surface: &Surface) {
+        for axis in 0..3 {
+            self.normal[axis][lane] = surface.normal[axis] as f32;
+        }
+        if TEXTURED {
+            for axis in 0..2 {
+                self.uv[axis][lane] = surface.uv[axis];
+                self.gradient[axis][0][lane] = surface.uv_gradient[axis].x as f32;
+                self.gradient[axis][1][lane] = surface.uv_gradient[axis].y as f32;
+                self.gradient[axis][2][lane] = surface.uv_gradient[axis].z as f32;
             }
-            if TEXTURED {
-                for axis in 0..2 {
-                    self.uv[axis][lane] = surface.uv[axis];
-                    self.gradient[axis][0][lane] = surface.uv_gradient[axis].x as f32;
-                    self.gradient[axis][1][lane] = surface.uv_gradient[axis].y as f32;
-                    self.gradient[axis][2][lane] = surface.uv_gradient[axis].z as f32;
+        }
+    }
+
+    /// Normals of triangles, for the lanes of some bits. Those of meshes are kept, and nothing else depends on the point.
+    #[inline(always)]
+    fn take_normals(
+        &mut self,
+        view: &View<'_>,
+        placed: &Placed,
+        triangles: Triangles,
+        local: &Lanes<u32>,
+        lanes: u64,
+    ) {
+        let first = placed.first_block as usize * WIDTH;
+        // Neighbours most often lie on the same triangle.
+        let mut last = (u32::MAX, [0.0; 3]);
+        let mut rest = lanes;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % LANES;
+            rest &= rest - 1;
+            let normal = match triangles {
+                Triangles::Mesh => view.scene.facets[first + local[lane] as usize].normal,
+                Triangles::HeightField => {
+                    if last.0 != local[lane] {
+                        last = (local[lane], normal_of(view, placed, local[lane]).as_vec3().to_array());
+                    }
+                    last.1
                 }
+            };
+            for axis in 0..3 {
+                self.normal[axis][lane] = normal[axis];
             }
         }
     }
 }
 
-fn on_height_field(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> Surface {
+/// Unit normal of a height field's triangle.
+fn normal_of(view: &View<'_>, placed: &Placed, local: u32) -> DVec3 {
     let [a, b, c] = view.corners(placed, local);
-    let [x, y] = view.height_grid(placed).field().size();
-    let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
-    flat(normal, point, [DVec3::X / x, DVec3::Y / y])
+    (b - a).cross(c - a).normalize_or(DVec3::Z)
 }
 
-fn on_triangle<const TEXTURED: bool>(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> Surface {
+fn on_height_field(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> Surface {
+    let [x, y] = view.height_grid(placed).field().size();
+    flat(normal_of(view, placed, local), point, [DVec3::X / x, DVec3::Y / y])
+}
+
+fn on_triangle(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> Surface {
     let scene = &view.scene;
     let mesh = &scene.meshes[placed.mesh as usize];
     let [a, b, c] = view.corners(placed, local);
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(ac);
     let squared = normal.length_squared();
-    if !TEXTURED || squared <= 0.0 {
+    if squared <= 0.0 {
         return flat(normal.normalize_or(DVec3::Z), point, [DVec3::ZERO; 2]);
     }
     // Barycentric coordinates of b and c are linear in the point; these are their gradients.

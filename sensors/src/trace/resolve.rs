@@ -161,8 +161,8 @@ impl<'a> Resolver<'a> {
         match hit.instance.kind() {
             Kind::Triangles(Triangles::Mesh) => self.view.scene.facets[hit.facet()].triangle,
             Kind::Triangles(Triangles::HeightField) => {
-                let block = self.view.height_grid(hit.instance).block(hit.local / WIDTH as u32);
-                block.triangle[hit.local as usize % WIDTH]
+                let width = WIDTH as u32;
+                self.view.height_grid(hit.instance).triangle_of(hit.local / width, hit.local % width)
             }
             Kind::Solid(_) => 0,
         }

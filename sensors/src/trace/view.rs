@@ -8,7 +8,7 @@ use crate::scene::tree::WideNode;
 use crate::scene::{Aabb, HeightGrid, Instance, Kind, Scene, Triangles, limits};
 use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 /// Levels of the tree over the instances, at most: 16⁸ = 2³².
 pub(crate) const MAX_DEPTH: usize = 8;
@@ -173,6 +173,12 @@ pub(crate) fn check_moment(scene: &Scene<'_>, moment: &Moment<'_>) -> Result<(),
 }
 
 impl<'a> View<'a> {
+    /// A direction of the sensor in the frame.
+    #[inline(always)]
+    pub(crate) fn frame_from_sensor(&self, direction: DVec3) -> DVec3 {
+        self.sensor_from_world.transpose() * direction
+    }
+
     /// Places what `visibility` lets the sensor see around it, at a moment that has been [checked](check_moment).
     pub(crate) fn new(
         scene: &Scene<'a>,
@@ -275,19 +281,24 @@ impl<'a> View<'a> {
     /// The corners of a triangle of an instance, in its frame, by its slot from the instance's first.
     pub(crate) fn corners(&self, placed: &Placed, local: u32) -> [DVec3; 3] {
         let (block, lane) = (local / WIDTH as u32, local as usize % WIDTH);
-        let corner =
-            |[x, y, z]: [[f32; WIDTH]; 3]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into());
         if placed.kind() == Kind::Triangles(Triangles::HeightField) {
-            self.height_grid(placed).block(block).corners.map(corner)
-        } else {
-            self.scene.blocks[(placed.first_block + block) as usize].corners.map(corner)
+            let grid = self.height_grid(placed);
+            let [a, b, c] = grid.triangle(grid.triangle_of(block, lane as u32));
+            return [wide(a), wide(b), wide(c)];
         }
+        let corners = &self.scene.blocks[(placed.first_block + block) as usize].corners;
+        corners.map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()))
     }
 
     /// A point of the world in the frame.
     pub(crate) fn point_in_frame(&self, point_in_world: [f64; 3]) -> DVec3 {
         DVec3::from_array(point_in_world) - self.origin_in_world
     }
+}
+
+#[inline(always)]
+fn wide(point: [f32; 3]) -> DVec3 {
+    Vec3::from_array(point).as_dvec3()
 }
 
 /// How far points of an instance may leave the straight line on their way from one pose to another.

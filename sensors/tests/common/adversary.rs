@@ -19,10 +19,22 @@ pub(crate) enum Kind {
     FarVertices,
     /// The instance lies 100 km from the world's origin, and its scale differs by axis.
     FarScaled,
+    /// Dense clumps of triangles, each clump about as large as the distance of two rays.
+    Clumps,
 }
 
-pub(crate) const KINDS: [Kind; 6] =
-    [Kind::Fair, Kind::Needles, Kind::Huge, Kind::NearPlanes, Kind::FarVertices, Kind::FarScaled];
+pub(crate) const KINDS: [Kind; 7] = [
+    Kind::Fair,
+    Kind::Needles,
+    Kind::Huge,
+    Kind::NearPlanes,
+    Kind::FarVertices,
+    Kind::FarScaled,
+    Kind::Clumps,
+];
+
+/// Triangles of a clump.
+const CLUMP: u32 = 50;
 
 /// Ten to a power between two.
 pub(crate) fn magnitude(dice: &mut Dice, low: f64, high: f64) -> f64 {
@@ -32,8 +44,18 @@ pub(crate) fn magnitude(dice: &mut Dice, low: f64, high: f64) -> f64 {
 fn soup(dice: &mut Dice, kind: Kind, size: f64) -> Soup {
     let mut vertices: Vec<[f32; 3]> = Vec::new();
     let offset = if kind == Kind::FarVertices { dice.cube() * 1e4 * size } else { DVec3::ZERO };
-    let count = 30;
+    let count = if kind == Kind::Clumps { 12 * CLUMP } else { 30 };
+    let mut clump = DVec3::ZERO;
     for index in 0..count {
+        if kind == Kind::Clumps {
+            if index % CLUMP == 0 {
+                clump = dice.cube() * 2.0;
+            }
+            let a = clump + dice.cube() * 0.03;
+            let corners = [a, a + dice.cube() * 0.02, a + dice.cube() * 0.02].map(|corner| corner * size);
+            vertices.extend(corners.map(|corner| corner.as_vec3().to_array()));
+            continue;
+        }
         let a = dice.cube() * 2.0;
         let (mut along, mut across) = (dice.cube() * 1.5, dice.cube() * 1.5);
         match kind {
@@ -83,6 +105,7 @@ pub(crate) fn scene(dice: &mut Dice, kind: Kind) -> Hard {
     let (centre, pose, scale) = match kind {
         Kind::FarScaled => (far, Pose::from_xyz_rpy(far, dice.turn()), [0.3, -1.7, 0.9]),
         Kind::FarVertices => (DVec3::ZERO, Pose::from_xyz_rpy(DVec3::ZERO, dice.turn()), [1.0; 3]),
+        Kind::Clumps => (DVec3::ZERO, Pose::from_xyz_rpy(DVec3::ZERO, dice.turn()), [1.3, 0.6, -1.0]),
         _ if dice.roll() < 0.5 => (DVec3::ZERO, Pose::IDENTITY, [1.0; 3]),
         _ => (DVec3::ZERO, Pose::from_xyz_rpy(DVec3::ZERO, dice.turn()), [1.0; 3]),
     };
@@ -93,7 +116,7 @@ pub(crate) fn scene(dice: &mut Dice, kind: Kind) -> Hard {
     };
     let poses = (0..6)
         .map(|_| {
-            let triangle = (dice.roll() * 30.0) as usize * 3;
+            let triangle = (dice.roll() * triangles.len() as f64) as usize * 3;
             let [a, b, c] = [corner(triangle), corner(triangle + 1), corner(triangle + 2)];
             let beside = if dice.roll() < 0.5 { 1.0 } else { 3.0 };
             let (u, v) = (dice.roll() * beside, dice.roll() * beside);
@@ -108,6 +131,7 @@ pub(crate) fn scene(dice: &mut Dice, kind: Kind) -> Hard {
             Pose::from_xyz_rpy(on_plane + away, dice.turn())
         })
         .collect();
-    let corners = (0..30).map(|triangle| [0, 1, 2].map(|vertex| corner(3 * triangle + vertex))).collect();
+    let corners =
+        (0..triangles.len()).map(|triangle| [0, 1, 2].map(|vertex| corner(3 * triangle + vertex))).collect();
     Hard { kind, scenario: Scenario { name: "random", pair, centre, size }, poses, corners }
 }

@@ -55,6 +55,13 @@ impl Fan {
         }
     }
 
+    /// Column and row of a ray whose column may run past the last one, to be counted on from column 0.
+    #[inline(always)]
+    pub(crate) const fn around(&self, [column, row]: [u16; 2]) -> [i32; 2] {
+        let column = column as i32;
+        [if column >= self.width { column - self.width } else { column }, row as i32]
+    }
+
     /// Column within its block, and row, of a lane.
     #[inline(always)]
     pub(crate) const fn lane_position(&self, lane: usize) -> (usize, usize) {

@@ -161,6 +161,22 @@ impl<'a> HeightGrid<'a> {
         wide
     }
 
+    /// Which triangle a used lane of a leaf is.
+    ///
+    /// # Panics
+    /// For a block that is not one of [`HeightField::blocks`].
+    #[inline(always)]
+    pub fn triangle_of(&self, block: u32, lane: u32) -> u32 {
+        let field = &self.field;
+        let cells = field.columns - 1;
+        let [blocks_x, _] = leaves(field.rows, field.columns);
+        let (column, row) = (LEAF_COLUMNS * (block % blocks_x), LEAF_ROWS * (block / blocks_x));
+        // Leaves at the edge may be narrower, and count their lanes along what they have.
+        let across = LEAF_COLUMNS.min(cells - column);
+        let cell = (row + lane / 2 / across) * cells + column + lane / 2 % across;
+        2 * cell + lane % 2
+    }
+
     /// Corners of a triangle, bit for bit those of its block.
     ///
     /// # Panics
@@ -169,10 +185,12 @@ impl<'a> HeightGrid<'a> {
     pub fn triangle(&self, triangle: u32) -> [[f32; 3]; 3] {
         let cells = self.field.columns - 1;
         let (row, column) = (triangle / 2 / cells, triangle / 2 % cells);
-        CUT[(triangle % 2) as usize].map(|[down, right]| {
+        let mut corners = [[0.0; 3]; 3];
+        for (corner, [down, right]) in corners.iter_mut().zip(CUT[(triangle % 2) as usize]) {
             let (row, column) = (row + down as u32, column + right as u32);
-            [self.field.x_at(column), self.field.y_at(row), self.height(row, column)]
-        })
+            *corner = [self.field.x_at(column), self.field.y_at(row), self.height(row, column)];
+        }
+        corners
     }
 
     #[inline(always)]

@@ -1,7 +1,9 @@
 //! What has been hit so far, block by block.
 
-/// No slot: the ray has hit nothing.
+use crate::optics::rays::Fan;
 use crate::simd::{WIDTH, least};
+
+/// No slot: the ray has hit nothing.
 pub(crate) const NO_HIT: u32 = u32::MAX;
 
 /// Set in the slot of a hit on a triangle that is seen edge-on somewhere: 1/t in single precision is not exact
@@ -28,6 +30,15 @@ impl Target<'_> {
         self.inverse.fill([inverse_range; WIDTH]);
         self.slot.fill([NO_HIT; WIDTH]);
         self.farthest.fill(inverse_range);
+    }
+
+    /// 1/t of one ray, whose column may run past the last one.
+    #[inline(always)]
+    pub(crate) fn inverse_of(&self, fan: &Fan, first_block_row: usize, ray: [u16; 2]) -> f32 {
+        let [column, row] = fan.around(ray);
+        let block_row = (row >> fan.shift_y) as usize - first_block_row;
+        self.inverse[block_row * fan.blocks_across() + (column >> fan.shift_x) as usize]
+            [fan.lane(column, row)]
     }
 
     /// Brings `farthest` of a block up to date.

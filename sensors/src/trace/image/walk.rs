@@ -1,13 +1,15 @@
 //! Once through the trees, front to back.
 
+use super::entry::{Entry, STACK, insert};
 use super::leaf::{Leaf, Rules};
 use super::sharp::Source;
+use super::single::SingleRay;
 use super::solid::{self, Part};
 use super::strip;
 use super::target::Target;
 use super::triangles;
 use crate::optics::rays::{Points, Projection, max};
-use crate::scene::tree::{self, LEAF, NONE, TriangleBlock, WideNode};
+use crate::scene::tree::{LEAF, NONE, TriangleBlock, WideNode};
 use crate::scene::{Kind, Triangles};
 use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
@@ -17,23 +19,6 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 
 /// The `placed` of an entry in the tree over the instances.
 const TOP: u32 = u32::MAX;
-
-/// More than the deepest trees leave waiting: fifteen siblings a level.
-const STACK: usize = 15 * (tree::MAX_DEPTH + crate::trace::view::MAX_DEPTH) + 2;
-
-/// A subtree to visit.
-#[derive(Clone, Copy)]
-struct Entry {
-    /// As in [`WideNode::child`].
-    child: u32,
-    /// Which instance's tree, or [`TOP`].
-    placed: u32,
-    /// Bound of 1/t from above.
-    nearest: f32,
-    /// First and last column and row of the rays that may pass.
-    columns: [u16; 2],
-    rows: [u16; 2],
-}
 
 /// Draws what a view shows into the rows of `target`, whose first block row is `first_block_row`.
 #[allow(clippy::large_stack_arrays, reason = "26 KiB, once a band: a heap there may not be")]
@@ -58,6 +43,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
         ..blank
     };
     let mut waiting = 1;
+    let mut single = SingleRay::NONE;
     while waiting > 0 {
         waiting -= 1;
         let entry = stack[waiting];
@@ -92,6 +78,12 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                     made = view.height_grid(placed).block(leaf);
                     &made
                 };
+                if entry.is_of_one_ray() {
+                    single.aim(view, projection, index, entry.first_ray());
+                    if !single.meets_any(simd, block) {
+                        continue;
+                    }
+                }
                 let leaf = Leaf {
                     source: Source { view, placed, block },
                     corners: corners_in_sensor(simd, block, &placed.to_sensor),
@@ -122,7 +114,12 @@ pub(crate) fn walk<S: Simd, P: Projection>(
             };
             (node, &placed.to_sensor, index)
         };
-        waiting = push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting);
+        waiting = if placed != TOP && entry.is_of_few_rays() {
+            let (entry, seen) = (Entry { placed, ..entry }, (view, &*target, first_block_row));
+            push_by_ray(simd, projection, node, &entry, seen, &mut single, &mut stack, waiting)
+        } else {
+            push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting)
+        };
     }
 }
 
@@ -180,14 +177,46 @@ fn push_children<S: Simd, P: Projection>(
             columns: [spilled[0][lane] as u16, spilled[1][lane] as u16],
             rows: [spilled[2][lane] as u16, spilled[3][lane] as u16],
         };
-        // Insertion: there are few.
-        let mut at = waiting;
-        while at > first && stack[at - 1].nearest > entry.nearest {
-            stack[at] = stack[at - 1];
-            at -= 1;
+        waiting = insert(stack, first, waiting, entry);
+    }
+    waiting
+}
+
+/// Puts the children of a node that the few rays of an entry may meet on the stack, ray by ray, the nearest on top.
+#[allow(clippy::too_many_arguments, reason = "the pieces of one kernel")]
+#[inline(always)]
+fn push_by_ray<S: Simd, P: Projection>(
+    simd: S,
+    projection: P,
+    node: &WideNode,
+    entry: &Entry,
+    (view, target, first_block_row): (&View<'_>, &Target<'_>, usize),
+    single: &mut SingleRay,
+    stack: &mut [Entry; STACK],
+    mut waiting: usize,
+) -> usize {
+    for row in entry.rows[0]..=entry.rows[1] {
+        for column in entry.columns[0]..=entry.columns[1] {
+            let so_far = target.inverse_of(projection.fan(), first_block_row, [column, row]);
+            if so_far >= entry.nearest {
+                continue;
+            }
+            single.aim(view, projection, entry.placed, [column, row]);
+            let (nearest, mut lanes) = single.meet(simd, node, so_far);
+            if lanes == 0 {
+                continue;
+            }
+            let mut near = [0.0; WIDTH];
+            nearest.store_array(&mut near);
+            let first = waiting;
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+                lanes &= lanes - 1;
+                let (child, nearest) = (node.child[lane], near[lane]);
+                let child = Entry { child, nearest, columns: [column; 2], rows: [row; 2], ..*entry };
+                waiting = insert(stack, first, waiting, child);
+            }
         }
-        stack[at] = entry;
-        waiting += 1;
     }
     waiting
 }
@@ -202,6 +231,9 @@ fn hidden<S: Simd, P: Projection>(
     entry: &Entry,
 ) -> bool {
     let fan = projection.fan();
+    if entry.is_of_one_ray() {
+        return target.inverse_of(fan, first_block_row, entry.first_ray()) >= entry.nearest;
+    }
     let blocks_across = fan.blocks_across();
     let nearest = f32x16::splat(simd, entry.nearest);
     let pieces = fan.pieces(entry.columns.map(i32::from));

@@ -340,7 +340,7 @@ fn horizontal_of(preset: &Preset) -> ScanAxis {
             return ScanAxis { samples, min_angle_rad: -most, max_angle_rad: most };
         }
         Pattern::Prisms(prisms) => {
-            let samples = (1e9 / preset.rate_hz / prisms.volley_time_ns as f64) as u32;
+            let samples = (1e9 / preset.rate_hz / f64::from(prisms.volley_time_ns)) as u32;
             if prisms.axis == Axis::Up {
                 return whole(samples);
             }

@@ -77,9 +77,9 @@ pub struct Wheel<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prisms<'a> {
     /// From a volley to the next, in nanoseconds.
-    pub volley_time_ns: u64,
+    pub volley_time_ns: u32,
     /// From a laser of a volley to the next, in nanoseconds; 0 if all fire at once.
-    pub laser_time_ns: u64,
+    pub laser_time_ns: u16,
     /// What the wheels turn about.
     pub axis: Axis,
     /// Each laser's angle from the axis, 64 at the most, in radians: upwards with an axis ahead, towards +y with one upwards.
@@ -94,8 +94,8 @@ type Rays = [Lanes<f64>; 3];
 impl Prisms<'_> {
     pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
         let wrong = |parameter, index, value, rule| Err(ScannerError { parameter, index, value, rule });
-        if self.volley_time_ns == 0 || self.volley_time_ns > frame_time_ns {
-            return wrong("volley_time_ns", None, self.volley_time_ns as f64, "1 up to the frame's time");
+        if self.volley_time_ns == 0 || u64::from(self.volley_time_ns) > frame_time_ns {
+            return wrong("volley_time_ns", None, f64::from(self.volley_time_ns), "1 up to the frame's time");
         }
         let lasers = self.lasers_rad.len();
         if !(1..=LANES).contains(&lasers) {
@@ -104,7 +104,7 @@ impl Prisms<'_> {
         let last_ns = (lasers as u128 - 1) * u128::from(self.laser_time_ns);
         if last_ns >= u128::from(self.volley_time_ns) {
             let rule = "so little that all lasers fire before the next volley";
-            return wrong("laser_time_ns", None, self.laser_time_ns as f64, rule);
+            return wrong("laser_time_ns", None, f64::from(self.laser_time_ns), rule);
         }
         for (index, angle) in self.lasers_rad.iter().enumerate() {
             if !(-1.0..=1.0).contains(angle) {
@@ -120,7 +120,7 @@ impl Prisms<'_> {
             }
         }
         for (index, angle) in self.lasers_rad.iter().enumerate() {
-            if self.moments().any(|at_ns| self.bent(*angle, &at_ns)[0].iter().any(|along| along.is_nan())) {
+            if moments().any(|at_ns| self.bent(*angle, &at_ns)[0].iter().any(|along| along.is_nan())) {
                 return wrong("lasers_rad", Some(index), *angle, "such that its light leaves every wheel");
             }
         }
@@ -128,7 +128,7 @@ impl Prisms<'_> {
     }
 
     pub(super) fn clock(&self) -> Clock {
-        Clock { tick_ns: self.volley_time_ns }
+        Clock { tick_ns: self.volley_time_ns.into() }
     }
 
     pub(super) fn most_firings(&self, frame_time_ns: u64) -> u128 {
@@ -137,7 +137,7 @@ impl Prisms<'_> {
 
     pub(super) fn time_s(&self, ticks: &Ticks, index: usize) -> f64 {
         let (volley, laser) = (index / self.lasers_rad.len(), index % self.lasers_rad.len());
-        (ticks.at_ns(volley as u64) + laser as u64 * self.laser_time_ns) as f64 * 1e-9
+        (ticks.at_ns(volley as u64) + laser as u64 * u64::from(self.laser_time_ns)) as f64 * 1e-9
     }
 
     /// How far from the axis beams go at some moments of a minute, in radians, to within a degree or so of the most there is;
@@ -145,17 +145,10 @@ impl Prisms<'_> {
     #[must_use]
     pub fn half_angle_rad(&self) -> f64 {
         let along = |laser: &f64| {
-            let all = self.moments().flat_map(|at_ns| self.bent(*laser, &at_ns)[0]);
+            let all = moments().flat_map(|at_ns| self.bent(*laser, &at_ns)[0]);
             all.fold(1.0, |least: f64, along| if along < least { along } else { least })
         };
         libm::acos(self.lasers_rad.iter().map(along).fold(1.0, f64::min).clamp(-1.0, 1.0))
-    }
-
-    /// Moments of a minute at which wheels stand in all ways that they come to: they are apart by the golden section of it,
-    /// so that whatever the speeds are no angle comes again.
-    fn moments(&self) -> impl Iterator<Item = Lanes<i128>> + use<> {
-        let moment = |number: usize| number as i128 * 37_082_039_325 % MINUTE_NS;
-        (0..MOMENTS).step_by(LANES).map(move |first| core::array::from_fn(|lane| moment(first + lane)))
     }
 
     /// Which way a laser's beam goes at moments of a minute: along the axis and across it; NaN if it does not leave a wheel.
@@ -187,7 +180,7 @@ impl Prisms<'_> {
         for lane in 0..count {
             let (volley, laser) =
                 ((first + lane) / self.lasers_rad.len(), (first + lane) % self.lasers_rad.len());
-            let in_frame_ns = ticks.at_ns(volley as u64) + laser as u64 * self.laser_time_ns;
+            let in_frame_ns = ticks.at_ns(volley as u64) + laser as u64 * u64::from(self.laser_time_ns);
             at_ns[lane] = begin_ns + i128::from(in_frame_ns);
             lanes.time_s[lane] = in_frame_ns as f64 * 1e-9;
             lanes.laser[lane] = laser as u32;
@@ -210,6 +203,13 @@ impl Prisms<'_> {
             }
         }
     }
+}
+
+/// Moments of a minute at which wheels stand in all ways that they come to: they are apart by the golden section of it, so
+/// that whatever the speeds are no angle comes again.
+fn moments() -> impl Iterator<Item = Lanes<i128>> {
+    let moment = |number: usize| number as i128 * 37_082_039_325 % MINUTE_NS;
+    (0..MOMENTS).step_by(LANES).map(move |first| core::array::from_fn(|lane| moment(first + lane)))
 }
 
 impl Wheel<'_> {

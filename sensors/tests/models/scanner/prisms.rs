@@ -20,7 +20,7 @@ fn ahead<'a>(wheels: &'a [Wheel<'a>]) -> Prisms<'a> {
     Prisms { volley_time_ns: 10_000, laser_time_ns: 0, axis: Axis::Ahead, lasers_rad: &[0.0], wheels }
 }
 
-fn scanner<'a>(prisms: Prisms<'a>) -> Scanner<'a> {
+fn scanner(prisms: Prisms<'_>) -> Scanner<'_> {
     Scanner::new(ScannerConfig::new(Pattern::Prisms(prisms))).unwrap()
 }
 

@@ -43,7 +43,7 @@ pub const MID_70: Preset = Preset {
 /// The law of the scan table that Livox published for its simulation (800 000 points, 4 s): lasers that look up, ±0.709°
 /// and ±2.126° from the axis, a wedge of 31.17° and 1.593 over them that makes 10345 turns a minute to the right, its angle
 /// swinging by 0.15 rad twice in each tenth of a second, and a prism of 1.968 that makes 10945, with a mirror at 50°. Its
-/// directions are that table's within 0.011°, half of them within 0.004°, and the table is rounded to 0.01°. Where the
+/// directions are that table's within 0.01°, half of them within 0.0034°, and the table is rounded to 0.01°. Where the
 /// table ends the law goes on: the pattern begins anew every 12 s. The angular error of the device (less than 0.15°) is left out.
 pub const MID_360: Preset = Preset {
     name: "mid360",
@@ -96,8 +96,8 @@ pub const MID_360: Preset = Preset {
 ///
 /// The law of the scan table that Livox published for its simulation (1 048 575 points, 2.3 s): lasers 0.897° apart, one
 /// above the other, behind wedges of 8.3° and 22.8° of 1.605, the slanted sides to the lasers, and one of 22.6° of 1.818, the
-/// flat side to them, that make −617, 7722 and −7722 turns a minute. Directions are that table's within 0.015° in the first
-/// tenth of a second, half of them within 0.005°. When it fires is not: the table has 425 000 firings a second, and 550 000
+/// flat side to them, that make −617, 7722 and −7722 turns a minute. Directions are that table's within 0.016° in the first
+/// tenth of a second, half of them within 0.006°. When it fires is not: the table has 425 000 firings a second, and 550 000
 /// in the middle 40° × 12°, which is 26 % of its points; here it fires evenly, and 22 % are there.
 pub const HAP: Preset = Preset {
     name: "hap",

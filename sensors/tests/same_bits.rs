@@ -90,6 +90,8 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let ranked = wide.returns(Returns::Ranked(3));
     let pixels = fire(&mut workspace, &builder, pose, ranked.pattern(Pattern::Raster(raster)));
     let rosette = fire(&mut workspace, &builder, pose, plain.pattern(presets::MID_70.pattern));
+    let prisms = [presets::MID_360, presets::HAP]
+        .map(|preset| fire(&mut workspace, &builder, pose, plain.pattern(preset.pattern)));
 
     // Few electrons and many, and a curve.
     let device = DeviceConfig::default()
@@ -134,6 +136,8 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ("returns", bytes(&returns.concat())),
         ("pixels", bytes(&pixels.concat())),
         ("rosette", bytes(&rosette[0])),
+        ("prisms with a mirror", bytes(&prisms[0][0])),
+        ("prisms", bytes(&prisms[1][0])),
         ("32fc1 of a device", bytes(&measured)),
         ("points of a device", measured_points),
         ("bayer_gbrg16", picture_with(&builder, bayer, pose, 7, execution)),
@@ -257,7 +261,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 18] = [
+    let expected: [(&str, u64); 20] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
@@ -267,7 +271,9 @@ fn every_machine() {
         ("firings", 0x3932_041a_7598_5374),
         ("returns", 0xc01c_05d5_c720_4582),
         ("pixels", 0xf8cf_d26b_a644_bfab),
-        ("rosette", 0x432a_af89_722c_cd70),
+        ("rosette", 0x1002_5aa6_f5a3_3948),
+        ("prisms with a mirror", 0xba88_83ff_322a_8d60),
+        ("prisms", 0xe60a_ba93_e160_ba67),
         ("32fc1 of a device", 0x1353_58ad_965b_7917),
         ("points of a device", 0x8452_3afe_8ed2_255f),
         ("bayer_gbrg16", 0x7aca_656c_7299_b256),

@@ -95,6 +95,31 @@ fn a_mid_70_sends_what_livoxs_driver_does() {
     assert!(count > 9000.0 && (stddev / 0.02 - 1.0).abs() < 0.03 && off_stamp > 0.4, "{stddev}");
 }
 
+/// Volleys of four lasers, 20 µs apart, of which the wall and the ground are met; six lasers one after the other.
+#[test]
+fn a_mid_360_and_a_hap_tell_their_lasers_as_lines() {
+    for (name, volley_ns, laser_ns, lasers) in [("mid360", 20_000.0, 0.0, 4_u8), ("hap", 13_274.0, 2212.0, 6)]
+    {
+        let (header, points) = livox(&format!("<preset>{name}</preset>"));
+        assert_eq!((header.stamp_ns, header.height, header.elem_stride), (200_000_000, 1, 26));
+        assert!(points.len() > 4000, "{name}: {}", points.len());
+        let mut lines = [0; 6];
+        for point in &points {
+            assert!(point.line < lasers && point.tag == 0);
+            lines[usize::from(point.line)] += 1;
+            // Volleys go on from time 0 without regard to frames.
+            let volley = (point.time_ns - laser_ns * f64::from(point.line)) / volley_ns;
+            assert!((volley - volley.round()).abs() * volley_ns < 1.0, "{name}: {} ns", point.time_ns);
+            let at = START + SPEED * point.time_ns * 1e-9;
+            let off = ((at + point.place).x - WALL_X) / point.place.normalize().x;
+            assert!((at + point.place).z < 0.3 || off.abs() < 0.15, "{name}: {}", point.place);
+        }
+        let lines = &lines[..usize::from(lasers)];
+        let share = points.len() as f64 / lines.len() as f64;
+        assert!(lines.iter().all(|line| (f64::from(*line) / share - 1.0).abs() < 0.2), "{name}: {lines:?}");
+    }
+}
+
 /// Livox's scale of reflectivity: a diffuse surface of 40 % that faces the lidar has 60.
 #[test]
 fn livoxs_reflectivity_and_returns_are_on_its_scales() {

@@ -15,6 +15,7 @@ mod gaussian;
 mod lens_pictures;
 mod light;
 mod lighting;
+mod livox;
 mod mirrors;
 mod moments;
 mod noise_in_sensors;

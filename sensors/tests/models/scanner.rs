@@ -2,6 +2,7 @@
 
 mod motion;
 mod patterns;
+mod prisms;
 
 use crate::common::{add_grey, scenery};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan};

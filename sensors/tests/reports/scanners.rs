@@ -126,7 +126,7 @@ pub(crate) fn page(preset: &Preset) -> Page {
     let rate = firings as f64 / (20.0 * 1e-9 * frame_time_ns(preset) as f64);
     let lasers = near.lasers.iter().max().map_or(0.0, |laser| f64::from(laser + 1));
     // Rosettes fill their cone as time goes on.
-    let is_rosette = matches!(preset.pattern, Pattern::Rosette(_));
+    let is_rosette = matches!(preset.pattern, Pattern::Rosette(_) | Pattern::Prisms(_));
     let across_bound = Bound::Share(if is_rosette { 0.01 } else { 1e-4 });
     let mut rows = vec![
         Row::new("lasers", "", sheet.lasers, lasers, Bound::By(0.0)),

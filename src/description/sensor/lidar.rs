@@ -16,7 +16,7 @@ use crate::description::values::{child_bool, child_text};
 use crate::description::xml::Element;
 use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
 use belvedere_sensors::scanner::presets::{self, Maker, Mode, Preset};
-use belvedere_sensors::scanner::{Columns, Pattern, Raster, Weather};
+use belvedere_sensors::scanner::{Axis, Columns, Pattern, Raster, Weather};
 pub use physics::BeamPhysics;
 pub use profile::PacketProfile;
 use std::f64::consts::{PI, TAU};
@@ -337,6 +337,14 @@ fn horizontal_of(preset: &Preset) -> ScanAxis {
         Pattern::Rosette(rosette) => {
             let most = rosette.half_angle_rad().unwrap_or(0.0);
             let samples = (1e9 / preset.rate_hz / rosette.firing_time_ns as f64) as u32;
+            return ScanAxis { samples, min_angle_rad: -most, max_angle_rad: most };
+        }
+        Pattern::Prisms(prisms) => {
+            let samples = (1e9 / preset.rate_hz / f64::from(prisms.volley_time_ns)) as u32;
+            if prisms.axis == Axis::Up {
+                return whole(samples);
+            }
+            let most = prisms.half_angle_rad();
             return ScanAxis { samples, min_angle_rad: -most, max_angle_rad: most };
         }
         _ => return whole(1),

@@ -3,6 +3,7 @@
 use super::clock::Ticks;
 use super::error::ScannerError;
 use super::firing::{Firing, FiringLanes};
+use super::prisms::Prisms;
 use super::raster::Raster;
 use super::rosette::Rosette;
 use super::spinning::Spinning;
@@ -21,6 +22,8 @@ pub enum Pattern<'a> {
     Spinning(Spinning<'a>),
     /// Two prisms that turn.
     Rosette(Rosette),
+    /// Several lasers behind prisms and mirrors that turn.
+    Prisms(Prisms<'a>),
     /// Pixels over a field of view, one after the other or all at once.
     Raster(Raster),
     /// The same firings in each frame, in the order of their times: whatever else there is.
@@ -33,6 +36,7 @@ impl Pattern<'_> {
         match self {
             Self::Spinning(spinning) => spinning.check(frame_time_ns)?,
             Self::Rosette(rosette) => rosette.check(frame_time_ns)?,
+            Self::Prisms(prisms) => prisms.check(frame_time_ns)?,
             Self::Raster(raster) => raster.check(frame_time_ns)?,
             Self::Table(firings) => check_table(firings, frame_time_ns)?,
         }
@@ -53,6 +57,7 @@ impl Pattern<'_> {
         match self {
             Self::Spinning(spinning) => spinning.most_firings(frame_time_ns),
             Self::Rosette(rosette) => u128::from(rosette.clock().most(frame_time_ns)),
+            Self::Prisms(prisms) => prisms.most_firings(frame_time_ns),
             Self::Raster(raster) => u128::from(raster.firings()),
             Self::Table(firings) => firings.len() as u128,
         }
@@ -69,6 +74,10 @@ impl Pattern<'_> {
             Self::Rosette(rosette) => {
                 let ticks = rosette.clock().in_frame(frame, frame_time_ns);
                 (Some(ticks), ticks.count as usize)
+            }
+            Self::Prisms(prisms) => {
+                let ticks = prisms.clock().in_frame(frame, frame_time_ns);
+                (Some(ticks), ticks.count as usize * prisms.lasers_rad.len())
             }
             Self::Raster(raster) => (None, raster.firings() as usize),
             Self::Table(firings) => (None, firings.len()),
@@ -93,6 +102,7 @@ impl FrameFirings<'_> {
         match self.pattern {
             Pattern::Spinning(spinning) => spinning.time_s(self.ticks.as_ref(), self.frame_time_ns, index),
             Pattern::Rosette(_) => self.ticks.map_or(0.0, |ticks| ticks.time_s(index as u64)),
+            Pattern::Prisms(prisms) => self.ticks.map_or(0.0, |ticks| prisms.time_s(&ticks, index)),
             Pattern::Raster(raster) => raster.time_s(index),
             Pattern::Table(firings) => firings[index].time_s,
         }
@@ -113,14 +123,15 @@ impl FrameFirings<'_> {
                 spinning.fill(ticks.as_ref(), self.frame_time_ns, (first, count), lanes);
             }
             (Pattern::Rosette(rosette), Some(ticks)) => rosette.fill(ticks, (first, count), lanes),
+            (Pattern::Prisms(prisms), Some(ticks)) => prisms.fill(ticks, (first, count), lanes),
             (Pattern::Raster(raster), _) => raster.fill((first, count), lanes),
             (Pattern::Table(firings), _) => {
                 for (lane, firing) in firings[first..][..count].iter().enumerate() {
                     lanes.set(lane, firing);
                 }
             }
-            // It ticks.
-            (Pattern::Rosette(_), None) => {}
+            // They tick.
+            (Pattern::Rosette(_) | Pattern::Prisms(_), None) => {}
         }
     }
 }

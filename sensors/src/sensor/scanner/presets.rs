@@ -14,7 +14,7 @@ use crate::noise::GaussianNoise;
 pub use continental::HFL_110;
 use core::f64::consts::TAU;
 pub use hokuyo::{URG_04LX, UTM_30LX};
-pub use livox::MID_70;
+pub use livox::{HAP, MID_70, MID_360};
 pub use ouster::{OS0_32, OS0_64, OS0_128, OS1_32, OS1_64, OS1_128, OS2_32, OS2_64, OS2_128};
 pub use sick::{LMS_111, LMS_511};
 pub use slamtec::{RPLIDAR_A1, RPLIDAR_A2};
@@ -143,8 +143,8 @@ impl Preset {
 
 /// All presets.
 pub const ALL: &[Preset] = &[
-    HFL_110, URG_04LX, UTM_30LX, MID_70, OS0_32, OS0_64, OS0_128, OS1_32, OS1_64, OS1_128, OS2_32, OS2_64,
-    OS2_128, LMS_111, LMS_511, RPLIDAR_A1, RPLIDAR_A2, HDL_32E, VLP_16, VLS_128,
+    HFL_110, URG_04LX, UTM_30LX, HAP, MID_70, MID_360, OS0_32, OS0_64, OS0_128, OS1_32, OS1_64, OS1_128,
+    OS2_32, OS2_64, OS2_128, LMS_111, LMS_511, RPLIDAR_A1, RPLIDAR_A2, HDL_32E, VLP_16, VLS_128,
 ];
 
 /// The names of all.

@@ -9,8 +9,8 @@ use glam::DVec3;
 
 const MINUTE_NS: i128 = 60_000_000_000;
 
-/// One laser behind two wedges of glass that turn about +x, the flat sides outwards: its beam draws a rosette, which
-/// begins anew after minutes or never.
+/// One laser behind two wedges of glass that turn about +x, the flat sides both outwards or both inwards: its beam draws a
+/// rosette, which begins anew after minutes or never.
 ///
 /// The beam is refracted at each face by Snell's law. Both wedges are thickest towards −y, which is where they bend it to, when
 /// time begins.
@@ -24,6 +24,8 @@ pub struct Rosette {
     pub wedge_rad: f64,
     /// Index of refraction of the glass, 1 to 4.
     pub refractive_index: f64,
+    /// Whether the flat sides of the wedges face each other, as a Mid-70's do; else the slanted ones, as a Mid-40's.
+    pub is_flat_inwards: bool,
 }
 
 impl Rosette {
@@ -76,11 +78,18 @@ impl Rosette {
     fn bent(&self, turned: [f64; 2]) -> Option<DVec3> {
         let n = self.refractive_index;
         let (sin, cos) = sin_cos(self.wedge_rad);
-        // The inner faces' normals, both ahead: the wedges face each other, so the second is turned by half.
+        // The slanted faces' normals, both ahead, when each is behind the glass: one before it is turned by half.
         let [first, second] = turned.map(|angle| {
             let (across, along) = sin_cos(angle);
             DVec3::new(cos, sin * along, sin * across)
         });
+        if self.is_flat_inwards {
+            let first = DVec3::new(first.x, -first.y, -first.z);
+            let inside = refracted(DVec3::X, first, 1.0 / n)?;
+            let between = refracted(inside, DVec3::X, n)?;
+            let inside = refracted(between, DVec3::X, 1.0 / n)?;
+            return refracted(inside, second, n);
+        }
         let second = DVec3::new(second.x, -second.y, -second.z);
         // Straight through the first flat side, which the beam meets at a right angle.
         let between = refracted(DVec3::X, first, n)?;

@@ -76,6 +76,7 @@ fn two_prisms_draw_a_rosette() {
         speeds_rpm: [7294, -4664],
         wedge_rad: 29.68_f64.to_radians(),
         refractive_index: 1.51,
+        is_flat_inwards: false,
     };
     let scanner = Scanner::new(ScannerConfig::new(Pattern::Rosette(rosette))).unwrap();
     assert_eq!(scanner.most_firings(), 10_000);
@@ -257,8 +258,13 @@ fn what_cannot_be_is_refused() {
     );
     assert!(said(plain.range_min_m(100.0)).starts_with("a scanner's range_max_m is 100"));
     assert!(said(plain.frame_time_ns(0)).starts_with("a scanner's frame_time_ns is 0"));
-    let rosette =
-        Rosette { firing_time_ns: 1000, speeds_rpm: [1, 2], wedge_rad: FRAC_PI_2, refractive_index: 1.5 };
+    let rosette = Rosette {
+        firing_time_ns: 1000,
+        speeds_rpm: [1, 2],
+        wedge_rad: FRAC_PI_2,
+        refractive_index: 1.5,
+        is_flat_inwards: false,
+    };
     assert!(said(plain.pattern(Pattern::Rosette(rosette))).starts_with("a scanner's wedge_rad is 1.57"));
 
     let scanner = Scanner::new(plain).unwrap();

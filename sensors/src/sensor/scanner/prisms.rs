@@ -1,0 +1,312 @@
+//! Scanners whose lasers look through prisms and by mirrors that turn about one axis, as Livox's HAP and Mid-360.
+
+use super::clock::{Clock, Ticks};
+use super::error::ScannerError;
+use super::firing::FiringLanes;
+use crate::simd::{LANES, Lanes, sin_cos, sqrt};
+use core::f64::consts::{FRAC_PI_2, TAU};
+use glam::DVec3;
+
+const MINUTE_NS: i128 = 60_000_000_000;
+/// Most wheels of a scanner.
+pub const MAX_WHEELS: usize = 4;
+/// Moments that are looked at before a scanner is taken for one.
+const MOMENTS: usize = 16 * LANES;
+/// Most faces of a wheel.
+const MAX_FACES: usize = 8;
+
+/// What all wheels turn about, and the lasers lie beside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// +x: angles about it are from +y towards +z.
+    Ahead,
+    /// +z: angles about it are from +x towards +y.
+    Up,
+}
+
+/// Where light meets a wheel; its normal is tilted from the axis to where the wheel looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Face {
+    /// Light goes on by Snell's law in what has this index of refraction: 1 is air, up to 4.
+    Refracting {
+        /// From the axis to the normal, in radians, −π/2 to π/2.
+        tilt_rad: f64,
+        /// Of what is behind it.
+        index: f64,
+    },
+    /// Light is reflected.
+    Mirror {
+        /// From the axis to the normal, in radians, −π/2 to π/2.
+        tilt_rad: f64,
+    },
+}
+
+/// How far a wheel is ahead of even turning: `rad`·sin(2π·`rpm`·t + `phase_rad`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Swing {
+    /// How far at the most, in radians.
+    pub rad: f64,
+    /// How often, a minute.
+    pub rpm: i32,
+    /// Where it is at time 0, in radians.
+    pub phase_rad: f64,
+}
+
+impl Swing {
+    /// Even turning.
+    pub const NONE: Self = Self { rad: 0.0, rpm: 0, phase_rad: 0.0 };
+}
+
+/// A prism or mirror that turns: faces that light meets one after the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wheel<'a> {
+    /// Turns a minute; negative ones turn the other way.
+    pub speed_rpm: i32,
+    /// Where it looks at time 0, in radians about the axis.
+    pub phase_rad: f64,
+    /// How its turning is uneven.
+    pub swing: Swing,
+    /// In the order in which light meets them; behind the last is air.
+    pub faces: &'a [Face],
+}
+
+/// Lasers side by side behind wheels that turn about one axis: each beam is refracted and reflected at every face of every
+/// wheel, so where it goes follows from how the wheels stand at its time. It comes again after a minute, or sooner.
+///
+/// Firings are in the order of time: volley by volley, of each all lasers in their order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prisms<'a> {
+    /// From a volley to the next, in nanoseconds.
+    pub volley_time_ns: u32,
+    /// From a laser of a volley to the next, in nanoseconds; 0 if all fire at once.
+    pub laser_time_ns: u16,
+    /// What the wheels turn about.
+    pub axis: Axis,
+    /// Each laser's angle from the axis, 64 at the most, in radians: upwards with an axis ahead, towards +y with one upwards.
+    pub lasers_rad: &'a [f64],
+    /// In the order in which light meets them.
+    pub wheels: &'a [Wheel<'a>],
+}
+
+/// Directions, lane by lane: along the axis, and the two across it.
+type Rays = [Lanes<f64>; 3];
+
+impl Prisms<'_> {
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
+        let wrong = |parameter, index, value, rule| Err(ScannerError { parameter, index, value, rule });
+        if self.volley_time_ns == 0 || u64::from(self.volley_time_ns) > frame_time_ns {
+            return wrong("volley_time_ns", None, f64::from(self.volley_time_ns), "1 up to the frame's time");
+        }
+        let lasers = self.lasers_rad.len();
+        if !(1..=LANES).contains(&lasers) {
+            return wrong("lasers_rad", None, lasers as f64, "1 to 64 of them");
+        }
+        let last_ns = (lasers as u128 - 1) * u128::from(self.laser_time_ns);
+        if last_ns >= u128::from(self.volley_time_ns) {
+            let rule = "so little that all lasers fire before the next volley";
+            return wrong("laser_time_ns", None, f64::from(self.laser_time_ns), rule);
+        }
+        for (index, angle) in self.lasers_rad.iter().enumerate() {
+            if !(-1.0..=1.0).contains(angle) {
+                return wrong("lasers_rad", Some(index), *angle, "-1 to 1");
+            }
+        }
+        if !(1..=MAX_WHEELS).contains(&self.wheels.len()) {
+            return wrong("wheels", None, self.wheels.len() as f64, "1 to 4 of them");
+        }
+        for (index, wheel) in self.wheels.iter().enumerate() {
+            if let Err((parameter, value, rule)) = wheel.check() {
+                return wrong(parameter, Some(index), value, rule);
+            }
+        }
+        for (index, angle) in self.lasers_rad.iter().enumerate() {
+            if moments().any(|at_ns| self.bent(*angle, &at_ns)[0].iter().any(|along| along.is_nan())) {
+                return wrong("lasers_rad", Some(index), *angle, "such that its light leaves every wheel");
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn clock(&self) -> Clock {
+        Clock { tick_ns: self.volley_time_ns.into() }
+    }
+
+    pub(super) fn most_firings(&self, frame_time_ns: u64) -> u128 {
+        u128::from(self.clock().most(frame_time_ns)) * self.lasers_rad.len() as u128
+    }
+
+    pub(super) fn time_s(&self, ticks: &Ticks, index: usize) -> f64 {
+        let (volley, laser) = (index / self.lasers_rad.len(), index % self.lasers_rad.len());
+        (ticks.at_ns(volley as u64) + laser as u64 * u64::from(self.laser_time_ns)) as f64 * 1e-9
+    }
+
+    /// How far from the axis beams go at some moments of a minute, in radians, to within a degree or so of the most there is;
+    /// more than a right angle behind mirrors.
+    #[must_use]
+    pub fn half_angle_rad(&self) -> f64 {
+        let along = |laser: &f64| {
+            let all = moments().flat_map(|at_ns| self.bent(*laser, &at_ns)[0]);
+            all.fold(1.0, |least: f64, along| if along < least { along } else { least })
+        };
+        libm::acos(self.lasers_rad.iter().map(along).fold(1.0, f64::min).clamp(-1.0, 1.0))
+    }
+
+    /// Which way a laser's beam goes at moments of a minute: along the axis and across it; NaN if it does not leave a wheel.
+    fn bent(&self, laser_rad: f64, at_ns: &Lanes<i128>) -> Rays {
+        let (sin, cos) = sin_cos(laser_rad);
+        let mut rays: Rays = [[cos; LANES], [0.0; LANES], [sin; LANES]];
+        self.bend(at_ns, &mut rays);
+        rays
+    }
+
+    /// Sends rays through all wheels.
+    #[inline(always)]
+    fn bend(&self, at_ns: &Lanes<i128>, rays: &mut Rays) {
+        for wheel in self.wheels {
+            let mut turned = [0.0; LANES];
+            for lane in 0..LANES {
+                turned[lane] = wheel.turned(at_ns[lane]);
+            }
+            wheel.bend(&turned, rays);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn fill(&self, ticks: &Ticks, (first, count): (usize, usize), lanes: &mut FiringLanes) {
+        let mut at_ns = [0_i128; LANES];
+        let mut rays: Rays = [[1.0; LANES], [0.0; LANES], [0.0; LANES]];
+        // Whole minutes are left out before anything is rounded: a wheel makes a whole number of turns in one.
+        let begin_ns = (ticks.begin_ns % MINUTE_NS as u128) as i128;
+        for lane in 0..count {
+            let (volley, laser) =
+                ((first + lane) / self.lasers_rad.len(), (first + lane) % self.lasers_rad.len());
+            let in_frame_ns = ticks.at_ns(volley as u64) + laser as u64 * u64::from(self.laser_time_ns);
+            at_ns[lane] = begin_ns + i128::from(in_frame_ns);
+            lanes.time_s[lane] = in_frame_ns as f64 * 1e-9;
+            lanes.laser[lane] = laser as u32;
+            (rays[2][lane], rays[0][lane]) = sin_cos(self.lasers_rad[laser]);
+        }
+        self.bend(&at_ns, &mut rays);
+        let [x, y, z] = match self.axis {
+            Axis::Ahead => [0, 1, 2],
+            Axis::Up => [1, 2, 0],
+        };
+        lanes.origin = [[0.0; LANES]; 3];
+        lanes.direction = [rays[x], rays[y], rays[z]];
+        // Light that does not leave a wheel where it was not checked goes on along the axis.
+        let along = if self.axis == Axis::Ahead { DVec3::X } else { DVec3::Z };
+        for lane in 0..count {
+            if lanes.direction.iter().any(|part| !part[lane].is_finite()) {
+                for axis in 0..3 {
+                    lanes.direction[axis][lane] = along[axis];
+                }
+            }
+        }
+    }
+}
+
+/// Moments of a minute at which wheels stand in all ways that they come to: they are apart by the golden section of it, so
+/// that whatever the speeds are no angle comes again.
+fn moments() -> impl Iterator<Item = Lanes<i128>> {
+    let moment = |number: usize| number as i128 * 37_082_039_325 % MINUTE_NS;
+    (0..MOMENTS).step_by(LANES).map(move |first| core::array::from_fn(|lane| moment(first + lane)))
+}
+
+impl Wheel<'_> {
+    /// What is wrong with it: which of its parts, its value and what that must be.
+    fn check(&self) -> Result<(), (&'static str, f64, &'static str)> {
+        let swing = self.swing;
+        if !(-TAU..=TAU).contains(&self.phase_rad) {
+            return Err(("phase_rad of wheel", self.phase_rad, "-2π to 2π"));
+        }
+        if !(-TAU..=TAU).contains(&swing.rad) {
+            return Err(("swing's rad of wheel", swing.rad, "-2π to 2π"));
+        }
+        if !(-TAU..=TAU).contains(&swing.phase_rad) {
+            return Err(("swing's phase_rad of wheel", swing.phase_rad, "-2π to 2π"));
+        }
+        if !(1..=MAX_FACES).contains(&self.faces.len()) {
+            return Err(("faces of wheel", self.faces.len() as f64, "1 to 8 of them"));
+        }
+        let mut last = 1.0;
+        for face in self.faces {
+            if !(-FRAC_PI_2..=FRAC_PI_2).contains(&face.tilt_rad()) {
+                return Err(("tilt_rad of a face of wheel", face.tilt_rad(), "-π/2 to π/2"));
+            }
+            if let Face::Refracting { index, .. } = *face {
+                if !(1.0..=4.0).contains(&index) {
+                    return Err(("index of a face of wheel", index, "1 to 4"));
+                }
+                last = index;
+            }
+        }
+        if last != 1.0 {
+            return Err(("index of the last face of wheel", last, "1: behind a wheel is air"));
+        }
+        Ok(())
+    }
+
+    /// Where it looks at a time since some minute began, in radians about the axis.
+    #[inline(always)]
+    fn turned(&self, at_ns: i128) -> f64 {
+        let share =
+            |rpm: i32| (at_ns * i128::from(rpm)).rem_euclid(MINUTE_NS) as f64 / MINUTE_NS as f64 * TAU;
+        let even = share(self.speed_rpm) + self.phase_rad;
+        if self.swing.rad == 0.0 {
+            return even;
+        }
+        let (swung, _) = sin_cos(share(self.swing.rpm) + self.swing.phase_rad);
+        even + self.swing.rad * swung
+    }
+
+    /// Sends rays through all of its faces; those that do not leave it become NaN.
+    #[inline(always)]
+    fn bend(&self, turned: &Lanes<f64>, rays: &mut Rays) {
+        let (mut across, mut along) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            (across[lane], along[lane]) = sin_cos(turned[lane]);
+        }
+        let mut before = 1.0;
+        for face in self.faces {
+            let (tilted, straight) = sin_cos(face.tilt_rad());
+            let ratio = match *face {
+                Face::Refracting { index, .. } => Some(core::mem::replace(&mut before, index) / index),
+                Face::Mirror { .. } => None,
+            };
+            for lane in 0..LANES {
+                let normal = DVec3::new(straight, tilted * along[lane], tilted * across[lane]);
+                let ray = DVec3::new(rays[0][lane], rays[1][lane], rays[2][lane]);
+                let ray = ratio.map_or_else(|| reflected(ray, normal), |ratio| refracted(ray, normal, ratio));
+                for axis in 0..3 {
+                    rays[axis][lane] = ray[axis];
+                }
+            }
+        }
+    }
+}
+
+impl Face {
+    const fn tilt_rad(&self) -> f64 {
+        match *self {
+            Self::Refracting { tilt_rad, .. } | Self::Mirror { tilt_rad } => tilt_rad,
+        }
+    }
+}
+
+/// A unit direction behind a mirror with a unit normal.
+#[inline(always)]
+fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
+    direction - normal * (2.0 * direction.dot(normal))
+}
+
+/// A unit direction behind a face with a unit normal; `ratio` is the index before over that behind. NaN if all of it is
+/// reflected.
+#[inline(always)]
+fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> DVec3 {
+    let along = direction.dot(normal);
+    let rest = 1.0 - ratio * ratio * (1.0 - along * along);
+    let root = if rest < 0.0 { f64::NAN } else { sqrt(rest) };
+    let behind = if along < 0.0 { -root } else { root };
+    let bent = direction * ratio + normal * (behind - ratio * along);
+    bent * (1.0 / sqrt(bent.length_squared()))
+}

@@ -31,10 +31,14 @@ def told_once(found: np.ndarray) -> np.ndarray:
     return found[~again]
 
 
-def first_packet(pcap: str) -> int:
-    """Returns in the first packet."""
-    packet = np.fromfile(pcap, np.uint8, 1200, offset=24 + 16 + 42).reshape(12, 100)
-    return int(np.count_nonzero(np.ascontiguousarray(packet[:, 4:]).reshape(-1, 3)[:, :2].any(axis=1)))
+def first_packet(pcap: str, returns: int) -> int:
+    """Points that the decoder makes of the first packet: two equal returns of a firing are one."""
+    blocks = np.fromfile(pcap, np.uint8, 1200, offset=24 + 16 + 42).reshape(12, 100)[:, 4:].reshape(12, 32, 3)
+    distances = blocks[:, :, 0] + 256 * blocks[:, :, 1].astype(int)
+    there = distances > 0
+    if returns == 2:
+        there[1::2] &= distances[1::2] != distances[::2]
+    return int(there.sum())
 
 
 def main(name: str, returns: int, pcap: str, cloud: str, seconds: float) -> None:
@@ -65,7 +69,7 @@ def main(name: str, returns: int, pcap: str, cloud: str, seconds: float) -> None
     if name == "vls128":
         # The decoder takes the head's speed and times from the packet before.
         begin += columns * column_s
-        found = found[first_packet(pcap) :]
+        found = found[first_packet(pcap, returns) :]
         # The manual has one time without a firing after the first half of a column, the decoder two. (It turns the head on
         # meanwhile, by 0.01 deg.)
         found[(found[:, 4] - begin + MARGIN_S) % column_s > 8.5 * SLOT_S, 4] -= SLOT_S

@@ -1,5 +1,6 @@
 //! Scanners: every firing from where sensor and things are at its own time, against closed forms.
 
+mod mems;
 mod motion;
 mod patterns;
 mod prisms;

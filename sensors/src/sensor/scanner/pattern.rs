@@ -3,6 +3,7 @@
 use super::clock::Ticks;
 use super::error::ScannerError;
 use super::firing::{Firing, FiringLanes};
+use super::mems::Mems;
 use super::prisms::Prisms;
 use super::raster::Raster;
 use super::rosette::Rosette;
@@ -24,6 +25,8 @@ pub enum Pattern<'a> {
     Rosette(Rosette),
     /// Several lasers behind prisms and mirrors that turn.
     Prisms(Prisms<'a>),
+    /// A mirror that swings about two axes.
+    Mems(Mems<'a>),
     /// Pixels over a field of view, one after the other or all at once.
     Raster(Raster),
     /// The same firings in each frame, in the order of their times: whatever else there is.
@@ -37,6 +40,7 @@ impl Pattern<'_> {
             Self::Spinning(spinning) => spinning.check(frame_time_ns)?,
             Self::Rosette(rosette) => rosette.check(frame_time_ns)?,
             Self::Prisms(prisms) => prisms.check(frame_time_ns)?,
+            Self::Mems(mems) => mems.check(frame_time_ns)?,
             Self::Raster(raster) => raster.check(frame_time_ns)?,
             Self::Table(firings) => check_table(firings, frame_time_ns)?,
         }
@@ -58,6 +62,7 @@ impl Pattern<'_> {
             Self::Spinning(spinning) => spinning.most_firings(frame_time_ns),
             Self::Rosette(rosette) => u128::from(rosette.clock().most(frame_time_ns)),
             Self::Prisms(prisms) => prisms.most_firings(frame_time_ns),
+            Self::Mems(mems) => u128::from(mems.clock().most(frame_time_ns)),
             Self::Raster(raster) => u128::from(raster.firings()),
             Self::Table(firings) => firings.len() as u128,
         }
@@ -78,6 +83,10 @@ impl Pattern<'_> {
             Self::Prisms(prisms) => {
                 let ticks = prisms.clock().in_frame(frame, frame_time_ns);
                 (Some(ticks), ticks.count as usize * prisms.lasers_rad.len())
+            }
+            Self::Mems(mems) => {
+                let ticks = mems.clock().in_frame(frame, frame_time_ns);
+                (Some(ticks), ticks.count as usize)
             }
             Self::Raster(raster) => (None, raster.firings() as usize),
             Self::Table(firings) => (None, firings.len()),
@@ -101,7 +110,9 @@ impl FrameFirings<'_> {
     pub(super) fn time_s(&self, index: usize) -> f64 {
         match self.pattern {
             Pattern::Spinning(spinning) => spinning.time_s(self.ticks.as_ref(), self.frame_time_ns, index),
-            Pattern::Rosette(_) => self.ticks.map_or(0.0, |ticks| ticks.time_s(index as u64)),
+            Pattern::Rosette(_) | Pattern::Mems(_) => {
+                self.ticks.map_or(0.0, |ticks| ticks.time_s(index as u64))
+            }
             Pattern::Prisms(prisms) => self.ticks.map_or(0.0, |ticks| prisms.time_s(&ticks, index)),
             Pattern::Raster(raster) => raster.time_s(index),
             Pattern::Table(firings) => firings[index].time_s,
@@ -124,6 +135,7 @@ impl FrameFirings<'_> {
             }
             (Pattern::Rosette(rosette), Some(ticks)) => rosette.fill(ticks, (first, count), lanes),
             (Pattern::Prisms(prisms), Some(ticks)) => prisms.fill(ticks, (first, count), lanes),
+            (Pattern::Mems(mems), Some(ticks)) => mems.fill(ticks, (first, count), lanes),
             (Pattern::Raster(raster), _) => raster.fill((first, count), lanes),
             (Pattern::Table(firings), _) => {
                 for (lane, firing) in firings[first..][..count].iter().enumerate() {
@@ -131,7 +143,7 @@ impl FrameFirings<'_> {
                 }
             }
             // They tick.
-            (Pattern::Rosette(_) | Pattern::Prisms(_), None) => {}
+            (Pattern::Rosette(_) | Pattern::Prisms(_) | Pattern::Mems(_), None) => {}
         }
     }
 }

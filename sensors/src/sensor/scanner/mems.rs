@@ -1,0 +1,132 @@
+//! Scanners with one small mirror that swings about two axes, as those of MEMS lidars.
+
+use super::clock::{Clock, Ticks};
+use super::error::ScannerError;
+use super::firing::{Firing, FiringLanes};
+use crate::simd::sin_cos;
+use core::f64::consts::{FRAC_PI_2, TAU};
+use glam::DVec3;
+
+const MINUTE_NS: u128 = 60_000_000_000;
+
+/// How a mirror swings about an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wave {
+    /// As a sine, which resonance makes.
+    Sine,
+    /// Evenly to and fro.
+    Triangle,
+}
+
+/// The swinging of a mirror about one of its axes. Beams turn by twice as much.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MirrorAxis {
+    /// How far the mirror turns to either side, in radians.
+    pub amplitude_rad: f64,
+    /// How often a minute it goes to and fro.
+    pub cycles_per_min: u32,
+    /// Where in its cycle it is at time 0, in radians: at 0 it passes the middle, towards the left or upwards.
+    pub phase_rad: f64,
+    /// What it swings like.
+    pub wave: Wave,
+}
+
+/// One laser and a mirror that swings about two axes: two sines draw a Lissajous figure, a sine and a triangle rows that are
+/// bent at their ends. Which way beams go follows from the mirror, so the field is bent as that of a device is.
+///
+/// At rest the beam goes along +x. The laser is above the mirror, in the plane of x and z. The mirror turns to the left and
+/// right in a frame that turns up and down.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mems<'a> {
+    /// From a firing to the next, in nanoseconds.
+    pub firing_time_ns: u64,
+    /// Between the laser's beam and the normal of the mirror at rest, in radians.
+    pub incidence_rad: f64,
+    /// To the left and right, within the frame; and up and down, with it.
+    pub axes: &'a [MirrorAxis; 2],
+}
+
+impl MirrorAxis {
+    fn check(&self) -> Result<(), (&'static str, f64, &'static str)> {
+        if !(0.0..FRAC_PI_2).contains(&self.amplitude_rad) {
+            return Err(("amplitude_rad", self.amplitude_rad, "0 to less than π/2"));
+        }
+        if !(-TAU..=TAU).contains(&self.phase_rad) {
+            return Err(("phase_rad", self.phase_rad, "-2π to 2π"));
+        }
+        Ok(())
+    }
+
+    /// How far the mirror is turned, in radians.
+    #[inline(always)]
+    fn turned(&self, at_ns: u128) -> f64 {
+        // Whole cycles are left out before anything is rounded: there is a whole number of them in a minute.
+        let cycles = (at_ns * u128::from(self.cycles_per_min) % MINUTE_NS) as f64 / MINUTE_NS as f64;
+        let (sine, _) = sin_cos(cycles * TAU + self.phase_rad);
+        match self.wave {
+            Wave::Sine => self.amplitude_rad * sine,
+            Wave::Triangle => {
+                // Quarters of a cycle from where it passes the middle: up, down, down, up.
+                let cycle = cycles + self.phase_rad / TAU;
+                let quarters = (cycle - crate::simd::floor(cycle)) * 4.0;
+                let share = if quarters < 1.0 {
+                    quarters
+                } else if quarters < 3.0 {
+                    2.0 - quarters
+                } else {
+                    quarters - 4.0
+                };
+                self.amplitude_rad * share
+            }
+        }
+    }
+}
+
+impl Mems<'_> {
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
+        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+        if self.firing_time_ns == 0 || self.firing_time_ns > frame_time_ns {
+            return wrong("firing_time_ns", self.firing_time_ns as f64, "1 up to the frame's time");
+        }
+        for axis in self.axes {
+            if let Err((parameter, value, rule)) = axis.check() {
+                return wrong(parameter, value, rule);
+            }
+        }
+        // The normal is never farther from the laser than that.
+        let most = self.incidence_rad + self.axes[0].amplitude_rad + self.axes[1].amplitude_rad;
+        if !(self.incidence_rad >= 0.0 && most < FRAC_PI_2) {
+            let rule =
+                "0 or more, and with both amplitudes less than π/2, so that light meets the mirror's face";
+            return wrong("incidence_rad", self.incidence_rad, rule);
+        }
+        Ok(())
+    }
+
+    pub(super) fn clock(&self) -> Clock {
+        Clock { tick_ns: self.firing_time_ns }
+    }
+
+    #[inline(always)]
+    pub(super) fn fill(&self, ticks: &Ticks, (first, count): (usize, usize), lanes: &mut FiringLanes) {
+        for lane in 0..count {
+            let tick = (first + lane) as u64;
+            let at_ns = ticks.begin_ns % MINUTE_NS + u128::from(ticks.at_ns(tick));
+            let [across, up] = self.axes;
+            let direction = self.reflected(across.turned(at_ns), up.turned(at_ns));
+            lanes.set(lane, &Firing { time_s: ticks.time_s(tick), origin: DVec3::ZERO, direction, laser: 0 });
+        }
+    }
+
+    /// Which way the beam goes when the mirror is turned so.
+    #[inline(always)]
+    fn reflected(&self, across_rad: f64, up_rad: f64) -> DVec3 {
+        let (sin, cos) = sin_cos(2.0 * self.incidence_rad);
+        let beam = DVec3::new(-cos, 0.0, -sin);
+        // The normal at rest is halfway between +x and the laser; the frame turns it about y with what it holds.
+        let (left, ahead) = sin_cos(across_rad);
+        let (sin, cos) = sin_cos(self.incidence_rad + up_rad);
+        let normal = DVec3::new(ahead * cos, left, ahead * sin);
+        beam - normal * (2.0 * beam.dot(normal))
+    }
+}

@@ -107,8 +107,9 @@ fn a_mid_360_and_a_hap_tell_their_lasers_as_lines() {
         for point in &points {
             assert!(point.line < lasers && point.tag == 0);
             lines[usize::from(point.line)] += 1;
-            // Volleys go on from time 0 without regard to frames.
-            let volley = (point.time_ns - laser_ns * f64::from(point.line)) / volley_ns;
+            // Volleys go on without regard to frames, of which this is the second: it begins 0.1 s after the first volley.
+            let since_first_ns = point.time_ns - header.stamp_ns as f64 + 1e8;
+            let volley = (since_first_ns - laser_ns * f64::from(point.line)) / volley_ns;
             assert!((volley - volley.round()).abs() * volley_ns < 1.0, "{name}: {} ns", point.time_ns);
             let at = START + SPEED * point.time_ns * 1e-9;
             let off = ((at + point.place).x - WALL_X) / point.place.normalize().x;

@@ -12,6 +12,7 @@ use super::packets::{Column, PacketTarget, Packets};
 use super::pictures::noise;
 use super::sink::Frame;
 use super::truth::TruthOutlets;
+use super::whole::rounded;
 use super::{Opening, Rate, RigContext, RigError, Settings};
 use crate::description::model::{self, CloudLayout, LaserPlugin, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
@@ -170,7 +171,8 @@ impl ScannerChannel {
             (self.config.frame_time_ns, self.lasers, self.config.returns.count());
         let Found { ranges, intensities, times, .. } = &self.found;
         for (number, first) in (0..firings).step_by(lasers).enumerate() {
-            let after_ns = (times[first] * 1e9).round() as u64;
+            // As clouds tell it: of two as near, the even one.
+            let after_ns = rounded(times[first] * 1e9) as u64;
             let Some(time_ns) = (stamp_ns + after_ns).checked_sub(period_ns) else { continue };
             packets.push(&Column {
                 frame,

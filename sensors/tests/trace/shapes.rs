@@ -158,6 +158,7 @@ fn height_fields_have_every_triangle_once() {
                         continue;
                     }
                     let triangle = wide.triangle[lane];
+                    assert_eq!(grid.triangle_of(block, lane as u32), triangle, "{rows} × {columns}");
                     seen[triangle as usize] += 1;
                     assert_eq!(corners, grid.triangle(triangle));
                     let (row, column) = (triangle / 2 / (columns - 1), triangle / 2 % (columns - 1));

@@ -1,5 +1,14 @@
 //! What goes on from frame to frame: the times of firings that know of no frames.
 
+/// A minute, in which what turns so many times a minute makes a whole number of turns.
+pub(super) const MINUTE_NS: i128 = 60_000_000_000;
+
+/// Turns at a time since some minute began, less whole ones, which are left out before anything is rounded.
+#[inline(always)]
+pub(super) fn turns(at_ns: i128, per_min: i64) -> f64 {
+    (at_ns * i128::from(per_min)).rem_euclid(MINUTE_NS) as f64 / MINUTE_NS as f64
+}
+
 /// Something that ticks without regard to frames: from time 0 on, every so many nanoseconds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clock {
@@ -43,7 +52,13 @@ impl Ticks {
         self.first_ns + tick * self.tick_ns
     }
 
-    /// The same in seconds.
+    /// Nanoseconds from the beginning of the minute in which the frame begins to one of them.
+    #[inline(always)]
+    pub(super) fn in_minute_ns(&self, tick: u64) -> i128 {
+        (self.begin_ns % MINUTE_NS as u128) as i128 + i128::from(self.at_ns(tick))
+    }
+
+    /// The same as [`Ticks::at_ns`] in seconds.
     pub(super) fn time_s(&self, tick: u64) -> f64 {
         self.at_ns(tick) as f64 * 1e-9
     }

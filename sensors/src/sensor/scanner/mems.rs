@@ -1,13 +1,11 @@
 //! Scanners with one small mirror that swings about two axes, as those of MEMS lidars.
 
-use super::clock::{Clock, Ticks};
+use super::clock::{Clock, Ticks, turns};
 use super::error::ScannerError;
 use super::firing::{Firing, FiringLanes};
 use crate::simd::sin_cos;
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::DVec3;
-
-const MINUTE_NS: u128 = 60_000_000_000;
 
 /// How a mirror swings about an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,12 +57,10 @@ impl MirrorAxis {
 
     /// How far the mirror is turned, in radians.
     #[inline(always)]
-    fn turned(&self, at_ns: u128) -> f64 {
-        // Whole cycles are left out before anything is rounded: there is a whole number of them in a minute.
-        let cycles = (at_ns * u128::from(self.cycles_per_min) % MINUTE_NS) as f64 / MINUTE_NS as f64;
-        let (sine, _) = sin_cos(cycles * TAU + self.phase_rad);
+    fn turned(&self, at_ns: i128) -> f64 {
+        let cycles = turns(at_ns, self.cycles_per_min.into());
         match self.wave {
-            Wave::Sine => self.amplitude_rad * sine,
+            Wave::Sine => self.amplitude_rad * sin_cos(cycles * TAU + self.phase_rad).0,
             Wave::Triangle => {
                 // Quarters of a cycle from where it passes the middle: up, down, down, up.
                 let cycle = cycles + self.phase_rad / TAU;
@@ -111,7 +107,7 @@ impl Mems<'_> {
     pub(super) fn fill(&self, ticks: &Ticks, (first, count): (usize, usize), lanes: &mut FiringLanes) {
         for lane in 0..count {
             let tick = (first + lane) as u64;
-            let at_ns = ticks.begin_ns % MINUTE_NS + u128::from(ticks.at_ns(tick));
+            let at_ns = ticks.in_minute_ns(tick);
             let [across, up] = self.axes;
             let direction = self.reflected(across.turned(at_ns), up.turned(at_ns));
             lanes.set(lane, &Firing { time_s: ticks.time_s(tick), origin: DVec3::ZERO, direction, laser: 0 });

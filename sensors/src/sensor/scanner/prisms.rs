@@ -1,13 +1,12 @@
 //! Scanners whose lasers look through prisms and by mirrors that turn about one axis, as Livox's HAP and Mid-360.
 
-use super::clock::{Clock, Ticks};
+use super::clock::{Clock, MINUTE_NS, Ticks, turns};
 use super::error::ScannerError;
 use super::firing::FiringLanes;
 use crate::simd::{LANES, Lanes, sin_cos, sqrt};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::DVec3;
 
-const MINUTE_NS: i128 = 60_000_000_000;
 /// Most wheels of a scanner.
 pub const MAX_WHEELS: usize = 4;
 /// Moments that are looked at before a scanner is taken for one.
@@ -175,14 +174,12 @@ impl Prisms<'_> {
     pub(super) fn fill(&self, ticks: &Ticks, (first, count): (usize, usize), lanes: &mut FiringLanes) {
         let mut at_ns = [0_i128; LANES];
         let mut rays: Rays = [[1.0; LANES], [0.0; LANES], [0.0; LANES]];
-        // Whole minutes are left out before anything is rounded: a wheel makes a whole number of turns in one.
-        let begin_ns = (ticks.begin_ns % MINUTE_NS as u128) as i128;
         for lane in 0..count {
             let (volley, laser) =
                 ((first + lane) / self.lasers_rad.len(), (first + lane) % self.lasers_rad.len());
-            let in_frame_ns = ticks.at_ns(volley as u64) + laser as u64 * u64::from(self.laser_time_ns);
-            at_ns[lane] = begin_ns + i128::from(in_frame_ns);
-            lanes.time_s[lane] = in_frame_ns as f64 * 1e-9;
+            let after_volley_ns = laser as u64 * u64::from(self.laser_time_ns);
+            at_ns[lane] = ticks.in_minute_ns(volley as u64) + i128::from(after_volley_ns);
+            lanes.time_s[lane] = (ticks.at_ns(volley as u64) + after_volley_ns) as f64 * 1e-9;
             lanes.laser[lane] = laser as u32;
             (rays[2][lane], rays[0][lane]) = sin_cos(self.lasers_rad[laser]);
         }
@@ -249,13 +246,11 @@ impl Wheel<'_> {
     /// Where it looks at a time since some minute began, in radians about the axis.
     #[inline(always)]
     fn turned(&self, at_ns: i128) -> f64 {
-        let share =
-            |rpm: i32| (at_ns * i128::from(rpm)).rem_euclid(MINUTE_NS) as f64 / MINUTE_NS as f64 * TAU;
-        let even = share(self.speed_rpm) + self.phase_rad;
+        let even = turns(at_ns, self.speed_rpm.into()) * TAU + self.phase_rad;
         if self.swing.rad == 0.0 {
             return even;
         }
-        let (swung, _) = sin_cos(share(self.swing.rpm) + self.swing.phase_rad);
+        let (swung, _) = sin_cos(turns(at_ns, self.swing.rpm.into()) * TAU + self.swing.phase_rad);
         even + self.swing.rad * swung
     }
 

@@ -1,13 +1,11 @@
 //! Scanners with two prisms that turn one behind the other (Risley), as Livox's Mid-40 and Mid-70.
 
-use super::clock::{Clock, Ticks};
+use super::clock::{Clock, Ticks, turns};
 use super::error::ScannerError;
 use super::firing::{Firing, FiringLanes};
 use crate::simd::{sin_cos, sqrt};
 use core::f64::consts::TAU;
 use glam::DVec3;
-
-const MINUTE_NS: i128 = 60_000_000_000;
 
 /// One laser behind two wedges of glass that turn about +x, the flat sides both outwards or both inwards: its beam draws a
 /// rosette, which begins anew after minutes or never.
@@ -64,11 +62,8 @@ impl Rosette {
     pub(super) fn fill(&self, ticks: &Ticks, (first, count): (usize, usize), lanes: &mut FiringLanes) {
         for lane in 0..count {
             let tick = (first + lane) as u64;
-            // Whole turns are left out before anything is rounded: a wedge makes a whole number of them in a minute.
-            let at_ns = (ticks.begin_ns % MINUTE_NS as u128) as i128 + i128::from(ticks.at_ns(tick));
-            let turned = self
-                .speeds_rpm
-                .map(|rpm| (at_ns * i128::from(rpm)).rem_euclid(MINUTE_NS) as f64 / MINUTE_NS as f64 * TAU);
+            let at_ns = ticks.in_minute_ns(tick);
+            let turned = self.speeds_rpm.map(|rpm| turns(at_ns, rpm.into()) * TAU);
             let direction = self.bent(turned).unwrap_or(DVec3::X);
             lanes.set(lane, &Firing { time_s: ticks.time_s(tick), origin: DVec3::ZERO, direction, laser: 0 });
         }

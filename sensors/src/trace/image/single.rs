@@ -1,8 +1,8 @@
 //! Single rays against the boxes of a node.
 //!
 //! Where triangles are smaller than the distance of two rays, most boxes are passed by one ray or by none. Asking each
-//! ray, in the frame of the mesh, then takes a third of the instructions of projecting sixteen boxes onto the grid, and
-//! leaves fewer of them: what is projected is the box around a box that is turned.
+//! ray, in the frame of the mesh, then takes less than projecting sixteen boxes onto the grid, and leaves fewer of them:
+//! what is projected is the box around a box that is turned.
 //!
 //! Nothing here decides what is hit. It leaves out what no ray can hit, by more than all that is rounded later.
 

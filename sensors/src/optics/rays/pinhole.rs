@@ -70,11 +70,11 @@ impl PinholeGrid {
 const MARGIN: f32 = 0.02;
 
 /// Columns and rows of the lanes within a block: 4×4, 16×1.
-const ACROSS: [[f32; 16]; 2] = [
+const ACROSS: [[f32; WIDTH]; 2] = [
     [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0],
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0],
 ];
-const DOWN: [[f32; 16]; 2] =
+const DOWN: [[f32; WIDTH]; 2] =
     [[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0], [0.0; 16]];
 
 /// A pinhole camera.
@@ -88,6 +88,8 @@ pub(crate) struct PinholeFan {
     cy: f32,
     per_fx: f32,
     per_fy: f32,
+    /// The same to the last bit.
+    per_focal: [f64; 2],
     /// First and last row to draw.
     rows: [i32; 2],
 }
@@ -104,6 +106,7 @@ impl PinholeFan {
             cy: lens.cy as f32,
             per_fx: (1.0 / lens.fx) as f32,
             per_fy: (1.0 / lens.fy) as f32,
+            per_focal: [1.0 / lens.fx, 1.0 / lens.fy],
             rows: [0, fan.height - 1],
         }
     }
@@ -173,27 +176,74 @@ impl PinholeFan {
     }
 }
 
+/// Directions of a pinhole camera in other axes: there as here they are linear in column and row.
+pub(crate) struct Turning {
+    /// Of the ray of column 0 and row 0, and what is added from one column and row to the next.
+    origin: [f64; 3],
+    across: [f64; 3],
+    down: [f64; 3],
+    /// What is added for the lanes of a block.
+    lanes: [[f64; WIDTH]; 3],
+}
+
 impl Projection for PinholeFan {
     /// y and z; x is 1.
     type Directions<S: Simd> = [f32x16<S>; 2];
+    type Turning = Turning;
 
     of_rows!();
 
     fn direction(&self, column: i32, row: i32) -> DVec3 {
-        let left = (self.lens.cx - f64::from(column)) / self.lens.fx;
-        DVec3::new(1.0, left, (self.lens.cy - f64::from(row)) / self.lens.fy)
+        let [per_fx, per_fy] = self.per_focal;
+        let left = (self.lens.cx - f64::from(column)) * per_fx;
+        DVec3::new(1.0, left, (self.lens.cy - f64::from(row)) * per_fy)
     }
 
     #[inline(always)]
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
+        let [per_fx, per_fy] = self.per_focal;
+        let shape = usize::from(self.fan.shift_y == 0);
+        let first_column = (column << self.fan.shift_x) as f64;
+        let first_row = (row << self.fan.shift_y) as f64;
         let mut directions = [[1.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]];
         for lane in 0..WIDTH {
-            let (x, y) = self.fan.lane_position(lane);
-            let (column, row) = ((column << self.fan.shift_x) + x, (row << self.fan.shift_y) + y);
-            directions[1][lane] = (self.lens.cx - column as f64) / self.lens.fx;
-            directions[2][lane] = (self.lens.cy - row as f64) / self.lens.fy;
+            let column = first_column + f64::from(ACROSS[shape][lane]);
+            let row = first_row + f64::from(DOWN[shape][lane]);
+            directions[1][lane] = (self.lens.cx - column) * per_fx;
+            directions[2][lane] = (self.lens.cy - row) * per_fy;
         }
         directions
+    }
+
+    #[inline(always)]
+    fn turning(&self, rows: &[[f64; 3]; 3]) -> Turning {
+        let ([per_fx, per_fy], shape) = (self.per_focal, usize::from(self.fan.shift_y == 0));
+        let mut turning =
+            Turning { origin: [0.0; 3], across: [0.0; 3], down: [0.0; 3], lanes: [[0.0; WIDTH]; 3] };
+        for (axis, [ahead, left, up]) in rows.iter().enumerate() {
+            let (across, down) = (-left * per_fx, -up * per_fy);
+            turning.origin[axis] = (ahead - self.lens.cx * across) - self.lens.cy * down;
+            (turning.across[axis], turning.down[axis]) = (across, down);
+            for lane in 0..WIDTH {
+                turning.lanes[axis][lane] =
+                    f64::from(ACROSS[shape][lane]) * across + f64::from(DOWN[shape][lane]) * down;
+            }
+        }
+        turning
+    }
+
+    #[inline(always)]
+    fn turned(&self, turning: &Turning, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
+        let (column, row) = ((column << self.fan.shift_x) as f64, (row << self.fan.shift_y) as f64);
+        let mut turned = [[0.0; WIDTH]; 3];
+        for axis in 0..3 {
+            let Turning { origin, across, down, lanes } = turning;
+            let first = (origin[axis] + across[axis] * column) + down[axis] * row;
+            for lane in 0..WIDTH {
+                turned[axis][lane] = first + lanes[axis][lane];
+            }
+        }
+        turned
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use super::fan::Fan;
 use crate::simd::WIDTH;
-use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, f64x8, i32x16, mask32x16};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, i32x16, mask32x16};
 use glam::DVec3;
 
 /// Nearer than that in metres, distances are not told apart when something is projected.
@@ -33,6 +33,9 @@ pub(crate) trait Projection: Copy {
     /// What [`Projection::block`] gives: directions of sixteen rays.
     type Directions<S: Simd>: Copy;
 
+    /// What is the same for all blocks when directions are taken to other axes.
+    type Turning;
+
     /// Whether [`Projection::most_over_strip`] tells blocks apart.
     const HAS_STRIPS: bool = false;
 
@@ -47,13 +50,11 @@ pub(crate) trait Projection: Copy {
     /// Directions of the rays of a block to the last bit, in units of t: all x, all y, all z.
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3];
 
-    /// The same, eight lanes at a time.
-    #[inline(always)]
-    fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
-        let directions = self.exact_block(column, row);
-        let half = |axis: usize, first: usize| f64x8::from_slice(simd, &directions[axis][first..][..8]);
-        [[half(0, 0), half(0, 8)], [half(1, 0), half(1, 8)], [half(2, 0), half(2, 8)]]
-    }
+    /// Makes what [`Projection::turned`] takes of the rows of a matrix from the sensor's axes to others.
+    fn turning(&self, rows: &[[f64; 3]; 3]) -> Self::Turning;
+
+    /// Directions of the rays of a block in other axes, in double precision: all x, all y, all z.
+    fn turned(&self, turning: &Self::Turning, column: usize, row: usize) -> [[f64; WIDTH]; 3];
 
     /// Directions of the rays of a block.
     fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S>;
@@ -124,6 +125,25 @@ pub(super) use of_rows;
 macro_rules! of_length_one {
     () => {
         type Directions<S: Simd> = [f32x16<S>; 3];
+        type Turning = [[f64; 3]; 3];
+
+        #[inline(always)]
+        fn turning(&self, rows: &[[f64; 3]; 3]) -> Self::Turning {
+            *rows
+        }
+
+        #[inline(always)]
+        fn turned(&self, rows: &Self::Turning, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
+            let [x, y, z] = self.exact_block(column, row);
+            let mut turned = [[0.0; WIDTH]; 3];
+            for axis in 0..3 {
+                let [a, b, c] = rows[axis];
+                for lane in 0..WIDTH {
+                    turned[axis][lane] = (x[lane] * a + y[lane] * b) + z[lane] * c;
+                }
+            }
+            turned
+        }
 
         #[inline(always)]
         fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S> {

@@ -23,7 +23,7 @@ use super::projection::{
 };
 use crate::simd::{WIDTH, sqrt_f32};
 use chart::{Kind, Windows};
-use fearless_simd::{Select, Simd, SimdBase, SimdWiden, f32x16, f64x8, i32x16, mask32x16};
+use fearless_simd::{Select, Simd, SimdBase, f32x16, i32x16, mask32x16};
 use glam::DVec3;
 
 /// A table of rays, and the rows of it to draw.
@@ -98,14 +98,13 @@ impl Projection for TableFan<'_> {
     #[inline(always)]
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
         let block = &self.table.directions[row * self.fan.blocks_across() + column];
-        block.map(|values| values.map(f64::from))
-    }
-
-    #[inline(always)]
-    fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
-        let [x, y, z] = self.block(simd, column, row);
-        let (x, y, z) = (x.widen(), y.widen(), z.widen());
-        [[x.0, x.1], [y.0, y.1], [z.0, z.1]]
+        let mut directions = [[0.0; WIDTH]; 3];
+        for axis in 0..3 {
+            for lane in 0..WIDTH {
+                directions[axis][lane] = f64::from(block[axis][lane]);
+            }
+        }
+        directions
     }
 
     #[inline(always)]

@@ -8,6 +8,7 @@ use crate::scene::Solid;
 use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
 use crate::trace::shapes::match_solid;
+use crate::trace::shapes::outside::{Outside, match_outside};
 use crate::trace::view::View;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 
@@ -43,6 +44,8 @@ pub(super) fn draw<S: Simd, P: Projection>(
     let origin = placed.origin_in_instance;
     let silhouette = Silhouette::new(solid.half_extents(size), origin, &to_instance);
     let both = rules.faces == Faces::Both;
+    let outside = Outside::new(solid, size, origin, both, to_instance)
+        .map(|(outside, rows)| (outside, projection.turning(&rows)));
     let pieces = fan.pieces(part.columns.map(i32::from));
     let block_rows = (part.rows[0] >> fan.shift_y) as usize..=(part.rows[1] >> fan.shift_y) as usize;
     for [first, last] in pieces {
@@ -65,25 +68,19 @@ pub(super) fn draw<S: Simd, P: Projection>(
                 while lanes != 0 {
                     let column = column + lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
-                    let [x, y, z] = projection.exact(simd, column, row);
-                    let mut local = [[0.0; WIDTH]; 3];
-                    for axis in 0..3 {
-                        let [a, b, c] = to_instance[axis];
-                        for half in 0..2 {
-                            let turned = (x[half] * a + y[half] * b) + z[half] * c;
-                            turned.store_slice(&mut local[axis][half * 8..][..8]);
+                    if let Some((outside, turning)) = &outside {
+                        let directions = projection.turned(turning, column, row);
+                        let inverse = first_outside(simd, &directions, outside);
+                        // Whoever meets it too near may meet it once more.
+                        if inverse.simd_le(f32x16::splat(simd, rules.inverse_near)).all_true() {
+                            commit(simd, target, start + column, placed.first_slot, inverse);
+                            continue;
                         }
                     }
-                    let mut inverse = [0.0_f32; WIDTH];
-                    match_solid!(
-                        solid,
-                        size,
-                        inside => for lane in 0..WIDTH {
-                            let direction = [local[0][lane], local[1][lane], local[2][lane]];
-                            inverse[lane] = (1.0 / inside(origin, direction).first(rules.near, both)) as f32;
-                        }
-                    );
-                    commit(simd, target, start + column, placed.first_slot, &inverse);
+                    let directions =
+                        projection.turned(&projection.turning(&to_instance), column, row);
+                    let inverse = first_from(simd, &directions, (solid, size), origin, (rules.near, both));
+                    commit(simd, target, start + column, placed.first_slot, inverse);
                 }
                 column += WIDTH;
             }
@@ -91,10 +88,48 @@ pub(super) fn draw<S: Simd, P: Projection>(
     }
 }
 
+/// 1/t of where the rays of a block first meet a solid that they start outside of, or nothing above 0.
+#[inline(always)]
+fn first_outside<S: Simd>(simd: S, directions: &[[f64; WIDTH]; 3], outside: &Outside) -> f32x16<S> {
+    let mut inverse = [0.0; WIDTH];
+    match_outside!(
+        outside,
+        kernel => for lane in 0..WIDTH {
+            inverse[lane] = kernel.inverse([directions[0][lane], directions[1][lane], directions[2][lane]]) as f32;
+        }
+    );
+    f32x16::load_array_ref(simd, &inverse)
+}
+
+/// The same of any solid, from where t is `near` on. Compiled once a level, since it is seldom.
+#[inline(never)]
+fn first_from<S: Simd>(
+    simd: S,
+    directions: &[[f64; WIDTH]; 3],
+    (solid, size): (Solid, [f64; 3]),
+    origin: [f64; 3],
+    (near, both): (f64, bool),
+) -> f32x16<S> {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut inverse = [0.0; WIDTH];
+            match_solid!(
+                solid,
+                size,
+                inside => for lane in 0..WIDTH {
+                    let direction = [directions[0][lane], directions[1][lane], directions[2][lane]];
+                    inverse[lane] = (1.0 / inside(origin, direction).first(near, both)) as f32;
+                }
+            );
+            f32x16::load_array_ref(simd, &inverse)
+        },
+    )
+}
+
 /// Takes what is nearer than what was there.
 #[inline(always)]
-fn commit<S: Simd>(simd: S, target: &mut Target<'_>, block: usize, slot: u32, inverse: &[f32; WIDTH]) {
-    let inverse = f32x16::load_array_ref(simd, inverse);
+fn commit<S: Simd>(simd: S, target: &mut Target<'_>, block: usize, slot: u32, inverse: f32x16<S>) {
     let so_far = f32x16::load_array_ref(simd, &target.inverse[block]);
     let hit = inverse.simd_gt(so_far);
     let nearest = hit.select(inverse, so_far);

@@ -1,8 +1,11 @@
 //! Capsules along z: a cylinder and a ball at each end.
 
+use super::cylinder::Side;
+use super::outside::beyond;
 use super::real::Real;
 use super::surface::{Surface, around};
-use super::{Inside, cylinder, sphere};
+use super::{Inside, cylinder, dot, sphere};
+use crate::simd::sqrt;
 use glam::DVec3;
 
 #[inline(always)]
@@ -24,4 +27,67 @@ pub(crate) fn normal<T: Real>([x, y, z]: [T; 3], [radius, half_length]: [T; 2]) 
     let above = if z > half_length { z - half_length } else { T::ZERO };
     let below = if z < -half_length { z + half_length } else { T::ZERO };
     [x / radius, y / radius, (above + below) / radius]
+}
+
+/// A capsule before a sensor that is beside it, in axes in which the sensor has y = 0.
+pub(crate) struct Outside {
+    side: Side,
+    radius_squared: f64,
+    half_length: f64,
+    height: f64,
+    /// The balls of the lower and the upper end.
+    balls: [Ball; 2],
+}
+
+/// The ball of an end.
+#[derive(Clone, Copy)]
+struct Ball {
+    /// Of the sensor over its centre.
+    height: f64,
+    /// Square of the distance of its centre.
+    distance_squared: f64,
+    per_beyond: f64,
+}
+
+impl Ball {
+    fn new(distance: f64, height: f64, radius: f64) -> Option<Self> {
+        let distance_squared = dot([distance, height], [distance, height]);
+        let beyond = beyond(sqrt(distance_squared), radius)?;
+        Some(Self { height, distance_squared, per_beyond: 1.0 / beyond })
+    }
+}
+
+impl Outside {
+    /// None for a sensor before an end as well.
+    pub(super) fn new(
+        origin: [f64; 3],
+        [radius, half_length]: [f64; 2],
+        rows: &mut [[f64; 3]; 3],
+    ) -> Option<Self> {
+        let side = Side::new(origin, radius, rows).filter(|side| !side.is_around())?;
+        let height = origin[2];
+        let ball = |height: f64| Ball::new(side.distance, height, radius);
+        let balls = [ball(height + half_length)?, ball(height - half_length)?];
+        Some(Self { side, radius_squared: radius * radius, half_length, height, balls })
+    }
+
+    /// 1/t of a ray.
+    #[inline(always)]
+    pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let ([inverse, _], meets) = self.side.ends(x, y);
+        // The height at which the ray enters the endless cylinder, over t. Beyond an end, what it may meet first is the
+        // ball there.
+        let height = self.height * inverse + z;
+        let on_side = height.abs() <= self.half_length * inverse;
+        let [lower, upper] = self.balls;
+        let ball = if height > 0.0 { upper } else { lower };
+        let cross = ball.height * x - self.side.distance * z;
+        let discriminant = self.radius_squared * (x * x + y * y + z * z)
+            - (ball.distance_squared * (y * y) + cross * cross);
+        let root = sqrt(if discriminant > 0.0 { discriminant } else { 0.0 });
+        let on_ball = (root - (self.side.distance * x + ball.height * z)) * ball.per_beyond;
+        let beyond_end = if discriminant >= 0.0 { on_ball } else { 0.0 };
+        let inverse = if on_side { inverse } else { beyond_end };
+        if meets { inverse } else { 0.0 }
+    }
 }

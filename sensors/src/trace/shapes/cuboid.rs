@@ -1,6 +1,7 @@
 //! Boxes: three slabs (Kay & Kajiya 1986).
 
 use super::Inside;
+use super::outside::{Slab, first, greater, lesser};
 use super::real::Real;
 use super::surface::{Surface, flat};
 use glam::DVec3;
@@ -46,4 +47,25 @@ pub(crate) fn normal<T: Real>(point: [T; 3], half: [T; 3]) -> [T; 3] {
     let ([on_x, on_y, on_z], sign) = face(point, half);
     let when = |face: bool| if face { sign } else { T::ZERO };
     [when(on_x), when(on_y), when(on_z)]
+}
+
+/// A box before a sensor that is outside.
+pub(crate) struct Outside([Slab; 3]);
+
+impl Outside {
+    pub(super) fn new(origin: [f64; 3], half: [f64; 3]) -> Option<Self> {
+        let slab = |axis: usize| Slab::new(origin[axis], half[axis]);
+        let slabs = [slab(0)?, slab(1)?, slab(2)?];
+        (!slabs.iter().all(Slab::is_around)).then_some(Self(slabs))
+    }
+
+    /// 1/t of a ray.
+    #[inline(always)]
+    pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let Self([across_x, across_y, across_z]) = self;
+        first(
+            lesser(lesser(across_x.enter(x), across_y.enter(y)), across_z.enter(z)),
+            greater(greater(across_x.leave(x), across_y.leave(y)), across_z.leave(z)),
+        )
+    }
 }

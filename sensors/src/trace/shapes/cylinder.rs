@@ -1,8 +1,10 @@
 //! Closed cylinders along z: an endless cylinder cut by a slab.
 
+use super::outside::{Slab, beyond, first, greater, lesser, turn};
 use super::real::Real;
 use super::surface::{Surface, around, flat};
 use super::{Inside, dot};
+use crate::simd::sqrt;
 use glam::DVec3;
 
 #[inline(always)]
@@ -42,4 +44,72 @@ pub(crate) fn normal<T: Real>(point: [T; 3], [radius, half_length]: [T; 2]) -> [
     let [x, y, _] = point;
     let zero = T::ZERO;
     if is_end { [zero, zero, sign] } else { [x / radius, y / radius, zero] }
+}
+
+/// An endless cylinder before a sensor, in axes in which the sensor has y = 0. The sensor may be in it.
+#[derive(Clone, Copy)]
+pub(super) struct Side {
+    radius_squared: f64,
+    /// Of the axis.
+    pub(super) distance: f64,
+    /// The square of a tangent's length; negative within.
+    beyond: f64,
+    per_beyond: f64,
+}
+
+impl Side {
+    pub(super) fn new(origin: [f64; 3], radius: f64, rows: &mut [[f64; 3]; 3]) -> Option<Self> {
+        let [x, y, _] = origin;
+        let distance = sqrt(dot([x, y], [x, y]));
+        let beyond = beyond(distance, radius)?;
+        let (cos, sin) = if distance > 0.0 { (x / distance, y / distance) } else { (1.0, 0.0) };
+        turn(rows, [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]);
+        Some(Self { radius_squared: radius * radius, distance, beyond, per_beyond: 1.0 / beyond })
+    }
+
+    /// Whether the sensor is in it.
+    pub(super) fn is_around(&self) -> bool {
+        self.beyond < 0.0
+    }
+
+    /// 1/t of where a ray enters, if the sensor is outside, and of where it leaves; and whether it meets it.
+    #[inline(always)]
+    pub(super) fn ends(&self, x: f64, y: f64) -> ([f64; 2], bool) {
+        let discriminant = self.radius_squared * (x * x) - self.beyond * (y * y);
+        let root = sqrt(if discriminant > 0.0 { discriminant } else { 0.0 });
+        let middle = -self.distance * x;
+        ([(middle + root) * self.per_beyond, (middle - root) * self.per_beyond], discriminant >= 0.0)
+    }
+}
+
+/// A cylinder before a sensor that is outside.
+pub(crate) struct Outside {
+    side: Side,
+    ends: Slab,
+    /// Added to 1/t of entering by the side: ∞ for a sensor before an end.
+    before_end: f64,
+}
+
+impl Outside {
+    pub(super) fn new(
+        origin: [f64; 3],
+        [radius, half_length]: [f64; 2],
+        rows: &mut [[f64; 3]; 3],
+    ) -> Option<Self> {
+        let ends = Slab::new(origin[2], half_length)?;
+        let side = Side::new(origin, radius, rows)?;
+        let before_end = if side.is_around() { f64::INFINITY } else { 0.0 };
+        (!(side.is_around() && ends.is_around())).then_some(Self { side, ends, before_end })
+    }
+
+    /// 1/t of a ray.
+    #[inline(always)]
+    pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let ([enter, leave], meets) = self.side.ends(x, y);
+        let inverse = first(
+            lesser(enter + self.before_end, self.ends.enter(z)),
+            greater(leave, self.ends.leave(z)),
+        );
+        if meets { inverse } else { 0.0 }
+    }
 }

@@ -1,6 +1,7 @@
 //! Ellipsoids along the axes: the unit ball in a frame that is stretched to it.
 
-use super::Inside;
+use super::outside::turn;
+use super::{Inside, sphere};
 use super::real::Real;
 use super::surface::{Surface, around};
 use glam::DVec3;
@@ -30,4 +31,15 @@ pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [a, b, c]: [f64; 3]) -
 pub(crate) fn normal<T: Real>([x, y, z]: [T; 3], [a, b, c]: [T; 3]) -> [T; 3] {
     let [a, b, c] = [T::ONE / a, T::ONE / b, T::ONE / c];
     [x * a * a, y * b * b, z * c * c]
+}
+
+/// Takes the radii.
+pub(super) fn outside(
+    [x, y, z]: [f64; 3],
+    radii: [f64; 3],
+    rows: &mut [[f64; 3]; 3],
+) -> Option<sphere::Outside> {
+    let [a, b, c] = radii.map(|radius| 1.0 / radius);
+    turn(rows, [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]]);
+    sphere::Outside::new([x * a, y * b, z * c], 1.0, rows)
 }

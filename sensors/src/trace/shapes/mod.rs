@@ -13,6 +13,7 @@ pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod ellipsoid;
+pub(crate) mod outside;
 pub(crate) mod plane;
 pub(crate) mod real;
 pub(crate) mod rectangle;

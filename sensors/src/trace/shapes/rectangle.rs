@@ -17,3 +17,28 @@ pub(crate) fn inside(origin: [f64; 3], direction: [f64; 3], half: [f64; 2]) -> I
 pub(crate) fn surface(point: DVec3, half: [f64; 2]) -> Surface {
     flat(DVec3::Z, point, [DVec3::X / (2.0 * half[0]), DVec3::Y / (2.0 * half[1])])
 }
+
+/// A rectangle before a sensor, which looks at its outside or at either.
+pub(crate) struct Outside {
+    half: [f64; 2],
+    origin: [f64; 2],
+    per_height: f64,
+}
+
+impl Outside {
+    /// None for a sensor that is all but in its plane, or behind it while insides do not count.
+    pub(super) fn new([x, y, z]: [f64; 3], half: [f64; 2], both: bool) -> Option<Self> {
+        let seen = z > 0.0 || both && z < 0.0;
+        seen.then_some(Self { half, origin: [x, y], per_height: -1.0 / z })
+    }
+
+    /// 1/t of a ray.
+    #[inline(always)]
+    pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let inverse = z * self.per_height;
+        // The point where the ray meets the plane, over t.
+        let (x, y) = (self.origin[0] * inverse + x, self.origin[1] * inverse + y);
+        let within = x.abs() <= self.half[0] * inverse && y.abs() <= self.half[1] * inverse;
+        if within { inverse } else { 0.0 }
+    }
+}

@@ -1,8 +1,10 @@
 //! Balls around the origin.
 
 use super::Inside;
+use super::outside::{beyond, turn};
 use super::real::Real;
 use super::surface::{Surface, around};
+use crate::simd::sqrt;
 use glam::DVec3;
 
 #[inline(always)]
@@ -19,4 +21,35 @@ pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, radius: f64) -> Surfac
 #[inline(always)]
 pub(crate) fn normal<T: Real>([x, y, z]: [T; 3], radius: T) -> [T; 3] {
     [x / radius, y / radius, z / radius]
+}
+
+/// A ball before a sensor that is outside, in axes of which z points away from its centre.
+pub(crate) struct Outside {
+    radius_squared: f64,
+    /// Of the centre.
+    distance: f64,
+    /// The square of a tangent's length.
+    beyond: f64,
+    per_beyond: f64,
+}
+
+impl Outside {
+    pub(super) fn new(origin: [f64; 3], radius: f64, rows: &mut [[f64; 3]; 3]) -> Option<Self> {
+        let origin = DVec3::from_array(origin);
+        let distance = origin.length();
+        let beyond = beyond(distance, radius).filter(|&beyond| beyond > 0.0)?;
+        let z = origin / distance;
+        let (x, y) = z.any_orthonormal_pair();
+        turn(rows, [x, y, z].map(|axis| axis.to_array()));
+        Some(Self { radius_squared: radius * radius, distance, beyond, per_beyond: 1.0 / beyond })
+    }
+
+    /// 1/t of a ray.
+    #[inline(always)]
+    pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let discriminant = self.radius_squared * (z * z) - self.beyond * (x * x + y * y);
+        let root = sqrt(if discriminant > 0.0 { discriminant } else { 0.0 });
+        let inverse = (root - self.distance * z) * self.per_beyond;
+        if discriminant >= 0.0 { inverse } else { 0.0 }
+    }
 }

@@ -8,12 +8,14 @@ use super::surface::Footprint;
 use super::tile::{Steps, Tile};
 use crate::scene::{Instance, Solid};
 use crate::simd::{LANES, Lanes, WIDTH, floor, load_row};
+use crate::trace::packet::MISS;
 use crate::trace::shapes::solid_surface;
 use crate::trace::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
 use glam::DVec3;
 
 /// A face, in the axes of the world around the sensor.
+#[derive(Clone, Copy)]
 pub(crate) struct Face {
     /// Unit, outwards.
     pub(crate) normal: [f32; 3],
@@ -27,9 +29,36 @@ pub(crate) struct Face {
     change: [[f32; 2]; 2],
 }
 
+/// Faces that a tile and its neighbours have met, each in the place that its number gives.
+pub(super) struct Faces {
+    /// Instance and number.
+    of: [(u32, u32); KNOWN],
+    known: [Face; KNOWN],
+}
+
+/// How many faces are kept.
+const KNOWN: usize = 16;
+
+impl Faces {
+    pub(super) const fn new() -> Self {
+        Self { of: [(MISS, 0); KNOWN], known: [Face::NONE; KNOWN] }
+    }
+
+    /// A face of an instance, which is made if it is not among those kept.
+    #[inline(always)]
+    pub(super) fn find(&mut self, of: (u32, u32), make: impl FnOnce() -> Face) -> &Face {
+        // Three of a box show at most, on three axes.
+        let place = of.0.wrapping_mul(3).wrapping_add(of.1 / 2) as usize % KNOWN;
+        if self.of[place] != of {
+            (self.of[place], self.known[place]) = (of, make());
+        }
+        &self.known[place]
+    }
+}
+
 impl Face {
     /// Of nothing.
-    pub(crate) const NONE: Self = Self {
+    const NONE: Self = Self {
         normal: [0.0; 3],
         uv: [0.0; 2],
         gradient: [[0.0; 3]; 2],

@@ -22,10 +22,9 @@ pub(crate) mod tile;
 use crate::scene::{ALPHA_CUT_OUT, ColourSpace, Kind, Material, NO_TEXTURE, Scene};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
-use crate::trace::packet::MISS;
 use crate::trace::view::View;
 use bumps::Bumps;
-use face::{Face, faces};
+use face::{Face, Faces, faces};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use shadow::Shadows;
 use surface::{Footprint, Surfaces};
@@ -41,9 +40,7 @@ pub(crate) type Colours = [Lanes<f32>; 3];
 /// What shading a tile works on; kept from tile to tile.
 pub(crate) struct Shader {
     surfaces: Surfaces,
-    /// The flat face met last: instance and number, and what is known of it.
-    face_of: (u32, u32),
-    face: Face,
+    faces: Faces,
     sampler: Sampler,
     /// Diffuse colour times texture; black where nothing was hit.
     albedo: Colours,
@@ -70,8 +67,7 @@ impl Shader {
     pub(crate) const fn new() -> Self {
         Self {
             surfaces: Surfaces::new(),
-            face_of: (MISS, 0),
-            face: Face::NONE,
+            faces: Faces::new(),
             sampler: Sampler::new(),
             albedo: [[0.0; LANES]; 3],
             gloss: Gloss { lanes: 0, specular: [[0.0; LANES]; 3], shininess: [0.0; LANES] },
@@ -176,12 +172,9 @@ impl Shader {
             let mut rest = lanes;
             while rest != 0 {
                 let number = faces[rest.trailing_zeros() as usize % LANES];
-                if self.face_of != (placed, number) {
-                    self.face_of = (placed, number);
-                    self.face =
-                        Face::new((instance, solid), &view.placed[placed as usize], number, repeat, steps);
-                }
-                let face = &self.face;
+                let face = self.faces.find((placed, number), || {
+                    Face::new((instance, solid), &view.placed[placed as usize], number, repeat, steps)
+                });
                 for row in 0..ROWS {
                     let found = u32x16::load_array_ref(simd, &faces.as_chunks().0[row]);
                     let mine = lanes_in(simd, rest, row) & found.simd_eq(number);
@@ -210,10 +203,8 @@ impl Shader {
             }
         } else {
             self.surfaces.wants_gradient = bumpy;
-            self.surfaces.add(view, tile, (placed, lanes), mapped.then_some(repeat), steps);
-            for row in 0..ROWS {
-                footprints[row] = self.surfaces.footprint(simd, row);
-            }
+            let repeat = mapped.then_some(repeat);
+            self.surfaces.add(simd, (view, tile), (placed, lanes), repeat, steps, &mut footprints);
         }
 
         // Step 2: colours.

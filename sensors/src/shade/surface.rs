@@ -1,16 +1,18 @@
 //! The surfaces where the rays of a tile have hit: normals, and what a pixel covers of a texture. Flat faces have a
 //! short cut of their own, [`super::face`].
 //!
-//! A tile sees few instances, so its surfaces are worked out instance by instance, for all lanes at once; each lane
-//! keeps those of its own.
+//! A tile sees few instances, so its surfaces are worked out instance by instance, for all lanes of a row at once; each
+//! lane keeps those of its own.
 
 use super::tile::{Steps, Tile};
+use super::{ROWS, lanes_in, store_where};
+use crate::optics::rays::dot;
 use crate::scene::{Kind, Solid, Triangles};
-use crate::simd::{LANES, Lanes, WIDTH, floor, load_row, sqrt_f32};
+use crate::simd::{LANES, Lanes, WIDTH, floor, load_row};
 use crate::trace::shapes::solid_surface;
 use crate::trace::shapes::surface::{Surface, flat};
 use crate::trace::view::{Placed, View};
-use fearless_simd::{Select, Simd, SimdBase, f32x16, mask32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use glam::DVec3;
 
 /// What the pixels of a row cover of a texture, in its coordinates, repetitions included.
@@ -46,267 +48,196 @@ impl<S: Simd> Footprint<S> {
 pub(crate) struct Surfaces {
     /// Unit, outwards.
     pub(crate) normal: [Lanes<f32>; 3],
-    /// Texture coordinates, repeated as the material says, less whole repetitions. Only on textured instances, as the
-    /// next.
-    uv: [Lanes<f32>; 2],
-    /// Change of u and v to the next pixel along the row, and to that down the column.
-    footprint: [[Lanes<f32>; 2]; 2],
     /// Change of u and of v per metre, times any factor above 0. Only if it is wanted.
     pub(crate) gradient: [[Lanes<f32>; 3]; 2],
     pub(crate) wants_gradient: bool,
-    /// Of the instance at hand.
-    local: Local,
 }
 
 impl Surfaces {
     pub(crate) const fn new() -> Self {
-        Self {
-            normal: [[0.0; LANES]; 3],
-            uv: [[0.0; LANES]; 2],
-            footprint: [[[0.0; LANES]; 2]; 2],
-            gradient: [[[0.0; LANES]; 3]; 2],
-            wants_gradient: false,
-            local: Local {
-                normal: [[0.0; LANES]; 3],
-                uv: [[0.0; LANES]; 2],
-                gradient: [[[0.0; LANES]; 3]; 2],
-            },
-        }
+        Self { normal: [[0.0; LANES]; 3], gradient: [[[0.0; LANES]; 3]; 2], wants_gradient: false }
     }
 
-    /// Of a row of sixteen lanes.
+    /// Fills in the lanes that have hit `placed`; what they cover of a texture only if it is repeated so often.
     #[inline(always)]
-    pub(crate) fn footprint<S: Simd>(&self, simd: S, row: usize) -> Footprint<S> {
-        let [[right_u, right_v], [down_u, down_v]] = &self.footprint;
-        Footprint {
-            uv: [load_row(simd, &self.uv[0], row), load_row(simd, &self.uv[1], row)],
-            steps: [
-                [load_row(simd, right_u, row), load_row(simd, right_v, row)],
-                [load_row(simd, down_u, row), load_row(simd, down_v, row)],
-            ],
-        }
-    }
-
-    /// Fills in the lanes that have hit `placed`; what belongs to a texture only if it is repeated so often.
-    #[inline(always)]
-    pub(crate) fn add(
+    pub(crate) fn add<S: Simd>(
         &mut self,
-        view: &View<'_>,
-        tile: &Tile,
-        (placed, lanes): (u32, u64),
+        simd: S,
+        (view, tile): (&View<'_>, &Tile),
+        hits: (u32, u64),
         repeat: Option<[f32; 2]>,
         steps: &Steps,
+        footprints: &mut [Footprint<S>; ROWS],
     ) {
         if let Some(repeat) = repeat {
-            self.add_kind::<true>(view, tile, (placed, lanes), repeat, steps);
+            self.add_rows::<S, true>(simd, (view, tile), hits, (repeat, steps), footprints);
         } else {
-            self.add_kind::<false>(view, tile, (placed, lanes), [1.0; 2], steps);
+            self.add_rows::<S, false>(simd, (view, tile), hits, ([1.0; 2], steps), footprints);
         }
     }
 
+    /// One row of lanes after the other: most instances show in but few of a tile's.
     #[inline(always)]
-    fn add_kind<const TEXTURED: bool>(
+    fn add_rows<S: Simd, const TEXTURED: bool>(
         &mut self,
-        view: &View<'_>,
-        tile: &Tile,
+        simd: S,
+        (view, tile): (&View<'_>, &Tile),
         (index, lanes): (u32, u64),
-        repeat: [f32; 2],
-        steps: &Steps,
+        texture: ([f32; 2], &Steps),
+        footprints: &mut [Footprint<S>; ROWS],
     ) {
         let placed = &view.placed[index as usize];
-        if !TEXTURED && let Kind::Triangles(triangles) = placed.kind() {
-            self.local.take_normals(view, placed, triangles, &tile.local, lanes);
-            self.add_lanes::<TEXTURED>(tile, index, placed, (repeat, steps));
-            return;
-        }
-        // One array a loop, and local arrays between them: what may overlap in memory is not vectorised.
-        let mut point = [[0.0; LANES]; 3];
-        for axis in 0..3 {
-            let [x, y, z] = placed.inverse[axis];
-            let [tx, ty, tz] = placed.translation;
-            for lane in 0..LANES {
-                point[axis][lane] = x * (f64::from(tile.point[0][lane]) - tx)
-                    + y * (f64::from(tile.point[1][lane]) - ty)
-                    + z * (f64::from(tile.point[2][lane]) - tz);
+        let instance = view.instance(index);
+        let mut local = Local::new();
+        for row in 0..ROWS {
+            let lanes = (lanes >> (row * WIDTH)) as u16;
+            if lanes == 0 {
+                continue;
             }
-        }
-        if self.local.fill::<TEXTURED>(view, tile, (index, lanes), &point) {
-            self.add_lanes::<TEXTURED>(tile, index, placed, (repeat, steps));
+            match placed.kind() {
+                Kind::Solid(solid) => {
+                    local.take_solid::<TEXTURED>((solid, instance.size), &local_points(placed, tile, row));
+                }
+                Kind::Triangles(triangles) if TEXTURED => {
+                    local.take_triangles(view, (placed, triangles), (tile, row), lanes);
+                }
+                Kind::Triangles(triangles) => {
+                    let slots = &tile.local.as_chunks().0[row];
+                    local.take_normals(view, (placed, triangles), slots, lanes);
+                }
+            }
+            let mine = lanes_in(simd, lanes.into(), 0);
+            self.add_row(simd, mine, placed, row, (&local, texture.0));
+            if TEXTURED {
+                footprints[row] = local.footprint(simd, placed, (tile, row), texture);
+            }
         }
     }
 
-    /// Takes what a shape says of its points into the view.
+    /// Takes what a shape says of the points of a row into the view.
     #[inline(always)]
-    fn add_lanes<const TEXTURED: bool>(
+    fn add_row<S: Simd>(
         &mut self,
-        tile: &Tile,
-        index: u32,
+        simd: S,
+        mine: mask32x16<S>,
         placed: &Placed,
-        (repeat, steps): ([f32; 2], &Steps),
+        row: usize,
+        (local, repeat): (&Local, [f32; 2]),
     ) {
-        let Local { normal, uv, gradient } = &self.local;
-        let inverse = placed.inverse.map(DVec3::from_array);
-        let to_local = |v: DVec3| DVec3::new(inverse[0].dot(v), inverse[1].dot(v), inverse[2].dot(v));
-        let mine = |lane: usize| tile.placed[lane] == index;
         // Normals go by the inverse transpose, and are unit ones again afterwards.
-        let mut turned = [[0.0; LANES]; 3];
-        for axis in 0..3 {
-            let [x, y, z] = inverse.map(|row| row[axis] as f32);
-            for lane in 0..LANES {
-                turned[axis][lane] = x * normal[0][lane] + y * normal[1][lane] + z * normal[2][lane];
-            }
-        }
-        let mut per_length = [0.0; LANES];
-        for lane in 0..LANES {
-            let [x, y, z] = [turned[0][lane], turned[1][lane], turned[2][lane]];
-            per_length[lane] = 1.0 / sqrt_f32(x * x + y * y + z * z);
-        }
-        for axis in 0..3 {
-            for lane in 0..LANES {
-                let unit = turned[axis][lane] * per_length[lane];
-                let old = self.normal[axis][lane];
-                self.normal[axis][lane] = if mine(lane) { unit } else { old };
-            }
-        }
-        if !TEXTURED {
-            return;
-        }
-        for axis in 0..2 {
-            // Whole repetitions are taken away in f64: the rest keeps its digits in f32.
-            let repeat = f64::from(repeat[axis]);
-            for lane in 0..LANES {
-                let coordinate = uv[axis][lane] * repeat;
-                let rest = (coordinate - floor(coordinate)) as f32;
-                self.uv[axis][lane] = if mine(lane) { rest } else { self.uv[axis][lane] };
-            }
+        let [x, y, z] = to_view(simd, placed, &local.normal, 1.0);
+        let per_length = f32x16::splat(simd, 1.0) / ((x * x + y * y) + z * z).sqrt();
+        for (axis, turned) in [x, y, z].into_iter().enumerate() {
+            store_where(simd, mine, turned * per_length, &mut self.normal[axis], row);
         }
         if self.wants_gradient {
-            // Gradients go by the inverse transpose, as normals do.
+            // Gradients as well.
             for side in 0..2 {
+                let change = to_view(simd, placed, &local.gradient[side], repeat[side]);
                 for axis in 0..3 {
-                    let [x, y, z] = inverse.map(|row| row[axis] as f32 * repeat[side]);
-                    let [along_x, along_y, along_z] = &gradient[side];
-                    for lane in 0..LANES {
-                        let change = x * along_x[lane] + y * along_y[lane] + z * along_z[lane];
-                        let old = self.gradient[side][axis][lane];
-                        self.gradient[side][axis][lane] = if mine(lane) { change } else { old };
-                    }
-                }
-            }
-        }
-        // The pixel's footprint: how far the hit moves on the surface's plane from one pixel to the next
-        // (Igehy 1999, "Tracing ray differentials").
-        let mut direction = [[0.0; LANES]; 3];
-        for axis in 0..3 {
-            let [x, y, z] = inverse[axis].as_vec3().to_array();
-            for lane in 0..LANES {
-                direction[axis][lane] =
-                    x * tile.direction[0][lane] + y * tile.direction[1][lane] + z * tile.direction[2][lane];
-            }
-        }
-        let mut per_approach = [0.0; LANES];
-        for lane in 0..LANES {
-            let approach = normal[0][lane] * direction[0][lane]
-                + normal[1][lane] * direction[1][lane]
-                + normal[2][lane] * direction[2][lane];
-            per_approach[lane] = 1.0 / approach;
-        }
-        for side in 0..2 {
-            let mut step = [[0.0; LANES]; 3];
-            if let Some(steps) = steps {
-                step = to_local(steps[side]).as_vec3().to_array().map(|step| [step; LANES]);
-            } else {
-                for axis in 0..3 {
-                    let [x, y, z] = inverse[axis].as_vec3().to_array();
-                    let [steps_x, steps_y, steps_z] = &tile.steps[side];
-                    for lane in 0..LANES {
-                        step[axis][lane] = x * steps_x[lane] + y * steps_y[lane] + z * steps_z[lane];
-                    }
-                }
-            }
-            let mut moved = [[0.0; LANES]; 3];
-            for lane in 0..LANES {
-                let [x, y, z] = [step[0][lane], step[1][lane], step[2][lane]];
-                let across = normal[0][lane] * x + normal[1][lane] * y + normal[2][lane] * z;
-                let back = across * per_approach[lane];
-                let t = tile.t[lane];
-                moved[0][lane] = (x - direction[0][lane] * back) * t;
-                moved[1][lane] = (y - direction[1][lane] * back) * t;
-                moved[2][lane] = (z - direction[2][lane] * back) * t;
-            }
-            for axis in 0..2 {
-                let [x, y, z] = &gradient[axis];
-                for lane in 0..LANES {
-                    let change =
-                        (x[lane] * moved[0][lane] + y[lane] * moved[1][lane] + z[lane] * moved[2][lane])
-                            * repeat[axis];
-                    let old = self.footprint[side][axis][lane];
-                    self.footprint[side][axis][lane] = if mine(lane) { change } else { old };
+                    store_where(simd, mine, change[axis], &mut self.gradient[side][axis], row);
                 }
             }
         }
     }
 }
 
-/// What the shape of an instance says of points, lane by lane, in the axes of the instance: directions and differences in
+/// Vectors by the inverse transpose of an instance, times a factor.
+#[inline(always)]
+fn to_view<S: Simd>(simd: S, placed: &Placed, [x, y, z]: &[[f32; WIDTH]; 3], by: f32) -> [f32x16<S>; 3] {
+    let mut turned = [f32x16::splat(simd, 0.0); 3];
+    for axis in 0..3 {
+        let [a, b, c] = [0, 1, 2].map(|row| placed.inverse[row][axis] as f32 * by);
+        turned[axis] = (load(simd, x) * a + load(simd, y) * b) + load(simd, z) * c;
+    }
+    turned
+}
+
+/// The points of a row in the axes of an instance.
+#[inline(always)]
+fn local_points(placed: &Placed, tile: &Tile, row: usize) -> [[f64; WIDTH]; 3] {
+    let [px, py, pz] = tile.point.each_ref().map(|axis| &axis.as_chunks::<WIDTH>().0[row]);
+    let [tx, ty, tz] = placed.translation;
+    let mut points = [[0.0; WIDTH]; 3];
+    for axis in 0..3 {
+        let [x, y, z] = placed.inverse[axis];
+        for lane in 0..WIDTH {
+            points[axis][lane] = x * (f64::from(px[lane]) - tx)
+                + y * (f64::from(py[lane]) - ty)
+                + z * (f64::from(pz[lane]) - tz);
+        }
+    }
+    points
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, values: &[f32; WIDTH]) -> f32x16<S> {
+    f32x16::load_array_ref(simd, values)
+}
+
+/// What the shape of an instance says of the points of a row, in the axes of the instance: directions and differences in
 /// single precision, texture coordinates in double.
 struct Local {
-    normal: [Lanes<f32>; 3],
-    uv: [Lanes<f64>; 2],
-    gradient: [[Lanes<f32>; 3]; 2],
+    normal: [[f32; WIDTH]; 3],
+    uv: [[f64; WIDTH]; 2],
+    gradient: [[[f32; WIDTH]; 3]; 2],
+    /// The triangle of a height field met last, and its normal: neighbours most often lie on the same.
+    last: (u32, [f32; 3]),
 }
 
 impl Local {
-    /// Of the lanes that have hit `index`; the others are undetermined. Not for shapes of flat faces.
     #[inline(always)]
-    fn fill<const TEXTURED: bool>(
-        &mut self,
-        view: &View<'_>,
-        tile: &Tile,
-        (index, lanes): (u32, u64),
-        point: &[Lanes<f64>; 3],
-    ) -> bool {
-        let instance = view.instance(index);
-        let placed = &view.placed[index as usize];
-        macro_rules! solid {
-            ($solid:expr) => {
-                self.take::<TEXTURED>(
-                    point,
-                    #[inline(always)]
-                    |point| solid_surface::<TEXTURED>($solid, instance.size, point),
-                )
-            };
+    const fn new() -> Self {
+        Self {
+            normal: [[0.0; WIDTH]; 3],
+            uv: [[0.0; WIDTH]; 2],
+            gradient: [[[0.0; WIDTH]; 3]; 2],
+            last: (u32::MAX, [0.0; 3]),
         }
-        match placed.kind() {
-            Kind::Solid(Solid::Sphere) => solid!(Solid::Sphere),
-            Kind::Solid(Solid::Cylinder) => solid!(Solid::Cylinder),
-            Kind::Solid(Solid::Capsule) => solid!(Solid::Capsule),
-            Kind::Solid(Solid::Ellipsoid) => solid!(Solid::Ellipsoid),
-            Kind::Solid(Solid::Cone) => solid!(Solid::Cone),
-            Kind::Solid(Solid::Box | Solid::Rectangle | Solid::Plane) => return false,
-            Kind::Triangles(triangles) => {
-                let mut rest = lanes;
-                while rest != 0 {
-                    let lane = rest.trailing_zeros() as usize % LANES;
-                    rest &= rest - 1;
-                    let (point, local) =
-                        (DVec3::from_array([0, 1, 2].map(|axis| point[axis][lane])), tile.local[lane]);
-                    let surface = match triangles {
-                        Triangles::Mesh => on_triangle(view, placed, local, point),
-                        Triangles::HeightField => on_height_field(view, placed, local, point),
-                    };
-                    self.put::<TEXTURED>(lane, &surface);
-                }
-            }
-        }
-        true
     }
 
+    /// Takes the surface of a solid at points; those that do not lie on it are undetermined. Not for flat faces.
     #[inline(always)]
-    fn take<const TEXTURED: bool>(&mut self, point: &[Lanes<f64>; 3], surface: impl Fn(DVec3) -> Surface) {
-        for lane in 0..LANES {
-            let surface = surface(DVec3::new(point[0][lane], point[1][lane], point[2][lane]));
-            self.put::<TEXTURED>(lane, &surface);
+    fn take_solid<const TEXTURED: bool>(
+        &mut self,
+        (solid, size): (Solid, [f64; 3]),
+        points: &[[f64; WIDTH]; 3],
+    ) {
+        macro_rules! each {
+            ($($solid:ident),*) => {
+                match solid {
+                    $(Solid::$solid => for lane in 0..WIDTH {
+                        let point = DVec3::new(points[0][lane], points[1][lane], points[2][lane]);
+                        self.put::<TEXTURED>(lane, &solid_surface::<TEXTURED>(Solid::$solid, size, point));
+                    })*
+                    Solid::Box | Solid::Rectangle | Solid::Plane => {}
+                }
+            };
+        }
+        each!(Sphere, Cylinder, Capsule, Ellipsoid, Cone);
+    }
+
+    /// Takes the surfaces of triangles, for the lanes of some bits.
+    #[inline(always)]
+    fn take_triangles(
+        &mut self,
+        view: &View<'_>,
+        (placed, triangles): (&Placed, Triangles),
+        (tile, row): (&Tile, usize),
+        lanes: u16,
+    ) {
+        let points = local_points(placed, tile, row);
+        let mut rest = lanes;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % WIDTH;
+            rest &= rest - 1;
+            let point = DVec3::new(points[0][lane], points[1][lane], points[2][lane]);
+            let local = tile.local[row * WIDTH + lane];
+            let surface = match triangles {
+                Triangles::Mesh => on_triangle(view, placed, local, point),
+                Triangles::HeightField => on_height_field(view, placed, local, point),
+            };
+            self.put::<true>(lane, &surface);
         }
     }
 
@@ -330,25 +261,23 @@ impl Local {
     fn take_normals(
         &mut self,
         view: &View<'_>,
-        placed: &Placed,
-        triangles: Triangles,
-        local: &Lanes<u32>,
-        lanes: u64,
+        (placed, triangles): (&Placed, Triangles),
+        slots: &[u32; WIDTH],
+        lanes: u16,
     ) {
         let first = placed.first_block as usize * WIDTH;
-        // Neighbours most often lie on the same triangle.
-        let mut last = (u32::MAX, [0.0; 3]);
         let mut rest = lanes;
         while rest != 0 {
-            let lane = rest.trailing_zeros() as usize % LANES;
+            let lane = rest.trailing_zeros() as usize % WIDTH;
             rest &= rest - 1;
+            let slot = slots[lane];
             let normal = match triangles {
-                Triangles::Mesh => view.scene.facets[first + local[lane] as usize].normal,
+                Triangles::Mesh => view.scene.facets[first + slot as usize].normal,
                 Triangles::HeightField => {
-                    if last.0 != local[lane] {
-                        last = (local[lane], normal_of(view, placed, local[lane]).as_vec3().to_array());
+                    if self.last.0 != slot {
+                        self.last = (slot, normal_of(view, placed, slot).as_vec3().to_array());
                     }
-                    last.1
+                    self.last.1
                 }
             };
             for axis in 0..3 {
@@ -356,6 +285,70 @@ impl Local {
             }
         }
     }
+
+    /// What the pixels cover of the texture: how far the hit moves on the surface's plane from one to the next
+    /// (Igehy 1999, "Tracing ray differentials").
+    #[inline(always)]
+    fn footprint<S: Simd>(
+        &self,
+        simd: S,
+        placed: &Placed,
+        (tile, row): (&Tile, usize),
+        (repeat, steps): ([f32; 2], &Steps),
+    ) -> Footprint<S> {
+        let mut footprint = Footprint::nothing(simd);
+        for axis in 0..2 {
+            // Whole repetitions are taken away in f64: the rest keeps its digits in f32.
+            let repeat = f64::from(repeat[axis]);
+            let mut rest = [0.0; WIDTH];
+            for lane in 0..WIDTH {
+                let coordinate = self.uv[axis][lane] * repeat;
+                rest[lane] = (coordinate - floor(coordinate)) as f32;
+            }
+            footprint.uv[axis] = load(simd, &rest);
+        }
+        let normal = [load(simd, &self.normal[0]), load(simd, &self.normal[1]), load(simd, &self.normal[2])];
+        let direction = to_instance(simd, placed, &tile.direction, row);
+        let approach = dot(&normal, &direction);
+        let per_approach = f32x16::splat(simd, 1.0) / approach;
+        let t = load_row(simd, &tile.t, row);
+        for side in 0..2 {
+            let step = if let Some(steps) = steps {
+                let step = placed.vector_in_instance(steps[side]).as_vec3().to_array();
+                [f32x16::splat(simd, step[0]), f32x16::splat(simd, step[1]), f32x16::splat(simd, step[2])]
+            } else {
+                to_instance(simd, placed, &tile.steps[side], row)
+            };
+            let back = dot(&normal, &step) * per_approach;
+            let mut moved = step;
+            for axis in 0..3 {
+                moved[axis] = (step[axis] - direction[axis] * back) * t;
+            }
+            for axis in 0..2 {
+                let [x, y, z] = &self.gradient[axis];
+                let change = (load(simd, x) * moved[0] + load(simd, y) * moved[1]) + load(simd, z) * moved[2];
+                footprint.steps[side][axis] = change * repeat[axis];
+            }
+        }
+        footprint
+    }
+}
+
+/// Vectors of a row of the view in the axes of an instance.
+#[inline(always)]
+fn to_instance<S: Simd>(
+    simd: S,
+    placed: &Placed,
+    [x, y, z]: &[Lanes<f32>; 3],
+    row: usize,
+) -> [f32x16<S>; 3] {
+    let mut turned = [f32x16::splat(simd, 0.0); 3];
+    for axis in 0..3 {
+        let [a, b, c] = DVec3::from_array(placed.inverse[axis]).as_vec3().to_array();
+        turned[axis] =
+            (load_row(simd, x, row) * a + load_row(simd, y, row) * b) + load_row(simd, z, row) * c;
+    }
+    turned
 }
 
 /// Unit normal of a height field's triangle.

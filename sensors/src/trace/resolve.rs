@@ -8,12 +8,18 @@ use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 use glam::DVec3;
 
-/// Finds the instances of slots; remembers the last, as neighbours mostly hit the same.
+/// How many instances a [`Resolver`] remembers beside the last.
+const REMEMBERED: usize = 4;
+
+/// Finds the instances of slots; remembers the last few, as neighbours mostly hit the same.
 pub(crate) struct Resolver<'a> {
     view: &'a View<'a>,
     /// The last instance found, and the slots that are its own.
     placed: u32,
     slots: core::ops::Range<u32>,
+    /// Those before it, and which of them is the oldest.
+    before: [(u32, core::ops::Range<u32>); REMEMBERED],
+    oldest: usize,
 }
 
 /// The lanes that have hit anything, a bit each.
@@ -70,7 +76,7 @@ impl Met<'_> {
 
 impl<'a> Resolver<'a> {
     pub(crate) fn new(view: &'a View<'a>) -> Self {
-        Self { view, placed: 0, slots: 0..0 }
+        Self { view, placed: 0, slots: 0..0, before: [const { (0, 0..0) }; REMEMBERED], oldest: 0 }
     }
 
     /// The hit of a slot, which is not [`NO_HIT`].
@@ -140,8 +146,15 @@ impl<'a> Resolver<'a> {
         instance.kind().is_mesh().then_some((instance, facets))
     }
 
-    #[cold]
+    #[inline(never)]
     fn find(&mut self, slot: u32) {
+        let last = (self.placed, self.slots.clone());
+        if let Some(known) = self.before.iter_mut().find(|(_, slots)| slots.contains(&slot)) {
+            (self.placed, self.slots) = core::mem::replace(known, last);
+            return;
+        }
+        self.before[self.oldest % REMEMBERED] = last;
+        self.oldest += 1;
         let after = self.view.placed.partition_point(|placed| placed.first_slot <= slot);
         self.placed = after as u32 - 1;
         let end = self.view.placed.get(after).map_or(NO_HIT & !GRAZING, |next| next.first_slot);

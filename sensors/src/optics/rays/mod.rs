@@ -14,7 +14,7 @@ mod table;
 pub(crate) use fan::Fan;
 pub(crate) use pinhole::PinholeFan;
 pub use pinhole::PinholeGrid;
-pub(crate) use projection::{Planes, Points, Projection, Rectangles, max, min};
+pub(crate) use projection::{Planes, Points, Projection, Rectangles, dot, max, min};
 pub use spherical::SphericalGrid;
 pub(crate) use spherical::{SphericalFan, Steps};
 #[cfg(feature = "alloc")]

@@ -42,7 +42,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     // From the sensor's axes to the instance's.
     let to_instance = view.rows_from_sensor(placed);
     let origin = placed.origin_in_instance;
-    let silhouette = Silhouette::new(solid.half_extents(size), origin, &to_instance);
+    let mut silhouette = None;
     let both = rules.faces == Faces::Both;
     let outside = Outside::new(solid, size, origin, both, to_instance)
         .map(|(outside, rows)| (outside, projection.turning(&rows)));
@@ -63,6 +63,9 @@ pub(super) fn draw<S: Simd, P: Projection>(
                     lanes &= (2 << (last - column)) - 1;
                 }
                 if lanes.count_ones() > FEW_BLOCKS {
+                    let silhouette = silhouette.get_or_insert_with(|| {
+                        Silhouette::new(solid.half_extents(size), origin, &to_instance)
+                    });
                     lanes &= silhouette.shows(simd, projection, [column, row], farthest).to_bitmask();
                 }
                 while lanes != 0 {

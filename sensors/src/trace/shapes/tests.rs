@@ -1,5 +1,6 @@
 //! Kernels where they are weakest, one ray at a time.
 
+use super::outside::{Outside, match_outside};
 use super::{Inside, match_solid};
 use crate::scene::{Instance, InstanceConfig, Kind, Shape};
 
@@ -80,13 +81,90 @@ fn from_the_surface_itself() {
     }
 }
 
-#[test]
-fn both_ends_lie_on_the_surface() {
+/// Numbers from −0.5 to 0.5.
+fn random_numbers() -> impl FnMut() -> f64 {
     let mut state = 5_u64;
-    let mut next = || {
+    move || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    };
+    }
+}
+
+/// 1/t by the kernel for rays from outside, if there is one.
+fn inverse_from_outside(shape: Shape, origin: [f64; 3], direction: [f64; 3], both: bool) -> Option<f64> {
+    let instance = Instance::new(&InstanceConfig { shape, ..Default::default() }).unwrap();
+    let Kind::Solid(solid) = instance.kind() else { unreachable!("a mesh") };
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let (outside, rows) = Outside::new(solid, instance.size, origin, both, axes)?;
+    let [x, y, z] = direction;
+    let direction = rows.map(|[a, b, c]| a * x + b * y + c * z);
+    Some(match_outside!(&outside, kernel => kernel.inverse(direction)))
+}
+
+#[test]
+fn from_outside_it_is_the_same() {
+    let mut next = random_numbers();
+    for shape in SHAPES {
+        let (mut hits, mut misses, mut without) = (0, 0, 0);
+        for number in 0..100_000 {
+            let far = [2.0, 5.0, 100.0, 1e5][number % 4];
+            let mut origin = [next() * far, next() * far, next() * far];
+            let target = [next() * 2.0, next() * 2.0, next() * 2.5];
+            let mut direction: [f64; 3] = core::array::from_fn(|axis| target[axis] - origin[axis]);
+            // Some along an axis or in a plane of symmetry, and some that look away.
+            if number % 7 == 0 {
+                direction[number / 7 % 3] = 0.0;
+            }
+            if number % 11 == 0 {
+                origin[number / 11 % 3] = 0.0;
+            }
+            if number % 13 == 0 {
+                direction = direction.map(|component| -component);
+            }
+            let both = number % 2 == 0;
+            let inside = inside(shape, origin, direction);
+            let expected = inside.first(0.0, both);
+            let Some(inverse) = inverse_from_outside(shape, origin, direction, both) else {
+                without += 1;
+                continue;
+            };
+            // A ray that passes by a rim hits it or not, by rounding.
+            let t = 1.0 / inverse;
+            let tolerance = 1e-11 * (1.0 + far / expected.abs().min(far));
+            if inverse > 0.0 && expected.is_finite() {
+                hits += 1;
+                // Where a ray all but touches a round side, 1/t is a root of next to nothing.
+                let touch = 1e-8 * f64::from(inside.exit - inside.enter < 1e-3 * expected);
+                let off = (t / expected - 1.0).abs();
+                assert!(off < tolerance + touch, "{shape:?} from {origin:?} along {direction:?}: {t}, {expected}");
+            } else if (inverse > 0.0) != expected.is_finite() {
+                let through = inside.exit - inside.enter;
+                let flat = matches!(shape, Shape::Rectangle { .. });
+                assert!(
+                    through.abs() < 1e-6 || flat && on_rim(shape, origin, direction),
+                    "{shape:?} from {origin:?} along {direction:?}: {t}, {expected}"
+                );
+            } else {
+                misses += 1;
+            }
+        }
+        if !matches!(shape, Shape::Cone { .. }) {
+            assert!(hits > 10_000 && misses > 5_000, "{shape:?}: {hits} hits, {misses} misses, {without} without");
+            assert!(without < 80_000, "{shape:?}: {without} without");
+        }
+    }
+}
+
+/// Whether a ray meets the plane of a rectangle within rounding of its edges.
+fn on_rim(shape: Shape, origin: [f64; 3], direction: [f64; 3]) -> bool {
+    let Shape::Rectangle { size } = shape else { return false };
+    let t = -origin[2] / direction[2];
+    (0..2).any(|axis| ((origin[axis] + t * direction[axis]).abs() - size[axis] / 2.0).abs() < 1e-9)
+}
+
+#[test]
+fn both_ends_lie_on_the_surface() {
+    let mut next = random_numbers();
     // Signed distance from the surface, or something alike: below 0 inside.
     let level = |shape: Shape, [x, y, z]: [f64; 3]| match shape {
         Shape::Box { size: [a, b, c] } => (x.abs() - a / 2.0).max(y.abs() - b / 2.0).max(z.abs() - c / 2.0),

@@ -167,6 +167,11 @@ impl<'a> Scene<'a> {
         !self.textures.is_empty()
     }
 
+    /// Whether any lamp casts shadows.
+    pub(crate) fn has_shadows(&self) -> bool {
+        self.lights.iter().any(|light| light.cast_shadows != 0)
+    }
+
     /// Slots of an instance: every triangle that a ray may hit has one of its own, any other shape one in all.
     pub(crate) fn slots(&self, instance: &Instance) -> u32 {
         match instance.kind() {

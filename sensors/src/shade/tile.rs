@@ -151,7 +151,7 @@ pub(crate) struct Tile {
     pub(crate) hits: u64,
     /// Those that have no ray.
     pub(crate) missing: u64,
-    /// Least and most of the points that were hit, along each axis.
+    /// Least and most of the points that were hit, along each axis. Only if lamps cast shadows.
     pub(crate) bounds: [[f32; 2]; 3],
 }
 
@@ -219,8 +219,6 @@ impl Tile {
         // Step 1: points, line by line, each of which runs through four blocks if these are square.
         let mut slot = [[0; WIDTH]; BLOCKS];
         let zero = f32x16::splat(simd, 0.0);
-        let mut low = [f32x16::splat(simd, f32::MAX); 3];
-        let mut high = [f32x16::splat(simd, f32::MIN); 3];
         let mut grazing = 0;
         self.hits = 0;
         let [columns, rows] = tiling.size();
@@ -240,17 +238,12 @@ impl Tile {
                 let point = direction[axis] * t;
                 store_row(direction[axis], &mut self.direction[axis], row);
                 store_row(point, &mut self.point[axis], row);
-                low[axis] = (hit & point.simd_lt(low[axis])).select(point, low[axis]);
-                high[axis] = (hit & point.simd_gt(high[axis])).select(point, high[axis]);
             }
             store_row(t, &mut self.t, row);
             slots.store_array(&mut slot[row]);
             self.hits |= hit.to_bitmask() << (row * WIDTH);
             let doubtful = slots.simd_ge(u32x16::splat(simd, GRAZING)) & hit;
             grazing |= doubtful.to_bitmask() << (row * WIDTH);
-        }
-        for axis in 0..3 {
-            self.bounds[axis] = [simd.reduce_min_f32x16(low[axis]), simd.reduce_max_f32x16(high[axis])];
         }
 
         // Step 2: what they lie on.
@@ -270,12 +263,28 @@ impl Tile {
                 let t = resolver.exact(&hit, direction, f64::from(self.t[lane]));
                 self.t[lane] = t as f32;
                 for axis in 0..3 {
-                    let point = (direction[axis] * t) as f32;
-                    self.point[axis][lane] = point;
-                    let [low, high] = &mut self.bounds[axis];
-                    (*low, *high) = (low.min(point), high.max(point));
+                    self.point[axis][lane] = (direction[axis] * t) as f32;
                 }
             }
+        }
+        if band.view.scene.has_shadows() {
+            self.find_bounds(simd);
+        }
+    }
+
+    /// Finds the least and the most of the points that were hit.
+    #[inline(always)]
+    fn find_bounds<S: Simd>(&mut self, simd: S) {
+        for axis in 0..3 {
+            let mut low = f32x16::splat(simd, f32::MAX);
+            let mut high = f32x16::splat(simd, f32::MIN);
+            for row in 0..BLOCKS {
+                let hit: mask32x16<S> = simd.from_bitmask_mask32x16(self.hits >> (row * WIDTH) & 0xffff);
+                let point = load_row(simd, &self.point[axis], row);
+                low = (hit & point.simd_lt(low)).select(point, low);
+                high = (hit & point.simd_gt(high)).select(point, high);
+            }
+            self.bounds[axis] = [simd.reduce_min_f32x16(low), simd.reduce_max_f32x16(high)];
         }
     }
 
@@ -321,17 +330,12 @@ impl Tile {
             for lane in 0..LANES {
                 self.direction[axis][lane] = packet.direction[axis][lane] as f32;
             }
-            let mut low = f32x16::splat(simd, f32::MAX);
-            let mut high = f32x16::splat(simd, f32::MIN);
             for row in 0..BLOCKS {
-                let hit: mask32x16<S> = simd.from_bitmask_mask32x16(self.hits >> (row * WIDTH) & 0xffff);
                 let point = load_row(simd, &self.direction[axis], row) * load_row(simd, &self.t, row);
                 store_row(point, &mut self.point[axis], row);
-                low = (hit & point.simd_lt(low)).select(point, low);
-                high = (hit & point.simd_gt(high)).select(point, high);
             }
-            self.bounds[axis] = [simd.reduce_min_f32x16(low), simd.reduce_max_f32x16(high)];
         }
+        self.find_bounds(simd);
     }
 
     /// Takes the directions of the rays of a tile in square blocks.

@@ -19,6 +19,8 @@ pub(super) struct Entry {
     pub(super) placed: u32,
     /// Bound of 1/t from above.
     pub(super) nearest: f32,
+    /// The greater, the sooner it is visited, among its siblings.
+    pub(super) order: f32,
     /// First and last column and row of the rays that may pass.
     pub(super) columns: [u16; 2],
     pub(super) rows: [u16; 2],
@@ -44,12 +46,12 @@ impl Entry {
     }
 }
 
-/// Puts an entry among those from `first` on, the nearest on top; how many wait then.
+/// Puts an entry among those from `first` on, the first to visit on top; how many wait then.
 #[inline(always)]
 pub(super) fn insert(stack: &mut [Entry; STACK], first: usize, waiting: usize, entry: Entry) -> usize {
     // There are few.
     let mut at = waiting;
-    while at > first && stack[at - 1].nearest > entry.nearest {
+    while at > first && stack[at - 1].order > entry.order {
         stack[at] = stack[at - 1];
         at -= 1;
     }

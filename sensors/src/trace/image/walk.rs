@@ -34,7 +34,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
 ) {
     let fan = *projection.fan();
     let first_block_row = (rows[0] >> fan.shift_y) as usize;
-    let blank = Entry { child: 0, placed: TOP, nearest: 0.0, columns: [0; 2], rows: [0; 2] };
+    let blank = Entry { child: 0, placed: TOP, nearest: 0.0, order: 0.0, columns: [0; 2], rows: [0; 2] };
     let mut stack = [blank; STACK];
     stack[0] = Entry {
         nearest: f32::MAX,
@@ -140,7 +140,7 @@ fn fetch(view: &View<'_>, entry: &Entry) {
     }
 }
 
-/// Puts the children of a node that some ray may meet on the stack, the nearest on top.
+/// Puts the children of a node that some ray may meet on the stack, the first to visit on top.
 #[inline(always)]
 fn push_children<S: Simd, P: Projection>(
     simd: S,
@@ -160,8 +160,12 @@ fn push_children<S: Simd, P: Projection>(
         return first;
     }
     let mut near = [0.0; WIDTH];
-    let mut spilled = [[0_i32; WIDTH]; 4];
     nearest.store_array(&mut near);
+    let mut order = near;
+    if placed == TOP {
+        inverse_reach(simd, &low, &high).store_array(&mut order);
+    }
+    let mut spilled = [[0_i32; WIDTH]; 4];
     rectangles.first_column.store_array(&mut spilled[0]);
     rectangles.last_column.store_array(&mut spilled[1]);
     rectangles.first_row.store_array(&mut spilled[2]);
@@ -174,12 +178,21 @@ fn push_children<S: Simd, P: Projection>(
             child: node.child[lane],
             placed,
             nearest: near[lane],
+            order: order[lane],
             columns: [spilled[0][lane] as u16, spilled[1][lane] as u16],
             rows: [spilled[2][lane] as u16, spilled[3][lane] as u16],
         };
         waiting = insert(stack, first, waiting, entry);
     }
     waiting
+}
+
+/// What instances are visited in the order of, the greatest first: the inverse of how far off the farthest point of a box
+/// may be. Of floors and walls, some part is nearer than all that stands before them.
+#[inline(always)]
+fn inverse_reach<S: Simd>(simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
+    let [x, y, z] = [max(high[0], -low[0]), max(high[1], -low[1]), max(high[2], -low[2])];
+    f32x16::splat(simd, 1.0) / ((x * x + y * y) + z * z)
 }
 
 /// Puts the children of a node that the few rays of an entry may meet on the stack, ray by ray, the nearest on top.
@@ -213,7 +226,7 @@ fn push_by_ray<S: Simd, P: Projection>(
                 let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
                 lanes &= lanes - 1;
                 let (child, nearest) = (node.child[lane], near[lane]);
-                let child = Entry { child, nearest, columns: [column; 2], rows: [row; 2], ..*entry };
+                let child = Entry { child, nearest, order: nearest, columns: [column; 2], rows: [row; 2], ..*entry };
                 waiting = insert(stack, first, waiting, child);
             }
         }

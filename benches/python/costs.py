@@ -1,0 +1,109 @@
+"""What Belvedere costs besides its frames: a call from Python, and a world in a batch."""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import pathlib
+import statistics
+import time
+
+import numpy as np
+from scenes import Scene, balls
+
+import belvedere as bv
+
+
+class Unwanted:
+    """Belvedere's native sensor, asked for frames of which none is wanted: what a call costs besides them remains."""
+
+    def __init__(self, native: object) -> None:
+        self.native = native
+
+    def render(self, world, now, after, before, each, *rest) -> None:
+        self.native.render(world, now, after, before, (*each[:2], [False] * len(each[0]), None), *rest)
+
+
+def overhead(scene: Scene, arguments: argparse.Namespace) -> None:
+    """What a call costs besides its frames, one thread, 64x64.
+
+    Two ways. Calls whose frames are not wanted do all but take them. And of a + b·N, fitted to what calls of N frames
+    cost, a is what a call costs even of no frame; what Python does for each frame is in b there.
+    """
+    counts = (1, 16, 256, 8192)
+    out = {"depth": np.empty((max(counts), 64, 64), np.float32)}
+    full, empty = bv.DepthCamera(64, 64, fov=scene.fov), bv.DepthCamera(64, 64, fov=scene.fov)
+    empty._native = Unwanted(empty._native)
+    poses = np.resize(scene.poses, (max(counts), 7))
+
+    def cost(camera: bv.DepthCamera, count: int) -> float:
+        """Of a call, in microseconds. All calls together take all poses, however few frames a call has."""
+        calls = 0
+        arrays = {"depth": out["depth"][:count]}
+        start = time.process_time()
+        while (past := time.process_time() - start) < arguments.seconds / arguments.rounds:
+            for first in range(0, max(count, len(scene.poses)), count):
+                camera.render(scene.world, poses[first : first + count], out=arrays, threads=1)
+                calls += 1
+        return past / calls * 1e6
+
+    rounds: list[tuple[np.ndarray, np.ndarray]] = []
+    for _ in range(max(5, arguments.rounds)):
+        both = np.array([[cost(camera, count) for camera in (full, empty)] for count in counts])
+        rounds.append((both[:, 0], both[:, 1]))
+    fits = np.array([fit(np.array(counts, float), costs) for costs, _ in rounds])
+    print(
+        "\n| frames of a call | call, µs | without its frames, µs | share | a / (a + b·N) |\n|---|---|---|---|---|"
+    )
+    for row, count in enumerate(counts):
+        shares = [besides[row] / costs[row] for costs, besides in rounds]
+        fitted = fits[:, 0] / (fits[:, 0] + fits[:, 1] * count)
+        costs, besides = np.median([[one[row] for one in both] for both in rounds], axis=0)
+        print(f"| {count:,} | {costs:,.1f} | {besides:,.1f} | {spread(shares, '.2%')} | {spread(fitted, '.2%')} |")
+    a, b = (spread(values, ".1f") for values in fits.T)
+    print(f"a = {a} µs a call, b = {b} µs a frame; medians, least to greatest")
+
+
+def fit(counts: np.ndarray, costs: np.ndarray) -> np.ndarray:
+    """a and b of a + b·N: least squares of what differs in proportion, so that small calls count as well."""
+    return np.linalg.lstsq(np.stack([1 / costs, counts / costs], axis=1), np.ones(len(costs)), rcond=None)[0]
+
+
+def spread(values: list[float] | np.ndarray, form: str) -> str:
+    return f"{statistics.median(values):{form}} ({min(values):{form}} to {max(values):{form}})"
+
+
+def resident() -> int:
+    """Bytes of this process that are in memory."""
+    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def growth(count: int, answer: multiprocessing.Queue) -> None:
+    """Answers by how much this process grew by a batch, and what it has of it still after a frame of each world."""
+    scene, camera = balls(), bv.DepthCamera(8, 8, fov=1.2)
+    bv.Batch(scene.world, 1).render(camera, scene.poses[0], threads=1)
+    out = {"depth": np.ones((count, 8, 8), np.float32)}
+    before = resident()
+    batch = bv.Batch(scene.world, count)
+    made = resident() - before
+    batch.render(camera, scene.poses[0], out, threads=1)
+    answer.put((made, resident() - before))
+
+
+def memory() -> None:
+    """What a world in a batch takes besides what all share: of its arrays, and of a process that is new."""
+    start, counts = multiprocessing.get_context("spawn"), (1_000, 11_000)
+    grown = []
+    for count in counts:
+        answer = start.Queue()
+        process = start.Process(target=growth, args=(count, answer))
+        process.start()
+        grown.append(answer.get(timeout=60))
+        process.join()
+    made, after = ((more - less) / (counts[1] - counts[0]) / 1024 for less, more in zip(*grown, strict=True))
+    one = bv.Batch(balls().world, 1)
+    print(
+        f"\na world of {len(one.bodies)} bodies in a batch: its arrays {one.memory / 1024:.2f} KB; resident, between "
+        f"{counts[0]:,} and {counts[1]:,} worlds, {made:.2f} KB each, {after:.2f} KB when a frame of each was taken"
+    )

@@ -45,6 +45,7 @@ mod builder;
 
 pub use aabb::Aabb;
 pub use fault::SceneFault;
+pub(crate) use height_field::CORNERS;
 pub use height_field::{HeightField, HeightGrid};
 pub use instance::{
     HeightFieldId, Instance, InstanceConfig, InstanceId, MaterialId, MeshId, Shape, visibility,

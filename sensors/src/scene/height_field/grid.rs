@@ -3,6 +3,7 @@
 use super::{FAN, HeightField, LEAF_COLUMNS, LEAF_ROWS, leaves, level_size};
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WideNode};
 use crate::simd::WIDTH;
+use fearless_simd::{Simd, SimdBase, f32x4};
 
 /// Heights along a row and rows of heights in a full leaf.
 const WIDE: usize = LEAF_COLUMNS as usize + 1;
@@ -11,6 +12,30 @@ const HIGH: usize = LEAF_ROWS as usize + 1;
 /// Corners of the even and the odd triangle of a cell, as steps down and to the right from its first height;
 /// counter-clockwise seen from above.
 const CUT: [[[usize; 2]; 3]; 2] = [[[0, 0], [1, 0], [0, 1]], [[1, 0], [1, 1], [0, 1]]];
+
+/// Which of [`HeightGrid::vertices`] are the corners of each triangle of a leaf.
+pub(crate) const CORNERS: [[usize; WIDTH]; 3] = corners();
+
+const fn corners() -> [[usize; WIDTH]; 3] {
+    let mut corners = [[0; WIDTH]; 3];
+    let mut lane = 0;
+    while lane < WIDTH {
+        let (j, i) = (lane / 2 / LEAF_COLUMNS as usize, lane / 2 % LEAF_COLUMNS as usize);
+        let mut corner = 0;
+        while corner < 3 {
+            let [down, right] = CUT[lane % 2][corner];
+            corners[corner][lane] = vertex(j + down, i + right);
+            corner += 1;
+        }
+        lane += 1;
+    }
+    corners
+}
+
+/// Where a vertex is among them: four of each row, and then the last of each.
+const fn vertex(row: usize, column: usize) -> usize {
+    if column + 1 < WIDE { row * (WIDE - 1) + column } else { HIGH * (WIDE - 1) + row }
+}
 
 /// A height field and its data: the tree that is walked.
 #[derive(Debug, Clone, Copy)]
@@ -109,6 +134,34 @@ impl<'a> HeightGrid<'a> {
         wide
     }
 
+    /// The vertices of a leaf, row by row but for the last column; what [`CORNERS`] says of them. None of a leaf at the
+    /// edge that has fewer.
+    #[inline(always)]
+    pub(crate) fn vertices<S: Simd>(&self, simd: S, block: u32) -> Option<[[f32; WIDTH]; 3]> {
+        let field = &self.field;
+        let [blocks_x, _] = leaves(field.rows, field.columns);
+        let column = LEAF_COLUMNS * (block % blocks_x);
+        let row = LEAF_ROWS * (block / blocks_x);
+        if column + LEAF_COLUMNS >= field.columns || row + LEAF_ROWS >= field.rows {
+            return None;
+        }
+        let (mut x, mut y) = ([0.0; WIDE], [0.0; HIGH]);
+        for i in 0..WIDE {
+            x[i] = field.x_at(column + i as u32);
+        }
+        for j in 0..HIGH {
+            y[j] = field.y_at(row + j as u32);
+        }
+        let z = [self.line(row, column)?, self.line(row + 1, column)?, self.line(row + 2, column)?];
+        let along = x.first_chunk()?;
+        let last = [z[0][4], z[1][4], z[2][4], z[2][4]];
+        Some([
+            join(simd, [along, along, along, &[x[4]; 4]]),
+            join(simd, [&[y[0]; 4], &[y[1]; 4], &[y[2]; 4], &[y[0], y[1], y[2], y[2]]]),
+            join(simd, [z[0].first_chunk()?, z[1].first_chunk()?, z[2].first_chunk()?, &last]),
+        ])
+    }
+
     /// A leaf of the tree: the triangles of 4 × 2 cells.
     ///
     /// # Panics
@@ -193,10 +246,26 @@ impl<'a> HeightGrid<'a> {
         corners
     }
 
+    /// The heights of a row of a leaf.
+    #[inline(always)]
+    fn line(&self, row: u32, column: u32) -> Option<&'a [f32; WIDE]> {
+        self.heights[row as usize * self.field.columns as usize + column as usize..].first_chunk()
+    }
+
     #[inline(always)]
     fn height(&self, row: u32, column: u32) -> f32 {
         self.heights[row as usize * self.field.columns as usize + column as usize]
     }
+}
+
+/// Sixteen values, put together as vectors: what is stored in parts is slow to load as a whole.
+#[inline(always)]
+fn join<S: Simd>(simd: S, [a, b, c, d]: [&[f32; 4]; 4]) -> [f32; WIDTH] {
+    let [a, b] = [f32x4::load_array_ref(simd, a), f32x4::load_array_ref(simd, b)];
+    let [c, d] = [f32x4::load_array_ref(simd, c), f32x4::load_array_ref(simd, d)];
+    let mut joined = [0.0; WIDTH];
+    simd.combine_f32x8(simd.combine_f32x4(a, b), simd.combine_f32x4(c, d)).store_array(&mut joined);
+    joined
 }
 
 /// Keeps the first columns and rows of children, and fills the lanes behind them as unused.

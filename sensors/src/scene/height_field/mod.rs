@@ -22,6 +22,7 @@
 mod grid;
 mod validate;
 
+pub(crate) use grid::CORNERS;
 pub use grid::HeightGrid;
 
 use super::{HeightFieldId, SceneError};

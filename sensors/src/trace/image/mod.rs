@@ -10,6 +10,7 @@
 //! What is kept of a ray is 1/t of its nearest hit, linear in the direction over a plane (and 0 if nothing is
 //! hit), and the hit's slot: which triangle of which instance it is.
 
+mod corners;
 mod entry;
 mod leaf;
 mod set_up;

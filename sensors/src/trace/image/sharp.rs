@@ -5,7 +5,6 @@
 //! robot that stands on a large triangle, and where a triangle is so thin that its normal is a small difference.
 //! Such triangles are rare. Their planes are made again, from the corners as they are stored.
 
-use crate::scene::tree::TriangleBlock;
 use crate::simd::WIDTH;
 use crate::trace::view::{Placed, View};
 use fearless_simd::{Simd, mask32x16};
@@ -27,7 +26,8 @@ const BLURRED_EDGE_SQUARED: f64 = 1600.0;
 pub(super) struct Source<'a> {
     pub(super) view: &'a View<'a>,
     pub(super) placed: &'a Placed,
-    pub(super) block: &'a TriangleBlock,
+    /// Which leaf of the instance.
+    pub(super) leaf: u32,
 }
 
 /// Planes of sixteen triangles.
@@ -60,9 +60,8 @@ impl Source<'_> {
             let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
             let bit = 1 << lane;
             lanes &= lanes - 1;
-            let [a, b, c] = self.block.corners.each_ref().map(|[x, y, z]| {
-                sensor_from_instance * (DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()) - origin)
-            });
+            let corners = self.view.corners(self.placed, self.leaf * WIDTH as u32 + lane as u32);
+            let [a, b, c] = corners.map(|corner| sensor_from_instance * (corner - origin));
             let normal = (b - a).cross(c - a);
             let volume = normal.dot(a);
             let sides = [volume > 0.0, volume < 0.0];

@@ -6,8 +6,9 @@
 //!
 //! Nothing here decides what is hit. It leaves out what no ray can hit, by more than all that is rounded later.
 
+use super::corners::{Corners, Frame};
 use crate::optics::rays::{Points, Projection, max, min};
-use crate::scene::tree::{NONE, TriangleBlock, WideNode};
+use crate::scene::tree::{NONE, WideNode};
 use crate::simd::WIDTH;
 use crate::trace::view::View;
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
@@ -103,10 +104,8 @@ impl SingleRay {
     /// Whether the ray may meet one of the triangles: whether it passes the box around one of them, in a space that is
     /// sheared so that the ray runs along an axis.
     #[inline(always)]
-    pub(super) fn meets_any<S: Simd>(&self, simd: S, block: &TriangleBlock) -> bool {
-        let a = self.sheared(simd, &block.corners[0]);
-        let b = self.sheared(simd, &block.corners[1]);
-        let c = self.sheared(simd, &block.corners[2]);
+    pub(super) fn meets_any<S: Simd>(&self, simd: S, corners: &Corners<'_>) -> bool {
+        let [a, b, c] = corners.taken_to(simd, self);
         let slack = max(max(a[2], b[2]), c[2]) * SLACK;
         let least = [min(min(a[0], b[0]), c[0]), min(min(a[1], b[1]), c[1])];
         let most = [max(max(a[0], b[0]), c[0]), max(max(a[1], b[1]), c[1])];
@@ -114,20 +113,22 @@ impl SingleRay {
         around.simd_le(slack).any_true()
     }
 
-    /// One corner of sixteen triangles beside the ray, and how far along it.
-    #[inline(always)]
-    fn sheared<S: Simd>(&self, simd: S, corner: &[[f32; WIDTH]; 3]) -> Points<S> {
-        let [x, y, z] = self.axes;
-        let far = self.relative(simd, &corner[z % 3], z % 3);
-        [
-            self.relative(simd, &corner[x % 3], x % 3) - far * self.shear[0],
-            self.relative(simd, &corner[y % 3], y % 3) - far * self.shear[1],
-            far.abs(),
-        ]
-    }
-
     #[inline(always)]
     fn relative<S: Simd>(&self, simd: S, values: &[f32; WIDTH], axis: usize) -> f32x16<S> {
         (f32x16::load_array_ref(simd, values) - self.origin_high[axis]) - self.origin_low[axis]
+    }
+}
+
+/// Beside the ray, and how far along it.
+impl Frame for SingleRay {
+    #[inline(always)]
+    fn take<S: Simd>(&self, simd: S, points: &[[f32; WIDTH]; 3]) -> Points<S> {
+        let [x, y, z] = self.axes;
+        let far = self.relative(simd, &points[z % 3], z % 3);
+        [
+            self.relative(simd, &points[x % 3], x % 3) - far * self.shear[0],
+            self.relative(simd, &points[y % 3], y % 3) - far * self.shear[1],
+            far.abs(),
+        ]
     }
 }

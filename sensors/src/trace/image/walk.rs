@@ -1,5 +1,6 @@
 //! Once through the trees, front to back.
 
+use super::corners::{Corners, from_origin};
 use super::entry::{Entry, STACK, insert};
 use super::leaf::{Leaf, Rules};
 use super::sharp::Source;
@@ -14,7 +15,7 @@ use crate::scene::{Kind, Triangles};
 use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
 use crate::trace::prefetch::prefetch;
-use crate::trace::view::{ToSensor, View};
+use crate::trace::view::{Placed, ToSensor, View};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 
 /// The `placed` of an entry in the tree over the instances.
@@ -72,21 +73,23 @@ pub(crate) fn walk<S: Simd, P: Projection>(
             if is_leaf {
                 let made;
                 let leaf = child & !LEAF;
-                let block = if placed.kind().is_mesh() {
-                    &view.scene.blocks[(placed.first_block + leaf) as usize]
+                let corners = if placed.kind().is_mesh() {
+                    Corners::Stored(&view.scene.blocks[(placed.first_block + leaf) as usize])
+                } else if let Some(vertices) = view.height_grid(placed).vertices(simd, leaf) {
+                    Corners::Spread(vertices)
                 } else {
-                    made = view.height_grid(placed).block(leaf);
-                    &made
+                    made = narrow_leaf(view, placed, leaf);
+                    Corners::Stored(&made)
                 };
                 if entry.is_of_one_ray() {
                     single.aim(view, projection, index, entry.first_ray());
-                    if !single.meets_any(simd, block) {
+                    if !single.meets_any(simd, &corners) {
                         continue;
                     }
                 }
                 let leaf = Leaf {
-                    source: Source { view, placed, block },
-                    corners: corners_in_sensor(simd, block, &placed.to_sensor),
+                    source: Source { view, placed, leaf },
+                    corners: corners.taken_to(simd, &placed.to_sensor),
                     first_slot: placed.first_slot + leaf * WIDTH as u32,
                     columns: entry.columns.map(i32::from),
                     rows: entry.rows.map(i32::from),
@@ -121,6 +124,13 @@ pub(crate) fn walk<S: Simd, P: Projection>(
             push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting)
         };
     }
+}
+
+/// A leaf at the edge of a terrain. By itself: there are few of them.
+#[cold]
+#[inline(never)]
+fn narrow_leaf(view: &View<'_>, placed: &Placed, leaf: u32) -> TriangleBlock {
+    view.height_grid(placed).block(leaf)
 }
 
 /// Has what an entry will need brought into the cache.
@@ -282,39 +292,6 @@ fn hidden<S: Simd, P: Projection>(
         }
     }
     true
-}
-
-/// A point of an instance, in the sensor's frame.
-#[inline(always)]
-fn point_in_sensor<S: Simd>(simd: S, point: &[[f32; WIDTH]; 3], to_sensor: &ToSensor) -> Points<S> {
-    let [x, y, z] = from_origin(simd, point, to_sensor);
-    let rows = &to_sensor.rows;
-    [
-        (x * rows[0][0] + y * rows[0][1]) + z * rows[0][2],
-        (x * rows[1][0] + y * rows[1][1]) + z * rows[1][2],
-        (x * rows[2][0] + y * rows[2][1]) + z * rows[2][2],
-    ]
-}
-
-/// point − origin. The origin comes in two parts, so that points near it lose no digit far from the instance's
-/// own origin.
-#[inline(always)]
-fn from_origin<S: Simd>(simd: S, point: &[[f32; WIDTH]; 3], to_sensor: &ToSensor) -> Points<S> {
-    let [high, low] = [&to_sensor.origin_high, &to_sensor.origin_low];
-    [
-        (f32x16::load_array_ref(simd, &point[0]) - high[0]) - low[0],
-        (f32x16::load_array_ref(simd, &point[1]) - high[1]) - low[1],
-        (f32x16::load_array_ref(simd, &point[2]) - high[2]) - low[2],
-    ]
-}
-
-#[inline(always)]
-fn corners_in_sensor<S: Simd>(simd: S, block: &TriangleBlock, to_sensor: &ToSensor) -> [Points<S>; 3] {
-    [
-        point_in_sensor(simd, &block.corners[0], to_sensor),
-        point_in_sensor(simd, &block.corners[1], to_sensor),
-        point_in_sensor(simd, &block.corners[2], to_sensor),
-    ]
 }
 
 /// Boxes along the sensor's axes that hold the children.

@@ -1,0 +1,85 @@
+//! Corners of a leaf's triangles, taken to another frame.
+//!
+//! A mesh stores all 48 corners of a leaf. A leaf of a terrain has but fifteen vertices: these are taken to the frame
+//! at once, and only then spread to the triangles that have them for corners.
+
+use crate::optics::rays::Points;
+use crate::scene::CORNERS;
+use crate::scene::tree::TriangleBlock;
+use crate::simd::WIDTH;
+use crate::trace::view::ToSensor;
+use fearless_simd::{Simd, SimdBase, f32x16};
+
+/// A frame that points of an instance can be taken to.
+pub(super) trait Frame {
+    fn take<S: Simd>(&self, simd: S, points: &[[f32; WIDTH]; 3]) -> Points<S>;
+}
+
+/// What the corners of sixteen triangles are made of, in the frame of their instance.
+pub(super) enum Corners<'a> {
+    Stored(&'a TriangleBlock),
+    /// Vertices of a terrain's leaf.
+    Spread([[f32; WIDTH]; 3]),
+}
+
+impl Corners<'_> {
+    /// All first corners, all second, all third.
+    #[inline(always)]
+    pub(super) fn taken_to<S: Simd>(&self, simd: S, frame: &impl Frame) -> [Points<S>; 3] {
+        match self {
+            Self::Stored(block) => [
+                frame.take(simd, &block.corners[0]),
+                frame.take(simd, &block.corners[1]),
+                frame.take(simd, &block.corners[2]),
+            ],
+            Self::Spread(vertices) => {
+                let vertices = frame.take(simd, vertices);
+                [
+                    spread(simd, &vertices, &CORNERS[0]),
+                    spread(simd, &vertices, &CORNERS[1]),
+                    spread(simd, &vertices, &CORNERS[2]),
+                ]
+            }
+        }
+    }
+}
+
+/// Sixteen of the points.
+#[inline(always)]
+fn spread<S: Simd>(simd: S, points: &Points<S>, which: &[usize; WIDTH]) -> Points<S> {
+    let mut chosen = *points;
+    for axis in 0..3 {
+        let (mut from, mut to) = ([0.0; WIDTH], [0.0; WIDTH]);
+        points[axis].store_array(&mut from);
+        for lane in 0..WIDTH {
+            to[lane] = from[which[lane]];
+        }
+        chosen[axis] = f32x16::load_array_ref(simd, &to);
+    }
+    chosen
+}
+
+impl Frame for ToSensor {
+    #[inline(always)]
+    fn take<S: Simd>(&self, simd: S, points: &[[f32; WIDTH]; 3]) -> Points<S> {
+        let [x, y, z] = from_origin(simd, points, self);
+        let rows = &self.rows;
+        [
+            (x * rows[0][0] + y * rows[0][1]) + z * rows[0][2],
+            (x * rows[1][0] + y * rows[1][1]) + z * rows[1][2],
+            (x * rows[2][0] + y * rows[2][1]) + z * rows[2][2],
+        ]
+    }
+}
+
+/// point − origin. The origin comes in two parts, so that points near it lose no digit far from the instance's
+/// own origin.
+#[inline(always)]
+pub(super) fn from_origin<S: Simd>(simd: S, points: &[[f32; WIDTH]; 3], to_sensor: &ToSensor) -> Points<S> {
+    let [high, low] = [&to_sensor.origin_high, &to_sensor.origin_low];
+    [
+        (f32x16::load_array_ref(simd, &points[0]) - high[0]) - low[0],
+        (f32x16::load_array_ref(simd, &points[1]) - high[1]) - low[1],
+        (f32x16::load_array_ref(simd, &points[2]) - high[2]) - low[2],
+    ]
+}

@@ -1,6 +1,7 @@
 //! The rays of a frame: a grid of directions from one origin, in blocks of sixteen.
 
 use crate::simd::WIDTH;
+use fearless_simd::{Simd, i32x16};
 
 /// How a grid of rays is cut into blocks of sixteen: 4×4, or 16×1 where it has few rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,6 +79,20 @@ impl Fan {
         let starts = if self.shift_y == 0 { 1 } else { 0x1111 };
         let wanted = (2_u64 << (last_row << self.shift_x)) - (1 << (first_row << self.shift_x));
         line * (starts & wanted)
+    }
+
+    /// Where rays lie among the lanes of all blocks from a row of blocks on.
+    #[inline(always)]
+    pub(crate) fn places<S: Simd>(
+        &self,
+        columns: i32x16<S>,
+        rows: i32x16<S>,
+        first_block_row: usize,
+    ) -> i32x16<S> {
+        let (mask_x, mask_y) = ((1 << self.shift_x) - 1, (1 << self.shift_y) - 1);
+        let blocks = ((rows >> self.shift_y) - first_block_row as i32) * self.blocks_across() as i32
+            + (columns >> self.shift_x);
+        blocks * WIDTH as i32 + ((rows & mask_y) << self.shift_x) + (columns & mask_x)
     }
 
     /// Lane of a ray in its block.

@@ -18,7 +18,7 @@ use crate::moment::{Moment, Shutter};
 use crate::optics::rays::{Fan, PinholeFan, Projection, Rays, SphericalFan, Steps, TableFan, each};
 use crate::optics::{Optics, SphericalGrid};
 use crate::scene::Scene;
-use crate::simd::{WIDTH, dispatch};
+use crate::simd::{WIDTH, dispatch, least};
 use band::{BandOutput, Part};
 use fearless_simd::Simd;
 use shutter::fan_of;
@@ -309,7 +309,7 @@ fn leave_out(rays: &Rays<'_>, rows: [i32; 2], target: &mut Target<'_>) {
             target.inverse[block][lanes.trailing_zeros() as usize] = f32::INFINITY;
             lanes &= lanes - 1;
         }
-        target.update_farthest(block);
+        target.farthest[block] = least(target.inverse[block]);
     }
 }
 

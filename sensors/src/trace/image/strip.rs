@@ -184,7 +184,7 @@ fn each_ray<S: Simd, P: Projection>(
             target.slot[block][lane] = triangle_slots[winner.trailing_zeros() as usize & (WIDTH - 1)];
         }
     }
-    target.update_farthest(block);
+    target.update_farthest(simd, block);
 }
 
 /// The triangles that do not lie wholly above or below the rays of a block.

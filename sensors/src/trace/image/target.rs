@@ -1,7 +1,8 @@
 //! What has been hit so far, block by block.
 
 use crate::optics::rays::Fan;
-use crate::simd::{WIDTH, least};
+use crate::simd::WIDTH;
+use fearless_simd::{Simd, SimdBase, f32x16};
 
 /// No slot: the ray has hit nothing.
 pub(crate) const NO_HIT: u32 = u32::MAX;
@@ -43,7 +44,8 @@ impl Target<'_> {
 
     /// Brings `farthest` of a block up to date.
     #[inline(always)]
-    pub(crate) fn update_farthest(&mut self, block: usize) {
-        self.farthest[block] = least(self.inverse[block]);
+    pub(crate) fn update_farthest<S: Simd>(&mut self, simd: S, block: usize) {
+        let inverse = f32x16::load_array_ref(simd, &self.inverse[block]);
+        self.farthest[block] = simd.reduce_min_f32x16(inverse);
     }
 }

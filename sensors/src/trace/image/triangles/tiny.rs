@@ -6,12 +6,15 @@ use crate::simd::WIDTH;
 use crate::trace::image::leaf::Rules;
 use crate::trace::image::set_up::Setup;
 use crate::trace::image::target::Target;
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, i32x16, mask32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};
 
 /// Triangles whose rectangle holds up to that many rays are drawn side by side, each in its lane …
 pub(super) const TINY_TRIANGLE: i32 = 12;
 /// … if there are at least that many of them.
 pub(super) const TINY_TRIANGLES: u32 = 3;
+
+/// Rays that each lane goes through before hits are dealt with: as many as have a bit each in a word.
+const STEPS: usize = 4;
 
 /// Tiny triangles side by side, each lane going through the rays of its own rectangle.
 #[allow(clippy::too_many_arguments, reason = "the pieces of one kernel")]
@@ -33,41 +36,43 @@ pub(super) fn draw_tiny<S: Simd, P: Projection>(
     let (mut columns, mut rows) = (rectangles.first_column, rectangles.first_row);
     let mut drawing = tiny;
     let mut touched = 0;
-    let mut slots = [0; WIDTH];
-    setup.slots.store_array(&mut slots);
-    let (mut at_column, mut at_row, mut at_inverse) = ([0_i32; WIDTH], [0_i32; WIDTH], [0.0_f32; WIDTH]);
-    for _ in 0..steps {
-        let directions = projection.rays(simd, columns, rows);
-        let (hit, inverse) = inside::<S, P>(&setup.edges, &setup.inverse, &directions, rules.inverse_near);
-        let mut hits = (hit & drawing).to_bitmask();
+    // The processor cannot foresee how many are hit in a step, so that is asked once for several.
+    for _ in 0..(steps as u32).div_ceil(STEPS as u32) {
+        let mut hits = 0;
+        let (mut places, mut inverses) = ([zero; STEPS], [f32x16::splat(simd, 0.0); STEPS]);
+        for step in 0..STEPS {
+            let directions = projection.rays(simd, columns, rows);
+            let (hit, inverse) =
+                inside::<S, P>(&setup.edges, &setup.inverse, &directions, rules.inverse_near);
+            hits |= (hit & drawing).to_bitmask() << (step * WIDTH);
+            places[step] = fan.places(columns, rows, rules.first_block_row);
+            inverses[step] = inverse;
+            // On to the next ray: to the right, then down.
+            columns += 1;
+            let past = columns.simd_gt(rectangles.last_column);
+            columns = past.select(rectangles.first_column, columns);
+            rows = past.select(rows + 1, rows);
+            drawing &= rows.simd_le(rectangles.last_row);
+        }
         touched |= hits;
-        if hits != 0 {
-            columns.store_array(&mut at_column);
-            rows.store_array(&mut at_row);
-            inverse.store_array(&mut at_inverse);
-            while hits != 0 {
-                let triangle = hits.trailing_zeros() as usize & (WIDTH - 1);
-                hits &= hits - 1;
-                let (column, row) = (at_column[triangle], at_row[triangle]);
-                let block_row = (row >> fan.shift_y) as usize - rules.first_block_row;
-                let block = block_row * blocks_across + (column >> fan.shift_x) as usize;
-                let lane = fan.lane(column, row);
-                let (nearest, slot) = (&mut target.inverse[block][lane], &mut target.slot[block][lane]);
-                let nearer = at_inverse[triangle] > *nearest;
-                *nearest = if nearer { at_inverse[triangle] } else { *nearest };
-                *slot = if nearer { slots[triangle] } else { *slot };
+        while hits != 0 {
+            let at = hits.trailing_zeros() as usize % (STEPS * WIDTH);
+            hits &= hits - 1;
+            let (step, triangle) = (at / WIDTH, at % WIDTH);
+            let place = places[step][triangle] as usize;
+            let nearest = &mut target.inverse.as_flattened_mut()[place];
+            if inverses[step][triangle] > *nearest {
+                *nearest = inverses[step][triangle];
+                target.slot.as_flattened_mut()[place] = setup.slots[triangle];
             }
         }
-        // On to the next ray: to the right, then down.
-        columns += 1;
-        let past = columns.simd_gt(rectangles.last_column);
-        columns = past.select(rectangles.first_column, columns);
-        rows = past.select(rows + 1, rows);
-        drawing &= rows.simd_le(rectangles.last_row);
     }
     if touched == 0 {
         return;
     }
+    // In which step does not matter any more.
+    touched |= touched >> (2 * WIDTH);
+    touched |= touched >> WIDTH;
     let touched = mask32x16::from_bitmask(simd, touched);
     let most = i32x16::splat(simd, i32::MAX);
     let first_column = simd.reduce_min_i32x16(touched.select(rectangles.first_column, most)) >> fan.shift_x;
@@ -79,7 +84,7 @@ pub(super) fn draw_tiny<S: Simd, P: Projection>(
         for row in first_row..=last_row {
             let first = (row as usize - rules.first_block_row) * blocks_across;
             for column in first_column..=last_column {
-                target.update_farthest(first + column as usize);
+                target.update_farthest(simd, first + column as usize);
             }
         }
     }

@@ -336,17 +336,11 @@ impl Local {
 
 /// Vectors of a row of the view in the axes of an instance.
 #[inline(always)]
-fn to_instance<S: Simd>(
-    simd: S,
-    placed: &Placed,
-    [x, y, z]: &[Lanes<f32>; 3],
-    row: usize,
-) -> [f32x16<S>; 3] {
+fn to_instance<S: Simd>(simd: S, placed: &Placed, [x, y, z]: &[Lanes<f32>; 3], row: usize) -> [f32x16<S>; 3] {
     let mut turned = [f32x16::splat(simd, 0.0); 3];
     for axis in 0..3 {
         let [a, b, c] = DVec3::from_array(placed.inverse[axis]).as_vec3().to_array();
-        turned[axis] =
-            (load_row(simd, x, row) * a + load_row(simd, y, row) * b) + load_row(simd, z, row) * c;
+        turned[axis] = (load_row(simd, x, row) * a + load_row(simd, y, row) * b) + load_row(simd, z, row) * c;
     }
     turned
 }

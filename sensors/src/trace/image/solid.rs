@@ -80,8 +80,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
                             continue;
                         }
                     }
-                    let directions =
-                        projection.turned(&projection.turning(&to_instance), column, row);
+                    let directions = projection.turned(&projection.turning(&to_instance), column, row);
                     let inverse = first_from(simd, &directions, (solid, size), origin, (rules.near, both));
                     commit(simd, target, start + column, placed.first_slot, inverse);
                 }

@@ -236,7 +236,8 @@ fn push_by_ray<S: Simd, P: Projection>(
                 let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
                 lanes &= lanes - 1;
                 let (child, nearest) = (node.child[lane], near[lane]);
-                let child = Entry { child, nearest, order: nearest, columns: [column; 2], rows: [row; 2], ..*entry };
+                let child =
+                    Entry { child, nearest, order: nearest, columns: [column; 2], rows: [row; 2], ..*entry };
                 waiting = insert(stack, first, waiting, child);
             }
         }

@@ -83,8 +83,8 @@ impl Outside {
         let [lower, upper] = self.balls;
         let ball = if height > 0.0 { upper } else { lower };
         let cross = ball.height * x - self.side.distance * z;
-        let discriminant = self.radius_squared * (x * x + y * y + z * z)
-            - (ball.distance_squared * (y * y) + cross * cross);
+        let discriminant =
+            self.radius_squared * (x * x + y * y + z * z) - (ball.distance_squared * (y * y) + cross * cross);
         let root = sqrt(if discriminant > 0.0 { discriminant } else { 0.0 });
         let on_ball = (root - (self.side.distance * x + ball.height * z)) * ball.per_beyond;
         let beyond_end = if discriminant >= 0.0 { on_ball } else { 0.0 };

@@ -106,10 +106,8 @@ impl Outside {
     #[inline(always)]
     pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
         let ([enter, leave], meets) = self.side.ends(x, y);
-        let inverse = first(
-            lesser(enter + self.before_end, self.ends.enter(z)),
-            greater(leave, self.ends.leave(z)),
-        );
+        let inverse =
+            first(lesser(enter + self.before_end, self.ends.enter(z)), greater(leave, self.ends.leave(z)));
         if meets { inverse } else { 0.0 }
     }
 }

@@ -1,9 +1,9 @@
 //! Ellipsoids along the axes: the unit ball in a frame that is stretched to it.
 
 use super::outside::turn;
-use super::{Inside, sphere};
 use super::real::Real;
 use super::surface::{Surface, around};
+use super::{Inside, sphere};
 use glam::DVec3;
 
 /// Takes the reciprocals of the radii.

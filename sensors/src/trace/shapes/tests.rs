@@ -136,7 +136,10 @@ fn from_outside_it_is_the_same() {
                 // Where a ray all but touches a round side, 1/t is a root of next to nothing.
                 let touch = 1e-8 * f64::from(inside.exit - inside.enter < 1e-3 * expected);
                 let off = (t / expected - 1.0).abs();
-                assert!(off < tolerance + touch, "{shape:?} from {origin:?} along {direction:?}: {t}, {expected}");
+                assert!(
+                    off < tolerance + touch,
+                    "{shape:?} from {origin:?} along {direction:?}: {t}, {expected}"
+                );
             } else if (inverse > 0.0) != expected.is_finite() {
                 let through = inside.exit - inside.enter;
                 let flat = matches!(shape, Shape::Rectangle { .. });
@@ -149,7 +152,10 @@ fn from_outside_it_is_the_same() {
             }
         }
         if !matches!(shape, Shape::Cone { .. }) {
-            assert!(hits > 10_000 && misses > 5_000, "{shape:?}: {hits} hits, {misses} misses, {without} without");
+            assert!(
+                hits > 10_000 && misses > 5_000,
+                "{shape:?}: {hits} hits, {misses} misses, {without} without"
+            );
             assert!(without < 80_000, "{shape:?}: {without} without");
         }
     }

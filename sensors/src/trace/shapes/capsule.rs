@@ -26,8 +26,7 @@ pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [radius, half_length]:
 pub(crate) fn normal<T: Real>([x, y, z]: [T; 3], [radius, half_length]: [T; 2]) -> [T; 3] {
     let above = if z > half_length { z - half_length } else { T::ZERO };
     let below = if z < -half_length { z + half_length } else { T::ZERO };
-    let per_radius = T::ONE / radius;
-    [x * per_radius, y * per_radius, (above + below) * per_radius]
+    [x / radius, y / radius, (above + below) / radius]
 }
 
 /// A capsule before a sensor that is beside it, in axes in which the sensor has y = 0.

@@ -42,8 +42,8 @@ fn end<T: Real>([x, y, z]: [T; 3], [radius, half_length]: [T; 2]) -> (bool, T) {
 pub(crate) fn normal<T: Real>(point: [T; 3], [radius, half_length]: [T; 2]) -> [T; 3] {
     let (is_end, sign) = end(point, [radius, half_length]);
     let [x, y, _] = point;
-    let (zero, per_radius) = (T::ZERO, T::ONE / radius);
-    if is_end { [zero, zero, sign] } else { [x * per_radius, y * per_radius, zero] }
+    let zero = T::ZERO;
+    if is_end { [zero, zero, sign] } else { [x / radius, y / radius, zero] }
 }
 
 /// An endless cylinder before a sensor, in axes in which the sensor has y = 0. The sensor may be in it.

@@ -20,8 +20,7 @@ pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, radius: f64) -> Surfac
 
 #[inline(always)]
 pub(crate) fn normal<T: Real>([x, y, z]: [T; 3], radius: T) -> [T; 3] {
-    let per_radius = T::ONE / radius;
-    [x * per_radius, y * per_radius, z * per_radius]
+    [x / radius, y / radius, z / radius]
 }
 
 /// A ball before a sensor that is outside, in axes of which z points away from its centre.

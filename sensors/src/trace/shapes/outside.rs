@@ -81,7 +81,7 @@ impl Slab {
     /// None for a sensor that is all but on a face.
     pub(super) fn new(origin: f64, half: f64) -> Option<Self> {
         let [low, high] = [-half - origin, half - origin];
-        if !(low.abs().min(high.abs()) > BESIDE * half) {
+        if low.abs().min(high.abs()) <= BESIDE * half {
             return None;
         }
         let (per_low, per_high) = (1.0 / low, 1.0 / high);

@@ -13,7 +13,7 @@ use super::target::Target;
 use crate::optics::rays::{Planes, Projection, min};
 use crate::simd::WIDTH;
 use each::draw_each;
-use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};
 use tiny::{TINY_TRIANGLE, TINY_TRIANGLES, draw_tiny};
 
 /// Grid rectangles of up to that many rays are tested ray by ray against all sixteen triangles.
@@ -120,8 +120,7 @@ pub(super) fn inside<S: Simd, P: Projection>(
     (hit, inverse)
 }
 
-/// Each ray against all sixteen triangles. Which rays hit one the processor cannot foresee, so that is asked of all at
-/// once, and only then what they hit.
+/// Each ray against all sixteen triangles.
 #[inline(always)]
 fn draw_few_rays<S: Simd, P: Projection>(
     simd: S,
@@ -132,40 +131,29 @@ fn draw_few_rays<S: Simd, P: Projection>(
     setup: &Setup<S>,
 ) {
     let fan = projection.fan();
-    let (mut rays, mut hits) = ([[0; 2]; FEW_RAYS as usize], [0_u16; FEW_RAYS as usize]);
-    let (mut ray, mut met) = (0, 0_u32);
+    let blocks_across = fan.blocks_across();
     for row in leaf.rows[0]..=leaf.rows[1] {
+        let block_row = (row >> fan.shift_y) as usize - rules.first_block_row;
         for column in leaf.columns[0]..=leaf.columns[1] {
             let column = if column >= fan.width { column - fan.width } else { column };
-            let directions = projection.ray(simd, column, row);
-            let (hit, _) = inside::<S, P>(&setup.edges, &setup.inverse, &directions, rules.inverse_near);
-            rays[ray] = [column, row];
-            hits[ray] = (hit & setup.valid).to_bitmask() as u16;
-            met |= u32::from(hits[ray] != 0) << ray;
-            ray = (ray + 1) % FEW_RAYS as usize;
-        }
-    }
-    while met != 0 {
-        let ray = met.trailing_zeros() as usize % FEW_RAYS as usize;
-        met &= met - 1;
-        let ([column, row], mut hits) = (rays[ray], hits[ray]);
-        let block_row = (row >> fan.shift_y) as usize - rules.first_block_row;
-        let block = block_row * fan.blocks_across() + (column >> fan.shift_x) as usize;
-        let lane = fan.lane(column, row);
-        let inverse = P::dot(&setup.inverse, &projection.ray(simd, column, row));
-        let so_far = target.inverse[block][lane];
-        let mut nearest = so_far;
-        while hits != 0 {
-            let triangle = hits.trailing_zeros() as usize % WIDTH;
-            hits &= hits - 1;
-            if inverse[triangle] > nearest {
-                nearest = inverse[triangle];
-                target.slot[block][lane] = setup.slots[triangle];
+            let block = block_row * blocks_across + (column >> fan.shift_x) as usize;
+            let lane = fan.lane(column, row);
+            let so_far = target.inverse[block][lane];
+            if so_far >= leaf.nearest {
+                continue;
             }
-        }
-        if nearest > so_far {
-            target.inverse[block][lane] = nearest;
-            target.update_farthest(simd, block);
+            let directions = projection.ray(simd, column, row);
+            let (hit, inverse) =
+                inside::<S, P>(&setup.edges, &setup.inverse, &directions, rules.inverse_near);
+            let hit = hit & setup.valid & inverse.simd_gt(f32x16::splat(simd, so_far));
+            if hit.any_true() {
+                let candidates = hit.select(inverse, f32x16::splat(simd, 0.0));
+                let nearest = simd.reduce_max_f32x16(candidates);
+                let winner = candidates.simd_eq(f32x16::splat(simd, nearest)).to_bitmask().trailing_zeros();
+                target.inverse[block][lane] = nearest;
+                target.slot[block][lane] = setup.slots[winner as usize & (WIDTH - 1)];
+                target.update_farthest(simd, block);
+            }
         }
     }
 }

@@ -15,48 +15,40 @@ pub(super) trait Frame {
     fn take<S: Simd>(&self, simd: S, points: &[[f32; WIDTH]; 3]) -> Points<S>;
 }
 
-/// What the corners of sixteen triangles are made of, in the frame of their instance.
-pub(super) enum Corners<'a> {
-    Stored(&'a TriangleBlock),
-    /// Vertices of a terrain's leaf.
-    Spread([[f32; WIDTH]; 3]),
+/// The corners of a mesh's leaf: all first, all second, all third.
+#[inline(always)]
+pub(super) fn stored<S: Simd>(simd: S, block: &TriangleBlock, frame: &impl Frame) -> [Points<S>; 3] {
+    [
+        frame.take(simd, &block.corners[0]),
+        frame.take(simd, &block.corners[1]),
+        frame.take(simd, &block.corners[2]),
+    ]
 }
 
-impl Corners<'_> {
-    /// All first corners, all second, all third.
-    #[inline(always)]
-    pub(super) fn taken_to<S: Simd>(&self, simd: S, frame: &impl Frame) -> [Points<S>; 3] {
-        match self {
-            Self::Stored(block) => [
-                frame.take(simd, &block.corners[0]),
-                frame.take(simd, &block.corners[1]),
-                frame.take(simd, &block.corners[2]),
-            ],
-            Self::Spread(vertices) => {
-                let vertices = frame.take(simd, vertices);
-                [
-                    spread(simd, &vertices, &CORNERS[0]),
-                    spread(simd, &vertices, &CORNERS[1]),
-                    spread(simd, &vertices, &CORNERS[2]),
-                ]
-            }
-        }
-    }
+/// The same of a terrain's leaf, by its vertices.
+#[inline(always)]
+pub(super) fn spread<S: Simd>(simd: S, vertices: &[[f32; WIDTH]; 3], frame: &impl Frame) -> [Points<S>; 3] {
+    let vertices = frame.take(simd, vertices);
+    [
+        chosen(simd, &vertices, &CORNERS[0]),
+        chosen(simd, &vertices, &CORNERS[1]),
+        chosen(simd, &vertices, &CORNERS[2]),
+    ]
 }
 
 /// Sixteen of the points.
 #[inline(always)]
-fn spread<S: Simd>(simd: S, points: &Points<S>, which: &[usize; WIDTH]) -> Points<S> {
-    let mut chosen = *points;
+fn chosen<S: Simd>(simd: S, points: &Points<S>, which: &[usize; WIDTH]) -> Points<S> {
+    let mut taken = *points;
     for axis in 0..3 {
         let (mut from, mut to) = ([0.0; WIDTH], [0.0; WIDTH]);
         points[axis].store_array(&mut from);
         for lane in 0..WIDTH {
             to[lane] = from[which[lane]];
         }
-        chosen[axis] = f32x16::load_array_ref(simd, &to);
+        taken[axis] = f32x16::load_array_ref(simd, &to);
     }
-    chosen
+    taken
 }
 
 impl Frame for ToSensor {

@@ -6,7 +6,7 @@
 //!
 //! Nothing here decides what is hit. It leaves out what no ray can hit, by more than all that is rounded later.
 
-use super::corners::{Corners, Frame};
+use super::corners::Frame;
 use crate::optics::rays::{Points, Projection, max, min};
 use crate::scene::tree::{NONE, WideNode};
 use crate::simd::WIDTH;
@@ -101,11 +101,10 @@ impl SingleRay {
         (nearest, met.to_bitmask())
     }
 
-    /// Whether the ray may meet one of the triangles: whether it passes the box around one of them, in a space that is
-    /// sheared so that the ray runs along an axis.
+    /// Whether the ray may meet one of the triangles, whose corners are given beside it: whether it passes the box around
+    /// one of them.
     #[inline(always)]
-    pub(super) fn meets_any<S: Simd>(&self, simd: S, corners: &Corners<'_>) -> bool {
-        let [a, b, c] = corners.taken_to(simd, self);
+    pub(super) fn meets_any<S: Simd>([a, b, c]: &[Points<S>; 3]) -> bool {
         let slack = max(max(a[2], b[2]), c[2]) * SLACK;
         let least = [min(min(a[0], b[0]), c[0]), min(min(a[1], b[1]), c[1])];
         let most = [max(max(a[0], b[0]), c[0]), max(max(a[1], b[1]), c[1])];

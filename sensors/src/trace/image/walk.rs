@@ -1,6 +1,6 @@
 //! Once through the trees, front to back.
 
-use super::corners::{Corners, from_origin};
+use super::corners::{from_origin, spread, stored};
 use super::entry::{Entry, STACK, insert};
 use super::leaf::{Leaf, Rules};
 use super::sharp::Source;
@@ -10,7 +10,7 @@ use super::strip;
 use super::target::Target;
 use super::triangles;
 use crate::optics::rays::{Points, Projection, max};
-use crate::scene::tree::{LEAF, NONE, TriangleBlock, WideNode};
+use crate::scene::tree::{LEAF, NONE, WideNode};
 use crate::scene::{Kind, Triangles};
 use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
@@ -71,25 +71,28 @@ pub(crate) fn walk<S: Simd, P: Projection>(
             let placed = &view.placed[index as usize];
             let is_leaf = child & LEAF != 0;
             if is_leaf {
-                let made;
                 let leaf = child & !LEAF;
-                let corners = if placed.kind().is_mesh() {
-                    Corners::Stored(&view.scene.blocks[(placed.first_block + leaf) as usize])
-                } else if let Some(vertices) = view.height_grid(placed).vertices(simd, leaf) {
-                    Corners::Spread(vertices)
-                } else {
-                    made = narrow_leaf(view, placed, leaf);
-                    Corners::Stored(&made)
-                };
-                if entry.is_of_one_ray() {
+                let one_ray = entry.is_of_one_ray();
+                if one_ray {
                     single.aim(view, projection, index, entry.first_ray());
-                    if !single.meets_any(simd, &corners) {
+                }
+                let corners = if placed.kind().is_mesh() {
+                    let block = &view.scene.blocks[(placed.first_block + leaf) as usize];
+                    if one_ray && !SingleRay::meets_any(&stored(simd, block, &single)) {
                         continue;
                     }
-                }
+                    stored(simd, block, &placed.to_sensor)
+                } else if let Some(vertices) = view.height_grid(placed).vertices(simd, leaf) {
+                    if one_ray && !SingleRay::meets_any(&spread(simd, &vertices, &single)) {
+                        continue;
+                    }
+                    spread(simd, &vertices, &placed.to_sensor)
+                } else {
+                    narrow_leaf(simd, view, placed, leaf)
+                };
                 let leaf = Leaf {
                     source: Source { view, placed, leaf },
-                    corners: corners.taken_to(simd, &placed.to_sensor),
+                    corners,
                     first_slot: placed.first_slot + leaf * WIDTH as u32,
                     columns: entry.columns.map(i32::from),
                     rows: entry.rows.map(i32::from),
@@ -126,11 +129,14 @@ pub(crate) fn walk<S: Simd, P: Projection>(
     }
 }
 
-/// A leaf at the edge of a terrain. By itself: there are few of them.
+/// The corners of a leaf at the edge of a terrain. By itself: there are few of them.
 #[cold]
 #[inline(never)]
-fn narrow_leaf(view: &View<'_>, placed: &Placed, leaf: u32) -> TriangleBlock {
-    view.height_grid(placed).block(leaf)
+fn narrow_leaf<S: Simd>(simd: S, view: &View<'_>, placed: &Placed, leaf: u32) -> [Points<S>; 3] {
+    simd.vectorize(
+        #[inline(always)]
+        || stored(simd, &view.height_grid(placed).block(leaf), &placed.to_sensor),
+    )
 }
 
 /// Has what an entry will need brought into the cache.

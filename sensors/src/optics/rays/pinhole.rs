@@ -233,7 +233,7 @@ impl Projection for PinholeFan {
     }
 
     #[inline(always)]
-    fn turned(&self, turning: &Turning, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
+    fn turned<S: Simd>(&self, _simd: S, turning: &Turning, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
         let (column, row) = ((column << self.fan.shift_x) as f64, (row << self.fan.shift_y) as f64);
         let mut turned = [[0.0; WIDTH]; 3];
         for axis in 0..3 {

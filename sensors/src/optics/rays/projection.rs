@@ -54,7 +54,13 @@ pub(crate) trait Projection: Copy {
     fn turning(&self, rows: &[[f64; 3]; 3]) -> Self::Turning;
 
     /// Directions of the rays of a block in other axes, in double precision: all x, all y, all z.
-    fn turned(&self, turning: &Self::Turning, column: usize, row: usize) -> [[f64; WIDTH]; 3];
+    fn turned<S: Simd>(
+        &self,
+        simd: S,
+        turning: &Self::Turning,
+        column: usize,
+        row: usize,
+    ) -> [[f64; WIDTH]; 3];
 
     /// Directions of the rays of a block.
     fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S>;
@@ -133,13 +139,20 @@ macro_rules! of_length_one {
         }
 
         #[inline(always)]
-        fn turned(&self, rows: &Self::Turning, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
-            let [x, y, z] = self.exact_block(column, row);
+        fn turned<S: Simd>(
+            &self,
+            simd: S,
+            rows: &Self::Turning,
+            column: usize,
+            row: usize,
+        ) -> [[f64; WIDTH]; 3] {
+            let [x, y, z] = self.exact(simd, column, row);
             let mut turned = [[0.0; WIDTH]; 3];
             for axis in 0..3 {
                 let [a, b, c] = rows[axis];
-                for lane in 0..WIDTH {
-                    turned[axis][lane] = (x[lane] * a + y[lane] * b) + z[lane] * c;
+                for half in 0..2 {
+                    let along = (x[half] * a + y[half] * b) + z[half] * c;
+                    along.store_slice(&mut turned[axis][half * 8..][..8]);
                 }
             }
             turned

@@ -15,7 +15,7 @@ use super::projection::{
 };
 use crate::simd::{WIDTH, sqrt_f32};
 use angles::{atan2, azimuth_error, magnitude};
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, i32x16, mask32x16};
 use glam::DVec3;
 
 /// More than the error of [`atan2`] and of the roundings around it, in radians.
@@ -67,6 +67,16 @@ pub(crate) struct SphericalFan<'a> {
     overlaps: bool,
     /// Some rows lie beyond a pole, where rays look the other way.
     tumbles: bool,
+}
+
+impl SphericalFan<'_> {
+    /// Directions of the rays of a block to the last bit, eight lanes at a time.
+    #[inline(always)]
+    fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
+        let directions = self.exact_block(column, row);
+        let half = |axis: usize, first: usize| f64x8::from_slice(simd, &directions[axis][first..][..8]);
+        [[half(0, 0), half(0, 8)], [half(1, 0), half(1, 8)], [half(2, 0), half(2, 8)]]
+    }
 }
 
 impl Projection for SphericalFan<'_> {

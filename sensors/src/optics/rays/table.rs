@@ -23,7 +23,7 @@ use super::projection::{
 };
 use crate::simd::{WIDTH, sqrt_f32};
 use chart::{Kind, Windows};
-use fearless_simd::{Select, Simd, SimdBase, f32x16, i32x16, mask32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdWiden, f32x16, f64x8, i32x16, mask32x16};
 use glam::DVec3;
 
 /// A table of rays, and the rows of it to draw.
@@ -50,6 +50,14 @@ impl<'a> TableFan<'a> {
     /// Whether any ray of the table is missing.
     pub(crate) fn has_missing(&self) -> bool {
         self.table.has_missing
+    }
+
+    /// Directions of the rays of a block to the last bit, eight lanes at a time.
+    #[inline(always)]
+    fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
+        let [x, y, z] = self.block(simd, column, row);
+        let (x, y, z) = (x.widen(), y.widen(), z.widen());
+        [[x.0, x.1], [y.0, y.1], [z.0, z.1]]
     }
 
     /// Index of a ray's block, and its lane. Lanes that are done stand past the end; any ray will do for them.

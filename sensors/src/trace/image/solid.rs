@@ -72,7 +72,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
                     let column = column + lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
                     if let Some((outside, turning)) = &outside {
-                        let directions = projection.turned(turning, column, row);
+                        let directions = projection.turned(simd, turning, column, row);
                         let inverse = first_outside(simd, &directions, outside);
                         // Whoever meets it too near may meet it once more.
                         if inverse.simd_le(f32x16::splat(simd, rules.inverse_near)).all_true() {
@@ -80,7 +80,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
                             continue;
                         }
                     }
-                    let directions = projection.turned(&projection.turning(&to_instance), column, row);
+                    let directions = projection.turned(simd, &projection.turning(&to_instance), column, row);
                     let inverse = first_from(simd, &directions, (solid, size), origin, (rules.near, both));
                     commit(simd, target, start + column, placed.first_slot, inverse);
                 }

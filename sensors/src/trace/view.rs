@@ -287,7 +287,8 @@ impl<'a> View<'a> {
             return [wide(a), wide(b), wide(c)];
         }
         let corners = &self.scene.blocks[(placed.first_block + block) as usize].corners;
-        corners.map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()))
+        // By reference: `map` of an array of arrays copies it first.
+        corners.each_ref().map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()))
     }
 
     /// A point of the world in the frame.

@@ -10,7 +10,7 @@ use fearless_simd::Simd;
 pub(super) struct Leaf<'a, S: Simd> {
     pub(super) source: Source<'a>,
     /// Corners in the sensor's frame.
-    pub(super) corners: [Points<S>; 3],
+    pub(super) corners: &'a [Points<S>; 3],
     /// Slot of the first triangle; the others follow.
     pub(super) first_slot: u32,
     /// Rectangle of the grid that holds all: columns, rows.

@@ -103,7 +103,7 @@ impl<S: Simd> TrianglePlane<S> {
 
 #[inline(always)]
 pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<'_, S>, rules: Rules) -> Setup<S> {
-    let [a, b, c] = &leaf.corners;
+    let [a, b, c] = leaf.corners;
     let (ab, ac) = (sub(b, a), sub(c, a));
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let squares = [square(&ab), square(&ac)];

@@ -68,7 +68,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     let single = first == last;
     let mut valid = mask32x16::splat(simd, true);
     if single {
-        valid = crossing(simd, projection, &leaf.corners, first);
+        valid = crossing(simd, projection, leaf.corners, first);
         if !valid.any_true() {
             return;
         }
@@ -106,7 +106,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
                 }
                 let mut reached = valid;
                 if !single {
-                    reached &= crossing(simd, projection, &leaf.corners, [column, row]);
+                    reached &= crossing(simd, projection, leaf.corners, [column, row]);
                 }
                 if reached.to_bitmask().count_ones() > FEW_TRIANGLES {
                     let most = |plane| projection.most_over_strip(simd, &load(simd, plane), column, row);

@@ -10,7 +10,7 @@ use super::leaf::{Leaf, Rules};
 use super::set_up::{Setup, facing, set_up};
 use super::sharp::Source;
 use super::target::Target;
-use crate::optics::rays::{Planes, Projection, min};
+use crate::optics::rays::{Planes, Points, Projection, min};
 use crate::simd::WIDTH;
 use each::draw_each;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};
@@ -28,16 +28,16 @@ pub(super) fn draw_blurred<S: Simd, P: Projection>(
     projection: P,
     target: &mut Target<'_>,
     rules: Rules,
-    leaf: Leaf<'_, S>,
+    (source, corners, nearest): (Source<'_>, [Points<S>; 3], f32),
     mut setup: Setup<S>,
 ) {
     simd.vectorize(
         #[inline(always)]
         || {
-            sharpen(simd, &leaf.source, rules, &mut setup);
-            let (mut rectangles, _) = projection.bound_triangles(simd, &leaf.corners, setup.valid);
+            sharpen(simd, &source, rules, &mut setup);
+            let (mut rectangles, _) = projection.bound_triangles(simd, &corners, setup.valid);
             rectangles.some &= setup.valid;
-            let nearest = f32x16::splat(simd, leaf.nearest);
+            let nearest = f32x16::splat(simd, nearest);
             draw_each(simd, projection, target, rules, &setup, &rectangles, nearest);
         },
     );
@@ -68,7 +68,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
 ) {
     let setup = set_up(simd, leaf, rules);
     if setup.blurred.any_true() {
-        draw_blurred(simd, projection, target, rules, *leaf, setup);
+        draw_blurred(simd, projection, target, rules, (leaf.source, *leaf.corners, leaf.nearest), setup);
     }
     if !setup.valid.any_true() {
         return;
@@ -78,7 +78,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
         draw_few_rays(simd, projection, target, rules, leaf, &setup);
         return;
     }
-    let (mut rectangles, nearest) = projection.bound_triangles(simd, &leaf.corners, setup.valid);
+    let (mut rectangles, nearest) = projection.bound_triangles(simd, leaf.corners, setup.valid);
     let mut rest = setup.valid & rectangles.some;
     if !rest.any_true() {
         return;

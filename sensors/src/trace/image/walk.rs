@@ -92,7 +92,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                 };
                 let leaf = Leaf {
                     source: Source { view, placed, leaf },
-                    corners,
+                    corners: &corners,
                     first_slot: placed.first_slot + leaf * WIDTH as u32,
                     columns: entry.columns.map(i32::from),
                     rows: entry.rows.map(i32::from),

@@ -30,7 +30,7 @@ pub(crate) struct Face {
 }
 
 /// Faces that a tile and its neighbours have met, each in the place that its number gives.
-pub(super) struct Faces {
+pub(super) struct KnownFaces {
     /// Instance and number.
     of: [(u32, u32); KNOWN],
     known: [Face; KNOWN],
@@ -39,7 +39,7 @@ pub(super) struct Faces {
 /// How many faces are kept.
 const KNOWN: usize = 16;
 
-impl Faces {
+impl KnownFaces {
     pub(super) const fn new() -> Self {
         Self { of: [(MISS, 0); KNOWN], known: [Face::NONE; KNOWN] }
     }

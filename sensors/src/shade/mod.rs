@@ -24,7 +24,7 @@ use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
 use crate::trace::view::View;
 use bumps::Bumps;
-use face::{Face, Faces, faces};
+use face::{Face, KnownFaces, faces};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use shadow::Shadows;
 use surface::{Footprint, Surfaces};
@@ -40,7 +40,7 @@ pub(crate) type Colours = [Lanes<f32>; 3];
 /// What shading a tile works on; kept from tile to tile.
 pub(crate) struct Shader {
     surfaces: Surfaces,
-    faces: Faces,
+    known_faces: KnownFaces,
     sampler: Sampler,
     /// Diffuse colour times texture; black where nothing was hit.
     albedo: Colours,
@@ -67,7 +67,7 @@ impl Shader {
     pub(crate) const fn new() -> Self {
         Self {
             surfaces: Surfaces::new(),
-            faces: Faces::new(),
+            known_faces: KnownFaces::new(),
             sampler: Sampler::new(),
             albedo: [[0.0; LANES]; 3],
             gloss: Gloss { lanes: 0, specular: [[0.0; LANES]; 3], shininess: [0.0; LANES] },
@@ -172,7 +172,7 @@ impl Shader {
             let mut rest = lanes;
             while rest != 0 {
                 let number = faces[rest.trailing_zeros() as usize % LANES];
-                let face = self.faces.find((placed, number), || {
+                let face = self.known_faces.find((placed, number), || {
                     Face::new((instance, solid), &view.placed[placed as usize], number, repeat, steps)
                 });
                 for row in 0..ROWS {

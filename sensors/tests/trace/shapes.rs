@@ -3,9 +3,11 @@
 
 use crate::common;
 
+use crate::common::exactness::Dice;
 use crate::common::oracle::{first_hit_scaled, pixel_ray, scaled};
 use crate::common::{camera_of, depth_camera, depth_image, look_at};
 use belvedere_sensors::Pose;
+use belvedere_sensors::depth::TooNear;
 use belvedere_sensors::scene::tree::{LEAF, NONE};
 use belvedere_sensors::scene::{
     HeightField, HeightGrid, InstanceConfig, MaterialConfig, SceneBuilder, SceneError, Shape,
@@ -30,6 +32,18 @@ const SHAPES: [Shape; 7] = [
 
 /// Looks at one scaled shape and compares each pixel with the formula; returns how many pixels it covers.
 fn check(shape: Shape, scale: DVec3, pose: Pose, view: Pose, far: f64) -> usize {
+    check_within(shape, scale, pose, view, [far * 1e-6, far], [160, 120])
+}
+
+/// The same in a picture of another size, with other clip distances.
+fn check_within(
+    shape: Shape,
+    scale: DVec3,
+    pose: Pose,
+    view: Pose,
+    [near, far]: [f64; 2],
+    size: [u32; 2],
+) -> usize {
     let mut builder = SceneBuilder::new();
     let material = builder.add_material(&MaterialConfig::default()).unwrap();
     let config = InstanceConfig {
@@ -40,11 +54,12 @@ fn check(shape: Shape, scale: DVec3, pose: Pose, view: Pose, far: f64) -> usize 
         ..Default::default()
     };
     builder.add_instance(&config).unwrap();
-    let camera = depth_camera().camera(camera_of([160, 120], 1.2).near_m(far * 1e-6).far_m(far));
+    let camera =
+        depth_camera().camera(camera_of(size, 1.2).near_m(near).far_m(far)).too_near(TooNear::SeenThrough);
     let depths = depth_image(&builder, camera, view);
     let mut covered = 0;
     for (index, &depth) in depths.iter().enumerate() {
-        let (column, row) = (index as u32 % 160, index as u32 / 160);
+        let (column, row) = (index as u32 % size[0], index as u32 / size[0]);
         let ray = pixel_ray(&camera.camera, &view, column, row);
         let hit = |shape: &Shape| {
             first_hit_scaled(shape, &pose, scale, &ray, camera.camera.near_m, false).filter(|t| *t < far)
@@ -63,6 +78,28 @@ fn check(shape: Shape, scale: DVec3, pose: Pose, view: Pose, far: f64) -> usize 
         covered += usize::from(depth.is_finite());
     }
     covered
+}
+
+/// From within, from all but on the surface, and from so near that the near plane cuts the shape: by different ways.
+#[test]
+fn seen_from_anywhere() {
+    let mut dice = Dice(41);
+    let mut covered = [0; SHAPES.len()];
+    for number in 0..1400 {
+        let shape = SHAPES[number % SHAPES.len()];
+        let scale = DVec3::new(0.5 + dice.roll(), 0.5 + dice.roll(), 0.5 + dice.roll());
+        let pose = Pose::from_xyz_rpy(dice.cube() * 3.0, dice.turn());
+        // In the box around the shape, at its very centre line, and a little outside.
+        let mut from = dice.cube() * [0.3, 0.8, 1.5][number % 3];
+        if number % 5 == 0 {
+            (from.x, from.y) = (0.0, 0.0);
+        }
+        let view = Pose::from_xyz_rpy(pose.transform_point(from), dice.turn());
+        let near = [1e-6, 0.1, 0.4][number / 3 % 3];
+        let size = [1 + (dice.roll() * 70.0) as u32, 1 + (dice.roll() * 50.0) as u32];
+        covered[number % SHAPES.len()] += check_within(shape, scale, pose, view, [near, 20.0], size);
+    }
+    assert!(covered.iter().all(|&pixels| pixels > 3000), "{covered:?}");
 }
 
 #[test]

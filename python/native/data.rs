@@ -8,12 +8,15 @@ use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{InstanceId, SceneBuilder};
 use pyo3::PyResult;
+use std::collections::HashMap;
 
 /// What there is. Batches that are under way keep theirs while the world is changed.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Data {
     pub(crate) builder: SceneBuilder,
     pub(crate) bodies: Vec<Body>,
+    /// Numbers of bodies, of those that share a name the first.
+    by_name: HashMap<String, usize>,
 }
 
 /// What moves as one.
@@ -33,25 +36,21 @@ impl Data {
         let scene = simulation.scene();
         let builder = scene.builder().clone();
         let parts: Vec<_> = scene.parts().collect();
-        let mut bodies: Vec<Body> = Vec::new();
+        let mut made = Self { builder, ..Self::default() };
         let mut last = None;
         for (model, link, instance, body_from_part) in parts {
             if last != Some((model, link)) {
                 last = Some((model, link));
-                let world_from_part = builder.pose(instance).unwrap_or_default();
+                let world_from_part = made.builder.pose(instance).unwrap_or_default();
                 let name =
                     names.get(model).and_then(|(_, links)| links.get(link)).cloned().unwrap_or_default();
-                bodies.push(Body {
-                    name,
-                    pose: world_from_part * body_from_part.inverse(),
-                    parts: Vec::new(),
-                });
+                made.push(Body { name, pose: world_from_part * body_from_part.inverse(), parts: Vec::new() });
             }
-            if let Some(body) = bodies.last_mut() {
+            if let Some(body) = made.bodies.last_mut() {
                 body.parts.push((instance, body_from_part));
             }
         }
-        Self { builder, bodies }
+        made
     }
 
     pub(crate) fn of_description(described: Described) -> PyResult<Self> {
@@ -69,7 +68,15 @@ impl Data {
     }
 
     pub(crate) fn find(&self, name: &str) -> Option<usize> {
-        self.bodies.iter().position(|body| body.name == name)
+        self.by_name.get(name).copied()
+    }
+
+    /// Adds a body; its number.
+    pub(crate) fn push(&mut self, body: Body) -> usize {
+        let number = self.bodies.len();
+        self.by_name.entry(body.name.clone()).or_insert(number);
+        self.bodies.push(body);
+        number
     }
 }
 

@@ -78,8 +78,7 @@ impl World {
                 // It is there, and nobody has it.
                 let _ = data.builder.remove_material(material);
             })?;
-            data.bodies.push(Body { name, pose: world_from_body, parts: vec![(instance, Pose::IDENTITY)] });
-            Ok(data.bodies.len() - 1)
+            Ok(data.push(Body { name, pose: world_from_body, parts: vec![(instance, Pose::IDENTITY)] }))
         })
     }
 }
@@ -205,7 +204,7 @@ impl World {
     fn set_pose(&self, body: usize, pose: PyReadonlyArrayDyn<'_, f64>) -> PyResult<()> {
         let world_from_body = poses::read("pose", &pose)?.into_iter().next().unwrap_or_default();
         self.change(|data| {
-            let Data { builder, bodies } = data;
+            let Data { builder, bodies, .. } = data;
             let count = bodies.len();
             let body = bodies
                 .get_mut(body)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +29,23 @@ def test_names() -> None:
     assert any(body.startswith("ground_plane") or "::" in body for body in bv.World("playground").bodies)
     robot = bv.World("kobuki_hexagons_kinect")
     assert len(robot.bodies) > 10
+
+
+def test_a_body_costs_the_same_however_many_there_are() -> None:
+    world = bv.World()
+    # Long and much alike: looking through all of them shows.
+    prefix = "x" * 4000
+
+    def add(first: int) -> float:
+        start = time.process_time()
+        for number in range(first, first + 1000):
+            world.add_sphere(0.1, name=f"{prefix}{number:06}")
+        return time.process_time() - start
+
+    times = [add(first) for first in range(0, 10_000, 1000)]
+    assert min(times[7:]) < 3 * max(times[:3])
+    with pytest.raises(ValueError, match="there is a body"):
+        world.add_sphere(0.1, name=f"{prefix}{4242:06}")
 
 
 def test_texts_and_files(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ use crate::scene::{Instance, Solid};
 use crate::simd::{LANES, Lanes, WIDTH, floor, load_row};
 use crate::trace::packet::MISS;
 use crate::trace::shapes::solid_surface;
-use crate::trace::view::{Placed, View};
+use crate::trace::view::Placed;
 use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
 use glam::DVec3;
 
@@ -66,7 +66,7 @@ impl Face {
         change: [[0.0; 2]; 2],
     };
 
-    /// Face `face` of an instance of a solid, as [`faces`] counts them.
+    /// Face `face` of an instance of a solid, as [`VisibleFaces`] counts them.
     #[inline(always)]
     pub(crate) fn new(
         (instance, solid): (&Instance, Solid),
@@ -81,7 +81,7 @@ impl Face {
             let axis = (face / 2) as usize % 3;
             point[axis] = if face.is_multiple_of(2) { instance.size[axis] } else { -instance.size[axis] };
         }
-        let surface = solid_surface::<true>(solid, instance.size, point);
+        let surface = solid_surface(solid, instance.size, point);
         let inverse = placed.inverse.map(DVec3::from_array);
         // Normals and gradients go by the inverse transpose.
         let in_frame = |v: DVec3| inverse[0] * v.x + inverse[1] * v.y + inverse[2] * v.z;
@@ -149,55 +149,85 @@ fn along<S: Simd>(simd: S, vector: &[f32; 3], with: &[Lanes<f32>; 3], row: usize
         + load_row(simd, &with[2], row) * z
 }
 
-/// Which face of its box each ray of the tile has hit: twice the axis of the face, and 1 more if the face looks to the
-/// axis's negative end. 0 for shapes of one face.
-#[inline(always)]
-pub(crate) fn faces<S: Simd>(
-    simd: S,
-    view: &View<'_>,
-    tile: &Tile,
-    (placed, solid): (u32, Solid),
-    lanes: u64,
-) -> Lanes<u32> {
-    let instance = view.instance(placed);
-    let placed = &view.placed[placed as usize];
-    if solid != Solid::Box {
-        return [0; LANES];
-    }
-    // A face is seen from outside only: one face of three at the most, and of walls just the one.
-    let (mut seen, mut first) = (0, 0);
-    let mut visible = [None; 3];
-    for axis in 0..3 {
-        let (half, origin) = (instance.size[axis], placed.origin_in_instance[axis]);
-        let negative = origin < 0.0;
-        if origin.abs() > half {
-            // The distance from the sensor is rounded after the subtraction: however large the box, what is near the
-            // sensor is told apart.
-            let to_face = if negative { -half - origin } else { half - origin };
-            (seen, first) = (seen + 1, 2 * axis as u32 + u32::from(negative));
-            visible[axis] = Some((first, to_face as f32));
+/// The faces of a box that a sensor outside may see: one of each axis, and of walls just the one. Of shapes with one face,
+/// that one. A face's number is twice its axis, and 1 more if it looks to the axis's negative end.
+pub(super) struct VisibleFaces {
+    faces: [VisibleFace; 3],
+    count: usize,
+}
+
+/// A face of a box.
+#[derive(Clone, Copy)]
+struct VisibleFace {
+    number: u32,
+    /// The box's axis.
+    axis: [f32; 3],
+    /// From the sensor along it.
+    distance: f32,
+}
+
+impl VisibleFaces {
+    #[inline(always)]
+    pub(super) fn new((instance, solid): (&Instance, Solid), placed: &Placed) -> Self {
+        let mut seen =
+            Self { faces: [VisibleFace { number: 0, axis: [0.0; 3], distance: 0.0 }; 3], count: 0 };
+        if solid != Solid::Box {
+            return seen;
         }
-    }
-    if seen <= 1 {
-        return [first; LANES];
-    }
-    let mut faces = [0; LANES];
-    for row in 0..LANES / WIDTH {
-        if (lanes >> (row * WIDTH)) as u16 == 0 {
-            continue;
-        }
-        // The face is the one that the point is nearest to.
-        let mut nearest = f32x16::splat(simd, f32::INFINITY);
-        let mut face = u32x16::splat(simd, first);
         for axis in 0..3 {
-            let Some((number, to_face)) = visible[axis] else { continue };
-            let to_axis = DVec3::from_array(placed.inverse[axis]).as_vec3().to_array();
-            let distance = (along(simd, &to_axis, &tile.point, row) - to_face).abs();
-            let nearer = distance.simd_lt(nearest);
-            nearest = nearer.select(distance, nearest);
-            face = nearer.select(u32x16::splat(simd, number), face);
+            let (half, origin) = (instance.size[axis], placed.origin_in_instance[axis]);
+            let negative = origin < 0.0;
+            if origin.abs() > half {
+                let number = 2 * axis as u32 + u32::from(negative);
+                // The distance from the sensor is rounded after the subtraction: however large the box, what is near the
+                // sensor is told apart.
+                let distance = (if negative { -half - origin } else { half - origin }) as f32;
+                let axis = DVec3::from_array(placed.inverse[axis]).as_vec3().to_array();
+                seen.faces[seen.count] = VisibleFace { number, axis, distance };
+                seen.count += 1;
+            }
         }
-        face.store_array(&mut faces.as_chunks_mut().0[row]);
+        seen
     }
-    faces
+
+    /// The face that all points lie on, if that is known without a look at them.
+    #[inline(always)]
+    pub(super) fn only(&self) -> Option<u32> {
+        (self.count <= 1).then_some(self.faces[0].number)
+    }
+
+    /// Of each ray of the tile which face it has hit, or nothing of use where none of the `lanes` is in the row.
+    #[inline(always)]
+    pub(super) fn of_tile<S: Simd>(&self, simd: S, tile: &Tile, lanes: u64) -> Lanes<u32> {
+        let mut faces = [0; LANES];
+        for row in 0..LANES / WIDTH {
+            if (lanes >> (row * WIDTH)) as u16 == 0 {
+                continue;
+            }
+            // The face is the one that the point is nearest to.
+            let mut nearest = f32x16::splat(simd, f32::INFINITY);
+            let mut number = u32x16::splat(simd, self.faces[0].number);
+            for face in &self.faces[..self.count] {
+                let distance = (along(simd, &face.axis, &tile.point, row) - face.distance).abs();
+                let nearer = distance.simd_lt(nearest);
+                nearest = nearer.select(distance, nearest);
+                number = nearer.select(u32x16::splat(simd, face.number), number);
+            }
+            number.store_array(&mut faces.as_chunks_mut().0[row]);
+        }
+        faces
+    }
+
+    /// The same of one point.
+    #[inline(always)]
+    pub(super) fn of_point(&self, [x, y, z]: [f32; 3]) -> u32 {
+        let (mut nearest, mut number) = (f32::INFINITY, self.faces[0].number);
+        for face in &self.faces[..self.count] {
+            let distance = ((x * face.axis[0] + y * face.axis[1]) + z * face.axis[2] - face.distance).abs();
+            if distance < nearest {
+                (nearest, number) = (distance, face.number);
+            }
+        }
+        number
+    }
 }

@@ -18,13 +18,14 @@ mod surface;
 mod texture;
 pub(crate) mod through;
 pub(crate) mod tile;
+pub(crate) mod uniform;
 
 use crate::scene::{ALPHA_CUT_OUT, ColourSpace, Kind, Material, NO_TEXTURE, Scene};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
 use crate::trace::view::View;
 use bumps::Bumps;
-use face::{Face, KnownFaces, faces};
+use face::{Face, KnownFaces, VisibleFaces};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use shadow::Shadows;
 use surface::{Footprint, Surfaces};
@@ -80,7 +81,7 @@ impl Shader {
     }
 
     /// A shader that also tells what is [seen](Shader::seen).
-    pub(crate) const fn telling() -> Self {
+    pub(crate) fn telling() -> Self {
         Self { seen: Some([0; LANES]), ..Self::new() }
     }
 
@@ -168,17 +169,26 @@ impl Shader {
         } else if let Kind::Solid(solid) = instance.kind()
             && solid.has_flat_faces()
         {
-            let faces = faces(simd, view, tile, (placed, solid), lanes);
+            let on = &view.placed[placed as usize];
+            let visible = VisibleFaces::new((instance, solid), on);
+            let numbers =
+                if visible.only().is_some() { None } else { Some(visible.of_tile(simd, tile, lanes)) };
             let mut rest = lanes;
             while rest != 0 {
-                let number = faces[rest.trailing_zeros() as usize % LANES];
-                let face = self.known_faces.find((placed, number), || {
-                    Face::new((instance, solid), &view.placed[placed as usize], number, repeat, steps)
-                });
+                let (mut number, mut mine) = (visible.only().unwrap_or(0), rest);
+                if let Some(numbers) = &numbers {
+                    number = numbers[rest.trailing_zeros() as usize % LANES];
+                    mine &= tile::lanes_with(simd, numbers, number);
+                }
+                rest &= !mine;
+                let face = self
+                    .known_faces
+                    .find((placed, number), || Face::new((instance, solid), on, number, repeat, steps));
                 for row in 0..ROWS {
-                    let found = u32x16::load_array_ref(simd, &faces.as_chunks().0[row]);
-                    let mine = lanes_in(simd, rest, row) & found.simd_eq(number);
-                    rest &= !(mine.to_bitmask() << (row * WIDTH));
+                    let mine = lanes_in(simd, mine, row);
+                    if !mine.any_true() {
+                        continue;
+                    }
                     for axis in 0..3 {
                         let normal = f32x16::splat(simd, face.normal[axis]);
                         store_where(simd, mine, normal, &mut self.surfaces.normal[axis], row);
@@ -191,7 +201,7 @@ impl Shader {
                             }
                         }
                     }
-                    if mapped && mine.any_true() {
+                    if mapped {
                         let footprint = if steps.is_some() {
                             face.footprint::<S, true>(simd, tile, row)
                         } else {

@@ -8,7 +8,9 @@ use super::tile::{Steps, Tile};
 use super::{ROWS, lanes_in, store_where};
 use crate::optics::rays::dot;
 use crate::scene::{Kind, Solid, Triangles};
-use crate::simd::{LANES, Lanes, WIDTH, floor, load_row};
+use crate::simd::{LANES, Lanes, WIDTH, floor, load_row, sqrt_f32};
+use crate::trace::curved::Curved;
+use crate::trace::recent::Recent;
 use crate::trace::shapes::solid_surface;
 use crate::trace::shapes::surface::{Surface, flat};
 use crate::trace::view::{Placed, View};
@@ -51,11 +53,18 @@ pub(crate) struct Surfaces {
     /// Change of u and of v per metre, times any factor above 0. Only if it is wanted.
     pub(crate) gradient: [[Lanes<f32>; 3]; 2],
     pub(crate) wants_gradient: bool,
+    /// The solids without flat faces that were met lately.
+    curved: Recent<Curved>,
 }
 
 impl Surfaces {
     pub(crate) const fn new() -> Self {
-        Self { normal: [[0.0; LANES]; 3], gradient: [[[0.0; LANES]; 3]; 2], wants_gradient: false }
+        Self {
+            normal: [[0.0; LANES]; 3],
+            gradient: [[[0.0; LANES]; 3]; 2],
+            wants_gradient: false,
+            curved: Recent::new(),
+        }
     }
 
     /// Fills in the lanes that have hit `placed`; what they cover of a texture only if it is repeated so often.
@@ -95,8 +104,24 @@ impl Surfaces {
                 continue;
             }
             match placed.kind() {
+                Kind::Solid(solid) if TEXTURED => {
+                    local.take_solid((solid, instance.size), &local_points(placed, tile, row));
+                }
                 Kind::Solid(solid) => {
-                    local.take_solid::<TEXTURED>((solid, instance.size), &local_points(placed, tile, row));
+                    let make = || Curved::new((solid, instance.size), placed, &placed.inverse);
+                    let [x, y, z] = &tile.point;
+                    let points = [load_row(simd, x, row), load_row(simd, y, row), load_row(simd, z, row)];
+                    let normals = self.curved.get(index, make).normals(simd, &points);
+                    for axis in 0..3 {
+                        store_where(
+                            simd,
+                            lanes_in(simd, lanes.into(), 0),
+                            normals[axis],
+                            &mut self.normal[axis],
+                            row,
+                        );
+                    }
+                    continue;
                 }
                 Kind::Triangles(triangles) if TEXTURED => {
                     local.take_triangles(view, (placed, triangles), (tile, row), lanes);
@@ -198,17 +223,13 @@ impl Local {
 
     /// Takes the surface of a solid at points; those that do not lie on it are undetermined. Not for flat faces.
     #[inline(always)]
-    fn take_solid<const TEXTURED: bool>(
-        &mut self,
-        (solid, size): (Solid, [f64; 3]),
-        points: &[[f64; WIDTH]; 3],
-    ) {
+    fn take_solid(&mut self, (solid, size): (Solid, [f64; 3]), points: &[[f64; WIDTH]; 3]) {
         macro_rules! each {
             ($($solid:ident),*) => {
                 match solid {
                     $(Solid::$solid => for lane in 0..WIDTH {
                         let point = DVec3::new(points[0][lane], points[1][lane], points[2][lane]);
-                        self.put::<TEXTURED>(lane, &solid_surface::<TEXTURED>(Solid::$solid, size, point));
+                        self.put(lane, &solid_surface(Solid::$solid, size, point));
                     })*
                     Solid::Box | Solid::Rectangle | Solid::Plane => {}
                 }
@@ -237,22 +258,20 @@ impl Local {
                 Triangles::Mesh => on_triangle(view, placed, local, point),
                 Triangles::HeightField => on_height_field(view, placed, local, point),
             };
-            self.put::<true>(lane, &surface);
+            self.put(lane, &surface);
         }
     }
 
     #[inline(always)]
-    fn put<const TEXTURED: bool>(&mut self, lane: usize, surface: &Surface) {
+    fn put(&mut self, lane: usize, surface: &Surface) {
         for axis in 0..3 {
             self.normal[axis][lane] = surface.normal[axis] as f32;
         }
-        if TEXTURED {
-            for axis in 0..2 {
-                self.uv[axis][lane] = surface.uv[axis];
-                self.gradient[axis][0][lane] = surface.uv_gradient[axis].x as f32;
-                self.gradient[axis][1][lane] = surface.uv_gradient[axis].y as f32;
-                self.gradient[axis][2][lane] = surface.uv_gradient[axis].z as f32;
-            }
+        for axis in 0..2 {
+            self.uv[axis][lane] = surface.uv[axis];
+            self.gradient[axis][0][lane] = surface.uv_gradient[axis].x as f32;
+            self.gradient[axis][1][lane] = surface.uv_gradient[axis].y as f32;
+            self.gradient[axis][2][lane] = surface.uv_gradient[axis].z as f32;
         }
     }
 
@@ -265,17 +284,16 @@ impl Local {
         slots: &[u32; WIDTH],
         lanes: u16,
     ) {
-        let first = placed.first_block as usize * WIDTH;
         let mut rest = lanes;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize % WIDTH;
             rest &= rest - 1;
             let slot = slots[lane];
             let normal = match triangles {
-                Triangles::Mesh => view.scene.facets[first + slot as usize].normal,
+                Triangles::Mesh => kept_normal(view, placed, slot),
                 Triangles::HeightField => {
                     if self.last.0 != slot {
-                        self.last = (slot, normal_of(view, placed, slot).as_vec3().to_array());
+                        self.last = (slot, view.height_field_normal(placed, slot));
                     }
                     self.last.1
                 }
@@ -345,15 +363,36 @@ fn to_instance<S: Simd>(simd: S, placed: &Placed, [x, y, z]: &[Lanes<f32>; 3], r
     turned
 }
 
-/// Unit normal of a height field's triangle.
-fn normal_of(view: &View<'_>, placed: &Placed, local: u32) -> DVec3 {
-    let [a, b, c] = view.corners(placed, local);
-    (b - a).cross(c - a).normalize_or(DVec3::Z)
+/// Unit normal in the view of a triangle without a texture, by the operations of [`Surfaces::add`].
+pub(super) fn triangle_normal(
+    view: &View<'_>,
+    (placed, triangles): (&Placed, Triangles),
+    local: u32,
+) -> [f32; 3] {
+    let [x, y, z] = match triangles {
+        Triangles::Mesh => kept_normal(view, placed, local),
+        Triangles::HeightField => view.height_field_normal(placed, local),
+    };
+    let mut turned = [0.0; 3];
+    for axis in 0..3 {
+        let [a, b, c] = [0, 1, 2].map(|row| placed.inverse[row][axis] as f32);
+        turned[axis] = (x * a + y * b) + z * c;
+    }
+    let [x, y, z] = turned;
+    let per_length = 1.0 / sqrt_f32((x * x + y * y) + z * z);
+    [x * per_length, y * per_length, z * per_length]
+}
+
+/// Unit normal of a mesh's triangle.
+#[inline(always)]
+fn kept_normal(view: &View<'_>, placed: &Placed, local: u32) -> [f32; 3] {
+    view.scene.facets[placed.first_block as usize * WIDTH + local as usize].normal
 }
 
 fn on_height_field(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> Surface {
     let [x, y] = view.height_grid(placed).field().size();
-    flat(normal_of(view, placed, local), point, [DVec3::X / x, DVec3::Y / y])
+    let normal = DVec3::from_array(view.height_field_normal(placed, local).map(f64::from));
+    flat(normal, point, [DVec3::X / x, DVec3::Y / y])
 }
 
 fn on_triangle(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> Surface {

@@ -72,6 +72,20 @@ impl<'a> CameraRays<'a> {
         directions
     }
 
+    /// The point that a pinhole's ray of a pixel meets at 1/t, by the operations of [`Tile::take`].
+    #[inline(always)]
+    pub(super) fn pinhole_point(&self, [column, row]: [usize; 2], inverse: f32) -> [f32; 3] {
+        let [forward, left, up] = &self.columns;
+        let across = (self.centre[0] - column as f32) * self.per_focal[0];
+        let above = (self.centre[1] - row as f32) * self.per_focal[1];
+        let t = 1.0 / inverse;
+        let mut point = [0.0; 3];
+        for axis in 0..3 {
+            point[axis] = (across * left[axis] + (forward[axis] + up[axis] * above)) * t;
+        }
+        point
+    }
+
     /// Directions of the rays of a tile, of length 1, row after row.
     #[inline(always)]
     fn unit_rows<S: Simd>(&self, simd: S, [tile_column, row]: [usize; 2], directions: &mut [Lanes<f32>; 3]) {
@@ -115,7 +129,8 @@ impl<'a> CameraRays<'a> {
 }
 
 /// The lanes of a tile that have no ray.
-fn missing_lanes(rays: &Rays<'_>, [tile_column, block_row]: [usize; 2]) -> u64 {
+#[inline(always)]
+pub(crate) fn missing_lanes(rays: &Rays<'_>, [tile_column, block_row]: [usize; 2]) -> u64 {
     let tiling = Tiling::of(rays.fan());
     let first = tile_column * BLOCKS;
     let mut lanes = 0;
@@ -380,11 +395,17 @@ impl Tile {
     /// The lanes that have hit `placed`, a bit each.
     #[inline(always)]
     pub(crate) fn lanes_of<S: Simd>(&self, simd: S, placed: u32) -> u64 {
-        let mut lanes = 0;
-        for (row, found) in self.placed.as_chunks().0.iter().enumerate() {
-            let mine = u32x16::load_array_ref(simd, found).simd_eq(u32x16::splat(simd, placed));
-            lanes |= mine.to_bitmask() << (row * WIDTH);
-        }
-        lanes
+        lanes_with(simd, &self.placed, placed)
     }
+}
+
+/// The lanes that hold a number, a bit each.
+#[inline(always)]
+pub(super) fn lanes_with<S: Simd>(simd: S, numbers: &Lanes<u32>, number: u32) -> u64 {
+    let mut lanes = 0;
+    for (row, found) in numbers.as_chunks().0.iter().enumerate() {
+        let mine = u32x16::load_array_ref(simd, found).simd_eq(u32x16::splat(simd, number));
+        lanes |= mine.to_bitmask() << (row * WIDTH);
+    }
+    lanes
 }

@@ -3,17 +3,17 @@
 //! In single precision, from the points that 1/t tells. That moves a normal by no more than the ray's own rounding does:
 //! some 1e-4 of a pixel.
 
+use super::curved::{Curved, along, normal_to_frame};
 use super::grid::Band;
 use super::hit_point::block_index;
 use super::packet::Faces;
 use super::recent::Recent;
 use super::resolve::{Hit, Met, Resolver};
-use super::shapes::solid_normal;
-use super::view::{Placed, View};
+use super::view::View;
 use crate::optics::rays::Points;
 use crate::scene::{Kind, Solid};
 use crate::simd::WIDTH;
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
+use fearless_simd::{Select, Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3, Vec3};
 
 /// Unit normals in the frame; 0 where nothing is hit.
@@ -72,17 +72,6 @@ struct Face {
     at: f32,
 }
 
-#[derive(Clone, Copy)]
-struct Curved {
-    solid: Solid,
-    size: [f32; 3],
-    /// Rows of the matrix from the sensor's axes to the instance's, and the sensor's place there.
-    rows: [[f32; 3]; 3],
-    origin: [f32; 3],
-    /// Rows of that from the instance's normals to the frame's, of whatever length.
-    normal_rows: [[f32; 3]; 3],
-}
-
 impl Seen {
     fn new(view: &View<'_>, solid: Solid, index: u32, faces: Faces) -> Self {
         let (instance, placed) = (view.instance(index), &view.placed[index as usize]);
@@ -113,22 +102,8 @@ impl Seen {
         if count > 0 {
             return Self::Flat(seen, count);
         }
-        // Scales may be so small or large that their squares would overflow.
-        let to_frame = normal_to_frame(placed);
-        let most = to_frame.to_cols_array().into_iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-        Self::Curved(Curved {
-            solid,
-            size: size.map(|value| value as f32),
-            rows: rows.map(|row| row.map(|value| value as f32)),
-            origin: origin.map(|value| value as f32),
-            normal_rows: (to_frame * (1.0 / most)).transpose().as_mat3().to_cols_array_2d(),
-        })
+        Self::Curved(Curved::new((solid, size), placed, &rows))
     }
-}
-
-/// Normals go by the inverse transpose, whose columns are the rows of the inverse.
-fn normal_to_frame(placed: &Placed) -> DMat3 {
-    DMat3::from_cols_array_2d(&placed.inverse)
 }
 
 /// Finds normals.
@@ -201,7 +176,7 @@ impl NormalFinder {
                 match self.solids.get(hit.placed, make) {
                     Seen::Flat(faces, 1) => Normals::Same(faces[0].normal),
                     Seen::Flat(faces, count) => flat(simd, &points(simd, band, block), &faces[..*count]),
-                    Seen::Curved(solid) => solid.normals(simd, &points(simd, band, block)),
+                    Seen::Curved(solid) => Normals::Each(solid.normals(simd, &points(simd, band, block))),
                 }
             }
         }
@@ -272,11 +247,6 @@ fn points<S: Simd>(simd: S, band: &Band<'_>, block: [usize; 2]) -> Points<S> {
     [x * t, y * t, z * t]
 }
 
-#[inline(always)]
-fn along<S: Simd>([x, y, z]: &Points<S>, [a, b, c]: [f32; 3]) -> f32x16<S> {
-    (*x * a + *y * b) + *z * c
-}
-
 /// Of the faces of a box: each point is on that which it is nearest to.
 #[inline(always)]
 fn flat<S: Simd>(simd: S, points: &Points<S>, faces: &[Face]) -> Normals<S> {
@@ -291,49 +261,6 @@ fn flat<S: Simd>(simd: S, points: &Points<S>, faces: &[Face]) -> Normals<S> {
         }
     }
     Normals::Each(normals)
-}
-
-impl Curved {
-    #[inline(always)]
-    fn normals<S: Simd>(&self, simd: S, points: &Points<S>) -> Normals<S> {
-        let mut local = *points;
-        for axis in 0..3 {
-            local[axis] = along(points, self.rows[axis]) + self.origin[axis];
-        }
-        let [x, y, z] = arrays(local);
-        let mut normals = [[0.0; WIDTH]; 3];
-        macro_rules! each_lane {
-            ($solid:expr) => {
-                for lane in 0..WIDTH {
-                    let [a, b, c] = solid_normal($solid, self.size, [x[lane], y[lane], z[lane]]);
-                    normals[0][lane] = a;
-                    normals[1][lane] = b;
-                    normals[2][lane] = c;
-                }
-            };
-        }
-        match self.solid {
-            Solid::Box => each_lane!(Solid::Box),
-            Solid::Sphere => each_lane!(Solid::Sphere),
-            Solid::Cylinder => each_lane!(Solid::Cylinder),
-            Solid::Capsule => each_lane!(Solid::Capsule),
-            Solid::Ellipsoid => each_lane!(Solid::Ellipsoid),
-            Solid::Cone => each_lane!(Solid::Cone),
-            Solid::Rectangle | Solid::Plane => each_lane!(Solid::Plane),
-        }
-        let [x, y, z] = &normals;
-        let local = [
-            f32x16::load_array_ref(simd, x),
-            f32x16::load_array_ref(simd, y),
-            f32x16::load_array_ref(simd, z),
-        ];
-        let [to_x, to_y, to_z] = self.normal_rows;
-        let (x, y, z) = (along(&local, to_x), along(&local, to_y), along(&local, to_z));
-        let length = ((x * x + y * y) + z * z).sqrt();
-        let zero = f32x16::splat(simd, 0.0);
-        let shorter = length.simd_gt(zero).select(f32x16::splat(simd, 1.0) / length, zero);
-        Normals::Each([x * shorter, y * shorter, z * shorter])
-    }
 }
 
 /// Of the triangles that some lanes have hit.

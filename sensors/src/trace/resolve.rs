@@ -4,7 +4,7 @@ use super::image::{GRAZING, GRAZING_SQUARED, NO_HIT};
 use super::view::{Placed, View};
 use crate::scene::tree::Facet;
 use crate::scene::{Kind, Triangles};
-use crate::simd::WIDTH;
+use crate::simd::{WIDTH, sqrt_f32};
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 use glam::DVec3;
 
@@ -149,13 +149,21 @@ impl<'a> Resolver<'a> {
     #[inline(never)]
     fn find(&mut self, slot: u32) {
         let last = (self.placed, self.slots.clone());
-        if let Some(known) = self.before.iter_mut().find(|(_, slots)| slots.contains(&slot)) {
+        // Where no triangles come before, each instance has one slot.
+        let is_index = self.view.placed.get(slot as usize).is_some_and(|placed| placed.first_slot == slot);
+        if !is_index && let Some(known) = self.before.iter_mut().find(|(_, slots)| slots.contains(&slot)) {
             (self.placed, self.slots) = core::mem::replace(known, last);
             return;
         }
-        self.before[self.oldest % REMEMBERED] = last;
-        self.oldest += 1;
-        let after = self.view.placed.partition_point(|placed| placed.first_slot <= slot);
+        if !is_index || last.1.len() > 1 {
+            self.before[self.oldest % REMEMBERED] = last;
+            self.oldest += 1;
+        }
+        let after = if is_index {
+            slot as usize + 1
+        } else {
+            self.view.placed.partition_point(|placed| placed.first_slot <= slot)
+        };
         self.placed = after as u32 - 1;
         let end = self.view.placed.get(after).map_or(NO_HIT & !GRAZING, |next| next.first_slot);
         self.slots = self.view.placed[after - 1].first_slot..end;
@@ -189,9 +197,9 @@ impl<'a> Resolver<'a> {
                 hit.instance.normal_in_frame(self.view.scene.facets[hit.facet()].normal)
             }
             Kind::Triangles(Triangles::HeightField) => {
-                let [a, b, c] = self.corners(hit);
-                let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
-                hit.instance.normal_in_frame(normal.to_array())
+                let [x, y, z] = self.view.height_field_normal(hit.instance, hit.local);
+                let length = sqrt_f32((x * x + y * y) + z * z);
+                hit.instance.normal_in_frame([x / length, y / length, z / length])
             }
             Kind::Solid(_) => [0.0; 3],
         }

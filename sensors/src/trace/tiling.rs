@@ -79,6 +79,15 @@ pub(crate) const fn lane_in_tile(tiling: Tiling, block: usize, lane: usize) -> u
     }
 }
 
+/// The block of a tile, and its lane, that a pixel of the tile is, from its first column and row.
+#[inline(always)]
+pub(crate) const fn place_in_blocks(tiling: Tiling, [x, y]: [usize; 2]) -> (usize, usize) {
+    match tiling {
+        Tiling::Square => (x / 4, y * 4 + x % 4),
+        Tiling::Rows => (x / WIDTH, x % WIDTH),
+    }
+}
+
 /// A line of the tile that four blocks make.
 #[inline(always)]
 pub(crate) fn line_u32<S: Simd>(

@@ -278,6 +278,17 @@ impl<'a> View<'a> {
         HeightGrid::of(field, self.scene.heights, self.scene.extents)
     }
 
+    /// The normal of a height field's triangle in its frame, upwards and of whatever length above 0, by its slot from the
+    /// instance's first.
+    #[inline(always)]
+    pub(crate) fn height_field_normal(&self, placed: &Placed, local: u32) -> [f32; 3] {
+        let width = WIDTH as u32;
+        let [along_x, along_y] = self.height_grid(placed).slopes(local / width, local % width);
+        // So that no square overflows, however steep it is.
+        let most = along_x.abs().max(along_y.abs()).max(1.0);
+        [-along_x / most, -along_y / most, 1.0 / most]
+    }
+
     /// The corners of a triangle of an instance, in its frame, by its slot from the instance's first.
     pub(crate) fn corners(&self, placed: &Placed, local: u32) -> [DVec3; 3] {
         let (block, lane) = (local / WIDTH as u32, local as usize % WIDTH);

@@ -220,14 +220,31 @@ impl<'a> HeightGrid<'a> {
     /// For a block that is not one of [`HeightField::blocks`].
     #[inline(always)]
     pub fn triangle_of(&self, block: u32, lane: u32) -> u32 {
+        let [row, column] = self.cell(block, lane);
+        2 * (row * (self.field.columns - 1) + column) + lane % 2
+    }
+
+    /// How much the triangle in a lane of a leaf rises along x and along y, in metres a metre.
+    #[inline(always)]
+    pub(crate) fn slopes(&self, block: u32, lane: u32) -> [f32; 2] {
+        let [row, column] = self.cell(block, lane);
+        // Of its corners two are on a row of heights, and two on a column.
+        let [on_row, on_column] = [row + lane % 2, column + lane % 2];
+        let along_x = self.height(on_row, column + 1) - self.height(on_row, column);
+        let along_y = self.height(row, on_column) - self.height(row + 1, on_column);
+        let [x, y] = self.field.step;
+        [along_x / x as f32, along_y / y as f32]
+    }
+
+    /// Row and column of the cell of the triangle in a lane of a leaf.
+    #[inline(always)]
+    fn cell(&self, block: u32, lane: u32) -> [u32; 2] {
         let field = &self.field;
-        let cells = field.columns - 1;
         let [blocks_x, _] = leaves(field.rows, field.columns);
         let (column, row) = (LEAF_COLUMNS * (block % blocks_x), LEAF_ROWS * (block / blocks_x));
         // Leaves at the edge may be narrower, and count their lanes along what they have.
-        let across = LEAF_COLUMNS.min(cells - column);
-        let cell = (row + lane / 2 / across) * cells + column + lane / 2 % across;
-        2 * cell + lane % 2
+        let across = LEAF_COLUMNS.min(field.columns - 1 - column);
+        [row + lane / 2 / across, column + lane / 2 % across]
     }
 
     /// Corners of a triangle, bit for bit those of its block.

@@ -1,6 +1,6 @@
 //! How a camera colours the tiles of a traced band: light, its mean over the moments of a shutter, exposure and noise.
 
-use super::Camera;
+use super::{Camera, CameraConfig};
 use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
 use crate::memory::{Cutter, lines};
@@ -10,7 +10,8 @@ use crate::scene::ColourSpace;
 use crate::sensor::edges::{Edges, Marks};
 use crate::sensor::pixel;
 use crate::shade::through::Through;
-use crate::shade::tile::{CameraRays, Tile};
+use crate::shade::tile::{CameraRays, Tile, missing_lanes};
+use crate::shade::uniform::UniformTiles;
 use crate::shade::{Colours, Shader};
 use crate::simd::LANES;
 use crate::trace::grid::{Band, Sight};
@@ -85,6 +86,8 @@ pub(in crate::sensor) struct Brush<'a> {
     seen: Tile,
     shader: Shader,
     through: Through,
+    /// If it is colours alone that are wanted, as a tile has them when it is not looked at ray by ray.
+    uniform: Option<UniformTiles>,
     sight: Sight,
     space: ColourSpace,
     /// Of the last tile that was seen: its light, and then its colours.
@@ -110,6 +113,10 @@ impl<'a> Brush<'a> {
                 Edges::Smooth => Shader::telling(),
             },
             through: Through::new(),
+            uniform: match camera.config() {
+                CameraConfig { edges: Edges::Sharp, device: None, .. } => UniformTiles::new(&band.view.scene),
+                _ => None,
+            },
             sight: camera.sight(),
             space: band.view.scene.colour_space(),
             colours: [[0.0; LANES]; 3],
@@ -121,6 +128,15 @@ impl<'a> Brush<'a> {
     /// Works out the light of a tile.
     #[inline(always)]
     pub(in crate::sensor) fn see<S: Simd>(&mut self, simd: S, band: &Band<'_>, tile: [usize; 2]) {
+        if let Some(uniform) = &mut self.uniform
+            && let Some(colour) = uniform.colour(simd, band, &mut self.resolver, &self.rays, tile)
+        {
+            for channel in 0..3 {
+                self.colours[channel] = [colour[channel]; LANES];
+            }
+            self.seen.missing = missing_lanes(&band.rays, tile);
+            return;
+        }
         self.seen.take(simd, band, &mut self.resolver, &self.rays, tile);
         let Self { shader, resolver, colours, seen, .. } = self;
         let steps = &self.rays.steps;

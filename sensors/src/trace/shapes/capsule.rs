@@ -17,9 +17,9 @@ pub(crate) fn inside(origin: [f64; 3], direction: [f64; 3], [radius, half_length
 }
 
 #[inline(always)]
-pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [radius, half_length]: [f64; 2]) -> Surface {
+pub(crate) fn surface(point: DVec3, [radius, half_length]: [f64; 2]) -> Surface {
     let normal = DVec3::from_array(normal(point.to_array(), [radius, half_length]));
-    around::<TEXTURED>(point, normal, [-half_length - radius, half_length + radius])
+    around(point, normal, [-half_length - radius, half_length + radius])
 }
 
 #[inline(always)]

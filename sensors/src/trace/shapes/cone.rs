@@ -50,10 +50,10 @@ pub(crate) fn inside(
 
 /// Takes the base's radius and half the length.
 #[inline(always)]
-pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [radius, half_length]: [f64; 2]) -> Surface {
+pub(crate) fn surface(point: DVec3, [radius, half_length]: [f64; 2]) -> Surface {
     let (is_base, normal) = place(point.to_array(), [radius, half_length]);
     let normal = DVec3::from_array(normal);
-    let side = around::<TEXTURED>(point, normal, [-half_length, half_length]);
+    let side = around(point, normal, [-half_length, half_length]);
     let per_metre = 0.5 / radius;
     let base = flat(normal, point, [DVec3::X * per_metre, DVec3::NEG_Y * per_metre]);
     if is_base { base } else { side }

@@ -21,12 +21,12 @@ pub(crate) fn inside([x, y, z]: [f64; 3], [dx, dy, dz]: [f64; 3], [radius, half_
 }
 
 #[inline(always)]
-pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [radius, half_length]: [f64; 2]) -> Surface {
+pub(crate) fn surface(point: DVec3, [radius, half_length]: [f64; 2]) -> Surface {
     let (is_end, sign) = end(point.to_array(), [radius, half_length]);
     let normal = DVec3::from_array(normal(point.to_array(), [radius, half_length]));
     let per_metre = 0.5 / radius;
     let end = flat(normal, point, [DVec3::X * per_metre, DVec3::Y * (sign * per_metre)]);
-    let side = around::<TEXTURED>(point, normal, [-half_length, half_length]);
+    let side = around(point, normal, [-half_length, half_length]);
     if is_end { end } else { side }
 }
 

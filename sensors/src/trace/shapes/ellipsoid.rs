@@ -15,10 +15,10 @@ pub(crate) fn inside([x, y, z]: [f64; 3], [dx, dy, dz]: [f64; 3], inverse_radii:
 
 /// Takes the radii; as the unit ball in its own stretched frame.
 #[inline(always)]
-pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, [a, b, c]: [f64; 3]) -> Surface {
+pub(crate) fn surface(point: DVec3, [a, b, c]: [f64; 3]) -> Surface {
     let inverse = DVec3::new(1.0 / a, 1.0 / b, 1.0 / c);
     let stretched = point * inverse;
-    let surface = around::<TEXTURED>(stretched, stretched, [-1.0, 1.0]);
+    let surface = around(stretched, stretched, [-1.0, 1.0]);
     Surface {
         normal: DVec3::from_array(normal(point.to_array(), [a, b, c])),
         uv_gradient: surface.uv_gradient.map(|gradient| gradient * inverse),

@@ -66,19 +66,18 @@ macro_rules! match_solid {
 }
 pub(crate) use match_solid;
 
-/// The surface of a solid at a point on it. What belongs to a texture is only there
-/// if there is one. Of a constant solid nothing is left of the match.
+/// The surface of a solid at a point on it. Of a constant solid nothing is left of the match.
 #[inline(always)]
-pub(crate) fn solid_surface<const TEXTURED: bool>(solid: Solid, size: [f64; 3], point: DVec3) -> Surface {
+pub(crate) fn solid_surface(solid: Solid, size: [f64; 3], point: DVec3) -> Surface {
     let [a, b, c] = size;
     match solid {
         Solid::Box => cuboid::surface(point, DVec3::new(a, b, c)),
         Solid::Rectangle => rectangle::surface(point, [a, b]),
-        Solid::Sphere => sphere::surface::<TEXTURED>(point, a),
-        Solid::Ellipsoid => ellipsoid::surface::<TEXTURED>(point, size),
-        Solid::Cylinder => cylinder::surface::<TEXTURED>(point, [a, b]),
-        Solid::Capsule => capsule::surface::<TEXTURED>(point, [a, b]),
-        Solid::Cone => cone::surface::<TEXTURED>(point, [a, b]),
+        Solid::Sphere => sphere::surface(point, a),
+        Solid::Ellipsoid => ellipsoid::surface(point, size),
+        Solid::Cylinder => cylinder::surface(point, [a, b]),
+        Solid::Capsule => capsule::surface(point, [a, b]),
+        Solid::Cone => cone::surface(point, [a, b]),
         Solid::Plane => plane::surface(point),
     }
 }

@@ -13,9 +13,9 @@ pub(crate) fn inside(origin: [f64; 3], direction: [f64; 3], radius: f64) -> Insi
 }
 
 #[inline(always)]
-pub(crate) fn surface<const TEXTURED: bool>(point: DVec3, radius: f64) -> Surface {
+pub(crate) fn surface(point: DVec3, radius: f64) -> Surface {
     let normal = DVec3::from_array(normal(point.to_array(), radius));
-    around::<TEXTURED>(point, normal, [-radius, radius])
+    around(point, normal, [-radius, radius])
 }
 
 #[inline(always)]

@@ -23,10 +23,7 @@ pub(crate) fn flat(normal: DVec3, point: DVec3, uv_gradient: [DVec3; 2]) -> Surf
 
 /// A surface of revolution: u once around from −x, v along z.
 #[inline(always)]
-pub(super) fn around<const TEXTURED: bool>(point: DVec3, normal: DVec3, [low, high]: [f64; 2]) -> Surface {
-    if !TEXTURED {
-        return Surface { normal, uv: [0.0; 2], uv_gradient: [DVec3::ZERO; 2] };
-    }
+pub(super) fn around(point: DVec3, normal: DVec3, [low, high]: [f64; 2]) -> Surface {
     let squared = point.x * point.x + point.y * point.y;
     // At the very poles u changes without limit.
     let least = 1e-12 * (high - low) * (high - low);

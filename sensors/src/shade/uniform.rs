@@ -1,0 +1,164 @@
+//! Tiles of one colour, as most of a floor, of a wall and of the sky are.
+//!
+//! Under lamps whose light is parallel and is not in anybody's shadow, a flat face without a texture has one colour. So
+//! where all rays of a tile have hit the same face, its colour is worked out once, by the same operations as that of a
+//! lane, so of the same bits, and is kept for the tiles beside it.
+
+use super::face::{Face, VisibleFaces};
+use super::light_of;
+use super::surface::triangle_normal;
+use super::tile::CameraRays;
+use crate::scene::{Form, Kind, Material, NO_TEXTURE, Scene};
+use crate::trace::grid::Band;
+use crate::trace::image::{GRAZING, NO_HIT};
+use crate::trace::resolve::{Hit, Resolver};
+use crate::trace::tiling::{BLOCKS, Tiling, place_in_blocks};
+use crate::trace::view::View;
+use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
+use glam::DVec3;
+
+/// How many colours are kept.
+const KEPT: usize = 16;
+
+/// The face of a triangle, and of a solid of which but one is seen.
+const ONLY_FACE: u32 = 6;
+
+/// Finds tiles of one colour.
+pub(crate) struct UniformTiles {
+    /// Slot and face of the colours that are kept, each in the place that these give: [`ONLY_FACE`] of what has no others.
+    of: [(u32, u32); KEPT],
+    colours: [[f32; 3]; KEPT],
+}
+
+impl UniformTiles {
+    /// None if the lamps of a scene shine otherwise on every point.
+    pub(crate) fn new(scene: &Scene<'_>) -> Option<Self> {
+        let mut lights = scene.lights.iter();
+        lights
+            .all(|light| light.form() == Form::Directional && light.cast_shadows == 0)
+            .then_some(Self { of: [(NO_HIT, 0); KEPT], colours: [[0.0; 3]; KEPT] })
+    }
+
+    /// The colour of all rays of a tile, if it is known to be one.
+    #[inline(always)]
+    pub(crate) fn colour<S: Simd>(
+        &mut self,
+        simd: S,
+        band: &Band<'_>,
+        resolver: &mut Resolver<'_>,
+        rays: &CameraRays<'_>,
+        tile: [usize; 2],
+    ) -> Option<[f32; 3]> {
+        let across = band.rays.fan().blocks_across();
+        let first = (tile[1] - *band.block_rows().start()) * across + tile[0] * BLOCKS;
+        let blocks = BLOCKS.min(across - tile[0] * BLOCKS);
+        let slot = band.target.slot[first][0] & !GRAZING;
+        let all = u32x16::splat(simd, slot);
+        for slots in &band.target.slot[first..first + blocks] {
+            let slots = u32x16::load_array_ref(simd, slots) & u32x16::splat(simd, !GRAZING);
+            if !slots.simd_eq(all).all_true() {
+                return None;
+            }
+        }
+        let scene = &band.view.scene;
+        if slot == NO_HIT & !GRAZING {
+            return Some(light_of(scene.environment.background, scene.colour_space));
+        }
+        if blocks < BLOCKS {
+            return None;
+        }
+        if let Some(colour) = self.kept((slot, ONLY_FACE)) {
+            return Some(colour);
+        }
+        let hit = resolver.hit(slot);
+        let mut face = ONLY_FACE;
+        if let Kind::Solid(solid) = hit.instance.kind() {
+            if !solid.has_flat_faces() {
+                return None;
+            }
+            let visible = VisibleFaces::new((band.view.instance(hit.placed), solid), hit.instance);
+            if visible.only().is_none() {
+                face = common_face(&visible, band, rays, (tile, first))?;
+            }
+        }
+        if let Some(colour) = self.kept((slot, face)) {
+            return Some(colour);
+        }
+        let material = &scene.materials[band.view.instance(hit.placed).material as usize];
+        let colour = is_plain(material).then(|| shine(band.view, material, &hit, face))?;
+        let place = place((slot, face));
+        (self.of[place], self.colours[place]) = ((slot, face), colour);
+        Some(colour)
+    }
+
+    /// The colour of a face, if it is kept.
+    #[inline(always)]
+    fn kept(&self, of: (u32, u32)) -> Option<[f32; 3]> {
+        let place = place(of);
+        (self.of[place] == of).then_some(self.colours[place])
+    }
+}
+
+/// Where the colour of a face is kept. Of a box three show at most, on three axes.
+#[inline(always)]
+fn place((slot, face): (u32, u32)) -> usize {
+    slot.wrapping_mul(3).wrapping_add(face / 2) as usize % KEPT
+}
+
+/// The face of a box that all rays of a tile have hit: since it is convex, so has whatever lies between the rays at the
+/// tile's corners. Of a pinhole, whose rays lie between straight lines.
+#[inline(always)]
+fn common_face(
+    visible: &VisibleFaces,
+    band: &Band<'_>,
+    rays: &CameraRays<'_>,
+    (tile, first): ([usize; 2], usize),
+) -> Option<u32> {
+    rays.steps?;
+    let tiling = Tiling::of(band.rays.fan());
+    let [columns, rows] = tiling.size();
+    let face = |[x, y]: [usize; 2]| {
+        let (block, lane) = place_in_blocks(tiling, [x, y]);
+        let pixel = [tile[0] * columns + x, tile[1] * rows + y];
+        visible.of_point(rays.pinhole_point(pixel, band.target.inverse[first + block][lane]))
+    };
+    let of_first = face([0, 0]);
+    let others = [[columns - 1, 0], [0, rows - 1], [columns - 1, rows - 1]];
+    others.into_iter().all(|corner| face(corner) == of_first).then_some(of_first)
+}
+
+/// Whether the colour of a flat face depends on the light alone.
+fn is_plain(material: &Material) -> bool {
+    let is_mapped = material.texture != NO_TEXTURE || material.normal_map != NO_TEXTURE;
+    !(is_mapped || material.is_glossy() || material.is_clear())
+}
+
+/// The colour of a face of something plain.
+#[inline(never)]
+fn shine(view: &View<'_>, material: &Material, hit: &Hit<'_>, face: u32) -> [f32; 3] {
+    let (scene, space) = (&view.scene, view.scene.colour_space);
+    let normal = match hit.instance.kind() {
+        Kind::Solid(solid) => {
+            let visible = VisibleFaces::new((view.instance(hit.placed), solid), hit.instance);
+            let face = visible.only().unwrap_or(face);
+            Face::new((view.instance(hit.placed), solid), hit.instance, face, [1.0; 2], &None).normal
+        }
+        Kind::Triangles(triangles) => triangle_normal(view, (hit.instance, triangles), hit.local),
+    };
+    let [ambient, diffuse, emissive] =
+        [material.ambient, material.diffuse, material.emissive].map(|colour| light_of(colour, space));
+    let mut colour = [0.0; 3];
+    for channel in 0..3 {
+        colour[channel] = ambient[channel] * scene.environment.ambient[channel] + emissive[channel];
+    }
+    for light in scene.lights {
+        let [x, y, z] = DVec3::from_array(light.direction).as_vec3().to_array();
+        let gain = -((normal[0] * x + normal[1] * y) + normal[2] * z);
+        if gain > 0.0 {
+            for channel in 0..3 {
+                colour[channel] += (diffuse[channel] * light.diffuse[channel]) * gain;
+            }
+        }
+    }
+    colour
+}

@@ -53,6 +53,45 @@ fn a_world_a_robot_and_ten_steps_take_no_shared_memory() {
     assert!(took < Duration::from_millis(200), "{took:?}");
 }
 
+/// A picture and its truth, flow included, of the same moment; what another sensor has, in the same call.
+#[test]
+fn streams_of_one_frame() {
+    let mut simulation = Simulation::builder(read::world("tag_ceiling").unwrap()).build().unwrap();
+    let model = read::robot("kobuki_hexagons_kinect").unwrap();
+    let robot = simulation.spawn(&model, SpawnOptions::default()).unwrap();
+    let topics = [
+        "/camera/rgb/image_raw",
+        "/camera/rgb/image_raw/truth/flow_back",
+        "/camera/rgb/image_raw/truth/flow_forward",
+        "/odom",
+    ];
+    let mut frames: [FrameBuf; 4] = Default::default();
+    for step in 0..3 {
+        simulation.command(robot, Command::new(0.3, 0.5)).unwrap();
+        simulation.run_for(Duration::from_millis(100));
+        let filled = simulation.render_all(&topics, &mut frames).unwrap();
+        let has_before = step > 0;
+        assert_eq!(filled, [true, has_before, has_before, true], "at step {step}");
+        let [picture, back, forward, odometry] = &frames;
+        assert_eq!(picture.header().stamp_ns, odometry.header().stamp_ns);
+        if has_before {
+            assert_eq!(back.header().stamp_ns, picture.header().stamp_ns);
+            assert_eq!(forward.header().stamp_ns + 100_000_000, picture.header().stamp_ns);
+            let most = |frame: &FrameBuf| {
+                let view = frame.view();
+                view.numbers::<f32>(view.rows())
+                    .map(f32::abs)
+                    .filter(|flow| flow.is_finite())
+                    .fold(0.0, f32::max)
+            };
+            // It turns by 0.05 rad, which are 30 pixels or so.
+            assert!((10.0..60.0).contains(&most(back)), "{} pixels", most(back));
+        }
+    }
+    let nothing = simulation.render_all(&["/odom", "/odour"], &mut frames).unwrap_err().to_string();
+    assert!(nothing.contains("/odour") && nothing.contains("did you mean /odom"), "{nothing}");
+}
+
 /// Robots of one file, each in its namespace; frames, topics and noise are its own; the one behind sees the other.
 #[test]
 fn two_robots_share_a_world() {

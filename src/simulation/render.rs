@@ -3,7 +3,8 @@
 use super::{Simulation, SimulationError};
 use crate::description::values::nearest;
 use crate::rig::sink::{Frame, FrameBuf, Port, Sink};
-use crate::rig::{Rig, RigOptions};
+use crate::rig::{Rig, RigOptions, Stage};
+use crate::world::scene::WorldScene;
 use belvedere_bridge::{Error, FrameHeader, StreamSpec};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -25,12 +26,25 @@ impl Simulation {
     /// # Errors
     /// When no sensor sends such a topic, or a sensor's description cannot be used.
     pub fn render(&mut self, topic: &str, frame: &mut FrameBuf) -> Result<(), SimulationError> {
-        let topic = format!("/{}", topic.trim_start_matches('/'));
-        self.open_studio()?;
-        let Some(mut studio) = self.studio.take() else { return Err(SimulationError::Gone) };
-        let rendered = studio.render(self, &topic, frame);
-        self.studio = Some(studio);
-        rendered
+        match self.render_all(&[topic], std::slice::from_mut(frame))?[..] {
+            [true] => Ok(()),
+            _ => Err(SimulationError::NoFrame { topic: with_slash(topic) }),
+        }
+    }
+
+    /// The same of several topics at once: those of one sensor, as its picture and its truth, are then of one frame.
+    ///
+    /// Says of each topic whether it has a frame: flow has none the first time it is asked for, as it leads from the frame
+    /// for which it was asked before.
+    ///
+    /// # Errors
+    /// As of [`render`](Self::render).
+    pub fn render_all(
+        &mut self,
+        topics: &[&str],
+        frames: &mut [FrameBuf],
+    ) -> Result<Vec<bool>, SimulationError> {
+        self.in_studio(topics, frames, Rig::take)
     }
 
     /// Renders the frame of this number of one sensor into `frames`, a topic each, all of which are of that sensor: its own
@@ -49,11 +63,25 @@ impl Simulation {
         goes_on: bool,
         frames: &mut [FrameBuf],
     ) -> Result<Vec<bool>, SimulationError> {
-        let topics: Vec<String> =
-            topics.iter().map(|topic| format!("/{}", topic.trim_start_matches('/'))).collect();
+        self.in_studio(topics, frames, |rig, topics, stage, scene| {
+            if let Some(topic) = topics.first() {
+                rig.take_numbered((topic, number), goes_on, stage, scene);
+            }
+        })
+    }
+
+    /// Has frames of these topics taken.
+    fn in_studio(
+        &mut self,
+        topics: &[&str],
+        frames: &mut [FrameBuf],
+        take: impl FnOnce(&mut Rig, &[String], Stage<'_>, &mut WorldScene),
+    ) -> Result<Vec<bool>, SimulationError> {
+        let topics: Vec<String> = topics.iter().map(|topic| with_slash(topic)).collect();
         self.open_studio()?;
         let Some(mut studio) = self.studio.take() else { return Err(SimulationError::Gone) };
-        let rendered = studio.render_numbered(self, &topics, (number, goes_on), frames);
+        let (stage, scene) = self.stage();
+        let rendered = studio.fill(&topics, frames, |rig| take(rig, &topics, stage, scene));
         self.studio = Some(studio);
         rendered
     }
@@ -71,6 +99,11 @@ impl Simulation {
     }
 }
 
+/// A topic as its stream has it.
+fn with_slash(topic: &str) -> String {
+    format!("/{}", topic.trim_start_matches('/'))
+}
+
 /// Everybody's channels, and where the frame goes that is asked for.
 pub(super) struct Studio {
     rig: Rig,
@@ -83,40 +116,20 @@ impl Studio {
         outlets.map(|outlet| outlet.topic().to_owned()).collect()
     }
 
-    fn render(
+    /// Lets frames of these topics be taken into the caller's memory; says of which there are any.
+    fn fill(
         &mut self,
-        simulation: &mut Simulation,
-        topic: &str,
-        frame: &mut FrameBuf,
-    ) -> Result<(), SimulationError> {
-        self.slot.lock().begin(topic, frame);
-        let (stage, scene) = simulation.stage();
-        let is_there = self.rig.take(topic, stage, scene);
-        let is_filled = self.slot.lock().end(frame);
-        if !is_there {
-            return Err(self.no_topic(topic));
-        }
-        if is_filled { Ok(()) } else { Err(SimulationError::NoFrame { topic: topic.into() }) }
-    }
-
-    fn render_numbered(
-        &mut self,
-        simulation: &mut Simulation,
         topics: &[String],
-        (number, goes_on): (u64, bool),
         frames: &mut [FrameBuf],
+        take: impl FnOnce(&mut Rig),
     ) -> Result<Vec<bool>, SimulationError> {
-        let there = self.topics();
-        if let Some(topic) = topics.iter().find(|topic| !there.contains(topic)) {
+        if let Some(topic) = topics.iter().find(|topic| !self.rig.has(topic)) {
             return Err(self.no_topic(topic));
         }
         for (topic, frame) in topics.iter().zip(&mut *frames) {
             self.slot.lock().begin(topic, frame);
         }
-        if let Some(topic) = topics.first() {
-            let (stage, scene) = simulation.stage();
-            self.rig.take_numbered((topic, number), goes_on, stage, scene);
-        }
+        take(&mut self.rig);
         // The last that was begun ends first.
         let mut filled: Vec<bool> =
             frames.iter_mut().take(topics.len()).rev().map(|frame| self.slot.lock().end(frame)).collect();

@@ -15,7 +15,7 @@ pub struct SpawnOptions {
     pub name: String,
     /// What stands before its topics and frames, as in `/NAMESPACE/scan`; nothing if this is empty.
     pub namespace: String,
-    /// Where its frame is to be.
+    /// Where it is to be: from here the `<pose>` counts that the model has of its own, as when Gazebo spawns it.
     pub world_from_model: Pose,
     /// Whether it tells of itself as a robot does, by transforms and joint states; if it is not said, whatever has a base
     /// or plugins does. A robot never comes to rest as things do, nor does what has sensors.

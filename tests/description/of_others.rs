@@ -52,6 +52,31 @@ fn a_model_around_a_missing_one_is_left_out_with_it() {
     assert!(model.is_none() && problems[1].to_string().contains("error: nothing is left of the model 'b'"));
 }
 
+/// As it lies in a folder of models, wherever that is: what it has is named by its own folder.
+#[test]
+fn a_models_own_file_finds_its_meshes_and_its_neighbours() {
+    let folder = Folder::new();
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    for (file, text) in [
+        ("shop/shelf/model.config", "<model><name>shelf</name><sdf>model.sdf</sdf></model>"),
+        ("shop/shelf/meshes/board.obj", triangle),
+        ("shop/jar/model.config", "<model><name>jar</name><sdf>model.sdf</sdf></model>"),
+        ("shop/jar/model.sdf", "<sdf version='1.6'><model name='jar'><link name='glass'/></model></sdf>"),
+        (
+            "shop/shelf/model.sdf",
+            "<sdf version='1.6'><model name='shelf'><link name='l'><visual name='v'><geometry><mesh>\
+             <uri>model://shelf/meshes/board.obj</uri></mesh></geometry></visual></link>\
+             <include><uri>model://jar</uri></include></model></sdf>",
+        ),
+    ] {
+        folder.write(file, text);
+    }
+    let (model, problems) = described(&folder, "shop/shelf/model.sdf", Rules::default());
+    let Some(Described::Model(model)) = model else { panic!("{problems:#?}") };
+    assert!(model.links.iter().any(|link| link.name.ends_with("glass")), "{:?}", model.links);
+    assert!(problems.iter().all(|problem| problem.severity < Severity::Error), "{problems:#?}");
+}
+
 #[test]
 fn joints_to_what_is_missing_are_left_out_with_it() {
     let folder = Folder::new();

@@ -155,7 +155,9 @@ fn height_maps() {
     assert!((distance - 0.1).abs() < 2e-3, "{distance} m from the slope, at {middle}");
     assert!(middle.x < 0.95 && middle.y > 2.1, "{middle}");
 
-    for wrong in [map(0.0), map(2.0).replace("slope.png", "none.png"), "<heightmap/>".into()] {
+    let flat = read::model(&thing(&map(0.0))).unwrap();
+    assert!(flat.links[0].collisions.is_empty(), "without height it is left out: {flat:?}");
+    for wrong in [map(2.0).replace("slope.png", "none.png"), "<heightmap/>".into()] {
         assert!(read::model(&thing(&wrong)).is_err(), "{wrong}");
     }
     let text = folder.path().join("dem.tif");

@@ -217,7 +217,7 @@ impl Loader<'_> {
         let article = if shape.name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
         let what = format!("<{name}> of {article} {} is '{}'", shape.name, child.text());
         // Gazebo goes on with 0, of which nothing is seen or met.
-        if self.rules.gazebo_compat && values.iter().all(|value| *value >= 0.0) {
+        if values.iter().all(|value| *value >= 0.0) {
             let what = format!("{what}, so the shape is left out");
             self.diagnostics.warning(&child.source, what, "lengths must be above 0");
         } else {

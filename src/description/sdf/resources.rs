@@ -32,7 +32,7 @@ pub(super) enum Resolved {
 
 impl<'a> Resources<'a> {
     /// The user's package folders, then Gazebo's variables, the world file's own folder and the `models` beside
-    /// it, Gazebo's download folder, and ours.
+    /// it, or that around a model's, Gazebo's download folder, and ours.
     pub(super) fn new(packages: &'a PackagePath, world_file: &Path) -> Self {
         let variable = |name: &str| -> Vec<PathBuf> {
             std::env::var_os(name)
@@ -46,10 +46,13 @@ impl<'a> Resources<'a> {
         let world_folder = world_file.parent().unwrap_or(Path::new(""));
         let beside =
             [world_folder.to_path_buf(), world_folder.join("models"), world_folder.join("../models")];
+        // Of a model's own file, the folder that its models lie in, by whose name it calls what it has.
+        let around = world_folder.join("model.config").exists().then(|| world_folder.join(".."));
         let downloads = std::env::home_dir().map(|home| home.join(".gazebo/models"));
         let model_folders = user
             .chain(MODEL_VARIABLES.iter().flat_map(|name| variable(name)))
             .chain(beside)
+            .chain(around)
             .chain(downloads)
             .chain([ours.to_path_buf()])
             .collect();

@@ -87,7 +87,7 @@ impl Loader<'_> {
         if values.iter().all(|value| *value > 0.0) {
             return Some(values);
         }
-        if self.rules.gazebo_compat && values.iter().all(|value| *value >= 0.0) {
+        if values.iter().all(|value| *value >= 0.0) {
             let what = format!("{what} is '{text}', so the shape is left out");
             self.diagnostics.warning(&shape.source, what, "lengths must be above 0");
         } else {

@@ -19,8 +19,8 @@ use std::time::Duration;
 #[command(after_help = "Examples:
   belvedere control pause
   belvedere control step 100
-  belvedere control move crate 1.5 0 0.1 90
-  belvedere control spawn crate.sdf --name second_crate --pose 2,0,0.5
+  belvedere control move crate 1.5,0,0.1,90
+  belvedere control spawn crate.sdf --name second_crate --pose 2,0,0.5,0
   belvedere control delete second_crate
   belvedere control configure camera1 update_rate=15 exposure=0.5
   belvedere control reset --domain lab")]

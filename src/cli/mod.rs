@@ -15,6 +15,7 @@ pub mod list;
 pub mod log;
 pub mod message;
 mod pacer;
+pub mod place;
 pub mod record;
 mod recording_thread;
 pub mod replay;

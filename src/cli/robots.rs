@@ -1,5 +1,6 @@
 //! Which robots run: `--robot`, `--name`, `--pose`.
 
+use super::place::{PLACE, Place};
 use crate::description::diagnostics::Source;
 use crate::description::model::Model;
 use crate::description::package::PackagePath;
@@ -9,9 +10,7 @@ use crate::description::{Diagnostics, Rules};
 use crate::entities::model_name;
 use crate::simulation::SpawnOptions;
 use belvedere_sensors::Pose;
-use glam::DVec3;
 use std::collections::{HashMap, HashSet};
-use std::str::FromStr;
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// The robots of a run.
@@ -28,10 +27,10 @@ pub struct RobotArgs {
     /// /NAME/... and its frames NAME/... [default: as its description has it, numbered if several are called so]
     #[arg(long, value_name = "NAME", value_parser = model_name)]
     name: Vec<String>,
-    /// Where it stands in metres, and its heading in degrees, one for each --robot in their order
-    /// [default: the origin; several stand in a row, 1 m apart]
-    #[arg(long, value_name = "X,Y[,YAW]", allow_hyphen_values = true)]
-    pose: Vec<PlanarPose>,
+    /// Where it starts in metres, and its heading in degrees, one for each --robot in their order: X,Y or X,Y,YAW on the
+    /// floor, X,Y,Z,YAW above it [default: the origin; several stand in a row, 1 m apart]
+    #[arg(long, value_name = PLACE, allow_hyphen_values = true)]
+    pose: Vec<Place>,
 }
 
 /// An argument of xacro; what is none may be a command that was misspelt.
@@ -41,45 +40,6 @@ pub(super) fn argument(text: &str) -> Result<(String, String), String> {
         let near = near.map(|near| format!("did you mean the command '{near}'? ")).unwrap_or_default();
         format!("{near}{why}")
     })
-}
-
-/// A place on the floor and a heading.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PlanarPose {
-    x_m: f64,
-    y_m: f64,
-    yaw_deg: f64,
-}
-
-/// `X,Y` or `X,Y,YAW`.
-impl FromStr for PlanarPose {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong =
-            || format!("'{text}' is no pose; write X,Y or X,Y,YAW in metres and degrees, as 1,0.5,90");
-        let numbers = text.split(',').map(|number| number.trim().parse().map_err(|_| wrong()));
-        let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
-        let (x_m, y_m, yaw_deg) = match numbers[..] {
-            [x, y] => (x, y, 0.0),
-            [x, y, yaw] => (x, y, yaw),
-            _ => return Err(wrong()),
-        };
-        if [x_m, y_m, yaw_deg].iter().all(|value| value.abs() <= 1e6) {
-            Ok(Self { x_m, y_m, yaw_deg })
-        } else {
-            Err(wrong())
-        }
-    }
-}
-
-impl PlanarPose {
-    fn pose(self) -> Pose {
-        Pose::new(
-            DVec3::new(self.x_m, self.y_m, 0.0),
-            Pose::from_xyz_rpy(DVec3::ZERO, DVec3::Z * self.yaw_deg.to_radians()).rotation(),
-        )
-    }
 }
 
 impl RobotArgs {
@@ -124,7 +84,7 @@ impl RobotArgs {
             if let Some(name) = self.name.get(index) {
                 model.name.clone_from(name);
             }
-            let row = PlanarPose { y_m: index as f64, ..PlanarPose::default() };
+            let row = Place::on_floor(0.0, index as f64);
             models.push((model, self.pose.get(index).copied().unwrap_or(row).pose()));
         }
         self.tell_apart(&mut models, taken, diagnostics);

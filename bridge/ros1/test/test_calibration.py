@@ -71,8 +71,8 @@ class Newest:
 
 def look_at(board):
     """Puts the cameras before a board; the simulated time in s when they were there."""
-    place = "0", str(board * chessboards.APART_M), "0"
-    command = SIMULATOR, "control", "move", "cameras", *place, "--domain", DOMAIN
+    place = f"0,{board * chessboards.APART_M}"
+    command = SIMULATOR, "control", "move", "cameras", place, "--domain", DOMAIN
     done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=20)
     return float(done.stdout.split()[-2])
 

@@ -114,7 +114,7 @@ class Kobuki(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".sdf") as wall:
             wall.write(WALL)
             wall.flush()
-            self.control("move", ROBOT, "0", "0", "0")
+            self.control("move", ROBOT, "0,0")
             self.control("spawn", wall.name, "--pose", "0.45,0,0.5")
             try:
                 done = subprocess.run([WANDER, "4"], capture_output=True, text=True, timeout=30, check=False)
@@ -130,7 +130,7 @@ class Kobuki(unittest.TestCase):
         with listeners["cliff"] as cliffs, listeners["wheel_drop"] as wheels:
             following = lambda: all(subscribers_of_streams(DOMAIN)[f"/mobile_base/events/{name}"] == 1 for name in topics)  # noqa: E731
             self.assertTrue(eventually(following))
-            self.control("move", ROBOT, "0", "0", "0.5")
+            self.control("move", ROBOT, "0,0,0.5,0")
             self.assertTrue(eventually(lambda: len(cliffs.all()) >= 6 and len(wheels.all()) >= 4), (cliffs.all(), wheels.all()))
         lost, found = cliffs.all()[:3], cliffs.all()[-3:]
         self.assertEqual({(e.sensor, e.state) for e in lost}, {(sensor, CliffEvent.CLIFF) for sensor in (0, 1, 2)})

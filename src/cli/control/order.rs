@@ -1,10 +1,9 @@
 //! What a simulation can be told to do, and the command that is sent for it.
 
 use crate::cli::error::CliError;
+use crate::cli::place::{PLACE, Place};
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{Operation, Text};
-use belvedere_sensors::Pose;
-use glam::DVec3;
 use std::path::PathBuf;
 
 // Its doc comment would be shown as the help text of `belvedere control`.
@@ -29,23 +28,15 @@ pub(super) enum Order {
     Move {
         /// Its name, as `belvedere control states` gives it
         model: String,
-        /// Metres
-        #[arg(allow_negative_numbers = true)]
-        x: f64,
-        /// Metres
-        #[arg(allow_negative_numbers = true)]
-        y: f64,
-        /// Metres
-        #[arg(allow_negative_numbers = true)]
-        z: f64,
-        /// Degrees, counter-clockwise seen from above
-        #[arg(allow_negative_numbers = true, default_value_t = 0.0)]
-        yaw: f64,
-        /// The frame that they are given in: a model, MODEL::LINK or world
+        /// Where, in metres, and its heading in degrees, counter-clockwise seen from above
+        #[arg(value_name = PLACE, allow_hyphen_values = true)]
+        pose: Place,
+        /// The frame that this is given in: a model, MODEL::LINK or world
         #[arg(long, value_name = "FRAME", default_value = "world")]
         relative_to: String,
     },
-    /// Put a model into the world: a URDF file without xacro, or an SDF file with one <model>; without sensors
+    /// Put a model into the world, with its base and its sensors: a URDF file without xacro, or an SDF file with one
+    /// <model>
     Spawn {
         /// The file
         file: PathBuf,
@@ -55,8 +46,8 @@ pub(super) enum Order {
         /// Stands before its topics and frames, as in /NAMESPACE/scan [default: none]
         #[arg(long, value_name = "NAMESPACE")]
         namespace: Option<String>,
-        /// Where, in metres and degrees
-        #[arg(long, value_name = "X,Y,Z[,YAW]", value_parser = place, allow_hyphen_values = true, default_value = "0,0,0")]
+        /// Where, in metres, and its heading in degrees
+        #[arg(long, value_name = PLACE, allow_hyphen_values = true, default_value = "0,0")]
         pose: Place,
         /// The frame that this is given in: a model, MODEL::LINK or world
         #[arg(long, value_name = "FRAME", default_value = "world")]
@@ -115,10 +106,10 @@ impl Order {
         match self {
             Self::Pause | Self::Resume | Self::Reset | Self::ResetWorld => {}
             Self::Step { steps } => command.steps = *steps,
-            Self::Move { model, x, y, z, yaw, relative_to } => {
+            Self::Move { model, pose, relative_to } => {
                 command.name = self.name(model)?;
                 command.reference = self.name(relative_to)?;
-                (command.position, command.orientation) = ([*x, *y, *z], turned(*yaw));
+                set_pose(&mut command, *pose);
             }
             Self::Spawn { file, name, namespace, pose, relative_to } => {
                 text = std::fs::read_to_string(file)
@@ -126,7 +117,7 @@ impl Order {
                 command.name = self.name(name.as_deref().unwrap_or_default())?;
                 command.robot_namespace = self.name(namespace.as_deref().unwrap_or_default())?;
                 command.reference = self.name(relative_to)?;
-                (command.position, command.orientation) = (pose.position, turned(pose.yaw_deg));
+                set_pose(&mut command, *pose);
             }
             Self::Delete { name } => command.name = self.name(name)?,
             Self::Configure { sensor, settings } => {
@@ -144,40 +135,8 @@ impl Order {
     }
 }
 
-fn turned(yaw_deg: f64) -> [f64; 4] {
-    Pose::from_xyz_rpy(DVec3::ZERO, DVec3::Z * yaw_deg.to_radians()).rotation().to_array()
-}
-
-/// Metres and degrees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
-    position: [f64; 3],
-    yaw_deg: f64,
-}
-
-fn place(text: &str) -> Result<Place, String> {
-    let wrong = || "three or four numbers are wanted, such as 1.5,0,0.1 or 1.5,0,0.1,90".to_owned();
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|number| number.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(wrong))
-        .collect::<Result<_, _>>()?;
-    match numbers[..] {
-        [x, y, z] => Ok(Place { position: [x, y, z], yaw_deg: 0.0 }),
-        [x, y, z, yaw_deg] => Ok(Place { position: [x, y, z], yaw_deg }),
-        _ => Err(wrong()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn places_are_three_or_four_numbers() {
-        assert_eq!(place("1, -2,3"), Ok(Place { position: [1.0, -2.0, 3.0], yaw_deg: 0.0 }));
-        assert_eq!(place("1,2,3,90").unwrap().yaw_deg, 90.0);
-        for bad in ["", "1,2", "1,2,3,4,5", "a,b,c", "1,2,nan"] {
-            assert!(place(bad).is_err(), "{bad}");
-        }
-    }
+fn set_pose(command: &mut SimulationCommand, place: Place) {
+    let pose = place.pose();
+    command.position = pose.translation().to_array();
+    command.orientation = pose.rotation().to_array();
 }

@@ -138,7 +138,7 @@ impl Camera {
         shots.check_flows(truth.flows())?;
         let frames: Vec<_> = (0..shots.len()).map(|_| (colour.next(), truth.next())).collect();
         let threads = Threads::new(threads, shots.len() * self.0.pixels())?;
-        let done = py.detach(|| {
+        py.detach(|| {
             threads.for_each(frames, |index, (colour, truth), memory| {
                 if !shots.is_wanted(index) {
                     return Ok(());
@@ -152,7 +152,6 @@ impl Camera {
                     camera.sense(scene, capture, workspace, picture).map_err(|why| why.to_string())
                 })
             })
-        });
-        done.map_err(value_error)
+        })
     }
 }

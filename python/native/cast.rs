@@ -1,7 +1,7 @@
 //! Rays with nothing in common.
 
 use crate::data::Data;
-use crate::errors::{of, value_error};
+use crate::errors::of;
 use crate::outputs::Outputs;
 use crate::pool::Threads;
 use crate::shots::Moves;
@@ -50,6 +50,9 @@ impl Rays {
     }
 }
 
+/// So many rays are cast at a time, so that Ctrl-C need not wait for all.
+const AT_A_TIME: usize = 1 << 20;
+
 /// Finds what each ray first meets. Where that is nothing, normals and barycentrics are 0.
 pub(crate) fn cast(
     py: Python<'_>,
@@ -67,25 +70,35 @@ pub(crate) fn cast(
     }
     let mut outputs = Outputs::borrow(outputs)?;
     let mut slices = outputs.lend(1)?;
-    let mut hits = Hits {
-        distance: slices.f32("distance", count)?.next(),
-        normal: slices.f32("normal", count)?.next(),
-        instance: slices.u32("instance", count)?.next(),
-        primitive: slices.u32("primitive", count)?.next(),
-        barycentrics: slices.f32("barycentrics", count)?.next(),
-    };
+    let mut distance = parts(slices.f32("distance", count)?.next());
+    let mut normal = parts(slices.f32("normal", count)?.next());
+    let mut instance = parts(slices.u32("instance", count)?.next());
+    let mut primitive = parts(slices.u32("primitive", count)?.next());
+    let mut barycentrics = parts(slices.f32("barycentrics", count)?.next());
     slices.finish()?;
+    let hits: Vec<_> = (0..count.div_ceil(AT_A_TIME))
+        .map(|_| Hits {
+            distance: distance.next(),
+            normal: normal.next(),
+            instance: instance.next(),
+            primitive: primitive.next(),
+            barycentrics: barycentrics.next(),
+        })
+        .collect();
     let threads = Threads::new(threads, count)?;
     let faces = if rays.both_faces { Faces::Both } else { Faces::Front };
-    let done = py.detach(|| {
-        hits.normal.iter_mut().for_each(|normals| normals.fill([0.0; 3]));
-        hits.barycentrics.iter_mut().for_each(|weights| weights.fill([0.0; 2]));
-        let given = rays::Rays {
-            origins: &rays.origins,
-            directions: &rays.directions,
-            ranges: rays.ranges.as_deref(),
-        };
-        threads.for_each(vec![hits], |_, hits, memory| {
+    py.detach(|| {
+        threads.for_each(hits, |index, mut hits, memory| {
+            hits.normal.iter_mut().for_each(|normals| normals.fill([0.0; 3]));
+            hits.barycentrics.iter_mut().for_each(|weights| weights.fill([0.0; 2]));
+            let first = index * AT_A_TIME;
+            let here = first..count.min(first + AT_A_TIME);
+            let given = rays::Rays {
+                // One each, or one for all.
+                origins: rays.origins.get(here.clone()).unwrap_or(&rays.origins),
+                directions: &rays.directions[here.clone()],
+                ranges: rays.ranges.as_ref().map(|ranges| &ranges[here]),
+            };
             let scene = world.builder.scene();
             let instances = moves.place(&world, 0, &mut memory.poses[0]);
             let workspace = &mut memory.workspace.lend(rays::workspace_len(&scene));
@@ -93,6 +106,10 @@ pub(crate) fn cast(
             cast_rays(&scene, instances, reference, &given, rays.visibility, faces, workspace, hits)
                 .map_err(|why| why.to_string())
         })
-    });
-    done.map_err(value_error)
+    })
+}
+
+/// An output in parts of as many rays as are cast at a time.
+fn parts<T>(output: Option<&mut [T]>) -> impl Iterator<Item = &mut [T]> {
+    output.into_iter().flat_map(|output| output.chunks_mut(AT_A_TIME))
 }

@@ -17,6 +17,8 @@ pub(crate) struct Data {
     pub(crate) bodies: Vec<Body>,
     /// Numbers of bodies, of those that share a name the first.
     by_name: HashMap<String, usize>,
+    /// Of the names `body_…` those up to this number are taken, or passed over.
+    named: usize,
 }
 
 /// What moves as one.
@@ -59,8 +61,7 @@ impl Data {
             Described::Model(thing) => {
                 let mut simulation =
                     Simulation::builder(model::World::empty()).build().map_err(value_error)?;
-                let options = SpawnOptions { world_from_model: thing.world_from_model, ..Default::default() };
-                simulation.spawn(&thing, options).map_err(value_error)?;
+                simulation.spawn(&thing, SpawnOptions::default()).map_err(value_error)?;
                 simulation
             }
         };
@@ -69,6 +70,18 @@ impl Data {
 
     pub(crate) fn find(&self, name: &str) -> Option<usize> {
         self.by_name.get(name).copied()
+    }
+
+    /// A name for a body that was given none: `body_…` with its number, or the next that nobody has.
+    pub(crate) fn free_name(&mut self) -> String {
+        self.named = self.named.max(self.bodies.len());
+        loop {
+            let name = format!("body_{}", self.named);
+            if self.find(&name).is_none() {
+                return name;
+            }
+            self.named += 1;
+        }
     }
 
     /// Adds a body; its number.

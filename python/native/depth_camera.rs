@@ -11,6 +11,10 @@ use belvedere_sensors::depth::{self, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::depth::{DepthModel, presets};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use std::ops::RangeInclusive;
+
+/// Focal lengths that models of devices take, in pixels.
+const FOCAL_PX: RangeInclusive<f64> = 1e-6..=1e6;
 
 #[pyclass(frozen, module = "belvedere._native")]
 pub(crate) struct DepthCamera {
@@ -44,6 +48,7 @@ impl DepthCamera {
         model: Option<&str>,
         projector: bool,
     ) -> PyResult<Self> {
+        let argument = if lens.0.is_some() { "lens" } else { "fov" };
         let eye = Eye::new(size, lens, clip, exposure, (grey, smooth), noise, device)?;
         let mut limits = [0.0, f64::INFINITY];
         let mut depth_model = DepthModel::from(gaussian(depth_noise)?);
@@ -55,7 +60,17 @@ impl DepthCamera {
                 )
             })?;
             limits = preset.range_m;
-            depth_model = preset.model(eye.rays.focal_px().unwrap_or_else(|| preset.focal_px()));
+            let focal_px = eye.rays.focal_px().unwrap_or_else(|| preset.focal_px());
+            if !FOCAL_PX.contains(&focal_px) {
+                let [least, most] = [FOCAL_PX.start(), FOCAL_PX.end()];
+                return Err(of(
+                    argument,
+                    format_args!(
+                        "{name} takes focal lengths of {least:e} to {most:e} pixels, not {focal_px:.3e}"
+                    ),
+                ));
+            }
+            depth_model = preset.model(focal_px);
             if !projector {
                 depth_model = depth_model.without_projector().ok_or_else(|| {
                     of("projector", format_args!("a {name} measures by its light; leave it on"))
@@ -101,7 +116,7 @@ impl DepthCamera {
             .map(|_| (colour.next(), depth.next(), millimetres.next(), points.next(), truth.next()))
             .collect();
         let threads = Threads::new(threads, shots.len() * pixels)?;
-        let done = py.detach(|| {
+        py.detach(|| {
             threads.for_each(frames, |index, (colour, depth, millimetres, points, truth), memory| {
                 if !shots.is_wanted(index) {
                     return Ok(());
@@ -123,7 +138,6 @@ impl DepthCamera {
                     Ok(())
                 })
             })
-        });
-        done.map_err(value_error)
+        })
     }
 }

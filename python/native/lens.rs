@@ -1,6 +1,6 @@
 //! Lenses: which way the rays of a camera go.
 
-use crate::errors::{of, value_error};
+use crate::errors::of;
 use belvedere_sensors::optics::{
     BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics, KannalaBrandt, Lens, LensError, Mei,
     Optics, Pinhole, PinholeGrid, RayTableBuf,
@@ -16,18 +16,24 @@ pub(crate) enum Rays {
 impl Rays {
     /// Of a lens by its name; the numbers are fx, fy, cx, cy, skew and then those of the model.
     pub(crate) fn new(width: u32, height: u32, lens: &str, numbers: &[f64]) -> PyResult<Self> {
-        let &[fx, fy, cx, cy, skew, ref model @ ..] = numbers else {
-            return Err(of("lens", "fx, fy, cx, cy and skew are expected"));
+        let (_, own) = MODELS.iter().find(|(name, _)| *name == lens).ok_or_else(|| {
+            let names = MODELS.map(|(name, _)| name).join(", ");
+            of("lens", format_args!("there is no model {lens:?}; there are {names}"))
+        })?;
+        let wrong = || {
+            let own = if own.is_empty() { String::new() } else { format!(" {own}") };
+            let count = numbers.len();
+            of("lens", format_args!("{lens}: fx fy cx cy skew{own} are expected, not {count} numbers"))
         };
+        let &[fx, fy, cx, cy, skew, ref model @ ..] = numbers else { return Err(wrong()) };
         let intrinsics = Intrinsics { fx, fy, cx, cy, skew };
-        let lens = named(lens, intrinsics, model).map_err(|error| of("lens", error))?;
-        match lens {
-            None => {
+        match named(lens, intrinsics, model).map_err(|error| of("lens", error))?.ok_or_else(wrong)? {
+            Named::Pinhole => {
                 let grid =
                     Pinhole::new(intrinsics).and_then(|pinhole| PinholeGrid::new(width, height, pinhole));
                 grid.map(Self::Pinhole).map_err(|error| of("lens", error))
             }
-            Some(lens) => {
+            Named::Lens(lens) => {
                 let table =
                     RayTableBuf::from_lens(width, height, &*lens).map_err(|error| of("lens", error))?;
                 Ok(Self::Table(Box::new(table)))
@@ -37,7 +43,7 @@ impl Rays {
 
     /// Of a pinhole with square pixels: the horizontal field of view in radians.
     pub(crate) fn from_fov(width: u32, height: u32, fov: f64) -> PyResult<Self> {
-        PinholeGrid::from_fov(width, height, fov).map(Self::Pinhole).map_err(value_error)
+        PinholeGrid::from_fov(width, height, fov).map(Self::Pinhole).map_err(|error| of("fov", error))
     }
 
     /// Lends it to a sensor.
@@ -57,10 +63,27 @@ impl Rays {
     }
 }
 
-/// The model of a lens; none for a pinhole without skew, which is a rule and no table.
-fn named(name: &str, intrinsics: Intrinsics, numbers: &[f64]) -> Result<Option<Box<dyn Lens>>, LensError> {
-    Ok(Some(match (name, numbers) {
-        ("pinhole", []) if intrinsics.skew == 0.0 => return Ok(None),
+/// The models by name, and what each takes besides fx, fy, cx, cy and skew.
+const MODELS: [(&str, &str); 7] = [
+    ("pinhole", ""),
+    ("brown_conrady", "k1 k2 p1 p2 …"),
+    ("kannala_brandt", "k1 k2 k3 k4"),
+    ("eucm", "alpha beta"),
+    ("double_sphere", "xi alpha"),
+    ("mei", "xi k1 k2 p1 p2"),
+    ("equirectangular", ""),
+];
+
+enum Named {
+    /// A pinhole without skew, which is a rule and no table.
+    Pinhole,
+    Lens(Box<dyn Lens>),
+}
+
+/// The model of a lens; none if it does not take so many numbers.
+fn named(name: &str, intrinsics: Intrinsics, numbers: &[f64]) -> Result<Option<Named>, LensError> {
+    Ok(Some(Named::Lens(match (name, numbers) {
+        ("pinhole", []) if intrinsics.skew == 0.0 => return Ok(Some(Named::Pinhole)),
         ("pinhole", []) => Box::new(Pinhole::new(intrinsics)?),
         ("brown_conrady", coefficients) => Box::new(BrownConrady::new(intrinsics, coefficients)?),
         ("kannala_brandt", &[k1, k2, k3, k4]) => Box::new(KannalaBrandt::new(intrinsics, [k1, k2, k3, k4])?),
@@ -68,7 +91,6 @@ fn named(name: &str, intrinsics: Intrinsics, numbers: &[f64]) -> Result<Option<B
         ("double_sphere", &[xi, alpha]) => Box::new(DoubleSphere::new(intrinsics, xi, alpha)?),
         ("mei", &[xi, k1, k2, p1, p2]) => Box::new(Mei::new(intrinsics, xi, [k1, k2, p1, p2])?),
         ("equirectangular", []) => Box::new(Equirectangular::with_intrinsics(intrinsics)?),
-        // The Python package gives names and numbers of its own alone.
         _ => return Ok(None),
-    }))
+    })))
 }

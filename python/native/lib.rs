@@ -9,11 +9,13 @@
 //! | `poses` | arrays of poses |
 //! | `outputs` | the caller's arrays, as slices frame by frame |
 //! | `pool` | threads, and the memory that each works in |
+//! | `interrupt` | Ctrl-C while something takes long |
 //! | `data` | a scene, and bodies that move as one |
 //! | `world` | worlds as Python makes them |
 //! | `load` | worlds and robots from files |
 //! | `looks` | colours and lamps of each world of a batch |
 //! | `shots` | from where and when a batch is seen |
+//! | `path` | the way of what turns, in steps |
 //! | `lens`, `camera`, `depth_camera`, `lidar`, `scanner` | the sensors |
 //! | `cast` | rays with nothing in common |
 //! | `simulation` | a world that runs |
@@ -27,11 +29,13 @@ mod cast;
 mod data;
 mod depth_camera;
 mod errors;
+mod interrupt;
 mod lens;
 mod lidar;
 mod load;
 mod looks;
 mod outputs;
+mod path;
 mod pool;
 mod poses;
 mod scanner;
@@ -51,7 +55,7 @@ mod _native {
     #[pymodule_export]
     use crate::lidar::Lidar;
     #[pymodule_export]
-    use crate::poses::poses_of_matrices;
+    use crate::poses::{bad_pose, poses_of_matrices};
     #[pymodule_export]
     use crate::scanner::Scanner;
     #[pymodule_export]

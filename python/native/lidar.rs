@@ -61,7 +61,7 @@ impl Lidar {
         let frames: Vec<_> =
             (0..shots.len()).map(|_| (ranges.next(), intensities.next(), truth.next())).collect();
         let threads = Threads::new(threads, shots.len() * beams)?;
-        let done = py.detach(|| {
+        py.detach(|| {
             threads.for_each(frames, |index, (ranges, intensities, truth), memory| {
                 if !shots.is_wanted(index) {
                     return Ok(());
@@ -75,7 +75,6 @@ impl Lidar {
                     lidar.sense(scene, capture, workspace, scan).map_err(|why| why.to_string())
                 })
             })
-        });
-        done.map_err(value_error)
+        })
     }
 }

@@ -3,23 +3,55 @@
 use belvedere_sensors::scene::{Light, Material};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Execution, Pose};
-use pyo3::PyResult;
+use pyo3::prelude::*;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::cell::Cell;
-use std::collections::HashMap;
+use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
-use crate::errors::of;
+use crate::errors::{of, value_error};
+use crate::interrupt::Interrupt;
 
 /// Of fewer rays no thread is woken: that takes as long as to trace them.
 const FEW_RAYS: usize = 20_000;
 
-/// Pools that were made, by process and number of threads. A forked child has none of its parent's threads, so it makes its
-/// own.
-static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
+/// So many sizes of pools are kept; the threads of others end when their work is done.
+const KEPT: usize = 2;
 
-type Pools = HashMap<(u32, usize), Arc<ThreadPool>>;
+static POOLS: Mutex<Pools> = Mutex::new(Pools { process: 0, recent: Vec::new() });
+
+/// The pools that were used last.
+struct Pools {
+    /// Whose threads they are.
+    process: u32,
+    /// By number of threads, that of the last call at the end.
+    recent: Vec<(usize, Arc<ThreadPool>)>,
+}
+
+impl Pools {
+    fn of_size(&mut self, count: usize) -> PyResult<Arc<ThreadPool>> {
+        let process = std::process::id();
+        if self.process != process {
+            // A forked child has none of its parent's threads, and nobody to hear that their pools have ended.
+            std::mem::forget(std::mem::take(&mut self.recent));
+            self.process = process;
+        }
+        let pool = if let Some(index) = self.recent.iter().position(|(of, _)| *of == count) {
+            self.recent.remove(index).1
+        } else {
+            let builder = ThreadPoolBuilder::new().num_threads(count);
+            let pool = builder.thread_name(|index| format!("belvedere-{index}")).build();
+            Arc::new(pool.map_err(|error| of("threads", error))?)
+        };
+        self.recent.push((count, pool.clone()));
+        if self.recent.len() > KEPT {
+            self.recent.remove(0);
+        }
+        Ok(pool)
+    }
+}
 
 /// What a thread works in. It is kept, so that batch after batch nothing is allocated.
 #[derive(Default)]
@@ -66,40 +98,45 @@ impl Threads {
         if count == 1 || rays < FEW_RAYS {
             return Ok(Self(None));
         }
-        let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-        let pools = pools.get_or_insert_default();
-        let key = (std::process::id(), count);
-        if let Some(pool) = pools.get(&key) {
-            return Ok(Self(Some(pool.clone())));
-        }
-        let pool =
-            ThreadPoolBuilder::new().num_threads(count).thread_name(|index| format!("belvedere-{index}"));
-        let pool = Arc::new(pool.build().map_err(|error| of("threads", error))?);
-        pools.insert(key, pool.clone());
-        Ok(Self(Some(pool)))
+        POOLS.lock().unwrap_or_else(PoisonError::into_inner).of_size(count).map(|pool| Self(Some(pool)))
     }
 
-    /// Takes frames, each by itself. If there are fewer than threads, several work on one. The first error is the answer;
-    /// other frames may have been written then.
+    /// Takes frames, each by itself. If there are fewer than threads, several work on one. The first error is the answer, as
+    /// is what a signal raises, Ctrl-C's `KeyboardInterrupt`; other frames may have been written then.
     pub(crate) fn for_each<F: Send>(
         &self,
         frames: Vec<F>,
         work: impl Fn(usize, F, &mut Memory) -> Result<(), String> + Sync,
-    ) -> Result<(), String> {
-        let one_by_one = |frames: Vec<F>, execution| {
-            frames
-                .into_iter()
-                .enumerate()
-                .try_for_each(|(index, frame)| with_memory(execution, |memory| work(index, frame, memory)))
-        };
-        let Some(pool) = &self.0 else { return one_by_one(frames, Execution::default()) };
-        pool.install(|| {
-            if frames.len() < rayon::current_num_threads() {
-                return one_by_one(frames, Execution::parallel());
+    ) -> PyResult<()> {
+        let interrupt = Interrupt::default();
+        let one = |execution, (index, frame)| {
+            if interrupt.is_set() {
+                return Ok(());
             }
-            frames.into_par_iter().enumerate().try_for_each(|(index, frame)| {
-                with_memory(Execution::default(), |memory| work(index, frame, memory))
-            })
-        })
+            with_memory(execution, |memory| work(index, frame, memory))
+        };
+        let Some(pool) = &self.0 else {
+            let mut looked = Instant::now();
+            return frames.into_iter().enumerate().try_for_each(|frame| {
+                interrupt.look(&mut looked)?;
+                one(Execution::default(), frame).map_err(value_error)
+            });
+        };
+        let ((sender, done), one) = (channel(), &one);
+        let answer = pool.in_place_scope(|scope| {
+            scope.spawn(move |_| {
+                let done = if frames.len() < rayon::current_num_threads() {
+                    frames.into_iter().enumerate().try_for_each(|frame| one(Execution::parallel(), frame))
+                } else {
+                    let frames = frames.into_par_iter().enumerate();
+                    frames.try_for_each(|frame| one(Execution::default(), frame))
+                };
+                // Who asked is waiting.
+                let _ = sender.send(done);
+            });
+            interrupt.wait(&done)
+        })?;
+        // Of a thread that panics, the scope hands the panic on.
+        answer.unwrap_or(Ok(())).map_err(value_error)
     }
 }

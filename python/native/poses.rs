@@ -3,7 +3,7 @@
 use crate::errors::of;
 use belvedere_sensors::Pose;
 use glam::{DMat3, DQuat, DVec3};
-use numpy::{PyArray1, PyReadonlyArrayDyn, ndarray::ArrayView1};
+use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
 /// Numbers of a pose.
@@ -42,22 +42,36 @@ pub(crate) fn numbers(pose: &Pose) -> [f64; NUMBERS] {
     [x, y, z, qx, qy, qz, qw]
 }
 
-/// Poses as seven numbers each, of (N, 4, 4) matrices that lie without gaps.
+/// Which one is none, and why.
+type Bad = (usize, &'static str);
+
+/// Which of the poses of (N, 7), that lie without gaps, is the first that is none, and why.
+#[pyfunction]
+pub(crate) fn bad_pose(poses: PyReadonlyArrayDyn<'_, f64>) -> PyResult<Option<Bad>> {
+    let all = poses.as_slice().map_err(|error| of("poses", error))?;
+    Ok(all.chunks_exact(NUMBERS).enumerate().find_map(|(index, pose)| Some((index, one(pose).err()?))))
+}
+
+/// Poses as seven numbers each, of (N, 4, 4) matrices that lie without gaps; of those up to the first that is none: which
+/// that is, and why.
 #[pyfunction]
 pub(crate) fn poses_of_matrices<'py>(
     py: Python<'py>,
-    argument: &str,
     matrices: PyReadonlyArrayDyn<'py, f64>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let all = matrices.as_slice().map_err(|error| of(argument, error))?;
+) -> PyResult<(Bound<'py, PyArray1<f64>>, Option<Bad>)> {
+    let all = matrices.as_slice().map_err(|error| of("poses", error))?;
     let mut poses = Vec::with_capacity(all.len() / 16 * NUMBERS);
+    let mut bad = None;
     for (index, matrix) in all.chunks_exact(16).enumerate() {
-        let pose = of_matrix(matrix).map_err(|why| {
-            of(argument, format_args!("matrix {index} {why}:\n{}", ArrayView1::from(matrix)))
-        })?;
-        poses.extend(numbers(&pose));
+        match of_matrix(matrix) {
+            Ok(pose) => poses.extend(numbers(&pose)),
+            Err(why) => {
+                bad = Some((index, why));
+                break;
+            }
+        }
     }
-    Ok(PyArray1::from_vec(py, poses))
+    Ok((PyArray1::from_vec(py, poses), bad))
 }
 
 fn of_matrix(matrix: &[f64]) -> Result<Pose, &'static str> {

@@ -5,8 +5,11 @@ use crate::outputs::Outputs;
 use crate::pool::Threads;
 use crate::shots::{GivenEach, Shots};
 use crate::world::World;
-use belvedere_sensors::scanner::{self, Echoes, Intensity, Returns, ScannerConfig, Weather, presets};
-use belvedere_sensors::{Keyframe, Sensor, Shutter};
+use belvedere_sensors::scanner::presets::{self, Preset};
+use belvedere_sensors::scanner::{self, Echoes, Intensity, Returns, ScannerConfig, Weather};
+use belvedere_sensors::{Capture, Keyframe, Moment, Sensor, Shutter};
+use numpy::PyArray2;
+use numpy::ndarray::Array2;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -15,6 +18,38 @@ pub(crate) struct Scanner {
     config: ScannerConfig<'static>,
     firings: usize,
     returns: usize,
+}
+
+/// What is said of columns and turns that a preset has not together.
+fn no_mode(preset: &Preset, columns: Option<u32>, rate_hz: Option<f64>) -> PyErr {
+    let Preset { name, modes, rates_hz: [slowest, fastest], .. } = preset;
+    if modes.is_empty() {
+        return match (columns, rate_hz) {
+            (Some(columns), _) => {
+                of("columns", format_args!("{name} has no choice of columns; leave out the {columns}"))
+            }
+            (None, rate_hz) => of(
+                "rate",
+                format_args!(
+                    "{name} has no such mode: {slowest} to {fastest} turns a second are expected, not {}",
+                    rate_hz.unwrap_or_default()
+                ),
+            ),
+        };
+    }
+    let modes = modes.iter().map(|mode| format!("{} at {}", mode.columns.at_angles(), mode.rate_hz));
+    let given = match (columns, rate_hz) {
+        (Some(columns), Some(rate_hz)) => format!("{columns} at {rate_hz}"),
+        (Some(columns), None) => columns.to_string(),
+        (None, rate_hz) => format!("any at {}", rate_hz.unwrap_or_default()),
+    };
+    of(
+        if columns.is_some() { "columns" } else { "rate" },
+        format_args!(
+            "{name} has no such mode: columns at turns a second are {}, not {given}",
+            modes.collect::<Vec<_>>().join(", ")
+        ),
+    )
 }
 
 #[pymethods]
@@ -35,13 +70,7 @@ impl Scanner {
                 format_args!("there is none called {preset:?}; there are {}", presets::NAMES.join(", ")),
             )
         })?;
-        let mode = found.in_mode(columns, rate_hz).ok_or_else(|| {
-            let [slowest, fastest] = found.rates_hz;
-            of(
-                "rate",
-                format_args!("{preset} has no such mode: rates are {slowest} to {fastest} turns a second"),
-            )
-        })?;
+        let mode = found.in_mode(columns, rate_hz).ok_or_else(|| no_mode(&found, columns, rate_hz))?;
         let config = mode
             .config((1e9 / mode.rate_hz).round() as u64)
             .returns(match returns {
@@ -70,6 +99,15 @@ impl Scanner {
     #[staticmethod]
     fn presets() -> Vec<&'static str> {
         presets::NAMES.to_vec()
+    }
+
+    /// Which way the firings of a frame go in the frame of the sensor: (firings, 3).
+    fn directions<'py>(&self, py: Python<'py>, frame: u64) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let scanner = scanner::Scanner::new(self.config).map_err(value_error)?;
+        let direction = |index| scanner.firing(frame, index).direction.as_vec3().to_array();
+        let numbers: Vec<f32> = (0..self.firings).flat_map(direction).collect();
+        let array = Array2::from_shape_vec((self.firings, 3), numbers).map_err(value_error)?;
+        Ok(PyArray2::from_owned_array(py, array))
     }
 
     /// Firings of a frame, returns of each, nanoseconds from a frame to the next.
@@ -110,7 +148,7 @@ impl Scanner {
             })
             .collect();
         let threads = Threads::new(threads, shots.len() * firings)?;
-        let done = py.detach(|| {
+        py.detach(|| {
             threads.for_each(frames, |index, parts, memory| {
                 if !shots.is_wanted(index) {
                     return Ok(());
@@ -121,15 +159,22 @@ impl Scanner {
                     let mut capture = *capture;
                     let frame_time_s = self.config.frame_time_ns as f64 * 1e-9;
                     // Where it goes to during the frame, if that is said.
-                    let keyframes = match (capture.shutter, capture.after.take()) {
-                        (Shutter::Global(first), Some(Shutter::Global(last))) => Some([
-                            Keyframe { time_s: 0.0, at: first },
-                            Keyframe { time_s: frame_time_s, at: last },
-                        ]),
-                        _ => None,
-                    };
-                    if let Some(keyframes) = &keyframes {
-                        let moving = belvedere_sensors::Capture::new(capture.frame, keyframes.as_slice());
+                    if let (Shutter::Global(first), Some(Shutter::Global(last))) =
+                        (capture.shutter, capture.after.take())
+                    {
+                        let between = shots.between(index);
+                        let between = between.iter().map(|(world_from_sensor, world_from_instance)| Moment {
+                            world_from_sensor: *world_from_sensor,
+                            world_from_instance,
+                        });
+                        let moments: Vec<_> =
+                            std::iter::once(first).chain(between).chain(std::iter::once(last)).collect();
+                        let step_s = frame_time_s / (moments.len() - 1) as f64;
+                        let keyframes = moments.into_iter().enumerate();
+                        let keyframes: Vec<_> = keyframes
+                            .map(|(step, at)| Keyframe { time_s: step as f64 * step_s, at })
+                            .collect();
+                        let moving = Capture::new(capture.frame, keyframes.as_slice());
                         let workspace = &mut workspace.lend(scanner.workspace_len(scene, &moving));
                         return scanner
                             .sense(scene, &moving, workspace, parts)
@@ -139,7 +184,6 @@ impl Scanner {
                     scanner.sense(scene, &capture, workspace, parts).map_err(|why| why.to_string())
                 })
             })
-        });
-        done.map_err(value_error)
+        })
     }
 }

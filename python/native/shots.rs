@@ -3,6 +3,7 @@
 use crate::data::Data;
 use crate::errors::of;
 use crate::looks::{GivenLooks, Looks};
+use crate::path;
 use crate::pool::Memory;
 use crate::poses;
 use belvedere_sensors::scene::Scene;
@@ -75,6 +76,12 @@ impl Moves {
         Ok(Self { bodies, world_from_body })
     }
 
+    /// The bodies that are elsewhere in a frame, and where.
+    fn of_frame(&self, frame: usize) -> impl Iterator<Item = (usize, Pose)> {
+        let moved = &self.world_from_body[frame * self.bodies.len()..][..self.bodies.len()];
+        self.bodies.iter().copied().zip(moved.iter().copied())
+    }
+
     /// Where all instances are in a frame.
     pub(crate) fn place<'a>(&self, world: &'a Data, frame: usize, memory: &'a mut Vec<Pose>) -> &'a [Pose] {
         let stand = world.builder.poses();
@@ -83,13 +90,17 @@ impl Moves {
         }
         memory.clear();
         memory.extend_from_slice(stand);
-        let moved = &self.world_from_body[frame * self.bodies.len()..][..self.bodies.len()];
-        for (body, world_from_body) in self.bodies.iter().zip(moved) {
-            for (instance, body_from_instance) in &world.bodies[*body].parts {
-                memory[instance.0 as usize] = *world_from_body * *body_from_instance;
-            }
-        }
+        put(world, self.of_frame(frame), memory);
         memory
+    }
+}
+
+/// Puts the instances of bodies where those are.
+fn put(world: &Data, bodies: impl Iterator<Item = (usize, Pose)>, world_from_instance: &mut [Pose]) {
+    for (body, world_from_body) in bodies {
+        for (instance, body_from_instance) in &world.bodies[body].parts {
+            world_from_instance[instance.0 as usize] = world_from_body * *body_from_instance;
+        }
     }
 }
 
@@ -119,6 +130,14 @@ impl Places {
             world_from_sensor: self.world_from_sensor[frame],
             world_from_instance: self.moves.place(world, frame, memory),
         }
+    }
+
+    /// Where the sensor is in a frame, and then all bodies.
+    fn all(&self, world: &Data, frame: usize) -> Vec<Pose> {
+        let stand = world.bodies.iter().map(|body| body.pose);
+        let mut all: Vec<_> = std::iter::once(self.world_from_sensor[frame]).chain(stand).collect();
+        self.moves.of_frame(frame).for_each(|(body, pose)| all[1 + body] = pose);
+        all
     }
 }
 
@@ -179,6 +198,22 @@ impl Shots {
     /// The seed of a frame.
     pub(crate) fn seed(&self, frame: usize) -> u64 {
         self.each.seeds[frame]
+    }
+
+    /// Where the sensor and all instances are at even times between now and the moment after, so that nothing turns far
+    /// from one to the next. The two themselves are left out; if nothing turns far between them there are no others.
+    pub(crate) fn between(&self, frame: usize) -> Vec<(Pose, Vec<Pose>)> {
+        let Some(after) = &self.after else { return Vec::new() };
+        let world = &*self.world;
+        let steps = path::steps(self.now.all(world, frame), after.all(world, frame));
+        let inner = steps.get(1..steps.len() - 1).unwrap_or_default();
+        let moving = self.now.moves.bodies.iter().chain(&after.moves.bodies);
+        let place = |step: &Vec<Pose>| {
+            let mut world_from_instance = world.builder.poses().to_vec();
+            put(world, moving.clone().map(|body| (*body, step[1 + body])), &mut world_from_instance);
+            (step[0], world_from_instance)
+        };
+        inner.iter().map(place).collect()
     }
 
     /// Lends a frame's scene and moments.

@@ -2,6 +2,7 @@
 
 use crate::data::Data;
 use crate::errors::{of, value_error};
+use crate::interrupt::Interrupt;
 use crate::load::{self, Options};
 use crate::pool::Threads;
 use crate::poses;
@@ -21,8 +22,7 @@ use pyo3::types::PyBytes;
 use rayon::ThreadPoolBuilder;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A simulation, which lives in a thread of its own: not all of it may go from one thread to another.
 #[pyclass(frozen, module = "belvedere._native")]
@@ -34,9 +34,15 @@ pub(crate) struct Simulation {
 
 struct Inside {
     simulation: simulation::Simulation,
-    frame: FrameBuf,
+    /// What frames are rendered into.
+    frames: Vec<FrameBuf>,
     notes: Vec<String>,
+    /// The robot, or the thing, that was given for a world.
+    thing: Option<String>,
 }
+
+/// The header of a frame, and its payload.
+type Rendered<'py> = (Bound<'py, PyBytes>, Bound<'py, PyArray1<u8>>);
 
 /// Something to be done in the simulation's thread.
 type Job = Box<dyn FnOnce(&mut Inside) + Send>;
@@ -48,6 +54,15 @@ impl Simulation {
         py: Python<'_>,
         job: impl FnOnce(&mut Inside) -> PyResult<T> + Send + 'static,
     ) -> PyResult<T> {
+        self.with_interrupt(py, |inside, _| job(inside))
+    }
+
+    /// The same of what may leave off before its end.
+    fn with_interrupt<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        job: impl FnOnce(&mut Inside, &Interrupt) -> PyResult<T> + Send + 'static,
+    ) -> PyResult<T> {
         if std::process::id() != self.process {
             return Err(PyRuntimeError::new_err(
                 "the simulation is another process's, of which this one was forked; make one here",
@@ -55,12 +70,14 @@ impl Simulation {
         }
         py.detach(|| {
             let (answer, answered) = channel();
+            let interrupt = Arc::new(Interrupt::default());
+            let its_own = interrupt.clone();
             let job: Job = Box::new(move |inside| {
                 // Who asked is waiting.
-                let _ = answer.send(job(inside));
+                let _ = answer.send(job(inside, &its_own));
             });
             let sent = self.jobs.lock().unwrap_or_else(PoisonError::into_inner).send(job);
-            let answer = sent.ok().and_then(|()| answered.recv().ok());
+            let answer = if sent.is_ok() { interrupt.wait(&answered)? } else { None };
             answer.unwrap_or_else(|| Err(PyRuntimeError::new_err("the simulation's thread has ended")))
         })
     }
@@ -118,11 +135,11 @@ impl Simulation {
             let execution = if threads == 1 { Execution::default() } else { Execution::parallel() };
             let builder = simulation::Simulation::builder(world).seed(seed).gazebo_compat(gazebo_compat);
             let mut simulation = builder.execution(execution).build().map_err(value_error)?;
+            let called = thing.as_ref().map(|thing| thing.name.clone());
             if let Some(thing) = thing {
-                let options = SpawnOptions { world_from_model: thing.world_from_model, ..Default::default() };
-                simulation.spawn(&thing, options).map_err(value_error)?;
+                simulation.spawn(&thing, SpawnOptions::default()).map_err(value_error)?;
             }
-            Ok(Inside { simulation, frame: FrameBuf::default(), notes })
+            Ok(Inside { simulation, frames: Vec::new(), notes, thing: called })
         };
         let ((ready, is_ready), (sender, jobs)) = (channel(), channel());
         let thread = std::thread::Builder::new().name("belvedere-simulation".into());
@@ -167,6 +184,12 @@ impl Simulation {
         self.with(py, |inside| Ok(inside.notes.clone()))
     }
 
+    /// The robot, or the thing, that was given for a world.
+    #[getter]
+    fn thing(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        self.with(py, |inside| Ok(inside.thing.clone()))
+    }
+
     #[getter]
     fn time_ns(&self, py: Python<'_>) -> PyResult<u64> {
         self.with(py, |inside| Ok(inside.simulation.time_ns()))
@@ -194,15 +217,18 @@ impl Simulation {
     }
 
     fn step(&self, py: Python<'_>, steps: u32) -> PyResult<()> {
-        self.with(py, move |inside| {
-            (0..steps).for_each(|_| inside.simulation.step());
+        self.with_interrupt(py, move |inside, interrupt| {
+            (0..steps).take_while(|_| !interrupt.is_set()).for_each(|_| inside.simulation.step());
             Ok(())
         })
     }
 
     fn run_for(&self, py: Python<'_>, time_ns: u64) -> PyResult<()> {
-        self.with(py, move |inside| {
-            inside.simulation.run_for(Duration::from_nanos(time_ns));
+        self.with_interrupt(py, move |inside, interrupt| {
+            let until_ns = inside.simulation.time_ns().saturating_add(time_ns);
+            while inside.simulation.time_ns() < until_ns && !interrupt.is_set() {
+                inside.simulation.step();
+            }
             Ok(())
         })
     }
@@ -225,18 +251,23 @@ impl Simulation {
         })
     }
 
-    /// The frame of a topic as it is now: the bytes of its header, and the payload in memory of its own.
-    fn render<'py>(
-        &self,
-        py: Python<'py>,
-        topic: String,
-    ) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyArray1<u8>>)> {
-        let (header, payload) = self.with(py, move |inside| {
-            let Inside { simulation, frame, .. } = inside;
-            simulation.render(&topic, frame).map_err(value_error)?;
-            Ok((bytemuck::bytes_of(frame.header()).to_vec(), frame.payload().to_vec()))
+    /// The frames of topics as they are now, those of one sensor of one frame: the bytes of its header, and the payload in
+    /// memory of its own; nothing of what has none.
+    fn render<'py>(&self, py: Python<'py>, topics: Vec<String>) -> PyResult<Vec<Option<Rendered<'py>>>> {
+        let frames = self.with(py, move |inside| {
+            let Inside { simulation, frames, .. } = inside;
+            let topics: Vec<&str> = topics.iter().map(String::as_str).collect();
+            frames.resize_with(topics.len().max(frames.len()), FrameBuf::default);
+            let filled = simulation.render_all(&topics, frames).map_err(value_error)?;
+            let copied =
+                |frame: &FrameBuf| (bytemuck::bytes_of(frame.header()).to_vec(), frame.payload().to_vec());
+            Ok(frames.iter().zip(filled).map(|(frame, is_filled)| is_filled.then(|| copied(frame))).collect())
         })?;
-        Ok((PyBytes::new(py, &header), PyArray1::from_vec(py, payload)))
+        let frames: Vec<Option<(Vec<u8>, Vec<u8>)>> = frames;
+        let lent = |(header, payload): (Vec<u8>, Vec<u8>)| {
+            (PyBytes::new(py, &header), PyArray1::from_vec(py, payload))
+        };
+        Ok(frames.into_iter().map(|frame| frame.map(lent)).collect())
     }
 
     /// What is seen now, as a world of its own.

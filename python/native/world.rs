@@ -7,8 +7,8 @@ use crate::load::{self, Options};
 use crate::poses;
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
-    Environment, InstanceConfig, Light, LightConfig, LightKind, MaterialConfig, MaterialId, SceneBuilder,
-    SceneError, Shape, TextureAlpha,
+    Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, MaterialId, SceneBuilder,
+    SceneError, Shape, TextureAlpha, TextureId,
 };
 use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
@@ -57,11 +57,11 @@ impl World {
         let (name, pose, scale, class, laser_retro, visibility) = said;
         let world_from_body = poses::read("pose", &pose)?.into_iter().next().unwrap_or_default();
         self.change(|data| {
-            let name = if name.is_empty() { format!("body_{}", data.bodies.len()) } else { name };
+            let name = if name.is_empty() { data.free_name() } else { name };
             if data.find(&name).is_some() {
                 return Err(of("name", format_args!("there is a body {name:?} already")));
             }
-            let material = add_material(&mut data.builder, &look)?;
+            let (material, texture) = add_material(&mut data.builder, &look)?;
             let taken = shape(&mut data.builder).and_then(|shape| {
                 let config = InstanceConfig {
                     shape,
@@ -75,8 +75,9 @@ impl World {
                 data.builder.add_instance(&config).map_err(of_shape)
             });
             let instance = taken.inspect_err(|_| {
-                // It is there, and nobody has it.
+                // They are there, and nobody has them.
                 let _ = data.builder.remove_material(material);
+                texture.map(|texture| data.builder.remove_texture(texture));
             })?;
             Ok(data.push(Body { name, pose: world_from_body, parts: vec![(instance, Pose::IDENTITY)] }))
         })
@@ -103,7 +104,8 @@ fn of_shape(error: SceneError) -> PyErr {
     of(argument, error)
 }
 
-fn add_material(builder: &mut SceneBuilder, look: &Look<'_>) -> PyResult<MaterialId> {
+/// Adds a material and its picture, or neither.
+fn add_material(builder: &mut SceneBuilder, look: &Look<'_>) -> PyResult<(MaterialId, Option<TextureId>)> {
     let (color, emissive, specular, shininess, picture, texture_repeat) = look;
     let texture = picture.as_ref().map(|(picture, width)| {
         let texels = picture.as_slice().map_err(|error| of("texture", error))?;
@@ -125,7 +127,11 @@ fn add_material(builder: &mut SceneBuilder, look: &Look<'_>) -> PyResult<Materia
         texture_repeat: *texture_repeat,
         ..Default::default()
     };
-    builder.add_material(&config).map_err(of_shape)
+    let material = builder.add_material(&config).map_err(|error| {
+        texture.map(|texture| builder.remove_texture(texture));
+        of_shape(error)
+    });
+    Ok((material?, texture))
 }
 
 #[pymethods]
@@ -180,9 +186,12 @@ impl World {
         Self { data: Mutex::new(self.data()), notes: self.notes.clone() }
     }
 
-    /// Where each lamp is or which way it shines, and its colour.
-    fn lights(&self) -> Vec<([f64; 3], [f32; 3])> {
-        self.data().builder.scene().lights().iter().map(Light::vector_and_diffuse).collect()
+    /// Where each lamp is or which way it shines, its colour, and whether it is the way.
+    fn lights(&self) -> Vec<([f64; 3], [f32; 3], bool)> {
+        let data = self.data();
+        let lamps = data.builder.scene().lights().iter();
+        let facts = lamps.map(|lamp| (lamp.vector_and_diffuse(), lamp.position().is_none()));
+        facts.map(|((vector, colour), is_way)| (vector, colour, is_way)).collect()
     }
 
     /// Light from everywhere.

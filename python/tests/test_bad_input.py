@@ -60,7 +60,12 @@ CAMERA = bv.DepthCamera(8, 6, fov=1.0)
         ({"bodies": {3: HERE}}, r"bodies: there is no body 3; there are 1"),
         ({"bodies": {"box": [HERE, HERE]}}, r"bodies\['box'\]: poses of shape \(2,\); \(\) is expected"),
         ({"bodies": [HERE, HERE]}, r"bodies: poses of shape \(2,\); \(1,\) is expected"),
-        ({"bodies": {"box": [0, 0, np.inf, 0, 0, 0, 1]}}, r"bodies: pose 0 is not finite"),
+        ({"bodies": {"box": [0, 0, np.inf, 0, 0, 0, 1]}}, r"bodies\['box'\]: pose 0 is not finite"),
+        ({"bodies": [[0, 0, np.inf, 0, 0, 0, 1]]}, r"bodies: pose 0, of body 'box', is not finite"),
+        ({"poses": np.full((2, 3, 7), np.nan)}, r"poses: pose \[0, 0\] is not finite"),
+        ({"out": np.zeros((6, 8), np.float32)}, "out: a dictionary of arrays by channel is expected, not ndarray"),
+        ({"out": [1]}, "out: a dictionary of arrays by channel is expected, not list"),
+        ({"channels": 3}, "channels: names of channels are expected, not 3"),
         ({"bodies": {"box": HERE, 0: HERE}}, r"bodies: a body is named twice"),
         ({"after": [HERE, HERE]}, r"after: poses of shape \(2,\); \(\), as poses, is expected"),
         ({"bodies_after": {"box": HERE}}, r"bodies_after: after=poses is expected"),
@@ -91,7 +96,24 @@ def test_memory_that_cannot_be_written_to(world: bv.World) -> None:
         (lambda: bv.Camera(0, 5, 1.0), "width: a whole number from 1 to 16384 is expected, not 0"),
         (lambda: bv.Camera(8, 5.5, 1.0), "height: a whole number"),  # type: ignore[arg-type]
         (lambda: bv.Camera(8, 6), "fov, lens: one of the two is expected"),
-        (lambda: bv.Camera(8, 6, 4.0), "horizontal_fov"),
+        (lambda: bv.Camera(8, 6, 4.0), "^fov: an angle in radians between 0 and π is expected, not 4"),
+        (lambda: bv.Camera(8, 6, 60), "^fov: an angle in radians between 0 and π is expected, not 60"),
+        (
+            lambda: bv.DepthCamera(4, 4, 1e-9, model="d435"),
+            "^fov: d435 takes focal lengths of .* pixels, not 4.000e9",
+        ),
+        (lambda: bv.Camera(8, 6, 1.0, device=3), "^device: a text is expected, not 3"),  # type: ignore[arg-type]
+        (lambda: bv.Camera(8, 6, lens="pinhole"), "^lens: a Lens is expected, .*, not 'pinhole'"),  # type: ignore[arg-type]
+        (
+            lambda: bv.Camera(8, 6, lens=bv.Lens("kanala_brandt", (9,) * 9)),
+            '^lens: .*no model "kanala_brandt"; .* mei',
+        ),
+        (
+            lambda: bv.Camera(8, 6, lens=bv.Lens("kannala_brandt", (20, 20, 3, 3, 0, 0.1, 0, 0))),
+            "^lens: kannala_brandt: fx fy cx cy skew k1 k2 k3 k4 are expected, not 8 numbers",
+        ),
+        (lambda: bv.Camera(8, 6, lens=bv.Lens("pinhole", (1, 1))), "^lens: pinhole: .* not 2 numbers"),
+        (lambda: bv.Lens.kannala_brandt(1, 1, 1, 1, k=3), "^k: shape"),  # type: ignore[arg-type]
         (lambda: bv.Camera(8, 6, 1.0, near=2.0, far=1.0), "clip distances of 2 and 1 m"),
         (lambda: bv.Camera(8, 6, 1.0, exposure=-1), "an exposure of -1"),
         (lambda: bv.Camera(8, 6, 1.0, noise=float("nan")), "noise: a number is expected"),
@@ -104,6 +126,12 @@ def test_memory_that_cannot_be_written_to(world: bv.World) -> None:
         (lambda: bv.Lidar(5, angles=(1, -1)), "a lidar needs"),
         (lambda: bv.Lidar(5, least=3, most=2), "the ranges must be"),
         (lambda: bv.Lidar(5, sees="nothing"), "sees: one of visual, collision, all is expected"),
+        (lambda: bv.Scanner(None), "^preset: a text is expected, not None"),  # type: ignore[arg-type]
+        (lambda: bv.Scanner("vlp16", columns=100), "^columns: vlp16 has no choice of columns"),
+        (
+            lambda: bv.Scanner("os1_64", columns=2048, rate=20),
+            "^columns: os1_64 has no such mode: .*, 2048 at 10, not 2048 at 20",
+        ),
         (lambda: bv.Scanner("vlp"), 'preset: there is none called "vlp"; there are '),
         (lambda: bv.Scanner(bv.Scanner.presets()[0], returns="some"), "returns: strongest, first"),
         (lambda: bv.Scanner(bv.Scanner.presets()[0], rate=1e9), "rate: .* has no such mode"),

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -135,6 +137,44 @@ def test_a_forked_child_has_threads_of_its_own(world: bv.World) -> None:
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
+def test_threads_of_few_sizes_are_kept(world: bv.World) -> None:
+    def count() -> int:
+        return len(os.listdir("/proc/self/task"))
+
+    most = count() + 14 + 15
+    camera = bv.Camera(200, 200, fov=1.0)
+    for threads in range(2, 16):
+        camera.render(world, somewhere(1), threads=threads)
+    # They end a moment later.
+    deadline = time.monotonic() + 30
+    while count() > most and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert count() <= most
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_frames_end_at_ctrl_c(world: bv.World, threads: int) -> None:
+    # Memory of frames that are never reached is never there.
+    memory = np.zeros((20_000, 120, 160), np.uint8)
+    camera = bv.Camera(160, 120, fov=1.0, grey=True, smooth=True)
+    poses = np.tile([-2, 0, 0.4, 0, 0, 0, 1.0], (20_000, 1))
+
+    def press() -> None:
+        while memory[0, 100, 80] == 0:
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    worker = threading.Thread(target=press)
+    with pytest.raises(KeyboardInterrupt):  # noqa: PT012
+        worker.start()
+        camera.render(world, poses, {"rgb": memory}, threads=threads)
+    worker.join()
+    written = memory[:, 100, 80] != 0
+    assert 0 < written.sum() < 20_000
+    # Those that are there are whole.
+    np.testing.assert_array_equal(memory[written][-1], camera.render(world, poses[0])["rgb"])
+
+
 def test_rays_with_nothing_in_common() -> None:
     world = bv.World()
     vertices = np.array([[2, -1, -1], [2, 1, -1], [2, 1, 1], [2, -1, 1]], float)
@@ -167,3 +207,17 @@ def test_casts_are_the_same_on_any_threads(world: bv.World) -> None:
     for name, values in one.items():
         np.testing.assert_array_equal(values, two[name])
         np.testing.assert_array_equal(values[::2], half[name])
+
+
+def test_more_rays_than_are_cast_at_a_time(world: bv.World) -> None:
+    random = np.random.default_rng(2)
+    origins, directions = random.uniform(-1, 1, (1_100_000, 3)), random.normal(size=(1_100_000, 3))
+    ranges = np.tile([0.1, 3.0], (1_100_000, 1))
+    all_ = world.cast(origins, directions, ranges=ranges)
+    last = world.cast(origins[-100_000:], directions[-100_000:], ranges=ranges[-100_000:])
+    from_one = world.cast(origins[0], directions, channels="distance")["distance"]
+    for name, values in last.items():
+        np.testing.assert_array_equal(values, all_[name][-100_000:])
+    np.testing.assert_array_equal(
+        from_one[-100_000:], world.cast(origins[0], directions[-100_000:], channels="distance")["distance"]
+    )

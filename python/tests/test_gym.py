@@ -39,6 +39,37 @@ def test_the_vector_environment_is_repeatable() -> None:
     np.testing.assert_array_equal(gained, again)
 
 
+def test_each_environment_has_a_seed() -> None:
+    env = gym.WallVectorEnv(3)
+    first, _ = env.reset(seed=[1, 2, 3])
+    second, _ = env.reset(seed=[1, 9, 3])
+    np.testing.assert_array_equal(first[[0, 2]], second[[0, 2]])
+    assert (first[1] != second[1]).any()
+    # One number is that of the first.
+    np.testing.assert_array_equal(env.reset(seed=1)[0], first)
+    # None goes on: other walls than the seed's first.
+    on, _ = env.reset(seed=[1, None, 3])
+    np.testing.assert_array_equal(on[[0, 2]], first[[0, 2]])
+    assert (on[1] != first[1]).any()
+    with pytest.raises(ValueError, match="seed: 2 of them; 3, one for each environment"):
+        env.reset(seed=[1, 2])
+
+
+def test_an_action_that_is_none_changes_nothing() -> None:
+    env, other = gym.WallVectorEnv(3), gym.WallVectorEnv(3)
+    for one in (env, other):
+        one.reset(seed=1)
+    actions = np.zeros((3, 1), np.float32)
+    actions[1] = np.nan
+    with pytest.raises(ValueError, match="actions: of environment 1, a finite number is expected, not nan"):
+        env.step(actions)
+    with pytest.raises(ValueError, match=r"actions: shape \(2, 1\); \(3, 1\) is expected"):
+        env.step(actions[:2])
+    for ours, theirs in zip(env.step(np.ones((3, 1))), other.step(np.ones((3, 1))), strict=True):
+        if isinstance(ours, np.ndarray):
+            np.testing.assert_array_equal(ours, theirs)
+
+
 def gain(steer: object) -> float:
     """Mean reward of a step."""
     env = gym.WallVectorEnv(8)

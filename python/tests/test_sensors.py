@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -104,6 +106,46 @@ def test_a_scanner_that_moves(wall: bv.World) -> None:
     still = scanner.render(wall, HERE)["range"]
     moved = scanner.render(wall, HERE, after=[0.5, 0, 0, 0, 0, 0, 1])["range"]
     assert (np.isfinite(still) & np.isfinite(moved) & (still != moved)).any()
+
+
+def about_z(angle: float) -> list[float]:
+    return [0.0, 0.0, 0.0, 0.0, 0.0, math.sin(angle / 2), math.cos(angle / 2)]
+
+
+@pytest.mark.parametrize("angle", [0.04, 0.5, 2.0, 3.1, 4.0])
+def test_a_scanner_that_turns(angle: float) -> None:
+    world = bv.World()
+    world.add_box((0.1, 4000, 4000), (10.05, 0, 0))
+    scanner = bv.Scanner("vlp16")
+    frames = scanner.render(world, HERE, after=about_z(angle), channels=("points", "time"))
+    # By more than half a turn is by less the other way round.
+    turned = (angle if angle <= math.pi else angle - 2 * math.pi) * frames["time"] / scanner.period
+    x, y, _ = frames["points"][:, 0].T
+    ahead = np.cos(turned) * x - np.sin(turned) * y
+    hit = np.hypot(x, y) < 30
+    assert hit.sum() > 3000
+    # Ranges have noise; what the turn is wrong by grows with the distance to the side.
+    side = (np.sin(turned) * x + np.cos(turned) * y)[hit]
+    assert np.abs(np.polyfit(side, ahead[hit], 1)[0]) < 5e-4
+    assert np.abs(ahead[hit] - 10).max() < 0.2
+
+
+def test_bodies_that_turn_before_a_scanner() -> None:
+    # A wall that goes round the scanner: its link turns, and it stands beside the link.
+    world = bv.World(
+        """<robot name="door"><link name="leaf"><visual><origin xyz="10 0 0"/>
+        <geometry><box size="0.1 20 20"/></geometry></visual></link></robot>"""
+    )
+    scanner = bv.Scanner("vlp16", sees="visual")
+    there = {"door::leaf": about_z(2.0)}
+    frames = scanner.render(
+        world, HERE, bodies={"door::leaf": HERE}, after=HERE, bodies_after=there, channels=("points", "time")
+    )
+    turned = 2.0 * frames["time"] / scanner.period
+    x, y, _ = frames["points"][:, 0].T
+    hit = np.isfinite(x)
+    assert hit.sum() > 1000
+    assert np.abs(np.cos(turned) * x + np.sin(turned) * y - 9.95)[hit].max() < 0.2
 
 
 def test_a_stereo_camera_without_its_projector_needs_texture() -> None:
@@ -208,3 +250,56 @@ def test_frames_show_themselves(wall: bv.World) -> None:
         frames.picture("rgb")
     with pytest.raises(ValueError, match="index: 3 is not within"):
         frames.picture("depth", 3)
+    with pytest.raises(ValueError, match="above: frames of a Lidar or a Scanner"):
+        frames.above()
+
+
+def size(file: bytes | None) -> tuple[int, int]:
+    assert file is not None
+    return int.from_bytes(file[16:20], "big"), int.from_bytes(file[20:24], "big")
+
+
+def test_rays_show_themselves(wall: bv.World) -> None:
+    random = np.random.default_rng(0)
+    for shape, expected in [((48, 64), (64, 48)), ((50,), (50, 16)), ((), (16, 16)), ((2, 48, 64), (128, 48))]:
+        hits = wall.cast((0, 0, 0), random.normal(size=(*shape, 3)))
+        assert size(hits._repr_png_()) == expected
+        for channel in hits:
+            shown = hits.picture(channel, (0,) * len(hits.lead))
+            assert shown.shape[:2] == (expected[1], expected[0] // 2 if len(shape) == 3 else expected[0])
+    assert wall.cast((0, 0, 0), np.zeros((0, 3)))._repr_png_() is None
+
+
+def test_scans_show_themselves_from_above(wall: bv.World) -> None:
+    # The wall is 3 m ahead, and is drawn above the middle; there is nothing behind.
+    for sensor in (bv.Lidar(3000, angles=(-1, 1)), bv.Scanner("vlp16"), bv.Scanner("mid360", returns="dual")):
+        for channels in (("range",), sensor.channels[:3], ("intensity",)):
+            frames = sensor.render(wall, HERE, channels=channels)
+            assert size(frames._repr_png_()) == (481, 481)
+            for channel in channels:
+                assert frames.above(channel).shape == (481, 481, 3)
+        seen = (frames.above() < 190).any(axis=2)
+        assert seen[:230].any()
+        again = pickle.loads(pickle.dumps(frames))
+        np.testing.assert_array_equal(again.above(), frames.above())
+    assert bv.Scanner("vlp16").render(wall, HERE, channels=("time", "laser")).picture().shape == (481, 481, 3)
+    sheet = bv.Lidar(3000, 4).render(wall, poses_along_x(2), channels="class")
+    assert sheet.picture("class", 1).shape == (16, 3000, 3)
+
+
+@pytest.mark.parametrize(
+    "sensor",
+    [
+        bv.Camera(8, 6, lens=bv.Lens.kannala_brandt(4, 4, 3.5, 2.5), noise=0.1),
+        bv.DepthCamera(16, 12, 1.0, model="d435"),
+        bv.Lidar(9, 2, elevations=(-0.1, 0.1), noise=0.1),
+        bv.Scanner("rplidar_a1", sees="all"),
+    ],
+    ids=lambda sensor: type(sensor).__name__,
+)
+def test_sensors_are_pickled_and_copied(wall: bv.World, sensor: bv.Sensor) -> None:
+    expected = sensor.render(wall, HERE, seeds=3)
+    for other in (pickle.loads(pickle.dumps(sensor)), copy.deepcopy(sensor)):
+        again = other.render(wall, HERE, seeds=3)
+        for channel, values in expected.items():
+            np.testing.assert_array_equal(again[channel], values)

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import threading
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pytest
 
 import belvedere as bv
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
 
 WALL = """<sdf version='1.6'><model name='wall'><pose>2 0 0.5 0 0 0</pose><static>true</static><link name='l'>
 <collision name='c'><geometry><box><size>0.2 4 1</size></box></geometry></collision></link></model></sdf>"""
@@ -63,6 +72,79 @@ def test_any_sensor_sees_what_is_there_now() -> None:
     looking_down = [5, 0, 2, 0, 0.5**0.5, 0, 0.5**0.5]
     seen = overview.render(simulation.world, looking_down, channels=("instance",))["instance"]
     assert len(np.unique(seen)) > 2
+
+
+def test_a_models_own_pose_counts_once(tmp_path: Path) -> None:
+    expected = pytest.approx([2, 0, 0.5])
+    (tmp_path / "wall.sdf").write_text(WALL)
+    for source in (WALL, str(tmp_path / "wall.sdf")):
+        assert bv.Simulation(source).pose("wall")[:3] == expected
+        assert bv.World(source).pose("wall::l")[:3] == expected
+    simulation = bv.Simulation("empty", robot=WALL)
+    assert simulation.pose("wall")[:3] == expected
+    # As Gazebo spawns it: its own pose counts from there.
+    simulation.spawn(WALL, name="other", pose=(0, 3, 0, 0, 0, 0, 1))
+    assert simulation.pose("other")[:3] == pytest.approx([2, 3, 0.5])
+
+
+def test_a_picture_and_its_truth_are_of_one_frame() -> None:
+    simulation = bv.Simulation("tag_ceiling", robot="kobuki_hexagons_kinect")
+    picture = "/camera/rgb/image_raw"
+    topics = [picture, f"{picture}/truth/flow_back", f"{picture}/truth/flow_forward"]
+    for step in range(3):
+        simulation.command((0.3, 0.5))
+        simulation.run(0.1)
+        frames = simulation.render(topics)
+        assert list(frames) == topics[: 3 if step else 1]
+        assert frames[picture].shape == (480, 640, 3)
+        if step:
+            back = np.abs(frames[topics[1]])
+            assert back.shape == (480, 640, 2)
+            # It turns by 0.05 rad, which are 30 pixels or so.
+            assert 10 < np.nanmax(back) < 60
+    with pytest.raises(ValueError, match=r"flow has one from the second time on|has no frame now"):
+        bv.Simulation("tag_ceiling", robot="kobuki_hexagons_kinect").render(topics[1])
+
+
+def test_notes_are_told_once(caplog: pytest.LogCaptureFixture) -> None:
+    unknown = "<plugin name='p' filename='libunknown.so'/>"
+    models = [WALL.replace("'wall'", f"'{name}'").replace("<link", f"{unknown}<link") for name in "abc"]
+    simulation = bv.Simulation(models[0])
+    assert [record.args for record in caplog.records] == [(note,) for note in simulation.notes]
+    for model in models[1:]:
+        simulation.spawn(model)
+    told = [record.getMessage() for record in caplog.records if record.name == "belvedere"]
+    assert told == simulation.notes
+    assert ["of model 'a'" in told[0], "of model 'b'" in told[1], "of model 'c'" in told[2]] == [True] * 3
+
+
+def test_a_robot_in_place_of_a_world() -> None:
+    simulation = bv.Simulation("kobuki_nostack_rplidar")
+    assert simulation.robot in simulation.models
+    simulation.command((0.3, 0.0))
+    np.testing.assert_array_equal(simulation.pose(), simulation.pose(simulation.models[0]))
+    assert bv.Simulation("empty").robot is None
+    for given in ({"pose": (5, 5, 0)}, {"xacro": {"height": 1}}):
+        with pytest.raises(
+            ValueError, match=rf"{next(iter(given))}: it is of robot=…, which is expected beside it"
+        ):
+            bv.Simulation("kobuki_nostack_rplidar", **given)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "run", [lambda simulation: simulation.run(20_000), lambda simulation: simulation.step(2_000_000)]
+)
+def test_ctrl_c_ends_a_run(run: Callable[[bv.Simulation], None]) -> None:
+    simulation = bv.Simulation("empty", robot="kobuki_nostack_rplidar")
+    presses = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):  # noqa: PT012
+        presses.start()
+        run(simulation)
+    presses.join()
+    reached = simulation.time
+    assert reached < 19_000
+    simulation.run(0.1)
+    assert simulation.time == pytest.approx(reached + 0.1, abs=0.01)
 
 
 def test_errors() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import time
 from typing import TYPE_CHECKING
 
@@ -73,6 +75,11 @@ def test_errors_are_those_of_the_command_line(tmp_path: Path) -> None:
         bv.World("kobuki_hexagons_kinekt")
     with pytest.raises(ValueError, match="text:1: error"):
         bv.World("<robot")
+    for source in (b"playground", 3):
+        with pytest.raises(ValueError, match="source: a name, a path or a text is expected, not "):
+            bv.World(source)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="xacro: a dictionary of arguments is expected, not 3"):
+        bv.World(URDF, xacro=3)  # type: ignore[arg-type]
 
 
 def test_bodies_have_names_and_poses() -> None:
@@ -158,6 +165,19 @@ def test_what_is_refused_leaves_nothing() -> None:
         lambda: world.add_box((1, 1, 1), texture=np.zeros((2, 2))),
         lambda: world.add_height_field(np.zeros((1, 5)), (1, 1)),
         lambda: world.add_light("bulb"),
+        lambda: world.add_box((1, 1, 1), color=(255, 0, 0)),
+        lambda: world.add_box((1, 1, 1), color=(0.5, 0.5, -0.5)),
+        lambda: world.add_box((1, 1, 1), emissive=(-1, 0, 0)),
+        lambda: world.add_box((1, 1, 1), laser_retro=-1),
+        lambda: world.add_box((1, 1, 1), laser_retro=np.inf),
+        lambda: world.add_box((1, 1, 1), texture_repeat=(0, 0)),
+        lambda: world.add_box((1, 1, 1), name=3),
+        lambda: world.add_light(color=(np.inf, 0, 0)),
+        lambda: world.add_light(color=(-1, 0, 0)),
+        lambda: world.add_light("point", attenuation=(1, -1, 0)),
+        lambda: world.add_light(direction=(0, 0, 0)),
+        lambda: world.set_environment(ambient=(-1, 0, 0)),
+        lambda: world.set_environment(background=(np.nan, 0, 0)),
     ):
         with pytest.raises(ValueError, match=r"^\w+: "):
             add()
@@ -165,3 +185,57 @@ def test_what_is_refused_leaves_nothing() -> None:
     assert world.memory <= before + 4096
     with pytest.raises(TypeError, match="colour"):
         world.add_box((1, 1, 1), colour=(1, 0, 0))
+    world.add_light(color=(5, 5, 5))
+
+
+def test_what_is_refused_takes_no_memory() -> None:
+    world = bv.World()
+    world.add_sphere(1)
+    triangle, texture = np.eye(3), np.zeros((64, 64, 3), np.uint8)
+    adds = (
+        lambda: world.add_sphere(-1, texture=texture),
+        lambda: world.add_sphere(1, shininess=-1, texture=texture),
+        lambda: world.add_mesh(triangle, [[0, 1, 2]], scale=(0, 0, 0), texture=texture),
+        lambda: world.add_height_field(np.zeros((9, 9)), (1, 1), scale=(0, 0, 0), texture=texture),
+    )
+
+    def try_all() -> int:
+        for add in adds:
+            with pytest.raises(ValueError, match=r"^(size|shininess|scale): "):
+                add()
+        return world.memory
+
+    first = try_all()
+    for _ in range(20):
+        assert try_all() == first
+    world.add_sphere(1, texture=texture)
+    assert world.memory > first + texture.nbytes
+
+
+def test_bodies_without_a_name_get_a_free_one() -> None:
+    world = bv.World()
+    world.add_sphere(1, name="body_1")
+    world.add_sphere(1, name="body_3")
+    for _ in range(3):
+        world.add_sphere(1)
+    assert world.bodies == ["body_1", "body_3", "body_2", "body_4", "body_5"]
+    # However many names are taken ahead, each is passed over once.
+    many = bv.World()
+    for number in range(4000):
+        many.add_sphere(1, name=f"body_{number + 4000}")
+    start = time.process_time()
+    for _ in range(4000):
+        many.add_sphere(1)
+    assert time.process_time() - start < 20
+    assert many.bodies[-1] == "body_11999"
+
+
+def test_worlds_are_copied_and_not_pickled() -> None:
+    world = bv.World(SDF)
+    for other in (copy.copy(world), copy.deepcopy({"world": world})["world"]):
+        other.set_pose("m::l", (3, 0, 0))
+        assert ahead(other) == 2.5
+        assert ahead(world) == 1.5
+    for thing in (world, bv.Batch(world, 1), bv.Simulation("empty")):
+        with pytest.raises(TypeError, match=f"a {type(thing).__name__} cannot be pickled: .*make it "):
+            pickle.dumps(thing)

@@ -129,7 +129,8 @@ def test_memory_of_a_world_of_forty_bodies() -> None:
     ("arguments", "words"),
     [
         ({"mask": np.ones(3, bool)}, r"mask: shape \(3,\) of bool; \(2,\) of bool is expected"),
-        ({"mask": [1, 0]}, r"mask: shape \(2,\) of int64"),
+        ({"mask": [1, 0]}, r"mask: shape \(2,\) of int64; .*: np\.array\(mask, bool\)"),
+        ({"sensor": None}, "sensor: a Camera, Lidar or other Sensor is expected, not NoneType"),
         ({"poses": [HERE] * 3}, r"poses: poses of shape \(3,\); \(2,\), one for each world"),
         ({"after": [HERE] * 3}, r"after: poses of shape \(3,\)"),
         ({"channels": "flow"}, r"channels: 'flow' wants a moment"),
@@ -138,8 +139,66 @@ def test_memory_of_a_world_of_forty_bodies() -> None:
 def test_arguments(arguments: dict[str, object], words: str) -> None:
     batch = bv.Batch(world(), 2)
     with pytest.raises(ValueError, match=words):
-        batch.render(bv.Camera(8, 6, 1.0), **{"poses": HERE, **arguments})  # type: ignore[arg-type]
+        batch.render(**{"sensor": bv.Camera(8, 6, 1.0), "poses": HERE, **arguments})  # type: ignore[arg-type]
     assert batch.frames.tolist() == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "value", "words"),
+    [
+        ("poses", (2, 1, 0), np.nan, r"batch\.poses: pose \[2, 1\], of body 'ball', is not finite"),
+        (
+            "colors",
+            (2, 1, 0),
+            0.5,
+            r"batch\.colors: of world 2, body 'ball', numbers from 0 to 1 .*\[0\.5, nan, nan\]",
+        ),
+        ("colors", (2, 1), np.inf, r"batch\.colors: of world 2, body 'ball', .*\[inf, inf, inf\]"),
+        ("colors", (2, 1), 1.5, r"batch\.colors: of world 2, body 'ball', "),
+        ("light_colors", (2, 0, 1), -0.5, r"batch\.light_colors: of world 2, lamp 0, finite numbers of 0 or more"),
+        ("light_vectors", (2, 0), np.nan, r"batch\.light_vectors: of world 2, lamp 0, "),
+        ("light_vectors", (2, 0), 0, r"batch\.light_vectors: of world 2, lamp 0, a direction of any length but 0"),
+        ("ambient", (2, 2), np.nan, r"batch\.ambient: of world 2, finite numbers of 0 or more"),
+    ],
+)
+def test_nothing_is_written_when_one_world_is_wrong(
+    name: str, place: tuple[int, ...], value: float, words: str
+) -> None:
+    batch = bv.Batch(world(), 3)
+    getattr(batch, name)[place] = value
+    memory = np.full((3, 6, 8, 3), 77, np.uint8)
+    with pytest.raises(ValueError, match=words):
+        batch.render(bv.Camera(8, 6, 1.0), HERE, {"rgb": memory}, threads=1)
+    assert (memory == 77).all()
+    assert batch.frames.tolist() == [0, 0, 0]
+    batch.reset()
+    batch.render(bv.Camera(8, 6, 1.0), HERE)
+
+
+def test_lists_in_an_arrays_place() -> None:
+    batch, other = bv.Batch(world(), 2), bv.Batch(world(), 2)
+    camera = bv.Camera(8, 6, 1.0, noise=0.01)
+    batch.frames, batch.seeds, batch.ambient = [4, 6], [3, 5], [[0.1] * 3, [0.2] * 3]  # type: ignore[assignment]
+    other.frames[:], other.seeds[:], other.ambient[:] = (4, 6), (3, 5), ((0.1,), (0.2,))
+    np.testing.assert_array_equal(batch.render(camera, HERE)["rgb"], other.render(camera, HERE)["rgb"])
+    assert batch.frames.tolist() == [5, 7]
+    batch.frames = np.array([1, 2])
+    batch.render(camera, HERE)
+    assert batch.frames.tolist() == [2, 3]
+    batch.frames = [-1, 0]  # type: ignore[assignment]
+    with pytest.raises(ValueError, match=r"batch\.frames: shape \(2,\) of int64; .* 0 or more"):
+        batch.render(camera, HERE)
+    batch.frames = [8, 9]  # type: ignore[assignment]
+    batch.reset()
+    assert batch.frames.tolist() == [0, 0]
+    np.testing.assert_array_equal(batch.ambient, np.full((2, 3), 0.5, np.float32))
+
+
+def test_a_sensor_that_goes_the_same_way_in_all() -> None:
+    batch = bv.Batch(world(), 2)
+    flow = batch.render(bv.Camera(8, 6, 1.0), HERE, after=[0.1, *HERE[1:]], channels="flow")["flow"]
+    assert (flow[0] != 0).any()
+    np.testing.assert_array_equal(flow[0], flow[1])
 
 
 def test_what_was_put_in_an_arrays_place() -> None:

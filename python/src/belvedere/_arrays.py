@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -34,6 +35,8 @@ def array(argument: str, value: ArrayLike, dtype: type[np.generic]) -> NDArray[A
             raise TypeError(f"its elements are {converted.dtype}")
         if np.issubdtype(dtype, np.integer) and converted.size and converted.dtype.kind == "f":
             raise TypeError(f"its elements are {converted.dtype}, and whole numbers are expected")
+        if np.issubdtype(dtype, np.unsignedinteger) and converted.size and converted.min() < 0:
+            raise TypeError(f"{converted.min()} is among them, and numbers from 0 are expected")
         with np.errstate(over="ignore", invalid="ignore"):
             return np.ascontiguousarray(converted, dtype)
     except (TypeError, ValueError, BufferError, RuntimeError, OverflowError) as error:
@@ -48,25 +51,50 @@ def vectors(argument: str, value: ArrayLike, size: int, dtype: type[np.generic] 
     return converted
 
 
-def numbers(argument: str, value: ArrayLike, size: int) -> list[float]:
-    """Return a short row of finite numbers."""
+def numbers(
+    argument: str, value: ArrayLike, size: int, least: float = -math.inf, most: float = math.inf
+) -> list[float]:
+    """Return a short row of finite numbers within limits."""
     converted = array(argument, value, np.float64)
     if converted.shape != (size,):
         raise ValueError(f"{argument}: shape {converted.shape}; ({size},) is expected")
     if not np.isfinite(converted).all():
         raise ValueError(f"{argument}: finite numbers are expected, not {converted.tolist()}")
+    if not ((converted >= least) & (converted <= most)).all():
+        raise ValueError(f"{argument}: numbers{_limits(least, most)} are expected, not {converted.tolist()}")
     return [float(number) for number in converted]
 
 
-def number(argument: str, value: float) -> float:
-    """Return a number that is none of NaN."""
+def number(argument: str, value: float, least: float = -math.inf, most: float = math.inf) -> float:
+    """Return a number within limits, and not NaN."""
     try:
         converted = float(value)
     except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{argument}: a number is expected: {error}") from error
     if math.isnan(converted):
         raise ValueError(f"{argument}: a number is expected, not NaN")
+    if not least <= converted <= most:
+        raise ValueError(f"{argument}: a number{_limits(least, most)} is expected, not {converted}")
     return converted
+
+
+def _limits(least: float, most: float) -> str:
+    return f" of {least:g} or more" if most == math.inf else f" from {least:g} to {most:g}"
+
+
+def text(argument: str, value: str) -> str:
+    """Return a text."""
+    if not isinstance(value, str):
+        raise ValueError(f"{argument}: a text is expected, not {value!r}")
+    return value
+
+
+def described(argument: str, value: str | os.PathLike[str]) -> str:
+    """Return what names a file, or is a text of it."""
+    given = os.fspath(value) if isinstance(value, os.PathLike) else value
+    if not isinstance(given, str):
+        raise ValueError(f"{argument}: a name, a path or a text is expected, not {value!r}")
+    return given
 
 
 def count(argument: str, value: int, least: int = 1, most: int = 2**31 - 1) -> int:
@@ -78,7 +106,7 @@ def count(argument: str, value: int, least: int = 1, most: int = 2**31 - 1) -> i
 
 def choice(argument: str, value: str, choices: Mapping[str, int]) -> int:
     """Return what a word stands for."""
-    if value not in choices:
+    if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{argument}: one of {', '.join(choices)} is expected, not {value!r}")
     return choices[value]
 
@@ -92,18 +120,27 @@ class Poses(NamedTuple):
     lead: tuple[int, ...]
 
 
-def poses(argument: str, value: ArrayLike) -> Poses:
-    """Return poses given as (…, 7) or (…, 4, 4)."""
+def poses(argument: str, value: ArrayLike, names: Sequence[str] = ()) -> Poses:
+    """Return poses given as (…, 7) or (…, 4, 4); with names, (…, bodies, 7) of the bodies that are called so."""
     given = array(argument, value, np.float64)
     if given.ndim >= 2 and given.shape[-2:] == (4, 4):
-        lead = given.shape[:-2]
-        flat = _native.poses_of_matrices(argument, given.reshape(-1, 4, 4))
+        lead, kind = given.shape[:-2], "matrix"
+        flat, bad = _native.poses_of_matrices(given.reshape(-1, 4, 4))
     elif given.ndim >= 1 and given.shape[-1] == 7:
-        lead = given.shape[:-1]
-        flat = given
+        lead, kind = given.shape[:-1], "pose"
+        flat, bad = given, _native.bad_pose(given)
     else:
         raise ValueError(
             f"{argument}: shape {given.shape}; (…, 7), x y z qx qy qz qw, or (…, 4, 4), matrices, is expected"
+        )
+    if bad is not None:
+        index, why = bad
+        place = [int(part) for part in np.unravel_index(index, lead)]
+        shown = f"{kind} {place if len(place) > 1 else index}"
+        if names and lead and len(names) == lead[-1]:
+            shown += f", of body {names[place[-1]]!r},"
+        raise ValueError(
+            f"{argument}: {shown} {why}: {given.reshape(-1, *given.shape[len(lead) :])[index].tolist()}"
         )
     return Poses(flat.reshape(math.prod(lead), 7), lead)
 
@@ -128,7 +165,7 @@ def bodies(
     if value is None:
         return [], None
     if not isinstance(value, Mapping):
-        flat, shape = poses(argument, value)
+        flat, shape = poses(argument, value, names)
         if shape != (*lead, len(names)):
             raise ValueError(
                 f"{argument}: poses of shape {shape}; {(*lead, len(names))} is expected: "
@@ -171,7 +208,10 @@ def seeds(argument: str, value: ArrayLike | int, lead: tuple[int, ...]) -> list[
         if not 0 <= value < 2**64:
             raise ValueError(f"{argument}: a whole number from 0 to 2**64 - 1 is expected, not {value}")
         return [(int(value) + index) % 2**64 for index in range(total)]
-    given = np.asarray(value)
+    try:
+        given = np.asarray(value)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{argument}: whole numbers are expected: {error}") from error
     if given.shape != lead or given.dtype.kind not in "iu" or (given.size and int(given.min()) < 0):
         raise ValueError(
             f"{argument}: shape {given.shape} of {given.dtype}; one number is expected, "

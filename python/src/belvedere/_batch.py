@@ -9,6 +9,8 @@ import numpy as np
 from belvedere import _arrays
 from belvedere._channels import prepare
 from belvedere._frames import Frames
+from belvedere._sensors import Sensor
+from belvedere._unpicklable import Unpicklable
 from belvedere._world import World
 
 if TYPE_CHECKING:
@@ -17,10 +19,19 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from belvedere._arrays import ArrayLike
-    from belvedere._sensors import Sensor
+    from belvedere._native import _Looks, _Places
+
+#: What a lamp's light can be, and metres that it can be away.
+_LARGEST, _FARTHEST = float(np.finfo(np.float32).max), 1e12
 
 
-class Batch:
+def _within(rows: NDArray[Any], least: float, most: float) -> NDArray[np.bool_]:
+    """Return which rows are numbers within limits; NaN is not."""
+    inside: NDArray[np.bool_] = np.all((rows >= least) & (rows <= most), axis=-1)
+    return inside
+
+
+class Batch(Unpicklable):
     """Worlds that share their shapes; each has poses, colours, lamps and noise of its own.
 
     What a world has of its own lies in arrays that are the caller's to write into: ``batch.poses[worlds, body] = …``.
@@ -55,20 +66,21 @@ class Batch:
         self._seed = _arrays.count("seed", seed, 0, 2**63 - 1)
         lamps = self._world.lights()
         self._stand = np.stack([self._world.pose(body) for body in range(len(self._names))] or [np.zeros(7)])
-        self._lamp_vectors = np.array([vector for vector, _ in lamps], np.float64).reshape(-1, 3)
-        self._lamp_colors = np.array([color for _, color in lamps], np.float32).reshape(-1, 3)
+        self._lamp_vectors = np.array([vector for vector, _, _ in lamps], np.float64).reshape(-1, 3)
+        self._lamp_colors = np.array([color for _, color, _ in lamps], np.float32).reshape(-1, 3)
+        self._is_parallel = np.array([is_parallel for _, _, is_parallel in lamps], bool)
         bodies, count = len(self._names), self.n
         #: Where bodies are: (n, bodies, 7), x y z qx qy qz qw.
         self.poses: NDArray[np.float64] = np.zeros((count, bodies, 7))
-        #: Colours of bodies: (n, bodies, 3), from 0 to 1; NaN for that of the world.
+        #: Colours of bodies: (n, bodies, 3), from 0 to 1; all three NaN for that of the world.
         self.colors: NDArray[np.float32] = np.zeros((count, bodies, 3), np.float32)
         #: Whether pictures are on bodies: (n, bodies). What is cut out or clear by its picture keeps it.
         self.textured: NDArray[np.bool_] = np.ones((count, bodies), np.bool_)
-        #: Colours of lamps times brightness: (n, lamps, 3).
+        #: Colours of lamps times brightness, 0 or more: (n, lamps, 3).
         self.light_colors: NDArray[np.float32] = np.zeros((count, len(lamps), 3), np.float32)
-        #: Which way directional lamps shine, where the others are: (n, lamps, 3).
+        #: Which way directional lamps shine, of any length but 0; where the others are: (n, lamps, 3).
         self.light_vectors: NDArray[np.float64] = np.zeros((count, len(lamps), 3))
-        #: Light from everywhere: (n, 3).
+        #: Light from everywhere, 0 or more: (n, 3).
         self.ambient: NDArray[np.float32] = np.zeros((count, 3), np.float32)
         #: Seeds of noise: (n,).
         self.seeds: NDArray[np.uint64] = np.arange(self._seed, self._seed + count, dtype=np.uint64)
@@ -87,7 +99,7 @@ class Batch:
     def memory(self) -> int:
         """Bytes that a world has of its own."""
         own = (self.poses, self.colors, self.textured, self.light_colors, self.light_vectors, self.ambient)
-        return sum(array.nbytes for array in (*own, self.seeds, self.frames, self.episodes)) // self.n
+        return sum(np.asarray(array).nbytes for array in (*own, self.seeds, self.frames, self.episodes)) // self.n
 
     def number(self, body: str | int) -> int:
         """Return the number of a body by its name.
@@ -106,6 +118,12 @@ class Batch:
 
         """
         chosen = self._mask(mask)
+        for name in self._shapes():
+            if not isinstance(getattr(self, name), np.ndarray):
+                # A list was put in its place.
+                setattr(self, name, self._own(name))
+        if not isinstance(self.frames, np.ndarray):
+            self.frames = np.array(_arrays.seeds("batch.frames", self.frames, (self.n,)), np.uint64)
         self.poses[chosen] = self._stand[: len(self._names)]
         self.colors[chosen] = np.nan
         self.textured[chosen] = True
@@ -139,64 +157,107 @@ class Batch:
             out: arrays to write into, (n, …).
             mask: which worlds: (n,) of bool. Frames of the others stay as they are in ``out``, and are 0 in new arrays.
             channels: which are wanted.
-            after: where the sensor is then; bodies are where they are now.
+            after: where the sensor is then, as ``poses``; bodies are where they are now.
             before: where the sensor was then.
             threads: how many work.
 
         Raises:
-            ValueError: an argument is not as it must be. Nothing is written then.
+            ValueError: an argument, or an array of the batch, is not as it must be, in whichever world. Nothing is written
+                then.
+            KeyboardInterrupt: Ctrl-C; frames that were not begun are not written then, and none is counted.
 
         """
         lead = (self.n,)
+        if not isinstance(sensor, Sensor):
+            raise ValueError(f"sensor: a Camera, Lidar or other Sensor is expected, not {type(sensor).__name__}")
         chosen = self._mask(mask)
-        flat, shape = _arrays.poses("poses", poses)
-        if shape not in (lead, ()):
-            raise ValueError(f"poses: poses of shape {shape}; {lead}, one for each world, or () is expected")
-        flat = np.ascontiguousarray(np.broadcast_to(flat.reshape(-1, 7), (self.n, 7)))
         outputs = prepare(
             sensor._channels, sensor._default, channels, out, lead, sensor._frame, zeros=not chosen.all()
         )
-        moved = _arrays.bodies("batch.poses", self._own("poses", np.float64), lead, self._names)
+        moved = _arrays.bodies("batch.poses", self._own("poses"), lead, self._names)
         if not self._names:
             moved = [], None
-        later = sensor._moment("after", after, None, lead, self._names, moved)
-        earlier = sensor._moment("before", before, None, lead, self._names, moved)
-        looks = (
-            self._own("colors", np.float32),
-            self._own("light_colors", np.float32),
-            self._own("light_vectors", np.float64),
-            self._own("ambient", np.float32),
-            self._own("textured", np.bool_),
-        )
-        numbers = _arrays.seeds("batch.frames", self.frames, lead)
-        each = (_arrays.seeds("batch.seeds", self.seeds, lead), numbers, chosen.tolist(), looks)
-        sensor._take(self._world, lead, (flat, *moved), later, earlier, each, outputs, threads)
-        self.frames[chosen] += np.uint64(1)
-        return Frames(outputs, lead)
 
-    def _own(self, name: str, dtype: type[np.generic]) -> NDArray[Any]:
-        """Return an array of the worlds as it must be, if somebody put another in its place."""
-        lamps = len(self._lamp_vectors)
-        shapes = {
-            "poses": (self.n, len(self._names), 7),
-            "colors": (self.n, len(self._names), 3),
-            "textured": (self.n, len(self._names)),
-            "light_colors": (self.n, lamps, 3),
-            "light_vectors": (self.n, lamps, 3),
-            "ambient": (self.n, 3),
+        def moment(argument: str, value: ArrayLike) -> _Places:
+            flat, shape = _arrays.poses(argument, value)
+            if shape not in (lead, ()):
+                raise ValueError(
+                    f"{argument}: poses of shape {shape}; {lead}, one for each world, or () is expected"
+                )
+            return np.ascontiguousarray(np.broadcast_to(flat, (self.n, 7))), *moved
+
+        now = moment("poses", poses)
+        later = None if after is None else moment("after", after)
+        earlier = None if before is None else moment("before", before)
+        numbers = _arrays.seeds("batch.frames", self.frames, lead)
+        each = (_arrays.seeds("batch.seeds", self.seeds, lead), numbers, chosen.tolist(), self._looks())
+        if not isinstance(self.frames, np.ndarray) or not self.frames.flags.writeable:
+            self.frames = np.array(numbers, np.uint64)
+        sensor._take(self._world, lead, now, later, earlier, each, outputs, threads)
+        self.frames[chosen] += 1
+        return Frames(outputs, lead, sensor._frame, sensor, numbers)
+
+    def _shapes(self) -> dict[str, tuple[tuple[int, ...], type[np.generic]]]:
+        """Shapes and types of what the worlds have of their own."""
+        bodies, lamps = len(self._names), len(self._lamp_vectors)
+        return {
+            "poses": ((self.n, bodies, 7), np.float64),
+            "colors": ((self.n, bodies, 3), np.float32),
+            "textured": ((self.n, bodies), np.bool_),
+            "light_colors": ((self.n, lamps, 3), np.float32),
+            "light_vectors": ((self.n, lamps, 3), np.float64),
+            "ambient": ((self.n, 3), np.float32),
         }
+
+    def _own(self, name: str) -> NDArray[Any]:
+        """Return an array of the worlds as it must be, if somebody put another in its place."""
+        shape, dtype = self._shapes()[name]
         array = _arrays.array(f"batch.{name}", getattr(self, name), dtype)
-        if array.shape != shapes[name]:
-            raise ValueError(f"batch.{name}: shape {array.shape}; {shapes[name]} is expected")
+        if array.shape != shape:
+            raise ValueError(f"batch.{name}: shape {array.shape}; {shape} is expected")
         return array
+
+    def _looks(self) -> _Looks:
+        """Return how things look in each world.
+
+        Raises:
+            ValueError: in some world there is no such colour or lamp.
+
+        """
+        colors, light_colors, vectors, ambient = (
+            self._own(name) for name in ("colors", "light_colors", "light_vectors", "ambient")
+        )
+        own = np.isnan(colors).all(axis=-1) | _within(colors, 0.0, 1.0)
+        self._refuse("colors", ~own, "numbers from 0 to 1 are expected, or NaN in all three for the world's own")
+        for name, lights in (("light_colors", light_colors), ("ambient", ambient)):
+            self._refuse(name, ~_within(lights, 0.0, _LARGEST), "finite numbers of 0 or more are expected")
+        self._refuse("light_vectors", ~_within(vectors, -_FARTHEST, _FARTHEST), "numbers up to 1e12 are expected")
+        nowhere = self._is_parallel & (vectors == 0).all(axis=-1)
+        self._refuse("light_vectors", nowhere, "a direction of any length but 0 is expected")
+        return colors, light_colors, vectors, ambient, self._own("textured")
+
+    def _refuse(self, name: str, bad: NDArray[np.bool_], expected: str) -> None:
+        """Refuse rows of an array of the worlds, and name the first of them."""
+        if not bad.any():
+            return
+        world, *rest = (int(part) for part in np.argwhere(bad)[0])
+        whose = f"world {world}"
+        if rest:
+            whose += f", {f'body {self._names[rest[0]]!r}' if name == 'colors' else f'lamp {rest[0]}'}"
+        row = self._own(name)[(world, *rest)]
+        raise ValueError(f"batch.{name}: of {whose}, {expected}, not {row.tolist()}")
 
     def _mask(self, mask: ArrayLike | None) -> NDArray[np.bool_]:
         if mask is None:
             return np.ones(self.n, bool)
         given = np.asarray(mask)
         if given.shape != (self.n,) or given.dtype != np.bool_:
-            raise ValueError(f"mask: shape {given.shape} of {given.dtype}; ({self.n},) of bool is expected")
+            raise ValueError(
+                f"mask: shape {given.shape} of {given.dtype}; ({self.n},) of bool is expected: np.array(mask, bool)"
+            )
         return given
+
+    _instead = "make it where it is used, from its world, seed and randomize"
 
     def __repr__(self) -> str:
         """How many worlds and bodies it has."""

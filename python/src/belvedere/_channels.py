@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -31,10 +31,14 @@ def prepare(
     """Return the arrays to write into: the caller's, and new ones for other channels."""
     if isinstance(channels, str):
         channels = (channels,)
+    if out is not None and not isinstance(out, Mapping):
+        raise ValueError(f"out: a dictionary of arrays by channel is expected, not {type(out).__name__}")
+    if channels is not None and not isinstance(channels, Iterable):
+        raise ValueError(f"channels: names of channels are expected, not {channels!r}")
     given = {} if out is None else dict(out)
     wanted = list(channels if channels is not None else (given or default))
     for name in (*wanted, *given):
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise ValueError(f"channels: there is no channel {name!r}; there are {', '.join(known)}")
     for name in given:
         if name not in wanted:

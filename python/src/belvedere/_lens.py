@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from belvedere import _arrays
 
 
@@ -12,7 +14,7 @@ class Lens:
     """A lens model with its intrinsic parameters in pixels; pixel centres are whole numbers.
 
     Make one by its model: ``Lens.kannala_brandt(fx=300, fy=300, cx=319.5, cy=239.5, k=(0.1, 0, 0, 0))``. What a lens does
-    not map is black in pictures and +∞ in depth.
+    not map is black in pictures and +∞ in depth. A sensor that is made with it checks the parameters.
     """
 
     #: The name of the model.
@@ -37,7 +39,10 @@ class Lens:
         fx: float, fy: float, cx: float, cy: float, coefficients: tuple[float, ...], skew: float = 0.0
     ) -> Lens:
         """OpenCV's model, ROS's plumb_bob and rational_polynomial: k1 k2 p1 p2 k3 and so on, 4, 5, 8, 12 or 14."""
-        return Lens._of("brown_conrady", fx, fy, cx, cy, skew, tuple(coefficients))
+        row = _arrays.array("coefficients", coefficients, np.float64)
+        if row.ndim != 1:
+            raise ValueError(f"coefficients: shape {row.shape}; a row of numbers is expected")
+        return Lens._of("brown_conrady", fx, fy, cx, cy, skew, tuple(row.tolist()))
 
     @staticmethod
     def kannala_brandt(
@@ -49,9 +54,7 @@ class Lens:
         skew: float = 0.0,
     ) -> Lens:
         """OpenCV's fisheye, ROS's equidistant: k1 k2 k3 k4."""
-        if len(k) != 4:
-            raise ValueError(f"k: 4 numbers are expected, not {len(k)}")
-        return Lens._of("kannala_brandt", fx, fy, cx, cy, skew, tuple(k))
+        return Lens._of("kannala_brandt", fx, fy, cx, cy, skew, tuple(_arrays.numbers("k", k, 4)))
 
     @staticmethod
     def eucm(fx: float, fy: float, cx: float, cy: float, alpha: float, beta: float) -> Lens:
@@ -73,9 +76,7 @@ class Lens:
         coefficients: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
     ) -> Lens:
         """The unified model of Mei, as in OpenCV's omnidir: ξ, then k1 k2 p1 p2."""
-        if len(coefficients) != 4:
-            raise ValueError(f"coefficients: 4 numbers are expected, not {len(coefficients)}")
-        return Lens._of("mei", fx, fy, cx, cy, 0.0, (xi, *coefficients))
+        return Lens._of("mei", fx, fy, cx, cy, 0.0, (xi, *_arrays.numbers("coefficients", coefficients, 4)))
 
     @staticmethod
     def equirectangular(width: int, height: int) -> Lens:

@@ -34,22 +34,22 @@ def look_of(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look
     color = _arrays.array("color", rest.pop("color", (0.7, 0.7, 0.7)), np.float64).tolist()
     if not isinstance(color, list) or len(color) not in (3, 4):
         raise ValueError(f"color: (red, green, blue) or (red, green, blue, alpha) is expected, not {color}")
-    _arrays.numbers("color", color, len(color))
+    _arrays.numbers("color", color, len(color), 0.0, 1.0)
     texture = rest.pop("texture", None)
     appearance = (
         [*color, 1.0][:4],
-        _arrays.numbers("emissive", rest.pop("emissive", (0.0, 0.0, 0.0)), 3),
-        _arrays.numbers("specular", rest.pop("specular", (0.0, 0.0, 0.0)), 3),
+        _arrays.numbers("emissive", rest.pop("emissive", (0.0, 0.0, 0.0)), 3, 0.0),
+        _arrays.numbers("specular", rest.pop("specular", (0.0, 0.0, 0.0)), 3, 0.0),
         _arrays.number("shininess", rest.pop("shininess", 0.0)),
         None if texture is None else _texture(texture),
-        _arrays.numbers("texture_repeat", rest.pop("texture_repeat", (1.0, 1.0)), 2),
+        _arrays.numbers("texture_repeat", rest.pop("texture_repeat", (1.0, 1.0)), 2, 1e-12),
     )
     said = (
-        str(rest.pop("name", "")),
+        _arrays.text("name", rest.pop("name", "")),
         _arrays.one_pose("pose", pose),
         _arrays.numbers("scale", rest.pop("scale", (1.0, 1.0, 1.0)), 3),
         _arrays.count("class_id", rest.pop("class_id", 0), 0, 2**32 - 1),
-        _arrays.number("laser_retro", rest.pop("laser_retro", 0.0)),
+        _arrays.numbers("laser_retro", [rest.pop("laser_retro", 0.0)], 1, 0.0)[0],
         _arrays.choice("seen_by", rest.pop("seen_by", "all"), SEES),
     )
     if rest:

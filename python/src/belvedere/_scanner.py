@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from belvedere import _arrays, _native
 from belvedere._looks import SEES
-from belvedere._sensors import Sensor
+from belvedere._sensors import Sensor, _given
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 _F32, _U32 = np.dtype(np.float32), np.dtype(np.uint32)
 
@@ -19,7 +23,7 @@ class Scanner(Sensor):
     Channels: ``range`` float32 (firings, returns), measured metres; ``points`` float32 (firings, returns, 3) in the frame
     of the sensor at the time of the firing, NaN where there is none; ``intensity`` float32; ``time`` float64 (firings),
     seconds after the frame's beginning; ``laser`` uint32 (firings). Give ``after=``, where it is at the end of the
-    frame, if it moves.
+    frame, if it moves. Its frames are shown from above.
 
     Args:
         preset: its name: ``Scanner.presets()``.
@@ -38,6 +42,8 @@ class Scanner(Sensor):
     """
 
     _default = ("range",)
+    _view = "firings"
+    _native: _native.Scanner
 
     def __init__(
         self,
@@ -52,12 +58,13 @@ class Scanner(Sensor):
         snow: float = 0.0,
         sees: str = "collision",
     ) -> None:
+        self._arguments = _given(locals())
         native = _native.Scanner(
-            preset,
+            _arrays.text("preset", preset),
             None if rate is None else _arrays.number("rate", rate),
             None if columns is None else _arrays.count("columns", columns),
-            returns,
-            intensity,
+            _arrays.text("returns", returns),
+            _arrays.text("intensity", intensity),
             [_arrays.number(*given) for given in (("visibility", visibility), ("rain", rain), ("snow", snow))],
             _arrays.choice("sees", sees, SEES),
         )
@@ -73,6 +80,9 @@ class Scanner(Sensor):
             "time": (np.dtype(np.float64), ()),
             "laser": (_U32, ()),
         }
+
+    def _directions(self, number: int) -> NDArray[np.float32]:
+        return self._native.directions(number)[:, None, :]
 
     @staticmethod
     def presets() -> list[str]:

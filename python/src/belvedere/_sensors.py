@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 
 from belvedere import _arrays, _native
 from belvedere._channels import Channels, prepare
 from belvedere._frames import Frames
+from belvedere._lens import Lens
 from belvedere._looks import SEES
 from belvedere._world import World
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from belvedere._arrays import ArrayLike, Bodies
-    from belvedere._lens import Lens
     from belvedere._native import World as _NativeWorld
     from belvedere._native import _Each, _Lens, _Moves, _Places
 
@@ -52,8 +55,15 @@ class _Native(Protocol):
 
 
 class Sensor:
-    """What takes frames. A sensor looks along +x of its pose, y is left, z is up."""
+    """What takes frames. A sensor looks along +x of its pose, y is left, z is up.
 
+    It does not change, and can be pickled and copied.
+    """
+
+    #: What it was made from.
+    _arguments: dict[str, Any]
+    #: How its frames are shown.
+    _view: Literal["picture", "lines", "firings"] = "picture"
     _native: _Native
     _channels: Channels
     _default: tuple[str, ...]
@@ -68,6 +78,14 @@ class Sensor:
     def frame_shape(self) -> tuple[int, ...]:
         """The shape of a frame: (height, width), (lines, beams) or (firings, returns)."""
         return self._frame
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Made again from the same arguments."""
+        return functools.partial(type(self), **self._arguments), ()
+
+    def _directions(self, number: int) -> NDArray[np.float32]:
+        """Which way the rays of a frame with this number go, (…, 3): of what scans."""
+        raise NotImplementedError
 
     def render(
         self,
@@ -103,7 +121,8 @@ class Sensor:
             bodies: bodies that are elsewhere than the world has them: a dictionary by name or number of poses that
                 broadcast to the batch's shape, or an array (…, bodies, 7) of all.
             after: where the sensor is at the next frame, as ``poses``: for ``flow``. Of a scanner: where it is at the end
-                of the frame; each ray is cast from where it is at its time.
+                of the frame; each ray is cast from where it is at its time. It goes straight and turns evenly, the
+                shorter way: by more than π is by less the other way round.
             bodies_after: bodies then; without it, ``bodies``.
             before: where it was at the frame before: for ``flow_back``.
             bodies_before: bodies then; without it, ``bodies``.
@@ -115,6 +134,7 @@ class Sensor:
         Raises:
             ValueError: an argument is not as it must be; it is named, with its shape and what was expected. Nothing is
                 written then.
+            KeyboardInterrupt: Ctrl-C; frames that were not begun are not written then.
 
         """
         if not isinstance(world, World):
@@ -125,9 +145,10 @@ class Sensor:
         moved = _arrays.bodies("bodies", bodies, lead, names)
         later = self._moment("after", after, bodies_after, lead, names, moved)
         earlier = self._moment("before", before, bodies_before, lead, names, moved)
-        each = (_arrays.seeds("seeds", seeds, lead), _arrays.numbers_of_frames(frames, lead), None, None)
+        numbers = _arrays.numbers_of_frames(frames, lead)
+        each = (_arrays.seeds("seeds", seeds, lead), numbers, None, None)
         self._take(world._native, lead, (flat, *moved), later, earlier, each, outputs, threads)
-        return Frames(outputs, lead)
+        return Frames(outputs, lead, self._frame, self, numbers)
 
     def _moment(
         self,
@@ -213,6 +234,7 @@ class Camera(Sensor):
         noise: float = 0.0,
         device: str | None = None,
     ) -> None:
+        self._arguments = _given(locals())
         size = _size(width, height)
         self._native = _native.Camera(
             size,
@@ -222,7 +244,7 @@ class Camera(Sensor):
             bool(grey),
             bool(smooth),
             [0.0, _arrays.number("noise", noise)],
-            device,
+            None if device is None else _arrays.text("device", device),
         )
         self._frame = (size[1], size[0])
         self._channels = {"rgb": (np.dtype(np.uint8), () if grey else (3,)), **_truth("depth", "range")}
@@ -282,6 +304,9 @@ class DepthCamera(Sensor):
         color_noise: float = 0.0,
         device: str | None = None,
     ) -> None:
+        self._arguments = _given(locals())
+        if model is not None:
+            _arrays.text("model", model)
         preset = next((known for known in _native.DepthCamera.presets() if known[0] == model), None)
         if model is not None and preset is None:
             raise ValueError(f"model: one of {', '.join(self.models())} is expected, not {model!r}")
@@ -304,7 +329,7 @@ class DepthCamera(Sensor):
             bool(grey),
             bool(smooth),
             [0.0, _arrays.number("color_noise", color_noise)],
-            device,
+            None if device is None else _arrays.text("device", device),
             [
                 None if least is None else _arrays.number("least", least),
                 None if most is None else _arrays.number("most", most),
@@ -352,6 +377,7 @@ class Lidar(Sensor):
     """
 
     _default = ("range",)
+    _view = "lines"
 
     def __init__(
         self,
@@ -366,6 +392,7 @@ class Lidar(Sensor):
         sees: str = "collision",
         faces: str = "both",
     ) -> None:
+        self._arguments = _given(locals())
         across, down = _arrays.count("beams", beams, 1, 32767), _arrays.count("lines", lines, 1, 32767)
         first, last = _arrays.numbers("angles", angles, 2)
         lowest, highest = _arrays.numbers("elevations", elevations, 2)
@@ -378,7 +405,19 @@ class Lidar(Sensor):
             _arrays.choice("faces", faces, {"front": 0, "both": 1}) == 1,
         )
         self._frame = (down, across)
+        self._angles = np.linspace(first, last, across), np.linspace(lowest, highest, down)[:, None]
         self._channels = {"range": (_F32, ()), "intensity": (_F32, ()), **_truth("depth", "true_range")}
+
+    def _directions(self, number: int) -> NDArray[np.float32]:
+        azimuth, elevation = self._angles
+        level = np.cos(elevation)
+        parts = level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)
+        return np.stack(np.broadcast_arrays(*parts), axis=-1).astype(np.float32)
+
+
+def _given(names: dict[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a method that has no other names yet."""
+    return {name: value for name, value in names.items() if name != "self"}
 
 
 def _size(width: int, height: int) -> list[int]:
@@ -389,5 +428,13 @@ def _lens(fov: float | None, lens: Lens | None) -> _Lens:
     if (fov is None) == (lens is None):
         raise ValueError("fov, lens: one of the two is expected")
     if lens is not None:
-        return (lens.model, lens.parameters), None
-    return None, _arrays.number("fov", fov if fov is not None else 0.0)
+        if not isinstance(lens, Lens):
+            raise ValueError(f"lens: a Lens is expected, such as Lens.pinhole(…), not {lens!r}")
+        parameters = _arrays.array("lens", lens.parameters, np.float64)
+        if parameters.ndim != 1:
+            raise ValueError(f"lens: parameters of shape {parameters.shape}; a row of numbers is expected")
+        return (_arrays.text("lens", lens.model), parameters.tolist()), None
+    angle = _arrays.number("fov", fov if fov is not None else 0.0)
+    if not 0.0 < angle < math.pi:
+        raise ValueError(f"fov: an angle in radians between 0 and π is expected, not {angle:g}")
+    return None, angle

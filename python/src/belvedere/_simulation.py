@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from belvedere import _arrays, _native, wire
+from belvedere._unpicklable import Unpicklable
 from belvedere._world import MODELS, World, arguments, folders, report
 
 if TYPE_CHECKING:
@@ -18,16 +19,16 @@ if TYPE_CHECKING:
     from belvedere._arrays import ArrayLike
 
 
-class Simulation:
+class Simulation(Unpicklable):
     """A world with robots in it: no other process, no shared memory, no clock.
 
     Same world, seed and commands give the same bytes as ``belvedere run``.
 
     Args:
         world: a name, a file or a text, as for ``World``.
-        robot: likewise; more are brought by ``spawn``.
+        robot: likewise; more are brought by ``spawn``. A robot that is given for a world is alone, without a floor.
         seed: of all noise.
-        pose: where the robot stands.
+        pose: where the robot stands, which is brought by ``robot``.
         gazebo_compat: Gazebo classic's habits instead of what is right.
         threads: how many render; without it, one a processor.
         package_path: folders of ROS packages.
@@ -50,9 +51,14 @@ class Simulation:
         package_path: Sequence[str | os.PathLike[str]] = (),
         xacro: Mapping[str, Any] | None = None,
     ) -> None:
+        for argument, given in (("pose", pose), ("xacro", xacro)):
+            if robot is None and given is not None:
+                raise ValueError(
+                    f"{argument}: it is of robot=…, which is expected beside it: Simulation('empty', robot=…)"
+                )
         self._package_path = folders(package_path)
         self._native = _native.Simulation(
-            os.fspath(world),
+            _arrays.described("world", world),
             _arrays.count("seed", seed, 0, 2**64 - 1),
             bool(gazebo_compat),
             _arrays.threads(threads),
@@ -60,11 +66,11 @@ class Simulation:
             MODELS,
         )
         #: The name of the robot that is meant where none is named: the one that came last.
-        self.robot: str | None = None
-        if robot is None:
-            report(self._native.notes)
-        else:
-            self.spawn(robot, pose=pose, xacro=xacro)
+        self.robot: str | None = self._native.thing
+        self._told = 0
+        self._tell()
+        if robot is not None:
+            self.spawn(_arrays.described("robot", robot), pose=pose, xacro=xacro)
 
     def spawn(
         self,
@@ -81,7 +87,7 @@ class Simulation:
             source: as for ``World``.
             name: what it is called; without it, as its file has it.
             namespace: what stands before its topics and frames.
-            pose: where its frame is to be: (7,), (4, 4) or (3,).
+            pose: where it is to be, (7,), (4, 4) or (3,): from there its own ``<pose>`` counts, as when Gazebo spawns it.
             xacro: arguments for ``$(arg name)``.
 
         Raises:
@@ -89,17 +95,28 @@ class Simulation:
 
         """
         called = self._native.spawn(
-            os.fspath(source),
-            name,
-            namespace,
+            _arrays.described("source", source),
+            _arrays.text("name", name),
+            _arrays.text("namespace", namespace),
             _arrays.one_pose("pose", pose),
             self._package_path,
             MODELS,
             arguments(xacro),
         )
         self.robot = called
-        report(self._native.notes)
+        self._tell()
         return called
+
+    def _tell(self) -> None:
+        """Log what was ignored since the last time."""
+        notes = self.notes
+        report(notes[self._told :])
+        self._told = len(notes)
+
+    @property
+    def notes(self) -> list[str]:
+        """What was ignored in the descriptions of world and robots, one line each."""
+        return self._native.notes
 
     @property
     def time(self) -> float:
@@ -132,11 +149,11 @@ class Simulation:
         self._native.command(self._named(robot), forward, turn)
 
     def step(self, count: int = 1) -> None:
-        """Make steps of physics, each as long as the world says."""
+        """Make steps of physics, each as long as the world says. Ctrl-C ends it between two of them."""
         self._native.step(_arrays.count("count", count, 0))
 
     def run(self, seconds: float) -> None:
-        """Make steps until so much simulated time has passed."""
+        """Make steps until so much simulated time has passed. Ctrl-C ends it between two of them."""
         duration = _arrays.number("seconds", seconds)
         if not 0.0 <= duration <= 1e9:
             raise ValueError(f"seconds: 0 to 1e9 is expected, not {duration}")
@@ -154,25 +171,45 @@ class Simulation:
         """Put a model somewhere, at rest: (7,), (4, 4) or (3,)."""
         self._native.place(self._named(model), _arrays.one_pose("pose", pose))
 
-    def render(self, topic: str) -> NDArray[Any]:
+    @overload
+    def render(self, topic: str) -> NDArray[Any]: ...
+    @overload
+    def render(self, topic: list[str] | tuple[str, ...]) -> dict[str, NDArray[Any]]: ...
+    def render(self, topic: str | list[str] | tuple[str, ...]) -> NDArray[Any] | dict[str, NDArray[Any]]:
         """Return what a topic shows now, as an array; each call takes the next frame of that sensor.
+
+        Of several topics a dictionary: those of one sensor, as its picture and its truth, are then of one frame. The flow
+        leads from the frame for which it was asked before; so the first time it is left out.
 
         Shapes and types are those of ``Frame.array``: pictures (height, width, 3) of uint8, depth (height, width) of
         float32, scans (layers, rays) of float32.
 
         Raises:
-            ValueError: no sensor sends such a topic; those that there are are named.
+            ValueError: no sensor sends such a topic, those that there are are named; or it has no frame now.
 
         """
-        raw, payload = self._native.render(topic)
-        header = np.frombuffer(raw, wire.HEADER)[0]
-        wire.check(header, len(payload))
-        return wire.plane(header, payload)
+        topics = [topic] if isinstance(topic, str) else [_arrays.text("topic", each) for each in topic]
+        arrays = {}
+        for name, rendered in zip(topics, self._native.render(topics), strict=True):
+            if rendered is not None:
+                raw, payload = rendered
+                header = np.frombuffer(raw, wire.HEADER)[0]
+                wire.check(header, len(payload))
+                arrays[name] = wire.plane(header, payload)
+        if not isinstance(topic, str):
+            return arrays
+        if topic not in arrays:
+            raise ValueError(
+                f"topic: {topic!r} has no frame now; flow has one from the second time on that it is asked for"
+            )
+        return arrays[topic]
 
     @property
     def world(self) -> World:
         """What is seen now, as a world of its own, for any sensor."""
         return World._of(self._native.world())
+
+    _instead = "make it where it is used: the same arguments and commands give the same bytes"
 
     def _named(self, name: str | None) -> str:
         name = self.robot if name is None else name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from belvedere import _arrays, _native
 from belvedere._channels import prepare
 from belvedere._frames import Frames
 from belvedere._looks import SEES, look_of, round_size, table
+from belvedere._unpicklable import Unpicklable
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,12 +38,18 @@ def folders(package_path: Sequence[str | os.PathLike[str]] | str | os.PathLike[s
     """Return folders as texts."""
     if isinstance(package_path, (str, os.PathLike)):
         package_path = [package_path]
-    return [os.fspath(folder) for folder in package_path]
+    if not isinstance(package_path, Iterable):
+        raise ValueError(f"package_path: folders are expected, not {package_path!r}")
+    return [_arrays.described("package_path", folder) for folder in package_path]
 
 
 def arguments(xacro: Mapping[str, Any] | None) -> list[tuple[str, str]]:
     """Return arguments of xacro as texts."""
-    return [(str(name), str(value)) for name, value in (xacro or {}).items()]
+    if xacro is None:
+        return []
+    if not isinstance(xacro, Mapping):
+        raise ValueError(f"xacro: a dictionary of arguments is expected, not {xacro!r}")
+    return [(str(name), str(value)) for name, value in xacro.items()]
 
 
 def report(notes: Sequence[str]) -> None:
@@ -51,7 +58,7 @@ def report(notes: Sequence[str]) -> None:
         _log.warning("%s", note)
 
 
-class World:
+class World(Unpicklable):
     """Shapes, looks and lamps, grouped into bodies that move as one.
 
     ``World()`` is empty but for light from everywhere. ``World("playground")`` is one of the worlds that come along;
@@ -82,9 +89,17 @@ class World:
         if source is None:
             self._native = _native.World()
         else:
-            text = os.fspath(source)
+            text = _arrays.described("source", source)
             self._native = _native.World.load(text, folders(package_path), MODELS, arguments(xacro))
             report(self._native.notes)
+
+    def __copy__(self) -> World:
+        """Return another world of the same shapes; neither is changed with the other."""
+        return World._of(self._native.snapshot())
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> World:
+        """As ``copy``."""
+        return self.__copy__()
 
     @classmethod
     def _of(cls, native: _native.World) -> World:
@@ -106,7 +121,8 @@ class World:
     def instance_bodies(self) -> NDArray[np.int32]:
         """The number of the body that each instance belongs to, (instances,); −1 for none.
 
-        ``world.instance_bodies[frames["instance"]]`` tells bodies from the channel ``instance``, where something is seen.
+        ``world.instance_bodies[frames["instance"][seen]]`` tells bodies from the channel ``instance`` where something is
+        seen: ``seen = frames["instance"] != 2**32 - 1``.
         """
         return self._native.instance_bodies()
 
@@ -141,9 +157,9 @@ class World:
             size: (3,).
             pose: (7,), (4, 4) or (3,); without it, the world's origin.
             **look: of all ``add_`` methods: ``name``; ``color`` (red, green, blue[, alpha]) from 0 to 1; ``emissive``,
-                ``specular`` (3,) and ``shininess``; ``texture``, a picture (height, width, 3 or 4) of uint8, and
-                ``texture_repeat`` (2,); ``scale`` (3,); ``class_id`` for the channel ``class``; ``laser_retro`` for
-                intensities; ``seen_by``, ``all``, ``visual`` (cameras alone) or ``collision`` (lidars alone).
+                ``specular`` (3,), 0 or more, and ``shininess``; ``texture``, a picture (height, width, 3 or 4) of uint8,
+                and ``texture_repeat`` (2,); ``scale`` (3,); ``class_id`` for the channel ``class``; ``laser_retro`` for
+                intensities, 0 or more; ``seen_by``, ``all``, ``visual`` (cameras alone) or ``collision`` (lidars alone).
 
         Raises:
             ValueError: an argument cannot be taken, or there is a body of that name; nothing is added then.
@@ -262,20 +278,26 @@ class World:
             falloff: of a spot, the power by which brightness falls between the two.
             shadows: whether things cast shadows in it.
 
+        Raises:
+            ValueError: an argument is out of its range: colours and attenuation are 0 or more.
+
         """
         if kind not in ("directional", "point", "spot"):
             raise ValueError(f"kind: directional, point or spot is expected, not {kind!r}")
         inner, outer = _arrays.numbers("cone", cone, 2)
         if not 0.0 <= inner <= outer <= 3.15:
             raise ValueError(f"cone: 0 <= inner <= outer <= pi is expected, not {inner}, {outer}")
+        way = _arrays.numbers("direction", direction, 3)
+        if kind != "point" and not any(way):
+            raise ValueError("direction: a vector of any length but 0 is expected, not 0 0 0")
         return self._native.add_light(
             kind,
             _arrays.numbers("position", position, 3),
-            _arrays.numbers("direction", direction, 3),
-            _arrays.numbers("color", color, 3),
-            _arrays.numbers("specular", specular, 3),
-            _arrays.number("reach", reach),
-            _arrays.numbers("attenuation", attenuation, 3),
+            way,
+            _arrays.numbers("color", color, 3, 0.0),
+            _arrays.numbers("specular", specular, 3, 0.0),
+            _arrays.number("reach", reach, 0.0),
+            _arrays.numbers("attenuation", attenuation, 3, 0.0),
             [inner, outer, _arrays.number("falloff", falloff)],
             bool(shadows),
         )
@@ -283,9 +305,9 @@ class World:
     def set_environment(
         self, ambient: ArrayLike = (0.4, 0.4, 0.4), background: ArrayLike = (0.7, 0.7, 0.7)
     ) -> None:
-        """Set the light from everywhere, and the colour of what is seen where nothing is."""
+        """Set the light from everywhere, and the colour of what is seen where nothing is: 0 or more each."""
         self._native.set_environment(
-            _arrays.numbers("ambient", ambient, 3), _arrays.numbers("background", background, 3)
+            _arrays.numbers("ambient", ambient, 3, 0.0), _arrays.numbers("background", background, 3, 0.0)
         )
 
     def cast(
@@ -320,7 +342,7 @@ class World:
             threads: how many work; without it, one a processor. The answer is the same.
 
         Returns:
-            The arrays, by channel.
+            The arrays, by channel. Jupyter shows rays (…, height, width) as a picture, others as a strip.
 
         Raises:
             ValueError: an argument is not as it must be. Nothing is written then.
@@ -340,7 +362,11 @@ class World:
         moves = _arrays.bodies("bodies", bodies, (), self.bodies)
         place = _arrays.numbers("reference", reference, 3)
         self._native.cast(starts, rays, limits, place, visibility, both, moves, outputs, _arrays.threads(threads))
-        return Frames(outputs, lead)
+        return Frames(outputs, lead[:-2], lead[-2:])
+
+    _instead = (
+        "send what it is made from, a file or arrays, and make it there; copy.copy(world) is one in this process"
+    )
 
     def _shape(self, kind: str, size: list[float], pose: ArrayLike | None, look: dict[str, Any]) -> int:
         appearance, said = look_of(pose, look)

@@ -16,6 +16,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from belvedere import _arrays
 from belvedere._batch import Batch
 from belvedere._sensors import DepthCamera
 from belvedere._world import World
@@ -37,21 +38,24 @@ PANELS, SPACING = 24, 1.0
 class _Corridors:
     """Robots that drive along walls of panels, one in each world of a batch."""
 
-    def __init__(self, n: int, seed: int, size: tuple[int, int]) -> None:
+    def __init__(self, randoms: list[np.random.Generator], size: tuple[int, int]) -> None:
+        n = len(randoms)
+        #: Of each robot, for its walls and where it begins.
+        self.randoms = randoms
         world = World()
         world.add_plane(name="floor")
         for panel in range(PANELS):
             world.add_box((SPACING * 1.2, 0.1, 1.0), (0, 0, 0.5), name=f"panel{panel}")
         self.panels = [world.bodies.index(f"panel{panel}") for panel in range(PANELS)]
-        self.batch = Batch(world, n, randomize=self._bend, seed=seed)
+        self.batch = Batch(world, n, randomize=self._bend)
         self.camera = DepthCamera(*size, fov=1.6, most=FARTHEST)
         #: x, y, heading of each robot.
         self.state = np.zeros((n, 3))
         self.steps = np.zeros(n, np.int64)
 
-    def _bend(self, batch: Batch, index: int, random: np.random.Generator) -> None:
+    def _bend(self, batch: Batch, index: int, _: np.random.Generator) -> None:
         """A wall that bends this way and that."""
-        bends = random.uniform(-0.35, 0.35, PANELS)
+        bends = self.randoms[index].uniform(-0.35, 0.35, PANELS)
         bends[:3] = 0.0
         x, y, heading = -SPACING, 0.0, 0.0
         for body, bend in zip(self.panels, bends.tolist(), strict=True):
@@ -59,12 +63,11 @@ class _Corridors:
             x, y = x + SPACING * math.cos(heading), y + SPACING * math.sin(heading)
             batch.poses[index, body] = (x, y, 0.5, 0, 0, math.sin(heading / 2), math.cos(heading / 2))
 
-    def reset(self, mask: NDArray[np.bool_], random: np.random.Generator) -> None:
+    def reset(self, mask: NDArray[np.bool_]) -> None:
         self.batch.reset(mask)
-        count = int(mask.sum())
-        self.state[mask] = np.stack(
-            [np.zeros(count), random.uniform(-1.3, -0.7, count), random.uniform(-0.2, 0.2, count)], axis=1
-        )
+        for index in np.flatnonzero(mask).tolist():
+            random = self.randoms[index]
+            self.state[index] = 0.0, random.uniform(-1.3, -0.7), random.uniform(-0.2, 0.2)
         self.steps[mask] = 0
 
     def look(self) -> NDArray[np.uint8]:
@@ -130,28 +133,60 @@ class WallVectorEnv(VectorEnv[NDArray[np.uint8], NDArray[np.float32], Any]):
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.uint8], dict[str, Any]]:
-        """Begin all anew; with a seed, as every time with that seed."""
-        if isinstance(seed, list):
-            seed = seed[0]
-        super().reset(seed=seed)
-        if seed is not None or self._corridors is None:
-            first = int(self.np_random.integers(2**31))
-            self._corridors = _Corridors(self.num_envs, first, self._size)
-        self._corridors.reset(np.ones(self.num_envs, bool), self.np_random)
+        """Begin all anew; with a seed, as every time with that seed.
+
+        Args:
+            seed: of each environment, None for one that goes on with its random numbers; or of the first, from which they
+                count on.
+            options: none.
+
+        Raises:
+            ValueError: there are not as many seeds as environments.
+
+        """
+        seeds: list[int | None]
+        if seed is None:
+            seeds = [None] * self.num_envs
+        elif isinstance(seed, list):
+            seeds = [None if own is None else _arrays.count("seed", own, 0, 2**63 - 1) for own in seed]
+        else:
+            first = _arrays.count("seed", seed, 0, 2**63 - 1)
+            seeds = list(range(first, first + self.num_envs))
+            super().reset(seed=first)
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"seed: {len(seeds)} of them; {self.num_envs}, one for each environment, are expected")
+        if self._corridors is None:
+            randoms = [np.random.default_rng(self.np_random.integers(2**63)) for _ in seeds]
+            self._corridors = _Corridors(randoms, self._size)
+        for index, own in enumerate(seeds):
+            if own is not None:
+                self._corridors.randoms[index] = np.random.default_rng(own)
+        self._corridors.reset(np.ones(self.num_envs, bool))
         self._ended[:] = False
         return self._corridors.look(), {"distance": self._corridors.distances()}
 
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[NDArray[np.uint8], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """Drive a step in each world; those that ended begin anew instead."""
+        """Drive a step in each world; those that ended begin anew instead.
+
+        Raises:
+            ValueError: there is not a finite action for each environment. Nothing is changed then.
+
+        """
         if self._corridors is None:
             raise gymnasium.error.ResetNeeded("reset the environment first")
+        turns = _arrays.array("actions", actions, np.float64)
+        if turns.shape not in ((self.num_envs, 1), (self.num_envs,)):
+            raise ValueError(f"actions: shape {turns.shape}; {(self.num_envs, 1)} is expected")
+        turns = turns.reshape(self.num_envs)
+        if not np.isfinite(turns).all():
+            which = int(np.argmin(np.isfinite(turns)))
+            raise ValueError(f"actions: of environment {which}, a finite number is expected, not {turns[which]}")
         began = self._ended.copy()
-        turns = np.asarray(actions, np.float64).reshape(self.num_envs)
         rewards, terminated, truncated, distance = self._corridors.step(turns)
         if began.any():
-            self._corridors.reset(began, self.np_random)
+            self._corridors.reset(began)
             rewards[began], terminated[began], truncated[began] = 0.0, False, False
             distance = self._corridors.distances()
         self._ended = terminated | truncated

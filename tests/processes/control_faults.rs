@@ -47,8 +47,8 @@ fn what_cannot_be_done_is_refused_in_words() {
     let missing =
         BOX.replace("<box><size>0.4 0.4 1</size></box>", "<mesh><uri>model://no/such.dae</uri></mesh>");
     say(&mut control, &spawn, &missing, &["no/such.dae"]);
-    let flat = BOX.replace("0.4 0.4 1", "0 1 1");
-    say(&mut control, &spawn, &flat, &["size"]);
+    let inside_out = BOX.replace("0.4 0.4 1", "-1 1 1");
+    say(&mut control, &spawn, &inside_out, &["size"]);
     let deep = format!("<sdf version='1.6'>{}", "<a>".repeat(200_000));
     refusal(&mut control, &spawn, &deep);
     refusal(&mut control, &spawn, &format!("{deep}{}</sdf>", "</a>".repeat(200_000)));

@@ -149,8 +149,10 @@ impl<'a> Resolver<'a> {
     #[inline(never)]
     fn find(&mut self, slot: u32) {
         let last = (self.placed, self.slots.clone());
-        // Where no triangles come before, each instance has one slot.
-        let is_index = self.view.placed.get(slot as usize).is_some_and(|placed| placed.first_slot == slot);
+        // Where no triangles come before, each instance has one slot. A mesh without triangles has none: the last of those
+        // that begin here is the one that has it.
+        let begins = |index: usize| self.view.placed.get(index).map(|placed| placed.first_slot);
+        let is_index = begins(slot as usize) == Some(slot) && begins(slot as usize + 1) != Some(slot);
         if !is_index && let Some(known) = self.before.iter_mut().find(|(_, slots)| slots.contains(&slot)) {
             (self.placed, self.slots) = core::mem::replace(known, last);
             return;

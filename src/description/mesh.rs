@@ -267,7 +267,26 @@ fn obj_or_stl(path: &Path, diagnostics: &mut Diagnostics) -> std::io::Result<Vec
     // The materials that an OBJ names as well.
     diagnostics.opened(path);
     let is_stl = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("stl"));
-    if is_stl { std::fs::read(path) } else { obj::read(path) }
+    if !is_stl {
+        return obj::read(path);
+    }
+    let mut bytes = std::fs::read(path)?;
+    if is_binary_stl(&bytes) {
+        // Some headers begin with the word by which text is known.
+        bytes[..STL_HEADER].fill(0);
+    }
+    Ok(bytes)
+}
+
+/// Bytes of a binary STL before the number of its triangles.
+const STL_HEADER: usize = 80;
+
+/// Whether an STL is as long as its number of triangles says.
+fn is_binary_stl(bytes: &[u8]) -> bool {
+    let count = bytes.get(STL_HEADER..).and_then(<[u8]>::first_chunk);
+    count.is_some_and(|count| {
+        bytes.len() as u64 == STL_HEADER as u64 + 4 + 50 * u64::from(u32::from_le_bytes(*count))
+    })
 }
 
 /// The picture that a mesh in `folder` names: there, or in the `materials/textures` of its model, where Gazebo looks

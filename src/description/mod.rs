@@ -6,6 +6,7 @@ pub mod diagnostics;
 mod fiducial;
 pub mod gazebo_materials;
 pub mod housing;
+pub(crate) mod image_file;
 pub(crate) mod inertia;
 mod label;
 pub mod mesh;

@@ -1,6 +1,7 @@
 //! Materials and their pictures.
 
 use super::file::File;
+use crate::description::image_file;
 use crate::description::model::Material;
 use belvedere_sensors::scene::TextureAlpha;
 use serde_json::{Value, json};
@@ -85,7 +86,7 @@ fn picture(path: &Path) -> Option<(&'static str, Vec<u8>)> {
         // TGA has nothing to be known by but its name.
         _ => {
             let mut png = Cursor::new(Vec::new());
-            image::open(path).ok()?.write_to(&mut png, image::ImageFormat::Png).ok()?;
+            image_file::open(path).ok()?.write_to(&mut png, image::ImageFormat::Png).ok()?;
             Some(("image/png", png.into_inner()))
         }
     }

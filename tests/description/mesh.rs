@@ -125,6 +125,19 @@ fn a_box_in_every_format() {
     }
 }
 
+/// Its header begins as text does, and the number of its triangles has the byte of a new line.
+#[test]
+fn a_binary_stl_that_looks_like_text() {
+    for count in [10_u32, 12] {
+        let mut bytes = binary_stl();
+        bytes[..9].copy_from_slice(b"solid box");
+        bytes[80..84].copy_from_slice(&count.to_le_bytes());
+        bytes.truncate(84 + 50 * count as usize);
+        let mesh = mesh(&Folder::new(), "box.stl", &bytes, DVec3::ONE);
+        assert_eq!(mesh.triangles.len(), count as usize);
+    }
+}
+
 #[test]
 fn collada_units_axes_and_nodes() {
     let folder = Folder::new();

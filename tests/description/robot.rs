@@ -83,7 +83,7 @@ fn xacro_reads_yaml_and_takes_arguments() {
     write("package.xml", "<package><name>arm_description</name></package>");
     write(
         "config/limits.yaml",
-        "joint_limits:\n  lift: {max_position: !degrees 90.0, has_limits: true}\n  turn:\n    max_position: 2.5\n",
+        "joint_limits:\n  lift: {max_position: !degrees 90.0, has_limits: true}\n  turn:\n    max_position: 7.0\n    max_position: 2.5\n",
     );
     write(
         "arm.xacro",

@@ -149,23 +149,13 @@ impl<'a> Resolver<'a> {
     #[inline(never)]
     fn find(&mut self, slot: u32) {
         let last = (self.placed, self.slots.clone());
-        // Where no triangles come before, each instance has one slot. A mesh without triangles has none: the last of those
-        // that begin here is the one that has it.
-        let begins = |index: usize| self.view.placed.get(index).map(|placed| placed.first_slot);
-        let is_index = begins(slot as usize) == Some(slot) && begins(slot as usize + 1) != Some(slot);
-        if !is_index && let Some(known) = self.before.iter_mut().find(|(_, slots)| slots.contains(&slot)) {
+        if let Some(known) = self.before.iter_mut().find(|(_, slots)| slots.contains(&slot)) {
             (self.placed, self.slots) = core::mem::replace(known, last);
             return;
         }
-        if !is_index || last.1.len() > 1 {
-            self.before[self.oldest % REMEMBERED] = last;
-            self.oldest += 1;
-        }
-        let after = if is_index {
-            slot as usize + 1
-        } else {
-            self.view.placed.partition_point(|placed| placed.first_slot <= slot)
-        };
+        self.before[self.oldest % REMEMBERED] = last;
+        self.oldest += 1;
+        let after = self.view.placed.partition_point(|placed| placed.first_slot <= slot);
         self.placed = after as u32 - 1;
         let end = self.view.placed.get(after).map_or(NO_HIT & !GRAZING, |next| next.first_slot);
         self.slots = self.view.placed[after - 1].first_slot..end;

@@ -2,6 +2,7 @@
 //! brightest pixel as high as `<size>` says; a negative height turns it upside down.
 
 use super::{Loader, Scope};
+use crate::description::image_file;
 use crate::description::model::{Geometry, HeightMap, Heights, Material};
 use crate::description::values::{child_number, child_text, numbers};
 use crate::description::xml::Element;
@@ -77,7 +78,7 @@ impl Loader<'_> {
 
 /// Reads the picture. Its red counts, which of a grey one is its brightness.
 fn read(path: &Path, [x, y, z]: [f64; 3]) -> Result<Heights, String> {
-    let picture = image::open(path).map_err(|error| error.to_string())?.into_rgb16();
+    let picture = image_file::open(path).map_err(|error| error.to_string())?.into_rgb16();
     let grid = [picture.height(), picture.width()];
     if grid.iter().any(|count| *count < 2) {
         return Err("it needs two rows and two columns of pixels at least".into());

@@ -6,6 +6,7 @@ use super::fault::Fault;
 use super::value::Value;
 use saphyr_parser::{Event, Parser, ScalarStyle, Tag};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::Path;
 
 /// Lists and mappings within one another.
@@ -72,11 +73,20 @@ fn document(text: &str) -> Result<Value, Fault> {
 /// Keys and values in turn. `<<` takes in what another mapping has.
 fn mapping(values: Vec<Value>) -> Value {
     let mut entries: Vec<(Value, Value)> = Vec::with_capacity(values.len() / 2);
+    // Of a key that is written twice the last value counts, as for Python's reader.
+    let mut places: HashMap<String, usize> = HashMap::new();
     let mut merged = Vec::new();
     let mut values = values.into_iter();
     while let (Some(key), Some(value)) = (values.next(), values.next()) {
         match (&key, value) {
             (Value::Text(text), Value::Map(more)) if text == "<<" => merged.extend(more),
+            (Value::Text(text), value) => match places.entry(text.clone()) {
+                Entry::Occupied(place) => entries[*place.get()].1 = value,
+                Entry::Vacant(place) => {
+                    place.insert(entries.len());
+                    entries.push((key, value));
+                }
+            },
             (_, value) => entries.push((key, value)),
         }
     }

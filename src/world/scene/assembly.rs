@@ -2,6 +2,7 @@
 
 use crate::description::diagnostics::{Problem, Severity, Source};
 use crate::description::housing::Part;
+use crate::description::image_file;
 use crate::description::model as description;
 use crate::description::model::{Geometry, Heights, LinkIndex, Mesh, Optics};
 use crate::world::physics::ModelIndex;
@@ -264,7 +265,7 @@ pub(super) fn of_link(placed: &[Vec<Vec<Placed>>], (model, link): (ModelIndex, L
 }
 
 fn open(path: &Path, source: &Source) -> Result<image::RgbaImage, Problem> {
-    let picture = image::open(path).map_err(|error| Problem {
+    let picture = image_file::open(path).map_err(|error| Problem {
         severity: Severity::Error,
         source: source.clone(),
         what: format!("texture {} cannot be read: {error}", path.display()),

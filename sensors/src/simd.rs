@@ -10,8 +10,10 @@ use fearless_simd::{Simd, SimdBase, f32x16};
 /// Runs an expression compiled for the instruction set of a [`Level`], with its token.
 ///
 /// [`fearless_simd::dispatch!`] without a version of its own for SSE4.2, the best level of few machines: SSE2's takes
-/// up to a seventh longer there, and each level is a quarter of this crate's time of compilation. The unit tests have the
-/// baseline's alone, for the same reason: they are of parts, and the levels are compared from outside.
+/// up to a seventh longer there, and each level is a quarter of this crate's time of compilation. For the same reason
+/// builds with debug assertions (the dev profile) leave AVX-512 out and run AVX2 in its place, and the unit tests have
+/// only the baseline: they test parts. Tests that see the crate from outside compare the levels, in a release build all
+/// of them.
 macro_rules! dispatch {
     (@with $token:expr, $simd:pat => $op:expr) => {{
         let token = $token;
@@ -21,15 +23,15 @@ macro_rules! dispatch {
     ($level:expr, $simd:pat => $op:expr) => {{
         let level: $crate::simd::Level = $level;
         #[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(test)))]
-        let result = if let Some(token) = level.as_avx512() {
-            $crate::simd::dispatch!(@with token, $simd => $op)
-        } else if let Some(token) = level.as_avx2() {
-            $crate::simd::dispatch!(@with token, $simd => $op)
-        } else if let Some(token) = level.as_sse2().or_else(|| $crate::simd::Level::baseline().as_sse2()) {
-            $crate::simd::dispatch!(@with token, $simd => $op)
-        } else {
-            unreachable!("the target has SSE2")
-        };
+        let result = $crate::simd::avx512_or!(level, $simd => $op, {
+            if let Some(token) = level.as_avx2() {
+                $crate::simd::dispatch!(@with token, $simd => $op)
+            } else if let Some(token) = level.as_sse2().or_else(|| $crate::simd::Level::baseline().as_sse2()) {
+                $crate::simd::dispatch!(@with token, $simd => $op)
+            } else {
+                unreachable!("the target has SSE2")
+            }
+        });
         #[cfg(all(target_arch = "x86_64", target_feature = "sse2", test))]
         let result = {
             let _ = level;
@@ -44,6 +46,26 @@ macro_rules! dispatch {
     }};
 }
 pub(crate) use dispatch;
+
+/// [`dispatch!`]'s branch for AVX-512, and what it does instead.
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(test), not(debug_assertions)))]
+macro_rules! avx512_or {
+    ($level:ident, $simd:pat => $op:expr, $otherwise:expr) => {
+        if let Some(token) = $level.as_avx512() {
+            $crate::simd::dispatch!(@with token, $simd => $op)
+        } else {
+            $otherwise
+        }
+    };
+}
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(test), debug_assertions))]
+macro_rules! avx512_or {
+    ($level:ident, $simd:pat => $op:expr, $otherwise:expr) => {
+        $otherwise
+    };
+}
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(test)))]
+pub(crate) use avx512_or;
 
 /// Rays in a packet: a tile of 16 × 4 pixels, or 64 consecutive beams.
 pub const LANES: usize = 64;

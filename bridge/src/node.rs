@@ -12,7 +12,7 @@ use crate::{
 /// This process's membership of a domain; publishers and subscribers are made from it. Clones are the same node.
 ///
 /// Opening one removes what killed processes of the domain have left. When the last node of the domain closes,
-/// nothing of it is left in `/dev/shm` and `/tmp/iceoryx2`.
+/// nothing of it is left in `/dev/shm` and in [its directory](Domain::directory).
 #[derive(Clone, Debug)]
 pub struct Node {
     shared: Arc<Shared>,

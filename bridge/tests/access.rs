@@ -1,4 +1,5 @@
-//! Who can reach a domain: its owner alone; a group that was named; and what others are told.
+//! Who can reach a domain: its owner alone; a group that was named; and what is said of what others put in its place.
+//! `users.rs` has several users at once.
 
 mod world;
 
@@ -29,8 +30,6 @@ fn in_a_role() {
 #[test]
 fn in_the_world() {
     match world::scenario().as_deref() {
-        Some("another_users_domain") => another_users_domain(),
-        Some("root_was_first") => root_was_first(),
         Some("opened_directories") => opened_directories(),
         Some("a_group") => a_group(),
         Some("a_group_with_many_streams") => a_group_with_many_streams(),
@@ -38,16 +37,6 @@ fn in_the_world() {
         Some(other) => panic!("{other}"),
         None => {}
     }
-}
-
-#[test]
-fn what_another_user_is_told() {
-    world::run("another_users_domain", 64, true);
-}
-
-#[test]
-fn root_having_run_first_is_told() {
-    world::run("root_was_first", 64, true);
 }
 
 #[test]
@@ -111,7 +100,7 @@ fn files_are_their_owners_alone() {
     }
     assert!(files.iter().any(|path| fs::symlink_metadata(path).unwrap().file_type().is_socket()));
     // Nor can others list the directory of all of them.
-    let root = fs::metadata("/tmp/iceoryx2").unwrap().permissions().mode();
+    let root = fs::metadata(domain.directory()).unwrap().permissions().mode();
     assert_eq!(root & 0o027, 0, "{root:o}");
 }
 
@@ -133,75 +122,41 @@ fn assert_names(told: &str, parts: &[&str]) {
     }
 }
 
-fn another_users_domain() {
-    let mut anna = Actor::start("simulate", "default", ANNA, &[]);
-    anna.says("ready");
-    for other in [BERT, CARL, ROOT] {
-        let told = attempt("default", other, &[]);
-        assert_names(
-            &told,
-            &["/tmp/iceoryx2", "user id 4001", "BELVEDERE_GROUP", "sudo rm -r /tmp/iceoryx2"],
-        );
-    }
-    // Killed, its files still are in the way.
-    anna.kill();
-    let told = attempt("default", BERT, &[]);
-    assert_names(&told, &["/tmp/iceoryx2", "user id 4001", "sudo rm -r"]);
-    // Anna herself just starts again, and leaves nothing in anybody's way.
-    let mut anna = Actor::start("simulate", "default", ANNA, &[]);
-    anna.says("ready");
-    assert!(anna.leave().success());
-    assert_eq!(files_of("default"), [] as [&Path; 0]);
-    assert_eq!(attempt("default", BERT, &[]), "ok");
-}
-
-fn root_was_first() {
-    let mut root = Actor::start("simulate", "default", ROOT, &[]);
-    root.says("ready");
-    let while_alive = attempt("default", ANNA, &[]);
-    assert_names(&while_alive, &["/tmp/iceoryx2", "root (user id 0)", "sudo rm -r /tmp/iceoryx2"]);
-    root.kill();
-    let told = attempt("default", ANNA, &[]);
-    assert_names(&told, &["/tmp/iceoryx2", "root (user id 0)", "sudo rm -r /tmp/iceoryx2"]);
-    // What it says helps, though root's files in /dev/shm are then next.
-    fs::remove_dir_all("/tmp/iceoryx2").unwrap();
-    let told = attempt("default", ANNA, &[]);
-    assert_names(&told, &["/dev/shm/blvd.default.", "root (user id 0)", "choose another domain"]);
-    assert_eq!(attempt("another", ANNA, &[]), "ok");
-    for path in files_of("default") {
-        fs::remove_file(path).unwrap();
-    }
-    assert_eq!(attempt("default", ANNA, &[]), "ok");
-}
-
-/// Directories that anyone could put files in, and several users beside each other.
+/// What others put where a user's own files belong.
 fn opened_directories() {
-    fs::create_dir("/tmp/iceoryx2").unwrap();
-    fs::set_permissions("/tmp/iceoryx2", fs::Permissions::from_mode(0o777)).unwrap();
-    assert_names(&attempt("default", ANNA, &[]), &["/tmp/iceoryx2", "root (user id 0)"]);
-    chown("/tmp/iceoryx2", Some(ANNA.uid), Some(ANNA.gid)).unwrap();
-    assert_names(&attempt("default", ANNA, &[]), &["/tmp/iceoryx2", "others may write in it", "chmod 750"]);
-    fs::remove_dir("/tmp/iceoryx2").unwrap();
+    const PLACE: &str = "/tmp/blvd~4001";
+    let remove = format!("sudo rm -r {PLACE}");
+    for (owner, name) in [(ROOT, "root (user id 0)"), (CARL, "user id 4003")] {
+        fs::create_dir(PLACE).unwrap();
+        chown(PLACE, Some(owner.uid), Some(owner.gid)).unwrap();
+        for mode in [0o777, 0o750] {
+            fs::set_permissions(PLACE, fs::Permissions::from_mode(mode)).unwrap();
+            assert_names(&attempt("default", ANNA, &[]), &[PLACE, name, "user id 4001", &remove]);
+        }
+        // It is in nobody else's way.
+        assert_eq!(attempt("default", BERT, &[]), "ok");
+        fs::remove_dir(PLACE).unwrap();
+    }
+    fs::create_dir(PLACE).unwrap();
+    chown(PLACE, Some(ANNA.uid), Some(ANNA.gid)).unwrap();
+    fs::set_permissions(PLACE, fs::Permissions::from_mode(0o777)).unwrap();
+    assert_names(&attempt("default", ANNA, &[]), &[PLACE, "others may write in it", "chmod 750"]);
+    fs::remove_dir(PLACE).unwrap();
     // A link that another made leads nowhere, even into a directory of one's own.
     fs::create_dir("/tmp/of-anna").unwrap();
     chown("/tmp/of-anna", Some(ANNA.uid), Some(ANNA.gid)).unwrap();
-    symlink("/tmp/of-anna", "/tmp/iceoryx2").unwrap();
-    lchown("/tmp/iceoryx2", Some(CARL.uid), Some(CARL.gid)).unwrap();
-    assert_names(&attempt("default", ANNA, &[]), &["/tmp/iceoryx2", "user id 4003"]);
-    fs::remove_file("/tmp/iceoryx2").unwrap();
-
-    let mut anna = Actor::start("simulate", "default", ANNA, &[]);
-    anna.says("ready");
-    // Carl has a group of his own, and with it a place of his own: beside each other they do not meet.
-    let own: &[(&str, &str)] = &[("BELVEDERE_GROUP", "4003")];
-    let mut carl = Actor::start("simulate", "default", CARL, own);
-    carl.says("ready");
-    let mut driver = Actor::start("drive", "default", CARL, own);
-    driver.says("frame 3");
-    carl.says("command ");
-    assert!(driver.leave().success() && carl.leave().success());
-    assert!(!anna.has_said("command"), "a command of another domain");
-    assert!(anna.leave().success());
+    symlink("/tmp/of-anna", PLACE).unwrap();
+    lchown(PLACE, Some(CARL.uid), Some(CARL.gid)).unwrap();
+    assert_names(&attempt("default", ANNA, &[]), &[PLACE, "user id 4003"]);
+    fs::remove_file(PLACE).unwrap();
+    // A file with the name of one of hers.
+    let file = "/dev/shm/blvd.default~4001.1.data";
+    fs::write(file, "forged").unwrap();
+    chown(file, Some(CARL.uid), Some(CARL.gid)).unwrap();
+    assert_names(&attempt("default", ANNA, &[]), &[file, "user id 4003", "choose another domain"]);
+    assert_eq!(attempt("another", ANNA, &[]), "ok");
+    fs::remove_file(file).unwrap();
+    assert_eq!(attempt("default", ANNA, &[]), "ok");
 }
 
 fn a_group() {

@@ -2,10 +2,7 @@
 
 mod processes_kit;
 
-use std::{
-    path::Path,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use belvedere_bridge::{Domain, Encoding, Error, Kind, Node, StreamSpec};
 use processes_kit::{PATIENCE, Process, TestDomain, next};
@@ -109,7 +106,7 @@ fn a_domain_in_use_by_another_process_is_refused() {
 fn the_remnant_of_a_half_cleaned_node_goes() {
     let mut domain = TestDomain::new("remnant");
     let child = Process::start(&domain, "join", &[]);
-    let nodes = Path::new("/tmp/iceoryx2/nodes");
+    let nodes = processes_kit::files::nodes(&domain);
     let deadline = Instant::now() + PATIENCE;
     while domain.node_ids().is_empty() && Instant::now() < deadline {
         std::thread::sleep(Duration::from_millis(10));
@@ -137,7 +134,7 @@ fn the_empty_directory_of_a_node_goes() {
     }
     std::thread::sleep(Duration::from_millis(100));
     child.kill();
-    let own = Path::new("/tmp/iceoryx2/nodes").join(domain.node_ids().remove(0));
+    let own = processes_kit::files::nodes(&domain).join(domain.node_ids().remove(0));
     domain.usage();
     for file in domain.files() {
         std::fs::remove_file(file).unwrap();

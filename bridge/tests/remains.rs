@@ -119,14 +119,14 @@ fn directories_in_the_way() {
         assert!(start.elapsed() < PATIENCE / 2);
         told
     };
-    fs::write("/tmp/iceoryx2", "").unwrap();
+    fs::write("/tmp/blvd~0", "").unwrap();
     let told = attempt();
-    assert!(told.contains("/tmp/iceoryx2") && told.contains("not a directory"), "{told}");
-    fs::remove_file("/tmp/iceoryx2").unwrap();
-    fs::create_dir("/tmp/iceoryx2").unwrap();
-    fs::write("/tmp/iceoryx2/nodes", "").unwrap();
+    assert!(told.contains("/tmp/blvd~0") && told.contains("not a directory"), "{told}");
+    fs::remove_file("/tmp/blvd~0").unwrap();
+    fs::create_dir("/tmp/blvd~0").unwrap();
+    fs::write("/tmp/blvd~0/nodes", "").unwrap();
     let told = attempt();
-    assert!(told.contains("/tmp/iceoryx2/nodes") && told.contains("not a directory"), "{told}");
-    fs::remove_file("/tmp/iceoryx2/nodes").unwrap();
+    assert!(told.contains("/tmp/blvd~0/nodes") && told.contains("not a directory"), "{told}");
+    fs::remove_file("/tmp/blvd~0/nodes").unwrap();
     assert_eq!(attempt(), "ok");
 }

@@ -45,8 +45,8 @@ fn leftovers(domain: &Domain) -> Vec<String> {
         }
     }
     let mut found = Vec::new();
-    for root in ["/dev/shm", "/tmp/iceoryx2"] {
-        walk(Path::new(root), &domain.prefix(), &mut found);
+    for root in [Path::new("/dev/shm"), &domain.directory()] {
+        walk(root, &domain.prefix(), &mut found);
     }
     found
 }

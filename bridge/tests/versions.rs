@@ -51,6 +51,8 @@ fn told(domain: &Domain) -> String {
 fn foreign_stream<H: ZeroCopySend + std::fmt::Debug>(domain: &Domain) -> impl Sized {
     let mut config = Config::default();
     config.global.prefix = FileName::new(domain.prefix().as_bytes()).unwrap();
+    let directory = domain.directory();
+    config.global.set_root_path(&Path::new(directory.as_os_str().as_encoded_bytes()).unwrap());
     let node = NodeBuilder::new().config(&config).create::<ipc::Service>().unwrap();
     let name = ServiceName::new("belvedere/image_raw").unwrap();
     node.service_builder(&name).publish_subscribe::<[u8]>().user_header::<H>().create().unwrap()
@@ -113,6 +115,7 @@ class FrameHeader(ctypes.Structure):
         return "belvedere.FrameHeader.v2"
 config = iox2.config.default()
 config.global_cfg.prefix = iox2.FileName.new(sys.argv[1])
+config.global_cfg.root_path = iox2.Path.new(sys.argv[3])
 node = iox2.NodeBuilder.new().config(config).create(iox2.ServiceType.Ipc)
 name = iox2.ServiceName.new("belvedere/image_raw")
 builder = node.service_builder(name).publish_subscribe(iox2.Slice[ctypes.c_uint8]).user_header(FrameHeader)
@@ -139,6 +142,7 @@ fn a_real_peer_of_version_0_9() {
     let peer = |domain: &Domain, what: &str| {
         let mut child = Command::new(&python)
             .args(["-c", PROGRAM, &domain.prefix(), what])
+            .arg(domain.directory())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import select
 import signal
 import subprocess
@@ -161,6 +162,7 @@ def test_the_last_one_leaves_nothing_behind(simulator: Simulator, how: str) -> N
     program.stdin.close()
     assert program.wait(timeout=10) == 0
     program.stdout.close()
-    prefix = f"blvd.{simulator.domain}."
-    left = [path for root in ("/dev/shm", "/tmp/iceoryx2") for path in Path(root).rglob(f"{prefix}*")]
+    uid = os.geteuid()
+    prefix = f"blvd.{simulator.domain}~{uid}."
+    left = [path for root in ("/dev/shm", f"/tmp/blvd~{uid}") for path in Path(root).rglob(f"{prefix}*")]
     assert left == []

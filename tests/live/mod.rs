@@ -144,9 +144,10 @@ pub(crate) fn next_frame(subscriber: &mut Subscriber) -> Frame {
 
 /// Files of a domain that exist.
 pub(crate) fn files_of(domain: &str) -> Vec<String> {
-    let marker = format!("blvd.{domain}.");
+    let domain = Domain::new(domain).unwrap();
+    let marker = domain.prefix();
     let mut found = Vec::new();
-    let mut folders = vec![Path::new("/dev/shm").to_path_buf(), Path::new("/tmp/iceoryx2").to_path_buf()];
+    let mut folders = vec![Path::new("/dev/shm").to_path_buf(), domain.directory()];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
             let path = entry.path();

@@ -1,8 +1,9 @@
 //! [`Domain`]: the name that keeps simulations apart.
 
-use std::{fmt, str::FromStr, time::Duration};
+use std::{fmt, path::PathBuf, str::FromStr, time::Duration};
 
 use iceoryx2::prelude::{Config, FileName, Path, SemanticString, ipc_threadsafe};
+use rustix::process::geteuid;
 
 use super::Group;
 use crate::Error;
@@ -12,11 +13,12 @@ pub(crate) type Ipc = ipc_threadsafe::Service;
 
 /// One simulation's name for everything it shares; several run side by side under different ones.
 ///
-/// A domain is an iceoryx2 prefix `blvd.<name>.`: its processes see each other and nobody else. The dot, which a
-/// name cannot hold, keeps one domain's prefix from being the beginning of another's.
+/// Each user has domains of their own: one of another user with the same name is another one. A domain is the iceoryx2
+/// prefix `blvd.<name>~<user id>.` and the directory `/tmp/blvd~<user id>`: its processes see each other and nobody
+/// else. The dot, which a name cannot hold, keeps one domain's prefix from being the beginning of another's.
 ///
 /// Only the user who runs its processes can reach it, unless it is [shared with a group](Self::shared_with): that is
-/// then another domain of the same name, `blvd.<name>@<group id>.`, with a directory of its own.
+/// then another domain of the same name, `blvd.<name>@<group id>.`, with the directory `/tmp/blvd-<group id>`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Domain {
     name: String,
@@ -83,10 +85,22 @@ impl Domain {
     #[must_use]
     pub fn prefix(&self) -> String {
         match &self.group {
-            // No group's prefix begins with that of a domain without one.
             Some(group) => format!("blvd.{}@{}.", self.name, group.gid()),
-            None => format!("blvd.{}.", self.name),
+            // /dev/shm is one for all users.
+            None => format!("blvd.{}~{}.", self.name, geteuid().as_raw()),
         }
+    }
+
+    /// The directory of those of its files that are not in `/dev/shm`, which all domains of the user, or of the group,
+    /// have in common. It is there while one of them has a node.
+    #[must_use]
+    pub fn directory(&self) -> PathBuf {
+        // Named by numbers: a socket's path must not get longer than 107 bytes. And not by what the environment says, as
+        // XDG_RUNTIME_DIR, since a service and a shell of one user must find each other.
+        PathBuf::from(match &self.group {
+            Some(group) => format!("/tmp/blvd-{}", group.gid()),
+            None => format!("/tmp/blvd~{}", geteuid().as_raw()),
+        })
     }
 
     /// The configuration that peers must share; built here and not read from a file, so that no
@@ -98,13 +112,11 @@ impl Domain {
         config.global.creation_timeout = Duration::from_millis(200);
         config.global.prefix = FileName::new(self.prefix().as_bytes())
             .map_err(|error| Error::transport("setting the domain's prefix", error))?;
-        if let Some(group) = &self.group {
-            // Not in the directory of iceoryx2's other programs, which is its owner's alone. By number: a socket's
-            // path must not get longer than 107 bytes.
-            let root = format!("/tmp/blvd-{}", group.gid());
-            let root = Path::new(root.as_bytes())
-                .map_err(|error| Error::transport("setting the group's directory", error))?;
-            config.global.set_root_path(&root);
+        // Not the directory of iceoryx2's other programs, which belongs to the first user of the machine who runs one.
+        let root = Path::new(self.directory().as_os_str().as_encoded_bytes())
+            .map_err(|error| Error::transport("setting the domain's directory", error))?;
+        config.global.set_root_path(&root);
+        if self.group.is_some() {
             // How long to wait for what another process is just making, and for what it has yet to open to the group.
             config.global.creation_timeout = Duration::from_millis(500);
             // Each user's processes clean up after that user's: see `remains`.
@@ -157,5 +169,19 @@ mod tests {
         let shared = short.clone().shared_with(Group::find("0").unwrap());
         assert!(!shared.prefix().starts_with(&short.prefix()));
         assert!(!short.prefix().starts_with(&shared.prefix()));
+    }
+
+    #[test]
+    fn the_longest_socket_path_fits() {
+        let name = "x".repeat(Domain::MAX_LEN);
+        let group = Group::find(&u32::MAX.to_string()).unwrap();
+        for domain in [Domain::new(&name).unwrap(), Domain::new(&name).unwrap().shared_with(group)] {
+            let (directory, prefix) = (domain.directory(), domain.prefix());
+            // The number of this user may have more digits on another machine, in both.
+            let more = 2 * (u32::MAX.to_string().len() - geteuid().as_raw().to_string().len());
+            let longer = if domain.group().is_some() { 0 } else { more };
+            let path = format!("{}/{prefix}{}.event", directory.display(), u128::MAX);
+            assert!(path.len() + longer <= 107, "{path}");
+        }
     }
 }

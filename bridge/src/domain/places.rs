@@ -223,14 +223,15 @@ fn foreign(domain: &Domain, places: &Places, path: PathBuf, uid: u32) -> Error {
     let owner = user(uid);
     let remove = if path.is_dir() { "sudo rm -r" } else { "sudo rm" };
     let other_domain =
-        if places.has_prefix(&path) { "choose another domain (--domain, BELVEDERE_DOMAIN); " } else { "" };
+        if places.has_prefix(&path) { ", or choose another domain (--domain, BELVEDERE_DOMAIN)" } else { "" };
     let remedy = match domain.group() {
         Some(group) => format!(
             "it is not open to the group {name}; its owner must run with BELVEDERE_GROUP={name}, or remove it",
             name = group.name()
         ),
         None => format!(
-            "all processes of domain \"{domain}\" must run as one user: run as {owner}; {other_domain}share the domain with a group, or use one of your own (BELVEDERE_GROUP, in every process of the domain); or, when nothing of it runs any more: {remove} {path}",
+            "its name is kept for the files of {you}, so its owner or an administrator must remove it: {remove} {path}; until then use the place of a group of yours (BELVEDERE_GROUP, in every process of domain \"{domain}\"){other_domain}",
+            you = user(rustix::process::geteuid().as_raw()),
             path = path.display()
         ),
     };

@@ -10,8 +10,10 @@ use std::{
 
 use belvedere_bridge::{Domain, Node};
 
-const ROOTS: [&str; 2] = ["/dev/shm", "/tmp/iceoryx2"];
-const NODES: &str = "/tmp/iceoryx2/nodes";
+/// Where the nodes of a domain have their directories.
+pub fn nodes(domain: &Domain) -> PathBuf {
+    domain.directory().join("nodes")
+}
 
 /// A domain of one test. What a failed test leaves of it goes when it is dropped.
 pub struct TestDomain {
@@ -54,7 +56,7 @@ impl TestDomain {
     /// Identifiers of its nodes, dead or alive.
     pub fn node_ids(&self) -> Vec<String> {
         let prefix = self.domain.prefix();
-        names(Path::new(NODES))
+        names(&nodes(&self.domain))
             .filter_map(|name| Some(name.strip_prefix(&prefix)?.split('.').next()?.to_owned()))
             .collect::<BTreeSet<_>>()
             .into_iter()
@@ -65,7 +67,7 @@ impl TestDomain {
     pub fn usage(&mut self) -> Usage {
         self.nodes.extend(self.node_ids());
         let files = self.files();
-        let directories = self.nodes.iter().filter(|id| Path::new(NODES).join(id).exists()).count();
+        let directories = self.nodes.iter().filter(|id| nodes(&self.domain).join(id).exists()).count();
         let shared = files.iter().filter(|path| path.starts_with("/dev/shm"));
         let bytes = shared.filter_map(|path| Some(fs::metadata(path).ok()?.len())).sum();
         Usage { files: files.len() + directories, bytes }
@@ -122,15 +124,15 @@ impl Drop for TestDomain {
             let _ = fs::remove_file(path);
         }
         for id in &self.nodes {
-            let _ = fs::remove_dir(Path::new(NODES).join(id));
+            let _ = fs::remove_dir(nodes(&self.domain).join(id));
         }
     }
 }
 
 fn files(domain: &Domain) -> Vec<PathBuf> {
     let mut found = Vec::new();
-    for root in ROOTS {
-        walk(Path::new(root), &domain.prefix(), &mut found);
+    for root in [PathBuf::from("/dev/shm"), domain.directory()] {
+        walk(&root, &domain.prefix(), &mut found);
     }
     found.sort();
     found

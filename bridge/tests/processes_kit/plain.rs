@@ -3,13 +3,17 @@
 use belvedere_bridge::Domain;
 use iceoryx2::{
     node::Node,
-    prelude::{Config, FileName, NodeBuilder, SemanticString as _, ServiceName, SignalHandlingMode, ipc},
+    prelude::{
+        Config, FileName, NodeBuilder, Path, SemanticString as _, ServiceName, SignalHandlingMode, ipc,
+    },
 };
 
 /// A node of iceoryx2 alone.
 pub fn node(domain: &Domain) -> Node<ipc::Service> {
     let mut config = Config::default();
     config.global.prefix = FileName::new(domain.prefix().as_bytes()).unwrap();
+    let directory = domain.directory();
+    config.global.set_root_path(&Path::new(directory.as_os_str().as_encoded_bytes()).unwrap());
     NodeBuilder::new()
         .config(&config)
         .signal_handling_mode(SignalHandlingMode::Disabled)

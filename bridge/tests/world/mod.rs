@@ -358,10 +358,10 @@ pub fn files_of(domain: &str) -> Vec<PathBuf> {
         }
     }
     let mut found = Vec::new();
-    let beginnings = [format!("blvd.{domain}."), format!("blvd.{domain}@")];
+    let beginnings = [format!("blvd.{domain}~"), format!("blvd.{domain}@")];
     let tmp = fs::read_dir("/tmp").unwrap().flatten().map(|entry| entry.path()).filter(|path| {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        name == "iceoryx2" || name.starts_with("blvd-")
+        name.starts_with("blvd~") || name.starts_with("blvd-")
     });
     for directory in tmp.chain([PathBuf::from("/dev/shm")]) {
         walk(&directory, &beginnings, &mut found);

@@ -54,8 +54,11 @@ class Membership:
         iox2.set_log_level(iox2.LogLevel.Fatal)
         # Not from a file: a config/iceoryx2.toml in the working directory must not part two peers.
         self._config = iox2.config.default()
-        self._prefix = f"blvd.{domain}."
+        # Each user has domains of their own, in a directory of their own.
+        self._prefix = f"blvd.{domain}~{os.geteuid()}."
+        directory = f"/tmp/blvd~{os.geteuid()}"
         self._config.global_cfg.prefix = iox2.FileName.new(self._prefix)
+        self._config.global_cfg.root_path = iox2.Path.new(directory)
         try:
             self.node: Any = (
                 iox2.NodeBuilder.new()
@@ -66,8 +69,8 @@ class Membership:
             )
         except iox2.NodeCreationFailure as error:
             raise BridgeError(
-                f"joining domain {domain!r}: {error}; if /tmp/iceoryx2 belongs to another user, "
-                "run as that user or remove it when nothing uses it"
+                f"joining domain {domain!r}: {error}; if {directory} belongs to another user, "
+                "that user or an administrator must remove it"
             ) from error
 
     def __del__(self) -> None:

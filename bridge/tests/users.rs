@@ -1,0 +1,77 @@
+//! Several users of one machine, each with domains of their own: nobody meets or hinders anybody.
+
+mod world;
+
+use std::{path::Path, time::Duration};
+
+use world::{Actor, ROOT, User, files_of};
+
+const ANNA: User = User { uid: 4001, gid: 4001 };
+const CARL: User = User { uid: 4003, gid: 4003 };
+
+#[test]
+fn in_a_role() {
+    world::play();
+}
+
+#[test]
+fn in_the_world() {
+    match world::scenario().as_deref() {
+        Some("side_by_side") => side_by_side(),
+        Some(other) => panic!("{other}"),
+        None => {}
+    }
+}
+
+#[test]
+fn users_run_side_by_side() {
+    world::run("side_by_side", 64, true);
+}
+
+/// In a domain of the same name, the default one; whichever of them was first.
+fn side_by_side() {
+    for (first, second) in
+        [(ANNA, CARL), (CARL, ANNA), (ROOT, ANNA), (ANNA, ROOT), (ROOT, CARL), (CARL, ROOT)]
+    {
+        let case = format!("{first:?}, then {second:?}");
+        let start = |role, user| Actor::start(role, "default", user, &[]);
+        let (mut early, mut late) = (start("simulate", first), start("simulate", second));
+        early.says("ready");
+        late.says("ready");
+        // Each one's frames and commands are that one's.
+        let mut driver = start("drive", first);
+        driver.says("frame 3");
+        early.says("command ");
+        assert!(!late.has_said("command"), "{case}: a command of another user");
+        let mut other_driver = start("drive", second);
+        other_driver.says("frame 3");
+        late.says("command ");
+        // One sees the streams of one simulator, whose publisher is that one's.
+        for (user, simulator) in [(first, &early), (second, &late)] {
+            let mut curious = start("try", user);
+            assert_eq!(curious.says("open "), "ok", "{case}");
+            assert_eq!(curious.says("streams "), "2", "{case}");
+            let told = curious.says("publish ");
+            assert!(told.contains(&format!("process {})", simulator.pid())), "{case}: {told}");
+        }
+        // The first is killed, which the second does not notice.
+        early.kill();
+        driver.kill();
+        late.forget();
+        late.says("command ");
+        // The next start of the first cleans up after it, and after nobody else.
+        let mut again = start("simulate", first);
+        again.says("ready");
+        late.forget();
+        late.says("command ");
+        for actor in [other_driver, late, again] {
+            assert!(actor.leave().success(), "{case}");
+        }
+    }
+    // What was killed in its first second goes with its user's first start after that.
+    std::thread::sleep(Duration::from_millis(1100));
+    for user in [ANNA, CARL, ROOT] {
+        assert!(Actor::start("simulate", "default", user, &[]).leave().success());
+    }
+    assert_eq!(files_of("default"), [] as [&Path; 0]);
+}

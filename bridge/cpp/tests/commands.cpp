@@ -81,7 +81,9 @@ void check_simulation(belvedere::Node& node) {
     auto states = node.subscribe("simulation/model_states");
     require(states.wait(seconds(20)), "no states");
     bool found = false;
-    for (const bv_model_state& state : states.take_newest()->structs<bv_model_state>())
+    const auto newest = states.take_newest();
+    require(newest.has_value(), "states of models");
+    for (const bv_model_state& state : newest->structs<bv_model_state>())
         if (std::string(state.name) == "second") found = state.position[0] == 3 && state.position[2] == 1.5;
     require(found, "the crate is not where it was moved to");
     simulation.remove("second");

@@ -42,6 +42,33 @@ template <class F>
 struct maps<F, decltype(void(belvedere::eigen_points(std::declval<F>())))> : std::true_type {};
 static_assert(maps<const Frame&>::value && !maps<Frame>::value, "a temporary frame is refused");
 
+// Nor does what looks into it.
+template <class F, class = void>
+struct has_rows : std::false_type {};
+template <class F>
+struct has_rows<F, decltype(void(std::declval<F>().template row<std::uint8_t>(0)))> : std::true_type {};
+template <class F, class = void>
+struct has_header : std::false_type {};
+template <class F>
+struct has_header<F, decltype(void(std::declval<F>().header()))> : std::true_type {};
+template <class F, class = void>
+struct has_payload : std::false_type {};
+template <class F>
+struct has_payload<F, decltype(void(std::declval<F>().payload()))> : std::true_type {};
+static_assert(has_rows<const Frame&>::value && !has_rows<Frame>::value, "rows of a temporary frame are refused");
+static_assert(has_header<const Frame&>::value && !has_header<Frame>::value, "its header, too");
+static_assert(has_payload<const Frame&>::value && !has_payload<Frame>::value, "and its payload");
+
+// Nor `camera.take()->…`, which would ask a frame that is about to go, or that is not there.
+template <class T, class = void>
+struct has_arrow : std::false_type {};
+template <class T>
+struct has_arrow<T, decltype(void(std::declval<T>().operator->()))> : std::true_type {};
+using Taken = decltype(std::declval<belvedere::Subscriber&>().take());
+static_assert(has_arrow<Taken&>::value && has_arrow<const Taken&>::value && !has_arrow<Taken>::value,
+              "what is taken needs a name");
+static_assert(std::is_convertible<Taken, std::optional<Frame>>::value, "and is an optional");
+
 void check_eigen(const Frame& picture, const Frame& depth, const Frame& cloud) {
     const auto points = belvedere::eigen_points(cloud);
     const auto grid = belvedere::eigen_grid<float>(depth);
@@ -85,6 +112,7 @@ void check_transforms(belvedere::Node& node) {
         if (!frame) continue;
         const auto all = frame->structs<bv_transform>();
         require(!all.empty(), "transforms");
+        require_throws([&] { frame->structs<bv_joint_state>(); }, "transforms as states of joints");
         for (const bv_transform& one : all)
             require(std::abs(belvedere::eigen_parent_from_child(one).linear().determinant() - 1) < 1e-9, "a rotation");
         return;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use belvedere_bridge::schema;
 
-use crate::names::c_type;
+use crate::names::{c_type, snake};
 
 pub(crate) fn layout() -> String {
     let mut text = "\
@@ -16,6 +16,7 @@ pub(crate) fn layout() -> String {
 #define BELVEDERE_WIRE_HPP
 
 #include <cstddef>
+#include <cstdint>
 
 #include \"belvedere.h\"
 
@@ -30,5 +31,31 @@ pub(crate) fn layout() -> String {
             let _ = writeln!(text, "BELVEDERE_AT({name}, {}, {});", field.name, field.offset);
         }
     }
-    text + "#undef BELVEDERE_AT\n\n#endif  // BELVEDERE_WIRE_HPP\n"
+    text += "\
+#undef BELVEDERE_AT
+
+namespace belvedere {
+namespace detail {
+
+/// Whether streams of this kind carry Ts.
+template <class T>
+constexpr bool carries(std::uint16_t kind) = delete;
+";
+    for layout in schema::structs().filter(|layout| !layout.kinds.is_empty()) {
+        let is_one: Vec<String> =
+            layout.kinds.iter().map(|&kind| format!("kind == BV_KIND_{}", kind_name(kind))).collect();
+        let _ = write!(
+            text,
+            "template <>\nconstexpr bool carries<{}>(std::uint16_t kind) {{\n    return {};\n}}\n",
+            c_type(layout.name),
+            is_one.join(" || ")
+        );
+    }
+    text + "\n}  // namespace detail\n}  // namespace belvedere\n\n#endif  // BELVEDERE_WIRE_HPP\n"
+}
+
+fn kind_name(number: u16) -> String {
+    let kinds = schema::ENUMS.iter().find(|numbers| numbers.name == "Kind").unwrap();
+    let kind = kinds.values.iter().find(|kind| kind.number == number).unwrap();
+    snake(kind.name).to_uppercase()
 }

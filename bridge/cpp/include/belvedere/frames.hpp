@@ -26,7 +26,9 @@ class Frame {
 public:
     explicit Frame(bv_frame* handle) : handle_(handle) {}
 
-    const Header& header() const { return *bv_frame_get_header(handle_.get()); }
+    // What is a view of the frame cannot be had of a temporary, which is gone at the end of the statement.
+    const Header& header() const& { return *bv_frame_get_header(handle_.get()); }
+    const Header& header() const&& = delete;
     bv_kind kind() const { return static_cast<bv_kind>(header().kind); }
     bv_encoding encoding() const { return static_cast<bv_encoding>(header().encoding); }
 
@@ -36,7 +38,8 @@ public:
         return std::string(id, std::find(id, id + sizeof header().frame_id, '\0'));
     }
     /// How pixels map to directions. Throws std::invalid_argument for a kind that has none.
-    const bv_intrinsics& intrinsics() const {
+    const bv_intrinsics& intrinsics() const&& = delete;
+    const bv_intrinsics& intrinsics() const& {
         if (kind() != BV_KIND_IMAGE && kind() != BV_KIND_DEPTH_IMAGE && kind() != BV_KIND_POINT_CLOUD)
             throw std::invalid_argument("a frame of this kind has no intrinsics");
         return header().block.intrinsics;
@@ -46,37 +49,45 @@ public:
         return static_cast<bv_distortion_model>(intrinsics().distortion_model);
     }
     /// The parameters of that model, as many as it has.
-    Span<const double> distortion() const {
+    Span<const double> distortion() const&& = delete;
+    Span<const double> distortion() const& {
         const bv_intrinsics& lens = intrinsics();
         return {lens.distortion, std::min<std::size_t>(lens.distortion_len, std::size(lens.distortion))};
     }
 
     /// All bytes, aligned to 64.
-    Span<const std::uint8_t> payload() const {
+    Span<const std::uint8_t> payload() const&& = delete;
+    Span<const std::uint8_t> payload() const& {
         return {bv_frame_get_payload(handle_.get()), static_cast<std::size_t>(header().payload_len)};
     }
 
     /// One row as values of T: bytes or pixels of an image, float of depth and ranges.
     /// Throws std::out_of_range for a row that is not there or a T that does not fit.
     template <class T>
-    Span<const T> row(std::uint32_t y) const {
+    Span<const T> row(std::uint32_t) const&& = delete;
+    template <class T>
+    Span<const T> row(std::uint32_t y) const& {
         return plane_row<T>(0, y);
     }
 
     /// One row of intensities behind the ranges.
     template <class T = float>
-    Span<const T> intensity_row(std::uint32_t y) const {
+    Span<const T> intensity_row(std::uint32_t) const&& = delete;
+    template <class T = float>
+    Span<const T> intensity_row(std::uint32_t y) const& {
         const Header& h = header();
         if ((h.flags & BV_HAS_INTENSITIES) == 0) throw std::out_of_range("the scan has no intensities");
         return plane_row<T>(static_cast<std::size_t>(h.height) * h.row_stride, y);
     }
 
     /// The structs of a stream of fixed messages, such as bv_transform, copied out.
+    /// Throws std::out_of_range for a frame that holds others.
     template <class T>
     std::vector<T> structs() const {
         static_assert(std::is_trivially_copyable<T>::value, "T must be one of the structs of belvedere.h");
         const Header& h = header();
         // The stride of rows is that of structs, so that no height makes more of them than the payload has.
+        if (!detail::carries<T>(h.kind)) throw std::out_of_range("the frame is of a kind that does not hold these structs");
         if (h.encoding != BV_ENCODING_STRUCT || h.elem_stride < sizeof(T) || (h.height > 1 && h.row_stride < sizeof(T)))
             throw std::out_of_range("the frame does not hold structs of this size");
         std::vector<T> values(h.width == 0 ? 0 : h.height);
@@ -116,6 +127,17 @@ private:
     detail::Owned<bv_frame, bv_frame_release> handle_;
 };
 
+/// What a take gives: a std::optional, whose content must be given a name before it is used. `camera.take()->header()`
+/// would be read after the frame is gone, and reads nothing when there was none, so it does not compile.
+template <class T>
+class Taken : public std::optional<T> {
+public:
+    using std::optional<T>::optional;
+    const T* operator->() const& { return std::optional<T>::operator->(); }
+    T* operator->() & { return std::optional<T>::operator->(); }
+    const T* operator->() const&& = delete;
+};
+
 /// The reading end of a stream: there before its publisher, and after. Goes on by itself when the publisher ends, or
 /// is killed, and starts again.
 class Subscriber {
@@ -132,9 +154,9 @@ public:
         detail::check(bv_subscriber_set_busy_poll(handle_.get(), detail::count_of(limit)));
     }
     /// The oldest frame that waits, if any; never sleeps. Two may be held at a time.
-    std::optional<Frame> take() { return take_with(bv_subscriber_take); }
+    Taken<Frame> take() { return take_with(bv_subscriber_take); }
     /// The newest frame that waits, if any, dropping those before it; never sleeps.
-    std::optional<Frame> take_newest() { return take_with(bv_subscriber_take_newest); }
+    Taken<Frame> take_newest() { return take_with(bv_subscriber_take_newest); }
 
     /// A descriptor for the poll, select or epoll of another event loop: the same over the subscriber's whole life.
     /// It is readable when frames may wait or it is time to look for the publisher: take() then until there is none.
@@ -153,7 +175,7 @@ public:
     }
 
 private:
-    std::optional<Frame> take_with(bv_status (*take)(bv_subscriber*, bv_frame**)) {
+    Taken<Frame> take_with(bv_status (*take)(bv_subscriber*, bv_frame**)) {
         bv_frame* frame = nullptr;
         if (!detail::check(take(handle_.get(), &frame))) return std::nullopt;
         return Frame(frame);
@@ -177,7 +199,7 @@ public:
         return detail::check(bv_synchronizer_wait(handle_.get(), detail::count_of(timeout)));
     }
     /// The next set, in the order of the topics, if it is complete; never sleeps.
-    std::optional<std::array<Frame, N>> take() {
+    Taken<std::array<Frame, N>> take() {
         bv_frame* frames[N];
         if (!detail::check(bv_synchronizer_take(handle_.get(), frames))) return std::nullopt;
         return set(frames, std::make_index_sequence<N>());

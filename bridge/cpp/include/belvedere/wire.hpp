@@ -6,6 +6,7 @@
 #define BELVEDERE_WIRE_HPP
 
 #include <cstddef>
+#include <cstdint>
 
 #include "belvedere.h"
 
@@ -197,5 +198,107 @@ BELVEDERE_AT(bv_tag_detection, corners, 48);
 BELVEDERE_AT(bv_tag_detection, position, 112);
 BELVEDERE_AT(bv_tag_detection, orientation, 136);
 #undef BELVEDERE_AT
+
+namespace belvedere {
+namespace detail {
+
+/// Whether streams of this kind carry Ts.
+template <class T>
+constexpr bool carries(std::uint16_t kind) = delete;
+template <>
+constexpr bool carries<bv_camera_info>(std::uint16_t kind) {
+    return kind == BV_KIND_CAMERA_INFO;
+}
+template <>
+constexpr bool carries<bv_odometry>(std::uint16_t kind) {
+    return kind == BV_KIND_ODOMETRY;
+}
+template <>
+constexpr bool carries<bv_transform>(std::uint16_t kind) {
+    return kind == BV_KIND_TRANSFORMS || kind == BV_KIND_STATIC_TRANSFORMS;
+}
+template <>
+constexpr bool carries<bv_joint_state>(std::uint16_t kind) {
+    return kind == BV_KIND_JOINT_STATES;
+}
+template <>
+constexpr bool carries<bv_clock>(std::uint16_t kind) {
+    return kind == BV_KIND_CLOCK;
+}
+template <>
+constexpr bool carries<bv_velocity_command>(std::uint16_t kind) {
+    return kind == BV_KIND_VELOCITY_COMMAND;
+}
+template <>
+constexpr bool carries<bv_imu>(std::uint16_t kind) {
+    return kind == BV_KIND_IMU;
+}
+template <>
+constexpr bool carries<bv_robot_event>(std::uint16_t kind) {
+    return kind == BV_KIND_ROBOT_EVENT;
+}
+template <>
+constexpr bool carries<bv_core_sensors>(std::uint16_t kind) {
+    return kind == BV_KIND_CORE_SENSORS;
+}
+template <>
+constexpr bool carries<bv_reset_odometry>(std::uint16_t kind) {
+    return kind == BV_KIND_RESET_ODOMETRY;
+}
+template <>
+constexpr bool carries<bv_motor_power>(std::uint16_t kind) {
+    return kind == BV_KIND_MOTOR_POWER;
+}
+template <>
+constexpr bool carries<bv_simulation_command>(std::uint16_t kind) {
+    return kind == BV_KIND_SIMULATION_COMMAND;
+}
+template <>
+constexpr bool carries<bv_simulation_result>(std::uint16_t kind) {
+    return kind == BV_KIND_SIMULATION_RESULT;
+}
+template <>
+constexpr bool carries<bv_model_state>(std::uint16_t kind) {
+    return kind == BV_KIND_MODEL_STATES;
+}
+template <>
+constexpr bool carries<bv_nav_sat_fix>(std::uint16_t kind) {
+    return kind == BV_KIND_NAV_SAT_FIX;
+}
+template <>
+constexpr bool carries<bv_magnetic_field>(std::uint16_t kind) {
+    return kind == BV_KIND_MAGNETIC_FIELD;
+}
+template <>
+constexpr bool carries<bv_fluid_pressure>(std::uint16_t kind) {
+    return kind == BV_KIND_FLUID_PRESSURE;
+}
+template <>
+constexpr bool carries<bv_altimeter>(std::uint16_t kind) {
+    return kind == BV_KIND_ALTIMETER;
+}
+template <>
+constexpr bool carries<bv_vector3>(std::uint16_t kind) {
+    return kind == BV_KIND_VECTOR3;
+}
+template <>
+constexpr bool carries<bv_range>(std::uint16_t kind) {
+    return kind == BV_KIND_RANGE;
+}
+template <>
+constexpr bool carries<bv_sensor_settings>(std::uint16_t kind) {
+    return kind == BV_KIND_SENSOR_SETTINGS;
+}
+template <>
+constexpr bool carries<bv_bounding_box>(std::uint16_t kind) {
+    return kind == BV_KIND_BOUNDING_BOXES;
+}
+template <>
+constexpr bool carries<bv_tag_detection>(std::uint16_t kind) {
+    return kind == BV_KIND_TAG_DETECTIONS;
+}
+
+}  // namespace detail
+}  // namespace belvedere
 
 #endif  // BELVEDERE_WIRE_HPP

@@ -1,5 +1,7 @@
 //! The clock that publisher and subscriber share.
 
+use std::time::{Duration, Instant};
+
 use rustix::time::{ClockId, clock_gettime};
 
 /// `CLOCK_MONOTONIC` in nanoseconds: the same clock in every process of one machine, so that
@@ -10,14 +12,25 @@ pub fn mono_ns() -> u64 {
     now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
 }
 
+/// When a wait of so long ends. [`Instant`] panics beyond its end, so a longer wait than a year is one of a year.
+pub(crate) fn deadline(timeout: Duration) -> Instant {
+    Instant::now() + timeout.min(Duration::from_secs(365 * 86_400))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
+    fn no_wait_is_too_long() {
+        assert!(deadline(Duration::MAX) > Instant::now() + Duration::from_secs(86_400));
+        assert!(deadline(Duration::from_secs(1)) <= Instant::now() + Duration::from_secs(1));
+    }
+
+    #[test]
     fn it_does_not_run_backwards() {
         let first = mono_ns();
-        std::thread::sleep(std::time::Duration::from_millis(2));
+        std::thread::sleep(Duration::from_millis(2));
         let elapsed_ns = mono_ns() - first;
         assert!((2_000_000..2_000_000_000).contains(&elapsed_ns), "{elapsed_ns}");
     }

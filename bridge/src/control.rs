@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::{
-    Error, Node, Publisher, StreamSpec, Subscriber,
+    Error, Node, Publisher, StreamSpec, Subscriber, clock,
     payload::{SimulationCommand, SimulationResult},
 };
 
@@ -82,7 +82,7 @@ impl SimulationControl {
         text: &str,
         timeout: Duration,
     ) -> Result<Option<SimulationResult>, Error> {
-        let deadline = Instant::now() + timeout;
+        let deadline = clock::deadline(timeout);
         // Without a simulator a sender would make the stream, and talk to itself. Old results are cleared away.
         while !self.is_connected()? {
             if Instant::now() >= deadline {

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+#[cfg(feature = "shared-memory")]
+use crate::open_files::{Reached, limit_reached};
 use crate::{Consumer, FrameError};
 
 /// The version of iceoryx2 that this build speaks; 0.10 peers must agree in all three numbers.
@@ -37,15 +39,49 @@ pub enum Error {
         /// Who publishes it.
         holder: Consumer,
     },
-    /// All places for subscribers, or for processes, are taken.
+    /// All places for publishers of a stream that has several are taken.
     #[error(
-        "{topic} has all the subscribers it was made for ({max}); close one, or publish it with room for more"
+        "{topic} has all the publishers that it may have at a time ({max}); close one, such as that of {holder}"
+    )]
+    TooManyPublishers {
+        /// The stream.
+        topic: String,
+        /// How many it allows.
+        max: usize,
+        /// One of them.
+        holder: Consumer,
+    },
+    /// All places for subscribers are taken.
+    #[error(
+        "{topic} has all the subscribers that it was made for ({max}); close one, or publish it with room for more (a simulator makes it for fewer than 8 when /dev/shm is small, and says so)"
     )]
     TooManySubscribers {
         /// The stream.
         topic: String,
         /// How many it allows.
         max: usize,
+    },
+    /// So many processes have the stream open as may.
+    #[error("{topic} is open in {max} processes, which is the most; end one of them")]
+    TooManyProcesses {
+        /// The stream.
+        topic: String,
+        /// How many may have it open.
+        max: usize,
+    },
+    /// Consumers keep the stream open as an earlier publisher made it, which does not do for this one.
+    #[error(
+        "{topic} in domain \"{domain}\" cannot be opened again yet: {difference}, and {holders} still has it open; end that process, or let it go on, as a consumer closes the stream of a publisher that has ended as soon as it looks for a frame"
+    )]
+    KeptOpen {
+        /// The stream.
+        topic: String,
+        /// The domain.
+        domain: String,
+        /// How the earlier publisher made it, and how this one would.
+        difference: String,
+        /// Who has it open.
+        holders: String,
     },
     /// The stream exists but is not one of ours, or of another version.
     #[error(
@@ -140,6 +176,28 @@ pub enum Error {
         /// What is wrong.
         error: FrameError,
     },
+    /// This process has as many files open as it may.
+    #[error(
+        "{what}: this process may have no more files open than the {limit} of its limit, and a stream takes several; {remedy}"
+    )]
+    TooManyOpenFiles {
+        /// What was tried.
+        what: String,
+        /// The soft limit of this process.
+        limit: u64,
+        /// How to raise it.
+        remedy: String,
+    },
+    /// The pool would not fit into the address space of this process.
+    #[error(
+        "{topic} needs {needed_mib} MiB of address space more than this process may have; allow more in the shell that starts it: ulimit -v unlimited"
+    )]
+    AddressSpaceTooSmall {
+        /// The stream.
+        topic: String,
+        /// Mebibytes of its pool.
+        needed_mib: u64,
+    },
     /// A failure below that has no remedy of its own.
     #[error("{what}: iceoryx2 {ICEORYX2_VERSION} reports {detail}")]
     Transport {
@@ -152,7 +210,20 @@ pub enum Error {
 
 #[cfg(feature = "shared-memory")]
 impl Error {
+    /// A failure of iceoryx2 or the system, or the limit that is behind it: iceoryx2 does not tell it from others.
     pub(crate) fn transport(what: impl Into<String>, detail: impl std::fmt::Debug) -> Self {
-        Self::Transport { what: what.into(), detail: format!("{detail:?}") }
+        let what = what.into();
+        match limit_reached() {
+            Some(Reached { limit, remedy }) => Self::TooManyOpenFiles { what, limit, remedy },
+            None => Self::Transport { what, detail: format!("{detail:?}") },
+        }
+    }
+
+    /// Whether this process may still open the files that a step needs, before it begins.
+    pub(crate) fn check_open_files(what: impl FnOnce() -> String) -> Result<(), Self> {
+        match limit_reached() {
+            Some(Reached { limit, remedy }) => Err(Self::TooManyOpenFiles { what: what(), limit, remedy }),
+            None => Ok(()),
+        }
     }
 }

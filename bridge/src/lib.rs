@@ -94,6 +94,8 @@ mod error;
 #[cfg(feature = "shared-memory")]
 mod node;
 #[cfg(feature = "shared-memory")]
+pub mod open_files;
+#[cfg(feature = "shared-memory")]
 mod publisher;
 mod session;
 mod spec;

@@ -21,8 +21,8 @@ pub struct Node {
 #[derive(Debug)]
 struct Shared {
     keeper: Keeper,
-    /// Bytes of all pools that this node has made and not dropped.
-    pool_bytes: AtomicU64,
+    /// Bytes that are promised to this node's pools and not taken yet.
+    promised_bytes: AtomicU64,
 }
 
 impl Node {
@@ -39,7 +39,7 @@ impl Node {
         // Its messages repeat what the errors say, in other words and on standard error.
         iceoryx2::prelude::set_log_level_from_env_or(LogLevel::Fatal);
         let keeper = Keeper::join(domain.clone().or_shared_as_env_says()?, name)?;
-        Ok(Self { shared: Arc::new(Shared { keeper, pool_bytes: AtomicU64::new(0) }) })
+        Ok(Self { shared: Arc::new(Shared { keeper, promised_bytes: AtomicU64::new(0) }) })
     }
 
     /// The domain that was joined.
@@ -70,7 +70,7 @@ impl Node {
         self.keeper().iox()
     }
 
-    pub(crate) fn pool_bytes(&self) -> &AtomicU64 {
-        &self.shared.pool_bytes
+    pub(crate) fn promised_bytes(&self) -> &AtomicU64 {
+        &self.shared.promised_bytes
     }
 }

@@ -27,13 +27,13 @@ use iceoryx2::{
 
 use crate::{
     Consumer, Error, FrameHeader, Node, StreamSpec, clock,
-    domain::Ipc,
+    domain::{Ipc, room},
     payload::Message,
     session,
     stream::{self, Events, Frames, ports},
     topic::canonical_topic,
 };
-use pool::{Booking, Pool};
+use pool::Pool;
 use queue::Queue;
 
 /// The writing end of a stream.
@@ -51,7 +51,6 @@ struct Ports {
     frames: Frames,
     _events: Events,
     pool: Pool,
-    _booking: Booking,
     node: Node,
     topic: String,
     template: FrameHeader,
@@ -70,8 +69,9 @@ impl Node {
     /// Opens a stream for writing.
     ///
     /// # Errors
-    /// [`Error::DomainInUse`] when the stream has its publisher already, [`Error::SharedMemoryTooSmall`] when its
-    /// pool would not fit into `/dev/shm`, [`Error::Incompatible`] and [`Error::Permission`].
+    /// [`Error::DomainInUse`] when the stream has its publisher already, [`Error::TooManyPublishers`] when it may have
+    /// several and has them all, [`Error::SharedMemoryTooSmall`] when its pool would not fit into `/dev/shm`,
+    /// [`Error::TooManyOpenFiles`], [`Error::Incompatible`] and [`Error::Permission`].
     pub fn publisher(&self, spec: &StreamSpec) -> Result<Publisher, Error> {
         Publisher::open(self, spec)
     }
@@ -80,10 +80,26 @@ impl Node {
 impl Publisher {
     fn open(node: &Node, spec: &StreamSpec) -> Result<Self, Error> {
         let topic = canonical_topic(&spec.topic)?.to_owned();
+        Error::check_open_files(|| format!("opening {topic} for writing"))?;
         let session = session::random();
         let template = FrameHeader { session, ..spec.header()? };
         let booking = pool::book(node, &topic, spec.pool_bytes())?;
         let (frames, events) = stream::open_or_create(node, spec)?;
+        // Consumers may have kept it as an earlier publisher made it, with more places.
+        let config = frames.static_config();
+        let made = StreamSpec {
+            max_subscribers: config.max_subscribers(),
+            buffer: config.subscriber_max_buffer_size(),
+            borrowed: config.subscriber_max_borrowed_samples(),
+            history: config.history_size(),
+            ..spec.clone()
+        };
+        let booking = if made.pool_bytes() == spec.pool_bytes() {
+            booking
+        } else {
+            drop(booking);
+            pool::book(node, &topic, made.pool_bytes())?
+        };
         let queue = spec.lossless.clone().map(|lossless| Arc::new(Queue::new(lossless, node.clone())));
         let when_full = match queue {
             Some(_) => BackpressureStrategy::RetryUntilDelivered,
@@ -115,14 +131,21 @@ impl Publisher {
                 }
                 Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
                     let holder = ports::publisher(node, &frames);
-                    return Err(Error::DomainInUse { topic, domain: node.domain().to_string(), holder });
+                    return Err(match frames.static_config().max_publishers() {
+                        1 => Error::DomainInUse { topic, domain: node.domain().to_string(), holder },
+                        max => Error::TooManyPublishers { topic, max, holder },
+                    });
+                }
+                Err(_) if !pool::has_address_space(made.pool_bytes()) => {
+                    let needed_mib = made.pool_bytes().div_ceil(room::MIB);
+                    return Err(Error::AddressSpaceTooSmall { topic, needed_mib });
                 }
                 Err(error) => {
                     return Err(node.keeper().failed(format!("opening {topic} for writing"), error));
                 }
             }
         };
-        let pool = Pool::take(node, spec, &topic, port.id().value())?;
+        let pool = Pool::take(node, &made, &topic, port.id().value(), booking)?;
         let notifier = events
             .notifier_builder()
             .create()
@@ -134,7 +157,6 @@ impl Publisher {
             frames,
             _events: events,
             pool,
-            _booking: booking,
             node: node.clone(),
             topic,
             template,
@@ -193,8 +215,8 @@ impl Publisher {
     pub fn update(&self) -> Result<(), Error> {
         let ports = &*self.0;
         ports.known_subscribers.store(ports.subscribers(), Ordering::Relaxed);
-        // Not for a change of their number only: one may have gone and another come, or have come while a frame was
-        // being sent.
+        // Even if their number is the same: one may have gone and another come, or one have come while a frame was being
+        // sent.
         ports
             .port
             .update_connections()

@@ -9,7 +9,7 @@ use crate::{Encoding, Error, FrameHeader, Kind, Text, topic::canonical_topic};
 /// What a stream is made with.
 ///
 /// Its pool of `max_subscribers · (buffer + borrowed) + history + loaned` frames must fit into what is free of
-/// `/dev/shm`; what two subscribers need of it is taken at once, the rest as more come.
+/// `/dev/shm`; what one subscriber needs of it is taken at once, the rest as more come.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StreamSpec {
     /// The ROS topic name, with or without a leading slash.
@@ -147,6 +147,27 @@ impl StreamSpec {
         self.pool_frames() * frame_bytes as u64
     }
 
+    /// The same with a pool of at most so many bytes, or as near to it as a stream for one subscriber comes.
+    ///
+    /// What it has less of, in this order: places for subscribers, down to one; frames on loan, down to one; frames that
+    /// wait for the subscriber, down to one. Frames of history and those that it may hold stay.
+    #[must_use]
+    pub fn within(&self, bytes: u64) -> Self {
+        let mut spec = self.clone();
+        while spec.pool_bytes() > bytes {
+            if spec.max_subscribers > 1 {
+                spec.max_subscribers -= 1;
+            } else if spec.loaned > 1 {
+                spec.loaned -= 1;
+            } else if spec.buffer > 1.max(spec.history) {
+                spec.buffer -= 1;
+            } else {
+                break;
+            }
+        }
+        spec
+    }
+
     /// Frames in one publisher's pool.
     pub(crate) fn pool_frames(&self) -> u64 {
         (self.max_subscribers * (self.buffer + self.borrowed) + self.history + self.loaned) as u64
@@ -166,5 +187,30 @@ impl StreamSpec {
     /// When the name of the frame is too long for it.
     pub fn header(&self) -> Result<FrameHeader, Error> {
         Ok(FrameHeader { frame_id: Text::new(&self.frame_id)?, ..FrameHeader::new(self.kind, self.encoding) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pool_is_cut_to_what_one_subscriber_needs_and_no_further() {
+        let cloud = StreamSpec::new("points", Kind::PointCloud, Encoding::XyzRgbF32, 10_000_000);
+        let of = |bytes| {
+            let spec = cloud.within(bytes);
+            assert!(spec.pool_bytes() <= bytes.max(50_100_000), "{bytes}");
+            [spec.max_subscribers, spec.buffer, spec.borrowed, spec.loaned, spec.history]
+        };
+        assert_eq!(cloud.within(u64::MAX), cloud);
+        assert_eq!(of(400_000_000), [8, 2, 2, 2, 1]);
+        assert_eq!(of(340_000_000), [7, 2, 2, 2, 1]);
+        assert_eq!(of(71_000_000), [1, 2, 2, 2, 1]);
+        assert_eq!(of(61_000_000), [1, 2, 2, 1, 1]);
+        assert_eq!(of(51_000_000), [1, 1, 2, 1, 1]);
+        assert_eq!(of(0), [1, 1, 2, 1, 1]);
+        // What is small stays as it is.
+        let clock = StreamSpec::structs("clock", Kind::Clock, 1);
+        assert_eq!(clock.within(1 << 20), clock);
     }
 }

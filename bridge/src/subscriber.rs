@@ -15,7 +15,7 @@ use std::{
 
 use iceoryx2::{port::ReceiveError, service::port_factory::PortFactory as _};
 
-use crate::{Error, FrameHeader, Node, StreamSpec, topic::canonical_topic};
+use crate::{Error, FrameHeader, Node, StreamSpec, clock, topic::canonical_topic};
 use busy_poll::BusyPoll;
 use connection::Connection;
 use frame::{Sample, checked_header};
@@ -151,7 +151,7 @@ impl Subscriber {
     /// [`Error::TooManySubscribers`], [`Error::Incompatible`], [`Error::Permission`] when the stream is there and
     /// cannot be opened.
     pub fn wait(&mut self, timeout: Duration) -> Result<bool, Error> {
-        let deadline = Instant::now() + timeout.min(Duration::from_secs(365 * 86_400));
+        let deadline = clock::deadline(timeout);
         loop {
             self.search()?;
             if self.has_frames()? {

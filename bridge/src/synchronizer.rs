@@ -10,7 +10,7 @@ use rustix::{
     io::Errno,
 };
 
-use crate::{Error, Frame, Node, Subscriber};
+use crate::{Error, Frame, Node, Subscriber, clock};
 
 /// Gives the frames of `N` streams that were taken at the same time: a picture with its depth and its `camera_info`.
 ///
@@ -101,7 +101,7 @@ impl<const N: usize> Synchronizer<N> {
     /// # Errors
     /// As [`Subscriber::take`].
     pub fn wait(&mut self, timeout: Duration) -> Result<bool, Error> {
-        let deadline = Instant::now() + timeout.min(Duration::from_secs(365 * 86_400));
+        let deadline = clock::deadline(timeout);
         loop {
             if self.complete()? {
                 return Ok(true);

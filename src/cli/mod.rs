@@ -35,6 +35,7 @@ use crate::dataset::DatasetError;
 use clap::{CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
 use error::CliError;
+use rustix::process::Resource;
 use std::process::ExitCode;
 
 /// A robot sensor simulator: cameras, depth cameras and lidars on the CPU, exact and repeatable, handed to other
@@ -59,6 +60,9 @@ struct Cli {
     #[command(flatten)]
     run: run::RunArgs,
 }
+
+/// Bytes of stack that commands have, as the usual limit is (`ulimit -s`).
+const STACK: u64 = 8 << 20;
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -112,8 +116,24 @@ fn command_names() -> impl Iterator<Item = &'static str> {
 /// Runs the command line of this process and gives its exit code: 0, 1 when something went wrong, 2 when the
 /// arguments are wrong.
 pub fn main() -> ExitCode {
+    // In a thread only if need be: signals wake this one from its sleep.
+    if rustix::process::getrlimit(Resource::Stack).current.is_none_or(|bytes| bytes >= STACK) {
+        return run_command();
+    }
+    let thread = std::thread::Builder::new().stack_size(STACK as usize).spawn(run_command);
+    match thread {
+        Ok(thread) => thread.join().unwrap_or(ExitCode::FAILURE),
+        Err(_) => run_command(),
+    }
+}
+
+fn run_command() -> ExitCode {
     let cli = Cli::parse();
     log::start();
+    // Eight robots have more streams than the usual limit has files for.
+    if let Err(error) = belvedere_bridge::open_files::raise_limit() {
+        tracing::debug!(%error, "the limit of open files stays as it is");
+    }
     let done = match &cli.command {
         None => run::run(&cli.run),
         Some(Command::Run(args)) => run::run(args),

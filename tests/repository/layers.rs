@@ -27,6 +27,7 @@ const SIMULATOR: &[&str] = &[
 const BRIDGE: &[&str] = &[
     "clock",
     "session",
+    "open_files",
     "wire",
     "consumer",
     "error",

@@ -717,13 +717,14 @@ enum bv_status
     BV_STATUS_INVALID_NAME = -2,
     // Another process publishes this stream already.
     BV_STATUS_DOMAIN_IN_USE = -3,
-    // The stream is of another version, or not a Belvedere stream.
+    // The stream is of another version, or not a Belvedere stream, or kept open as an earlier publisher made it.
     BV_STATUS_INCOMPATIBLE = -4,
     // The shared memory belongs to another user.
     BV_STATUS_PERMISSION = -5,
     // /dev/shm is too small.
     BV_STATUS_SHARED_MEMORY_TOO_SMALL = -6,
-    // All places are taken: subscribers of the stream, or frames held at a time.
+    // All places are taken: publishers or subscribers of the stream, frames held at a time, or files that the process
+    // may have open.
     BV_STATUS_LIMIT = -7,
     // A frame's header is wrong; the frame was dropped.
     BV_STATUS_BAD_FRAME = -8,

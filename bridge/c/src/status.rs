@@ -22,13 +22,14 @@ pub enum Status {
     InvalidName = -2,
     /// Another process publishes this stream already.
     DomainInUse = -3,
-    /// The stream is of another version, or not a Belvedere stream.
+    /// The stream is of another version, or not a Belvedere stream, or kept open as an earlier publisher made it.
     Incompatible = -4,
     /// The shared memory belongs to another user.
     Permission = -5,
     /// /dev/shm is too small.
     SharedMemoryTooSmall = -6,
-    /// All places are taken: subscribers of the stream, or frames held at a time.
+    /// All places are taken: publishers or subscribers of the stream, frames held at a time, or files that the process
+    /// may have open.
     Limit = -7,
     /// A frame's header is wrong; the frame was dropped.
     BadFrame = -8,
@@ -58,12 +59,16 @@ impl From<Error> for Failure {
             | Error::InvalidGroup { .. }
             | Error::Text(_) => Status::InvalidName,
             Error::DomainInUse { .. } => Status::DomainInUse,
-            Error::Incompatible { .. } => Status::Incompatible,
+            Error::Incompatible { .. } | Error::KeptOpen { .. } => Status::Incompatible,
             Error::Permission { .. } | Error::NotADirectory(_) => Status::Permission,
             Error::SharedMemoryTooSmall { .. } => Status::SharedMemoryTooSmall,
             Error::TooManySubscribers { .. }
+            | Error::TooManyProcesses { .. }
             | Error::TooManyHeld { .. }
             | Error::NoFreeFrame { .. }
+            | Error::TooManyPublishers { .. }
+            | Error::TooManyOpenFiles { .. }
+            | Error::AddressSpaceTooSmall { .. }
             | Error::FrameTooLarge { .. } => Status::Limit,
             Error::Frame { .. } => Status::BadFrame,
             _ => Status::Transport,

@@ -44,8 +44,9 @@ impl Keeper {
     pub(crate) fn join(domain: Domain, name: &str) -> Result<Self, Error> {
         let config = domain.config()?;
         let places = Places::new(&domain, &config);
-        let name = NodeName::new(&name.chars().take(100).collect::<String>())
-            .map_err(|error| Error::transport("naming the node", error))?;
+        let name = NodeName::new(cut(name))
+            .map_err(|error| Error::transport(format!("naming the node {name:?}"), error))?;
+        Error::check_open_files(|| format!("joining domain \"{domain}\""))?;
         room::check_room_for_books("a node")?;
         let lock = places.make_and_lock(|| match domain.group() {
             Some(group) => sharing::make_directories(&places, group),
@@ -142,6 +143,15 @@ impl Keeper {
     }
 }
 
+/// As much of a node's name as iceoryx2 takes, in whole characters.
+fn cut(name: &str) -> &str {
+    let mut end = name.len().min(100);
+    while !name.is_char_boundary(end) {
+        end -= 1;
+    }
+    &name[..end]
+}
+
 fn create(domain: &Domain, config: &Config, places: &Places, name: &NodeName) -> Result<IoxNode<Ipc>, Error> {
     let mut attempts = 0;
     loop {
@@ -177,5 +187,17 @@ impl Drop for Keeper {
         if let Err(error) = remains::remove_traces(&self.config, &self.places) {
             tracing::debug!(domain = %self.domain, %error, "some files of the domain are left");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_cut_between_characters() {
+        assert_eq!(cut("viewer"), "viewer");
+        assert_eq!(cut(&"ä".repeat(100)), "ä".repeat(50));
+        assert_eq!(cut(&format!("a{}", "ä".repeat(100))), format!("a{}", "ä".repeat(49)));
     }
 }

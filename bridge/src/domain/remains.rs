@@ -61,8 +61,8 @@ fn remove_settled(file: &Path) {
     }
 }
 
-/// The one look at a clock that can be set: files have no other. Put back, it keeps a remnant for a later start; put
-/// forward, it lets a file be taken for old that is made in this very moment, by a process that takes no lock.
+/// Compares with the wall clock, as the times of files do. If that is set back, remnants stay until a later start; if it
+/// is set forward, a file that a process without our lock is just making may be deleted.
 fn is_settled(file: &Path) -> bool {
     let age = |changed: SystemTime| SystemTime::now().duration_since(changed).unwrap_or_default();
     fs::symlink_metadata(file)

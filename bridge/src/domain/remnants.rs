@@ -67,7 +67,8 @@ pub(crate) fn raise(places: &Places, own: u128, service: &str, gone: u128, ports
     let make = |path: PathBuf| OpenOptions::new().write(true).create_new(true).mode(0o600).open(path);
     make(monitor(""))?;
     make(monitor("_owner_lock"))?;
-    // From here on it can be seen. Its process: any but the one that looks.
+    // From here on iceoryx2 lists this node. The context names the process that it belongs to, which must not be this
+    // one: its monitor would look locked.
     let mut context = make(monitor("_context"))?;
     context.write_all(&gone.to_ne_bytes())?;
     context.set_permissions(Permissions::from_mode(0o400))

@@ -127,7 +127,7 @@ impl Files {
         let mode = stat.st_mode & 0o7777;
         let shared = match FileType::from_raw_mode(stat.st_mode) {
             FileType::Directory => DIRECTORY,
-            // Another name of it may be a private file's.
+            // With a second link it may also be a private file, under another name: it is left as it is.
             FileType::RegularFile if stat.st_nlink == 1 && self.is_complete(path, mode) => opened(mode),
             FileType::Socket => opened(mode),
             _ => return Ok(()),

@@ -46,7 +46,8 @@ impl Node {
     /// What is published in the domain, by topic.
     ///
     /// # Errors
-    /// [`Error::Transport`] when the services cannot be listed.
+    /// [`Error::Transport`] when the services cannot be listed, [`Error::TooManyProcesses`] when one of them cannot be
+    /// looked at, [`Error::TooManyOpenFiles`].
     pub fn streams(&self) -> Result<Vec<StreamInfo>, Error> {
         list(self)
     }
@@ -67,9 +68,13 @@ fn list(node: &Node) -> Result<Vec<StreamInfo>, Error> {
     topics.sort_unstable();
     let mut streams = Vec::with_capacity(topics.len());
     for topic in topics {
-        // Gone since, or somebody else's: not to be listed.
-        if let Ok(Opened::Yes(frames, _)) = open(node, &topic) {
-            streams.push(describe(topic, &frames));
+        match open(node, &topic) {
+            Ok(Opened::Yes(frames, _)) => streams.push(describe(topic, &frames)),
+            Err(error @ (Error::TooManyProcesses { .. } | Error::TooManyOpenFiles { .. })) => {
+                return Err(error);
+            }
+            // Gone since, or somebody else's: not to be listed.
+            Ok(Opened::NotThere) | Err(_) => {}
         }
     }
     Ok(streams)

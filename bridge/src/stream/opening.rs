@@ -3,12 +3,12 @@
 use super::{
     Events, Frames,
     attributes::{attributes, kind_told},
-    versions,
+    ports, versions,
 };
 use crate::{Error, FrameHeader, Node, StreamSpec, domain::service_name, topic::canonical_topic};
 use iceoryx2::service::{
     builder::{
-        event::{EventCreateError, EventOpenError, EventOpenOrCreateError},
+        event::{EventCreateError, EventOpenError},
         publish_subscribe::{PublishSubscribeCreateError, PublishSubscribeOpenError},
     },
     port_factory::PortFactory as _,
@@ -17,6 +17,9 @@ use std::time::{Duration, Instant};
 
 /// Processes that may have one stream open at a time: subscribers, publishers, and those who only look.
 const MAX_NODES: usize = 40;
+
+/// Longer than it takes a consumer that waits for a frame to close the stream of a publisher that has ended.
+const LETTING_GO: Duration = Duration::from_millis(500);
 
 /// How opening a stream went.
 pub(crate) enum Opened {
@@ -53,7 +56,7 @@ fn try_open(node: &Node, topic: &str) -> Result<Opened, Error> {
         }
         Err(E::InsufficientPermissions) => Err(node.keeper().refused(&format!("opening {topic}"))),
         Err(E::ExceedsMaxNumberOfNodes) => {
-            Err(Error::TooManySubscribers { topic: topic.to_owned(), max: MAX_NODES })
+            Err(Error::TooManyProcesses { topic: topic.to_owned(), max: MAX_NODES })
         }
         Err(
             error @ (E::VersionMismatch
@@ -72,13 +75,15 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
     use PublishSubscribeCreateError as E;
     let topic = canonical_topic(&spec.topic)?;
     let name = service_name(topic)?;
-    let deadline = Instant::now() + Duration::from_secs(3);
+    let begun = Instant::now();
+    let deadline = begun + Duration::from_secs(3);
     loop {
         let problem = match open(node, topic) {
-            Ok(Opened::Yes(frames, events)) => {
-                check_against(spec, topic, node, &frames)?;
-                return Ok((frames, events));
-            }
+            Ok(Opened::Yes(frames, events)) => match check_against(spec, topic, node, &frames) {
+                Ok(()) => return Ok((frames, events)),
+                // Consumers that look for frames close it in a moment, and a dead publisher is cleaned up after.
+                Err(error) => Some(error),
+            },
             Ok(Opened::NotThere) => None,
             // Half of a killed maker's stream is there until it has been cleaned up.
             Err(error @ Error::Incompatible { .. }) => Some(error),
@@ -123,9 +128,14 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
                 Err(error) => return Err(node.keeper().failed(format!("making {topic}"), error)),
             }
         }
-        match problem {
-            Some(error) if Instant::now() >= deadline => return Err(error),
-            _ => {}
+        if let Some(error) = problem {
+            let patience = match &error {
+                Error::Incompatible { .. } => deadline - begun,
+                _ => LETTING_GO,
+            };
+            if begun.elapsed() >= patience {
+                return Err(error);
+            }
         }
         node.clean_up_dead();
         std::thread::sleep(Duration::from_millis(20));
@@ -137,34 +147,39 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
 fn events(node: &Node, topic: &str) -> Result<Option<Events>, Error> {
     use EventCreateError as C;
     use EventOpenError as O;
-    use EventOpenOrCreateError as E;
     let name = service_name(topic)?;
+    let builder = || node.iox().service_builder(&name).event();
     let deadline = Instant::now() + node.keeper().patience().max(Duration::from_millis(50));
     loop {
-        match node.iox().service_builder(&name).event().open_or_create() {
+        let failed = match builder().open() {
             Ok(events) => return Ok(Some(events)),
-            Err(_) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(5)),
-            Err(
-                E::SystemInFlux
-                | E::EventOpenError(
-                    O::DoesNotExist
-                    | O::HangsInCreation
-                    | O::IsMarkedForDestruction
-                    | O::ServiceInCorruptedState
-                    | O::Interrupt,
-                )
-                | E::EventCreateError(
+            Err(O::DoesNotExist) => match builder().max_nodes(MAX_NODES).create() {
+                Ok(events) => return Ok(Some(events)),
+                Err(
                     C::AlreadyExists
                     | C::IsBeingCreatedByAnotherInstance
                     | C::ServiceInCorruptedState
                     | C::Interrupt,
-                ),
-            ) => {
-                node.clean_up_dead();
-                return Ok(None);
+                ) => None,
+                Err(error) => Some(format!("{error:?}")),
+            },
+            Err(
+                O::HangsInCreation | O::IsMarkedForDestruction | O::ServiceInCorruptedState | O::Interrupt,
+            ) => None,
+            Err(O::ExceedsMaxNumberOfNodes) => {
+                return Err(Error::TooManyProcesses { topic: topic.to_owned(), max: MAX_NODES });
             }
-            Err(error) => return Err(node.keeper().failed(format!("opening the events of {topic}"), error)),
+            Err(error) => Some(format!("{error:?}")),
+        };
+        if Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(5));
+            continue;
         }
+        if let Some(detail) = failed {
+            return Err(node.keeper().failed(format!("opening the events of {topic}"), detail));
+        }
+        node.clean_up_dead();
+        return Ok(None);
     }
 }
 
@@ -179,18 +194,29 @@ fn check_against(spec: &StreamSpec, topic: &str, node: &Node, frames: &Frames) -
     ]
     .into_iter()
     .find(|(_, found, wanted)| found < wanted);
-    let incompatible = |detail| {
-        Err(Error::Incompatible { topic: topic.to_owned(), domain: node.domain().to_string(), detail })
+    let kept_open = |difference| {
+        if found.max_publishers() == 1 && frames.dynamic_config().number_of_publishers() > 0 {
+            let holder = ports::publisher(node, frames);
+            let (topic, domain) = (topic.to_owned(), node.domain().to_string());
+            return Err(Error::DomainInUse { topic, domain, holder });
+        }
+        let consumers = ports::consumers(node, frames);
+        let holders: Vec<_> = consumers.iter().map(|(_, consumer)| consumer.to_string()).collect();
+        let holders = if holders.is_empty() { "another process".to_owned() } else { holders.join(", ") };
+        let (topic, domain) = (topic.to_owned(), node.domain().to_string());
+        Err(Error::KeptOpen { topic, domain, difference, holders })
     };
     if let Some((what, found, wanted)) = too_small {
-        return incompatible(format!(
-            "it was made with {found} {what}, {wanted} are asked for; close its consumers"
-        ));
+        return kept_open(format!("it was made with {found} {what}, {wanted} are asked for"));
     }
     if found.has_safe_overflow() == spec.lossless.is_some() {
-        return incompatible(
-            "it was made with the other of lossless and overflow; close its consumers".to_owned(),
-        );
+        return kept_open(if spec.lossless.is_some() {
+            "it was made to lose frames of slow consumers, and this run is to wait for them (--wait-for, --record)"
+                .to_owned()
+        } else {
+            "it was made to wait for slow consumers (--wait-for, --record), and this run is to lose their frames"
+                .to_owned()
+        });
     }
     let kind = kind_told(frames);
     if kind.as_deref().is_some_and(|kind| kind != spec.kind.as_str()) {

@@ -27,6 +27,7 @@ pub(crate) struct Connection {
 impl Connection {
     /// Connects to a stream, which is made when `owned` says how; `None` while there is none to connect to.
     pub(crate) fn open(node: &Node, topic: &str, owned: Option<&StreamSpec>) -> Result<Option<Self>, Error> {
+        Error::check_open_files(|| format!("subscribing to {topic}"))?;
         room::check_room_for_books(topic)?;
         let (frames, events) = match owned {
             Some(spec) => stream::open_or_create(node, spec)?,
@@ -44,7 +45,8 @@ impl Connection {
             .create()
             .map_err(|error| node.keeper().failed(format!("opening the events of {topic}"), error))?;
         if node.keeper().is_shared() {
-            // A notifier that was quicker than the opening of the new socket tries again when the listeners change.
+            // A notifier may have tried before the new socket was opened to the group, and tries again only when the list
+            // of listeners changes: so one is added and dropped.
             node.keeper().settle();
             drop(events.listener_builder().create());
         }

@@ -11,6 +11,8 @@ pub(crate) type Sample = iceoryx2::sample::Sample<Ipc, [u8], FrameHeader>;
 /// A copy of a sample's header that a reader of its payload may believe.
 pub(crate) fn checked_header(sample: &Sample) -> Result<FrameHeader, FrameError> {
     let header = *sample.user_header();
+    // Whoever prints it in C reads up to a NUL.
+    let header = FrameHeader { frame_id: header.frame_id.terminated(), ..header };
     header.check(sample.payload().len())?;
     Ok(header)
 }

@@ -63,6 +63,15 @@ impl<const N: usize> Text<N> {
         }
     }
 
+    /// The same with a NUL at its end, as readers in C expect it: a foreign writer may have left none.
+    #[must_use]
+    pub fn terminated(mut self) -> Self {
+        if let Some(last) = self.0.last_mut() {
+            *last = 0;
+        }
+        self
+    }
+
     /// Whether there is no text.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -114,5 +123,7 @@ mod tests {
     fn foreign_bytes_are_cut_where_they_stop_being_text() {
         assert_eq!(Text::<4>([b'a', 0xff, b'b', 0]).as_str(), "a");
         assert_eq!(Text::<4>([b'a'; 4]).as_str(), "aaaa");
+        assert_eq!(Text::<4>([b'a'; 4]).terminated(), Text::new("aaa").unwrap());
+        assert_eq!(Text::<4>::new("ab").unwrap().terminated().as_str(), "ab");
     }
 }

@@ -47,6 +47,8 @@ fn consume(role: &Role, newest: bool) {
                 }
                 Ok(Some(frame)) => {
                     accepted += 1;
+                    let name = bytemuck::bytes_of(&frame.header().frame_id);
+                    assert_eq!(name.last(), Some(&0), "a name that a reader in C would read past");
                     sum = sum.wrapping_add(reader::read_all(&frame.view()));
                     assert!(frame.age_ns() < u64::MAX);
                     assert!(!format!("{frame:?}").is_empty());

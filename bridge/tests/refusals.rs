@@ -1,0 +1,193 @@
+//! What a domain refuses for want of a place, and in which words.
+
+use std::{fs::File, process::Command, time::Duration};
+
+use belvedere_bridge::{
+    Domain, Encoding, Error, FrameHeader, Kind, Lossless, Node, StreamSpec, open_files,
+    payload::VelocityCommand,
+};
+use iceoryx2::prelude::{
+    Config, FileName, NodeBuilder, Path, SemanticString as _, ServiceName, SignalHandlingMode, ipc,
+};
+
+const ROLE: &str = "BRIDGE_REFUSALS_ROLE";
+
+fn domain(test: &str) -> Domain {
+    Domain::new(&format!("{test}-{}", std::process::id())).unwrap()
+}
+
+fn image(topic: &str) -> StreamSpec {
+    StreamSpec::new(topic, Kind::Image, Encoding::Mono8, 64)
+}
+
+/// Stands for a process that has a stream open, without a place for a subscriber: a node of iceoryx2 alone.
+fn holder(domain: &Domain, topic: &str) -> impl Sized + use<> {
+    let mut config = Config::default();
+    config.global.prefix = FileName::new(domain.prefix().as_bytes()).unwrap();
+    let directory = domain.directory();
+    config.global.set_root_path(&Path::new(directory.as_os_str().as_encoded_bytes()).unwrap());
+    let node = NodeBuilder::new()
+        .config(&config)
+        .signal_handling_mode(SignalHandlingMode::Disabled)
+        .create::<ipc::Service>()
+        .unwrap();
+    let name = ServiceName::new(&format!("belvedere/{topic}")).unwrap();
+    let builder = || node.service_builder(&name);
+    let frames = builder().publish_subscribe::<[u8]>().user_header::<FrameHeader>().open().unwrap();
+    let events = builder().event().open().unwrap();
+    (frames, events, node)
+}
+
+#[test]
+fn forty_processes_have_a_stream_open_and_the_next_one_is_told() {
+    let domain = domain("forty");
+    let node = Node::open(&domain, "simulator").unwrap();
+    let publisher = node.publisher(&image("image")).unwrap();
+    let mut holders: Vec<_> = (0..38).map(|_| holder(&domain, "image")).collect();
+    // The last place.
+    let viewer = Node::open(&domain, "viewer").unwrap();
+    assert_eq!(viewer.streams().unwrap().len(), 1);
+    let mut images = viewer.subscriber("image").unwrap();
+    assert!(!images.wait(Duration::ZERO).unwrap());
+    assert_eq!(images.publishers(), 1);
+    drop(images);
+
+    holders.push(holder(&domain, "image"));
+    let refused = [
+        viewer.subscriber("image").unwrap().wait(Duration::ZERO).unwrap_err(),
+        viewer.streams().unwrap_err(),
+        viewer.publisher(&image("image")).unwrap_err(),
+    ];
+    for error in refused {
+        assert!(matches!(&error, Error::TooManyProcesses { max: 40, .. }), "{error}");
+        assert!(error.to_string().contains("image is open in 40 processes"), "{error}");
+    }
+    holders.pop();
+    assert_eq!(viewer.streams().unwrap().len(), 1);
+    drop((holders, publisher));
+}
+
+#[test]
+fn the_ninth_sender_of_commands_is_one_too_many() {
+    let node = Node::open(&domain("ninth"), "driver").unwrap();
+    let spec = StreamSpec::velocity_command("cmd_vel");
+    let mut commands = node.command_subscriber(&spec).unwrap();
+    let mut senders: Vec<_> = (0..8).map(|_| node.publisher(&spec).unwrap()).collect();
+    let error = node.publisher(&spec).unwrap_err();
+    assert!(matches!(&error, Error::TooManyPublishers { max: 8, .. }), "{error}");
+    let words = error.to_string();
+    assert!(
+        words.contains("cmd_vel") && words.contains("close one") && words.contains("\"driver\""),
+        "{words}"
+    );
+    senders.pop();
+    let sender = node.publisher(&spec).unwrap();
+    sender.send_structs(0, &[VelocityCommand::default()]).unwrap();
+    assert!(commands.take().unwrap().is_some());
+}
+
+/// A consumer that takes no frame does not see that a publisher has ended.
+#[test]
+fn a_consumer_that_keeps_a_stream_open_otherwise_than_asked_is_named() {
+    let domain = domain("kept");
+    let slow = Node::open(&domain, "slow").unwrap();
+    let mut images = slow.subscriber("image").unwrap();
+    let lossless = StreamSpec { lossless: Some(Lossless::default()), ..image("image") };
+    let deep = StreamSpec { buffer: 7, ..image("image") };
+    for (first, second, difference) in [
+        (&lossless, &image("image"), "made to wait for slow consumers (--wait-for, --record)"),
+        (&image("image"), &lossless, "made to lose frames of slow consumers"),
+        (&image("image"), &deep, "made with 2 buffered frames, 7 are asked for"),
+    ] {
+        let simulator = Node::open(&domain, "simulator").unwrap();
+        let publisher = simulator.publisher(first).unwrap();
+        assert!(!images.wait(Duration::ZERO).unwrap());
+        assert_eq!(images.publishers(), 1);
+        // While it is published, that is the reason.
+        let error = Node::open(&domain, "second").unwrap().publisher(second).unwrap_err();
+        assert!(matches!(&error, Error::DomainInUse { .. }), "{error}");
+        drop(publisher);
+        let error = simulator.publisher(second).unwrap_err();
+        assert!(matches!(&error, Error::KeptOpen { .. }), "{error}");
+        let (words, pid) = (error.to_string(), format!("\"slow\" (process {})", std::process::id()));
+        for part in [difference, pid.as_str(), "end that process", domain.as_str()] {
+            assert!(words.contains(part), "\"{part}\" is not in: {words}");
+        }
+        assert!(!words.contains("version"), "{words}");
+        // It looks for a frame, and with that lets go.
+        assert!(!images.wait(Duration::ZERO).unwrap());
+        drop(simulator.publisher(second).unwrap());
+        assert!(!images.wait(Duration::ZERO).unwrap());
+    }
+}
+
+#[test]
+fn in_a_role() {
+    match std::env::var(ROLE).as_deref() {
+        Ok("out_of_files") => out_of_files(),
+        Ok(other) => panic!("{other}"),
+        Err(_) => {}
+    }
+}
+
+/// Runs a role in a process with these limits of the shell.
+fn run_limited(limits: &str, role: &str) -> String {
+    let output = Command::new("sh")
+        .args(["-c", &format!("{limits} && exec \"$0\" --exact in_a_role --nocapture --test-threads 1")])
+        .arg(std::env::current_exe().unwrap())
+        .env(ROLE, role)
+        .output()
+        .unwrap();
+    let text =
+        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{limits}: {text}");
+    text
+}
+
+#[test]
+fn a_limit_of_open_files_is_named_with_its_remedy() {
+    let hard = run_limited("ulimit -n 64", "out_of_files");
+    assert!(hard.contains("the 64 of its limit") && hard.contains("--ulimit nofile="), "{hard}");
+    let soft = run_limited("ulimit -Sn 64", "out_of_files");
+    assert!(soft.contains("the 64 of its limit") && soft.contains("ulimit -n "), "{soft}");
+    assert!(!soft.contains("nofile="), "{soft}");
+}
+
+/// Opens files until no more can be had.
+fn take_all_files() -> Vec<File> {
+    std::iter::from_fn(|| File::open("/dev/null").ok()).collect()
+}
+
+fn out_of_files() {
+    let domain = domain("files");
+    let told = |what: &str, error: Error| {
+        assert!(matches!(error, Error::TooManyOpenFiles { .. }), "{what}: {error:?}");
+        println!("{error}");
+    };
+    // With none left, and with so few that it ends in the middle of each step.
+    for left in 0..10 {
+        let mut files = take_all_files();
+        files.truncate(files.len() - left);
+        told("a node", Node::open(&domain, "test").unwrap_err());
+        drop(files);
+
+        let node = Node::open(&domain, "test").unwrap();
+        let publisher = node.publisher(&image("first")).unwrap();
+        let mut files = take_all_files();
+        files.truncate(files.len() - left);
+        told("a publisher", node.publisher(&image("second")).unwrap_err());
+        told("a subscriber", node.subscriber("first").unwrap().wait(Duration::ZERO).unwrap_err());
+        told("a receiver", node.command_subscriber(&StreamSpec::velocity_command("cmd_vel")).unwrap_err());
+        drop(files);
+        // What was there goes on, and what was refused can be had.
+        let mut subscriber = node.subscriber("first").unwrap();
+        assert!(!subscriber.wait(Duration::ZERO).unwrap());
+        let mut frame = publisher.loan(64).unwrap();
+        frame.header_mut().set_packed(8, 8);
+        assert_eq!(frame.send().unwrap(), 1);
+        assert!(subscriber.take().unwrap().is_some());
+        assert!(node.publisher(&image("second")).is_ok());
+    }
+    let raised = open_files::raise_limit().unwrap().unwrap();
+    assert!(raised >= 64, "{raised}");
+}

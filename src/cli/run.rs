@@ -180,12 +180,12 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let holds_frames = args.rate == Pace::Realtime && awaited.is_empty();
     let post = holds_frames.then(Post::open).transpose().map_err(CliError::NoThread)?.map(Arc::new);
     let sink = SharedMemory {
-        node: node.clone(),
         lossless: (!awaited.is_empty()).then(|| Lossless {
             consumers: awaited.iter().map(|awaited| awaited.name.clone()).collect(),
             patience: args.patience,
         }),
         post: post.clone(),
+        ..SharedMemory::new(node.clone())
     };
     let files = ModelFiles { packages, rules: args.rules() };
     let options = ServerOptions { truth: args.truth, hashed: args.hash, files };

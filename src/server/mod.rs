@@ -3,6 +3,7 @@
 //! | file | is |
 //! |---|---|
 //! | `shared_memory` | the sink of all streams |
+//! | `room` | how large their pools are where there is little shared memory |
 //! | `post` | frames that are made ahead of their time, sent when they are due |
 //! | `commands` | what robots are told |
 //! | `inbox` | the streams of commands to the simulation, and of their results |
@@ -21,6 +22,7 @@ mod files;
 pub(crate) mod inbox;
 mod operations;
 pub mod post;
+mod room;
 mod shared_memory;
 mod states;
 mod values;
@@ -96,7 +98,7 @@ impl<'a> Server<'a> {
         node: &Node,
         options: ServerOptions,
     ) -> Result<Self, RigError> {
-        Self::attach_to(simulation, SharedMemory { node: node.clone(), lossless: None, post: None }, options)
+        Self::attach_to(simulation, SharedMemory::new(node.clone()), options)
     }
 
     /// The same with a sink that waits for consumers, or has a post.
@@ -115,11 +117,14 @@ impl<'a> Server<'a> {
         for id in ids {
             commands.extend(robot_commands(simulation, &sink.node, id)?);
         }
-        let rig = Rig::open(&sink, simulation.stage().0, options)?;
+        let (rig, states) = sink.room.fit(|| {
+            let rig = Rig::open(&sink, simulation.stage().0, options)?;
+            Ok((rig, StateStreams::open(&sink, simulation.entities(), simulation.physics())?))
+        })?;
         simulation.remember(rig.window_ns());
         Ok(Self {
             inbox: Inbox::open(&sink.node)?,
-            states: StateStreams::open(&sink, simulation.entities(), simulation.physics())?,
+            states,
             simulation,
             sink,
             rig,
@@ -148,7 +153,8 @@ impl<'a> Server<'a> {
     /// Opens the streams of one who has come.
     fn mount(&mut self, id: EntityId) -> Result<(), RigError> {
         let commands = robot_commands(self.simulation, &self.sink.node, id)?;
-        self.rig.mount(&self.sink, self.simulation.stage().0, id)?;
+        let (rig, simulation, sink) = (&mut self.rig, &mut self.simulation, &self.sink);
+        sink.room.fit(|| rig.mount(sink, simulation.stage().0, id))?;
         self.commands.extend(commands);
         self.simulation.remember(self.rig.window_ns());
         Ok(())

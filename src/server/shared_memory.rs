@@ -1,6 +1,7 @@
 //! Streams in shared memory.
 
 use super::post::{Post, Sender};
+use super::room::Room;
 use crate::rig::sink::{Frame, Port, Sink};
 use belvedere_bridge::{Consumer, Error, Lossless, Node, Publisher, StreamSpec};
 use std::sync::Arc;
@@ -14,6 +15,15 @@ pub struct SharedMemory {
     pub lossless: Option<Lossless>,
     /// By what frames go that are made ahead of their time; without it they are sent when they are made.
     pub post: Option<Arc<Post>>,
+    /// How large their pools may be.
+    pub room: Room,
+}
+
+impl SharedMemory {
+    /// The streams of a node, which wait for nobody and are sent when they are made.
+    pub fn new(node: Node) -> Self {
+        Self { node, lossless: None, post: None, room: Room::default() }
+    }
 }
 
 /// One of them.
@@ -27,7 +37,7 @@ struct Stream {
 
 impl Sink for SharedMemory {
     fn open(&self, spec: &StreamSpec) -> Result<Box<dyn Port>, Error> {
-        let spec = StreamSpec { lossless: self.lossless.clone(), ..spec.clone() };
+        let spec = StreamSpec { lossless: self.lossless.clone(), ..self.room.cut(spec) };
         Ok(Box::new(Stream {
             publisher: self.node.publisher(&spec)?,
             post: self.post.clone(),

@@ -32,6 +32,7 @@ mod recording;
 mod repeatable;
 mod settings;
 mod several_robots;
+mod small_machine;
 mod streams;
 mod tag_ceiling;
 mod tags;

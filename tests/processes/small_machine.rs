@@ -1,0 +1,114 @@
+//! The simulator where there is little: few files, little shared memory, little address space, a small stack.
+
+use crate::live::{belvedere, own_domain};
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Runs the simulator by a shell that sets something up before.
+fn run_after(set_up: &str, arguments: &[&str]) -> Output {
+    let domain = own_domain();
+    let plain = belvedere();
+    let mut command = Command::new("sh");
+    command
+        .args(["-c", &format!("{set_up} && exec \"$0\" \"$@\"")])
+        .arg(plain.get_program())
+        .args(["run", "--domain", &domain])
+        .args(arguments);
+    for (name, value) in plain.get_envs() {
+        match value {
+            Some(value) => command.env(name, value),
+            None => command.env_remove(name),
+        };
+    }
+    command.output().unwrap()
+}
+
+fn words(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Each takes more than a hundred files.
+fn eight_kinects() -> Vec<String> {
+    let robots = (1..=8).flat_map(|number| {
+        ["--robot".to_owned(), "kobuki_hexagons_kinect".to_owned(), "--name".to_owned(), format!("r{number}")]
+    });
+    let end = ["--world", "empty", "--rate", "max", "--duration", "0.05"];
+    robots.chain(end.map(str::to_owned)).collect()
+}
+
+#[test]
+fn eight_robots_need_no_higher_soft_limit_of_open_files() {
+    let arguments = eight_kinects();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let output = run_after("ulimit -Sn 256", &arguments);
+    assert!(output.status.success(), "{}", words(&output));
+}
+
+#[test]
+fn a_hard_limit_of_open_files_is_named() {
+    for limit in ["16", "64"] {
+        let output = run_after(&format!("ulimit -n {limit}"), &["--rate", "max", "--duration", "0.1"]);
+        let words = words(&output);
+        assert_eq!(output.status.code(), Some(1), "{words}");
+        assert!(words.contains(&format!("the {limit} of its limit")) && words.contains("nofile="), "{words}");
+    }
+}
+
+#[test]
+fn a_limit_of_address_space_is_named() {
+    let output = run_after(
+        "ulimit -v 300000",
+        &["--robot", "kobuki_hexagons_kinect", "--rate", "max", "--duration", "0.1"],
+    );
+    let words = words(&output);
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    assert!(words.contains("MiB of address space") && words.contains("ulimit -v"), "{words}");
+}
+
+#[test]
+fn a_small_stack_is_enough() {
+    let output = run_after("ulimit -s 128", &["--rate", "max", "--duration", "0.1"]);
+    assert!(output.status.success(), "{}", words(&output));
+}
+
+/// As Docker makes it: /dev/shm of 64 MiB. The recorder follows every stream, and loses no frame.
+#[test]
+fn every_robot_runs_in_a_containers_shared_memory_with_a_consumer_of_each_stream() {
+    let folder = std::env::temp_dir().join(format!("small-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/turtlebot_description/robots");
+    let mut names: Vec<String> = std::fs::read_dir(robots)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap().replace(".urdf.xacro", ""))
+        .collect();
+    names.sort();
+    assert!(names.len() >= 8);
+    // Root, or whoever is root in a namespace of its own.
+    let is_root = rustix::process::geteuid().is_root();
+    let unshare = if is_root { "--mount --propagation=private" } else { "--mount --map-root-user" };
+    for name in names {
+        let file = folder.join(format!("{name}.mcap"));
+        let set_up = format!(
+            "exec unshare {unshare} sh -c 'mount -t tmpfs -o size=64m tmpfs /dev/shm && exec \"$0\" \"$@\"' \"$0\" \"$@\""
+        );
+        let arguments = ["--robot", &name, "--rate", "max", "--duration", "0.3", "--record"];
+        let output = run_after(&set_up, &[&arguments[..], &[file.to_str().unwrap()]].concat());
+        let words = words(&output);
+        if !is_root && words.contains("unshare") {
+            println!("skipped, user namespaces are not to be had here: {words}");
+            break;
+        }
+        assert!(output.status.success(), "{name}: {words}");
+        if name.ends_with("_kinect") {
+            assert!(words.contains("room for 1 consumer instead of 8"), "{name}: {words}");
+            assert!(words.contains("camera/depth/points") && words.contains("--shm-size"), "{name}: {words}");
+            assert_eq!(words.matches("/dev/shm is too small").count(), 1, "told once: {words}");
+            let info = belvedere().arg("info").arg(&file).output().unwrap();
+            let info = String::from_utf8_lossy(&info.stdout).into_owned();
+            for topic in ["camera/depth/points", "camera/depth/image_raw", "camera/rgb/image_raw", "odom"] {
+                assert!(info.contains(topic), "{topic} is not in {info}");
+            }
+        }
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}

@@ -18,6 +18,8 @@ AT_RANDOM = 5_000
 REWRITING = 3_000
 
 PUBLISHER = os.environ.get("BELVEDERE_HOSTILE")
+#: The test of that program that a role is played in.
+TEST = "every_header_is_rejected_by_name_or_read_within_the_payload"
 
 
 def read_all(frame: belvedere.Frame) -> None:
@@ -75,7 +77,7 @@ def test_every_header_is_rejected_or_read_within_the_payload(role: str, argument
         "BRIDGE_TEST_DOMAIN": domain,
         "BRIDGE_TEST_ARGUMENTS": f"1 {argument}",
     }
-    command = [Path(str(PUBLISHER)), "--exact", "other_process", "--nocapture"]
+    command = [Path(str(PUBLISHER)), "--exact", TEST, "--nocapture"]
     with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as publisher:
         try:
             accepted, rejected = read_until_the_end(domain)

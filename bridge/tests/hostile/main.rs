@@ -17,14 +17,12 @@ use headers::PAYLOAD_LEN;
 use processes_kit::{PATIENCE, Process, Random, Role, TestDomain, full, report};
 use publisher::{END, TOPIC};
 
-#[test]
-fn other_process() {
-    let Some(role) = processes_kit::role() else { return };
+fn roles(role: &Role) {
     match role.name.as_str() {
-        "attack" => publisher::attack(&role),
-        "rewrite" => publisher::rewrite(&role),
-        "consume" => consume(&role, false),
-        "consume_newest" => consume(&role, true),
+        "attack" => publisher::attack(role),
+        "rewrite" => publisher::rewrite(role),
+        "consume" => consume(role, false),
+        "consume_newest" => consume(role, true),
         name => panic!("no role {name}"),
     }
     // A publisher of iceoryx2 alone leaves its counter of nodes; the last node of ours takes it along.
@@ -68,6 +66,7 @@ fn consume(role: &Role, newest: bool) {
 
 #[test]
 fn every_header_is_rejected_by_name_or_read_within_the_payload() {
+    processes_kit::play(roles);
     let mut domain = TestDomain::new("attack");
     let at_random = if full() { 2_000_000 } else { 20_000 };
     let attacker = Process::start(&domain, "attack", &[&2, &at_random]);
@@ -88,6 +87,7 @@ fn every_header_is_rejected_by_name_or_read_within_the_payload() {
 
 #[test]
 fn what_is_rewritten_after_sending_leads_nowhere() {
+    processes_kit::play(roles);
     let mut domain = TestDomain::new("rewrite");
     let duration_ms = if full() { 60_000 } else { 3_000 };
     let attacker = Process::start(&domain, "rewrite", &[&2, &duration_ms]);
@@ -172,6 +172,7 @@ fn the_numbers_of_a_refused_frame_are_not_believed() {
 
 #[test]
 fn the_domain_of_an_attack_is_usable_afterwards() {
+    processes_kit::play(roles);
     let mut domain = TestDomain::new("after");
     let attacker = Process::start(&domain, "attack", &[&1, &100]);
     attacker.expect("ready");

@@ -32,8 +32,7 @@ pub struct Usage {
 
 impl TestDomain {
     pub fn new(test: &str) -> Self {
-        let domain = Domain::new(&format!("{test}-{}", std::process::id())).unwrap();
-        Self { domain, nodes: BTreeSet::new() }
+        Self { domain: super::domain(test), nodes: BTreeSet::new() }
     }
 
     /// A look at a domain that is somebody else's.
@@ -91,7 +90,7 @@ impl TestDomain {
     /// After kills: fails unless the next process of the domain leaves nothing. What a process left that never got far
     /// is taken for a remnant a second after its birth.
     pub fn assert_nothing_left_after_the_next_start(&mut self) {
-        let deadline = Instant::now() + Duration::from_secs(3);
+        let deadline = Instant::now() + super::PATIENCE;
         loop {
             self.usage();
             drop(Node::open(&self.domain, "last").unwrap());

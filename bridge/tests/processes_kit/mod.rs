@@ -1,18 +1,22 @@
-//! Tests with several processes: a test binary starts itself again in another role.
+//! Tests with several processes: a test starts its program again, as the same test in a role.
 //!
-//! A binary that uses it has one test `other_process`, which does nothing unless [`serve`] finds a role in the
-//! environment. Other processes report to their parent by lines on standard output, see [`report`].
-#![allow(dead_code, unused_imports, unreachable_pub)] // Every test binary uses a part of it.
+//! Such a test begins with [`play`], which does nothing but in those processes. They report to the test by lines on
+//! standard output, see [`report`].
+#![allow(dead_code, unused_imports, unreachable_pub)] // Every test program uses a part of it.
 
 pub mod files;
 pub mod plain;
 pub mod random;
+mod skip;
 
 use std::{
     fmt::Display,
     io::{BufRead as _, BufReader, Write as _},
     process::{Command, Stdio},
-    sync::mpsc::{Receiver, channel},
+    sync::{
+        atomic::{AtomicU32, Ordering},
+        mpsc::{Receiver, channel},
+    },
     time::{Duration, Instant},
 };
 
@@ -21,9 +25,11 @@ use rustix::process::{Pid, Signal};
 
 pub use files::{TestDomain, Usage};
 pub use random::Random;
+pub use skip::skip;
 
-/// How long a test waits for what must come, however busy the machine is.
-pub const PATIENCE: Duration = Duration::from_secs(20);
+/// How long a test waits for what must come. It ends a test that hangs, and is no verdict about speed: minutes, which a
+/// busy machine does not need either.
+pub const PATIENCE: Duration = Duration::from_secs(120);
 
 const ROLE: &str = "BRIDGE_TEST_ROLE";
 const DOMAIN: &str = "BRIDGE_TEST_DOMAIN";
@@ -31,21 +37,35 @@ const ARGUMENTS: &str = "BRIDGE_TEST_ARGUMENTS";
 /// What a line of a report begins with; the test harness writes lines of its own.
 const MARK: &str = "@ ";
 
-/// In a process that was started in a role: what it is, where, and with which arguments.
+/// What a process was started for: in which domain, and with which arguments.
 pub struct Role {
     pub name: String,
     pub domain: Domain,
     pub arguments: Vec<String>,
 }
 
-/// The role that this process was started in; `None` in the test that starts the others.
-pub fn role() -> Option<Role> {
-    let name = std::env::var(ROLE).ok()?;
-    // Nobody outlives the test, not even when that is killed.
+/// In a process that a test has started, plays its role and ends the process. In the test itself, does nothing.
+pub fn play(roles: impl FnOnce(&Role)) {
+    let Ok(name) = std::env::var(ROLE) else { return };
+    // No process outlives the test that started it, not even when that is killed.
     rustix::process::set_parent_process_death_signal(Some(Signal::KILL)).unwrap();
     let domain = Domain::new(&std::env::var(DOMAIN).unwrap()).unwrap();
     let arguments = std::env::var(ARGUMENTS).unwrap_or_default();
-    Some(Role { name, domain, arguments: arguments.split_whitespace().map(str::to_owned).collect() })
+    roles(&Role { name, domain, arguments: arguments.split_whitespace().map(str::to_owned).collect() });
+    std::process::exit(0);
+}
+
+/// The name of the test that runs in this thread, by which its program runs nothing else.
+pub fn this_test() -> String {
+    let name = std::thread::current().name().map(str::to_owned);
+    name.filter(|name| name != "main").expect("the test harness names a test's thread after the test")
+}
+
+/// A domain that no other test has, nor the same test when it runs again.
+pub fn domain(test: &str) -> Domain {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    Domain::new(&format!("{test}-{}-{count}", std::process::id())).unwrap()
 }
 
 impl Role {
@@ -61,7 +81,7 @@ pub fn report(line: impl Display) {
     writeln!(out, "\n{MARK}{line}").and_then(|()| out.flush()).expect("a parent that listens");
 }
 
-/// Another process of this test binary; killed when dropped.
+/// Another process of this test; killed when dropped.
 pub struct Process {
     child: std::process::Child,
     reports: Receiver<String>,
@@ -76,6 +96,10 @@ impl Process {
 
     /// Started by another command, as `unshare`, which gets it as its last arguments.
     pub fn start_under(runner: &[&str], domain: &Domain, role: &str, arguments: &[&dyn Display]) -> Self {
+        assert!(
+            std::env::var_os(ROLE).is_none(),
+            "the test does not begin with `play`: it would start itself for ever"
+        );
         let this = std::env::current_exe().unwrap();
         let mut command = match runner {
             [] => Command::new(this),
@@ -88,10 +112,12 @@ impl Process {
         let arguments: Vec<_> = arguments.iter().map(ToString::to_string).collect();
         let started_mono_ns = belvedere_bridge::clock::mono_ns();
         let mut child = command
-            .args(["--exact", "other_process", "--nocapture"])
+            .args(["--exact", &this_test(), "--nocapture"])
             .env(ROLE, role)
             .env(DOMAIN, domain.as_str())
             .env(ARGUMENTS, arguments.join(" "))
+            // The same seed for all, also if it is a new one.
+            .envs(random::seed().map(|seed| (random::SEED, seed.to_string())))
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .spawn()

@@ -1,13 +1,16 @@
 //! Numbers for tests that try at random, and try the same again.
 
+use std::{io::Write as _, sync::OnceLock};
+
+pub const SEED: &str = "BELVEDERE_SEED";
+
 /// `SplitMix64`: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014.
 pub struct Random(u64);
 
 impl Random {
-    /// Begins with the number of `BELVEDERE_SEED`, if it is set.
-    pub fn new(default_seed: u64) -> Self {
-        let seed = std::env::var("BELVEDERE_SEED").ok().and_then(|text| text.parse().ok());
-        Self(seed.unwrap_or(default_seed))
+    /// Begins with [`seed`], or with `fixed` if there is none.
+    pub fn new(fixed: u64) -> Self {
+        Self(seed().unwrap_or(fixed))
     }
 
     pub fn next(&mut self) -> u64 {
@@ -26,4 +29,20 @@ impl Random {
     pub fn one_of<T: Copy>(&mut self, values: &[T]) -> T {
         values[self.below(values.len() as u64) as usize]
     }
+}
+
+/// The number that the environment variable [`SEED`] holds; a new one, which is printed, if it holds `new`; `None`
+/// without it, when each test has a number of its own that never changes.
+pub fn seed() -> Option<u64> {
+    static SEEDS: OnceLock<Option<u64>> = OnceLock::new();
+    *SEEDS.get_or_init(|| {
+        let text = std::env::var(SEED).ok()?;
+        if text == "new" {
+            let new = belvedere_bridge::clock::mono_ns();
+            // Not by `eprintln`, whose lines the test harness keeps to itself when a test passes.
+            let _ = writeln!(std::io::stderr(), "{SEED}={new}");
+            return Some(new);
+        }
+        Some(text.parse().unwrap_or_else(|_| panic!("{SEED} is a number or \"new\", not \"{text}\"")))
+    })
 }

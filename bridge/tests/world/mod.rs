@@ -1,9 +1,9 @@
 //! Processes of several users in a world of their own: mount namespaces with their own `/tmp` and `/dev/shm`.
 //!
-//! A test binary starts itself again: a scenario runs as the test `in_the_world` in a new mount namespace, and starts
-//! its processes as the test `in_a_role`, as whatever user. Users need no entry in `/etc/passwd`: their numbers do.
+//! A test starts its program again as the same test: [`run`] in a new mount namespace, [`Actor`]s in a role, as whatever
+//! user. Users need no entry in `/etc/passwd`: their numbers do.
 
-#![allow(dead_code, unreachable_pub, reason = "each test binary uses a part of it")]
+#![allow(dead_code, unreachable_pub, reason = "each test program uses a part of it")]
 
 use std::{
     fs,
@@ -17,13 +17,13 @@ use std::{
 
 use belvedere_bridge::{Domain, Encoding, Kind, Node, StreamSpec, payload::VelocityCommand};
 
-/// How long anything may take.
-pub const PATIENCE: Duration = Duration::from_secs(20);
-const SCENARIO: &str = "BRIDGE_SCENARIO";
-const ROLE: &str = "BRIDGE_ROLE";
+use crate::processes_kit::{PATIENCE, skip, this_test};
+
+const WORLD: &str = "BRIDGE_WORLD";
+pub const ROLE: &str = "BRIDGE_ROLE";
 /// Where the copy of this program lies in the new world: its own place may be on a directory that is hidden there, or
 /// closed to other users.
-const PROGRAM: &str = "/mnt/program";
+pub const PROGRAM: &str = "/mnt/program";
 
 /// A user and its only group.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,46 +35,45 @@ pub struct User {
 /// Whoever runs the test; in scenarios with other users it is root.
 pub const ROOT: User = User { uid: 0, gid: 0 };
 
-/// Runs a scenario of this binary's test `in_the_world` in a mount namespace with a `/dev/shm` of so many MiB, and
-/// passes its output on. Without root it is said to be skipped, unless a user namespace will do, which has no other
-/// users.
-pub fn run(scenario: &str, shm_mib: u32, other_users: bool) {
+/// Runs the rest of a test in a mount namespace with a `/dev/shm` of so many MiB, and passes its output on. Skips it
+/// without root, unless a user namespace will do, which has no other users.
+pub fn run(shm_mib: u32, other_users: bool, scenario: impl FnOnce()) {
+    play();
+    if is_here() {
+        return scenario();
+    }
     let is_root = rustix::process::geteuid().is_root();
     if other_users && !is_root {
-        println!("{scenario}: skipped, it needs root for processes of several users");
-        return;
+        return skip("processes of several users need root");
     }
     let set_up = format!(
         "mount -t tmpfs tmpfs /mnt && cp \"$0\" {PROGRAM} && chmod 755 /mnt {PROGRAM} && \
          mount -t tmpfs -o mode=1777 tmpfs /tmp && mount -t tmpfs -o mode=1777,size={shm_mib}m tmpfs /dev/shm && \
-         exec {PROGRAM} --exact in_the_world --nocapture"
+         exec {PROGRAM} --exact {} --nocapture",
+        this_test()
     );
     let output = Command::new("unshare")
         .args(if is_root { ["--mount", "--propagation=private"] } else { ["--mount", "--map-root-user"] })
         .args(["sh", "-c", &set_up])
         .arg(std::env::current_exe().unwrap())
-        .env(SCENARIO, scenario)
+        .env(WORLD, "1")
         .output();
     let output = match output {
         Ok(output) => output,
-        Err(error) => {
-            println!("{scenario}: skipped, unshare cannot be run: {error}");
-            return;
-        }
+        Err(error) => return skip(format_args!("unshare cannot be run: {error}")),
     };
     let text =
         String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     if !is_root && !text.contains("running 1 test") {
-        println!("{scenario}: skipped, user namespaces are not to be had here: {text}");
-        return;
+        return skip(format_args!("this user may not make a user namespace: {text}"));
     }
     println!("{text}");
-    assert!(output.status.success(), "{scenario} failed:\n{text}");
+    assert!(output.status.success(), "{text}");
 }
 
-/// The scenario that this process is to run, if it is one in a new world.
-pub fn scenario() -> Option<String> {
-    std::env::var(SCENARIO).ok()
+/// Whether this process is in a world of its own.
+fn is_here() -> bool {
+    std::env::var_os(WORLD).is_some()
 }
 
 /// A process in a role, its lines as they come.
@@ -87,11 +86,14 @@ pub struct Actor {
 impl Actor {
     /// Starts `role` (see [`play`]) in `domain` as `user`, or as this one if that is [`ROOT`], with more variables of the environment.
     pub fn start(role: &str, domain: &str, user: User, env: &[(&str, &str)]) -> Self {
-        let program =
-            if scenario().is_some() { PathBuf::from(PROGRAM) } else { std::env::current_exe().unwrap() };
+        assert!(
+            std::env::var_os(ROLE).is_none(),
+            "the test does not begin with `play`: it would start itself for ever"
+        );
+        let program = if is_here() { PathBuf::from(PROGRAM) } else { std::env::current_exe().unwrap() };
         let mut command = Command::new(program);
         command
-            .args(["--exact", "in_a_role", "--nocapture"])
+            .args(["--exact", &this_test(), "--nocapture"])
             .env(ROLE, role)
             .env("BELVEDERE_DOMAIN", domain)
             .env_remove("BELVEDERE_GROUP")
@@ -180,7 +182,8 @@ pub fn image(topic: &str) -> StreamSpec {
     StreamSpec::new(topic, Kind::Image, Encoding::Mono8, LEN).rate_hz(100.0)
 }
 
-/// Body of the test `in_a_role`: what a process started by [`Actor::start`] does. Ends when its input does.
+/// In a process that [`Actor::start`] has started, plays its role until its input ends, and ends the process. In the test
+/// itself, does nothing.
 pub fn play() {
     let Ok(role) = std::env::var(ROLE) else { return };
     match role.as_str() {
@@ -193,6 +196,7 @@ pub fn play() {
         "try" => try_everything(),
         _ => panic!("no such role: {role}"),
     }
+    std::process::exit(0);
 }
 
 fn asked_to_leave() -> Receiver<()> {

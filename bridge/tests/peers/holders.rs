@@ -1,21 +1,14 @@
 //! Two simulators: refused in one domain, with the name of who holds it; apart in two.
 
-mod world;
-
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use belvedere_bridge::{Domain, Encoding, Error, Kind, Node, StreamSpec, payload::VelocityCommand};
 use iceoryx2::prelude::*;
-use world::{Actor, ROOT, image};
 
-#[test]
-fn in_a_role() {
-    world::play();
-}
-
-fn domain(test: &str) -> Domain {
-    Domain::new(&format!("{test}-{}", std::process::id())).unwrap()
-}
+use crate::{
+    processes_kit::{PATIENCE, domain},
+    world::{self, Actor, ROOT, image},
+};
 
 fn start(role: &str, domain: &Domain) -> Actor {
     Actor::start(role, domain.as_str(), ROOT, &[])
@@ -23,6 +16,7 @@ fn start(role: &str, domain: &Domain) -> Actor {
 
 #[test]
 fn the_second_is_told_who_holds_the_domain() {
+    world::play();
     let domain = domain("held");
     let mut first = start("simulate", &domain);
     first.says("ready");
@@ -40,16 +34,15 @@ fn the_second_is_told_who_holds_the_domain() {
     assert!(node.publisher(&StreamSpec::velocity_command("cmd_vel")).is_ok());
     // The first goes on, unharmed; once it is killed, its place is free at once.
     let mut subscriber = node.subscriber("image_raw").unwrap();
-    assert!(subscriber.wait(world::PATIENCE).unwrap());
+    assert!(subscriber.wait(PATIENCE).unwrap());
     drop(subscriber);
     first.kill();
-    let begun = Instant::now();
     let _publisher = node.publisher(&image("image_raw")).unwrap();
-    assert!(begun.elapsed() < Duration::from_secs(1), "{:?}", begun.elapsed());
 }
 
 #[test]
 fn many_join_and_leave_at_once() {
+    world::play();
     let domain = domain("restless");
     let mut restless: Vec<Actor> = (0..6).map(|_| start("join_often", &domain)).collect();
     for actor in &mut restless {
@@ -63,6 +56,7 @@ fn many_join_and_leave_at_once() {
 
 #[test]
 fn nothing_crosses_from_domain_to_domain() {
+    world::play();
     let (one, other) = (domain("one"), domain("other"));
     let (mut first, mut second) = (start("simulate", &one), start("simulate", &other));
     first.says("ready");

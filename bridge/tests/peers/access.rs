@@ -1,8 +1,6 @@
 //! Who can reach a domain: its owner alone; a group that was named; and what is said of what others put in its place.
 //! `users.rs` has several users at once.
 
-mod world;
-
 use std::{
     fs,
     os::unix::{
@@ -14,8 +12,12 @@ use std::{
     time::Duration,
 };
 
-use belvedere_bridge::{Domain, Node, StreamSpec, payload::VelocityCommand};
-use world::{Actor, ROOT, User, files_of, image};
+use belvedere_bridge::{Node, StreamSpec, payload::VelocityCommand};
+
+use crate::{
+    processes_kit::{self, this_test},
+    world::{self, Actor, ROOT, User, files_of, image},
+};
 
 const ANNA: User = User { uid: 4001, gid: 4100 };
 const BERT: User = User { uid: 4002, gid: 4100 };
@@ -23,45 +25,28 @@ const CARL: User = User { uid: 4003, gid: 4003 };
 const GROUP: &[(&str, &str)] = &[("BELVEDERE_GROUP", "4100")];
 
 #[test]
-fn in_a_role() {
-    world::play();
-}
-
-#[test]
-fn in_the_world() {
-    match world::scenario().as_deref() {
-        Some("opened_directories") => opened_directories(),
-        Some("a_group") => a_group(),
-        Some("a_group_with_many_streams") => a_group_with_many_streams(),
-        Some("directories_of_a_group") => directories_of_a_group(),
-        Some(other) => panic!("{other}"),
-        None => {}
-    }
-}
-
-#[test]
 fn a_file_of_another_user_is_told() {
-    world::run("opened_directories", 64, true);
+    world::run(64, true, opened_directories);
 }
 
 #[test]
 fn a_group_shares_a_domain_through_kills_of_either_side() {
-    world::run("a_group", 64, true);
+    world::run(64, true, a_group);
 }
 
 #[test]
 fn a_group_shares_many_streams() {
-    world::run("a_group_with_many_streams", 64, true);
+    world::run(64, true, a_group_with_many_streams);
 }
 
 #[test]
 fn a_directory_that_is_not_the_groups_is_refused() {
-    world::run("directories_of_a_group", 64, true);
+    world::run(64, true, directories_of_a_group);
 }
 
 #[test]
 fn files_are_their_owners_alone() {
-    let domain = Domain::new(&format!("modes-{}", std::process::id())).unwrap();
+    let domain = processes_kit::domain("modes");
     let node = Node::open(&domain, "test").unwrap();
     let publisher = node.publisher(&image("image")).unwrap();
     let mut subscriber = node.subscriber("image").unwrap();
@@ -197,20 +182,18 @@ fn a_group() {
             "--reuid=4005",
             "--regid=4005",
             "--groups=4100",
-            "/mnt/program",
+            world::PROGRAM,
             "--exact",
-            "in_a_role",
+            &this_test(),
             "--nocapture",
         ])
-        .envs([("BRIDGE_ROLE", "try"), ("BELVEDERE_DOMAIN", "default"), GROUP[0]])
-        .env_remove("BRIDGE_SCENARIO")
-        .output();
-    if let Ok(output) = by_supplement {
-        let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(text.contains("open ok") && text.contains("wait true"), "{text}");
-        assert!(text.contains("DomainInUse") && text.contains("\"simulator\""), "{text}");
-        assert!(text.contains(&format!("process {}", anna.pid())), "{text}");
-    }
+        .envs([(world::ROLE, "try"), ("BELVEDERE_DOMAIN", "default"), GROUP[0]])
+        .output()
+        .expect("setpriv, which comes with unshare");
+    let text = String::from_utf8_lossy(&by_supplement.stdout).into_owned();
+    assert!(text.contains("open ok") && text.contains("wait true"), "{text}");
+    assert!(text.contains("DomainInUse") && text.contains("\"simulator\""), "{text}");
+    assert!(text.contains(&format!("process {}", anna.pid())), "{text}");
 
     for life in 0..6 {
         // The consumer is killed: the next one goes on.

@@ -1,23 +1,20 @@
 //! Publishers and subscribers within one process.
 
-use std::{path::Path, time::Duration};
+use std::time::Duration;
 
 use belvedere_bridge::{
-    Domain, Encoding, Error, Kind, Lossless, Node, StreamSpec,
+    Encoding, Error, Kind, Lossless, Node, StreamSpec,
     payload::{Clock, Transform, VelocityCommand},
 };
 use bytemuck::Zeroable as _;
 
+use crate::processes_kit::{PATIENCE, TestDomain, domain};
+
 const SHORT: Duration = Duration::from_millis(20);
-const LONG: Duration = Duration::from_secs(10);
 
 /// A domain of this test's own.
 fn node(test: &str) -> Node {
     Node::open(&domain(test), test).unwrap()
-}
-
-fn domain(test: &str) -> Domain {
-    Domain::new(&format!("{test}-{}", std::process::id())).unwrap()
 }
 
 fn image_spec(topic: &str) -> StreamSpec {
@@ -32,25 +29,6 @@ fn send(publisher: &belvedere_bridge::Publisher, value: u8) {
     frame.send().unwrap();
 }
 
-/// Files of the domain that are left.
-fn leftovers(domain: &Domain) -> Vec<String> {
-    fn walk(dir: &Path, prefix: &str, found: &mut Vec<String>) {
-        for entry in std::fs::read_dir(dir).into_iter().flatten().flatten() {
-            if entry.file_name().to_string_lossy().starts_with(prefix) {
-                found.push(entry.path().display().to_string());
-            }
-            if entry.path().is_dir() {
-                walk(&entry.path(), prefix, found);
-            }
-        }
-    }
-    let mut found = Vec::new();
-    for root in [Path::new("/dev/shm"), &domain.directory()] {
-        walk(root, &domain.prefix(), &mut found);
-    }
-    found
-}
-
 #[test]
 fn a_frame_arrives_as_it_was_written() {
     let node = node("arrive");
@@ -59,7 +37,7 @@ fn a_frame_arrives_as_it_was_written() {
     assert!(!subscriber.wait(SHORT).unwrap());
     assert_eq!(publisher.subscribers(), 1);
     send(&publisher, 7);
-    assert!(subscriber.wait(LONG).unwrap());
+    assert!(subscriber.wait(PATIENCE).unwrap());
     let frame = subscriber.take().unwrap().unwrap();
     let header = frame.header();
     assert_eq!((header.width, header.height, header.row_stride, header.seq), (64, 48, 64, 0));
@@ -68,7 +46,7 @@ fn a_frame_arrives_as_it_was_written() {
     assert_eq!(frame.payload(), [7; 64 * 48]);
     assert_eq!(frame.payload().as_ptr().addr() % 64, 0);
     assert_eq!(frame.view().rows().len(), 48);
-    assert!(frame.age_ns() < 10_000_000_000);
+    assert!(u128::from(frame.age_ns()) < PATIENCE.as_nanos());
     assert!(!frame.is_from_history());
     assert!(subscriber.take().unwrap().is_none());
 }
@@ -143,7 +121,7 @@ fn a_late_subscriber_gets_the_last_frame() {
     let mut subscriber = node.subscriber("tf_static").unwrap();
     assert!(!subscriber.wait(SHORT).unwrap());
     publisher.update().unwrap();
-    assert!(subscriber.wait(LONG).unwrap());
+    assert!(subscriber.wait(PATIENCE).unwrap());
     let frame = subscriber.take().unwrap().unwrap();
     assert!(frame.is_from_history());
     let received: Vec<Transform> = frame.view().structs().unwrap().collect();
@@ -156,7 +134,7 @@ fn a_late_subscriber_gets_the_last_frame() {
     let mut subscriber = node.subscriber("tf_static").unwrap();
     assert!(!subscriber.wait(SHORT).unwrap());
     publisher.update().unwrap();
-    assert!(subscriber.wait(LONG).unwrap());
+    assert!(subscriber.wait(PATIENCE).unwrap());
 }
 
 #[test]
@@ -170,7 +148,7 @@ fn a_restarted_publisher_is_picked_up() {
         send(&publisher, 10 * life + 1);
         drop(publisher);
         for index in 0..2 {
-            assert!(subscriber.wait(LONG).unwrap(), "what a publisher sent last outlives it");
+            assert!(subscriber.wait(PATIENCE).unwrap(), "what a publisher sent last outlives it");
             let frame = subscriber.take().unwrap().unwrap();
             assert_eq!(frame.payload()[0], 10 * life + index);
             assert_eq!(frame.restarted(), life > 0 && index == 0);
@@ -181,27 +159,6 @@ fn a_restarted_publisher_is_picked_up() {
         // Nobody holds the stream of the dead publisher.
         assert_eq!(node.streams().unwrap(), []);
     }
-}
-
-#[test]
-fn a_second_publisher_is_told_what_to_do() {
-    let node = node("second");
-    let _first = node.publisher(&image_spec("image")).unwrap();
-    let second = Node::open(node.domain(), "second").unwrap();
-    let error = second.publisher(&image_spec("image")).unwrap_err();
-    assert!(matches!(error, Error::DomainInUse { .. }), "{error}");
-    assert!(error.to_string().contains("--domain"), "{error}");
-}
-
-#[test]
-fn domains_do_not_see_each_other() {
-    let (one, other) = (node("one"), node("other"));
-    let publisher = one.publisher(&image_spec("image")).unwrap();
-    let _other_publisher = other.publisher(&image_spec("image")).unwrap();
-    let mut subscriber = other.subscriber("image").unwrap();
-    assert!(!subscriber.wait(SHORT).unwrap());
-    send(&publisher, 1);
-    assert!(!subscriber.wait(SHORT).unwrap());
 }
 
 #[test]
@@ -220,7 +177,7 @@ fn commands_come_from_many() {
     assert!(!commands.wait(SHORT).unwrap());
     let again = node.publisher(&spec).unwrap();
     again.send_structs(0, &[forward(3.0)]).unwrap();
-    assert!(commands.wait(LONG).unwrap());
+    assert!(commands.wait(PATIENCE).unwrap());
 }
 
 #[test]
@@ -267,7 +224,7 @@ fn a_lossless_stream_waits() {
         scope.spawn(|| (0..50).for_each(|value| send(&publisher, value)));
         for value in 0..50 {
             std::thread::sleep(Duration::from_millis(1));
-            assert!(subscriber.wait(LONG).unwrap());
+            assert!(subscriber.wait(PATIENCE).unwrap());
             assert_eq!(subscriber.take().unwrap().unwrap().payload()[0], value);
         }
     });
@@ -276,7 +233,7 @@ fn a_lossless_stream_waits() {
 
 #[test]
 fn nothing_is_left() {
-    let domain = domain("clean");
+    let mut domain = TestDomain::new("clean");
     {
         let node = Node::open(&domain, "clean").unwrap();
         let publisher = node.publisher(&image_spec("image")).unwrap();
@@ -284,17 +241,32 @@ fn nothing_is_left() {
         assert!(!subscriber.wait(SHORT).unwrap());
         send(&publisher, 1);
         assert!(subscriber.take().unwrap().is_some());
-        assert!(!leftovers(&domain).is_empty(), "the test looks in the right place");
+        assert!(domain.usage().files > 0, "the test looks in the right place");
     }
-    assert_eq!(leftovers(&domain), Vec::<String>::new());
+    domain.assert_nothing_left();
 }
 
 #[test]
 fn everything_may_move_to_another_thread() {
-    fn movable<T: Send>() {}
-    movable::<Node>();
-    movable::<belvedere_bridge::Publisher>();
-    movable::<belvedere_bridge::LoanedFrame>();
-    movable::<belvedere_bridge::Subscriber>();
-    movable::<belvedere_bridge::Frame>();
+    let node = node("threads");
+    let publisher = node.publisher(&image_spec("image")).unwrap();
+    let mut subscriber = node.subscriber("image").unwrap();
+    assert!(!subscriber.wait(SHORT).unwrap());
+    let loaned = publisher.loan(64 * 48).unwrap();
+    let sending = std::thread::spawn(move || {
+        let mut frame = loaned;
+        frame.header_mut().set_packed(64, 48);
+        frame.payload_mut().fill(1);
+        frame.send().unwrap();
+        send(&publisher, 2);
+        (node, publisher)
+    });
+    let taking = std::thread::spawn(move || {
+        assert!(subscriber.wait(PATIENCE).unwrap());
+        (subscriber.take().unwrap().unwrap(), subscriber)
+    });
+    let (node, publisher) = sending.join().unwrap();
+    let (frame, mut subscriber) = taking.join().unwrap();
+    assert_eq!((frame.payload()[0], publisher.subscribers(), node.streams().unwrap().len()), (1, 1, 1));
+    assert_eq!(subscriber.take().unwrap().unwrap().payload()[0], 2);
 }

@@ -1,57 +1,39 @@
 //! Too little shared memory: said before the first frame, never a bus error in the middle of one.
 
-mod world;
-
 use std::{
     fs::{self, File},
     io::Write as _,
     os::unix::fs::MetadataExt as _,
     path::{Path, PathBuf},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use belvedere_bridge::{Domain, Encoding, Error, Kind, Node, Publisher, StreamSpec, Subscriber};
-use world::{Actor, ROOT};
+
+use crate::{
+    processes_kit::domain,
+    world::{self, Actor, ROOT},
+};
 
 const LEN: usize = 640 * 480 * 3;
 
 #[test]
-fn in_a_role() {
-    world::play();
-}
-
-#[test]
-fn in_the_world() {
-    match world::scenario().as_deref() {
-        Some("too_small") => too_small(),
-        Some("filled_after_the_start") => filled_after_the_start(),
-        Some("full") => full(),
-        Some(other) => panic!("{other}"),
-        None => {}
-    }
-}
-
-#[test]
 fn too_little_is_refused_before_the_first_frame() {
-    world::run("too_small", 8, false);
+    world::run(8, false, too_small);
 }
 
 #[test]
 fn what_others_write_later_does_not_take_the_frames_room() {
-    world::run("filled_after_the_start", 48, false);
+    world::run(48, false, filled_after_the_start);
 }
 
 #[test]
 fn a_full_shared_memory_is_told() {
-    world::run("full", 4, false);
+    world::run(4, false, full);
 }
 
 fn spec() -> StreamSpec {
     StreamSpec::new("image_raw", Kind::Image, Encoding::Rgb8, LEN).rate_hz(30.0)
-}
-
-fn domain(test: &str) -> Domain {
-    Domain::new(&format!("{test}-{}", std::process::id())).unwrap()
 }
 
 fn send(publisher: &Publisher) -> Result<usize, Error> {
@@ -179,21 +161,4 @@ fn frames_lie_in_what_was_taken() {
         assert_eq!(bytes_taken(&pool), taken, "{count} subscribers");
     }
     assert!(bytes_taken(&pool) <= whole.next_multiple_of(4096));
-}
-
-/// Not a bound, a figure: what taking the room costs at the start.
-#[test]
-fn taking_room_costs_milliseconds() {
-    let node = Node::open(&domain("cost"), "test").unwrap();
-    let start = Instant::now();
-    let publisher = node.publisher(&spec()).unwrap();
-    println!("a publisher of 0.9 MB frames is made in {:?}", start.elapsed());
-    let path = pool_of(node.domain());
-    let file = File::options().write(true).open(&path).unwrap();
-    let (before, start) = (bytes_taken(&path), Instant::now());
-    rustix::fs::fallocate(&file, rustix::fs::FallocateFlags::empty(), 0, file.metadata().unwrap().len())
-        .unwrap();
-    println!("taking {} more MB takes {:?}", (bytes_taken(&path) - before) / 1_000_000, start.elapsed());
-    assert!(start.elapsed() < Duration::from_secs(2));
-    drop(publisher);
 }

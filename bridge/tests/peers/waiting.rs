@@ -5,13 +5,13 @@ use std::{
     time::{Duration, Instant},
 };
 
-use belvedere_bridge::{Domain, Encoding, Kind, Node, Publisher, StreamSpec, Subscriber, Synchronizer};
+use belvedere_bridge::{Encoding, Kind, Node, Publisher, StreamSpec, Subscriber, Synchronizer};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-const LONG: Duration = Duration::from_secs(10);
+use crate::processes_kit::{PATIENCE, domain};
 
 fn node(test: &str) -> Node {
-    Node::open(&Domain::new(&format!("{test}-{}", std::process::id())).unwrap(), test).unwrap()
+    Node::open(&domain(test), test).unwrap()
 }
 
 fn publisher(node: &Node, topic: &str) -> Publisher {
@@ -37,9 +37,9 @@ fn readable(subscriber: &mut Subscriber, timeout: Duration) -> bool {
 
 /// What a foreign loop does: nothing but polling the descriptor and taking until there is none.
 fn next_stamp(subscriber: &mut Subscriber) -> u64 {
-    let deadline = Instant::now() + LONG;
+    let deadline = Instant::now() + PATIENCE;
     while Instant::now() < deadline {
-        if readable(subscriber, LONG)
+        if readable(subscriber, PATIENCE)
             && let Some(frame) = subscriber.take().unwrap()
         {
             return frame.header().stamp_ns;
@@ -54,7 +54,7 @@ fn a_descriptor_stays_readable_while_frames_wait_and_only_then() {
     let publisher = publisher(&node, "image");
     let mut subscriber = node.subscriber("image").unwrap();
     // Made before the stream is connected.
-    while !(readable(&mut subscriber, LONG)
+    while !(readable(&mut subscriber, PATIENCE)
         && subscriber.take().unwrap().is_none()
         && publisher.subscribers() == 1)
     {}
@@ -78,7 +78,7 @@ fn one_descriptor_follows_every_publisher() {
         let publisher = publisher(&node, "image");
         // The descriptor alone makes the loop look for the stream.
         while publisher.subscribers() == 0 {
-            readable(&mut subscriber, LONG);
+            readable(&mut subscriber, PATIENCE);
             assert!(subscriber.take().unwrap().is_none());
         }
         for stamp_ns in life * 10..life * 10 + 5 {
@@ -87,7 +87,7 @@ fn one_descriptor_follows_every_publisher() {
         }
         drop(publisher);
         while subscriber.publishers() > 0 {
-            readable(&mut subscriber, LONG);
+            readable(&mut subscriber, PATIENCE);
             assert!(subscriber.take().unwrap().is_none());
         }
         assert_eq!(subscriber.readiness().unwrap().as_raw_fd(), fd);
@@ -106,7 +106,7 @@ fn trio(test: &str, tolerance: Duration) -> (Node, [Publisher; 3], Synchronizer<
 }
 
 fn stamps(sets: &mut Synchronizer<3>) -> [u64; 3] {
-    assert!(sets.wait(LONG).unwrap());
+    assert!(sets.wait(PATIENCE).unwrap());
     sets.take().unwrap().unwrap().map(|frame| frame.header().stamp_ns)
 }
 
@@ -149,7 +149,7 @@ fn a_set_may_be_kept_while_the_next_one_comes() {
         for publisher in &publishers {
             send(publisher, stamp_ns);
         }
-        assert!(sets.wait(LONG).unwrap());
+        assert!(sets.wait(PATIENCE).unwrap());
         let set = sets.take().unwrap().unwrap();
         assert!(set.iter().all(|frame| frame.header().stamp_ns == stamp_ns));
         kept = Some(set);
@@ -177,8 +177,9 @@ fn time_that_begins_anew_is_followed() {
     // Started again.
     drop(publishers);
     let publishers = ["rgb", "depth", "info"].map(|topic| publisher(&node, topic));
-    let deadline = Instant::now() + LONG;
-    while publishers.iter().any(|publisher| publisher.subscribers() == 0) && Instant::now() < deadline {
+    let deadline = Instant::now() + PATIENCE;
+    while publishers.iter().any(|publisher| publisher.subscribers() == 0) {
+        assert!(Instant::now() < deadline, "the new publishers are not found");
         sets.wait(Duration::from_millis(10)).unwrap();
         let _ = sets.take().unwrap();
     }

@@ -1,31 +1,15 @@
 //! Several users of one machine, each with domains of their own: nobody meets or hinders anybody.
 
-mod world;
-
 use std::{path::Path, time::Duration};
 
-use world::{Actor, ROOT, User, files_of};
+use crate::world::{self, Actor, ROOT, User, files_of};
 
 const ANNA: User = User { uid: 4001, gid: 4001 };
 const CARL: User = User { uid: 4003, gid: 4003 };
 
 #[test]
-fn in_a_role() {
-    world::play();
-}
-
-#[test]
-fn in_the_world() {
-    match world::scenario().as_deref() {
-        Some("side_by_side") => side_by_side(),
-        Some(other) => panic!("{other}"),
-        None => {}
-    }
-}
-
-#[test]
 fn users_run_side_by_side() {
-    world::run("side_by_side", 64, true);
+    world::run(64, true, side_by_side);
 }
 
 /// In a domain of the same name, the default one; whichever of them was first.

@@ -1,11 +1,10 @@
 //! Several processes, and the violent end of some.
 
-mod processes_kit;
-
 use std::time::{Duration, Instant};
 
-use belvedere_bridge::{Domain, Encoding, Error, Kind, Node, StreamSpec};
-use processes_kit::{PATIENCE, Process, TestDomain, next};
+use belvedere_bridge::{Domain, Encoding, Kind, Node, StreamSpec};
+
+use crate::processes_kit::{self, PATIENCE, Process, Role, TestDomain, next, report};
 
 const LEN: usize = 640 * 480 * 3;
 
@@ -13,13 +12,12 @@ fn spec() -> StreamSpec {
     StreamSpec::new("camera/image_raw", Kind::Image, Encoding::Rgb8, LEN).rate_hz(100.0)
 }
 
-#[test]
-fn other_process() {
-    let Some(role) = processes_kit::role() else { return };
+fn roles(role: &Role) {
     match role.name.as_str() {
         "publish" => publish(&role.domain),
         "join" => {
             let _node = Node::open(&role.domain, "joined").unwrap();
+            report("joined");
             std::thread::sleep(PATIENCE);
         }
         name => panic!("no role {name}"),
@@ -40,6 +38,7 @@ fn publish(domain: &Domain) {
 
 #[test]
 fn a_killed_publisher_is_replaced_without_restarting_the_subscriber() {
+    processes_kit::play(roles);
     let mut domain = TestDomain::new("kill");
     {
         let node = Node::open(&domain, "test").unwrap();
@@ -74,6 +73,7 @@ fn a_killed_publisher_is_replaced_without_restarting_the_subscriber() {
 
 #[test]
 fn what_a_killed_process_left_goes_with_the_next_start() {
+    processes_kit::play(roles);
     let mut domain = TestDomain::new("left");
     let publisher = Process::start(&domain, "publish", &[]);
     let deadline = Instant::now() + PATIENCE;
@@ -89,29 +89,15 @@ fn what_a_killed_process_left_goes_with_the_next_start() {
     domain.assert_nothing_left();
 }
 
-#[test]
-fn a_domain_in_use_by_another_process_is_refused() {
-    let domain = TestDomain::new("used");
-    let node = Node::open(&domain, "test").unwrap();
-    let _publisher = Process::start(&domain, "publish", &[]);
-    let mut subscriber = node.subscriber("camera/image_raw").unwrap();
-    let _ = next(&mut subscriber);
-    let error = node.publisher(&spec()).unwrap_err();
-    assert!(matches!(error, Error::DomainInUse { .. }), "{error}");
-}
-
 /// What a process killed in the middle of making a port leaves after iceoryx2's attempt to clean up: a dead node
 /// without its description, and a tag in its directory.
 #[test]
 fn the_remnant_of_a_half_cleaned_node_goes() {
+    processes_kit::play(roles);
     let mut domain = TestDomain::new("remnant");
     let child = Process::start(&domain, "join", &[]);
     let nodes = processes_kit::files::nodes(&domain);
-    let deadline = Instant::now() + PATIENCE;
-    while domain.node_ids().is_empty() && Instant::now() < deadline {
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    std::thread::sleep(Duration::from_millis(100));
+    child.expect("joined");
     child.kill();
     let id = domain.node_ids().remove(0);
     let own = nodes.join(&id);
@@ -126,13 +112,10 @@ fn the_remnant_of_a_half_cleaned_node_goes() {
 /// What a process leaves that is killed while it cleans up, between the last file of a node and its directory.
 #[test]
 fn the_empty_directory_of_a_node_goes() {
+    processes_kit::play(roles);
     let mut domain = TestDomain::new("empty");
     let child = Process::start(&domain, "join", &[]);
-    let deadline = Instant::now() + PATIENCE;
-    while domain.usage().files < 2 && Instant::now() < deadline {
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    std::thread::sleep(Duration::from_millis(100));
+    child.expect("joined");
     child.kill();
     let own = processes_kit::files::nodes(&domain).join(domain.node_ids().remove(0));
     domain.usage();
@@ -148,6 +131,7 @@ fn the_empty_directory_of_a_node_goes() {
 /// between leaves the place taken, and nothing that tells of it.
 #[test]
 fn a_place_that_nobody_has_is_freed() {
+    processes_kit::play(roles);
     let mut domain = TestDomain::new("place");
     let node = Node::open(&domain, "test").unwrap();
     // Keeps the stream.

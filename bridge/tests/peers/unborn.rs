@@ -3,8 +3,6 @@
 //! iceoryx2 waits for such a file without end, where it may open it: as root. The moment is too short to be hit by a
 //! kill, so the file is made here, under the name that the dead had for it.
 
-mod processes_kit;
-
 use std::{
     fs::{self, OpenOptions},
     os::unix::fs::OpenOptionsExt as _,
@@ -13,13 +11,12 @@ use std::{
 };
 
 use belvedere_bridge::{Domain, Encoding, Kind, Node, StreamSpec};
-use processes_kit::{PATIENCE, Process, TestDomain, report};
+
+use crate::processes_kit::{self, PATIENCE, Process, Role, TestDomain, report, skip};
 
 const TOPIC: &str = "image";
 
-#[test]
-fn other_process() {
-    let Some(role) = processes_kit::role() else { return };
+fn roles(role: &Role) {
     match role.name.as_str() {
         "publish" => publish(&role.domain),
         "consume" => consume(&role.domain),
@@ -64,6 +61,7 @@ fn make_unborn(path: &PathBuf) {
 
 #[test]
 fn who_cleans_up_after_the_dead_goes_on() {
+    processes_kit::play(roles);
     let mut domain = TestDomain::new("unborn");
     let publisher = Process::start(&domain, "publish", &[]);
     let consumer = Process::start(&domain, "consume", &[]);
@@ -81,7 +79,7 @@ fn who_cleans_up_after_the_dead_goes_on() {
 #[test]
 fn nothing_without_a_size_stays() {
     if !rustix::process::geteuid().is_root() {
-        return println!("only root waits for such files, so only root removes them");
+        return skip("only root waits for such files, so only root removes them");
     }
     let mut domain = TestDomain::new("unborn-any");
     let node = Node::open(&domain, "watches").unwrap();

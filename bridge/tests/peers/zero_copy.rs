@@ -1,14 +1,11 @@
 //! What the publisher writes and what a consumer in another process reads is the same place in the same file.
 
-use std::{
-    io::{BufRead as _, BufReader, Write as _},
-    process::{Command, Stdio},
-    time::Duration,
-};
+use std::time::Duration;
 
 use belvedere_bridge::{Domain, Encoding, Kind, Node, StreamSpec};
 
-const DOMAIN: &str = "BRIDGE_TEST_ZERO_COPY_DOMAIN";
+use crate::processes_kit::{self, PATIENCE, Process, TestDomain, next, report};
+
 const LEN: usize = 640 * 480 * 3;
 const FRAMES: u64 = 50;
 
@@ -28,39 +25,24 @@ fn place(address: usize) -> String {
     panic!("{address:#x} is not mapped from a file");
 }
 
-/// Not a test of its own: the consumer. Tells where each frame lies.
-#[test]
-fn tell_places() {
-    let Ok(domain) = std::env::var(DOMAIN) else { return };
-    let node = Node::open(&Domain::new(&domain).unwrap(), "consumer").unwrap();
+/// Tells where each frame lies.
+fn consume(domain: &Domain) {
+    let node = Node::open(domain, "consumer").unwrap();
     let mut subscriber = node.subscriber("image").unwrap();
-    let mut count = 0;
-    while count < FRAMES {
-        if subscriber.wait(Duration::from_secs(20)).unwrap()
-            && let Some(frame) = subscriber.take().unwrap()
-        {
-            let place = place(frame.payload().as_ptr().addr());
-            // Not through `print`, which the test harness captures.
-            writeln!(std::io::stderr(), "frame {} {} {place}", frame.header().seq, frame.payload()[LEN - 1])
-                .unwrap();
-            count += 1;
-        }
+    for _ in 0..FRAMES {
+        let frame = next(&mut subscriber);
+        let place = place(frame.payload().as_ptr().addr());
+        report(format_args!("frame {} {} {place}", frame.header().seq, frame.payload()[LEN - 1]));
     }
 }
 
 #[test]
 fn the_payload_is_read_where_it_was_written() {
-    let domain = Domain::new(&format!("zero-{}", std::process::id())).unwrap();
+    processes_kit::play(|role| consume(&role.domain));
+    let domain = TestDomain::new("zero");
     let node = Node::open(&domain, "publisher").unwrap();
     let publisher = node.publisher(&StreamSpec::new("image", Kind::Image, Encoding::Rgb8, LEN)).unwrap();
-    let mut consumer = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "tell_places", "--nocapture"])
-        .env(DOMAIN, domain.as_str())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut told = BufReader::new(consumer.stderr.take().unwrap()).lines().map_while(Result::ok);
+    let consumer = Process::start(&domain, "consume", &[]);
     while publisher.subscribers() == 0 {
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -71,10 +53,10 @@ fn the_payload_is_read_where_it_was_written() {
         let here = place(frame.payload().as_ptr().addr());
         frame.payload_mut()[LEN - 1] = seq as u8;
         frame.send().unwrap();
-        let there = told.find(|line| line.starts_with("frame ")).unwrap();
+        let there = consumer.next_report(PATIENCE).expect("a consumer that takes");
         assert_eq!(there, format!("frame {seq} {seq} {here}"));
         places.insert(here);
     }
-    assert!(consumer.wait().unwrap().success());
+    assert!(consumer.ended_well(PATIENCE));
     assert!(places.len() > 1 && places.first().unwrap().starts_with("/dev/shm/"), "{places:?}");
 }

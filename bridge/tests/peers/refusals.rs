@@ -6,15 +6,10 @@ use belvedere_bridge::{
     Domain, Encoding, Error, FrameHeader, Kind, Lossless, Node, StreamSpec, open_files,
     payload::VelocityCommand,
 };
-use iceoryx2::prelude::{
-    Config, FileName, NodeBuilder, Path, SemanticString as _, ServiceName, SignalHandlingMode, ipc,
-};
 
-const ROLE: &str = "BRIDGE_REFUSALS_ROLE";
+use crate::processes_kit::{domain, plain, this_test};
 
-fn domain(test: &str) -> Domain {
-    Domain::new(&format!("{test}-{}", std::process::id())).unwrap()
-}
+const OUT_OF_FILES: &str = "BRIDGE_OUT_OF_FILES";
 
 fn image(topic: &str) -> StreamSpec {
     StreamSpec::new(topic, Kind::Image, Encoding::Mono8, 64)
@@ -22,16 +17,7 @@ fn image(topic: &str) -> StreamSpec {
 
 /// Stands for a process that has a stream open, without a place for a subscriber: a node of iceoryx2 alone.
 fn holder(domain: &Domain, topic: &str) -> impl Sized + use<> {
-    let mut config = Config::default();
-    config.global.prefix = FileName::new(domain.prefix().as_bytes()).unwrap();
-    let directory = domain.directory();
-    config.global.set_root_path(&Path::new(directory.as_os_str().as_encoded_bytes()).unwrap());
-    let node = NodeBuilder::new()
-        .config(&config)
-        .signal_handling_mode(SignalHandlingMode::Disabled)
-        .create::<ipc::Service>()
-        .unwrap();
-    let name = ServiceName::new(&format!("belvedere/{topic}")).unwrap();
+    let (node, name) = (plain::node(domain), plain::service(topic));
     let builder = || node.service_builder(&name);
     let frames = builder().publish_subscribe::<[u8]>().user_header::<FrameHeader>().open().unwrap();
     let events = builder().event().open().unwrap();
@@ -121,21 +107,15 @@ fn a_consumer_that_keeps_a_stream_open_otherwise_than_asked_is_named() {
     }
 }
 
-#[test]
-fn in_a_role() {
-    match std::env::var(ROLE).as_deref() {
-        Ok("out_of_files") => out_of_files(),
-        Ok(other) => panic!("{other}"),
-        Err(_) => {}
-    }
-}
-
-/// Runs a role in a process with these limits of the shell.
-fn run_limited(limits: &str, role: &str) -> String {
+/// Runs this test in a process with these limits of the shell.
+fn run_limited(limits: &str) -> String {
     let output = Command::new("sh")
-        .args(["-c", &format!("{limits} && exec \"$0\" --exact in_a_role --nocapture --test-threads 1")])
+        .args([
+            "-c",
+            &format!("{limits} && exec \"$0\" --exact {} --nocapture --test-threads 1", this_test()),
+        ])
         .arg(std::env::current_exe().unwrap())
-        .env(ROLE, role)
+        .env(OUT_OF_FILES, "1")
         .output()
         .unwrap();
     let text =
@@ -146,9 +126,12 @@ fn run_limited(limits: &str, role: &str) -> String {
 
 #[test]
 fn a_limit_of_open_files_is_named_with_its_remedy() {
-    let hard = run_limited("ulimit -n 64", "out_of_files");
+    if std::env::var_os(OUT_OF_FILES).is_some() {
+        return out_of_files();
+    }
+    let hard = run_limited("ulimit -n 64");
     assert!(hard.contains("the 64 of its limit") && hard.contains("--ulimit nofile="), "{hard}");
-    let soft = run_limited("ulimit -Sn 64", "out_of_files");
+    let soft = run_limited("ulimit -Sn 64");
     assert!(soft.contains("the 64 of its limit") && soft.contains("ulimit -n "), "{soft}");
     assert!(!soft.contains("nofile="), "{soft}");
 }

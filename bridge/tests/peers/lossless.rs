@@ -1,18 +1,10 @@
 //! A publisher that waits for its consumers: for those that are named, as long as they live, and not for ever.
 
-use std::{
-    process::{Command, Stdio},
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use belvedere_bridge::{Domain, Encoding, Error, Kind, Lossless, Node, Publisher, StreamSpec, Subscriber};
 
-const LONG: Duration = Duration::from_secs(20);
-const DOMAIN: &str = "BRIDGE_TEST_LOSSLESS_DOMAIN";
-
-fn domain(test: &str) -> Domain {
-    Domain::new(&format!("{test}-{}", std::process::id())).unwrap()
-}
+use crate::processes_kit::{self, PATIENCE, Process, domain};
 
 fn open(domain: &Domain, consumers: &[&str], patience: Duration) -> Publisher {
     let consumers = consumers.iter().map(ToString::to_string).collect();
@@ -40,7 +32,7 @@ fn send(publisher: &Publisher, stamp_ns: u64) -> Result<usize, Error> {
 fn the_named_lose_nothing_and_the_others_slow_nobody() {
     const FRAMES: u64 = 200;
     let domain = domain("named");
-    let publisher = open(&domain, &["recorder"], LONG);
+    let publisher = open(&domain, &["recorder"], PATIENCE);
     let mut recorder = subscribe(&domain, "recorder");
     let mut viewer = subscribe(&domain, "viewer");
     let mut names: Vec<_> = publisher.consumers().into_iter().map(|consumer| consumer.name).collect();
@@ -56,7 +48,7 @@ fn the_named_lose_nothing_and_the_others_slow_nobody() {
             if stamp_ns % 16 == 0 {
                 std::thread::sleep(Duration::from_millis(5));
             }
-            assert!(recorder.wait(LONG).unwrap());
+            assert!(recorder.wait(PATIENCE).unwrap());
             assert_eq!(recorder.take().unwrap().unwrap().header().stamp_ns, stamp_ns);
         }
     });
@@ -98,26 +90,17 @@ fn who_holds_it_up_is_named() {
     assert_eq!((after.header().stamp_ns, after.missed()), (3, 1));
 }
 
-/// Not a test of its own: a consumer in another process that never takes.
-#[test]
-fn subscribe_until_killed() {
-    let Ok(domain) = std::env::var(DOMAIN) else { return };
-    let _subscriber = subscribe(&Domain::new(&domain).unwrap(), "killed");
-    std::thread::sleep(LONG);
-}
-
 #[test]
 fn a_killed_consumer_is_not_waited_for() {
+    processes_kit::play(|role| {
+        let _never_taken_from = subscribe(&role.domain, "killed");
+        std::thread::sleep(PATIENCE);
+    });
     let domain = domain("dead");
-    let publisher = open(&domain, &[], 10 * LONG);
-    let mut child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "subscribe_until_killed", "--nocapture"])
-        .env(DOMAIN, domain.as_str())
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap();
+    let publisher = open(&domain, &[], 10 * PATIENCE);
+    let consumer = Process::start(&domain, "subscribe", &[]);
     let started = Instant::now();
-    while publisher.subscribers() == 0 && started.elapsed() < LONG {
+    while publisher.subscribers() == 0 && started.elapsed() < PATIENCE {
         std::thread::sleep(Duration::from_millis(5));
     }
     assert_eq!(publisher.consumers().len(), 1);
@@ -125,12 +108,11 @@ fn a_killed_consumer_is_not_waited_for() {
     send(&publisher, 1).unwrap();
     let killer = std::thread::spawn(move || {
         std::thread::sleep(Duration::from_millis(100));
-        child.kill().unwrap();
-        child.wait().unwrap();
+        consumer.kill();
     });
     let started = Instant::now();
     send(&publisher, 2).unwrap();
-    assert!(started.elapsed() < LONG, "its death was noticed, not its patience used up");
+    assert!(started.elapsed() < PATIENCE, "its death was noticed, not its patience used up");
     killer.join().unwrap();
     send(&publisher, 3).unwrap();
     assert_eq!(publisher.subscribers(), 0);

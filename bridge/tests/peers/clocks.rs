@@ -3,8 +3,6 @@
 //!
 //! The bridge itself asks no clock that somebody could set: waiting, silence and age are of `CLOCK_MONOTONIC`.
 
-mod processes_kit;
-
 use std::{
     process::Command,
     time::{Duration, Instant},
@@ -13,20 +11,12 @@ use std::{
 use belvedere_bridge::{
     Domain, Encoding, Kind, Node, Publisher, StreamSpec, Synchronizer, clock::mono_ns, payload::Clock,
 };
-use processes_kit::{Process, TestDomain, next, report};
+
+use crate::processes_kit::{self, PATIENCE, Process, TestDomain, next, report, skip};
 
 const YEAR_NS: u64 = 365 * 86_400 * 1_000_000_000;
 const JUMPS: [u64; 12] =
     [0, 1, YEAR_NS, 2, u64::MAX, 0, u64::MAX, u64::MAX - 1, 1 << 63, 30 * YEAR_NS, 5, u64::MAX];
-
-#[test]
-fn other_process() {
-    let Some(role) = processes_kit::role() else { return };
-    match role.name.as_str() {
-        "consume" => consume(&role.domain),
-        name => panic!("no role {name}"),
-    }
-}
 
 /// Tells its clock, then the age of every frame.
 fn consume(domain: &Domain) {
@@ -38,8 +28,8 @@ fn consume(domain: &Domain) {
         report(format_args!("frame {} {} {}", frame.header().seq, frame.age_ns(), frame.missed()));
         let begin = Instant::now();
         let _ = subscriber.wait(Duration::from_millis(1)).unwrap();
-        assert!(begin.elapsed() < Duration::from_secs(5), "a short wait is short");
-        assert!(subscriber.silence() < Duration::from_secs(60));
+        assert!(begin.elapsed() < PATIENCE, "a short wait is short");
+        assert!(subscriber.silence() < PATIENCE);
     }
 }
 
@@ -59,7 +49,7 @@ fn stamps_may_be_anything() {
         let frame = next(&mut subscriber);
         assert_eq!((frame.header().stamp_ns, frame.missed(), frame.restarted()), (stamp_ns, 0, false));
         assert_eq!(frame.message::<Clock>().unwrap().now_ns, stamp_ns);
-        assert!(frame.age_ns() < 60_000_000_000, "an age is real time, whatever the stamp");
+        assert!(u128::from(frame.age_ns()) < PATIENCE.as_nanos(), "an age is real time, whatever the stamp");
     }
     for stamp_ns in JUMPS {
         send(&publisher, stamp_ns);
@@ -86,10 +76,7 @@ fn a_synchronizer_goes_on_after_every_jump() {
                 frame.header_mut().stamp_ns = stamp_ns;
                 frame.send().unwrap();
             }
-            assert!(
-                sets.wait(Duration::from_secs(10)).unwrap(),
-                "a set of {stamp_ns} ns, within {tolerance:?}"
-            );
+            assert!(sets.wait(PATIENCE).unwrap(), "a set of {stamp_ns} ns, within {tolerance:?}");
             let [left, right] = sets.take().unwrap().expect("waited for");
             assert_eq!((left.header().stamp_ns, right.header().stamp_ns), (stamp_ns, stamp_ns));
         }
@@ -117,6 +104,7 @@ fn waits_of_any_length_end() {
 /// A container may have a monotonic clock of its own, ahead or behind that of the publisher.
 #[test]
 fn a_consumer_with_another_monotonic_clock() {
+    processes_kit::play(|role| consume(&role.domain));
     let uptime_s = mono_ns() / 1_000_000_000;
     let behind_s = -i64::try_from(uptime_s / 2).unwrap();
     for offset_s in [10 * 365 * 86_400_i64, behind_s] {
@@ -125,18 +113,18 @@ fn a_consumer_with_another_monotonic_clock() {
             ["unshare", "--time", "--fork", "--kill-child", "--monotonic", &offset, "--boottime", &offset];
         let allowed = Command::new(runner[0]).args(&runner[1..]).arg("true").output();
         if !allowed.is_ok_and(|output| output.status.success()) {
-            println!("skipped: this user may not make a time namespace (unshare --time)");
-            return;
+            return skip("this user may not make a time namespace (unshare --time)");
         }
         let mut domain = TestDomain::new("namespace");
         let node = Node::open(&domain, "test").unwrap();
         let publisher = node.publisher(&StreamSpec::structs("clock", Kind::Clock, 1)).unwrap();
         let consumer = Process::start_under(&runner, &domain, "consume", &[]);
         let shift_s = (i128::from(consumer.expect("clock")[0]) - i128::from(mono_ns())) / 1_000_000_000;
-        assert!((shift_s - i128::from(offset_s)).abs() < 60, "the clock is {shift_s} s ahead");
+        assert!((shift_s - i128::from(offset_s)).abs() < 600, "the clock is {shift_s} s ahead");
 
-        let deadline = Instant::now() + Duration::from_secs(10);
-        while publisher.subscribers() == 0 && Instant::now() < deadline {
+        let deadline = Instant::now() + PATIENCE;
+        while publisher.subscribers() == 0 {
+            assert!(Instant::now() < deadline, "nobody subscribes");
             std::thread::sleep(Duration::from_millis(1));
         }
         for seq in 0..20 {
@@ -144,7 +132,7 @@ fn a_consumer_with_another_monotonic_clock() {
             let [got, age_ns, missed] = consumer.expect("frame")[..] else { panic!("three numbers") };
             assert_eq!((got, missed), (seq, 0));
             if offset_s > 0 {
-                assert!(age_ns / 1_000_000_000 >= offset_s as u64 - 60, "{age_ns} ns");
+                assert!(age_ns / 1_000_000_000 >= offset_s as u64 - 600, "{age_ns} ns");
             } else {
                 assert_eq!(age_ns, 0, "from the future: an age of nothing, and no overflow");
             }

@@ -235,8 +235,16 @@ mod tests {
         let mut poll = after(100, |_| 0);
         for (seq, sent_ns) in [(u64::MAX, 0), (u64::MAX, u64::MAX), (0, u64::MAX), (u64::MAX - 1, 5)] {
             take(&mut poll, 1, seq, sent_ns);
-            poll.until(0);
-            poll.until(u64::MAX);
+            for now_ns in [0, u64::MAX] {
+                if let Until::Late(end_ns) = poll.until(now_ns) {
+                    assert!(end_ns - now_ns <= 4_000_000, "it looks until {end_ns}, longer than the limit");
+                }
+            }
         }
+        // The publisher's next life is followed as if nothing had been.
+        for seq in 0..100 {
+            take(&mut poll, 2, seq, 1_000_000_000 + seq * PERIOD_NS);
+        }
+        assert_eq!(window(&poll, 100), window(&after(100, |_| 0), 100));
     }
 }

@@ -1,16 +1,33 @@
 //! How often a property is tried, and with what.
 
 use proptest::test_runner::{Config, RngSeed};
+use std::io::Write as _;
+use std::sync::OnceLock;
 
 /// A hundred times what is wanted otherwise.
 pub(crate) fn is_full() -> bool {
     std::env::var_os("BELVEDERE_FULL").is_some_and(|full| full == "1")
 }
 
-/// Tries a property with `count` inputs, the same on every run, so that what a commit's tests say depends on the
-/// commit alone. With `BELVEDERE_FULL=1` in the environment: with 100 times as many, others on each run, by which
-/// faults are looked for.
+/// The number of the environment variable `BELVEDERE_SEED`; a new one, which is printed, if it holds `new`; 1 without it.
+fn seed() -> u64 {
+    static SEED: OnceLock<u64> = OnceLock::new();
+    *SEED.get_or_init(|| {
+        let text = std::env::var("BELVEDERE_SEED").unwrap_or_else(|_| "1".to_owned());
+        if text == "new" {
+            let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+            let new = now.map_or(0, |now| now.as_nanos() as u64);
+            // Not by `eprintln`, whose lines the test harness keeps to itself when a test passes.
+            let _ = writeln!(std::io::stderr(), "BELVEDERE_SEED={new}");
+            return new;
+        }
+        text.parse().unwrap_or_else(|_| panic!("BELVEDERE_SEED is a number or \"new\", not \"{text}\""))
+    })
+}
+
+/// Tries a property with `count` inputs, or 100 times as many with `BELVEDERE_FULL=1` in the environment. They are the
+/// same on every run, so that what a commit's tests say depends on the commit alone; `BELVEDERE_SEED` chooses others.
 pub(crate) fn tries(count: u32) -> Config {
-    let (factor, rng_seed) = if is_full() { (100, RngSeed::Random) } else { (1, RngSeed::Fixed(1)) };
-    Config { cases: count * factor, rng_seed, failure_persistence: None, ..Config::default() }
+    let cases = count * if is_full() { 100 } else { 1 };
+    Config { cases, rng_seed: RngSeed::Fixed(seed()), failure_persistence: None, ..Config::default() }
 }

@@ -8,6 +8,9 @@ use std::{
 use belvedere::cli::{echo, error::CliError, hz, list, snapshot};
 use belvedere_bridge::{Domain, Encoding, Kind, Node, StreamSpec};
 use clap::Parser;
+use serde_json::{Value, json};
+
+use crate::live;
 
 #[derive(Parser)]
 enum Command {
@@ -54,15 +57,78 @@ fn with_publisher(test: &str, body: impl FnOnce(&str)) {
     });
 }
 
+/// What the program prints, each line as its words.
+fn words(command: &str, domain: &str) -> Vec<Vec<String>> {
+    let arguments: Vec<&str> = command.split_whitespace().chain(["--domain", domain]).collect();
+    let output = live::output(&arguments);
+    assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.lines().map(|line| line.split_whitespace().map(str::to_owned).collect()).collect()
+}
+
+/// The same, each line as an object.
+fn objects(command: &str, domain: &str) -> Vec<Value> {
+    let lines = words(&format!("{command} --json"), domain);
+    lines.iter().map(|words| serde_json::from_str(&words.join(" ")).unwrap()).collect()
+}
+
 #[test]
-fn streams_are_listed_measured_and_shown() {
-    with_publisher("show", |domain| {
-        run(&format!("list --domain {domain}")).unwrap();
-        run(&format!("list --domain {domain} --json --count 2")).unwrap();
-        run(&format!("hz /camera/image_raw --domain {domain} --duration 0.5 --json")).unwrap();
-        run(&format!("hz camera/image_raw --domain {domain} --count 5")).unwrap();
-        run(&format!("echo camera/image_raw --domain {domain} --count 2")).unwrap();
-        run(&format!("echo camera/image_raw --domain {domain} --count 1 --json")).unwrap();
+fn streams_are_listed() {
+    with_publisher("list", |domain| {
+        let table = words("list", domain);
+        assert_eq!(table.len(), 3, "{table:?}");
+        assert_eq!(table[0].join(" "), "TOPIC KIND ENCODING RATE BYTES PUBS SUBS FRAME");
+        assert_eq!(table[1].join(" "), "/camera/image_raw image mono8 100 Hz 3072 1 0 -");
+        assert_eq!(table[2][..4].join(" "), "/odom odometry struct -");
+        let twice = objects("list --count 2", domain);
+        assert!(twice.len() == 4 && twice[..2] == twice[2..], "{twice:?}");
+        assert_eq!(
+            twice[0],
+            json!({
+                "topic": "/camera/image_raw", "kind": "image", "encoding": "mono8", "rate_hz": 100.0, "frame_id": "",
+                "layers": null, "publishers": 1, "subscribers": 0, "max_payload_bytes": 64 * 48,
+            })
+        );
+        assert_eq!((&twice[1]["topic"], &twice[1]["rate_hz"]), (&json!("/odom"), &Value::Null));
+    });
+}
+
+#[test]
+fn a_stream_is_measured() {
+    with_publisher("hz", |domain| {
+        let [measured] = &objects("hz /camera/image_raw --count 50", domain)[..] else { panic!("one line") };
+        assert_eq!((&measured["topic"], &measured["frames"]), (&json!("/camera/image_raw"), &json!(50)));
+        // Its frames are 10 ms apart, or more where the machine is busy.
+        let number = |name: &str| measured[name].as_f64().unwrap();
+        assert!((0.0..101.0).contains(&number("rate_hz")) && number("rate_hz") > 0.0, "{measured}");
+        assert!(0.0 < number("latency_us_p50") && number("latency_us_p50") <= number("latency_us_p99"));
+        assert!(number("jitter_ms") >= 0.0 && number("gaps") >= 0.0, "{measured}");
+        let table = words("hz camera/image_raw --count 5", domain);
+        let whole = table.last().unwrap().join(" ");
+        assert!(
+            whole.starts_with("/camera/image_raw: rate ") && whole.contains(" frames 5 gaps "),
+            "{whole}"
+        );
+    });
+}
+
+#[test]
+fn messages_are_shown() {
+    with_publisher("echo", |domain| {
+        let lines: Vec<String> = words("echo camera/image_raw --count 2", domain)
+            .into_iter()
+            .map(|words| words.join(" "))
+            .collect();
+        assert_eq!(lines.iter().filter(|line| *line == "---").count(), 2, "{lines:?}");
+        let data = format!("data: [{}... 3060 more]", "200, ".repeat(12));
+        for line in ["height: 48", "width: 64", "encoding: \"mono8\"", "step: 64", &data] {
+            assert_eq!(lines.iter().filter(|shown| *shown == line).count(), 2, "{line}: {lines:?}");
+        }
+        let [whole] = &objects("echo camera/image_raw --count 1 --full", domain)[..] else {
+            panic!("one line")
+        };
+        assert_eq!((&whole["height"], &whole["width"]), (&json!(48), &json!(64)));
+        assert_eq!(whole["data"], json!([200].repeat(64 * 48)));
     });
 }
 

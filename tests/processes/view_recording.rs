@@ -1,7 +1,7 @@
 //! `belvedere view run.mcap`: a recording on the page, along its time line.
 #![cfg(feature = "view")]
 
-use crate::live::{belvedere, own_domain};
+use crate::live::{PATIENCE, belvedere, own_domain};
 use crate::page::{Page, Server, position};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -24,7 +24,7 @@ fn record(file: &Path) {
 
 /// Where it is once this holds.
 fn timeline(page: &mut Page, holds: impl Fn(&Value) -> bool) -> Value {
-    let deadline = Instant::now() + Duration::from_secs(30);
+    let deadline = Instant::now() + PATIENCE;
     loop {
         let told = page.told("timeline");
         if holds(&told) {

@@ -123,7 +123,8 @@ impl Ackermann {
     fn wanted_angle_rad(&self, command: Command) -> f64 {
         let limit = self.drive.steering_limit_rad;
         let angle = if self.drive.is_told_angle {
-            command.angular_rad_s
+            // As Gazebo's plugin: the sign is that of the turn, so that in reverse the wheels steer the other way.
+            command.angular_rad_s * 1.0_f64.copysign(command.linear_m_s)
         } else if command.linear_m_s == 0.0 {
             // A car does not turn on the spot.
             0.0

@@ -132,6 +132,19 @@ fn a_planar_base_moves_sideways() {
 }
 
 #[test]
+fn a_car_that_is_told_an_angle_turns_in_reverse_as_gazebos() {
+    let size = SIZES[0];
+    let plugin = "<plugin name='a' filename='libgazebo_ros_ackermann_drive.so'/>";
+    // gazebo_ros_ackermann_drive.cpp multiplies the angle by copysign(1, v): the sign is that of the turn.
+    for (speed_m_s, turn) in [(0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)] {
+        let mut bench = Bench::new(&car(size, plugin));
+        bench.drive(Command::new(speed_m_s, turn), 3.0);
+        let yaw_rad = bench.place().1;
+        assert!(yaw_rad * turn > 0.02, "{speed_m_s} m/s, {turn}: turned by {yaw_rad}");
+    }
+}
+
+#[test]
 fn a_car_turns_about_a_point_on_its_rear_axle() {
     for (size, angle) in SIZES.into_iter().zip([0.2, 0.35, 0.1]) {
         let plugin = "<plugin name='a' filename='libgazebo_ros_ackermann_drive.so'><max_steer>0.4</max_steer></plugin>";

@@ -3,6 +3,7 @@
 use super::{Shot, data_of, find_sensor, for_each_shot, make_folder, write_if_other};
 use crate::dataset::labels::{IntrinsicsJson, ObjectJson, optical_from_world};
 use crate::dataset::{DatasetError, Folder, Making, Plan};
+use belvedere_bridge::DistortionModel;
 use belvedere_sensors::Pose;
 use glam::{DVec2, DVec3};
 use std::fmt::Write as _;
@@ -46,7 +47,7 @@ pub fn export_kitti(
     let clouds = clouds.transpose()?;
     for_each_shot((plan, folder), sensor, making, |shot| {
         let Shot { index, png, known, objects, .. } = shot;
-        let pinhole = known.intrinsics.as_ref().filter(|lens| lens.distortion.iter().all(|k| *k == 0.0));
+        let pinhole = known.intrinsics.as_ref().filter(|lens| is_pinhole(lens));
         let Some(pinhole) = pinhole else {
             let what = format!(
                 "the sensor '{}' is no pinhole, and KITTI knows no other; choose another",
@@ -68,6 +69,14 @@ pub fn export_kitti(
         write_if_other(&calibrations.join(format!("{index:06}.txt")), calibration.as_bytes())
     })?;
     Ok(training)
+}
+
+/// Whether the projection of a lens is x/z: coefficients that are 0 make a pinhole of ROS's two models of one alone.
+fn is_pinhole(lens: &IntrinsicsJson) -> bool {
+    let models =
+        [DistortionModel::PlumbBob, DistortionModel::RationalPolynomial].map(DistortionModel::as_str);
+    lens.distortion_model.as_deref().is_none_or(|model| models.contains(&model))
+        && lens.distortion.iter().all(|k| *k == 0.0)
 }
 
 /// Type, truncated, occluded, alpha, the box in the picture, height, width and length, place, yaw.
@@ -154,6 +163,33 @@ mod tests {
     use super::*;
     use crate::dataset::labels::PoseJson;
     use glam::DQuat;
+
+    #[test]
+    fn a_pinhole_is_told_by_its_model_and_not_by_zeros() {
+        let lens = |model: Option<&str>, distortion: &[f64]| IntrinsicsJson {
+            fx: 100.0,
+            fy: 100.0,
+            cx: 50.0,
+            cy: 50.0,
+            distortion_model: model.map(str::to_owned),
+            distortion: distortion.to_vec(),
+        };
+        for pinhole in [
+            lens(None, &[]),
+            lens(Some("plumb_bob"), &[0.0; 5]),
+            lens(Some("rational_polynomial"), &[0.0; 8]),
+        ] {
+            assert!(is_pinhole(&pinhole), "{pinhole:?}");
+        }
+        for other in [
+            lens(Some("plumb_bob"), &[0.1, 0.0, 0.0, 0.0, 0.0]),
+            lens(Some("equidistant"), &[0.0; 4]),
+            lens(Some("equirectangular"), &[]),
+            lens(Some("double_sphere"), &[0.0, 0.0]),
+        ] {
+            assert!(!is_pinhole(&other), "{other:?}");
+        }
+    }
 
     #[test]
     fn a_car_ahead_that_drives_away_has_the_yaw_of_kittis() {

@@ -17,6 +17,7 @@
 mod attachment;
 mod error;
 mod file;
+mod lengths;
 mod log_time;
 mod play_clock;
 mod player;

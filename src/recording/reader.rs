@@ -1,5 +1,6 @@
 //! [`RecordingReader`]: what is in an MCAP file, in the order in which it was written.
 
+use super::lengths;
 use super::ros1;
 use super::skip::{Before, Skipping, chunks_before, summary};
 use super::stream::RecordedStream;
@@ -16,6 +17,9 @@ use std::time::Duration;
 
 /// The largest record or chunk that is taken into memory, bytes; larger ones are no chunks of ours.
 const LARGEST: usize = 1 << 30;
+
+/// As much is read at a time, bytes.
+const PIECE: usize = 1 << 22;
 
 /// A piece of a recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -189,7 +193,8 @@ impl<R: Read> RecordingReader<R> {
             Some(Err(error)) => return Err(error.into()),
             Some(Ok(LinearReadEvent::ReadRequest(need))) => {
                 let read = loop {
-                    match self.source.read(self.reader.insert(need)) {
+                    // Piece by piece: what a damaged length asks for is not there.
+                    match self.source.read(self.reader.insert(need.min(PIECE))) {
                         Err(error) if error.kind() == ErrorKind::Interrupted => {}
                         read => break read?,
                     }
@@ -198,6 +203,7 @@ impl<R: Read> RecordingReader<R> {
                 return Ok(Step::Nothing);
             }
             Some(Ok(LinearReadEvent::Record { opcode, data })) => {
+                lengths::check(opcode, data)?;
                 mcap::parse_record(opcode, data)?.into_owned()
             }
         };

@@ -1,5 +1,6 @@
 //! A recording without the chunks that end before a time, by its index: what is left out is not even read.
 
+use super::lengths;
 use super::writer::FRAMES;
 use mcap::Summary;
 use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader};
@@ -7,6 +8,9 @@ use std::collections::{HashMap, VecDeque};
 use std::io::{Read, Result, Seek, SeekFrom};
 use std::ops::Range;
 use std::time::Duration;
+
+/// Bytes of the footer and the magic bytes that end a file: opcode, length, three numbers, the magic.
+const FOOTER: u64 = 1 + 8 + 20 + 8;
 
 /// A file of which some ranges are left out.
 #[derive(Debug)]
@@ -44,6 +48,7 @@ impl<R: Read + Seek> Read for Skipping<R> {
 
 /// The index at the end of a file; none of a file that is not whole.
 pub(super) fn summary(source: &mut (impl Read + Seek)) -> Option<Summary> {
+    check_lengths(source)?;
     let mut reader = SummaryReader::new();
     while let Some(event) = reader.next_event() {
         match event.ok()? {
@@ -55,6 +60,30 @@ pub(super) fn summary(source: &mut (impl Read + Seek)) -> Option<Summary> {
         }
     }
     reader.finish()
+}
+
+/// Checks the lengths of all texts of the index, before the library asks for so much memory; none if one is wrong.
+fn check_lengths(source: &mut (impl Read + Seek)) -> Option<()> {
+    let size = source.seek(SeekFrom::End(0)).ok()?;
+    let footer = size.checked_sub(FOOTER)?;
+    source.seek(SeekFrom::Start(footer)).ok()?;
+    let mut bytes = [0; FOOTER as usize];
+    source.read_exact(&mut bytes).ok()?;
+    let begin = u64::from_le_bytes(*bytes[9..].first_chunk()?);
+    if begin == 0 {
+        return Some(());
+    }
+    source.seek(SeekFrom::Start(begin)).ok()?;
+    let mut index = Vec::new();
+    source.take(footer.checked_sub(begin)?).read_to_end(&mut index).ok()?;
+    let mut rest = &index[..];
+    while let Some((opcode, after)) = rest.split_first() {
+        let (len, after) = after.split_first_chunk::<8>()?;
+        let (body, after) = after.split_at_checked(usize::try_from(u64::from_le_bytes(*len)).ok()?)?;
+        lengths::check(*opcode, body).ok()?;
+        rest = after;
+    }
+    source.rewind().ok()
 }
 
 /// What is wanted of the time before a reader's start.

@@ -364,6 +364,19 @@ fn a_file_that_is_cut_anywhere_gives_all_that_is_whole() {
             assert!(known[&frame.topic[..]].contains(frame), "byte {place}");
         }
     }
+    // A length that is wrong is found before so much memory is asked for: 4 GiB, of a text of the first record.
+    let mut wrong = bytes.clone();
+    wrong[17..21].fill(0xff);
+    let (_, end) = read(&wrong);
+    let Some(RecordingError::Broken(why)) = end else { panic!("{end:?}") };
+    assert!(why.contains("longer than the record"), "{why}");
+    let long = folder.path().join("long.mcap");
+    std::fs::write(&long, &wrong).unwrap();
+    let program = env!("CARGO_BIN_EXE_belvedere");
+    let limited = format!("ulimit -v 3000000; exec '{program}' info '{}'", long.display());
+    let shown = Command::new("sh").args(["-c", &limited]).output().unwrap();
+    let errors = String::from_utf8_lossy(&shown.stderr).into_owned();
+    assert!(shown.status.code() == Some(1) && errors.contains("longer than the record"), "{errors}");
     let cut = folder.path().join("cut.mcap");
     std::fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
     let shown = output(&["info", cut.to_str().unwrap()]);

@@ -51,6 +51,8 @@ const SUBSTEPS: usize = 4;
 /// The moving state of a world.
 pub struct Physics {
     rapier: PhysicsWorld,
+    /// Bodies that flew apart, as far as it was said.
+    frozen: usize,
     step_ns: u64,
     time_ns: u64,
     bodies: Vec<Body>,
@@ -226,6 +228,7 @@ impl Physics {
         parameters.num_internal_pgs_iterations = 4;
         let mut physics = Self {
             rapier,
+            frozen: 0,
             step_ns,
             time_ns: 0,
             bodies: Vec::new(),
@@ -285,13 +288,15 @@ impl Physics {
                 body.current = from_rapier(self.rapier.bodies[body.handle].position());
             }
         }
+        // Said again only when more are.
         let frozen = self.rapier.quarantine().bodies().len();
-        if frozen > 0 {
+        if frozen > self.frozen {
             tracing::warn!(
                 "{frozen} bodies flew apart at {} ns and are frozen; check masses and joints",
                 self.time_ns
             );
         }
+        self.frozen = frozen;
         let step_s = self.step_s();
         for joint in self.models.iter_mut().flat_map(|model| model.joints.iter_mut().flatten()) {
             let world_from_body = joint.bodies.map(|body| self.bodies[body].current);

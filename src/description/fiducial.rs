@@ -43,6 +43,9 @@ fn fiducial(element: &Element, diagnostics: &mut Diagnostics) -> Option<Fiducial
         let what = "<pose> of a <fiducial> has attributes";
         diagnostics.error(&pose.source, what, "write x y z roll pitch yaw in the visual's frame, in radians");
     }
+    if let (Some(family), Some(id)) = (&family, id) {
+        warn_of_unknown(element, family, id, diagnostics);
+    }
     let visual_from_fiducial = child_pose(element, diagnostics);
     Some(Fiducial { family: family?, id: id? as u32, size_m: size_m?, visual_from_fiducial })
 }
@@ -56,6 +59,36 @@ fn family(element: &Element, diagnostics: &mut Diagnostics) -> Option<String> {
     let remedy = format!("write a name of 1 to {LONGEST_FAMILY} bytes, such as tag36h11 or qr");
     diagnostics.error(&child.source, format!("<family> of a <fiducial> is '{family}'"), remedy);
     None
+}
+
+/// Families of `AprilTag` and how many tags each has.
+const APRIL_TAGS: [(&str, u32); 9] = [
+    ("tag16h5", 30),
+    ("tag25h9", 35),
+    ("tag36h10", 2320),
+    ("tag36h11", 587),
+    ("tagCircle21h7", 38),
+    ("tagCircle49h12", 65535),
+    ("tagCustom48h12", 42211),
+    ("tagStandard41h12", 2115),
+    ("tagStandard52h13", 48714),
+];
+
+/// A warning for a tag that no detector knows. Other families than `AprilTag`'s are anybody's, and are taken as they are.
+fn warn_of_unknown(element: &Element, family: &str, id: f64, diagnostics: &mut Diagnostics) {
+    let place = |name: &str| element.child(name).map_or(&element.source, |child| &child.source);
+    match APRIL_TAGS.iter().find(|(known, _)| *known == family) {
+        Some((_, count)) if id >= f64::from(*count) => {
+            let what = format!("<id> of a <fiducial> is {id}, and {family} has {count} tags");
+            diagnostics.warning(place("id"), what, format!("write a number from 0 to {}", count - 1));
+        }
+        None if family.starts_with("tag") => {
+            let what = format!("<family> of a <fiducial> is '{family}', which is none of AprilTag's");
+            let known = APRIL_TAGS.map(|(name, _)| name).join(", ");
+            diagnostics.warning(place("family"), what, format!("these are: {known}"));
+        }
+        _ => {}
+    }
 }
 
 /// Whether a value is valid; an error if it is not.

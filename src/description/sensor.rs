@@ -46,6 +46,7 @@ use super::xml::Element;
 use belvedere_sensors::Pose;
 use plugin::plain_name;
 use reader::Reader;
+use std::collections::HashSet;
 
 /// A sensor on a link.
 #[derive(Debug, Clone)]
@@ -125,6 +126,13 @@ struct Kind {
     read: fn(&mut Reader<'_>, &Element) -> Option<SensorKind>,
 }
 
+impl Kind {
+    /// Whether a `<sensor>` is of one of its types.
+    fn has_type(&self, sensor: &Element) -> bool {
+        self.types.contains(&sensor.attribute("type").unwrap_or_default())
+    }
+}
+
 /// All kinds. Where several have a type, a plugin tells them apart; without one it is the first.
 static KINDS: [Kind; 9] = [
     camera::KIND,
@@ -154,7 +162,7 @@ pub fn parse_sensor(
     let Some(kind) = kind_of(sensor) else {
         let written = sensor.attribute("type").unwrap_or_default();
         let what = if written.is_empty() { "no type".into() } else { format!("the type '{written}'") };
-        let types: Vec<&str> = KINDS.iter().flat_map(|kind| kind.types).copied().collect();
+        let types = each_once(KINDS.iter().flat_map(|kind| kind.types).copied());
         diagnostics.warning(
             &sensor.source,
             format!("the sensor '{name}' has {what}, which is not simulated: it is left out"),
@@ -181,10 +189,15 @@ pub fn parse_sensor(
     Some(read)
 }
 
+/// Words in their order, those of several kinds once.
+fn each_once(words: impl Iterator<Item = &'static str>) -> Vec<&'static str> {
+    let mut seen = HashSet::new();
+    words.filter(|word| seen.insert(*word)).collect()
+}
+
 /// The kind that has the type of a `<sensor>`.
 fn kind_of(sensor: &Element) -> Option<&'static Kind> {
-    let written = sensor.attribute("type").unwrap_or_default();
-    let has_type = || KINDS.iter().filter(|kind| kind.types.contains(&written));
+    let has_type = || KINDS.iter().filter(|kind| kind.has_type(sensor));
     let has_plugin = |kind: &&Kind| {
         let mut plugins = sensor.elements_named("plugin");
         plugins.any(|plugin| kind.plugins.contains(&plain_name(plugin)))

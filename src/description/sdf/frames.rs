@@ -72,7 +72,11 @@ fn parse_pose(element: &Element, gazebo_compat: bool, diagnostics: &mut Diagnost
     }
     let count = text.split_whitespace().count();
     if gazebo_compat && element.attribute("rotation_format").is_none() && count != 6 {
-        let what = format!("<pose> is '{text}': of its {count} numbers the first 6 count, and others are 0");
+        let what = if count < 6 {
+            format!("<pose> is '{text}', which has {count} numbers: those that are missing are taken as 0")
+        } else {
+            format!("<pose> is '{text}', which has {count} numbers: only the first 6 are read")
+        };
         diagnostics.warning(&element.source, what, "write x y z roll pitch yaw");
         text = text.split_whitespace().chain(["0"; 6]).take(6).collect::<Vec<_>>().join(" ");
     }

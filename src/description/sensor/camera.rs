@@ -3,8 +3,9 @@
 use super::camera_plugin::{CameraTopics, gz_camera, is_ros2_camera};
 use super::gz::{gz_topic, is_gz};
 use super::lens::Picture;
+use super::plugin::extension;
 use super::reader::Reader;
-use super::{DepthCamera, Kind, Sensor, SensorKind};
+use super::{DepthCamera, Kind, Sensor, SensorKind, depth};
 use crate::description::diagnostics::Diagnostics;
 use crate::description::model::{CameraPlugin, CameraSensor, Mosaic, PixelFormat};
 use crate::description::values::child_text;
@@ -30,14 +31,19 @@ pub struct Camera {
 pub(super) const KIND: Kind = Kind {
     types: &["camera", "wideanglecamera", "wide_angle_camera"],
     plugins: &["gazebo_ros_camera"],
-    is_extended: false,
+    is_extended: true,
     read: |reader, sensor| reader.colour_camera(sensor).map(SensorKind::Camera),
 };
 
 impl Reader<'_> {
     fn colour_camera(&mut self, sensor: &Element) -> Option<Camera> {
         let is_wide_angle = sensor.attribute("type").is_some_and(|kind| kind.starts_with("wide"));
-        let camera = self.camera(sensor, FAR_M, is_wide_angle)?;
+        let own = extension(sensor);
+        if let Some(own) = own {
+            let remedy = "take it out: the plugin of belvedere in a camera has preset";
+            self.left_out(own, |name| name == "preset", remedy);
+        }
+        let camera = self.camera(sensor, FAR_M, is_wide_angle, own)?;
         let plugin = self.plugin(sensor, &KIND).and_then(|element| {
             if is_ros2_camera(element) {
                 return self.ros2_camera(element);
@@ -53,12 +59,14 @@ impl Reader<'_> {
         Some(Camera { camera, plugin })
     }
 
-    /// The `<camera>` of a sensor; `far_m` is the far clip distance if none is given.
+    /// The `<camera>` of a sensor; `far_m` is the far clip distance if none is given, `device` our plugin that names its
+    /// device.
     pub(super) fn camera(
         &mut self,
         sensor: &Element,
         far_m: f64,
         is_wide_angle: bool,
+        device: Option<&Element>,
     ) -> Option<CameraSensor> {
         let camera = sensor.child("camera");
         let image = camera.and_then(|camera| camera.child("image"));
@@ -66,11 +74,11 @@ impl Reader<'_> {
 
         let width = self.truncated(image, "width", 320, MAX_IMAGE_SIZE);
         let height = self.truncated(image, "height", 240, MAX_IMAGE_SIZE);
-        let format = self.format(image);
+        let format = self.format(image, depth::KIND.has_type(sensor));
         let anti_aliasing = self.anti_aliasing(image);
         let distances = self.clip(clip, sensor, far_m);
         let noise = self.noise(camera);
-        let device = self.device(camera);
+        let device = self.device(camera, device);
         self.not_simulated_by_sensor(sensor);
         self.not_simulated(camera, is_gz(sensor));
         let (width, height) = (width?, height?);
@@ -110,7 +118,7 @@ impl Reader<'_> {
         self.checked(image, "anti_aliasing", 0.0, is_valid, &remedy).map(|value| value as u32)
     }
 
-    fn format(&mut self, image: Option<&Element>) -> Option<PixelFormat> {
+    fn format(&mut self, image: Option<&Element>, measures_depth: bool) -> Option<PixelFormat> {
         let Some(text) = image.and_then(|image| child_text(image, "format")) else {
             return Some(PixelFormat::Rgb8);
         };
@@ -122,13 +130,13 @@ impl Reader<'_> {
             "R8G8B8A8" | "RGBA_INT8" => Some(PixelFormat::Rgba8),
             text if mosaic(text).is_some() => mosaic(text),
             // Depths are floats in any case; what colours a depth camera has are bytes.
-            "R_FLOAT32" | "R_FLOAT16" => Some(PixelFormat::Rgb8),
+            "R_FLOAT32" | "R_FLOAT16" if measures_depth => Some(PixelFormat::Rgb8),
             _ => {
                 let what = self.what("format");
                 if let Some(child) = image.and_then(|image| image.child("format")) {
                     self.diagnostics.warning(
                         &child.source,
-                        format!("{what} is '{text}', which is not known: R8G8B8 is sent, as in Gazebo"),
+                        format!("{what} is '{text}', which no colour camera sends: R8G8B8 is sent, as in Gazebo"),
                         "write R8G8B8, B8G8R8, R8G8B8A8, L8, L16, or BAYER_ with RGGB, BGGR, GBRG or GRBG and 8 or 16",
                     );
                 }

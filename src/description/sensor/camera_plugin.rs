@@ -89,6 +89,10 @@ impl Reader<'_> {
         let (what, remedy) = match &lens.model {
             LensModel::Pinhole => return,
             LensModel::BrownConrady { coefficients } if *coefficients == [k1, k2, t1, t2, k3] => return,
+            LensModel::BrownConrady { .. } if self.rules.gazebo_compat => (
+                "are those of camera_info, while the picture has those in <distortion> of the <camera>, as in Gazebo",
+                "write the same numbers in both",
+            ),
             LensModel::BrownConrady { .. } => (
                 "hold instead of those in <distortion> of the <camera>, in camera_info and in the picture",
                 "write the same numbers in both: with --gazebo-compat the picture has those of <distortion>",

@@ -61,7 +61,7 @@ pub(super) const KIND: Kind = Kind {
 
 impl Reader<'_> {
     fn depth_camera(&mut self, sensor: &Element) -> Option<DepthCamera> {
-        let camera = self.camera(sensor, FAR_M, false)?;
+        let camera = self.camera(sensor, FAR_M, false, None)?;
         let plugin = self.plugin(sensor, &KIND).and_then(|element| {
             if plain_name(element) == ROS2_PLUGIN {
                 return self.ros2_depth(element, &camera);

@@ -1,4 +1,4 @@
-//! `<device>` of a `<camera>`, which is ours: sensor and electronics, shutter, automatic exposure; docs/cameras.md has the
+//! `<device>` of a `<camera>`, and the preset of our plugin in a camera's sensor, which are ours: sensor and electronics, shutter, automatic exposure; docs/cameras.md has the
 //! elements in words.
 
 use super::reader::Reader;
@@ -48,11 +48,30 @@ const READOUT_TIMES_S: [(&str, f64); 2] =
     [("webcam", 1079.0 * 2416.0 / 87.5e6), ("raspberry_pi_hq", 1519.0 * 12740.0 / 840e6)];
 
 impl Reader<'_> {
-    /// The device of a camera; the inner none means that it has none.
+    /// The device of a camera: its `<device>`, or the preset of our plugin `own`, or that with what `<device>` changes. The
+    /// inner none means that it has none.
     #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
-    pub(super) fn device(&mut self, camera: Option<&Element>) -> Option<Option<CameraDevice>> {
-        let Some(element) = camera.and_then(|camera| camera.child("device")) else { return Some(None) };
-        let (mut config, readout_time_s) = self.preset(element)?;
+    pub(super) fn device(
+        &mut self,
+        camera: Option<&Element>,
+        own: Option<&Element>,
+    ) -> Option<Option<CameraDevice>> {
+        let written = camera.and_then(|camera| camera.child("device"));
+        let preset = own.or(written.filter(|device| device.child("preset").is_some()));
+        let (mut config, readout_time_s) = match preset {
+            Some(preset) => self.preset(preset)?,
+            None => (DeviceConfig::default(), 0.0),
+        };
+        let Some(element) = written else {
+            let device = CameraDevice { config, readout_time_s, motion_blur_samples: 1, auto_exposure: None };
+            return Some(preset.map(|_| device));
+        };
+        if let (Some(own), Some(second)) = (own, element.child("preset")) {
+            let what = format!("the camera of sensor '{}' has two presets", self.sensor);
+            let remedy = format!("take this one or that of the plugin 'belvedere' out ({})", own.source);
+            self.diagnostics.error(&second.source, what, remedy);
+            return None;
+        }
         for (name, field) in NUMBERS {
             let value = self.number(Some(element), name, *field(&mut config));
             *field(&mut config) = value?;
@@ -88,11 +107,8 @@ impl Reader<'_> {
         Some(Some(device))
     }
 
-    /// The figures of a preset, and the time of its readout.
+    /// The figures of the preset that an element names, and the time of its readout.
     fn preset(&mut self, element: &Element) -> Option<(DeviceConfig, f64)> {
-        if element.child("preset").is_none() {
-            return Some((DeviceConfig::default(), 0.0));
-        }
         let name = self.preset_name(element, &presets::NAMES)?;
         let readout = READOUT_TIMES_S.iter().find(|(preset, _)| *preset == name);
         Some((presets::named(name)?, readout.map_or(0.0, |(_, time_s)| *time_s)))

@@ -1,9 +1,9 @@
 //! `<plugin>` of a sensor: which of them publishes it, and under which names.
 
 use super::reader::Reader;
-use super::{KINDS, Kind};
+use super::{KINDS, Kind, each_once};
 use crate::description::topic as topics;
-use crate::description::values::child_text;
+use crate::description::values::{child_text, nearest};
 use crate::description::xml::Element;
 
 /// Its name.
@@ -45,12 +45,16 @@ impl Reader<'_> {
                     },
                 );
             } else {
-                let plugins = KINDS.iter().flat_map(|kind| kind.plugins);
-                let plugins: Vec<String> = plugins.map(|name| format!("lib{name}.so")).collect();
+                let names = each_once(KINDS.iter().flat_map(|kind| kind.plugins).copied());
+                let near = nearest(name, names.iter().copied());
+                // What is like none of them is not a misspelt one.
+                let near = near.filter(|near| strsim::damerau_levenshtein(name, near) <= near.len() / 4);
+                let near = near.map(|near| format!("did you mean lib{near}.so? ")).unwrap_or_default();
+                let plugins: Vec<String> = names.iter().map(|name| format!("lib{name}.so")).collect();
                 self.diagnostics.warning(
                     &element.source,
                     format!("the plugin '{file}' of sensor '{}' is not simulated and left out", self.sensor),
-                    format!("these are: {}", plugins.join(", ")),
+                    format!("{near}these are: {}", plugins.join(", ")),
                 );
             }
         }

@@ -229,12 +229,18 @@ fn what_gazebo_goes_on_with_is_a_warning() {
     };
     let image = |inside: &str| format!("<camera><image>{inside}</image></camera>");
     assert_eq!(camera(&image("<width>32.5</width>"), "<width> of sensor 'c' is 32.5").1, 32);
-    let odd = camera(&image("<format>BAYER_RGGB9</format>"), "'BAYER_RGGB9'");
-    assert_eq!(odd.2, PixelFormat::Rgb8);
+    for odd in ["BAYER_RGGB9", "R_FLOAT32"] {
+        let format =
+            camera(&image(&format!("<format>{odd}</format>")), &format!("'{odd}', which no colour")).2;
+        assert_eq!(format, PixelFormat::Rgb8);
+    }
+    // What a depth camera's colours are is not said by the format of its depths.
+    accepted(
+        "<sensor name='d' type='depth'><camera><image><format>R_FLOAT32</format></image></camera></sensor>",
+    );
     for (name, format) in [
         ("RGB8", PixelFormat::Rgb8),
         ("BGR8", PixelFormat::Bgr8),
-        ("R_FLOAT32", PixelFormat::Rgb8),
         ("L16", PixelFormat::Mono16),
         ("BAYER_GRBG8", PixelFormat::Bayer8(Mosaic::Grbg)),
     ] {
@@ -263,6 +269,13 @@ fn what_is_not_simulated_gives_a_warning() {
         parse("<sensor name='s' type='camera'><plugin name='p' filename='libother.so'/></sensor>");
     assert!(matches!(sensor.unwrap().kind, SensorKind::Camera(Camera { plugin: None, .. })));
     assert!(problems.len() == 1 && problems[0].contains("libgazebo_ros_openni_kinect.so"), "{problems:?}");
+    assert_eq!(problems[0].matches("libgazebo_ros_camera.so").count(), 1, "{problems:?}");
+    let (_, problems) = parse(
+        "<sensor name='s' type='ray'><ray><range><max>5</max></range></ray><plugin filename='libgazebo_ros_lasr.so'/></sensor>",
+    );
+    assert!(problems[0].contains("did you mean libgazebo_ros_laser.so? these are"), "{problems:?}");
+    let (_, problems) = parse("<sensor name='s' type='lasr'/>");
+    assert_eq!(problems[0].matches(" gpu_ray").count(), 1, "{problems:?}");
 }
 
 /// A camera of 640 × 480 with this inside, and what was warned of.

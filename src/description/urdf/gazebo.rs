@@ -32,6 +32,13 @@ impl Loader<'_> {
     pub(super) fn extensions(&mut self, robot: &Element, model: &mut Model) {
         let mut of_robot = None;
         for element in robot.elements_named("gazebo") {
+            for light in element.elements_named("light") {
+                let what = format!(
+                    "the light '{}' of a robot is left out",
+                    light.attribute("name").unwrap_or_default()
+                );
+                self.diagnostics.warning(&light.source, what, "put it into the world");
+            }
             match element.attribute("reference").filter(|name| !name.is_empty()) {
                 None => {
                     if let Some(is_static) = child_bool(element, "static", self.diagnostics) {

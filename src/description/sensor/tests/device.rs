@@ -33,6 +33,31 @@ fn a_device_is_a_preset_and_what_is_written_besides() {
     assert!((device.window_s() - 0.06).abs() < 1e-12 && !device.is_of_one_moment());
     let plain = AutoExposed { config: AutoExposureConfig::default(), metering: Metering::Mean };
     assert_eq!(of("<auto_exposure/>").auto_exposure, Some(plain));
+    // By our plugin, as lidars and depth cameras name theirs; what <device> says besides holds.
+    let own = |name: &str, inside: &str| {
+        format!(
+            "<sensor name='c' type='camera'><topic>c</topic><camera>{inside}</camera>\
+             <plugin name='p' filename='belvedere'><preset>{name}</preset></plugin></sensor>"
+        )
+    };
+    for name in presets::NAMES {
+        for (inside, gain) in
+            [("", presets::named(name).unwrap().exposure.gain), ("<device><gain>3</gain></device>", 3.0)]
+        {
+            let SensorKind::Camera(Camera { camera, plugin }) = accepted(&own(name, inside)).kind else {
+                panic!()
+            };
+            let expected = of(&format!("<preset>{name}</preset><gain>{gain}</gain>"));
+            assert_eq!((camera.device, plugin.is_some()), (Some(expected), true), "{name}");
+        }
+    }
+    for (name, inside, expected) in [
+        ("webcan", "", "<preset> of sensor 'c' is 'webcan', which is none; did you mean webcam?"),
+        ("webcam", "<device><preset>webcam</preset></device>", "the camera of sensor 'c' has two presets"),
+    ] {
+        let (sensor, problems) = parse(&own(name, inside));
+        assert!(sensor.is_none() && problems.len() == 1 && problems[0].contains(expected), "{problems:?}");
+    }
     // Edges of such pictures are not smoothed.
     for (device, warnings) in [("<device/>", 0), ("<device><preset>webcam</preset></device>", 1)] {
         let (sensor, problems) = parse(&format!(

@@ -86,6 +86,8 @@ pub struct Entity {
     pub start: Pose,
     /// How it came.
     pub origin: Origin,
+    /// What the noise of its sensors differs by from others'; [`Entities::noise_name`] chooses it.
+    pub noise_name: String,
     /// What of it drives and tells of itself, if it is a robot.
     pub robot: Option<Robot>,
     /// What its inertial units feel, in the order of its sensors.
@@ -107,16 +109,6 @@ impl Entity {
         &self.model.sensors
     }
 
-    /// What the noise of its sensors differs by from others': its namespace, or its name; nothing for the one robot of a
-    /// simulation, whatever it is called.
-    pub fn noise_name(&self) -> &str {
-        match (self.namespace.as_str(), self.origin) {
-            ("", Origin::Start) => "",
-            ("", _) => &self.name,
-            (namespace, _) => namespace,
-        }
-    }
-
     /// One of its topics, in its namespace.
     pub fn topic(&self, topic: &str) -> String {
         if self.namespace.is_empty() {
@@ -125,9 +117,11 @@ impl Entity {
         format!("/{}/{}", self.namespace, topic.trim_start_matches('/'))
     }
 
-    /// One of its frames, in its namespace; none stays none.
+    /// One of its frames, in its namespace; none stays none. A slash before it, as plugins of ROS 1 write it, is left out
+    /// there, since no frame of tf2 has one within.
     pub fn frame(&self, frame: &str) -> String {
-        if frame.is_empty() { String::new() } else { self.scoped(frame) }
+        let bare = if self.namespace.is_empty() { frame } else { frame.trim_start_matches('/') };
+        if bare.is_empty() { String::new() } else { self.scoped(bare) }
     }
 
     /// A name of something of it, in its namespace.
@@ -169,6 +163,17 @@ impl Entities {
         let place = &mut self.places[index];
         place.entity = Some(entity);
         place.id(index)
+    }
+
+    /// What the noise of the sensors of one who comes differs by from others': the namespace, or the name; nothing for the
+    /// first robot of the start that has no namespace, so that the one robot of a simulation may be called anything.
+    pub(crate) fn noise_name(&self, name: &str, namespace: &str, origin: Origin) -> String {
+        let has_none = |entity: &Entity| entity.noise_name.is_empty();
+        match (namespace, origin) {
+            ("", Origin::Start) if !self.iter().any(|(_, entity)| has_none(entity)) => String::new(),
+            ("", _) => name.to_owned(),
+            (namespace, _) => namespace.to_owned(),
+        }
     }
 
     /// Empties a place.

@@ -1,6 +1,8 @@
 //! `belvedere check`: what a robot or world file is understood to be, and everything that is wrong with it.
 
+mod counted;
 mod robot;
+mod streams;
 mod world;
 
 use super::error::CliError;
@@ -8,11 +10,13 @@ use super::follow::print_line;
 use super::sensor_models::Devices;
 use crate::description::any::{self, Described};
 use crate::description::mesh::UpAxis;
+use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::robot::{LoadOptions, default_robot_name, xacro_argument};
 use crate::description::{Diagnostics, Rules, Severity};
-use crate::robot::base;
+use crate::simulation::{Simulation, SpawnOptions};
 use std::path::PathBuf;
+use streams::Streams;
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// Show what a robot or world file is understood to be, and everything that is wrong with it.
@@ -71,18 +75,19 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     let mut diagnostics = Diagnostics::default();
     let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
     let report = any::load(&file, &options, &mut diagnostics).map(|read| match read {
-        Described::World(world) => world::report(&world, args.gazebo_compat),
+        Described::World(world) => {
+            let streams = rehearse(&world, None, args.gazebo_compat, &mut diagnostics);
+            world::report(&world, &streams, args.gazebo_compat)
+        }
         Described::Model(robot) => {
-            if let Err(problem) = base::check(&robot) {
-                diagnostics.add(problem);
-            }
-            robot::report(&robot, args.gazebo_compat)
+            let streams = rehearse(&World::empty(), Some(&robot), args.gazebo_compat, &mut diagnostics);
+            robot::report(&robot, &streams, args.gazebo_compat)
         }
     });
     for line in report.into_iter().flatten() {
         print_line(&line)?;
     }
-    // Errors are the command's own end: they are printed there.
+    // Errors are printed by main(), as the command fails with them.
     for problem in diagnostics.problems().iter().filter(|problem| problem.severity != Severity::Error) {
         print_line(&problem.to_string())?;
     }
@@ -95,4 +100,38 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
         1 => "no errors, 1 remark".to_owned(),
         _ => format!("no errors, {count} remarks"),
     })
+}
+
+/// Makes the simulation that `belvedere run` makes of a world, or of a robot in an empty one, and opens its streams as a
+/// server does. What is wrong, and what is decided on the way, is added to `diagnostics`. A file with errors has none.
+fn rehearse(
+    world: &World,
+    robot: Option<&Model>,
+    gazebo_compat: bool,
+    diagnostics: &mut Diagnostics,
+) -> Streams {
+    if diagnostics.has_errors() {
+        return Streams::unknown();
+    }
+    let mut notes = Vec::new();
+    let opened = (|| {
+        let mut simulation = Simulation::builder(world.clone()).gazebo_compat(gazebo_compat).build()?;
+        let spawned = robot.map(|robot| {
+            simulation.spawn(robot, SpawnOptions { is_robot: Some(true), ..SpawnOptions::default() })
+        });
+        let rig = spawned.transpose().and_then(|_| simulation.streams());
+        notes.extend_from_slice(simulation.notes());
+        rig
+    })();
+    for note in notes {
+        diagnostics.add(note);
+    }
+    match opened {
+        Ok(rig) => Streams::of(rig),
+        Err(error) => {
+            let source = robot.map_or(&world.source, |robot| &robot.source);
+            diagnostics.add(error.into_problem(source));
+            Streams::unknown()
+        }
+    }
 }

@@ -2,10 +2,10 @@
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;
-use super::instrument::{Running, report_names};
+use super::instrument::Running;
 use super::mount::Mount;
 use super::outlet::Outlet;
-use super::report::{Say, instrument, without_topics};
+use super::report::{Say, instrument};
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, InstrumentPlugin, Sensor};
 use crate::description::text::number;
@@ -30,8 +30,6 @@ impl Behaviour for model::AirPressure {
     fn report(&self, _gazebo_compat: bool, say: Say<'_>) {
         say("pressure", instrument(&self.pressure, "Pa"));
         say("origin at", format!("{} m above sea level", number(self.reference_altitude_m)));
-        let Some(plugin) = &self.plugin else { return without_topics(say) };
-        report_names(plugin, say);
     }
 }
 

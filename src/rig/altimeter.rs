@@ -2,10 +2,10 @@
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;
-use super::instrument::{Running, report_names};
+use super::instrument::Running;
 use super::mount::Mount;
 use super::outlet::Outlet;
-use super::report::{Say, instrument, without_topics};
+use super::report::{Say, instrument};
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, InstrumentPlugin, Sensor};
 use crate::description::text::number;
@@ -31,8 +31,6 @@ impl Behaviour for model::Altimeter {
         say("velocity", instrument(&self.velocity, "m/s"));
         let from = self.reference_m.map(|height| format!("{} m in the world", number(height)));
         say("above", from.unwrap_or_else(|| "where it was at the start".into()));
-        let Some(plugin) = &self.plugin else { return without_topics(say) };
-        report_names(plugin, say);
     }
 }
 

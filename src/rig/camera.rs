@@ -8,7 +8,7 @@ use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Calibration, encoding};
-use super::report::{Say, without_topics};
+use super::report::Say;
 use super::sink::Frame;
 use super::truth::TruthOutlets;
 use super::{Opening, RigContext, RigError, Settings};
@@ -35,9 +35,6 @@ impl Behaviour for model::Camera {
 
     fn report(&self, gazebo_compat: bool, say: Say<'_>) {
         report::camera(&self.camera, self.plugin.as_ref(), gazebo_compat, say);
-        let Some(plugin) = &self.plugin else { return without_topics(say) };
-        say("topics", format!("{}, {}", plugin.image_topic, plugin.camera_info_topic));
-        report::plugin(plugin, say);
     }
 }
 
@@ -73,13 +70,10 @@ impl CameraChannel {
         let image = StreamSpec::new(&plugin.image_topic, Kind::Image, encoding(camera.format), frame_len)
             .frame_id(&frame)
             .rate_hz(rate);
-        let info = StreamSpec::structs(&plugin.camera_info_topic, Kind::CameraInfo, 1)
-            .frame_id(&frame)
-            .rate_hz(rate);
         let size = [camera.width, camera.height];
         Ok(Self {
             image: opening.open_rendered(image)?,
-            info: opening.open(&info)?,
+            info: opening.open_info(&plugin.camera_info_topic, &plugin.image_topic, &frame)?,
             info_message: calibration
                 .camera_info(camera.width, camera.height)
                 .map_err(|error| refused(&error))?,

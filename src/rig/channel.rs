@@ -2,7 +2,9 @@
 
 use super::RigError;
 use super::annotations::Census;
+use super::names::Names;
 use super::outlet::Outlet;
+use super::owner::Owner;
 use super::packets::PacketTarget;
 use super::rate::Rate;
 use super::settings::Settings;
@@ -12,16 +14,15 @@ use crate::description::optical::{OpticalFrame, optical_frames};
 use crate::entities::{Entities, Entity, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
-use belvedere_bridge::StreamSpec;
+use belvedere_bridge::{Kind, StreamSpec};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Sensor};
-use std::cell::RefCell;
-use std::collections::HashSet;
 use std::error::Error;
 use std::io;
 use std::time::{Duration, Instant};
 
 /// What a channel needs to open.
+#[derive(Clone)]
 pub(super) struct Opening<'a> {
     pub(super) sink: &'a dyn Sink,
     pub(super) physics: &'a Physics,
@@ -38,25 +39,44 @@ pub(super) struct Opening<'a> {
     /// How much of it there may be.
     pub(super) census: Census,
     pub(super) hashed: bool,
+    /// What publishes what is opened.
+    pub(super) owner: Owner,
     /// Topics of streams that are open.
-    pub(super) taken: &'a RefCell<HashSet<String>>,
+    pub(super) names: &'a Names,
 }
 
 impl Opening<'_> {
+    /// The same for what another part of the model publishes.
+    pub(super) fn of(&self, owner: Owner) -> Self {
+        Self { owner, ..self.clone() }
+    }
+
     /// A stream of small messages, which are sent whether or not anybody follows: late consumers get the last one. Its
     /// topic and its frame are in the namespace of the entity.
     pub(super) fn open(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
-        let frame_id = self.entity.frame(&spec.frame_id);
-        self.open_in_world(&StreamSpec { frame_id, ..spec.clone() })
+        self.open_named(self.in_namespace(spec), None)
     }
 
     /// The same, its frame nobody's own.
     pub(super) fn open_in_world(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
-        let spec = StreamSpec { topic: self.entity.topic(&spec.topic), ..spec.clone() };
-        if !self.taken.borrow_mut().insert(format!("/{}", spec.name()?)) {
-            return Err(RigError::TopicTaken { topic: spec.topic, model: self.entity.name.clone() });
-        }
-        Ok(Outlet::open(self.sink, &spec, self.hashed)?)
+        let topic = self.entity.topic(&spec.topic);
+        self.open_named(StreamSpec { topic, ..spec.clone() }, None)
+    }
+
+    /// The `CameraInfo` of a picture, which may lie beside that.
+    pub(super) fn open_info(&self, topic: &str, picture: &str, frame: &str) -> Result<Outlet, RigError> {
+        let spec = StreamSpec::structs(topic, Kind::CameraInfo, 1).frame_id(frame).rate_hz(self.rate.hz());
+        self.open_named(self.in_namespace(&spec), Some(&self.entity.topic(picture)))
+    }
+
+    fn in_namespace(&self, spec: &StreamSpec) -> StreamSpec {
+        let (topic, frame_id) = (self.entity.topic(&spec.topic), self.entity.frame(&spec.frame_id));
+        StreamSpec { topic, frame_id, ..spec.clone() }
+    }
+
+    fn open_named(&self, spec: StreamSpec, picture: Option<&str>) -> Result<Outlet, RigError> {
+        let spec = self.names.settle(spec, picture, &self.owner, self.gazebo_compat)?;
+        Ok(Outlet::open(self.sink, &spec, self.owner.clone(), self.hashed)?)
     }
 
     /// A stream that is rendered while somebody follows it. It keeps no frame for late consumers: the last one may be

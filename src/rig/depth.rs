@@ -3,24 +3,23 @@
 use super::annotations::Annotations;
 use super::behaviour::Behaviour;
 use super::channel::{Channel, is_any_wanted};
-use super::eye::{Eye, drawn_lens, report};
+use super::eye::{Eye, drawn_lens, is_pinhole, report};
 use super::moments::{Moments, capture, shutter};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::{Calibration, encoding};
-use super::report::{Say, without_topics};
+use super::report::Say;
 use super::sink::Frame;
 use super::truth::TruthOutlets;
 use super::{Opening, RigContext, RigError, Settings};
-use crate::description::model::{self, CameraSensor, DepthCameraPlugin, Sensor};
+use crate::description::model::{self, CameraSensor, DepthCameraPlugin, Lens, Sensor};
 use crate::description::text::number;
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, StreamSpec};
 use belvedere_sensors::Shutter;
 use belvedere_sensors::camera::CameraError;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
-use belvedere_sensors::device::depth::DepthModel;
-use belvedere_sensors::optics::Optics;
+use belvedere_sensors::device::depth::{DepthModel, DepthNoise};
 use std::time::Instant;
 
 impl Behaviour for model::DepthCamera {
@@ -40,21 +39,36 @@ impl Behaviour for model::DepthCamera {
     fn report(&self, gazebo_compat: bool, say: Say<'_>) {
         let pictures = self.plugin.as_ref().map(|plugin| &plugin.camera);
         report::camera(&self.camera, pictures, gazebo_compat, say);
-        let Some(depth) = &self.plugin else { return without_topics(say) };
-        say("topics", format!("{}, {}", depth.camera.image_topic, depth.camera.camera_info_topic));
-        say("", format!("{}, {}", depth.depth_image_topic, depth.depth_camera_info_topic));
-        say("", depth.point_cloud_topic.clone());
+        let Some(depth) = &self.plugin else { return };
         let coding = if depth.depth_16uc1 { "16UC1 in millimetres" } else { "32FC1 in metres" };
-        let [from, to] = self.range_m().map(number);
+        let range = self.range_m();
+        let [from, to] = range.map(number);
         say("depth", format!("{coding}, valid from {from} to {to} m"));
-        if let Some(preset) = self.preset {
-            say("device", format!("{}: {}", preset.name, preset.source));
-            if !self.has_projector_on {
-                say("", "its projector is off".into());
-            }
+        let Some(preset) = self.preset else { return say("depth noise", "none".into()) };
+        let lens = drawn_lens(&self.camera, &depth.camera, gazebo_compat);
+        let model = self.model(focal_px(&self.camera, &lens));
+        say("depth noise", depth_noise(&model.noise, range));
+        say("device", format!("{}: {}", preset.name, preset.source));
+        if !self.has_projector_on {
+            say("", "its projector is off".into());
         }
-        report::plugin(&depth.camera, say);
     }
+}
+
+/// The noise of depths at both ends of their range.
+fn depth_noise(noise: &DepthNoise, range_m: [f64; 2]) -> String {
+    let stddev_m = |depth_m: f64| match noise {
+        DepthNoise::Gaussian(noise) => Some(f64::from(noise.stddev())),
+        DepthNoise::Axial(noise) => Some(noise.stddev_m(depth_m, 0.0)),
+        DepthNoise::Disparity(noise) => Some(noise.stddev_m(depth_m)),
+        _ => None,
+    };
+    let parts = range_m.map(|depth_m| {
+        let stddev_m = stddev_m(depth_m)?;
+        Some(format!("{:.2} mm at {} m", stddev_m * 1000.0, number(depth_m)))
+    });
+    let [Some(near), Some(far)] = parts else { return "as the device's".into() };
+    format!("stddev {near}, {far}, of surfaces that face it")
 }
 
 /// Wider pictures have no one focal length; their disparities are counted as in one of this angle.
@@ -94,10 +108,7 @@ impl DepthChannel {
         let eye = Eye::new(camera, &lens, opening).map_err(|error| refused(&*error))?;
         let limits = Limits {
             range_m: described.range_m(),
-            model: described.preset.map_or(DepthModel::new(), |preset| {
-                let model = preset.model(focal_px(&eye, camera));
-                model.without_projector().filter(|_| !described.has_projector_on).unwrap_or(model)
-            }),
+            model: described.model(focal_px(camera, &lens)),
             out_of_range: if opening.gazebo_compat { OutOfRange::Nan } else { OutOfRange::Infinite },
             too_near: if opening.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
         };
@@ -107,10 +118,6 @@ impl DepthChannel {
         let frame = opening.frame_id(sensor, &plugin.camera.frame_name);
         let rate = opening.rate.hz();
         let open = |spec: StreamSpec| opening.open_rendered(spec.frame_id(&frame).rate_hz(rate));
-        let info = |topic: &str| {
-            let spec = StreamSpec::structs(topic, Kind::CameraInfo, 1);
-            opening.open(&spec.frame_id(&frame).rate_hz(rate))
-        };
         let (depth_encoding, depth_bytes) =
             if plugin.depth_16uc1 { (Encoding::U16C1, 2) } else { (Encoding::F32C1, 4) };
         let names = &plugin.camera;
@@ -123,14 +130,18 @@ impl DepthChannel {
                 encoding(camera.format),
                 colour_len,
             ))?,
-            colour_info: info(&names.camera_info_topic)?,
+            colour_info: opening.open_info(&names.camera_info_topic, &names.image_topic, &frame)?,
             depth: open(StreamSpec::new(
                 &plugin.depth_image_topic,
                 Kind::DepthImage,
                 depth_encoding,
                 pixels * depth_bytes,
             ))?,
-            depth_info: info(&plugin.depth_camera_info_topic)?,
+            depth_info: opening.open_info(
+                &plugin.depth_camera_info_topic,
+                &plugin.depth_image_topic,
+                &frame,
+            )?,
             points: open(StreamSpec::new(
                 &plugin.point_cloud_topic,
                 Kind::PointCloud,
@@ -270,11 +281,22 @@ struct Limits {
     too_near: TooNear,
 }
 
+impl model::DepthCamera {
+    /// How its device measures depth, through a lens of this focal length in pixels.
+    fn model(&self, focal_px: f64) -> DepthModel {
+        self.preset.map_or(DepthModel::new(), |preset| {
+            let model = preset.model(focal_px);
+            model.without_projector().filter(|_| !self.has_projector_on).unwrap_or(model)
+        })
+    }
+}
+
 /// Focal length of a picture in pixels, through other lenses than a pinhole that of its angle of view.
-fn focal_px(eye: &Eye, camera: &CameraSensor) -> f64 {
-    match eye.config().optics {
-        Optics::Pinhole(grid) => grid.intrinsics().fx,
-        _ => 0.5 * f64::from(camera.width) / libm::tan(0.5 * camera.horizontal_fov_rad.min(WIDEST_RAD)),
+fn focal_px(camera: &CameraSensor, lens: &Lens) -> f64 {
+    if is_pinhole(lens) {
+        lens.intrinsics.fx
+    } else {
+        0.5 * f64::from(camera.width) / libm::tan(0.5 * camera.horizontal_fov_rad.min(WIDEST_RAD))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Why the sensors cannot be started.
 
+use super::owner::Owner;
 use crate::description::model::Sensor;
 use crate::description::{Problem, Severity};
 use belvedere_bridge::Error as BridgeError;
@@ -21,16 +22,6 @@ pub enum RigError {
         /// What is wrong with it.
         reason: String,
     },
-    /// Two streams of one topic.
-    #[error(
-        "two streams of the simulation are called {topic}, the second of them in model '{model}'; give its sensor or plugin another topic, or its model a namespace"
-    )]
-    TopicTaken {
-        /// In the model's namespace.
-        topic: String,
-        /// The model that has the second.
-        model: String,
-    },
     /// The stream of the settings of sensors has no room.
     #[error(
         "there are more than {most} sensors, which the simulation has no room for; delete robots that are not needed, or start with all of them"
@@ -48,6 +39,26 @@ impl RigError {
             source: sensor.source.clone(),
             what: format!("sensor '{}': {error}", sensor.name),
             remedy: "correct the value in the sensor's description".into(),
+        })
+    }
+
+    /// Two streams of one topic, the second of which cannot be opened.
+    pub(super) fn topic_taken(topic: &str, first: &Owner, second: &Owner) -> Self {
+        let remedy = if first.entity == second.entity {
+            "give one of them another topic"
+        } else {
+            "give one of them another topic, or spawn its model in a namespace of its own"
+        };
+        Self::Description(Problem {
+            severity: Severity::Error,
+            source: second.source.clone(),
+            what: format!(
+                "two streams are called {topic}: that of {} and, before it, that of {} ({})",
+                second.name, first.name, first.source
+            ),
+            remedy: format!(
+                "{remedy}; with --gazebo-compat the second is published under another name, with a warning"
+            ),
         })
     }
 

@@ -194,6 +194,11 @@ fn lens_model(lens: &Lens) -> Result<Option<Box<dyn optics::Lens>>, LensError> {
     }))
 }
 
+/// Whether a lens is a rule and no table.
+pub(super) fn is_pinhole(lens: &Lens) -> bool {
+    matches!(lens_model(lens), Ok(None))
+}
+
 /// Which share of a picture's pixels its lens maps: the others are black.
 ///
 /// # Errors

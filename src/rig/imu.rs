@@ -3,10 +3,10 @@
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;
-use super::instrument::{Running, covariance, report_names};
+use super::instrument::{Running, covariance};
 use super::outlet::Outlet;
 use super::packets::{ImuPackets, PacketTarget};
-use super::report::{Say, instrument, without_topics};
+use super::report::{Say, instrument};
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, InstrumentPlugin, OrientationReference, Sensor, SensorKind};
 use crate::entities::EntityId;
@@ -54,8 +54,6 @@ impl Behaviour for model::Imu {
         if !self.heading.is_exact() {
             say("heading", instrument(&self.heading, "rad"));
         }
-        let Some(plugin) = &self.plugin else { return without_topics(say) };
-        report_names(plugin, say);
         if let Some(profile) = self.packets {
             say("packets", format!("Ouster's, {}", profile.name()));
         }

@@ -68,10 +68,3 @@ impl Opening<'_> {
         (topic, self.frame_id(sensor, &plugin.frame_name))
     }
 }
-
-/// Tells both in a report.
-pub(super) fn report_names(plugin: &InstrumentPlugin, say: super::report::Say<'_>) {
-    let under = if plugin.topic.starts_with('/') { "" } else { "/NAME OF THE MODEL/" };
-    say("topic", format!("{under}{}", plugin.topic));
-    say("frame", if plugin.frame_name.is_empty() { "its link".into() } else { plugin.frame_name.clone() });
-}

@@ -1,17 +1,18 @@
 //! A lidar and its stream.
 
+pub(super) mod report;
+
 use super::behaviour::Behaviour;
 use super::channel::{Channel, is_any_wanted};
 use super::moments::capture;
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
-use super::report::{self, Say, without_topics};
+use super::report::Say;
 use super::scanner::ScannerChannel;
 use super::truth::TruthOutlets;
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, LaserPlugin, RaySensor, ScanAxis, Sensor};
-use crate::description::text::{angle, number};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
 use belvedere_sensors::Shutter;
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
@@ -39,18 +40,7 @@ impl Behaviour for model::Lidar {
     }
 
     fn report(&self, gazebo_compat: bool, say: Say<'_>) {
-        if let Some(preset) = &self.preset {
-            say("preset", preset.name.into());
-        }
-        ray_report(&self.ray, say);
-        let Some(plugin) = &self.plugin else { return without_topics(say) };
-        if let Some(layout) = &plugin.cloud {
-            let shape = if layout.is_organized { "a row a column of beams" } else { "what was hit" };
-            let times = if gazebo_compat { "at one moment" } else { "each beam at its own time" };
-            say("cloud", format!("{shape}, {times}"));
-        }
-        say("topic", plugin.topic.clone());
-        say("frame", plugin.frame_name.clone());
+        report::lidar(self, gazebo_compat, say);
     }
 }
 
@@ -166,22 +156,6 @@ impl Channel for LidarChannel {
         }
         Ok(())
     }
-}
-
-/// Tells of beams and ranges.
-pub(super) fn ray_report(ray: &RaySensor, say: Say<'_>) {
-    for (name, axis) in [("beams", ray.horizontal), ("lines", ray.vertical)] {
-        if name == "beams" || axis.samples > 1 {
-            let (from, to) = (angle(axis.min_angle_rad), angle(axis.max_angle_rad));
-            say(name, format!("{} from {from} to {to}", axis.samples));
-        }
-    }
-    say("sees", if ray.sees_visuals { "visuals" } else { "collision shapes" }.into());
-    say("range", format!("{} to {} m", number(ray.range_min_m), number(ray.range_max_m)));
-    if ray.range_resolution_m > 0.0 {
-        say("resolution", format!("{} m, not applied, as in Gazebo", number(ray.range_resolution_m)));
-    }
-    say("noise", report::noise(&ray.noise, "m"));
 }
 
 /// The lidar of a description.

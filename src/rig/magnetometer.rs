@@ -2,10 +2,10 @@
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;
-use super::instrument::{Running, covariance, report_names};
+use super::instrument::{Running, covariance};
 use super::mount::Mount;
 use super::outlet::Outlet;
-use super::report::{Say, instrument, without_topics};
+use super::report::{Say, instrument};
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, InstrumentPlugin, Sensor};
 use crate::description::text::vector;
@@ -37,8 +37,6 @@ impl Behaviour for model::Magnetometer {
                 Some(field) => format!("{} in the world", vector(field.in_world)),
             },
         );
-        let Some(plugin) = &self.plugin else { return without_topics(say) };
-        report_names(plugin, say);
     }
 }
 

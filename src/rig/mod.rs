@@ -23,10 +23,13 @@ mod magnetometer;
 mod moments;
 mod motion;
 mod mount;
+mod names;
 mod navsat;
+mod numbers;
 mod on_demand;
 mod ouster;
 mod outlet;
+mod owner;
 #[cfg(test)]
 mod pace;
 pub mod packets;
@@ -46,13 +49,15 @@ mod whole;
 
 pub use error::RigError;
 pub use outlet::{Outlet, Tally};
+pub use owner::{Owner, Part};
 pub use rate::Rate;
 pub use schedule::Schedule;
 pub use settings::Settings;
 pub use sink::{FrameBuf, Sink};
 
 use crate::description::housing::{ShapeIndex, housings};
-use crate::description::model::{Earth, ModelPlugin, Sensor};
+use crate::description::model::{Drive, Earth, ModelPlugin, Sensor};
+use crate::description::{Problem, Severity};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
@@ -65,9 +70,9 @@ use belvedere_sensors::trace::WorkspaceBuf;
 use channel::{Channel, Opening, RigContext};
 use cost::Cost;
 use joint_states::JointStatesChannel;
+use names::Names;
+use numbers::Numbers;
 use state::{ClockChannel, StateChannel};
-use std::cell::RefCell;
-use std::collections::HashSet;
 use std::time::Duration;
 use true_pose::TruePoseChannel;
 use tuning::Tuning;
@@ -76,9 +81,6 @@ use tuning::Tuning;
 const CLOCK_HZ: f64 = 100.0;
 /// Rate of transforms and joint states of a robot without a base, and of a Kobuki's sensors.
 const STATE_HZ: f64 = 50.0;
-
-/// Number of a model's first plugin that draws noise, among its sensors.
-const FIRST_PLUGIN: u32 = 1 << 16;
 
 /// Sensors that may come while it runs, beside those of the start.
 const MORE_SENSORS: usize = 64;
@@ -113,6 +115,8 @@ pub struct Stage<'a> {
 struct Scheduled {
     /// Whose it is; the clock's is nobody's.
     entity: Option<EntityId>,
+    /// The number by which its noise differs; 0 if it draws none.
+    number: u32,
     /// As described.
     rate: Rate,
     schedule: Schedule,
@@ -129,6 +133,8 @@ struct Scheduled {
 pub struct Rig {
     options: RigOptions,
     channels: Vec<Scheduled>,
+    /// What was decided for the user since they were taken.
+    notes: Vec<Problem>,
     /// The stream of the settings of sensors, and how many it has room for.
     settings: Outlet,
     most_sensors: usize,
@@ -146,11 +152,17 @@ impl Rig {
         workspace.execution = options.execution;
         let sensors = stage.entities.iter().map(|(_, entity)| entity.sensors().len());
         let most_sensors = sensors.sum::<usize>() + MORE_SENSORS;
-        let settings = Outlet::open(sink, &StreamSpec::sensor_settings(most_sensors), options.hashed)?;
-        let clock = Outlet::open(sink, &ClockChannel::spec(CLOCK_HZ), options.hashed)?;
+        let settings = Outlet::open(
+            sink,
+            &StreamSpec::sensor_settings(most_sensors),
+            Owner::simulation(),
+            options.hashed,
+        )?;
+        let clock = Outlet::open(sink, &ClockChannel::spec(CLOCK_HZ), Owner::simulation(), options.hashed)?;
         let rate = fixed_rate(CLOCK_HZ, stage.physics);
         let clock = Scheduled {
             entity: None,
+            number: 0,
             rate,
             schedule: Schedule::new(rate),
             channel: Box::new(ClockChannel::new(clock)),
@@ -158,7 +170,8 @@ impl Rig {
             cost: Cost::default(),
             housing: Vec::new(),
         };
-        let mut rig = Self { options, channels: vec![clock], settings, most_sensors, workspace };
+        let notes = Vec::new();
+        let mut rig = Self { options, channels: vec![clock], notes, settings, most_sensors, workspace };
         for (id, _) in stage.entities.iter() {
             rig.open_channels(sink, stage, id)?;
         }
@@ -194,9 +207,9 @@ impl Rig {
         let Some(entity) = stage.entities.get(id) else { return Ok(()) };
         let physics = stage.physics;
         let options = self.options;
-        let taken = self.outlets().into_iter().map(|outlet| outlet.topic().to_owned());
-        let taken = RefCell::new(taken.collect::<HashSet<_>>());
-        let opening = |rate, sensor| Opening {
+        let names = Names::of(self.outlets());
+        let mut numbers = Numbers::of(self.channels.iter().map(|channel| channel.number));
+        let opening = |rate, sensor, owner| Opening {
             sink,
             physics,
             earth: stage.earth,
@@ -209,13 +222,15 @@ impl Rig {
             truth: options.truth,
             census: Census::of(stage.entities),
             hashed: options.hashed,
-            taken: &taken,
+            owner,
+            names: &names,
         };
-        let mut add = |rate, channel: Box<dyn Channel>, tuning, housing| {
+        let mut add = |rate, channel: Box<dyn Channel>, number, tuning, housing| {
             let schedule = Schedule::starting(rate, physics.time_ns());
             let cost = Cost::default();
             self.channels.push(Scheduled {
                 entity: Some(id),
+                number,
                 rate,
                 schedule,
                 channel,
@@ -227,51 +242,64 @@ impl Rig {
         if let Some(robot) = &entity.robot {
             let base = entity.model.base().filter(|_| robot.base().is_some());
             let rate = plugin_rate(base.map_or(Some(STATE_HZ), |base| base.odometry.rate_hz), physics);
-            let state = StateChannel::open(robot, &opening(rate, 0))?;
-            add(rate, Box::new(state), None, Vec::new());
-            if robot.base().is_some_and(|base| base.as_kobuki().is_some()) {
+            let state = StateChannel::open(robot, &opening(rate, 0, Owner::robot(id, entity)))?;
+            add(rate, Box::new(state), 0, None, Vec::new());
+            if let Some(base) = base.filter(|base| matches!(base.drive, Drive::Kobuki(_))) {
                 let rate = fixed_rate(STATE_HZ, physics);
-                let base = BaseChannel::open(&opening(rate, 0))?;
-                add(rate, Box::new(base), None, Vec::new());
+                let base = BaseChannel::open(&opening(rate, 0, Owner::base(id, entity, base)))?;
+                add(rate, Box::new(base), 0, None, Vec::new());
             }
             for (index, plugin) in entity.model.plugins.iter().enumerate() {
-                // Far from the numbers of sensors, which count from the first.
-                let number = noise_number(entity.noise_name()).wrapping_add(FIRST_PLUGIN + index as u32);
-                let (rate, channel): (_, Box<dyn Channel>) = match plugin {
-                    ModelPlugin::Base(_) => continue,
+                let owner = Owner::plugin(id, entity, index, plugin);
+                match plugin {
+                    ModelPlugin::Base(_) => {}
                     ModelPlugin::Pose(pose) => {
                         let rate = plugin_rate(pose.rate_hz, physics);
-                        let channel = TruePoseChannel::open(pose, &opening(rate, number))?;
-                        (rate, Box::new(channel))
+                        let number = numbers.take([&entity.noise_name, "", &pose.topic]);
+                        let channel = TruePoseChannel::open(pose, &opening(rate, number, owner))?;
+                        add(rate, Box::new(channel), number, None, Vec::new());
                     }
                     ModelPlugin::JointStates(states) => {
                         let rate = plugin_rate(states.rate_hz, physics);
-                        let channel = JointStatesChannel::open(states, &opening(rate, number))?;
-                        (rate, Box::new(channel))
+                        let channel = JointStatesChannel::open(states, &opening(rate, 0, owner))?;
+                        add(rate, Box::new(channel), 0, None, Vec::new());
                     }
-                };
-                add(rate, channel, None, Vec::new());
+                }
             }
         }
-        let first_number = noise_number(entity.noise_name());
         for (index, sensor) in entity.sensors().iter().enumerate() {
             let rate = sensor_rate(sensor, physics);
-            let number = first_number.wrapping_add(index as u32);
-            if let Some(channel) = behaviour(sensor).open(sensor, &opening(rate, number))? {
+            // A name is a sensor's own on its link.
+            let link = &entity.model.links[sensor.link].name;
+            let number = numbers.take([&entity.noise_name, link, &sensor.name]);
+            let owner = Owner::sensor(id, entity, index, sensor);
+            if let Some(channel) = behaviour(sensor).open(sensor, &opening(rate, number, owner))? {
                 let described = behaviour(sensor).settings(rate.hz());
                 let name = entity.scoped(&sensor.name);
                 let housing = (!options.gazebo_compat).then(|| housings(&entity.model, sensor));
                 let tuning = Tuning { sensor: name, described, now: described };
-                add(rate, channel, Some(tuning), housing.unwrap_or_default());
+                add(rate, channel, number, Some(tuning), housing.unwrap_or_default());
             } else {
-                tracing::warn!(sensor = sensor.name, source = %sensor.source, "has no plugin that publishes it");
+                let what = format!(
+                    "sensor '{}' publishes nothing: it has neither a plugin that is simulated nor a <topic>",
+                    sensor.name
+                );
+                let remedy = "give it a <plugin> of gazebo_ros, or a <topic> as in gz-sim";
+                names.note(Severity::Warning, &sensor.source, what, remedy);
             }
         }
+        self.notes.extend(names.into_notes());
         let sensors = self.channels.iter().filter(|channel| channel.tuning.is_some()).count();
         if sensors > self.most_sensors {
             return Err(RigError::TooManySensors { most: self.most_sensors });
         }
         Ok(())
+    }
+
+    /// What was decided for the user since this was asked for last: topics that had to be changed, sensors that publish
+    /// nothing.
+    pub fn take_notes(&mut self) -> Vec<Problem> {
+        std::mem::take(&mut self.notes)
     }
 
     /// Stamp in ns of the frame that is due next.
@@ -385,15 +413,6 @@ fn fixed_rate(hz: f64, physics: &Physics) -> Rate {
 /// A plugin's rate; each step of physics if it has none.
 fn plugin_rate(hz: Option<f64>, physics: &Physics) -> Rate {
     fixed_rate(hz.unwrap_or(0.0), physics)
-}
-
-/// Number of a model's first sensor, by which its noise is another one than others'. It comes from a name (FNV-1a), so that
-/// it does not depend on who else is there; without one it is 0.
-fn noise_number(name: &str) -> u32 {
-    if name.is_empty() {
-        return 0;
-    }
-    name.bytes().fold(0x811c_9dc5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 /// The lower of the sensor's rate and its plugin's; every physics step if neither gives one.

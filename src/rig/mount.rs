@@ -1,8 +1,10 @@
 //! Where on its robot a sensor sits.
 
 use super::{Opening, RigContext};
+use crate::description::diagnostics::Severity;
 use crate::description::model::{LinkIndex, Model, Sensor};
 use crate::description::optical::optical_from_sensor;
+use crate::description::text::vector;
 use crate::world::physics::{ModelIndex, Physics};
 use belvedere_bridge::FrameHeader;
 use belvedere_sensors::Pose;
@@ -35,7 +37,13 @@ impl Mount {
         if let Some(moved) = &moved {
             let offset = moved.link_from_sensor.translation() - own.link_from_sensor.translation();
             if offset.length() > 1e-9 {
-                tracing::info!(sensor = sensor.name, frame, %offset, "the sensor is put into the frame that it names");
+                let away = vector(offset);
+                let what = format!(
+                    "sensor '{}' is put into the frame '{frame}' that its pictures name, {away} m from its own place",
+                    sensor.name
+                );
+                let remedy = "give the sensor the frame's pose; --gazebo-compat leaves it in its own place";
+                opening.names.note(Severity::Note, &sensor.source, what, remedy);
             }
         }
         moved.unwrap_or(own)

@@ -2,11 +2,12 @@
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;
-use super::instrument::{Running, covariance, report_names};
+use super::instrument::{Running, covariance};
 use super::mount::Mount;
 use super::outlet::Outlet;
-use super::report::{Say, instrument, without_topics};
+use super::report::{Say, instrument};
 use super::{Opening, RigContext, RigError, Settings};
+use crate::description::diagnostics::Severity;
 use crate::description::model::{self, Earth, InstrumentPlugin, Sensor};
 use crate::description::text::{angle, number};
 use belvedere_bridge::payload::{NavSatFix, Vector3};
@@ -43,11 +44,6 @@ impl Behaviour for model::NavSat {
                 ),
             },
         );
-        let Some(plugin) = &self.plugin else { return without_topics(say) };
-        report_names(plugin, say);
-        if let Some(topic) = &self.velocity_topic {
-            say("velocity on", topic.clone());
-        }
     }
 }
 
@@ -83,10 +79,12 @@ impl NavSatChannel {
             None => (*opening.earth, opening.earth.enu_from_world(opening.gazebo_compat)),
         };
         if receiver.origin.is_none() && !earth.is_given {
-            tracing::warn!(
-                sensor = sensor.name,
-                "the world has no <spherical_coordinates>: it is taken to lie at latitude 0, longitude 0"
+            let what = format!(
+                "the world has no <spherical_coordinates>: for sensor '{}' it lies at latitude 0, longitude 0",
+                sensor.name
             );
+            let remedy = "give the world <spherical_coordinates>, or the sensor's plugin its reference";
+            opening.names.note(Severity::Warning, &sensor.source, what, remedy);
         }
         Ok(Self {
             mount: Mount::new(sensor, opening),

@@ -1,8 +1,9 @@
 //! One stream: where its frames go, what they have cost, and a hash of what went through it.
 
+use super::owner::Owner;
 use super::sink::{Frame, Port, Sink};
 use belvedere_bridge::payload::Message;
-use belvedere_bridge::{Consumer, Error, StreamSpec};
+use belvedere_bridge::{Consumer, Encoding, Error, Kind, StreamSpec};
 use std::cell::{Cell, OnceCell};
 use std::time::Duration;
 use xxhash_rust::xxh3::Xxh3;
@@ -12,6 +13,10 @@ pub struct Outlet {
     port: Box<dyn Port>,
     /// With a leading slash.
     topic: String,
+    kind: Kind,
+    encoding: Encoding,
+    frame_id: String,
+    owner: Owner,
     rate_hz: Cell<Option<f64>>,
     hash: Option<Xxh3>,
     tally: Tally,
@@ -33,14 +38,18 @@ pub struct Tally {
 }
 
 impl Outlet {
-    /// Opens the stream; with `hashed`, every byte sent is hashed.
+    /// Opens the stream of an owner; with `hashed`, every byte sent is hashed.
     ///
     /// # Errors
     /// When the sink cannot.
-    pub fn open(sink: &dyn Sink, spec: &StreamSpec, hashed: bool) -> Result<Self, Error> {
+    pub fn open(sink: &dyn Sink, spec: &StreamSpec, owner: Owner, hashed: bool) -> Result<Self, Error> {
         Ok(Self {
             port: sink.open(spec)?,
             topic: format!("/{}", spec.name()?),
+            kind: spec.kind,
+            encoding: spec.encoding,
+            frame_id: spec.frame_id.clone(),
+            owner,
             rate_hz: Cell::new(spec.rate_hz),
             hash: hashed.then(Xxh3::new),
             tally: Tally::default(),
@@ -52,6 +61,26 @@ impl Outlet {
     /// Topic with its leading slash.
     pub fn topic(&self) -> &str {
         &self.topic
+    }
+
+    /// What it carries.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// How that is coded.
+    pub fn encoding(&self) -> Encoding {
+        self.encoding
+    }
+
+    /// The frame that its data are given in; empty for none.
+    pub fn frame_id(&self) -> &str {
+        &self.frame_id
+    }
+
+    /// What publishes it.
+    pub fn owner(&self) -> &Owner {
+        &self.owner
     }
 
     /// The rate that was asked for.

@@ -2,11 +2,11 @@
 
 use super::behaviour::Behaviour;
 use super::channel::{Channel, is_any_wanted};
-use super::lidar::{lidar_config, ray_report};
+use super::lidar::{lidar_config, report};
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::pictures::noise;
-use super::report::{Say, without_topics};
+use super::report::Say;
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, Noise, Radiation, RangePlugin, RaySensor, ScanAxis, Sensor};
 use crate::description::text::angle;
@@ -35,10 +35,8 @@ impl Behaviour for model::Rangefinder {
     }
 
     fn report(&self, _gazebo_compat: bool, say: Say<'_>) {
-        ray_report(&self.ray, say);
-        let Some(plugin) = &self.plugin else { return without_topics(say) };
-        say("topic", plugin.topic.clone());
-        say("frame", plugin.frame_name.clone());
+        report::ray(&self.ray, say);
+        let Some(plugin) = &self.plugin else { return };
         let radiation = match plugin.radiation {
             Radiation::Ultrasound => "ultrasound",
             Radiation::Infrared => "infrared",

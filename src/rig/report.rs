@@ -1,14 +1,16 @@
 //! A sensor with all its parameters after defaults and plugins, for people.
 
 use super::behaviour::behaviour;
+use super::outlet::Outlet;
 use crate::description::model::{Model, Noise, Sensor};
 use crate::description::text::{number, pose};
+use belvedere_bridge::Encoding;
 use belvedere_sensors::noise::InstrumentConfig;
 
 /// Takes what is told: what it is, and its value.
 pub(super) type Say<'a> = &'a mut dyn FnMut(&str, String);
 
-/// What is told of a sensor, in lines: everything that it will do.
+/// What is told of a sensor, in lines: everything that it will do, but for its streams.
 pub fn sensor_report(model: &Model, sensor: &Sensor, gazebo_compat: bool) -> Vec<String> {
     let kind = behaviour(sensor);
     let mut lines = vec![format!("{} {} ({})", kind.name(), sensor.name, sensor.source)];
@@ -20,9 +22,22 @@ pub fn sensor_report(model: &Model, sensor: &Sensor, gazebo_compat: bool) -> Vec
     lines
 }
 
-/// What is said of a sensor that nothing publishes.
-pub(super) fn without_topics(say: Say<'_>) {
-    say("topics", "none: it has no plugin that is simulated".into());
+/// The streams of a part of a model, a line each.
+pub fn stream_lines<'a>(outlets: impl IntoIterator<Item = &'a Outlet>) -> Vec<String> {
+    let lines = outlets.into_iter().map(|outlet| {
+        let coded = match outlet.encoding() {
+            Encoding::Struct => String::new(),
+            encoding => format!(" {}", encoding.as_str()),
+        };
+        let rate = outlet.rate_hz().map_or("when it changes".to_owned(), |hz| format!("{} Hz", number(hz)));
+        let frame = match outlet.frame_id() {
+            "" => String::new(),
+            frame => format!(", frame {frame}"),
+        };
+        format!("  publishes    {}: {}{coded}, {rate}{frame}", outlet.topic(), outlet.kind().as_str())
+    });
+    let lines: Vec<String> = lines.collect();
+    if lines.is_empty() { vec!["  publishes    nothing".into()] } else { lines }
 }
 
 fn rate(sensor: &Sensor) -> String {
@@ -40,14 +55,17 @@ pub(super) fn noise(noise: &Noise, unit: &str) -> String {
     if *noise == Noise::default() {
         return "none".into();
     }
-    let mut parts =
-        vec![format!("gaussian, mean {}, stddev {} {unit}", number(noise.mean), number(noise.stddev))];
+    let mut parts = Vec::new();
+    if noise.mean != 0.0 || noise.stddev != 0.0 {
+        let (mean, stddev) = (number(noise.mean), number(noise.stddev));
+        parts.push(format!("gaussian, mean {mean}, stddev {stddev} {unit}"));
+    }
     if noise.bias_mean != 0.0 || noise.bias_stddev != 0.0 {
         let (mean, stddev) = (number(noise.bias_mean), number(noise.bias_stddev));
         parts.push(format!("bias mean {mean}, bias stddev {stddev}"));
     }
     if noise.precision > 0.0 {
-        parts.push(format!("rounded to {}", number(noise.precision)));
+        parts.push(format!("rounded to {} {unit}", number(noise.precision)));
     }
     parts.join(", ")
 }

@@ -2,6 +2,7 @@
 
 use super::channel::Channel;
 use super::outlet::Outlet;
+use super::owner::Owner;
 use super::{Opening, RigContext, RigError};
 use crate::description::model::{ModelPlugin, OdometryPlugin};
 use crate::description::optical::{OpticalFrame, new_frames, optical_frames};
@@ -48,7 +49,10 @@ impl StateChannel {
         let array = |topic, kind, count| StreamSpec::structs(topic, kind, count).rate_hz(rate);
         let model = &opening.entity.model;
         let base = model.base().filter(|_| robot.base().is_some());
-        let odometry = base.map(|base| OdometryOutlet::open(&base.odometry, opening)).transpose()?;
+        let odometry = base.map(|base| {
+            let owner = Owner::base(opening.id, opening.entity, base);
+            OdometryOutlet::open(&base.odometry, &opening.of(owner))
+        });
         let is_robot = opening.entity.origin != Origin::World;
         let frames = is_robot.then(|| -> Result<_, RigError> {
             Ok(FrameOutlets {
@@ -69,7 +73,7 @@ impl StateChannel {
             .then(|| opening.open(&array(JOINT_STATES_TOPIC, Kind::JointStates, state.joints.len())));
         let mut channel = Self {
             id: opening.id,
-            odometry,
+            odometry: odometry.transpose()?,
             frames: frames.transpose()?,
             joint_states: joint_states.transpose()?,
             transform_messages: Vec::with_capacity(state.transforms.len()),

@@ -30,6 +30,7 @@ mod values;
 pub use files::ModelFiles;
 pub use shared_memory::SharedMemory;
 
+use crate::description::Severity;
 use crate::entities::EntityId;
 use crate::rig::cost::Cost;
 use crate::rig::packets::PacketTarget;
@@ -117,10 +118,11 @@ impl<'a> Server<'a> {
         for id in ids {
             commands.extend(robot_commands(simulation, &sink.node, id)?);
         }
-        let (rig, states) = sink.room.fit(|| {
+        let (mut rig, states) = sink.room.fit(|| {
             let rig = Rig::open(&sink, simulation.stage().0, options)?;
             Ok((rig, StateStreams::open(&sink, simulation.entities(), simulation.physics())?))
         })?;
+        tell(&mut rig);
         simulation.remember(rig.window_ns());
         Ok(Self {
             inbox: Inbox::open(&sink.node)?,
@@ -155,6 +157,7 @@ impl<'a> Server<'a> {
         let commands = robot_commands(self.simulation, &self.sink.node, id)?;
         let (rig, simulation, sink) = (&mut self.rig, &mut self.simulation, &self.sink);
         sink.room.fit(|| rig.mount(sink, simulation.stage().0, id))?;
+        tell(&mut self.rig);
         self.commands.extend(commands);
         self.simulation.remember(self.rig.window_ns());
         Ok(())
@@ -235,6 +238,17 @@ impl<'a> Server<'a> {
     /// Simulated time in ns since the start, not set back by resets.
     pub fn simulated_ns(&self) -> u64 {
         self.simulation.simulated_ns()
+    }
+}
+
+/// Tells what was decided for the user when streams were opened.
+fn tell(rig: &mut Rig) {
+    for note in rig.take_notes() {
+        if note.severity == Severity::Note {
+            tracing::debug!("{note}");
+        } else {
+            tracing::warn!("{note}");
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::shared_memory::SharedMemory;
 use crate::entities::Entities;
-use crate::rig::{Outlet, Rate};
+use crate::rig::{Outlet, Owner, Rate};
 use crate::world::physics::Physics;
 use belvedere_bridge::payload::ModelState;
 use belvedere_bridge::{Error, Kind, StreamSpec, Text};
@@ -43,7 +43,7 @@ impl StateStreams {
                 history: 0,
                 ..StreamSpec::structs(topic, Kind::ModelStates, count).frame_id("world").rate_hz(RATE_HZ)
             };
-            Outlet::open(sink, &spec, false)
+            Outlet::open(sink, &spec, Owner::simulation(), false)
         };
         Ok(Self {
             models: publisher(StreamSpec::MODEL_STATES, entities.iter().count() + MAX_SPAWNED_MODELS)?,

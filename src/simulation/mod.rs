@@ -95,6 +95,7 @@ impl SimulationBuilder {
                 model: model.clone(),
                 start: model.world_from_model,
                 origin: Origin::World,
+                noise_name: model.name.clone(),
                 robot,
                 units: InertialUnit::all(model, index),
             };
@@ -136,6 +137,12 @@ impl Simulation {
     /// What was decided for the user so far, and what is ignored.
     pub fn notes(&self) -> &[Problem] {
         &self.notes
+    }
+
+    /// Takes in what was decided: each is said once, however often the same model comes.
+    fn note(&mut self, mut notes: Vec<Problem>) {
+        notes.retain(|note| !self.notes.contains(note));
+        self.notes.extend(notes);
     }
 
     /// Seed of all noise, Gazebo's habits, execution.

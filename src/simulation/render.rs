@@ -18,6 +18,18 @@ impl Simulation {
         Ok(self.open_studio()?.topics())
     }
 
+    /// The streams that a server of this simulation publishes, opened as it opens them, and ending nowhere. What is decided
+    /// for the user while they are opened is among the [notes](Self::notes).
+    ///
+    /// # Errors
+    /// As of a server: when two streams have one topic, or a sensor's description cannot be used.
+    pub fn streams(&mut self) -> Result<Rig, SimulationError> {
+        let options = self.options;
+        let mut rig = Rig::open(&Slot::default(), self.stage().0, options)?;
+        self.note(rig.take_notes());
+        Ok(rig)
+    }
+
     /// Renders the frame of a topic as it is now into `frame`, whose memory is used again. Of a sensor with several
     /// streams only what this one needs is worked out.
     ///
@@ -91,7 +103,8 @@ impl Simulation {
         if self.studio.is_none() {
             let slot = Slot::default();
             let options = RigOptions { truth: true, ..self.options };
-            let rig = Rig::open(&slot, self.stage().0, options)?;
+            let mut rig = Rig::open(&slot, self.stage().0, options)?;
+            self.note(rig.take_notes());
             self.remember(rig.window_ns());
             self.studio = Some(Studio { rig, slot });
         }

@@ -89,12 +89,12 @@ impl Simulation {
             notes.extend(problem.filter(|problem| problem.severity < Severity::Error));
             robot
         });
-        // Each is said once, however often the same model comes.
-        notes.retain(|note| !self.notes.contains(note));
-        self.notes.extend(notes);
+        self.note(notes);
         self.studio = None;
         let units = InertialUnit::all(&model, index);
-        Ok(self.entities.add(index, Entity { name, namespace, model, start, origin, robot, units }))
+        let noise_name = self.entities.noise_name(&name, &namespace, origin);
+        let entity = Entity { name, namespace, model, start, origin, noise_name, robot, units };
+        Ok(self.entities.add(index, entity))
     }
 
     /// Takes a model out of the world. What was rendered of it is not changed.

@@ -13,6 +13,7 @@ mod sdf;
 
 mod bad_input;
 mod cameras;
+mod check;
 mod commands;
 mod control_command_line;
 mod control_faults;

@@ -16,3 +16,4 @@ mod lidar_returns;
 mod optics;
 mod physics;
 mod robot;
+mod streams;

@@ -1,72 +1,72 @@
 //! A robot: the tree of its links, its sensors, its base.
 
+use super::counted::fiducials;
+use super::streams::Streams;
 use crate::description::model::{
     BasePlugin, Drive, Joint, JointKind, LinkIndex, Model, ModelPlugin, OdometryOrigin,
 };
 use crate::description::text::{number, pose, vector};
-use crate::rig::base;
+use crate::rig::Part;
 use crate::rig::report::sensor_report;
 use crate::robot::base as drives;
-use crate::robot::imu::Imu;
 use crate::server::commands;
 
-pub(super) fn report(robot: &Model, gazebo_compat: bool) -> Vec<String> {
+pub(super) fn report(robot: &Model, streams: &Streams, gazebo_compat: bool) -> Vec<String> {
     let mut lines = vec![format!("robot {} ({})", robot.name, robot.source)];
     lines.extend(tree(robot));
-    for sensor in &robot.sensors {
+    let tags = fiducials(robot).map(|line| format!("fiducials: {line}"));
+    lines.extend(tags.into_iter().flat_map(|line| [String::new(), line]));
+    for (number, sensor) in robot.sensors.iter().enumerate() {
         lines.push(String::new());
         lines.extend(sensor_report(robot, sensor, gazebo_compat));
+        lines.extend(streams.of_part(ALONE, Part::Sensor(number)));
     }
-    if let Ok(plugin) = drives::check(robot) {
-        lines.push(String::new());
-        lines.extend(base_report(robot, plugin));
-    }
-    lines.extend(reporters(robot));
+    lines.push(String::new());
+    lines.push("robot state".to_owned());
+    lines.extend(streams.of_part(ALONE, Part::Robot));
+    lines.extend(parts(robot, ALONE, streams));
     lines.push(String::new());
     lines
 }
 
+/// The number of a robot that is alone in an empty world.
+const ALONE: usize = 0;
+
+/// What the plugins of a model drive, tell and are told: its base, then all others.
+pub(super) fn parts(model: &Model, number: usize, streams: &Streams) -> Vec<String> {
+    let base = drives::check(model).ok();
+    let mut lines: Vec<String> =
+        base.into_iter().flat_map(|base| base_report(base, number, streams)).collect();
+    let link = |link: LinkIndex| &model.links[link].name;
+    for (index, plugin) in model.plugins.iter().enumerate() {
+        match plugin {
+            ModelPlugin::Base(_) => continue,
+            ModelPlugin::Pose(pose) => {
+                lines.push(format!("true pose of {} ({})", link(pose.link), pose.source));
+            }
+            ModelPlugin::JointStates(states) => lines.push(format!("joint states ({})", states.source)),
+        }
+        lines.extend(streams.of_part(number, Part::Plugin(index)));
+    }
+    lines
+}
+
 /// What the base tells and is told.
-fn base_report(robot: &Model, plugin: &BasePlugin) -> Vec<String> {
+fn base_report(plugin: &BasePlugin, number: usize, streams: &Streams) -> Vec<String> {
     let mut lines = vec![format!("base {} ({})", plugin.drive.name(), plugin.source)];
+    lines.extend(streams.of_part(number, Part::Base));
     let mut say = |what: &str, value: String| lines.push(format!("  {what:12} {value}"));
-    let odometry = &plugin.odometry;
-    say("topics", format!("{}, /joint_states, /tf, /tf_static", odometry.topic));
-    let is_kobuki = matches!(plugin.drive, Drive::Kobuki(_));
-    if is_kobuki {
-        say("", format!("{}, {}", base::IMU_TOPIC, base::CORE_TOPIC));
-        say("", format!("{}, {}", base::BUMPER_TOPIC, base::CLIFF_TOPIC));
-        say("", base::WHEEL_DROP_TOPIC.into());
-    }
     say("commands", plugin.command_topic.clone());
-    if is_kobuki {
+    if matches!(plugin.drive, Drive::Kobuki(_)) {
         say("", format!("{}, {}", commands::RESET_ODOMETRY_TOPIC, commands::MOTOR_POWER_TOPIC));
-        say("IMU frame", robot.links[Imu::mount(robot)].name.clone());
     }
+    let odometry = &plugin.odometry;
     let from = match odometry.origin {
         OdometryOrigin::Encoders => "what the wheels turn",
         OdometryOrigin::World => "the true pose in the world",
     };
     say("odometry", format!("of {} in {}, from {from}", odometry.child_frame, odometry.frame));
     lines
-}
-
-/// What else its plugins report.
-fn reporters(robot: &Model) -> Vec<String> {
-    let rate = |hz: Option<f64>| hz.map_or("every step".to_owned(), |hz| format!("{} Hz", number(hz)));
-    let link = |link: LinkIndex| &robot.links[link].name;
-    let lines = robot.plugins.iter().filter_map(|plugin| {
-        Some(match plugin {
-            ModelPlugin::Base(_) => return None,
-            ModelPlugin::Pose(pose) => {
-                format!("true pose {} of {}, {}", pose.topic, link(pose.link), rate(pose.rate_hz))
-            }
-            ModelPlugin::JointStates(states) => {
-                format!("joint states {}, {}", states.topic, rate(states.rate_hz))
-            }
-        })
-    });
-    lines.collect()
 }
 
 /// The links by their joints, drawn with lines: each link once, also where joints of an SDF model close a loop.

@@ -1,11 +1,14 @@
 //! A world: its physics, lights and models.
 
-use super::robot::joint_kind;
-use crate::description::model::{Geometry, Light, LightKind, Model, World};
+use super::counted::{counted, fiducials};
+use super::robot::{joint_kind, parts};
+use super::streams::Streams;
+use crate::description::model::{Geometry, Light, LightKind, World};
 use crate::description::text::{angle, number, pose, vector};
+use crate::rig::Part;
 use crate::rig::report::sensor_report;
 
-pub(super) fn report(world: &World, gazebo_compat: bool) -> Vec<String> {
+pub(super) fn report(world: &World, streams: &Streams, gazebo_compat: bool) -> Vec<String> {
     let mut lines = vec![format!("world {} ({})", world.name, world.source)];
     lines.push(format!(
         "physics: step {} s, gravity {} m/s²",
@@ -15,7 +18,7 @@ pub(super) fn report(world: &World, gazebo_compat: bool) -> Vec<String> {
     let shadows = if world.shadows { "with shadows" } else { "without shadows" };
     lines.push(format!("scene: ambient {:?}, background {:?}, {shadows}", world.ambient, world.background));
     lines.extend(world.lights.iter().map(light_line));
-    for model in &world.models {
+    for (index, model) in world.models.iter().enumerate() {
         let fixed = if model.is_static { "static" } else { "moving" };
         lines.push(format!("model {} {fixed} {}", model.name, pose(&model.world_from_model)));
         lines.extend(fiducials(model).map(|line| format!("  fiducials: {line}")));
@@ -28,9 +31,13 @@ pub(super) fn report(world: &World, gazebo_compat: bool) -> Vec<String> {
             let (parent, child) = (&model.links[joint.parent].name, &model.links[joint.child].name);
             lines.push(format!("  joint {} {parent} → {child}: {}", joint.name, joint_kind(joint)));
         }
-        for sensor in &model.sensors {
-            lines.extend(sensor_report(model, sensor, gazebo_compat).iter().map(|line| format!("  {line}")));
+        let mut said = Vec::new();
+        for (number, sensor) in model.sensors.iter().enumerate() {
+            said.extend(sensor_report(model, sensor, gazebo_compat));
+            said.extend(streams.of_part(index, Part::Sensor(number)));
         }
+        said.extend(parts(model, index, streams));
+        lines.extend(said.iter().map(|line| format!("  {line}")));
     }
     lines.push(String::new());
     lines
@@ -83,39 +90,5 @@ fn shape(geometry: &Geometry) -> String {
         }
         Geometry::Plane { size: [x, y], .. } => format!("plane {} {}", number(*x), number(*y)),
         Geometry::Mesh(mesh) => format!("mesh {} of {} triangles", mesh.path.display(), mesh.triangles.len()),
-    }
-}
-
-/// How many fiducials of each family a model has, if it has any.
-fn fiducials(model: &Model) -> Option<String> {
-    let visuals = model.links.iter().flat_map(|link| &link.visuals);
-    let families: Vec<_> =
-        visuals.flat_map(|visual| &visual.fiducials).map(|tag| tag.family.clone()).collect();
-    (!families.is_empty()).then(|| counted(&families))
-}
-
-/// Shapes in order, those alike counted where the first of them stands.
-fn counted(shapes: &[String]) -> String {
-    let mut groups: Vec<(&str, usize)> = Vec::new();
-    for shape in shapes {
-        match groups.iter_mut().find(|(other, _)| other == shape) {
-            Some((_, count)) => *count += 1,
-            None => groups.push((shape, 1)),
-        }
-    }
-    let texts = groups.iter().map(|(shape, count)| match count {
-        1 => (*shape).to_owned(),
-        many => format!("{many} × {shape}"),
-    });
-    texts.collect::<Vec<_>>().join(", ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shapes_alike_are_counted() {
-        assert_eq!(counted(&["a", "b", "a"].map(str::to_owned)), "2 × a, b");
     }
 }

@@ -189,6 +189,8 @@ pub struct PosePlugin {
     pub rate_hz: Option<f64>,
     /// Standard deviation of the velocities.
     pub stddev: f64,
+    /// The plugin.
+    pub source: Source,
 }
 
 /// Joint states under a name of one's own.
@@ -200,4 +202,6 @@ pub struct JointStatesPlugin {
     pub joints: Vec<String>,
     /// Rate; none for each step.
     pub rate_hz: Option<f64>,
+    /// The plugin.
+    pub source: Source,
 }

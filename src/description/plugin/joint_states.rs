@@ -35,5 +35,6 @@ fn reporter(given: &mut Parameters<'_>, topic: String) -> Option<ModelPlugin> {
     }
     let rate_hz = given.rate(&["updateRate", "update_rate"], 100.0)?;
     given.left_out();
-    Some(ModelPlugin::JointStates(JointStatesPlugin { topic, joints: texts, rate_hz }))
+    let source = given.plugin.source.clone();
+    Some(ModelPlugin::JointStates(JointStatesPlugin { topic, joints: texts, rate_hz, source }))
 }

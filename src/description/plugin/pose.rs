@@ -12,6 +12,7 @@ pub(super) fn pose(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let frame = given.text(&["frameName", "frame_name"]).unwrap_or_else(|| "world".into());
     let frame = frame.trim_start_matches('/').to_owned();
     given.left_out();
+    let source = given.plugin.source.clone();
     let (offset, rate_hz, stddev) = (offset?, rate_hz?, stddev?);
-    Some(ModelPlugin::Pose(PosePlugin { topic, link, frame, offset, rate_hz, stddev }))
+    Some(ModelPlugin::Pose(PosePlugin { topic, link, frame, offset, rate_hz, stddev, source }))
 }

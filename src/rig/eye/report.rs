@@ -5,6 +5,7 @@ use super::super::report::{Say, noise};
 use super::{drawn_lens, mapped_share};
 use crate::description::model::{
     AngleFunction, AutoExposed, CameraDevice, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
+    Noise,
 };
 use crate::description::text::{angle, number};
 
@@ -20,7 +21,7 @@ fn mapped(camera: &CameraSensor, drawn: &Lens) -> Option<String> {
     }
 }
 
-/// The camera as it is drawn with its plugin.
+/// The camera as it is drawn with its plugin, and what that tells otherwise in `CameraInfo`.
 pub(in crate::rig) fn camera(
     camera: &CameraSensor,
     plugin: Option<&CameraPlugin>,
@@ -33,15 +34,15 @@ pub(in crate::rig) fn camera(
     let (width, height) = (camera.width, camera.height);
     say("picture", format!("{width} x {height} {format}"));
     let across = angle(camera.horizontal_fov_rad);
-    let LensIntrinsics { fx, fy, cx, cy, skew } = camera.lens.intrinsics;
-    match camera.lens.model {
+    let LensIntrinsics { fx, fy, cx, cy, skew } = drawn.intrinsics;
+    match drawn.model {
         LensModel::Pinhole => {
             let down = angle(2.0 * libm::atan(0.5 * f64::from(height) / fy));
             say("view", format!("{across} across, {down} down"));
         }
         LensModel::BrownConrady { .. } => say("view", format!("{across} across, before distortion")),
         LensModel::WideAngle { scale_to_hfov: false, .. } => {}
-        _ if camera.lens.has_own_focal_length => {}
+        _ if drawn.has_own_focal_length => {}
         _ => say("view", format!("{across} across")),
     }
     if fx == fy {
@@ -56,14 +57,19 @@ pub(in crate::rig) fn camera(
     if skew != 0.0 {
         say("skew", number(skew));
     }
-    if let Some(lens) = lens(&camera.lens.model) {
+    if let Some(lens) = lens(&drawn.model) {
         say("lens", lens);
     }
     if let Some(mapped) = mapped(camera, &drawn) {
         say("maps", mapped);
     }
     say("clip", format!("{} to {} m", number(camera.near_m), number(camera.far_m)));
-    say("noise", noise(&camera.noise, "of [0, 1]"));
+    if camera.anti_aliasing > 1 {
+        say("edges", edges(camera, gazebo_compat));
+    }
+    if camera.device.is_none() || camera.noise != Noise::default() {
+        say("noise", noise(&camera.noise, "of [0, 1]"));
+    }
     if let Some(device) = &camera.device {
         device_report(device, say);
     }
@@ -71,10 +77,31 @@ pub(in crate::rig) fn camera(
         let values = [p.fx, p.fy, p.cx, p.cy, p.tx, p.ty].map(number).join(", ");
         say("projection", format!("fx, fy, cx, cy, tx, ty = {values}"));
     }
+    if let Some(plugin) = plugin {
+        told(plugin, gazebo_compat, say);
+    }
 }
 
-/// When the light is collected, and how much.
+/// What the sensor behind the lens adds to the light, when it is collected, and how much.
 fn device_report(device: &CameraDevice, say: Say<'_>) {
+    let config = &device.config;
+    let [read, converter, dark, dsnu, prnu, well] = [
+        config.read_noise_e,
+        config.converter_noise_dn,
+        config.dark_current_e_per_s,
+        config.dsnu_e,
+        config.prnu,
+        config.full_well_e,
+    ]
+    .map(number);
+    say(
+        "device",
+        format!(
+            "{} bits, up to {well} e of light with its shot noise, read noise {read} e and {converter} DN, dark current \
+             {dark} e/s, DSNU {dsnu} e, PRNU {prnu}",
+            config.bits
+        ),
+    );
     let rolling = match device.readout_time_s {
         0.0 => "global".to_owned(),
         time_s => format!("rolling, {} ms from the first row to the last", number(time_s * 1e3)),
@@ -140,25 +167,35 @@ fn lens(model: &LensModel) -> Option<String> {
     Some(format!("{}, {} = {}", model.name(), names.join(", "), values.join(", ")))
 }
 
-/// What the plugin adds to that.
-pub(in crate::rig) fn plugin(camera: &CameraPlugin, say: Say<'_>) {
-    say("frame", if camera.frame_name.is_empty() { "none".into() } else { camera.frame_name.clone() });
+/// What the plugin tells in `CameraInfo` besides the lens.
+fn told(plugin: &CameraPlugin, gazebo_compat: bool, say: Say<'_>) {
     let mut info = Vec::new();
-    if camera.hack_baseline_m != 0.0 {
-        info.push(format!("baseline {} m", number(camera.hack_baseline_m)));
+    if plugin.hack_baseline_m != 0.0 {
+        info.push(format!("baseline {} m", number(plugin.hack_baseline_m)));
     }
-    if camera.distortion != [0.0; 5] {
-        let values = camera.distortion.map(|value| value.to_string()).join(", ");
+    // Otherwise the picture has them, and they were told with it.
+    if gazebo_compat && !plugin.auto_distortion {
+        let values = plugin.distortion.map(|value| value.to_string()).join(", ");
         info.push(format!("k1, k2, k3, t1, t2 = {values}"));
     }
     for (name, value) in [
-        ("cx", camera.principal_point[0]),
-        ("cy", camera.principal_point[1]),
-        ("focal length", camera.focal_length),
+        ("cx", plugin.principal_point[0]),
+        ("cy", plugin.principal_point[1]),
+        ("focal length", plugin.focal_length),
     ] {
-        info.extend(value.map(|value| format!("{name} {}", number(value))));
+        info.extend(value.filter(|_| gazebo_compat).map(|value| format!("{name} {}", number(value))));
     }
     if !info.is_empty() {
         say("camera_info", info.join(", "));
+    }
+}
+
+/// What becomes of `<anti_aliasing>`.
+fn edges(camera: &CameraSensor, gazebo_compat: bool) -> String {
+    let has_moments = camera.device.is_some_and(|device| !device.is_of_one_moment());
+    match (gazebo_compat, has_moments) {
+        (true, _) => "sharp, as in Gazebo classic, whatever <anti_aliasing> says".into(),
+        (_, true) => "sharp, as those of a rolling shutter or motion blur".into(),
+        _ => format!("smoothed, as <anti_aliasing> of {} asks", camera.anti_aliasing),
     }
 }

@@ -1,0 +1,29 @@
+//! The streams of a simulation, by the parts of its models.
+
+use crate::rig::report::stream_lines;
+use crate::rig::{Outlet, Part, Rig};
+
+/// The streams that a simulation has; unknown of a file with errors.
+pub(super) struct Streams(Option<Rig>);
+
+impl Streams {
+    pub(super) fn of(rig: Rig) -> Self {
+        Self(Some(rig))
+    }
+
+    pub(super) fn unknown() -> Self {
+        Self(None)
+    }
+
+    /// Lines that tell the streams of a part of a model, by the model's number in the world.
+    pub(super) fn of_part(&self, model: usize, part: Part) -> Vec<String> {
+        let Some(rig) = &self.0 else {
+            return vec!["  publishes    not known: the file has errors".into()];
+        };
+        let is_of_part = |outlet: &&Outlet| {
+            let owner = outlet.owner();
+            owner.part == part && owner.entity.is_some_and(|entity| entity.index() == model)
+        };
+        stream_lines(rig.outlets().into_iter().filter(is_of_part))
+    }
+}

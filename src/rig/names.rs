@@ -1,0 +1,85 @@
+//! Which topics are taken, by what, and what becomes of a second stream of one topic.
+
+use super::RigError;
+use super::outlet::Outlet;
+use super::owner::Owner;
+use crate::description::diagnostics::{Problem, Severity, Source};
+use belvedere_bridge::{Error, Kind, StreamSpec};
+use std::cell::RefCell;
+use std::collections::HashMap;
+
+/// The topics of a rig while streams are opened, and what was decided about them.
+pub(super) struct Names {
+    taken: RefCell<HashMap<String, (Kind, Owner)>>,
+    notes: RefCell<Vec<Problem>>,
+}
+
+impl Names {
+    /// Those of streams that are open.
+    pub(super) fn of<'a>(outlets: impl IntoIterator<Item = &'a Outlet>) -> Self {
+        let taken = outlets.into_iter().map(|outlet| {
+            let owner = outlet.owner().clone();
+            (outlet.topic().to_owned(), (outlet.kind(), owner))
+        });
+        Self { taken: RefCell::new(taken.collect()), notes: RefCell::default() }
+    }
+
+    /// Notes a decision.
+    pub(super) fn note(&self, severity: Severity, source: &Source, what: String, remedy: &str) {
+        let source = source.clone();
+        self.notes.borrow_mut().push(Problem { severity, source, what, remedy: remedy.into() });
+    }
+
+    /// What was decided.
+    pub(super) fn into_notes(self) -> Vec<Problem> {
+        self.notes.into_inner()
+    }
+
+    /// Gives a stream its topic: the one that it asks for, unless another stream has that.
+    ///
+    /// Gazebo publishes both then, which one stream of shared memory cannot. So the second `CameraInfo` of a topic goes
+    /// beside its picture, with a warning: gz-sim derives one topic for all cameras of a folder. Any other second stream is
+    /// an error, and with `gazebo_compat` is published under a numbered topic, with a warning.
+    pub(super) fn settle(
+        &self,
+        spec: StreamSpec,
+        picture: Option<&str>,
+        owner: &Owner,
+        gazebo_compat: bool,
+    ) -> Result<StreamSpec, RigError> {
+        let topic = with_slash(&spec)?;
+        let mut taken = self.taken.borrow_mut();
+        let Some((kind, first)) = taken.get(&topic).cloned() else {
+            taken.insert(topic, (spec.kind, owner.clone()));
+            return Ok(spec);
+        };
+        let is_info = kind == Kind::CameraInfo && spec.kind == Kind::CameraInfo;
+        let beside = picture.filter(|_| is_info).map(|picture| format!("{picture}/camera_info"));
+        let numbered = (2..).map(|number| format!("{topic}_{number}")).take_while(|_| gazebo_compat);
+        for free in beside.into_iter().chain(numbered) {
+            let spec = StreamSpec { topic: free, ..spec.clone() };
+            let free = with_slash(&spec)?;
+            if taken.contains_key(&free) {
+                continue;
+            }
+            let what = format!(
+                "{} has the topic {topic}, which is that of {} ({}): it is published as {free}. Gazebo publishes both \
+                 under one name",
+                owner.name, first.name, first.source
+            );
+            let remedy = if is_info {
+                "give each camera a topic in a folder of its own, as in left/image, or name the topics of their infos"
+            } else {
+                "give one of them another topic"
+            };
+            self.note(Severity::Warning, &owner.source, what, remedy);
+            taken.insert(free, (spec.kind, owner.clone()));
+            return Ok(spec);
+        }
+        Err(RigError::topic_taken(&topic, &first, owner))
+    }
+}
+
+fn with_slash(spec: &StreamSpec) -> Result<String, Error> {
+    Ok(format!("/{}", spec.name()?))
+}

@@ -21,9 +21,9 @@ use streams::Streams;
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// Show what a robot or world file is understood to be, and everything that is wrong with it.
 ///
-/// Prints the tree of links with their joints, the sensors with all their parameters after defaults and plugins,
-/// and every problem as `file:line: severity: what; remedy`. Of a world it prints models, lights and physics. The
-/// exit code is 1 if there are errors.
+/// Prints the tree of links with their joints, the sensors with all their parameters after defaults and plugins, the
+/// streams that `belvedere run` publishes of them, and every problem as `file:line: severity: what; remedy`. Of a world
+/// it prints models, lights and physics. The exit code is 1 if there are errors.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   belvedere check

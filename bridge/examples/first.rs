@@ -14,5 +14,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             count += 1;
         }
     }
+    if count < 10 {
+        return Err("no picture came for 5 s: is a simulator running (belvedere run)?".into());
+    }
     Ok(())
 }

@@ -13,7 +13,8 @@ int main(void) {
         if (bv_subscribe(node, topics[i], &subscribers[i]) != BV_STATUS_OK ||
             bv_subscriber_fd(subscribers[i], &fds[i].fd) != BV_STATUS_OK) return 1;
     }
-    for (int count = 0; count < 20 && poll(fds, 2, 5000) > 0;)
+    int count = 0;
+    while (count < 20 && poll(fds, 2, 5000) > 0)
         for (int i = 0; i < 2; ++i) {
             bv_frame *frame;
             if (!(fds[i].revents & POLLIN)) continue;
@@ -23,6 +24,8 @@ int main(void) {
                 ++count;
             }
         }
+    if (count < 20) fprintf(stderr, "nothing came for 5 s: is a simulator running (belvedere run)?\n");
     for (int i = 0; i < 2; ++i) bv_subscriber_close(subscribers[i]);
     bv_node_close(node);
+    return count < 20;
 }

@@ -9,7 +9,8 @@ int main(void) {
         fprintf(stderr, "%s\n", bv_last_error());
         return 1;
     }
-    for (int count = 0; count < 10 && bv_subscriber_wait(camera, 5000) == BV_STATUS_OK;) {
+    int count = 0;
+    while (count < 10 && bv_subscriber_wait(camera, 5000) == BV_STATUS_OK) {
         bv_frame *frame;
         if (bv_subscriber_take(camera, &frame) != BV_STATUS_OK) continue;
         const bv_frame_header *header = bv_frame_get_header(frame);
@@ -18,6 +19,8 @@ int main(void) {
         bv_frame_release(frame);
         ++count;
     }
+    if (count < 10) fprintf(stderr, "no picture came for 5 s: is a simulator running (belvedere run)?\n");
     bv_subscriber_close(camera);
     bv_node_close(node);
+    return count < 10;
 }

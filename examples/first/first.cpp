@@ -4,7 +4,8 @@
 int main() try {
     belvedere::Node node;
     belvedere::Subscriber camera = node.subscribe("image_raw");
-    for (int count = 0; count < 10 && camera.wait(std::chrono::seconds(5));) {
+    int count = 0;
+    while (count < 10 && camera.wait(std::chrono::seconds(5))) {
         if (auto frame = camera.take()) {
             auto pixels = frame->row<std::uint8_t>(0);  // where the simulator wrote them
             std::cout << frame->header().width << " x " << frame->header().height << ", first pixel "
@@ -12,6 +13,9 @@ int main() try {
             ++count;
         }
     }
+    if (count == 10) return 0;
+    std::cerr << "no picture came for 5 s: is a simulator running (belvedere run)?\n";
+    return 1;
 } catch (const belvedere::Error& error) {
     std::cerr << error.what() << '\n';
     return 1;

@@ -4,7 +4,8 @@
 int main() try {
     belvedere::Node node;
     auto pairs = node.synchronize(std::chrono::nanoseconds(0), "camera/rgb/image_raw", "camera/depth/points");
-    for (int count = 0; count < 10 && pairs.wait(std::chrono::seconds(5));) {
+    int count = 0;
+    while (count < 10 && pairs.wait(std::chrono::seconds(5))) {
         if (auto pair = pairs.take()) {
             const auto& [picture, cloud] = *pair;  // of one moment
             const auto points = belvedere::eigen_points(cloud);  // a map: where the simulator wrote them
@@ -14,6 +15,9 @@ int main() try {
             ++count;
         }
     }
+    if (count == 10) return 0;
+    std::cerr << "no pair came for 5 s: is a simulator running with a Kinect?\n";
+    return 1;
 } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

@@ -28,7 +28,7 @@ volatile std::sig_atomic_t stop = 0;
 
 struct Options {
     std::string topic;
-    std::string domain = "default";
+    std::string domain;  // without one it is that of BELVEDERE_DOMAIN, else "default"
     double duration_s = std::numeric_limits<double>::infinity();
     unsigned long long count = std::numeric_limits<unsigned long long>::max();
     std::string save;

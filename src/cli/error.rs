@@ -102,6 +102,17 @@ pub enum CliError {
         /// Simulated time in ns.
         time_ns: u64,
     },
+    /// Consumers that are waited for have not come.
+    #[error(
+        "{names} did not come within {:.1} s; start it within that time, or raise --patience",
+        waited.as_secs_f64()
+    )]
+    ConsumersMissing {
+        /// Who.
+        names: String,
+        /// How long was waited.
+        waited: Duration,
+    },
     /// Consumers that are waited for have left and did not come back.
     #[error(
         "{names} left and did not come back within {:.1} s; no frame was lost; start it again sooner, raise --patience, or end the simulation with --duration",

@@ -9,9 +9,11 @@ pub mod error;
 pub mod follow;
 pub mod hz;
 pub mod info;
+mod isolated;
 #[cfg(feature = "link")]
 pub mod link;
 pub mod list;
+mod live_lines;
 pub mod log;
 pub mod message;
 mod pacer;
@@ -36,6 +38,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
 use error::CliError;
 use rustix::process::Resource;
+use std::io::Write as _;
 use std::process::ExitCode;
 
 /// A robot sensor simulator: cameras, depth cameras and lidars on the CPU, exact and repeatable, handed to other
@@ -160,7 +163,8 @@ fn run_command() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{}", failure(&error));
+            // Where nobody reads it, the exit code says it alone.
+            let _ = writeln!(std::io::stderr(), "{}", failure(&error));
             ExitCode::FAILURE
         }
     }

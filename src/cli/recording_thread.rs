@@ -3,9 +3,10 @@
 use super::error::CliError;
 use super::follow::NAP;
 use super::record::{RECORDER, finish, start};
-use crate::recording::{Attachment, Recorder, RecorderOptions, about};
+use crate::recording::{Attachment, Recorder, RecorderOptions, RecordingError, about};
 use belvedere_bridge::{Domain, Node};
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,11 +16,12 @@ use std::time::{Duration, Instant};
 /// How often new streams are looked for.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// A recording that goes on beside this thread.
+/// A recording that goes on beside this thread. Dropped, as by an error or a panic of the run, it is finished as well.
 pub(super) struct RecordingThread {
     path: PathBuf,
     stop: Arc<AtomicBool>,
-    thread: JoinHandle<Recorder>,
+    /// None once it is finished.
+    thread: Option<JoinHandle<Recorder>>,
 }
 
 impl RecordingThread {
@@ -46,7 +48,9 @@ impl RecordingThread {
                     std::thread::sleep(NAP);
                     if Instant::now() >= next_look {
                         next_look = Instant::now() + LOOK;
-                        if let Err(error) = recorder.look() {
+                        // What is recorded already is not lost with it.
+                        let look = AssertUnwindSafe(|| recorder.look());
+                        if let Ok(Err(error)) = catch_unwind(look) {
                             tracing::warn!(%error, "new streams are not recorded");
                         }
                     }
@@ -54,15 +58,30 @@ impl RecordingThread {
                 recorder
             })
             .map_err(CliError::NoThread)?;
-        Ok(Self { path: path.to_owned(), stop, thread })
+        Ok(Self { path: path.to_owned(), stop, thread: Some(thread) })
     }
 
     /// Takes what still waits, and ends the file.
-    pub(super) fn finish(self) -> Result<(), CliError> {
+    pub(super) fn finish(mut self) -> Result<(), CliError> {
+        self.end()
+    }
+
+    fn end(&mut self) -> Result<(), CliError> {
+        let Some(thread) = self.thread.take() else { return Ok(()) };
         self.stop.store(true, Ordering::Relaxed);
-        match self.thread.join() {
-            Ok(recorder) => finish(recorder, &self.path, false),
-            Err(panic) => std::panic::resume_unwind(panic),
+        let recorder = thread.join().map_err(|_| CliError::Recording {
+            action: "write",
+            path: self.path.clone(),
+            source: Box::new(RecordingError::Broken("the recorder panicked".into())),
+        })?;
+        finish(recorder, &self.path, false)
+    }
+}
+
+impl Drop for RecordingThread {
+    fn drop(&mut self) {
+        if let Err(error) = self.end() {
+            tracing::error!("{error}");
         }
     }
 }

@@ -44,9 +44,10 @@ pub struct ReplayArgs {
     /// may be repeated
     #[arg(long, value_name = "NAME[=STREAMS]")]
     wait_for: Vec<Awaited>,
-    /// How long a frame waits for one of them
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "wait_for", default_value = "10")]
-    patience: Duration,
+    /// How long a frame waits for one of them before the replay ends, with exit code 1, and names it
+    /// [default: 10; at the start, when other programs may have to be started first, 60]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "wait_for")]
+    patience: Option<Duration>,
 }
 
 fn pace(text: &str) -> Result<Pace, String> {

@@ -3,6 +3,7 @@
 use super::attachments::attachments;
 use super::error::CliError;
 use super::follow::{NAP, listen_for_stop, print_line, seconds, stop_wanted};
+use super::isolated::Isolated;
 use super::pacer::Pacer;
 use super::record::RECORDER;
 use super::recording_thread::RecordingThread;
@@ -20,12 +21,13 @@ use crate::entities::Origin;
 use crate::rig::Rig;
 use crate::rig::packets::{Feed, PacketTarget};
 use crate::robot::Autopilot;
-use crate::server::attendance::{Attendance, Awaited};
+use crate::server::attendance::{Attendance, Awaited, START_PATIENCE};
 use crate::server::post::Post;
 use crate::server::{ModelFiles, Server, ServerOptions, SharedMemory};
 use crate::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Domain, Lossless, Node};
 use std::collections::BTreeMap;
+use std::io::Write as _;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -123,15 +125,16 @@ pub struct RunArgs {
     /// many as follow =) and waits while it has no room; may be repeated
     #[arg(long, value_name = "NAME[=STREAMS]")]
     wait_for: Vec<Awaited>,
-    /// How long it waits for one of them before it ends with a report of who held it up
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "10")]
-    patience: Duration,
+    /// How long it waits for one of them before it ends, with exit code 1, and names it
+    /// [default: 10; at the start, when other programs may have to be started first, 60]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    patience: Option<Duration>,
 }
 
 impl RunArgs {
-    /// Whom the simulation waits for before and during the run; of the recorder only the name is known yet.
+    /// Whom the simulation waits for before and during the run.
     fn awaited(&self) -> Vec<Awaited> {
-        let recorder = self.record.as_ref().map(|_| Awaited { name: RECORDER.into(), streams: 1 });
+        let recorder = self.record.as_ref().map(|_| Awaited { name: RECORDER.into(), streams: Awaited::ALL });
         self.wait_for.iter().cloned().chain(recorder).collect()
     }
 
@@ -182,7 +185,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let sink = SharedMemory {
         lossless: (!awaited.is_empty()).then(|| Lossless {
             consumers: awaited.iter().map(|awaited| awaited.name.clone()).collect(),
-            patience: args.patience,
+            patience: args.patience.unwrap_or(Lossless::PATIENCE),
         }),
         post: post.clone(),
         ..SharedMemory::new(node.clone())
@@ -212,25 +215,45 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         .transpose()?;
     let page =
         shown.map(|shown| open_page(&Node::open(&args.domain, "view")?, &args.page, shown)).transpose()?;
-    let mut status = Status::new(server.rig());
-    let mut scene = ShownScene::new(page.as_ref(), server.simulation());
-    let ended = run_loop(&mut server, args, &node, &mut status, &mut scene, post.as_deref());
+    let mut displays = Displays {
+        status: Isolated::new("the table of streams", || Status::new(server.rig())),
+        scene: Isolated::new("the scene of the page", || ShownScene::new(page.as_ref(), server.simulation())),
+    };
+    let ended = run_loop(&mut server, args, &node, &mut displays, post.as_deref());
     if let Some(post) = &post {
         post.flush();
     }
-    drop(page);
-    let table = status.finish(server.rig(), server.simulated_ns());
-    eprint!("{table}");
-    // If it failed, that is why the run ended.
+    // Before anything is shown: whatever becomes of that, the file is complete.
     let recorded = recording.map_or(Ok(()), RecordingThread::finish);
+    let table = displays.status.end(|status| status.finish(server.rig(), server.simulated_ns()));
+    drop(page);
+    // Where nobody reads it, it is not missed.
+    let _ = std::io::stderr().write_all(table.unwrap_or_default().as_bytes());
+    // If it failed, that is why the run ended.
     recorded.and(ended)?;
     if args.hash { print_hashes(server.rig()) } else { Ok(()) }
+}
+
+/// What shows how the run goes, and has no part in it.
+struct Displays<'a> {
+    status: Isolated<Status>,
+    scene: Isolated<ShownScene<'a>>,
+}
+
+impl Displays<'_> {
+    fn refresh(&mut self, server: &Server<'_>) {
+        self.status.show(|status| status.refresh(server.rig(), server.simulated_ns()));
+        self.scene.show(|scene| scene.refresh(server.simulation()));
+    }
 }
 
 /// What a recording says of the run, besides what every recording says.
 fn words(args: &RunArgs) -> BTreeMap<String, String> {
     let world = args.world.clone().unwrap_or_else(default_world);
-    BTreeMap::from([("seed".to_owned(), args.seed.to_string()), ("world".to_owned(), world)])
+    BTreeMap::from([
+        ("seed".to_owned(), args.seed.to_string()),
+        ("world".to_owned(), world),
+    ])
 }
 
 /// Who runs where.
@@ -291,31 +314,26 @@ fn run_loop(
     server: &mut Server<'_>,
     args: &RunArgs,
     node: &Node,
-    status: &mut Status,
-    scene: &mut ShownScene<'_>,
+    displays: &mut Displays<'_>,
     post: Option<&Post>,
 ) -> Result<(), CliError> {
     let end_ns =
         args.duration.map_or(u64::MAX, |duration| u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX));
-    let mut awaited = args.awaited();
-    for recorder in awaited.iter_mut().filter(|awaited| args.record.is_some() && awaited.name == RECORDER) {
-        recorder.streams = recorder.streams.max(server.rig().outlets().len());
-    }
+    let awaited = args.awaited();
     let mut attendance = Attendance::new(&awaited);
-    gather(&mut attendance, server, node, None)?;
+    gather(&mut attendance, server, node, args, true)?;
     let mut pacer = Pacer::new(server, post);
     while !stop_wanted() {
         if server.is_paused() {
             server.idle(NAP);
-            scene.refresh(server.simulation());
-            status.refresh(server.rig(), server.simulated_ns());
+            displays.refresh(server);
             continue;
         }
         let keeps_time = args.rate == Pace::Realtime;
         if server.next_simulated_ns() >= end_ns || keeps_time && !pacer.wait_for_next(server) {
             break;
         }
-        gather(&mut attendance, server, node, Some(args.patience))?;
+        gather(&mut attendance, server, node, args, false)?;
         let epoch = server.epoch();
         server.serve();
         if server.is_paused() || server.epoch() != epoch {
@@ -327,20 +345,22 @@ fn run_loop(
         {
             return Err(CliError::HeldUp { error: error.to_string(), time_ns: server.time_ns() });
         }
-        status.refresh(server.rig(), server.simulated_ns());
-        scene.refresh(server.simulation());
+        displays.refresh(server);
     }
     Ok(())
 }
 
-/// Lets simulated time stand until all that are waited for are there; at the start for as long as it takes.
+/// Lets simulated time stand until all consumers that are waited for are there.
 fn gather(
     attendance: &mut Attendance,
     server: &mut Server<'_>,
     node: &Node,
-    patience: Option<Duration>,
+    args: &RunArgs,
+    is_start: bool,
 ) -> Result<(), CliError> {
     let since = Instant::now();
+    let usual = if is_start { START_PATIENCE } else { Lossless::PATIENCE };
+    let patience = args.patience.unwrap_or(usual);
     let mut told = String::new();
     loop {
         let missing = attendance.missing(server.rig());
@@ -354,8 +374,13 @@ fn gather(
         if stop_wanted() {
             return Ok(());
         }
-        if patience.is_some_and(|patience| since.elapsed() >= patience) {
-            return Err(CliError::ConsumersGone { names, waited: since.elapsed() });
+        let waited = since.elapsed();
+        if waited >= patience {
+            return Err(if is_start {
+                CliError::ConsumersMissing { names, waited }
+            } else {
+                CliError::ConsumersGone { names, waited }
+            });
         }
         if told != names {
             tracing::info!("simulated time waits for {names}");

@@ -1,80 +1,87 @@
 //! The live status of a run: one line per stream, and the real-time factor.
 
-use super::log::status_lines;
+mod table;
+
+use super::log::{show_table, terminal};
 use crate::rig::{Outlet, Rig, Tally};
-use indicatif::{ProgressBar, ProgressStyle};
-use std::collections::VecDeque;
-use std::fmt::Write as _;
+use std::collections::{HashMap, VecDeque};
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
+use table::{Row, table};
 
-/// Time between two refreshes on a terminal.
-const REFRESH: Duration = Duration::from_millis(500);
+/// Time between two refreshes on a terminal: a table of sixty lines that all change takes 3 kB.
+const REFRESH: Duration = Duration::from_secs(1);
 /// Refreshes over which a rate is taken.
-const WINDOW: usize = 4;
+const WINDOW: usize = 2;
 /// Time between two log lines where there is no terminal.
 const REPORT: Duration = Duration::from_secs(10);
+/// Columns and rows of a terminal that does not tell its size.
+const USUAL_TERMINAL: (usize, usize) = (80, 24);
 
 /// Shows how a run goes.
 pub(super) struct Status {
-    lines: Option<Vec<ProgressBar>>,
+    is_terminal: bool,
+    /// The rig's, when its streams were looked at last.
+    edition: u64,
+    /// Each stream by its topic, when it came.
+    since: HashMap<String, Mark>,
     history: VecDeque<Sample>,
     started: Sample,
     next: Instant,
 }
 
+/// What a stream had done at a simulated time.
+#[derive(Clone, Copy)]
+struct Mark {
+    time_ns: u64,
+    tally: Tally,
+}
+
+/// All streams at a moment, by their topics: their places change when others come and go.
 struct Sample {
     at: Instant,
     time_ns: u64,
-    tallies: Vec<Tally>,
+    streams: HashMap<String, Mark>,
 }
 
 impl Sample {
     fn now(rig: &Rig, time_ns: u64) -> Self {
-        Self {
-            at: Instant::now(),
-            time_ns,
-            tallies: rig.outlets().iter().map(|outlet| outlet.tally()).collect(),
-        }
+        let mark = |outlet: &Outlet| (outlet.topic().to_owned(), Mark { time_ns, tally: outlet.tally() });
+        Self { at: Instant::now(), time_ns, streams: rig.outlets().into_iter().map(mark).collect() }
     }
 }
 
 impl Status {
     pub(super) fn new(rig: &Rig) -> Self {
-        let lines = std::io::stderr().is_terminal().then(|| {
-            let style =
-                ProgressStyle::with_template("{msg}").unwrap_or_else(|_| ProgressStyle::default_spinner());
-            let line = || status_lines().add(ProgressBar::new_spinner().with_style(style.clone()));
-            // One per stream, a heading above, the whole below.
-            (0..rig.outlets().len() + 2).map(|_| line()).collect()
-        });
-        let period = if lines.is_some() { REFRESH } else { REPORT };
-        Self { lines, history: VecDeque::new(), started: Sample::now(rig, 0), next: Instant::now() + period }
+        let is_terminal = std::io::stderr().is_terminal();
+        let started = Sample::now(rig, 0);
+        Self {
+            is_terminal,
+            edition: rig.edition(),
+            since: started.streams.clone(),
+            history: VecDeque::new(),
+            next: started.at + if is_terminal { REFRESH } else { REPORT },
+            started,
+        }
     }
 
     /// Refreshes the status if it is time.
     pub(super) fn refresh(&mut self, rig: &Rig, time_ns: u64) {
+        self.follow(rig, time_ns);
         let now = Instant::now();
         if now < self.next {
             return;
         }
         let sample = Sample::now(rig, time_ns);
         let before = self.history.front().unwrap_or(&self.started);
-        if let Some(lines) = &self.lines {
+        let total = total(rig, before, &sample);
+        if self.is_terminal {
             self.next = now + REFRESH;
-            let outlets = rig.outlets();
-            let text = table(&outlets, before, &sample);
-            for (line, text) in lines.iter().zip(text.lines()) {
-                line.set_message(text.to_owned());
-            }
+            let (columns, rows) = terminal().unwrap_or(USUAL_TERMINAL);
+            show_table(table(&self.rows(rig, before, &sample), &total, columns, rows), columns);
         } else {
             self.next = now + REPORT;
-            let (frames, dropped) = totals(&sample);
-            tracing::info!(
-                "{:.1} s simulated, real-time factor {:.3}, {frames} frames, {dropped} dropped",
-                time_ns as f64 * 1e-9,
-                factor(before, &sample)
-            );
+            tracing::info!("{total}");
         }
         self.history.push_back(sample);
         if self.history.len() > WINDOW {
@@ -83,57 +90,97 @@ impl Status {
     }
 
     /// Takes the live lines away and gives the table over the whole run.
-    pub(super) fn finish(self, rig: &Rig, time_ns: u64) -> String {
-        for line in self.lines.iter().flatten() {
-            line.finish_and_clear();
+    pub(super) fn finish(mut self, rig: &Rig, time_ns: u64) -> String {
+        self.follow(rig, time_ns);
+        let columns = self.is_terminal.then(|| terminal().unwrap_or(USUAL_TERMINAL).0);
+        if let Some(columns) = columns {
+            show_table(Vec::new(), columns);
         }
-        table(&rig.outlets(), &self.started, &Sample::now(rig, time_ns))
+        let sample = Sample::now(rig, time_ns);
+        let whole = Sample { streams: self.since.clone(), ..self.started };
+        let rows = self.rows(rig, &whole, &sample);
+        let total = total(rig, &whole, &sample);
+        table(&rows, &total, columns.unwrap_or(usize::MAX), usize::MAX).join("\n") + "\n"
     }
-}
 
-fn table(outlets: &[&Outlet], before: &Sample, now: &Sample) -> String {
-    let topics: Vec<&str> = outlets.iter().map(|outlet| outlet.topic()).collect();
-    let width = topics.iter().map(|topic| topic.len()).max().unwrap_or(0).max(5);
-    let seconds = (now.at - before.at).as_secs_f64().max(1e-9);
-    let mut text = format!(
-        "{:width$} {:>9} {:>9} {:>11} {:>8} {:>10}\n",
-        "TOPIC", "RATE Hz", "ASKED Hz", "SUBSCRIBERS", "DROPPED", "FRAME ms"
-    );
-    for (index, outlet) in outlets.iter().enumerate() {
-        let (earlier, tally) = (&before.tallies[index], &now.tallies[index]);
-        let frames = tally.frames - earlier.frames;
-        let made_ms = tally.busy.saturating_sub(earlier.busy).as_secs_f64() * 1e3 / frames.max(1) as f64;
-        let asked = outlet.rate_hz().map_or_else(|| "-".into(), |rate| format!("{rate:.2}"));
-        let made = if tally.busy.is_zero() { "-".into() } else { format!("{made_ms:.2}") };
-        let subscribers = outlet.subscribers();
-        let rate = match frames as f64 / seconds {
-            0.0 if subscribers == 0 && outlet.rate_hz().is_some() => "idle".into(),
-            rate => format!("{rate:.2}"),
+    /// Begins to count streams that have come, and forgets those that are gone.
+    fn follow(&mut self, rig: &Rig, time_ns: u64) {
+        if self.edition == rig.edition() {
+            return;
+        }
+        self.edition = rig.edition();
+        let mut now = Sample::now(rig, time_ns).streams;
+        for (topic, mark) in &mut now {
+            // One that has sent less than before is another one of the same topic.
+            let since = self.since.get(topic).filter(|since| since.tally.frames <= mark.tally.frames);
+            *mark = since.copied().unwrap_or(*mark);
+        }
+        self.since = now;
+        self.history.clear();
+    }
+
+    fn rows(&self, rig: &Rig, before: &Sample, now: &Sample) -> Vec<Row> {
+        let row = |outlet: &Outlet| {
+            let topic = outlet.topic();
+            let now = Mark { time_ns: now.time_ns, tally: outlet.tally() };
+            let before = before.streams.get(topic).or(self.since.get(topic)).copied().unwrap_or(now);
+            Row::new(topic, outlet.rate_hz(), outlet.subscribers(), &before, &now)
         };
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{:width$} {rate:>9} {asked:>9} {subscribers:>11} {:>8} {made:>10}",
-            topics[index], tally.dropped,
-        );
+        rig.outlets().into_iter().map(row).collect()
     }
-    let (frames, dropped) = totals(now);
-    let _ = writeln!(
-        text,
-        "{:.1} s simulated, real-time factor {:.3}, {frames} frames, {dropped} dropped",
-        now.time_ns as f64 * 1e-9,
-        factor(before, now)
-    );
-    text
 }
 
-fn totals(sample: &Sample) -> (u64, u64) {
-    sample
-        .tallies
-        .iter()
-        .fold((0, 0), |(frames, dropped), tally| (frames + tally.frames, dropped + tally.dropped))
+impl Row {
+    fn new(topic: &str, asked_hz: Option<f64>, subscribers: usize, before: &Mark, now: &Mark) -> Self {
+        let frames = now.tally.frames.saturating_sub(before.tally.frames);
+        let seconds = now.time_ns.saturating_sub(before.time_ns) as f64 * 1e-9;
+        let is_idle = frames == 0 && subscribers == 0;
+        let rate = match asked_hz {
+            Some(_) if is_idle => "idle".into(),
+            None if frames == 0 => "-".into(),
+            _ if seconds == 0.0 => "-".into(),
+            _ => format!("{:.2}", frames as f64 / seconds),
+        };
+        let asked = asked_hz.map_or_else(|| "on event".into(), |asked| format!("{asked:.2}"));
+        let busy_ms = now.tally.busy.saturating_sub(before.tally.busy).as_secs_f64() * 1e3;
+        let is_made = !now.tally.busy.is_zero() && frames > 0;
+        let made = if is_made { format!("{:.2}", busy_ms / frames as f64) } else { "-".into() };
+        let cells = [rate, asked, subscribers.to_string(), now.tally.dropped.to_string(), made];
+        Self { topic: topic.to_owned(), cells, is_idle }
+    }
 }
 
-fn factor(before: &Sample, now: &Sample) -> f64 {
-    (now.time_ns - before.time_ns) as f64 * 1e-9 / (now.at - before.at).as_secs_f64().max(1e-9)
+fn total(rig: &Rig, before: &Sample, now: &Sample) -> String {
+    let Tally { frames, dropped, .. } = rig.tally();
+    let simulated_s = now.time_ns.saturating_sub(before.time_ns) as f64 * 1e-9;
+    let factor = simulated_s / (now.at - before.at).as_secs_f64().max(1e-9);
+    let time_s = now.time_ns as f64 * 1e-9;
+    format!("{time_s:.1} s simulated, real-time factor {factor:.3}, {frames} frames, {dropped} dropped")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rate_is_that_of_simulated_time_and_nothing_is_absurd() {
+        let mark = |time_s: u64, frames| Mark {
+            time_ns: time_s * 1_000_000_000,
+            tally: Tally { frames, ..Tally::default() },
+        };
+        let rate = |asked, subscribers, before, now| {
+            let [rate, asked, ..] = Row::new("/t", asked, subscribers, &before, &now).cells;
+            (rate, asked)
+        };
+        let is = |rate: &str, asked: &str| (rate.to_owned(), asked.to_owned());
+        assert_eq!(rate(Some(30.0), 1, mark(10, 50), mark(12, 110)), is("30.00", "30.00"));
+        assert_eq!(rate(Some(30.0), 0, mark(10, 50), mark(12, 50)), is("idle", "30.00"));
+        assert_eq!(rate(Some(30.0), 1, mark(10, 50), mark(12, 50)), is("0.00", "30.00"));
+        // Paused.
+        assert_eq!(rate(Some(30.0), 1, mark(10, 50), mark(10, 50)), is("-", "30.00"));
+        assert_eq!(rate(None, 1, mark(10, 1), mark(12, 1)), is("-", "on event"));
+        assert_eq!(rate(None, 0, mark(10, 1), mark(12, 5)), is("2.00", "on event"));
+        // Another stream of the same topic.
+        assert_eq!(rate(Some(30.0), 1, mark(10, 500), mark(12, 3)), is("0.00", "30.00"));
+    }
 }

@@ -53,6 +53,14 @@ pub enum RecordingError {
         /// What its header says.
         library: String,
     },
+    /// A consumer that is waited for has not come, or follows too few streams.
+    #[error("\"{name}\" did not come within {:.1} s; start it within that time, or raise --patience", waited.as_secs_f64())]
+    ConsumerMissing {
+        /// Which.
+        name: String,
+        /// How long was waited.
+        waited: std::time::Duration,
+    },
     /// A stream cannot be opened or sent to.
     #[error(transparent)]
     Bridge(#[from] belvedere_bridge::Error),

@@ -5,7 +5,7 @@ use super::player_options::{Pace, PlayerOptions};
 use super::reader::{Item, RecordedFrame, RecordingReader};
 use super::timeline::Timeline;
 use super::{RecordedStream, RecordingError};
-use crate::server::attendance::Awaited;
+use crate::server::attendance::{Awaited, START_PATIENCE};
 use crate::server::inbox::{Inbox, Request};
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{FrameHeader, Kind, Lossless, Node, Operation, Publisher, StreamSpec};
@@ -179,7 +179,7 @@ impl Player {
     fn publisher(&self, stream: &RecordedStream) -> Result<Publisher, RecordingError> {
         let lossless = (!self.options.wait_for.is_empty()).then(|| Lossless {
             consumers: self.options.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),
-            patience: self.options.patience,
+            patience: self.patience(),
         });
         Ok(self.node.publisher(&StreamSpec { lossless, ..stream.spec() })?)
     }
@@ -212,9 +212,14 @@ impl Player {
         Ok(())
     }
 
+    /// How long a frame waits for a consumer.
+    fn patience(&self) -> Duration {
+        self.options.patience.unwrap_or(Lossless::PATIENCE)
+    }
+
     /// Waits until something holds, or patience ends.
     fn until(&self, holds: impl Fn() -> Result<bool, RecordingError>) -> Result<(), RecordingError> {
-        let deadline = Instant::now() + self.options.patience;
+        let deadline = Instant::now() + self.patience();
         while !holds()? && Instant::now() < deadline {
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -223,16 +228,19 @@ impl Player {
 
     /// Waits until all consumers that are waited for follow as many streams as they should; false if `go_on` ends it.
     fn gather(&mut self, go_on: &mut impl FnMut(&Self) -> bool) -> Result<bool, RecordingError> {
+        let since = Instant::now();
         loop {
             let mut following: BTreeMap<String, usize> = BTreeMap::new();
             for consumer in self.streams.values().flat_map(Publisher::consumers) {
                 *following.entry(consumer.name).or_default() += 1;
             }
-            let is_there = |awaited: &Awaited| {
-                following.get(&awaited.name).is_some_and(|&count| count >= awaited.streams)
+            let missing = |awaited: &&Awaited| {
+                following.get(&awaited.name).is_none_or(|&count| count < awaited.streams)
             };
-            if self.options.wait_for.iter().all(is_there) {
-                return Ok(true);
+            let Some(awaited) = self.options.wait_for.iter().find(missing) else { return Ok(true) };
+            let waited = since.elapsed();
+            if waited >= self.options.patience.unwrap_or(START_PATIENCE) {
+                return Err(RecordingError::ConsumerMissing { name: awaited.name.clone(), waited });
             }
             if !go_on(self) {
                 return Ok(false);

@@ -1,7 +1,6 @@
 //! [`PlayerOptions`]: how a recording is played.
 
 use crate::server::attendance::Awaited;
-use belvedere_bridge::Lossless;
 use std::time::Duration;
 
 /// How fast a recording is played.
@@ -26,8 +25,9 @@ pub struct PlayerOptions {
     pub paused: bool,
     /// Consumers that lose no frame and are waited for before the first.
     pub wait_for: Vec<Awaited>,
-    /// How long a frame waits for one of them.
-    pub patience: Duration,
+    /// How long a frame, and the first of all, waits for one of them; if nothing is asked for, as long as a simulation
+    /// does.
+    pub patience: Option<Duration>,
 }
 
 impl Default for PlayerOptions {
@@ -39,7 +39,7 @@ impl Default for PlayerOptions {
             duration: None,
             paused: false,
             wait_for: Vec::new(),
-            patience: Lossless::PATIENCE,
+            patience: None,
         }
     }
 }

@@ -139,6 +139,10 @@ pub struct Rig {
     settings: Outlet,
     most_sensors: usize,
     workspace: WorkspaceBuf,
+    /// Changes when streams come or go.
+    edition: u64,
+    /// The work of streams that are gone.
+    gone: Tally,
 }
 
 impl Rig {
@@ -170,8 +174,16 @@ impl Rig {
             cost: Cost::default(),
             housing: Vec::new(),
         };
-        let notes = Vec::new();
-        let mut rig = Self { options, channels: vec![clock], notes, settings, most_sensors, workspace };
+        let mut rig = Self {
+            options,
+            channels: vec![clock],
+            notes: Vec::new(),
+            settings,
+            most_sensors,
+            workspace,
+            edition: 0,
+            gone: Tally::default(),
+        };
         for (id, _) in stage.entities.iter() {
             rig.open_channels(sink, stage, id)?;
         }
@@ -188,7 +200,10 @@ impl Rig {
         let mounted = self.open_channels(sink, stage, id);
         if mounted.is_err() {
             self.channels.truncate(before);
-        } else if self.channels[before..].iter().any(|channel| channel.tuning.is_some()) {
+            return mounted;
+        }
+        self.edition += 1;
+        if self.channels[before..].iter().any(|channel| channel.tuning.is_some()) {
             self.tell_settings(stage.physics.time_ns());
         }
         mounted
@@ -196,11 +211,15 @@ impl Rig {
 
     /// Closes all streams of one who goes.
     pub fn unmount(&mut self, id: EntityId, now_ns: u64) {
-        let before = self.channels.len();
-        self.channels.retain(|channel| channel.entity != Some(id));
-        if self.channels.len() < before {
-            self.tell_settings(now_ns);
+        let closed: Vec<_> = self.channels.extract_if(.., |scheduled| scheduled.entity == Some(id)).collect();
+        if closed.is_empty() {
+            return;
         }
+        let outlets = closed.iter().flat_map(|scheduled| scheduled.channel.outlets());
+        self.gone = outlets.fold(self.gone, |sum, outlet| sum + outlet.tally());
+        drop(closed);
+        self.edition += 1;
+        self.tell_settings(now_ns);
     }
 
     fn open_channels(&mut self, sink: &dyn Sink, stage: Stage<'_>, id: EntityId) -> Result<(), RigError> {
@@ -356,6 +375,16 @@ impl Rig {
     /// The first time that a consumer was waited for in vain, if there was one.
     pub fn held_up(&self) -> Option<&BridgeError> {
         self.outlets().into_iter().find_map(Outlet::held_up)
+    }
+
+    /// A number that changes when streams come or go: as long as it is the same, so are [`Rig::outlets`] and their order.
+    pub fn edition(&self) -> u64 {
+        self.edition
+    }
+
+    /// The work of all streams together, with that of streams that are gone.
+    pub fn tally(&self) -> Tally {
+        self.outlets().into_iter().fold(self.gone, |sum, outlet| sum + outlet.tally())
     }
 
     /// Every stream, in the order in which they were opened.

@@ -5,6 +5,7 @@ use super::sink::{Frame, Port, Sink};
 use belvedere_bridge::payload::Message;
 use belvedere_bridge::{Consumer, Encoding, Error, Kind, StreamSpec};
 use std::cell::{Cell, OnceCell};
+use std::ops::Add;
 use std::time::Duration;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -35,6 +36,18 @@ pub struct Tally {
     pub dropped: u64,
     /// Time spent making them.
     pub busy: Duration,
+}
+
+impl Add for Tally {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            frames: self.frames + other.frames,
+            dropped: self.dropped + other.dropped,
+            busy: self.busy + other.busy,
+        }
+    }
 }
 
 impl Outlet {

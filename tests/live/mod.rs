@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
 pub(crate) mod control;
+pub(crate) mod terminal;
 
 use belvedere_bridge::{Domain, Frame, Node, Subscriber};
 use rustix::process::{Pid, Signal, kill_process};

@@ -45,12 +45,11 @@ fn a_slow_consumer_gets_every_frame_from_the_first() {
 #[test]
 fn who_holds_the_simulation_up_is_named() {
     let domain = own_domain();
-    let simulator = start(&domain, &["--wait-for", "mapper", "--patience", "0.3"]);
+    let simulator = start(&domain, &["--wait-for", "mapper", "--patience", "3"]);
     let _never_taken = follow(&domain, "mapper", &["image_raw"]);
     let (success, said) = end(simulator);
     assert!(!success);
-    for words in
-        ["\"mapper\"", &format!("process {}", std::process::id()), "image_raw", "0.3 s", "--patience"]
+    for words in ["\"mapper\"", &format!("process {}", std::process::id()), "image_raw", "3 s", "--patience"]
     {
         assert!(said.contains(words), "no {words} in: {said}");
     }
@@ -59,7 +58,7 @@ fn who_holds_the_simulation_up_is_named() {
 #[test]
 fn who_leaves_is_waited_for_and_then_named() {
     let domain = own_domain();
-    let simulator = start(&domain, &["--wait-for", "mapper", "--patience", "0.5"]);
+    let simulator = start(&domain, &["--wait-for", "mapper", "--patience", "3"]);
     let mut images = follow(&domain, "mapper", &["image_raw"]);
     next_frame(&mut images[0]);
     drop(images);
@@ -71,5 +70,13 @@ fn who_leaves_is_waited_for_and_then_named() {
     drop(images);
     let (success, said) = end(simulator);
     assert!(!success);
-    assert!(said.contains("\"mapper\" left and did not come back within 0.5 s"), "{said}");
+    assert!(said.contains("\"mapper\" left and did not come back within 3.0 s"), "{said}");
+}
+
+#[test]
+fn who_never_comes_is_named() {
+    let simulator = start(&own_domain(), &["--wait-for", "mapper=2", "--patience", "0.2"]);
+    let (success, said) = end(simulator);
+    assert!(!success);
+    assert!(said.contains("error: \"mapper\" (0 of 2 streams) did not come within 0.2 s"), "{said}");
 }

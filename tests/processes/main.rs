@@ -37,6 +37,7 @@ mod small_machine;
 mod streams;
 mod tag_ceiling;
 mod tags;
+mod terminal;
 mod urdf;
 mod view;
 mod view_limits;

@@ -1,7 +1,7 @@
 //! Who is in the world, where each was at the start, and what names mean.
 
 use crate::description::model::{LinkIndex, Model, Sensor};
-use crate::description::values::nearest;
+use crate::description::suggestion::did_you_mean_or;
 use crate::robot::{self, InertialUnit, Robot};
 use crate::world::physics::{ModelIndex, Physics, Placement};
 use belvedere_sensors::Pose;
@@ -240,12 +240,12 @@ impl Entities {
     pub fn find(&self, name: &str) -> Result<(EntityId, &Entity), String> {
         self.iter().find(|(_, entity)| entity.name == name).ok_or_else(|| {
             let names = || self.iter().map(|(_, entity)| entity.name.as_str());
-            let near = nearest(name, names()).map(|near| format!("did you mean '{near}'? "));
             let mut all: Vec<_> = names().take(12).collect();
             if names().nth(12).is_some() {
                 all.push("…");
             }
-            format!("there is no model '{name}'; {}there are: {}", near.unwrap_or_default(), all.join(", "))
+            let there = did_you_mean_or(name, names(), &format!("there are: {}", all.join(", ")));
+            format!("there is no model '{name}'; {there}")
         })
     }
 

@@ -94,7 +94,7 @@ fn streams_of_one_frame() {
         }
     }
     let nothing = simulation.render_all(&["/odom", "/odour"], &mut frames).unwrap_err().to_string();
-    assert!(nothing.contains("/odour") && nothing.contains("did you mean /odom"), "{nothing}");
+    assert!(nothing.contains("/odour") && nothing.contains("did you mean '/odom"), "{nothing}");
 }
 
 /// Robots of one file, each in its namespace; frames, topics and noise are its own; the one behind sees the other.
@@ -219,7 +219,7 @@ fn what_cannot_be_is_refused() {
     assert!(said(simulation.command(wall, command)).contains("'wall' has no base"));
     let mut frame = FrameBuf::default();
     let topic = said(simulation.render("/scam", &mut frame));
-    assert!(topic.contains("did you mean /scan?"), "{topic}");
+    assert!(topic.contains("did you mean '/scan'?"), "{topic}");
     // Two robots whose streams are called alike.
     let beside = Pose::from_translation(DVec3::new(-1.0, 0.0, 0.0));
     let options = SpawnOptions { name: "other".into(), world_from_model: beside, ..SpawnOptions::default() };

@@ -162,5 +162,5 @@ def test_errors() -> None:
         simulation.command((1, 0, 0))
     with pytest.raises(ValueError, match=r"playground\.world is a world"):
         simulation.spawn("playground.world")
-    with pytest.raises(ValueError, match="no such world"):
+    with pytest.raises(ValueError, match="no such file"):
         bv.Simulation("no_such.world")

@@ -39,14 +39,14 @@ pub(super) fn robot_urdf(
         return None;
     }
     // What is wrong with it was told when it was loaded.
-    let robot = expand_robot(path.to_str()?, packages, xacro_args, &mut Diagnostics::default())?;
+    let robot = expand_robot(path, packages, xacro_args, &mut Diagnostics::default())?;
     Some(robot.to_string())
 }
 
 /// A file as it is; none of what was no file, as an empty world.
 fn file(source: &Source) -> Option<Attachment> {
-    let name = source.file.file_name()?.to_str()?;
-    Some(xml(name.to_owned(), std::fs::read(&source.file).ok()?))
+    let name = source.file.file_name()?.to_string_lossy();
+    Some(xml(name.into_owned(), std::fs::read(&source.file).ok()?))
 }
 
 fn xml(name: String, data: Vec<u8>) -> Attachment {

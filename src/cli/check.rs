@@ -35,7 +35,7 @@ pub struct CheckArgs {
     /// A .urdf, .xacro, .world or .sdf file, or the name of a robot or world of ours
     /// [default: the robot that `belvedere run` takes]
     #[arg(value_name = "FILE|NAME")]
-    pub file: Option<String>,
+    pub file: Option<PathBuf>,
     /// Arguments of the robot's xacro, for its $(arg NAME)
     #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
     pub xacro_args: Vec<(String, String)>,
@@ -71,7 +71,7 @@ impl CheckArgs {
 pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
     let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
-    let file = args.file.clone().unwrap_or_else(default_robot_name);
+    let file = args.file.clone().unwrap_or_else(|| default_robot_name().into());
     let mut diagnostics = Diagnostics::default();
     let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
     let report = any::load(&file, &options, &mut diagnostics).map(|read| match read {

@@ -48,16 +48,14 @@ pub enum CliError {
     )]
     NoSimulator(Domain),
     /// A simulator is there, the topic is not.
-    #[error("no topic {topic} in domain \"{domain}\"{nearest}; there are: {existing}", nearest = .nearest.as_ref().map(|name| format!(" (did you mean {name}?)")).unwrap_or_default())]
+    #[error("no topic {topic} in domain \"{domain}\"; {remedy}")]
     UnknownTopic {
         /// As asked for, with a slash.
         topic: String,
         /// Name of the domain where it was looked for.
         domain: String,
-        /// The most similar one.
-        nearest: Option<String>,
-        /// All of them.
-        existing: String,
+        /// The one that was likely meant, and all of them.
+        remedy: String,
     },
     /// The stream is there and silent.
     #[error("{topic} sent nothing for {:.1} s: is the simulator paused?", waited.as_secs_f64())]

@@ -12,6 +12,7 @@ use std::{
 use belvedere_bridge::{Domain, Error, Frame, Kind, Node, Subscriber, payload::Message};
 
 use super::error::CliError;
+use crate::description::suggestion::did_you_mean_or;
 
 /// Where to look.
 #[derive(Clone, Debug, clap::Args)]
@@ -86,15 +87,19 @@ pub(super) fn subscribe(domain: &Domain, topic: &str, wait: bool) -> Result<Subs
 /// That somebody publishes in the domain, and these topics exist.
 pub(super) fn check_topics(node: &Node, domain: &Domain, topics: &[String]) -> Result<(), CliError> {
     let streams = node.streams()?;
-    if streams.is_empty() {
+    // Streams that consumers wait for are there without one.
+    if streams.iter().all(|stream| stream.publishers == 0) {
         return Err(CliError::NoSimulator(domain.clone()));
     }
     let names: Vec<String> = streams.iter().map(|stream| with_slash(&stream.topic)).collect();
     match topics.iter().map(|topic| with_slash(topic)).find(|topic| !names.contains(topic)) {
         None => Ok(()),
         Some(topic) => Err(CliError::UnknownTopic {
-            nearest: nearest(&topic, &names),
-            existing: names.join(", "),
+            remedy: did_you_mean_or(
+                &topic,
+                names.iter().map(String::as_str),
+                &format!("there are: {}", names.join(", ")),
+            ),
             domain: domain.to_string(),
             topic,
         }),
@@ -121,19 +126,6 @@ pub(super) fn first<T: Message>(
     let Some(frame) = subscriber.take()? else { return Ok(None) };
     let structs = frame.view().structs().map(Iterator::collect);
     Ok(Some(structs.map_err(|error| Error::Frame { topic: topic.to_owned(), error })?))
-}
-
-/// The most similar name, if one is similar at all: a typing error, or the right end of a longer name.
-fn nearest(topic: &str, names: &[String]) -> Option<String> {
-    names
-        .iter()
-        .map(|name| {
-            let likeness = strsim::jaro_winkler(topic, name);
-            (if name.ends_with(topic) { likeness + 1.0 } else { likeness }, name)
-        })
-        .max_by(|(one, _), (other, _)| one.total_cmp(other))
-        .filter(|(likeness, _)| *likeness > 0.75)
-        .map(|(_, name)| name.clone())
 }
 
 /// Waits for frames until the user, the clock or the count ends it; calls `tick` about every second.
@@ -172,14 +164,6 @@ pub(super) fn each_frame(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_nearest_name_is_offered() {
-        let names = ["/camera/rgb/image_raw", "/camera/depth/image_raw", "/scan", "/odom"].map(String::from);
-        assert_eq!(nearest("/scam", &names).as_deref(), Some("/scan"));
-        assert_eq!(nearest("/depth/image_raw", &names).as_deref(), Some("/camera/depth/image_raw"));
-        assert_eq!(nearest("/xyz", &names), None);
-    }
 
     #[test]
     fn durations_are_positive_numbers() {

@@ -5,21 +5,23 @@ use crate::description::diagnostics::Source;
 use crate::description::model::Model;
 use crate::description::package::PackagePath;
 use crate::description::robot::{LoadOptions, default_robot_name, load_robot, xacro_argument};
-use crate::description::values::nearest;
+use crate::description::suggestion::nearest;
 use crate::description::{Diagnostics, Rules};
 use crate::entities::model_name;
 use crate::simulation::SpawnOptions;
 use belvedere_sensors::Pose;
 use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// The robots of a run.
 #[derive(Clone, Debug, clap::Args)]
 pub struct RobotArgs {
     /// The robot: a .urdf or .xacro file, or the name of one in turtlebot_description/robots; may be repeated, for
-    /// several robots [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]
-    #[arg(long, value_name = "FILE|NAME")]
-    robot: Vec<String>,
+    /// several robots; none, for a world that has its own
+    /// [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]
+    #[arg(long, value_name = "FILE|NAME|none")]
+    robot: Vec<PathBuf>,
     /// Arguments of the robots' xacro, for its $(arg NAME)
     #[arg(value_name = "NAME:=VALUE", value_parser = argument)]
     xacro_args: Vec<(String, String)>,
@@ -33,9 +35,18 @@ pub struct RobotArgs {
     pose: Vec<Place>,
 }
 
+/// What is given for no robot at all.
+const NONE: &str = "none";
+
+/// Commands that this program was built without: their names are those of the features that bring them.
+const LEFT_OUT: &[&str] = if cfg!(feature = "link") { &[] } else { &["link"] };
+
 /// An argument of xacro; what is none may be a command that was misspelt.
 pub(super) fn argument(text: &str) -> Result<(String, String), String> {
     xacro_argument(text).map_err(|why| {
+        if LEFT_OUT.contains(&text) {
+            return format!("this belvedere was built without '{text}'; build it with --features {text}");
+        }
         let near = nearest(text, super::command_names());
         let near = near.map(|near| format!("did you mean the command '{near}'? ")).unwrap_or_default();
         format!("{near}{why}")
@@ -67,7 +78,19 @@ impl RobotArgs {
         taken: &HashSet<&str>,
         diagnostics: &mut Diagnostics,
     ) -> Vec<(Model, SpawnOptions)> {
-        let files = if self.robot.is_empty() { vec![default_robot_name()] } else { self.robot.clone() };
+        let files = match &self.robot[..] {
+            [] => vec![default_robot_name().into()],
+            [robot] if *robot == Path::new(NONE) => Vec::new(),
+            robots => robots.to_vec(),
+        };
+        if files.iter().any(|file| *file == Path::new(NONE)) {
+            diagnostics.error(
+                &Source::new("the command line", 0),
+                format!("--robot {NONE} stands beside other robots"),
+                "leave it out, or give it alone",
+            );
+            return Vec::new();
+        }
         for (option, count) in [("--name", self.name.len()), ("--pose", self.pose.len())] {
             if count > files.len() {
                 diagnostics.error(

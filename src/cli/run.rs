@@ -42,6 +42,7 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run --robot kobuki_hexagons_kinect --world playground --drive spin
   belvedere run --robot my_robot.urdf.xacro --package-path ~/catkin_ws/src --domain lab
   belvedere run --robot my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
+  belvedere run --robot none --world my.world             (a world that has its own robot)
   belvedere run --view
   belvedere run --truth
   belvedere run --rate max --duration 10 --hash
@@ -55,7 +56,7 @@ pub struct RunArgs {
     /// The world: an SDF file, or the name of one of ours
     /// [default: tag_ceiling, or TURTLEBOT_GAZEBO_WORLD_FILE]
     #[arg(long, value_name = "FILE|NAME")]
-    world: Option<String>,
+    world: Option<PathBuf>,
     /// Name under which consumers find this simulation; several run side by side under different names
     #[arg(long, value_name = "NAME", env = "BELVEDERE_DOMAIN", default_value_t)]
     domain: Domain,
@@ -252,7 +253,7 @@ fn words(args: &RunArgs) -> BTreeMap<String, String> {
     let world = args.world.clone().unwrap_or_else(default_world);
     BTreeMap::from([
         ("seed".to_owned(), args.seed.to_string()),
-        ("world".to_owned(), world),
+        ("world".to_owned(), world.to_string_lossy().into_owned()),
     ])
 }
 
@@ -260,10 +261,13 @@ fn words(args: &RunArgs) -> BTreeMap<String, String> {
 fn headline(simulation: &Simulation, args: &RunArgs) -> String {
     let robots = simulation.entities().iter().filter(|(_, entity)| entity.origin == Origin::Start);
     let robots: Vec<&str> = robots.map(|(_, entity)| entity.name.as_str()).collect();
+    let robots = match robots[..] {
+        [] => "no robot".to_owned(),
+        [robot] => format!("robot {robot}"),
+        _ => format!("robots {}", robots.join(", ")),
+    };
     format!(
-        "{} {} in world {}, domain {}; a second terminal: belvedere list, belvedere hz TOPIC",
-        if robots.len() == 1 { "robot" } else { "robots" },
-        robots.join(", "),
+        "{robots} in world {}, domain {}; a second terminal: belvedere list, belvedere hz TOPIC",
         simulation.world_name(),
         args.domain
     )

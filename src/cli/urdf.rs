@@ -21,7 +21,7 @@ pub struct UrdfArgs {
     /// A .urdf or .xacro file, or the name of a robot of ours
     /// [default: the robot that `belvedere run` takes]
     #[arg(value_name = "FILE|NAME")]
-    pub file: Option<String>,
+    pub file: Option<PathBuf>,
     /// Arguments of the robot's xacro, for its $(arg NAME)
     #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
     pub xacro_args: Vec<(String, String)>,
@@ -37,7 +37,7 @@ pub struct UrdfArgs {
 pub fn run(args: &UrdfArgs) -> Result<(), CliError> {
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
     let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
-    let file = args.file.clone().unwrap_or_else(default_robot_name);
+    let file = args.file.clone().unwrap_or_else(|| default_robot_name().into());
     let mut diagnostics = Diagnostics::default();
     let robot = expand_robot(&file, &packages, &args.xacro_args, &mut diagnostics);
     for problem in diagnostics.problems().iter().filter(|problem| problem.severity == Severity::Warning) {

@@ -14,6 +14,8 @@ use crate::gltf::{self, Thing};
 use crate::simulation::SpawnOptions;
 use crate::view::{DEFAULT_PORT, ViewOptions, ViewServer, token};
 use belvedere_bridge::Node;
+use clap::builder::{OsStringValueParser, TypedValueParser as _};
+use std::ffi::OsString;
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -57,7 +59,7 @@ pub struct PageArgs {
   ssh -L 8765:127.0.0.1:8765 robot belvedere view --no-browser")]
 pub struct ViewArgs {
     /// A recording, which is played in the domain as if it were a simulator
-    #[arg(value_name = "RECORDING", value_parser = given)]
+    #[arg(value_name = "RECORDING", value_parser = OsStringValueParser::new().try_map(given))]
     given: Option<Given>,
     #[command(flatten)]
     domain: DomainArgs,
@@ -67,7 +69,7 @@ pub struct ViewArgs {
     robots: RobotArgs,
     /// The world, as given to `belvedere run`
     #[arg(long, value_name = "FILE|NAME")]
-    world: Option<String>,
+    world: Option<PathBuf>,
     /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
     #[arg(long, value_name = "FOLDER")]
     package_path: Vec<PathBuf>,
@@ -90,8 +92,11 @@ enum Given {
     Argument((String, String)),
 }
 
-fn given(text: &str) -> Result<Given, String> {
-    if text.contains(":=") { argument(text).map(Given::Argument) } else { Ok(Given::Recording(text.into())) }
+fn given(text: OsString) -> Result<Given, String> {
+    match text.to_str().filter(|text| text.contains(":=")) {
+        Some(text) => argument(text).map(Given::Argument),
+        None => Ok(Given::Recording(text.into())),
+    }
 }
 
 /// Runs the command.

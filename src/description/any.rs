@@ -1,9 +1,8 @@
 //! A world, a robot or a thing, whichever a file, a name or a text stands for.
 
-use super::diagnostics::{Diagnostics, Source};
+use super::diagnostics::Diagnostics;
 use super::model::{Model, World};
-use super::robot::{LoadOptions, load_robot, robot_names};
-use super::values::nearest;
+use super::robot::{LoadOptions, is_bare, load_robot, not_found, robot_names};
 use super::world::{load_world, world_names};
 use super::xml::Element;
 use super::{sdf, urdf, xacro};
@@ -23,27 +22,29 @@ pub enum Described {
 ///
 /// # Errors
 /// Whatever is wrong is added to `diagnostics`; what is returned beside errors is not to be used.
-pub fn load(file_or_name: &str, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Described> {
-    let path = Path::new(file_or_name);
-    if path.components().count() == 1 && path.extension().is_none() && !path.is_file() {
+pub fn load(
+    file_or_name: impl AsRef<Path>,
+    options: &LoadOptions,
+    diagnostics: &mut Diagnostics,
+) -> Option<Described> {
+    let path = file_or_name.as_ref();
+    if is_bare(path) && path.extension().is_none() && !path.is_file() {
         let (robots, worlds) = (robot_names(&options.packages), world_names(&options.packages));
         let names = || robots.iter().chain(&worlds).map(String::as_str);
-        if names().all(|name| name != file_or_name) {
-            let suggestion = nearest(file_or_name, names()).map(|near| format!("did you mean '{near}'? "));
-            let remedy = format!(
-                "{}give the path of a .urdf, .xacro, .sdf or .world file, or the name of a robot ({}) or a world ({})",
-                suggestion.unwrap_or_default(),
+        if names().all(|name| path != Path::new(name)) {
+            let otherwise = format!(
+                "give the path of a .urdf, .xacro, .sdf or .world file, or the name of a robot ({}) or a world ({})",
                 robots.join(", "),
                 worlds.join(", ")
             );
-            diagnostics.error(&Source::new(path, 0), "no such robot or world", remedy);
+            not_found(path, "robot or world", names(), &otherwise, diagnostics);
             return None;
         }
     }
-    if is_world(file_or_name, options) {
-        load_world(file_or_name, &options.packages, options.rules, diagnostics).map(Described::World)
+    if is_world(path, options) {
+        load_world(path, &options.packages, options.rules, diagnostics).map(Described::World)
     } else {
-        load_robot(file_or_name, options, diagnostics).map(Described::Model)
+        load_robot(path, options, diagnostics).map(Described::Model)
     }
 }
 
@@ -80,8 +81,8 @@ pub fn load_text(
 }
 
 /// Whether it is a world: a file that says so in its first element, or else a name that only worlds have.
-pub fn is_world(file_or_name: &str, options: &LoadOptions) -> bool {
-    let path = Path::new(file_or_name);
+pub fn is_world(file_or_name: impl AsRef<Path>, options: &LoadOptions) -> bool {
+    let path = file_or_name.as_ref();
     if path.is_file() {
         return match Element::parse_file(path) {
             // An SDF file of one model is a robot, or a thing.
@@ -89,7 +90,8 @@ pub fn is_world(file_or_name: &str, options: &LoadOptions) -> bool {
             Err(_) => path.extension().is_some_and(|extension| extension == "world" || extension == "sdf"),
         };
     }
-    let name = file_or_name;
+    let name = path.to_string_lossy();
+    let name = name.as_ref();
     let stem = name.strip_suffix(".world").or(name.strip_suffix(".sdf")).unwrap_or(name);
     let has = |names: Vec<String>| names.iter().any(|name| name == stem);
     stem != name || (!has(robot_names(&options.packages)) && has(world_names(&options.packages)))

@@ -9,7 +9,7 @@ mod obj;
 
 use super::diagnostics::{Diagnostics, Source};
 use super::model::{Material, Mesh};
-use super::values::nearest;
+use super::suggestion::did_you_mean;
 use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
 use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
@@ -152,14 +152,11 @@ fn select(
     let mut chosen: Vec<Part> =
         parts.into_iter().filter(|part| names(part).contains(&submesh.name)).collect();
     if chosen.is_empty() {
-        let near = nearest(&submesh.name, known.iter().map(String::as_str));
+        let meant = did_you_mean(&submesh.name, known.iter().map(String::as_str));
         diagnostics.error(
             source,
             format!("the mesh {} has no part '{}'", path.display(), submesh.name),
-            match near {
-                Some(near) => format!("did you mean '{near}'?"),
-                None => "correct <submesh>, or take it out for the whole mesh".into(),
-            },
+            meant.unwrap_or_else(|| "correct <submesh>, or take it out for the whole mesh".into()),
         );
         return None;
     }

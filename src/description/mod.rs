@@ -22,6 +22,7 @@ pub mod rules;
 mod sdf;
 pub mod sensor;
 pub mod single;
+pub mod suggestion;
 pub mod text;
 mod topic;
 mod urdf;

@@ -4,7 +4,7 @@ use super::diagnostics::{Diagnostics, Source};
 use super::model::Model;
 use super::package::PackagePath;
 use super::rules::Rules;
-use super::values::nearest;
+use super::suggestion::did_you_mean_or;
 use super::xml::Element;
 use super::{sdf, urdf, xacro};
 use std::path::{Path, PathBuf};
@@ -68,8 +68,12 @@ fn chosen_name(variable: impl Fn(&str) -> Option<String>) -> String {
 /// # Errors
 /// Whatever is wrong is added to `diagnostics`. None is returned when there is no robot at all; one that is
 /// returned while `diagnostics` has errors is good for showing, not for running.
-pub fn load_robot(file_or_name: &str, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Model> {
-    let path = find_robot(file_or_name, &options.packages, diagnostics)?;
+pub fn load_robot(
+    file_or_name: impl AsRef<Path>,
+    options: &LoadOptions,
+    diagnostics: &mut Diagnostics,
+) -> Option<Model> {
+    let path = find_robot(file_or_name.as_ref(), &options.packages, diagnostics)?;
     if path.extension().is_some_and(|extension| extension == "sdf") {
         return load_sdf(&path, options, diagnostics);
     }
@@ -102,12 +106,12 @@ fn load_sdf(path: &Path, options: &LoadOptions, diagnostics: &mut Diagnostics) -
 /// makes a robot is not looked at. The frames that pictures are in
 /// come along, as [`optical_frames`](super::optical::optical_frames) has them.
 pub fn expand_robot(
-    file_or_name: &str,
+    file_or_name: impl AsRef<Path>,
     packages: &PackagePath,
     xacro_args: &[(String, String)],
     diagnostics: &mut Diagnostics,
 ) -> Option<Element> {
-    let path = find_robot(file_or_name, packages, diagnostics)?;
+    let path = find_robot(file_or_name.as_ref(), packages, diagnostics)?;
     match xacro::expand(&path, packages, xacro_args, diagnostics) {
         Ok(mut robot) => {
             if !urdf::is_robot(&robot, diagnostics) {
@@ -124,16 +128,15 @@ pub fn expand_robot(
     }
 }
 
-fn find_robot(file_or_name: &str, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
-    let path = Path::new(file_or_name);
-    let is_bare = !file_or_name.contains(std::path::is_separator);
+fn find_robot(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
     let is_robot_file = path
         .extension()
         .is_some_and(|extension| ["urdf", "xacro", "xml", "sdf"].iter().any(|known| extension == *known));
-    if !is_bare || is_robot_file && path.exists() {
+    if !is_bare(path) || is_robot_file && path.exists() {
         return Some(path.to_path_buf());
     }
-    let name = file_or_name.strip_suffix(EXTENSION).unwrap_or(file_or_name);
+    let name = path.to_string_lossy();
+    let name = name.strip_suffix(EXTENSION).unwrap_or(&name);
     if !name.is_empty()
         && let Some(found) = packages.find_file(PACKAGE, format!("robots/{name}{EXTENSION}"))
     {
@@ -141,15 +144,32 @@ fn find_robot(file_or_name: &str, packages: &PackagePath, diagnostics: &mut Diag
     }
     let names = robot_names(packages);
     let listed = if names.is_empty() { "none found".into() } else { names.join(", ") };
-    let suggestion = nearest(name, names.iter().map(String::as_str))
-        .map(|near| format!("did you mean '{near}'? "))
-        .unwrap_or_default();
-    diagnostics.error(
-        &Source::new(path, 0),
-        "no such robot",
-        format!("{suggestion}give the path of a .urdf, .xacro or .sdf file or one of these names: {listed}"),
-    );
+    let otherwise = format!("give the path of a .urdf, .xacro or .sdf file or one of these names: {listed}");
+    not_found(path, "robot", names.iter().map(String::as_str), &otherwise, diagnostics);
     None
+}
+
+/// Whether it is a name, or a file right here.
+pub(super) fn is_bare(file_or_name: &Path) -> bool {
+    file_or_name.components().count() == 1 && file_or_name.file_name() == Some(file_or_name.as_os_str())
+}
+
+/// Says that there is no such file, or nothing of such a name: what has an extension is a file.
+pub(super) fn not_found<'a>(
+    file_or_name: &Path,
+    what: &str,
+    names: impl IntoIterator<Item = &'a str>,
+    otherwise: &str,
+    diagnostics: &mut Diagnostics,
+) {
+    let is_file = file_or_name.extension().is_some();
+    let what = if is_file { "no such file".to_owned() } else { format!("no such {what}") };
+    let remedy = if is_file {
+        otherwise.to_owned()
+    } else {
+        did_you_mean_or(&file_or_name.to_string_lossy(), names, otherwise)
+    };
+    diagnostics.error(&Source::new(file_or_name, 0), what, remedy);
 }
 
 /// The names that [`load_robot`] knows, sorted.

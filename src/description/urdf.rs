@@ -30,7 +30,7 @@ use super::housing;
 use super::model::{Link, Material, Mesh, Model};
 use super::package::PackagePath;
 use super::rules::Rules;
-use super::values::nearest;
+use super::suggestion::did_you_mean;
 use super::xml::Element;
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -125,7 +125,5 @@ impl Loader<'_> {
 
 /// "did you mean …" for the name of a link, empty if there are no links.
 fn nearest_link(name: &str, links: &[Link]) -> String {
-    nearest(name, links.iter().map(|link| link.name.as_str()))
-        .map(|near| format!("did you mean '{near}'?"))
-        .unwrap_or_default()
+    did_you_mean(name, links.iter().map(|link| link.name.as_str())).unwrap_or_default()
 }

@@ -116,12 +116,3 @@ pub fn friction_coefficient(mu: f64, what: &str, source: &Source, diagnostics: &
     diagnostics.warning(source, what, "write 0 or more");
     UNLIMITED_FRICTION
 }
-
-/// The name in `candidates` that is nearest to `name` by edit distance, for "did you mean".
-pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    candidates
-        .into_iter()
-        .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, candidate)| candidate)
-}

@@ -3,9 +3,9 @@
 use super::diagnostics::{Diagnostics, Source};
 use super::model::World;
 use super::package::PackagePath;
+use super::robot::{is_bare, not_found};
 use super::rules::Rules;
 use super::sdf;
-use super::values::nearest;
 use std::path::{Path, PathBuf};
 
 /// The world of the main job.
@@ -16,11 +16,10 @@ const EXTENSIONS: [&str; 2] = ["world", "sdf"];
 
 /// The world that is loaded if none is asked for: `TURTLEBOT_GAZEBO_WORLD_FILE` as in the articles, else our
 /// tag-ceiling room.
-pub fn default_world() -> String {
-    std::env::var("TURTLEBOT_GAZEBO_WORLD_FILE")
-        .ok()
+pub fn default_world() -> PathBuf {
+    std::env::var_os("TURTLEBOT_GAZEBO_WORLD_FILE")
         .filter(|file| !file.is_empty())
-        .unwrap_or_else(|| DEFAULT_WORLD.into())
+        .map_or_else(|| DEFAULT_WORLD.into(), PathBuf::from)
 }
 
 /// Loads a world from an SDF file (1.4 and later), or by name.
@@ -36,14 +35,15 @@ pub fn default_world() -> String {
 /// Whatever is wrong is added to `diagnostics`. None is returned when there is no world at all; a world that is
 /// returned while `diagnostics` has errors is good for showing, not for running.
 pub fn load_world(
-    file_or_name: &str,
+    file_or_name: impl AsRef<Path>,
     packages: &PackagePath,
     rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<World> {
+    let file_or_name = file_or_name.as_ref();
     let path = find_world(file_or_name, packages, diagnostics)?;
     let ours = packages.ours().join("worlds").join(path.file_name()?);
-    let is_named = is_bare(file_or_name) && path != Path::new(file_or_name);
+    let is_named = is_bare(file_or_name) && path != file_or_name;
     if is_named
         && ours != path
         && ours.is_file()
@@ -70,34 +70,29 @@ fn lacks_files(path: &Path, packages: &PackagePath, rules: Rules) -> bool {
     has_errors(false) && !has_errors(true)
 }
 
-/// Whether it is a name, or a file right here.
-fn is_bare(file_or_name: &str) -> bool {
-    Path::new(file_or_name).components().count() == 1 && !file_or_name.contains(std::path::is_separator)
-}
-
-fn find_world(file_or_name: &str, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
-    let path = Path::new(file_or_name);
-    if !is_bare(file_or_name) || path.exists() && path.extension().is_some() {
+fn find_world(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
+    if !is_bare(path) || path.exists() && path.extension().is_some() {
         return Some(path.to_path_buf());
     }
     // `playground.world` is also taken as the name, if there is no such file here.
+    let exact = path.extension().is_some().then(|| path.to_path_buf());
+    let with = |extension: &str| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(".");
+        name.push(extension);
+        PathBuf::from(name)
+    };
+    let files: Vec<PathBuf> = EXTENSIONS.into_iter().map(with).chain(exact).collect();
     for folder in world_folders(packages) {
-        let candidates = EXTENSIONS.map(|extension| folder.join(format!("{file_or_name}.{extension}")));
-        let exact = path.extension().is_some().then(|| folder.join(path));
-        if let Some(found) = candidates.into_iter().chain(exact).find(|candidate| candidate.is_file()) {
+        let mut candidates = files.iter().map(|file| folder.join(file));
+        if let Some(found) = candidates.find(|candidate| candidate.is_file()) {
             return Some(found);
         }
     }
     let names = world_names(packages);
     let listed = if names.is_empty() { "none found".into() } else { names.join(", ") };
-    let suggestion = nearest(file_or_name, names.iter().map(String::as_str))
-        .map(|name| format!("did you mean '{name}'? "))
-        .unwrap_or_default();
-    diagnostics.error(
-        &Source::new(path, 0),
-        "no such world",
-        format!("{suggestion}give the path of a world file or one of these names: {listed}"),
-    );
+    let otherwise = format!("give the path of a world file or one of these names: {listed}");
+    not_found(path, "world", names.iter().map(String::as_str), &otherwise, diagnostics);
     None
 }
 

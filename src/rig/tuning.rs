@@ -1,7 +1,7 @@
 //! Changing a sensor's settings while it runs, and telling what they are.
 
 use super::{Rate, Rig, Scheduled, Settings};
-use crate::description::values::nearest;
+use crate::description::suggestion::did_you_mean_or;
 
 /// A sensor's settings, described and as they are.
 pub(super) struct Tuning {
@@ -59,13 +59,9 @@ impl Rig {
             [] => {
                 let sensors = || self.channels.iter().filter_map(|channel| channel.tuning.as_ref());
                 let names: Vec<&str> = sensors().map(|tuning| tuning.sensor.as_str()).collect();
-                let near = nearest(sensor, names.iter().copied())
-                    .map(|near| format!("did you mean '{near}'? "))
-                    .unwrap_or_default();
                 let there = if names.is_empty() { "none".into() } else { names.join(", ") };
-                Err(format!(
-                    "there is no sensor '{sensor}', and none sends such a topic; {near}there are: {there}"
-                ))
+                let there = did_you_mean_or(sensor, names.iter().copied(), &format!("there are: {there}"));
+                Err(format!("there is no sensor '{sensor}', and none sends such a topic; {there}"))
             }
             _ => Err(format!(
                 "there are {} sensors '{sensor}'; name the one that is meant by a topic that it sends",

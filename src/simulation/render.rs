@@ -1,7 +1,7 @@
 //! What sensors see, rendered when it is asked for into memory of the caller.
 
 use super::{Simulation, SimulationError};
-use crate::description::values::nearest;
+use crate::description::suggestion::did_you_mean_or;
 use crate::rig::sink::{Frame, FrameBuf, Port, Sink};
 use crate::rig::{Rig, RigOptions, Stage};
 use crate::world::scene::WorldScene;
@@ -152,8 +152,7 @@ impl Studio {
 
     fn no_topic(&self, topic: &str) -> SimulationError {
         let topics = self.topics();
-        let near = nearest(topic, topics.iter().map(String::as_str));
-        let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
+        let near = did_you_mean_or(topic, topics.iter().map(String::as_str), "");
         SimulationError::NoTopic { topic: topic.into(), near, there: topics.join(", ") }
     }
 }

@@ -153,7 +153,7 @@ fn what_is_not_there_is_named() {
             let error = run(&format!("{command} --domain {domain}")).unwrap_err();
             assert!(matches!(error, CliError::UnknownTopic { .. }), "{error}");
             let text = error.to_string();
-            assert!(text.contains("did you mean /camera/image_raw?") && text.contains("/odom"), "{text}");
+            assert!(text.contains("did you mean '/camera/image_raw'?") && text.contains("/odom"), "{text}");
             assert!(!text.contains('\n'), "{text}");
         }
         let error = run(&format!("echo odom --domain {domain} --duration 0.2")).unwrap_err();

@@ -306,7 +306,7 @@ fn a_numbered_frame_is_that_of_a_run_and_remembers_none() -> Result<(), Box<dyn 
     let still = flow.numbers::<[f32; 2]>(flow.rows()).flatten().filter(|part| part.is_finite());
     assert!(filled[2] && still.fold(0.0_f32, |most, part| most.max(part.abs())) < 1e-3);
     let error = simulation.render_numbered(&["rgb", "rgd"], 0, false, &mut frames).unwrap_err().to_string();
-    assert!(error.contains("no sensor sends /rgd; did you mean /rgb?"), "{error}");
+    assert!(error.contains("no sensor sends /rgd; did you mean '/rgb'?"), "{error}");
     Ok(())
 }
 
@@ -329,7 +329,7 @@ fn mistakes_are_named_with_their_line() {
         (
             "rgb/image_raw",
             "rgb/image_row",
-            "plan.toml:8: error: no sensor sends /camera/rgb/image_row; did you mean /camera/rgb/image_raw?",
+            "plan.toml:8: error: no sensor sends /camera/rgb/image_row; did you mean '/camera/rgb/image_raw'?",
         ),
         (r#""class""#, r#""klass""#, "plan.toml:8: error: no sensor sends /camera/rgb/image_raw/truth/klass"),
         ("camera/depth/image_raw", "odom", "plan.toml:14: error: /odom is no picture, depth, scan or cloud"),

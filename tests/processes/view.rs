@@ -315,7 +315,7 @@ fn a_camera_is_seen_in_a_terminal() {
     let output = show(&["--terminal", "/odom"]);
     assert!(!output.status.success() && !output.stderr.is_empty());
     let output = show(&["--terminal", "/camera/rgb/imageraw"]);
-    assert!(String::from_utf8_lossy(&output.stderr).contains("did you mean /camera/rgb/image_raw?"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("did you mean '/camera/rgb/image_raw'?"));
 }
 
 #[test]

@@ -280,7 +280,7 @@ fn figures_that_sdf_lacks_are_told_by_a_plugin_of_ours() {
     for (inside, expected) in [
         (
             "<preset>adis16449</preset>",
-            "<preset> of sensor 'u' is 'adis16449', which is none; did you mean adis16448?",
+            "<preset> of sensor 'u' is 'adis16449', which is none; did you mean 'adis16448'?",
         ),
         (
             "<gyroscope_noise_density>-1</gyroscope_noise_density>",

@@ -385,7 +385,7 @@ fn files_say_which_scanner_it_is() {
         assert_eq!(ray.horizontal.samples, samples);
     }
     for (text, expected) in [
-        (own("vlp-16"), "<preset> of sensor 's' is 'vlp-16', which is none; did you mean vlp16?"),
+        (own("vlp-16"), "<preset> of sensor 's' is 'vlp-16', which is none; did you mean 'vlp16'?"),
         (format!("<update_rate>30</update_rate>{}", own("vlp16")), "<update_rate> of sensor 's' is 30"),
         (
             columns("os2_32", "2048", "20"),

@@ -4,7 +4,7 @@ use super::tables::Text;
 use crate::dataset::looks::{Randomization, Ranges};
 use crate::description::Diagnostics;
 use crate::description::model::{Model, World};
-use crate::description::values::nearest;
+use crate::description::suggestion::did_you_mean;
 use crate::randomize::{Colors, LightRanges, Limits, MaterialRanges};
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -173,10 +173,14 @@ impl Checked<'_> {
             if !self.has_names || there.contains(name.get_ref().as_str()) {
                 continue;
             }
-            let remedy = match nearest(name.get_ref(), there.iter().copied()) {
-                Some(near) => format!("did you mean '{near}'?"),
-                None => "there is none".into(),
-            };
+            let remedy = did_you_mean(name.get_ref(), there.iter().copied()).unwrap_or_else(|| {
+                let there: Vec<&str> = there.iter().take(12).copied().collect();
+                if there.is_empty() {
+                    "there is none".into()
+                } else {
+                    format!("there are: {}", there.join(", "))
+                }
+            });
             let what = format!("no world has a {what} '{}'", name.get_ref());
             self.diagnostics.error(&self.text.source(&name.span()), what, remedy);
         }

@@ -5,8 +5,9 @@ use crate::description::diagnostics::Diagnostics;
 use crate::description::model::{
     JointIndex, JointKind, LinkIndex, Model, OdometryOrigin, OdometryPlugin, Sensor, SensorKind, Wheels,
 };
+use crate::description::suggestion::did_you_mean;
 use crate::description::topic;
-use crate::description::values::{child_bool, nearest, number, numbers};
+use crate::description::values::{child_bool, number, numbers};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
 use belvedere_sensors::noise::InstrumentConfig;
@@ -212,8 +213,8 @@ impl<'a> Parameters<'a> {
             // SDF names what is nested with its model.
             let found = self.model.joints.iter().position(|joint| joint.name == name);
             let Some(found) = found else {
-                let near = nearest(&name, self.model.joints.iter().map(|joint| joint.name.as_str()));
-                let remedy = near.map(|near| format!("did you mean '{near}'?")).unwrap_or_default();
+                let joints = self.model.joints.iter().map(|joint| joint.name.as_str());
+                let remedy = did_you_mean(&name, joints).unwrap_or_default();
                 let what =
                     format!("the base '{}' drives the joint '{name}', which does not exist", self.name());
                 self.unusable(element, what, &remedy);
@@ -276,7 +277,7 @@ impl<'a> Parameters<'a> {
         let ends = |link: &str| link.rsplit("::").next() == Some(plain);
         let found = model.link_named(plain).or_else(|| model.links.iter().position(|link| ends(&link.name)));
         if let (None, Some(element)) = (found, element) {
-            let near = nearest(plain, model.links.iter().map(|link| link.name.as_str()));
+            let meant = did_you_mean(plain, model.links.iter().map(|link| link.name.as_str()));
             self.diagnostics.warning(
                 &element.source,
                 format!(
@@ -284,7 +285,7 @@ impl<'a> Parameters<'a> {
                     element.name,
                     self.name()
                 ),
-                near.map(|near| format!("did you mean '{near}'?")).unwrap_or_default(),
+                meant.unwrap_or_default(),
             );
         }
         found.unwrap_or_else(|| root(model))

@@ -5,7 +5,8 @@
 
 use super::{Loader, Version};
 use crate::description::diagnostics::{Diagnostics, Source};
-use crate::description::values::{nearest, numbers};
+use crate::description::suggestion::did_you_mean;
+use crate::description::values::numbers;
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
@@ -212,13 +213,13 @@ impl Frames {
             }
             let Some(frame) = self.frames.get(name) else {
                 let known = self.frames.keys().map(String::as_str).filter(|key| !key.starts_with(JOINT));
-                let near = nearest(name, known.chain([self.root]));
+                let meant = did_you_mean(name, known.chain([self.root]));
                 diagnostics.error(
                     source,
                     format!("there is no frame '{name}' here"),
                     format!(
                         "name a link, joint, frame or nested model of the same model{}",
-                        near.map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default()
+                        meant.map(|meant| format!(" ({meant})")).unwrap_or_default()
                     ),
                 );
                 return None;

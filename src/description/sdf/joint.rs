@@ -5,7 +5,8 @@ use super::model::Parts;
 use super::{Loader, Scope, Version, name_of};
 use crate::description::diagnostics::Source;
 use crate::description::model::{Joint, JointKind, Link, LinkIndex};
-use crate::description::values::{child_bool, child_number, child_text, nearest};
+use crate::description::suggestion::did_you_mean;
+use crate::description::values::{child_bool, child_number, child_text};
 use crate::description::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -81,13 +82,11 @@ impl Loader<'_> {
             let what = format!("the joint '{}' is left out with its {end} '{name}'", name_of(joint));
             self.diagnostics.warning(&joint.source, what, "get the models that are missing");
         } else if found.is_none() {
-            let near = nearest(&name, links.iter().map(|link| link.name.as_str()))
-                .map(|near| format!("did you mean '{near}'?"))
-                .unwrap_or_default();
+            let meant = did_you_mean(&name, links.iter().map(|link| link.name.as_str()));
             self.diagnostics.error(
                 &joint.source,
                 format!("the joint '{}' names the {end} '{name}', which is no link", name_of(joint)),
-                near,
+                meant.unwrap_or_default(),
             );
         }
         found

@@ -5,7 +5,8 @@ use super::{Loader, Scope, resources};
 use crate::description::gazebo_materials::gazebo_material;
 use crate::description::model::Material;
 use crate::description::ogre_material::{self, OgreMaterial};
-use crate::description::values::{child_bool, child_text, nearest};
+use crate::description::suggestion::did_you_mean_or;
+use crate::description::values::{child_bool, child_text};
 use crate::description::xml::Element;
 use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
 use std::path::{Path, PathBuf};
@@ -170,19 +171,14 @@ impl Loader<'_> {
         if let Some(material) = gazebo_material(&name) {
             return Some(material);
         }
-        let near = nearest(&name, materials.iter().map(|material| material.name.as_str()))
-            .map(|near| format!("did you mean '{near}'? "))
-            .unwrap_or_default();
+        let known = materials.iter().map(|material| material.name.as_str());
+        let remedy = did_you_mean_or(&name, known, "Name the folder of its .material file in <uri>");
         let looked = match (uris.is_empty(), places.is_empty()) {
             (true, _) => "its <script> has no <uri>, and Gazebo has none of that name".into(),
             (false, true) => format!("it is not in {}", resources::list(&folders)),
             (false, false) => format!("looked for {}", resources::list(&places)),
         };
-        self.missing(
-            &script.source,
-            format!("there is no material '{name}': {looked}"),
-            format!("{near}Name the folder of its .material file in <uri>"),
-        );
+        self.missing(&script.source, format!("there is no material '{name}': {looked}"), remedy);
         None
     }
 

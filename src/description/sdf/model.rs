@@ -9,7 +9,8 @@ use crate::description::diagnostics::Source;
 use crate::description::label::label;
 use crate::description::model::{Joint, JointKind, Light, Link, Model, ModelPlugin, Sensor};
 use crate::description::plugin;
-use crate::description::values::{child_bool, child_text, nearest};
+use crate::description::suggestion::nearest;
+use crate::description::values::{child_bool, child_text};
 use crate::description::xml::{Element, Weight};
 use std::path::{Path, PathBuf};
 
@@ -280,13 +281,12 @@ impl Loader<'_> {
             Resolved::NotFound(places) => {
                 let name = uri.rsplit('/').next().unwrap_or(uri);
                 let names = self.resources.model_names();
-                let near = nearest(name, names.iter().map(String::as_str))
-                    .map(|near| format!("did you mean 'model://{near}'? "))
-                    .unwrap_or_default();
+                let near = nearest(name, names.iter().map(String::as_str));
+                let meant = near.map_or_else(String::new, |near| format!("did you mean 'model://{near}'? "));
                 self.missing(
                     &element.source,
                     format!("there is no model '{uri}': looked for {}", resources::list(&places)),
-                    format!("{near}Add the folder that contains it to GAZEBO_MODEL_PATH or --package-path"),
+                    format!("{meant}Add the folder that contains it to GAZEBO_MODEL_PATH or --package-path"),
                 );
                 return None;
             }

@@ -4,7 +4,8 @@ use super::frames::{Frames, WrittenPose};
 use super::model::ParsedModel;
 use super::{Loader, Scope, name_of};
 use crate::description::model::{Earth, Light, Model, World};
-use crate::description::values::{child_bool, child_number, nearest, numbers};
+use crate::description::suggestion::did_you_mean;
+use crate::description::values::{child_bool, child_number, numbers};
 use crate::description::xml::Element;
 use glam::DVec3;
 
@@ -214,11 +215,11 @@ impl Loader<'_> {
 
     fn unknown_in_state<'n>(&mut self, child: &Element, known: impl Iterator<Item = &'n str>) {
         let name = name_of(child);
-        let near = nearest(&name, known).map(|near| format!("did you mean '{near}'?")).unwrap_or_default();
+        let meant = did_you_mean(&name, known).unwrap_or_default();
         self.diagnostics.warning(
             &child.source,
             format!("<state> moves the {} '{name}', which is not in this world", child.name),
-            near,
+            meant,
         );
     }
 }

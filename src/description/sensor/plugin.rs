@@ -2,8 +2,9 @@
 
 use super::reader::Reader;
 use super::{KINDS, Kind, each_once};
+use crate::description::suggestion::nearest;
 use crate::description::topic as topics;
-use crate::description::values::{child_text, nearest};
+use crate::description::values::child_text;
 use crate::description::xml::Element;
 
 /// Its name.

@@ -1,7 +1,8 @@
 //! `<preset>` of our own plugin in a sensor: the device that it is. Gazebo goes on without it.
 
 use super::reader::Reader;
-use crate::description::values::{child_text, nearest};
+use crate::description::suggestion::did_you_mean_or;
+use crate::description::values::child_text;
 use crate::description::xml::Element;
 
 impl Reader<'_> {
@@ -16,9 +17,8 @@ impl Reader<'_> {
         } else {
             format!("{} is '{written}', which is none", self.what("preset"))
         };
-        let near = nearest(&written, names.iter().copied());
-        let meant = near.map_or(String::new(), |near| format!("did you mean {near}? "));
-        let remedy = format!("{meant}there are {}", names.join(", "));
+        let there = format!("there are {}", names.join(", "));
+        let remedy = did_you_mean_or(&written, names.iter().copied(), &there);
         self.diagnostics.error(Self::place(Some(own), "preset", own), what, remedy);
         None
     }

@@ -14,7 +14,8 @@ use crate::description::model::{LinkIndex, Model};
 use crate::description::optics::optics;
 use crate::description::plugin;
 use crate::description::sensor::parse_sensor;
-use crate::description::values::{child_bool, child_text, friction_coefficient, nearest, number};
+use crate::description::suggestion::{closest, did_you_mean_or};
+use crate::description::values::{child_bool, child_text, friction_coefficient, number};
 use crate::description::xml::Element;
 
 /// What an extension is set to: its attribute `value`, or else its text, as libsdformat reads it.
@@ -131,11 +132,14 @@ impl Loader<'_> {
                 }
             } else {
                 let names: Vec<String> = gazebo_material_names().collect();
-                let near = nearest(&name, names.iter().map(String::as_str)).unwrap_or_default();
                 self.diagnostics.warning(
                     &material.source,
                     format!("Gazebo has no material '{name}': link '{}' keeps its look", link.name),
-                    format!("did you mean '{near}'?"),
+                    did_you_mean_or(
+                        &name,
+                        names.iter().map(String::as_str),
+                        "Name one as Gazebo/Red, or write <color> in the visual's <material>",
+                    ),
                 );
             }
         }
@@ -185,5 +189,5 @@ fn mount_for(sensor: &Element, name: &str, model: &Model) -> Option<String> {
     };
     let links = model.links.iter().map(|link| link.name.as_str());
     let mounts = links.filter(|link| words.iter().any(|word| link.contains(word)));
-    nearest(name, mounts).map(|near| format!("did you mean '{near}'?"))
+    closest(name, mounts).map(|near| format!("did you mean '{near}'?"))
 }

@@ -3,7 +3,8 @@
 use super::Loader;
 use crate::description::gazebo_materials::gazebo_material;
 use crate::description::model::Material;
-use crate::description::values::{nearest, numbers};
+use crate::description::suggestion::did_you_mean_or;
+use crate::description::values::numbers;
 use crate::description::xml::Element;
 
 impl Loader<'_> {
@@ -34,13 +35,11 @@ impl Loader<'_> {
         }
         let found = self.materials.get(name).cloned().or_else(|| gazebo_material(name));
         if found.is_none() {
-            let near = nearest(name, self.materials.keys().map(String::as_str))
-                .map(|near| format!("did you mean '{near}'? "))
-                .unwrap_or_default();
+            let known = self.materials.keys().map(String::as_str);
             self.diagnostics.warning(
                 &element.source,
                 format!("the material '{name}' is not defined: the shape is grey"),
-                format!("{near}Write <color rgba=\"…\"/> in it"),
+                did_you_mean_or(name, known, "Write <color rgba=\"…\"/> in it"),
             );
         }
         found

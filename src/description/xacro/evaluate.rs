@@ -4,7 +4,7 @@ use super::expression::{Arithmetic, Comparison, Expression};
 use super::fault::Fault;
 use super::functions;
 use super::value::Value;
-use crate::description::values::nearest;
+use crate::description::suggestion::did_you_mean;
 
 /// Where an expression finds its names.
 pub(super) trait Names {
@@ -296,8 +296,8 @@ fn item(operand: &Value, index: &Value) -> Result<Value, Fault> {
     if let Value::Map(entries) = operand {
         return operand.entry(index).cloned().ok_or_else(|| {
             let known: Vec<String> = entries.iter().map(|(key, _)| key.to_string()).collect();
-            let near = nearest(&index.to_string(), known.iter().map(String::as_str));
-            let remedy = near.map_or_else(String::new, |near| format!("did you mean '{near}'?"));
+            let meant = did_you_mean(&index.to_string(), known.iter().map(String::as_str));
+            let remedy = meant.unwrap_or_else(|| format!("it has {}", known.join(", ")));
             Fault::new(format!("the dictionary has no '{index}'"), remedy)
         });
     }

@@ -12,7 +12,7 @@ use super::value::Value;
 use crate::description::budget::Budget;
 use crate::description::diagnostics::{Diagnostics, Problem, Source};
 use crate::description::package::{Found, PackagePath};
-use crate::description::values::nearest;
+use crate::description::suggestion::did_you_mean;
 use crate::description::xml::{Element, Node, Weight};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -329,17 +329,12 @@ impl Expander<'_> {
             .cloned();
         let Some(block) = found else {
             let known: BTreeSet<_> = self.scopes.iter().flat_map(|scope| scope.blocks.keys()).collect();
-            let near = nearest(&name, known.iter().map(|known| known.trim_start_matches('*')));
+            let meant = did_you_mean(&name, known.iter().map(|known| known.trim_start_matches('*')));
             let fault = Fault::new(
                 format!("undefined block '{name}'"),
-                match near {
-                    Some(near) => format!("did you mean '{near}'?"),
-                    None => {
-                        format!(
-                            "define it with <xacro:property name=\"{name}\">…, or as a parameter '*{name}'"
-                        )
-                    }
-                },
+                meant.unwrap_or_else(|| {
+                    format!("define it with <xacro:property name=\"{name}\">…, or as a parameter '*{name}'")
+                }),
             );
             return Err(self.problem(fault, &element.source));
         };

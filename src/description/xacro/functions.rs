@@ -5,7 +5,7 @@
 use super::evaluate::{sized, too_large};
 use super::fault::Fault;
 use super::value::Value;
-use crate::description::values::nearest;
+use crate::description::suggestion::did_you_mean;
 use std::f64::consts;
 
 /// `pi`, `M_PI`, `tau`, `e`, `inf`, `nan`, with or without `math.` before them.
@@ -72,8 +72,9 @@ const FUNCTIONS: [&str; 47] = [
 
 /// The fault for a function that does not exist.
 pub(super) fn unknown(name: &str) -> Fault {
-    let near = nearest(name, FUNCTIONS).unwrap_or("abs");
-    Fault::new(format!("unknown function '{name}'"), format!("did you mean '{near}'?"))
+    let meant = did_you_mean(name, FUNCTIONS);
+    let remedy = meant.unwrap_or_else(|| "use one of Python's that xacro has, as abs, round or len".into());
+    Fault::new(format!("unknown function '{name}'"), remedy)
 }
 
 /// Calls a function; none if there is none of that name.

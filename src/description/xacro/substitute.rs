@@ -9,7 +9,7 @@ use super::text::{Piece, pieces};
 use super::value::Value;
 use super::yaml;
 use crate::description::diagnostics::Source;
-use crate::description::values::nearest;
+use crate::description::suggestion::did_you_mean_or;
 use std::path::Path;
 
 /// Expressions in expressions take less of the stack than elements in elements.
@@ -264,13 +264,10 @@ impl Names for Properties<'_, '_> {
         let known = self.expander.scopes[..=self.scope].iter().flat_map(|scope| scope.properties.keys());
         let mut known: Vec<_> = known.map(String::as_str).collect();
         known.sort_unstable();
-        let define = format!("define it with <xacro:property name=\"{name}\" value=\"…\"/>");
+        let define = format!("Define it with <xacro:property name=\"{name}\" value=\"…\"/>");
         Fault::new(
             format!("undefined property '{name}' in '${{{}}}'", self.text.trim()),
-            match nearest(name, known) {
-                Some(near) => format!("did you mean '{near}'? Else {define}"),
-                None => define,
-            },
+            did_you_mean_or(name, known, &define),
         )
     }
 }

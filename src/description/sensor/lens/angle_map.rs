@@ -3,7 +3,8 @@
 use super::{ROUNDED_ANGLE_RAD, TYPES};
 use crate::description::model::{AngleFunction, AngleMap, LensModel};
 use crate::description::sensor::reader::Reader;
-use crate::description::values::{child_bool, child_text, nearest};
+use crate::description::suggestion::did_you_mean_or;
+use crate::description::values::{child_bool, child_text};
 use crate::description::xml::Element;
 use std::f64::consts::PI;
 
@@ -33,11 +34,10 @@ impl Reader<'_> {
             "custom" => self.custom_function(lens?),
             _ => {
                 let place = Self::place(lens, "type", lens?);
-                let near = nearest(kind, TYPES).unwrap_or_default();
                 self.diagnostics.error(
                     place,
                     format!("the lens of sensor '{}' is of type '{kind}'", self.sensor),
-                    format!("did you mean '{near}'? These are: {}", TYPES.join(", ")),
+                    did_you_mean_or(kind, TYPES, &format!("These are: {}", TYPES.join(", "))),
                 );
                 None
             }

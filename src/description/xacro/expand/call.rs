@@ -6,7 +6,7 @@ use super::super::scope::{Block, Property, Scope};
 use super::super::value::Value;
 use super::{Expander, Output};
 use crate::description::diagnostics::Problem;
-use crate::description::values::nearest;
+use crate::description::suggestion::{did_you_mean, did_you_mean_or};
 use crate::description::xml::{Element, Node, Weight};
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -37,10 +37,7 @@ impl Expander<'_> {
             self.scopes.iter().flat_map(|scope| scope.macros.keys()).map(String::as_str).collect();
         Fault::new(
             format!("unknown macro '{name}'"),
-            match nearest(name, known) {
-                Some(near) => format!("did you mean '{near}'? Else include the file that defines '{name}'"),
-                None => format!("include the file that defines '{name}'"),
-            },
+            did_you_mean_or(name, known, &format!("Include the file that defines '{name}'")),
         )
     }
 
@@ -75,10 +72,7 @@ impl Expander<'_> {
                 });
                 let fault = Fault::new(
                     format!("macro '{}' ({}) has no parameter '{name}'", definition.name, definition.source),
-                    match nearest(name, known) {
-                        Some(near) => format!("did you mean '{near}'?"),
-                        None => "leave it out".into(),
-                    },
+                    did_you_mean(name, known).unwrap_or_else(|| "leave it out".into()),
                 );
                 return Err(self.problem(fault, source));
             }

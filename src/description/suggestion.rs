@@ -1,0 +1,112 @@
+//! "Did you mean": the name that was likely meant in place of one that is not known.
+
+/// Characters that names must begin with in common to be taken for each other.
+const BEGINNING: usize = 3;
+
+/// How likely a candidate was meant, the likeliest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Likeness {
+    /// It is a slip of the hand away.
+    Slip,
+    /// It begins or ends with the whole name.
+    Part,
+    /// It begins as the name does, with so many characters left.
+    Beginning(usize),
+    /// Half of it agrees.
+    Half,
+    Unlike,
+}
+
+fn likeness(name: &str, candidate: &str, distance: usize) -> Likeness {
+    let (length, other) = (name.chars().count(), candidate.chars().count());
+    let beginning = name.chars().zip(candidate.chars()).take_while(|(one, other)| one == other).count();
+    if distance <= 1 || distance == 2 && length > 3 {
+        Likeness::Slip
+    } else if !name.is_empty() && (candidate.starts_with(name) || candidate.ends_with(name)) {
+        Likeness::Part
+    } else if beginning >= BEGINNING {
+        Likeness::Beginning(length - beginning)
+    } else if 2 * distance <= length.max(other) {
+        Likeness::Half
+    } else {
+        Likeness::Unlike
+    }
+}
+
+/// The candidate that is most like the name, however unlike it is, and how like.
+fn most_like<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<(Likeness, usize, &'a str)> {
+    let judged = candidates.into_iter().map(|candidate| {
+        let distance = strsim::damerau_levenshtein(name, candidate);
+        (likeness(name, candidate, distance), distance, candidate)
+    });
+    judged.min_by_key(|(likeness, distance, _)| (*likeness, *distance))
+}
+
+/// The candidate that is most like the name, where one of them must be meant.
+pub fn closest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    most_like(name, candidates).map(|(_, _, candidate)| candidate)
+}
+
+/// The candidate that was likely meant: one that is a slip of the hand away; else one that begins, or ends, as the name
+/// does; else one that half of the name agrees with. None if there is none of these.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let likely = most_like(name, candidates).filter(|(likeness, ..)| *likeness != Likeness::Unlike);
+    likely.map(|(_, _, candidate)| candidate)
+}
+
+/// The question, if a candidate was likely meant.
+pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    nearest(name, candidates).map(|near| format!("did you mean '{near}'?"))
+}
+
+/// The question, if a candidate was likely meant, and what can be done otherwise.
+pub fn did_you_mean_or<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+    otherwise: &str,
+) -> String {
+    did_you_mean(name, candidates)
+        .map_or_else(|| otherwise.to_owned(), |meant| format!("{meant} {otherwise}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_begins_alike_is_likelier_than_what_has_as_many_letters() {
+        let links = ["laser", "base_footprint", "base_link", "depth_joint", "left_wheel_joint"];
+        for (name, expected) in [
+            ("left_joint", Some("left_wheel_joint")),
+            ("base", Some("base_link")),
+            ("base_lnik", Some("base_link")),
+            ("lazer", Some("laser")),
+            ("wheel_joint", Some("left_wheel_joint")),
+            ("dept_joint", Some("depth_joint")),
+            ("gripper", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest(name, links), expected, "{name}");
+        }
+        let topics = ["/camera/rgb/image_raw", "/camera/depth/image_raw", "/scan", "/odom"];
+        assert_eq!(nearest("/scam", topics), Some("/scan"));
+        assert_eq!(nearest("/depth/image_raw", topics), Some("/camera/depth/image_raw"));
+        assert_eq!(nearest("/xyz", topics), None);
+        assert_eq!(nearest("weel_r", ["wheel_l", "wheel_r", "weight"]), Some("wheel_r"));
+        assert_eq!(nearest("x", ["y"]), Some("y"));
+        assert_eq!(nearest("hokuyo", ["camera"]), None);
+        assert_eq!(closest("hokuyo", ["camera"]), Some("camera"));
+    }
+
+    #[test]
+    fn the_question_stands_before_what_can_be_done() {
+        assert_eq!(
+            did_you_mean_or("lazer", ["laser"], "Else leave it out"),
+            "did you mean 'laser'? Else leave it out"
+        );
+        assert_eq!(did_you_mean_or("lazer", ["camera"], "leave it out"), "leave it out");
+    }
+}

@@ -1,11 +1,12 @@
 //! `belvedere control`: pause, step, reset a running simulation, move, add and remove what is in it, and change its
 //! sensors.
 
+mod model_file;
 mod order;
 mod report;
 
 use super::error::CliError;
-use super::follow::{DomainArgs, print_line, seconds};
+use super::follow::{DomainArgs, check_topics, print_line, seconds};
 use belvedere_bridge::{Node, SimulationControl};
 use order::Order;
 use report::Report;
@@ -57,10 +58,11 @@ enum What {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::Refused`] with the simulator's reason, [`CliError::NoAnswer`]; a file that cannot be read; failures of
-/// the bridge and of standard output.
+/// [`CliError::NoSimulator`], [`CliError::Refused`] with the simulator's reason, [`CliError::NoAnswer`]; a file that
+/// cannot be read or is no model's; failures of the bridge and of standard output.
 pub fn run(args: &ControlArgs) -> Result<(), CliError> {
     let node = Node::open(&args.global.domain.domain, "belvedere control")?;
+    check_topics(&node, &args.global.domain.domain, &[])?;
     match &args.what {
         What::Order(order) => send(order, &node, &args.global),
         What::Report(report) => report.print(&node, &args.global),
@@ -74,7 +76,7 @@ fn send(order: &Order, node: &Node, global: &GlobalArgs) -> Result<(), CliError>
     let result = result.ok_or_else(|| global.no_answer())?;
     let operation = order.word();
     if result.done != 1 {
-        return Err(CliError::Refused { operation, reason: result.reason.as_str().to_owned() });
+        return Err(CliError::Refused { operation, reason: order.refusal(&command, result.reason.as_str()) });
     }
     print_line(&format!("{operation}: done at {:.9} s", result.time_ns as f64 * 1e-9))
 }

@@ -92,6 +92,16 @@ pub enum CliError {
         /// Why.
         source: io::Error,
     },
+    /// A file that is no model's.
+    #[error("cannot spawn {}, which is {what}; {remedy}", path.display())]
+    NotSpawned {
+        /// Which.
+        path: PathBuf,
+        /// What it is.
+        what: String,
+        /// What can be done.
+        remedy: String,
+    },
     /// A consumer that is waited for took too long.
     #[error("at {:.3} s of simulated time {error} (--wait-for, --patience)", *time_ns as f64 * 1e-9)]
     HeldUp {

@@ -31,6 +31,9 @@ fn the_command_line_says_what_was_done_and_why_not() {
         (&["move", "nobody", "-1,0", "--relative-to", "world"], 1, "no model 'nobody'"),
         (&["spawn", "no_such.sdf"], 1, "cannot read no_such.sdf"),
         (&["spawn", file, "--pose", "1"], 2, "write X,Y or X,Y,YAW or X,Y,Z,YAW"),
+        // Called as its namespace is.
+        (&["spawn", file, "--namespace", "carl"], 0, "spawn: done"),
+        (&["delete", "carl"], 0, "delete: done"),
         (&["step", "0"], 2, "0 is not in"),
         (&["reset-world"], 0, "reset-world: done"),
         (&["reset"], 0, "reset: done at 0.000000000 s"),
@@ -39,9 +42,45 @@ fn the_command_line_says_what_was_done_and_why_not() {
         let (found, said) = control(arguments);
         assert!(found == code && said.contains(words), "{arguments:?}: {found}: {said}");
     }
-    let nobody = output(&["control", "pause", "--domain", &live::own_domain(), "--timeout", "0.2"]);
+    // Said at once, and not when the time is up.
+    let nobody = output(&["control", "pause", "--domain", &live::own_domain(), "--timeout", "1e6"]);
     let said = String::from_utf8(nobody.stderr).unwrap();
-    assert!(nobody.status.code() == Some(1) && said.contains("belvedere run --domain"), "{said}");
+    assert!(nobody.status.code() == Some(1) && said.contains("nothing is published"), "{said}");
+}
+
+#[test]
+fn a_file_that_is_no_model_is_told_what_it_is() {
+    let simulator = Simulator::start(&["--drive", "still"]);
+    let mut control = simulator.control();
+    live::control::done(&mut control, Operation::Pause);
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let write = |name: &str, text: &str| {
+        std::fs::write(path(name), text).unwrap();
+        path(name)
+    };
+    let xacro = "<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'><xacro:property name='a' value='1'/></robot>";
+    let wrong = "<sdf version='1.6'><model name='m'>\n<pose>1 2 x 0 0 0</pose><link name='l'/></model></sdf>";
+    let wrong = write("wrong.sdf", wrong);
+    for (file, words) in [
+        (write("robot.xacro", xacro), ["which is a xacro; ", "robot.xacro > robot.urdf"]),
+        (write("robot.urdf", xacro), ["which is a xacro; ", "belvedere urdf "]),
+        (write("thing.OBJ", "v 0 0 0\n"), ["which is a mesh", "<mesh><uri>"]),
+        (
+            "kobuki_hexagons_kinect".into(),
+            ["the name of a robot; ", "belvedere urdf kobuki_hexagons_kinect > "],
+        ),
+        (path("gone.sdf"), ["cannot read ", "gone.sdf: "]),
+        (wrong.clone(), ["spawn was refused: ", "wrong.sdf:2: error: "]),
+    ] {
+        for name in [&[][..], &["--name", "carl"]] {
+            let arguments = ["control", "--domain", simulator.domain(), "spawn", &file];
+            let refused = output(&[&arguments[..], name].concat());
+            let said = String::from_utf8(refused.stderr).unwrap();
+            assert_eq!(refused.status.code(), Some(1), "{said}");
+            assert!(words.iter().all(|words| said.contains(words)), "{file}: {said}");
+        }
+    }
 }
 
 #[test]

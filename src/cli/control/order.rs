@@ -1,5 +1,6 @@
 //! What a simulation can be told to do, and the command that is sent for it.
 
+use super::model_file;
 use crate::cli::error::CliError;
 use crate::cli::place::{PLACE, Place};
 use belvedere_bridge::payload::SimulationCommand;
@@ -40,7 +41,7 @@ pub(super) enum Order {
     Spawn {
         /// The file
         file: PathBuf,
-        /// What it is to be called [default: its own name]
+        /// What it is to be called [default: its namespace, or else its own name]
         #[arg(long, value_name = "NAME")]
         name: Option<String>,
         /// Stands before its topics and frames, as in /NAMESPACE/scan [default: none]
@@ -112,9 +113,9 @@ impl Order {
                 set_pose(&mut command, *pose);
             }
             Self::Spawn { file, name, namespace, pose, relative_to } => {
-                text = std::fs::read_to_string(file)
-                    .map_err(|source| CliError::Input { path: file.clone(), source })?;
-                command.name = self.name(name.as_deref().unwrap_or_default())?;
+                text = model_file::read(file)?;
+                let name = name.as_deref().or(namespace.as_deref());
+                command.name = self.name(name.unwrap_or_default())?;
                 command.robot_namespace = self.name(namespace.as_deref().unwrap_or_default())?;
                 command.reference = self.name(relative_to)?;
                 set_pose(&mut command, *pose);
@@ -126,6 +127,18 @@ impl Order {
             }
         }
         Ok((command, text))
+    }
+
+    /// Why the simulator refused it: what is wrong with the text of a file is told with the file's name.
+    pub(super) fn refusal(&self, command: &SimulationCommand, reason: &str) -> String {
+        let Self::Spawn { file, .. } = self else { return reason.to_owned() };
+        // The simulator knows the text by the model's name at most.
+        let known = if command.name.as_str().is_empty() { "text" } else { command.name.as_str() };
+        let place = reason.strip_prefix(known).and_then(|rest| rest.strip_prefix(':'));
+        match place.filter(|place| place.starts_with(|first: char| first.is_ascii_digit())) {
+            Some(place) => format!("{}:{place}", file.display()),
+            None => reason.to_owned(),
+        }
     }
 
     fn name(&self, text: &str) -> Result<Text<64>, CliError> {

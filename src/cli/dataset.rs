@@ -3,7 +3,10 @@
 use super::error::CliError;
 use super::follow::{listen_for_stop, print_line, stop_wanted};
 use super::log::status_lines;
-use crate::dataset::{DatasetError, Folder, Making, Plan, contact_sheet, export_coco, export_kitti, make};
+use crate::dataset::{
+    DatasetError, Folder, Making, Plan, check_coco, check_kitti, contact_sheet, export_coco, export_kitti,
+    make,
+};
 use crate::description::package::PackagePath;
 use indicatif::{HumanBytes, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal as _;
@@ -103,6 +106,13 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
     let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
     let plan = Plan::read(&args.plan, &packages)?;
+    // Before hours of work, not after them.
+    for sensor in &args.coco {
+        check_coco(&plan, sensor)?;
+    }
+    for sensors in &args.kitti {
+        check_kitti(&plan, camera_and_lidar(sensors))?;
+    }
     let all = plan.shards();
     if args.count {
         return print_line(&format!("{} samples, {all} shards", plan.samples()));
@@ -153,10 +163,7 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
         print_line(&format!("{}: as COCO has them", written.display()))?;
     }
     for sensors in &args.kitti {
-        let (camera, lidar) = match sensors.split_once(',') {
-            Some((camera, lidar)) => (camera, Some(lidar)),
-            None => (sensors.as_str(), None),
-        };
+        let (camera, lidar) = camera_and_lidar(sensors);
         let to = args.output.join("kitti").join(camera);
         let written = export_kitti(&plan, &folder, (camera, lidar), &to, &progress)?;
         print_line(&format!("{}: as KITTI has them", written.display()))?;
@@ -164,6 +171,14 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
     match contact_sheet(&plan, &folder)? {
         Some(sheet) => print_line(&format!("{}: some samples, a row each", sheet.display())),
         None => Ok(()),
+    }
+}
+
+/// `CAMERA[,LIDAR]`.
+fn camera_and_lidar(sensors: &str) -> (&str, Option<&str>) {
+    match sensors.split_once(',') {
+        Some((camera, lidar)) => (camera, Some(lidar)),
+        None => (sensors, None),
     }
 }
 

@@ -148,6 +148,12 @@ pub enum CliError {
         /// Why.
         source: io::Error,
     },
+    /// A file that is there, and was not to be replaced.
+    #[error("cannot write {}: it is there; choose another name, or replace it with --force", path.display())]
+    FileExists {
+        /// Which.
+        path: PathBuf,
+    },
     /// A recording that cannot be written, read or played.
     #[error("cannot {action} {}: {}", path.display(), recording_words(source))]
     Recording {

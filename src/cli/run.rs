@@ -26,9 +26,12 @@ use crate::server::post::Post;
 use crate::server::{ModelFiles, Server, ServerOptions, SharedMemory};
 use crate::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Domain, Lossless, Node};
+use clap::builder::{OsStringValueParser, TypedValueParser as _};
 use std::collections::BTreeMap;
+use std::ffi::{OsStr, OsString};
 use std::io::Write as _;
 use std::net::SocketAddr;
+use std::os::unix::ffi::OsStrExt as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -103,8 +106,8 @@ pub struct RunArgs {
     /// Record all streams into this MCAP file; simulated time waits while it cannot be written fast enough
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Replace the file of --record if it is there
-    #[arg(long, requires = "record")]
+    /// Replace the files of --record, --pcap and --lidar-metadata if they are there
+    #[arg(long)]
     force: bool,
     /// Show the simulation on a page in the browser
     #[arg(long)]
@@ -117,10 +120,10 @@ pub struct RunArgs {
     udp: Vec<Feed<SocketAddr>>,
     /// Write them into this pcap file, as Wireshark and drivers read it, and an Ouster's metadata into one beside it that
     /// ends in .json; may be repeated
-    #[arg(long, value_name = "SENSOR=FILE")]
+    #[arg(long, value_name = "SENSOR=FILE", value_parser = OsStringValueParser::new().try_map(feed))]
     pcap: Vec<Feed<PathBuf>>,
     /// Write an Ouster's metadata into this file, for whoever gets its packets by --udp; may be repeated
-    #[arg(long, value_name = "SENSOR=FILE")]
+    #[arg(long, value_name = "SENSOR=FILE", value_parser = OsStringValueParser::new().try_map(feed))]
     lidar_metadata: Vec<Feed<PathBuf>>,
     /// Lose no frame of this consumer (the name of its node): simulated time begins when it follows a stream (or as
     /// many as follow =) and waits while it has no room; may be repeated
@@ -132,7 +135,30 @@ pub struct RunArgs {
     patience: Option<Duration>,
 }
 
+/// A lidar and a file, whose name may be any.
+fn feed(text: OsString) -> Result<Feed<PathBuf>, String> {
+    let bytes = text.as_bytes();
+    match bytes.iter().position(|byte| *byte == b'=').map(|equals| (&bytes[..equals], &bytes[equals + 1..])) {
+        Some((sensor, file)) if !sensor.is_empty() && !file.is_empty() => {
+            let sensor = String::from_utf8_lossy(sensor).into_owned();
+            Ok(Feed { sensor, to: OsStr::from_bytes(file).into() })
+        }
+        _ => Err("SENSOR=FILE is wanted, with the name of a lidar or a topic that it sends".into()),
+    }
+}
+
 impl RunArgs {
+    /// Refuses to replace files of packets that are there.
+    fn check_files(&self) -> Result<(), CliError> {
+        // An Ouster's metadata lies beside its packets.
+        let pcap = self.pcap.iter().flat_map(|feed| [feed.to.clone(), feed.to.with_extension("json")]);
+        let mut files = pcap.chain(self.lidar_metadata.iter().map(|feed| feed.to.clone()));
+        match files.find(|file| !self.force && file.exists()) {
+            Some(path) => Err(CliError::FileExists { path }),
+            None => Ok(()),
+        }
+    }
+
     /// Whom the simulation waits for before and during the run.
     fn awaited(&self) -> Vec<Awaited> {
         let recorder = self.record.as_ref().map(|_| Awaited { name: RECORDER.into(), streams: Awaited::ALL });
@@ -161,6 +187,7 @@ pub enum Pace {
 /// # Errors
 /// What is wrong with the files, the sensors or the domain.
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
+    args.check_files()?;
     render_on_this_thread();
     let packages = packages(args);
     let (world, robots) = load(args, &packages)?;

@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-pub use coco::export_coco;
-pub use kitti::export_kitti;
+pub use coco::{check_coco, export_coco};
+pub use kitti::{check_kitti, export_kitti};
 
 /// A picture of one sensor, and what is known of it.
 struct Shot<'a> {

@@ -32,7 +32,7 @@ mod sheet;
 mod studio;
 
 pub use error::DatasetError;
-pub use export::{export_coco, export_kitti};
+pub use export::{check_coco, check_kitti, export_coco, export_kitti};
 pub use folder::{Folder, Manifest, ShardEntry};
 pub use make::{Making, make};
 pub use plan::{Plan, Sample, SensorPlan};

@@ -311,6 +311,17 @@ fn a_numbered_frame_is_that_of_a_run_and_remembers_none() -> Result<(), Box<dyn 
 }
 
 #[test]
+fn exports_that_cannot_be_are_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plan, out) = (small_plan(folder.path()), folder.path().join("out"));
+    for export in [["--kitti", "nosuch"], ["--coco", "nosuch"]] {
+        let error = refused(&plan, &out, &export);
+        assert!(error.contains("the plan has no sensor 'nosuch'; it has "), "{error}");
+        assert!(!out.exists(), "{export:?}");
+    }
+}
+
+#[test]
 fn mistakes_are_named_with_their_line() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");

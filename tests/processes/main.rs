@@ -26,6 +26,7 @@ mod interest;
 mod kobuki;
 mod lidar_packets;
 mod lossless;
+mod named_files;
 mod optical_frames;
 mod poses;
 mod ranges;

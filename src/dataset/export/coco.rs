@@ -1,7 +1,7 @@
 //! Instances as COCO has them: one JSON of images, categories, and annotations with boxes and masks.
 
 use super::{Shot, data_of, find_sensor, for_each_shot, make_folder, write_if_other};
-use crate::dataset::{DatasetError, Folder, Making, Plan};
+use crate::dataset::{DatasetError, Folder, Making, Plan, SensorPlan};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -55,6 +55,14 @@ struct Mask {
     counts: Vec<u32>,
 }
 
+/// The sensor of this name, if the plan has it with labels and the channel of instances.
+///
+/// # Errors
+/// [`DatasetError::NoExport`].
+pub fn check_coco<'a>(plan: &'a Plan, sensor: &str) -> Result<&'a SensorPlan, DatasetError> {
+    find_sensor(plan, sensor, &["instance"])
+}
+
 /// Writes the pictures of a sensor and `instances.json` into a folder; gives the JSON's file. Objects of an image are those
 /// of its labels, their masks from the channel of instances, categories in the order of their names.
 ///
@@ -67,7 +75,7 @@ pub fn export_coco(
     to: &Path,
     making: &dyn Making,
 ) -> Result<PathBuf, DatasetError> {
-    let sensor = find_sensor(plan, sensor, &["instance"])?;
+    let sensor = check_coco(plan, sensor)?;
     let to = make_folder(to.to_owned())?;
     let pictures = make_folder(to.join("images"))?;
     let (mut images, mut annotations) = (Vec::new(), Vec::new());

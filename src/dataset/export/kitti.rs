@@ -2,7 +2,7 @@
 
 use super::{Shot, data_of, find_sensor, for_each_shot, make_folder, write_if_other};
 use crate::dataset::labels::{IntrinsicsJson, ObjectJson, optical_from_world};
-use crate::dataset::{DatasetError, Folder, Making, Plan};
+use crate::dataset::{DatasetError, Folder, Making, Plan, SensorPlan};
 use belvedere_bridge::DistortionModel;
 use belvedere_sensors::Pose;
 use glam::{DVec2, DVec3};
@@ -16,6 +16,24 @@ const NEAR_M: f64 = 0.01;
 const POINT: usize = 22;
 /// Clouds as Velodyne's driver sends them.
 const VELODYNE: &str = "xyzirt_f32";
+
+/// The camera of this name, if the plan has it with labels, and the lidar if one is named. What its samples show, as that it
+/// is no pinhole, only the export finds.
+///
+/// # Errors
+/// [`DatasetError::NoExport`].
+pub fn check_kitti<'a>(
+    plan: &'a Plan,
+    (camera, lidar): (&str, Option<&str>),
+) -> Result<&'a SensorPlan, DatasetError> {
+    let camera = find_sensor(plan, camera, &[])?;
+    let has_lidar = |name: &&str| plan.sensors().iter().any(|sensor| sensor.name == **name);
+    if let Some(name) = lidar.filter(|name| !has_lidar(name)) {
+        let what = format!("the plan has no sensor '{name}'; write CAMERA,LIDAR by the names that it has");
+        return Err(DatasetError::NoExport { what });
+    }
+    Ok(camera)
+}
 
 /// Writes `training/image_2`, `label_2` and `calib` of a pinhole camera into a folder, and `velodyne` of a lidar if one is
 /// named; gives `training`.
@@ -33,12 +51,7 @@ pub fn export_kitti(
     to: &Path,
     making: &dyn Making,
 ) -> Result<PathBuf, DatasetError> {
-    let sensor = find_sensor(plan, sensor, &[])?;
-    let has_lidar = |name: &&str| plan.sensors().iter().any(|sensor| sensor.name == **name);
-    if let Some(name) = lidar.filter(|name| !has_lidar(name)) {
-        let what = format!("the plan has no sensor '{name}'; write CAMERA,LIDAR by the names that it has");
-        return Err(DatasetError::NoExport { what });
-    }
+    let sensor = check_kitti(plan, (sensor, lidar))?;
     let training = make_folder(to.join("training"))?;
     let [pictures, labels, calibrations] =
         ["image_2", "label_2", "calib"].map(|name| make_folder(training.join(name)));

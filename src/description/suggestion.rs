@@ -10,6 +10,8 @@ enum Likeness {
     Slip,
     /// It begins or ends with the whole name.
     Part,
+    /// It is two slips away.
+    TwoSlips,
     /// It begins as the name does, with so many characters left.
     Beginning(usize),
     /// Half of it agrees.
@@ -20,10 +22,12 @@ enum Likeness {
 fn likeness(name: &str, candidate: &str, distance: usize) -> Likeness {
     let (length, other) = (name.chars().count(), candidate.chars().count());
     let beginning = name.chars().zip(candidate.chars()).take_while(|(one, other)| one == other).count();
-    if distance <= 1 || distance == 2 && length > 3 {
+    if distance <= 1 {
         Likeness::Slip
     } else if !name.is_empty() && (candidate.starts_with(name) || candidate.ends_with(name)) {
         Likeness::Part
+    } else if distance == 2 && length > 3 {
+        Likeness::TwoSlips
     } else if beginning >= BEGINNING {
         Likeness::Beginning(length - beginning)
     } else if 2 * distance <= length.max(other) {
@@ -51,7 +55,7 @@ pub fn closest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 }
 
 /// The candidate that was likely meant: one that is a slip of the hand away; else one that begins, or ends, as the name
-/// does; else one that half of the name agrees with. None if there is none of these.
+/// does; else one of which half agrees. None if there is none of these.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let likely = most_like(name, candidates).filter(|(likeness, ..)| *likeness != Likeness::Unlike);
     likely.map(|(_, _, candidate)| candidate)
@@ -107,6 +111,6 @@ mod tests {
             did_you_mean_or("lazer", ["laser"], "Else leave it out"),
             "did you mean 'laser'? Else leave it out"
         );
-        assert_eq!(did_you_mean_or("lazer", ["camera"], "leave it out"), "leave it out");
+        assert_eq!(did_you_mean_or("lazer", ["hokuyo"], "leave it out"), "leave it out");
     }
 }

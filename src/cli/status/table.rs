@@ -104,9 +104,9 @@ mod tests {
         }
         let narrow = table(&rows, total, 70, 24);
         assert!(narrow[2].starts_with("/mobile_base/sensors/imu_data "), "{narrow:#?}");
-        assert!(narrow[3].starts_with("/robot_1…age_raw/truth/class "), "{narrow:#?}");
+        assert!(narrow[3].starts_with("/robot_1/…age_raw/truth/class "), "{narrow:#?}");
         assert!(narrow[3].ends_with("1.23"), "{narrow:#?}");
-        assert!(table(&rows, total, 40, 24)[0].ends_with("ASKED Hz"));
+        assert!(table(&rows, total, 40, 24)[0].ends_with("SUBS"));
     }
 
     #[test]

@@ -12,22 +12,26 @@ Served& Served::here() {
 Served::Place::Place(std::string topic, Domain& domain, const bv_stream_info& stream) : topic_(std::move(topic)) {
     Served& served = here();
     const std::lock_guard<std::mutex> lock(served.mutex_);
-    // Two bridges of one name and domain would serve the same: the first holds.
-    const auto [place, is_new] = served.sources_.emplace(topic_, Source{domain, stream});
-    if (is_new) served.tell(topic_, &place->second);
+    std::list<Source>& sources = served.sources_[topic_];
+    source_ = sources.insert(sources.end(), Source{domain, stream});
+    if (sources.size() == 1) served.tell(topic_, &*source_);
 }
 
 Served::Place::~Place() {
     Served& served = here();
     const std::lock_guard<std::mutex> lock(served.mutex_);
-    served.tell(topic_, nullptr);
-    served.sources_.erase(topic_);
+    const auto found = served.sources_.find(topic_);
+    std::list<Source>& sources = found->second;
+    const bool held = source_ == sources.begin();
+    const auto next = sources.erase(source_);
+    if (held) served.tell(topic_, sources.empty() ? nullptr : &*next);
+    if (sources.empty()) served.sources_.erase(found);
 }
 
 void Served::seek(const std::string& topic, Seeker& seeker) {
     const std::lock_guard<std::mutex> lock(mutex_);
     seekers_[topic].insert(&seeker);
-    if (const auto source = sources_.find(topic); source != sources_.end()) seeker.serve(&source->second);
+    if (const auto source = sources_.find(topic); source != sources_.end()) seeker.serve(&source->second.front());
 }
 
 void Served::forget(const std::string& topic, Seeker& seeker) {

@@ -3,6 +3,7 @@
 
 #include <belvedere.hpp>
 
+#include <list>
 #include <map>
 #include <mutex>
 #include <set>
@@ -29,7 +30,8 @@ public:
         virtual void serve(const Source* source) = 0;
     };
 
-    /// As long as this lives, the topic is served.
+    /// As long as this lives, the topic is served. Of several bridges that serve one topic, as nodelets of one manager may,
+    /// the first holds; when it ends, the next.
     class Place {
     public:
         Place(std::string topic, Domain& domain, const bv_stream_info& stream);
@@ -39,6 +41,7 @@ public:
 
     private:
         const std::string topic_;
+        std::list<Source>::iterator source_;
     };
 
     static Served& here();
@@ -52,7 +55,8 @@ private:
     void tell(const std::string& topic, const Source* source);
 
     std::mutex mutex_;
-    std::map<std::string, Source> sources_;
+    /// By topic; the first of each holds.
+    std::map<std::string, std::list<Source>> sources_;
     std::map<std::string, std::set<Seeker*>> seekers_;
 };
 

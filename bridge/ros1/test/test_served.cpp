@@ -1,0 +1,60 @@
+// Who serves a topic within one process, when several bridges would.
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <memory>
+#include <string>
+
+#include "../src/served.hpp"
+
+namespace belvedere_ros {
+namespace {
+
+constexpr const char* kTopic = "/image_raw";
+
+/// Remembers what it was told.
+class Seeks : public Served::Seeker {
+public:
+    Seeks() { Served::here().seek(kTopic, *this); }
+    ~Seeks() override { Served::here().forget(kTopic, *this); }
+    void serve(const Source* source) override {
+        domain = source == nullptr ? nullptr : &source->domain;
+        ++told;
+    }
+
+    const Domain* domain = nullptr;
+    int told = 0;
+};
+
+TEST(Served, ATopicIsTheFirstBridgesAndThenTheNexts) {
+    const std::string name = "served-" + std::to_string(getpid());
+    Domain one(name), other(name);
+    const bv_stream_info stream{};
+    const Seeks early;
+    auto first = std::make_unique<Served::Place>(kTopic, one, stream);
+    EXPECT_EQ(early.domain, &one);
+    // A second bridge comes and goes: nothing changes for those who have the first.
+    std::make_unique<Served::Place>(kTopic, other, stream).reset();
+    EXPECT_EQ(early.domain, &one);
+    EXPECT_EQ(early.told, 1);
+    EXPECT_EQ(Seeks().domain, &one);
+
+    const Served::Place next(kTopic, other, stream);
+    EXPECT_EQ(early.domain, &one);
+    first.reset();
+    EXPECT_EQ(early.domain, &other);
+    EXPECT_EQ(early.told, 2);
+}
+
+TEST(Served, ATopicIsNobodysInTheEnd) {
+    Domain domain("served-" + std::to_string(getpid()));
+    const Seeks early;
+    std::make_unique<Served::Place>(kTopic, domain, bv_stream_info{}).reset();
+    EXPECT_EQ(early.domain, nullptr);
+    EXPECT_EQ(early.told, 2);
+    EXPECT_EQ(Seeks().told, 0);
+}
+
+}  // namespace
+}  // namespace belvedere_ros

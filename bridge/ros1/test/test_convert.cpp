@@ -88,6 +88,15 @@ TEST(Image, TakesNoMoreMemoryThanThePayload) {
     points.header.row_stride = 4'000'000'000;
     EXPECT_EQ(to_point_cloud(points.sample())->row_step, 64u);
     EXPECT_EQ(to_point_cloud(points.sample())->data.size(), 64u);
+    // Nothing says how far the next element would be, if there is one alone.
+    Known point(BV_KIND_POINT_CLOUD, BV_ENCODING_XYZ_RGB_F32, 1, 1, 32);
+    EXPECT_EQ(to_point_cloud(point.sample())->data, point.bytes);
+    point.header.elem_stride = std::numeric_limits<std::uint32_t>::max();
+    EXPECT_THROW(to_point_cloud(point.sample()), Unrepresentable);
+    // A row of 2³² bytes, whose length ends at 2³² − 1.
+    Known row(BV_KIND_POINT_CLOUD, BV_ENCODING_XYZ_RGB_F32, 2, 1, 32);
+    row.header.elem_stride = 1u << 31;
+    EXPECT_THROW(to_point_cloud(row.sample()), Unrepresentable);
 }
 
 TEST(Image, RefusesWhatItCannotSay) {

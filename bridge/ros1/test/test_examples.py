@@ -3,12 +3,14 @@
 
 import json
 import os
+import signal
 import subprocess
 import tempfile
 import time
 import unittest
 import xmlrpc.client
 from pathlib import Path
+from xml.etree import ElementTree
 
 from processes import Process, bridge, eventually, free_port, roscore, simulator
 
@@ -41,6 +43,19 @@ class Examples(unittest.TestCase):
         except OSError:
             return set()
 
+    def master_answers(self):
+        try:
+            return self.master.getPid("/test")[0] == 1
+        except OSError:
+            return False
+
+    def pid(self, node):
+        """The process of a node; None if it does not answer."""
+        try:
+            return xmlrpc.client.ServerProxy(self.master.lookupNode("/test", node)[2]).getPid("/test")[2]
+        except OSError:
+            return None
+
     def subscribed(self):
         """Topics that have a subscriber now."""
         return {topic for topic, _ in self.master.getSystemState("/test")[2][1]}
@@ -71,6 +86,27 @@ class Examples(unittest.TestCase):
             known = self.run_example("rosservice", "call", "/gazebo/get_model_state", "mobile_base", "", timeout=20)
             self.assertIn("success: True", known)
             self.assertTrue(self.master.getParam("/test", "/use_sim_time")[2])
+
+    def test_what_dies_is_started_again(self):
+        arguments = "gui:=false", f"domain:={self.domain}", "world_file:=playground"
+        with self.roslaunch("belvedere_ros", "turtlebot_world.launch", *arguments) as launch:
+            told = "/cmd_vel_mux/active"  # of the nodelet in the manager
+            self.assertTrue(eventually(lambda: {"/odom", told} <= self.topics(), 30), launch.output())
+            for node in "/belvedere", "/mobile_base_nodelet_manager":
+                first = self.pid(node)
+                os.kill(first, signal.SIGKILL)
+                self.assertTrue(eventually(lambda: self.pid(node) not in (None, first), 20), launch.output())
+            # The master forgets what the dead had registered when the next of that name comes.
+            self.assertTrue(eventually(lambda: {"/odom", told} <= self.topics(), 30), launch.output())
+            self.flows("/odom")
+            self.flows(told)
+
+    def test_launch_files_clear_what_others_left(self):
+        """Parameters stay on a roscore that several launches share: those of a node are its launch file's alone."""
+        for file in {*EXAMPLES.rglob("*.launch"), *(HERE.parent / "launch").glob("*.launch")}:
+            for node in ElementTree.parse(file).iter("node"):
+                if node.get("type") == "bridge" or node.get("args", "").startswith("load ") or node.find("param") is not None:
+                    self.assertEqual(node.get("clear_params"), "true", f"{node.get('name')} of {file.name}")
 
     def test_robot_state_publisher_sends_the_tree_that_the_simulator_would(self):
         arguments = "gui:=false", f"domain:={self.domain}", "world_file:=playground"
@@ -122,6 +158,10 @@ class Examples(unittest.TestCase):
             self.flows("/image_raw")
 
     def test_two_robots(self):
+        self.enterContext(roscore(self.port))
+        self.assertTrue(eventually(self.master_answers))
+        # As turtlebot_world.launch leaves it on a roscore that others started: /tf_static would be missing.
+        self.master.setParam("/test", "/belvedere/transforms", "odometry")
         with self.roslaunch(EXAMPLES / "two_robots.launch") as launch:
             topics = "image_raw", "odom", "joint_states"
             wanted = {f"/robot{n}/{topic}" for n in (1, 2) for topic in topics}

@@ -47,7 +47,8 @@ void Relay::run() {
         } catch (const std::exception& error) {
             complain(error.what());
         }
-        bell_->sleep(kPatience);
+        // The ring of the end may have been heard already.
+        if (!stopping_) bell_->sleep(kPatience);
     }
 }
 

@@ -48,7 +48,8 @@ void Settings::run() {
         } catch (const std::exception& error) {
             if (trouble_.due()) ROS_WARN_STREAM("settings of sensors cannot be followed: " << error.what());
         }
-        bell_.sleep(kPatience);
+        // The ring of the end may have been heard already.
+        if (!stopping_) bell_.sleep(kPatience);
     }
 }
 

@@ -11,7 +11,7 @@ import xmlrpc.client
 
 import rosbag
 import rospy
-from processes import Process, bridge, eventually, free_port, roscore, simulator
+from processes import Process, bridge, eventually, free_port, roscore, simulator, subscribers_of_streams
 from std_msgs.msg import String
 
 CYCLES = int(os.environ.get("BELVEDERE_ROS_CYCLES", "20"))
@@ -114,6 +114,16 @@ class Lives(unittest.TestCase):
                     self.assertEqual(node.stop(how), 0, node.output())
                     self.assertFalse(self.knows_node(), f"{how.name} left the node registered")
                     self.assertNotIn("/odom", self.topics())
+
+    def test_it_ends_soon_however_much_is_followed(self):
+        """roslaunch kills what goes on 15 s after SIGINT, and then it stays registered. Once each topic took a second."""
+        with roscore(self.port), simulator(self.domain, "--robot", "kobuki_hexagons_kinect"), bridge(self.domain) as node:
+            self.assertTrue(eventually(lambda: "/camera/depth/points" in self.topics()), node.output())
+            with tempfile.TemporaryDirectory() as folder, Process("rosbag", "record", "--all", "-O", f"{folder}/all.bag"):
+                followed = lambda: sum(subscribers_of_streams(self.domain).values())  # noqa: E731
+                self.assertTrue(eventually(lambda: followed() > 16, 30.0), node.output())
+                self.assertEqual(node.stop(timeout=15.0), 0, node.output())
+            self.assertFalse(self.knows_node())
 
     def test_time_of_others_may_loop(self):
         """With a bag's /clock that jumps back again and again, topics and diagnostics go on."""

@@ -3,25 +3,21 @@
 #include <ros/ros.h>
 #include <signal.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
-#include <memory>
-#include <vector>
+#include <map>
+#include <string>
 
 #include "bridge.hpp"
 #include "master.hpp"
+#include "registrations.hpp"
 #include "reminder.hpp"
 
 namespace {
 
 using belvedere_ros::Bridge;
 using belvedere_ros::Master;
-
-// Parameters that outlive the master which kept them.
-constexpr const char* kKeptParameters = "BELVEDERE_ROS_PARAMETERS";
 
 // SIGINT and SIGTERM are taken by the main thread alone, and by nothing that roscpp installs: roscpp ends at SIGTERM
 // without telling the master, which would go on listing this node.
@@ -50,38 +46,57 @@ bool wait_for(Master& master, const sigset_t& signals) {
     return true;
 }
 
-void restore_parameters() {
-    const char* kept = std::getenv(kKeptParameters);
-    if (kept == nullptr) return;
-    int offset = 0;
-    XmlRpc::XmlRpcValue parameters(kept, &offset);
-    if (parameters.getType() == XmlRpc::XmlRpcValue::TypeStruct && !ros::param::has("~")) ros::param::set("~", parameters);
-}
-
 // As Gazebo's ROS plugin does, so that launch files need not. Before the first handle: roscpp looks at it then.
 void use_simulated_time() {
     if (ros::param::param("~publish_clock", true) && !ros::param::has("/use_sim_time")) ros::param::set("/use_sim_time", true);
 }
 
-void keep_parameters() {
-    XmlRpc::XmlRpcValue parameters;
-    if (ros::param::get("~", parameters)) setenv(kKeptParameters, parameters.toXml().c_str(), 1);
-}
+// The node's private parameters as they were at the start, whether roslaunch, the command line or another program has set
+// them, and /use_sim_time: a roscore that is started again has none of them.
+class KeptParameters {
+public:
+    KeptParameters() {
+        keep("/use_sim_time");
+        Value own;
+        if (!ros::param::get("~", own) || own.getType() != Value::TypeStruct) return;
+        for (const auto& parameter : own) keep("~" + parameter.first);
+    }
 
-enum class End { asked_for, failed, master_forgot };
+    // Sets those that are not set there.
+    void restore() const {
+        for (const auto& [name, value] : values_)
+            if (!ros::param::has(name)) ros::param::set(name, value);
+    }
 
-// Serves until a signal, `rosnode kill`, or a master that was started again.
-End serve(const Master& master, const sigset_t& signals) {
+private:
+    using Value = XmlRpc::XmlRpcValue;
+
+    void keep(const std::string& name) {
+        if (Value value; ros::param::get(name, value)) values_[name] = value;
+    }
+
+    std::map<std::string, Value> values_;
+};
+
+// Serves until a signal or `rosnode kill`; false when it cannot.
+bool serve(Master& master, const sigset_t& signals) {
     const ros::NodeHandle nh;  // as long as there is one, roscpp runs, and logs
+    const KeptParameters parameters;
     try {
         const Bridge bridge{nh, ros::NodeHandle("~")};
         ros::AsyncSpinner spinner(2);
         spinner.start();
-        bool gone = false;
+        bool gone = false, registered = true;
         while (!signalled(signals) && ros::ok()) {
             const Master::State state = master.look(ros::this_node::getName());
             // Told to end by `rosnode kill`, it is unregistered a moment before it is not ok.
-            if (state == Master::State::forgetful) return ros::isShuttingDown() ? End::asked_for : End::master_forgot;
+            if (ros::isShuttingDown()) break;
+            registered = registered && state != Master::State::forgetful;
+            if (!registered && master.answers()) {
+                parameters.restore();
+                registered = belvedere_ros::register_again();
+                if (registered) ROS_INFO_STREAM("registered with the new roscore at " << master.uri());
+            }
             if (const bool now = state == Master::State::gone; now != gone) {
                 gone = now;
                 if (gone)
@@ -90,34 +105,25 @@ End serve(const Master& master, const sigset_t& signals) {
                     ROS_INFO("roscore answers again");
             }
         }
+        // Before the bridge, whose threads may be waiting for a roscore that is gone, to register something.
+        ros::shutdown();
     } catch (const std::exception& error) {
         ROS_FATAL_STREAM(error.what());
-        return End::failed;
+        return false;
     }
-    return End::asked_for;
+    return true;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) try {
-    const std::vector<char*> arguments(argv, argv + argc + 1);  // with the null at the end; ros::init takes some away
     const sigset_t signals = block_signals();
     std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // into a file or a pipe, what is said would come late
     Master master(argc, argv);
     if (!wait_for(master, signals)) return 0;
     ros::init(argc, argv, "belvedere", ros::init_options::NoSigintHandler);
-    restore_parameters();
     use_simulated_time();
-    const End end = serve(master, signals);
-    if (end == End::master_forgot) keep_parameters();
-    ros::shutdown();
-    if (end != End::master_forgot) return end == End::asked_for ? 0 : 1;
-
-    // roscpp registers what it has with one master only. The program begins anew, in the same process, so that whoever has
-    // started it notices nothing.
-    execv("/proc/self/exe", arguments.data());
-    std::perror("cannot begin anew with the new roscore");
-    return 1;
+    return serve(master, signals) ? 0 : 1;
 } catch (const std::exception& error) {
     std::fprintf(stderr, "belvedere_ros: %s\n", error.what());
     return 1;

@@ -11,7 +11,7 @@ import xmlrpc.client
 
 import rosbag
 import rospy
-from processes import Process, bridge, eventually, free_port, roscore, simulator, subscribers_of_streams
+from processes import BRIDGE, Process, bridge, eventually, free_port, roscore, simulator, subscribers_of_streams
 from std_msgs.msg import String
 
 CYCLES = int(os.environ.get("BELVEDERE_ROS_CYCLES", "20"))
@@ -42,6 +42,16 @@ class Lives(unittest.TestCase):
             return {topic for topic, _ in self.master.getSystemState("/test")[2][0]}
         except OSError:
             return set()
+
+    def registered(self, name="/belvedere"):
+        """What the master has of a node: topics that it publishes, topics that it subscribes to, services."""
+        return tuple({entry for entry, nodes in kind if name in nodes} for kind in self.master.getSystemState("/test")[2])
+
+    def turns(self):
+        """Whether the robot turns as it is told to, by what a program that starts now gets."""
+        command = ["rostopic", "echo", "-n", "1", "/odom/twist/twist/angular/z"]
+        said = subprocess.run(command, capture_output=True, text=True, timeout=20).stdout.split()
+        return bool(said) and abs(float(said[0]) - 0.5) < 0.1
 
     def flows(self, topic="/odom", timeout=20):
         """Whether a program that starts now gets a message."""
@@ -81,12 +91,47 @@ class Lives(unittest.TestCase):
             self.master.registerPublisher("/belvedere", "/late", "std_msgs/String", address)
             self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
             self.assertTrue(self.flows(), node.output())
-            with self.subTest("its parameters outlived the master"):
-                self.assertEqual(self.master.getParam("/test", "/belvedere/domain")[2], self.domain)
 
             node.stop(signal.SIGKILL)
             with bridge(self.domain) as successor:
                 self.assertTrue(self.flows(), successor.output())
+
+    def test_a_new_roscore_has_all_of_it(self):
+        """Parameters, topics and services, and what was connected goes on. The parameters are where roslaunch puts them: on the
+        server, and not on the command line."""
+        core = self.started(roscore(self.port))
+        self.assertTrue(eventually(self.master_answers))
+        parameters = {"domain": self.domain, "transforms": "odometry", "laser": {"noise_stddev": 0.02}}
+        self.master.setParam("/test", "/belvedere", parameters)
+        with simulator(self.domain), Process(BRIDGE, BELVEDERE_DOMAIN="") as node:
+            # Of all that is registered, the last.
+            topics, services = {"/odom", "/gazebo/link_states", "/gazebo/model_states"}, {"/belvedere/laser/set_parameters"}
+            self.assertTrue(eventually(lambda: topics <= self.topics() and services <= self.registered()[2]), node.output())
+            before = self.registered()
+            self.assertIn("/gazebo/delete_model", before[2])
+            turn = "rostopic", "pub", "-r", "10", "/cmd_vel", "geometry_msgs/Twist", "{angular: {z: 0.5}}"
+            with Process("rostopic", "hz", "/odom") as hz, Process(*turn) as driver:
+                measured = lambda: hz.output().count("average rate")  # noqa: E731
+                self.assertTrue(eventually(lambda: measured() > 1 and self.turns(), 20.0), hz.output() + driver.output())
+                core.stop(signal.SIGKILL)
+                self.assertTrue(node.says("is gone; waiting for it"), node.output())
+                core = self.started(roscore(self.port))
+                self.assertTrue(node.says("registered with the new roscore"), node.output())
+                self.assertEqual(self.registered(), before)
+                self.assertEqual(self.master.getParam("/test", "/belvedere")[2], parameters)
+                self.assertTrue(self.master.getParam("/test", "/use_sim_time")[2])
+                now = measured()
+                self.assertTrue(eventually(lambda: measured() > now + 2), hz.output())
+                self.assertTrue(self.turns(), node.output())
+            with self.subTest("programs that start now"):
+                call = ["rosservice", "call", "/gazebo/get_world_properties"]
+                done = subprocess.run(call, capture_output=True, text=True, timeout=20)
+                self.assertIn("success: True", done.stdout + done.stderr)
+                led = ["rostopic", "pub", "-1", "/mobile_base/commands/led1", "kobuki_msgs/Led", "value: 3"]
+                subprocess.run(led, check=True, capture_output=True, timeout=20)
+                self.assertTrue(node.says("led1 is told red"), node.output())
+            self.assertEqual(node.stop(), 0, node.output())
+            self.assertEqual(self.registered(), (set(), set(), set()))
 
     def test_a_subscriber_sees_it_go_on(self):
         """The subscriber is one and the same throughout; simulator and node are killed and come back."""
@@ -124,6 +169,15 @@ class Lives(unittest.TestCase):
                 self.assertTrue(eventually(lambda: followed() > 16, 30.0), node.output())
                 self.assertEqual(node.stop(timeout=15.0), 0, node.output())
             self.assertFalse(self.knows_node())
+
+    def test_it_ends_while_it_waits_for_roscore(self):
+        with roscore(self.port) as core, bridge(self.domain) as node:
+            self.assertTrue(node.says("waiting for a simulator"), node.output())
+            core.stop(signal.SIGKILL)
+            self.assertTrue(node.says("is gone; waiting for it"), node.output())
+            with simulator(self.domain):
+                self.assertTrue(node.says("Failed to contact master"), node.output())
+                self.assertEqual(node.stop(), 0, node.output())
 
     def test_time_of_others_may_loop(self):
         """With a bag's /clock that jumps back again and again, topics and diagnostics go on."""

@@ -251,7 +251,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(post) = &post {
         post.flush();
     }
-    // Before anything is shown: whatever becomes of that, the file is complete.
+    displays.status.show(Status::hide);
+    // Before anything else is shown: whatever becomes of that, the file is complete.
     let recorded = recording.map_or(Ok(()), RecordingThread::finish);
     let table = displays.status.end(|status| status.finish(server.rig(), server.simulated_ns()));
     drop(page);

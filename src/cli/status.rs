@@ -89,13 +89,17 @@ impl Status {
         }
     }
 
-    /// Takes the live lines away and gives the table over the whole run.
+    /// Takes the live lines away, so that others can be written.
+    pub(super) fn hide(&mut self) {
+        if self.is_terminal {
+            show_table(Vec::new(), terminal().unwrap_or(USUAL_TERMINAL).0);
+        }
+    }
+
+    /// Gives the table over the whole run.
     pub(super) fn finish(mut self, rig: &Rig, time_ns: u64) -> String {
         self.follow(rig, time_ns);
         let columns = self.is_terminal.then(|| terminal().unwrap_or(USUAL_TERMINAL).0);
-        if let Some(columns) = columns {
-            show_table(Vec::new(), columns);
-        }
         let sample = Sample::now(rig, time_ns);
         let whole = Sample { streams: self.since.clone(), ..self.started };
         let rows = self.rows(rig, &whole, &sample);

@@ -143,16 +143,16 @@ fn robots_come_and_go_in_a_terminal() {
     terminal.wait_until("there is no table", |rows| has_topic(rows, "/scan"));
     control(&domain, &["spawn", &robot, "--name", "carl", "--namespace", "carl", "--pose", "1,1"]);
     let shown =
-        terminal.wait_until("the robot's streams are not shown", |rows| has_topic(rows, "/carl/scan"));
+        terminal.wait_until("the robot's streams are not shown", |rows| has_topic(rows, "/carl/odom"));
     assert_sane(table(&shown));
     control(&domain, &["delete", "carl"]);
     // The first of the streams go, the others take their places.
     control(&domain, &["delete", "turtlebot"]);
-    let gone = |rows: &[String]| !has_topic(rows, "/carl/scan") && !has_topic(rows, "/scan");
+    let gone = |rows: &[String]| !has_topic(rows, "/carl/odom") && !has_topic(rows, "/scan");
     let shown = terminal.wait_until("streams that are gone are shown", gone);
     assert_sane(table(&shown));
     control(&domain, &["spawn", &robot, "--name", "carl", "--namespace", "carl"]);
-    terminal.wait_until("the robot's streams are not shown again", |rows| has_topic(rows, "/carl/scan"));
+    terminal.wait_until("the robot's streams are not shown again", |rows| has_topic(rows, "/carl/odom"));
     for _ in 0..2 {
         let before = terminal.rows();
         terminal.wait_until("the table stands still", |rows| *rows != before);
@@ -161,7 +161,7 @@ fn robots_come_and_go_in_a_terminal() {
     let (status, rows) = terminal.interrupt();
     assert_eq!(status.code(), Some(0), "{}", rows.join("\n"));
     assert_sane(table(&rows));
-    assert!(has_topic(&rows, "/carl/scan") && !has_topic(&rows, "/scan"), "{}", rows.join("\n"));
+    assert!(has_topic(&rows, "/carl/odom") && !has_topic(&rows, "/scan"), "{}", rows.join("\n"));
     assert_recorded(&recording);
 }
 
@@ -192,6 +192,6 @@ fn robots_come_and_go_without_a_terminal() {
     assert_eq!(ended.status.code(), Some(0), "{said}");
     let rows: Vec<String> = said.lines().map(str::to_owned).collect();
     assert_sane(table(&rows));
-    assert!(has_topic(&rows, "/dora/scan") && !has_topic(&rows, "/scan"), "{said}");
+    assert!(has_topic(&rows, "/dora/odom") && !has_topic(&rows, "/scan"), "{said}");
     assert_recorded(&recording);
 }

@@ -129,7 +129,7 @@ impl Camera {
         outputs: &Bound<'_, PyDict>,
         threads: usize,
     ) -> PyResult<()> {
-        let shots = Shots::read(world.data(), now, after, before, each)?;
+        let shots = Shots::read(world.data(py), now, after, before, each)?;
         let mut outputs = Outputs::borrow(outputs)?;
         let mut slices = outputs.lend(shots.len())?;
         let mut colour = slices.u8::<u8>("rgb", self.0.bytes())?;

@@ -101,7 +101,7 @@ impl DepthCamera {
         outputs: &Bound<'_, PyDict>,
         threads: usize,
     ) -> PyResult<()> {
-        let shots = Shots::read(world.data(), now, after, before, each)?;
+        let shots = Shots::read(world.data(py), now, after, before, each)?;
         let pixels = self.eye.pixels();
         let mut outputs = Outputs::borrow(outputs)?;
         let mut slices = outputs.lend(shots.len())?;

@@ -49,7 +49,7 @@ impl Lidar {
         outputs: &Bound<'_, PyDict>,
         threads: usize,
     ) -> PyResult<()> {
-        let shots = Shots::read(world.data(), now, after, before, each)?;
+        let shots = Shots::read(world.data(py), now, after, before, each)?;
         let beams = (self.0.horizontal.samples * self.0.vertical.samples) as usize;
         let mut outputs = Outputs::borrow(outputs)?;
         let mut slices = outputs.lend(shots.len())?;

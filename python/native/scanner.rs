@@ -127,7 +127,7 @@ impl Scanner {
         outputs: &Bound<'_, PyDict>,
         threads: usize,
     ) -> PyResult<()> {
-        let shots = Shots::read(world.data(), now, after, before, each)?;
+        let shots = Shots::read(world.data(py), now, after, before, each)?;
         let (firings, echoes) = (self.firings, self.firings * self.returns);
         let mut outputs = Outputs::borrow(outputs)?;
         let mut slices = outputs.lend(shots.len())?;

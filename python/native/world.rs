@@ -14,7 +14,7 @@ use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 #[pyclass(frozen, module = "belvedere._native")]
 pub(crate) struct World {
@@ -25,6 +25,9 @@ pub(crate) struct World {
 /// How a surface looks, as Python hands it over: colour, emissive, specular, shininess, a picture with its width.
 type Look<'py> = ([f32; 4], [f32; 3], [f32; 3], f32, Option<(PyReadonlyArrayDyn<'py, u8>, u32)>, [f32; 2]);
 
+/// The same, checked: a material without its picture, and the picture with its width.
+type Surface<'a> = (MaterialConfig, Option<(&'a [[u8; 4]], u32)>);
+
 /// What else is said of a body: name, pose, scale, class, retro-reflection, visibility.
 type Said<'py> = (String, PyReadonlyArrayDyn<'py, f64>, [f64; 3], u32, f32, u32);
 
@@ -33,35 +36,43 @@ impl World {
         Self { data: Mutex::new(Arc::new(data)), notes: Vec::new() }
     }
 
-    /// What there is now.
-    pub(crate) fn data(&self) -> Arc<Data> {
-        self.lock().clone()
+    /// Locks the world and uses it. The interpreter's lock is released first, and `act` cannot take it, since it cannot
+    /// hold a `Python`: a thread that held one lock and waited for the other would stop the interpreter for ever.
+    fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Arc<Data>) -> T + Send) -> T {
+        py.detach(|| act(&mut self.data.lock().unwrap_or_else(PoisonError::into_inner)))
     }
 
-    fn lock(&self) -> MutexGuard<'_, Arc<Data>> {
-        self.data.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Returns what there is now.
+    pub(crate) fn data(&self, py: Python<'_>) -> Arc<Data> {
+        self.with(py, |data| data.clone())
     }
 
-    /// Changes a copy, which takes the place of the world if nothing is wrong.
-    fn change<T>(&self, change: impl FnOnce(&mut Data) -> PyResult<T>) -> PyResult<T> {
-        change(Arc::make_mut(&mut self.lock()))
+    /// Changes the world, or a copy that takes its place while a batch still uses it.
+    fn change<T: Send>(
+        &self,
+        py: Python<'_>,
+        change: impl FnOnce(&mut Data) -> PyResult<T> + Send,
+    ) -> PyResult<T> {
+        self.with(py, |data| change(Arc::make_mut(data)))
     }
 
     /// Adds an instance as a body of its own. What was added for it is taken out again if that cannot be.
     fn add(
         &self,
-        shape: impl FnOnce(&mut SceneBuilder) -> PyResult<Shape>,
+        py: Python<'_>,
+        shape: impl FnOnce(&mut SceneBuilder) -> PyResult<Shape> + Send,
         look: Look<'_>,
         said: Said<'_>,
     ) -> PyResult<usize> {
         let (name, pose, scale, class, laser_retro, visibility) = said;
         let world_from_body = poses::read("pose", &pose)?.into_iter().next().unwrap_or_default();
-        self.change(|data| {
+        let surface = surface(&look)?;
+        self.change(py, |data| {
             let name = if name.is_empty() { data.free_name() } else { name };
             if data.find(&name).is_some() {
                 return Err(of("name", format_args!("there is a body {name:?} already")));
             }
-            let (material, texture) = add_material(&mut data.builder, &look)?;
+            let (material, texture) = add_material(&mut data.builder, &surface)?;
             let taken = shape(&mut data.builder).and_then(|shape| {
                 let config = InstanceConfig {
                     shape,
@@ -104,18 +115,15 @@ fn of_shape(error: SceneError) -> PyErr {
     of(argument, error)
 }
 
-/// Adds a material and its picture, or neither.
-fn add_material(builder: &mut SceneBuilder, look: &Look<'_>) -> PyResult<(MaterialId, Option<TextureId>)> {
+/// Checks how a surface looks, as an array of Python's.
+fn surface<'a>(look: &'a Look<'_>) -> PyResult<Surface<'a>> {
     let (color, emissive, specular, shininess, picture, texture_repeat) = look;
-    let texture = picture.as_ref().map(|(picture, width)| {
+    let picture = picture.as_ref().map(|(picture, width)| {
         let texels = picture.as_slice().map_err(|error| of("texture", error))?;
-        let texels: &[[u8; 4]] = bytemuck::try_cast_slice(texels).map_err(|error| of("texture", error))?;
-        let height = texels.len() / (*width).max(1) as usize;
-        builder.add_texture(*width, height as u32, texels).map_err(of_shape)
+        Ok::<_, PyErr>((bytemuck::try_cast_slice(texels).map_err(|error| of("texture", error))?, *width))
     });
-    let texture = texture.transpose()?;
     let [r, g, b, alpha] = *color;
-    let config = MaterialConfig {
+    let material = MaterialConfig {
         diffuse: [r, g, b],
         ambient: [r, g, b],
         emissive: *emissive,
@@ -123,11 +131,23 @@ fn add_material(builder: &mut SceneBuilder, look: &Look<'_>) -> PyResult<(Materi
         shininess: *shininess,
         alpha,
         texture_alpha: TextureAlpha::Ignored,
-        texture,
         texture_repeat: *texture_repeat,
         ..Default::default()
     };
-    let material = builder.add_material(&config).map_err(|error| {
+    Ok((material, picture.transpose()?))
+}
+
+/// Adds a material and its picture, or neither.
+fn add_material(
+    builder: &mut SceneBuilder,
+    (material, picture): &Surface<'_>,
+) -> PyResult<(MaterialId, Option<TextureId>)> {
+    let texture = picture.map(|(texels, width)| {
+        let height = texels.len() / width.max(1) as usize;
+        builder.add_texture(width, height as u32, texels).map_err(of_shape)
+    });
+    let texture = texture.transpose()?;
+    let material = builder.add_material(&MaterialConfig { texture, ..*material }).map_err(|error| {
         texture.map(|texture| builder.remove_texture(texture));
         of_shape(error)
     });
@@ -165,13 +185,13 @@ impl World {
     }
 
     #[getter]
-    fn bodies(&self) -> Vec<String> {
-        self.data().bodies.iter().map(|body| body.name.clone()).collect()
+    fn bodies(&self, py: Python<'_>) -> Vec<String> {
+        self.data(py).bodies.iter().map(|body| body.name.clone()).collect()
     }
 
     /// The body of each instance, by their numbers.
     fn instance_bodies<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
-        let data = self.data();
+        let data = self.data(py);
         let mut bodies = vec![-1; data.builder.scene().instances().len()];
         for (number, body) in data.bodies.iter().enumerate() {
             for (instance, _) in &body.parts {
@@ -182,37 +202,37 @@ impl World {
     }
 
     /// The same world, which is not changed when this one is.
-    fn snapshot(&self) -> Self {
-        Self { data: Mutex::new(self.data()), notes: self.notes.clone() }
+    fn snapshot(&self, py: Python<'_>) -> Self {
+        Self { data: Mutex::new(self.data(py)), notes: self.notes.clone() }
     }
 
     /// Where each lamp is or which way it shines, its colour, and whether it is the way.
-    fn lights(&self) -> Vec<([f64; 3], [f32; 3], bool)> {
-        let data = self.data();
+    fn lights(&self, py: Python<'_>) -> Vec<([f64; 3], [f32; 3], bool)> {
+        let data = self.data(py);
         let lamps = data.builder.scene().lights().iter();
         let facts = lamps.map(|lamp| (lamp.vector_and_diffuse(), lamp.position().is_none()));
         facts.map(|((vector, colour), is_way)| (vector, colour, is_way)).collect()
     }
 
     /// Light from everywhere.
-    fn ambient(&self) -> [f32; 3] {
-        self.data().builder.scene().environment().ambient
+    fn ambient(&self, py: Python<'_>) -> [f32; 3] {
+        self.data(py).builder.scene().environment().ambient
     }
 
     /// Bytes that the world holds.
-    fn memory_len(&self) -> usize {
-        self.data().builder.memory_len()
+    fn memory_len(&self, py: Python<'_>) -> usize {
+        self.data(py).builder.memory_len()
     }
 
     fn pose<'py>(&self, py: Python<'py>, body: usize) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let data = self.data();
+        let data = self.data(py);
         let body = data.bodies.get(body).ok_or_else(|| no_body(body, &data))?;
         Ok(PyArray1::from_slice(py, &poses::numbers(&body.pose)))
     }
 
-    fn set_pose(&self, body: usize, pose: PyReadonlyArrayDyn<'_, f64>) -> PyResult<()> {
+    fn set_pose(&self, py: Python<'_>, body: usize, pose: PyReadonlyArrayDyn<'_, f64>) -> PyResult<()> {
         let world_from_body = poses::read("pose", &pose)?.into_iter().next().unwrap_or_default();
-        self.change(|data| {
+        self.change(py, |data| {
             let Data { builder, bodies, .. } = data;
             let count = bodies.len();
             let body = bodies
@@ -227,7 +247,14 @@ impl World {
     }
 
     /// Adds a shape of so many numbers: a box of three edges and so on.
-    fn add_shape(&self, kind: &str, size: Vec<f64>, look: Look<'_>, said: Said<'_>) -> PyResult<usize> {
+    fn add_shape(
+        &self,
+        py: Python<'_>,
+        kind: &str,
+        size: Vec<f64>,
+        look: Look<'_>,
+        said: Said<'_>,
+    ) -> PyResult<usize> {
         let shape = match (kind, &size[..]) {
             ("box", &[x, y, z]) => Shape::Box { size: [x, y, z] },
             ("rectangle", &[x, y]) => Shape::Rectangle { size: [x, y] },
@@ -239,7 +266,7 @@ impl World {
             ("cone", &[radius, length]) => Shape::Cone { radius, length },
             _ => return Err(of("size", format_args!("{size:?} is not that of a {kind}"))),
         };
-        self.add(|_| Ok(shape), look, said)
+        self.add(py, |_| Ok(shape), look, said)
     }
 
     fn add_mesh(
@@ -259,8 +286,9 @@ impl World {
         }
         let mut mesh = None;
         let added = self.add(
+            py,
             |builder| {
-                let id = py.detach(|| builder.add_mesh(&positions, &uvs, &triangles)).map_err(of_shape)?;
+                let id = builder.add_mesh(&positions, &uvs, &triangles).map_err(of_shape)?;
                 mesh = Some(id);
                 Ok(Shape::Mesh(id))
             },
@@ -269,7 +297,7 @@ impl World {
         );
         if let (Err(_), Some(mesh)) = (&added, mesh) {
             // Nobody has it.
-            let _ = self.change(|data| Ok(data.builder.remove_mesh(mesh)));
+            let _ = self.change(py, |data| Ok(data.builder.remove_mesh(mesh)));
         }
         added
     }
@@ -277,6 +305,7 @@ impl World {
     /// Adds a terrain of `rows` × `columns` heights, row by row from +y to −y.
     fn add_height_field(
         &self,
+        py: Python<'_>,
         heights: PyReadonlyArrayDyn<'_, f32>,
         shape: [u32; 2],
         size: [f64; 2],
@@ -286,6 +315,7 @@ impl World {
         let heights = heights.as_slice().map_err(|error| of("heights", error))?;
         let mut field = None;
         let added = self.add(
+            py,
             |builder| {
                 let id = builder.add_height_field(shape[0], shape[1], size, heights).map_err(of_shape)?;
                 field = Some(id);
@@ -296,7 +326,7 @@ impl World {
         );
         if let (Err(_), Some(field)) = (&added, field) {
             // Nobody has it.
-            let _ = self.change(|data| Ok(data.builder.remove_height_field(field)));
+            let _ = self.change(py, |data| Ok(data.builder.remove_height_field(field)));
         }
         added
     }
@@ -304,6 +334,7 @@ impl World {
     /// Adds a lamp: `point`, `directional` or `spot`; angles are half the cone's.
     fn add_light(
         &self,
+        py: Python<'_>,
         kind: &str,
         position: [f64; 3],
         direction: [f64; 3],
@@ -324,11 +355,11 @@ impl World {
             _ => LightKind::Point { position },
         };
         let config = LightConfig { kind, diffuse, specular, range_m, attenuation, cast_shadows };
-        self.change(|data| Ok(data.builder.add_light(&config).map_err(of_shape)?.0))
+        self.change(py, |data| Ok(data.builder.add_light(&config).map_err(of_shape)?.0))
     }
 
-    fn set_environment(&self, ambient: [f32; 3], background: [f32; 3]) -> PyResult<()> {
-        self.change(|data| {
+    fn set_environment(&self, py: Python<'_>, ambient: [f32; 3], background: [f32; 3]) -> PyResult<()> {
+        self.change(py, |data| {
             data.builder.set_environment(Environment { ambient, background });
             Ok(())
         })
@@ -352,7 +383,7 @@ impl World {
         let directions = triples::<f32, 3>("directions", &directions)?;
         let ranges = ranges.as_ref().map(|ranges| triples::<f32, 2>("ranges", ranges)).transpose()?;
         let rays = cast::Rays { origins, directions, ranges, reference, visibility, both_faces };
-        cast::cast(py, self.data(), &rays, moves, outputs, threads)
+        cast::cast(py, self.data(py), &rays, moves, outputs, threads)
     }
 }
 

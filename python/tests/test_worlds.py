@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import pickle
+import subprocess
+import sys
 import time
 from typing import TYPE_CHECKING
 
@@ -239,3 +241,46 @@ def test_worlds_are_copied_and_not_pickled() -> None:
     for thing in (world, bv.Batch(world, 1), bv.Simulation("empty")):
         with pytest.raises(TypeError, match=f"a {type(thing).__name__} cannot be pickled: .*make it "):
             pickle.dumps(thing)
+
+
+#: The watchdog of faulthandler needs no lock of the interpreter.
+READERS_AND_WRITERS = """
+import faulthandler, threading
+import numpy as np
+import belvedere as bv
+
+faulthandler.dump_traceback_later(60, exit=True)
+side = 300
+corner = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).reshape(-1, 1)
+faces = np.concatenate([corner + [0, 1, side], corner + [1, side + 1, side]])
+place = np.divmod(np.arange(side * side), side)
+vertices = np.stack([*place, np.zeros(side * side)], axis=1)
+world = bv.World()
+world.add_sphere(0.1)
+camera = bv.DepthCamera(8, 6, fov=1.0)
+
+def build():
+    for number in range(4):
+        world.add_mesh(vertices, faces, name=f"mesh_{number}")
+
+def use():
+    while builder.is_alive():
+        world.set_pose(0, world.pose(0))
+        world.bodies, world.instance_bodies
+        camera.render(world, [0, 0, 1, 0, 0, 0, 1])
+
+builder = threading.Thread(target=build)
+users = [threading.Thread(target=use) for _ in range(2)]
+for thread in (builder, *users):
+    thread.start()
+for thread in (builder, *users):
+    thread.join()
+print(sum(name.startswith("mesh_") for name in world.bodies))
+"""
+
+
+def test_threads_read_a_world_while_another_adds_a_large_mesh() -> None:
+    ran = subprocess.run(
+        [sys.executable, "-c", READERS_AND_WRITERS], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (ran.returncode, ran.stdout) == (0, "4\n"), ran.stderr

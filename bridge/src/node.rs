@@ -26,7 +26,8 @@ struct Shared {
 }
 
 impl Node {
-    /// Joins `domain` as `name` (for listings; the program's name is usual). A domain that is shared with no group is
+    /// Joins `domain` as `name` (for listings, which show 100 characters of it, and `?` for those beyond ASCII; the
+    /// program's name is usual). A domain that is shared with no group is
     /// shared with that of the environment variable `BELVEDERE_GROUP`, if there is one.
     ///
     /// No signal handler is installed.

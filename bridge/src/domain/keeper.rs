@@ -44,8 +44,8 @@ impl Keeper {
     pub(crate) fn join(domain: Domain, name: &str) -> Result<Self, Error> {
         let config = domain.config()?;
         let places = Places::new(&domain, &config);
-        let name = NodeName::new(cut(name))
-            .map_err(|error| Error::transport(format!("naming the node {name:?}"), error))?;
+        let name =
+            NodeName::new(&listed(name)).map_err(|error| Error::transport("naming the node", error))?;
         Error::check_open_files(|| format!("joining domain \"{domain}\""))?;
         room::check_room_for_books("a node")?;
         let lock = places.make_and_lock(|| match domain.group() {
@@ -143,13 +143,10 @@ impl Keeper {
     }
 }
 
-/// As much of a node's name as iceoryx2 takes, in whole characters.
-fn cut(name: &str) -> &str {
-    let mut end = name.len().min(100);
-    while !name.is_char_boundary(end) {
-        end -= 1;
-    }
-    &name[..end]
+/// A name as iceoryx2 takes it: 128 bytes at most, all of them ASCII and none of them 0.
+fn listed(name: &str) -> String {
+    let shown = |letter: char| if letter.is_ascii() && letter != '\0' { letter } else { '?' };
+    name.chars().take(100).map(shown).collect()
 }
 
 fn create(domain: &Domain, config: &Config, places: &Places, name: &NodeName) -> Result<IoxNode<Ipc>, Error> {
@@ -195,9 +192,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_cut_between_characters() {
-        assert_eq!(cut("viewer"), "viewer");
-        assert_eq!(cut(&"ä".repeat(100)), "ä".repeat(50));
-        assert_eq!(cut(&format!("a{}", "ä".repeat(100))), format!("a{}", "ä".repeat(49)));
+    fn every_name_can_be_listed() {
+        for (name, expected) in
+            [("", ""), ("a b", "a b"), ("Süd\0", "S?d?"), (&"ä".repeat(1000), &*"?".repeat(100))]
+        {
+            assert_eq!(listed(name), expected);
+            NodeName::new(&listed(name)).unwrap();
+        }
     }
 }

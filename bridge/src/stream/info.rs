@@ -8,6 +8,7 @@ use super::{
 use crate::{
     Encoding, Error, Kind, Node,
     domain::{Ipc, topic_of_service},
+    topic::canonical_topic,
 };
 use iceoryx2::{
     prelude::CallbackProgression,
@@ -50,6 +51,18 @@ impl Node {
     /// looked at, [`Error::TooManyOpenFiles`].
     pub fn streams(&self) -> Result<Vec<StreamInfo>, Error> {
         list(self)
+    }
+
+    /// The stream of a topic, if it exists.
+    ///
+    /// # Errors
+    /// [`Error::InvalidTopic`]; [`Error::Incompatible`] and [`Error::Permission`] when it cannot be opened.
+    pub fn stream(&self, topic: &str) -> Result<Option<StreamInfo>, Error> {
+        let topic = canonical_topic(topic)?;
+        match open(self, topic)? {
+            Opened::Yes(frames, _) => Ok(Some(describe(topic.to_owned(), &frames))),
+            Opened::NotThere => Ok(None),
+        }
     }
 }
 

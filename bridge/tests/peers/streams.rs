@@ -194,6 +194,9 @@ fn streams_are_described() {
     assert_eq!((image.rate_hz, image.frame_id.as_str()), (Some(30.0), "camera"));
     assert_eq!((image.publishers, image.subscribers, image.max_payload_len), (1, 1, 64 * 48));
     assert_eq!(streams[1].rate_hz, None);
+    assert_eq!(node.stream("/b/image").unwrap().as_ref(), Some(image));
+    assert_eq!(node.stream("b").unwrap(), None);
+    assert!(matches!(node.stream("b c"), Err(Error::InvalidTopic { .. })));
 }
 
 #[test]

@@ -42,36 +42,61 @@ class Simulator:
             self.process = None
 
 
+def running(name: str, *arguments: str) -> Iterator[Simulator]:
+    """A simulator in a domain of its own, from here to the end of the fixture."""
+    simulator = Simulator(f"{name}-{os.getpid()}", *arguments)
+    simulator.start()
+    try:
+        yield simulator
+    finally:
+        simulator.stop(signal.SIGINT)
+
+
 @pytest.fixture
 def simulator() -> Iterator[Simulator]:
-    simulator = Simulator(f"pytest-{os.getpid()}")
-    simulator.start()
-    yield simulator
-    simulator.stop(signal.SIGINT)
+    """Start one for this test alone, which may end it."""
+    yield from running("own")
+
+
+@pytest.fixture(scope="module")
+def shared() -> Iterator[Simulator]:
+    """Start one for the tests of a module that only look, and drive the robot."""
+    yield from running("shared")
+
+
+@pytest.fixture(scope="module")
+def shared_lenses() -> Iterator[Simulator]:
+    """Start one of a robot whose cameras have various lenses."""
+    yield from running("lenses", "--robot", str(ROOT / "tests" / "lenses.urdf"), "--drive", "still")
+
+
+@pytest.fixture(scope="module")
+def shared_kinect() -> Iterator[Simulator]:
+    """Start one of a robot with a depth camera."""
+    yield from running("kinect", "--robot", "kobuki_hexagons_kinect")
 
 
 @pytest.fixture
-def node(simulator: Simulator) -> Iterator[belvedere.Node]:
-    with belvedere.Node("pytest", domain=simulator.domain) as node:
+def node(shared: Simulator) -> Iterator[belvedere.Node]:
+    """Join the domain of the simulator that is shared."""
+    with belvedere.Node("pytest", domain=shared.domain) as node:
         yield node
 
 
 @pytest.fixture
-def lenses() -> Iterator[belvedere.Node]:
-    """Join the domain of a robot whose cameras have various lenses."""
-    robot = ROOT / "tests" / "lenses.urdf"
-    simulator = Simulator(f"lenses-{os.getpid()}", "--robot", str(robot), "--drive", "still")
-    simulator.start()
-    with belvedere.Node("pytest", domain=simulator.domain) as node:
+def alone() -> Iterator[belvedere.Node]:
+    """Join a domain without a simulator."""
+    with belvedere.Node("pytest", domain=f"alone-{os.getpid()}") as node:
         yield node
-    simulator.stop(signal.SIGINT)
 
 
 @pytest.fixture
-def kinect() -> Iterator[belvedere.Node]:
-    """Join the domain of a robot with a depth camera."""
-    simulator = Simulator(f"kinect-{os.getpid()}", "--robot", "kobuki_hexagons_kinect")
-    simulator.start()
-    with belvedere.Node("pytest", domain=simulator.domain) as node:
+def lenses(shared_lenses: Simulator) -> Iterator[belvedere.Node]:
+    with belvedere.Node("pytest", domain=shared_lenses.domain) as node:
         yield node
-    simulator.stop(signal.SIGINT)
+
+
+@pytest.fixture
+def kinect(shared_kinect: Simulator) -> Iterator[belvedere.Node]:
+    with belvedere.Node("pytest", domain=shared_kinect.domain) as node:
+        yield node

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from conftest import Simulator
+from conftest import Simulator, running
 
 import belvedere
 
@@ -21,14 +20,16 @@ CRATE = """<sdf version="1.6"><model name="crate"><static>true</static><link nam
     <geometry><box><size>0.2 0.2 0.2</size></box></geometry></collision></link></model></sdf>"""
 
 
+@pytest.fixture(scope="module")
+def shared_still() -> Iterator[Simulator]:
+    """Start one whose robot nobody drives. Each test leaves it running."""
+    yield from running("control", "--drive", "still")
+
+
 @pytest.fixture
-def still() -> Iterator[belvedere.Node]:
-    """Join the domain of a robot that nobody drives."""
-    simulator = Simulator(f"control-{os.getpid()}", "--drive", "still")
-    simulator.start()
-    with belvedere.Node("pytest", domain=simulator.domain) as node:
+def still(shared_still: Simulator) -> Iterator[belvedere.Node]:
+    with belvedere.Node("pytest", domain=shared_still.domain) as node:
         yield node
-    simulator.stop(signal.SIGINT)
 
 
 def structs(node: belvedere.Node, topic: str) -> np.ndarray:
@@ -67,16 +68,17 @@ def test_power_and_odometry(still: belvedere.Node) -> None:
         assert drive(50)["position"][0] > 0.1
 
 
-def test_nobody_takes_a_command(node: belvedere.Node) -> None:
-    with belvedere.Node("pytest", domain=f"{node.domain}-nobody") as nowhere:
-        for publisher in (nowhere.motor_power_publisher(), nowhere.reset_odometry_publisher()):
-            assert not publisher.wait(0.05)
-        assert not nowhere.motor_power_publisher().send(True)
-        with (
-            nowhere.control(timeout=0.05) as control,
-            pytest.raises(belvedere.StreamTimeoutError, match=r"0\.05 s"),
-        ):
-            control.pause()
+def test_nobody_takes_a_command(alone: belvedere.Node) -> None:
+    for publisher in (alone.motor_power_publisher(), alone.reset_odometry_publisher()):
+        assert not publisher.wait(0.05)
+    assert not alone.motor_power_publisher().send(True)
+    # Nor does anything look as if it did.
+    assert alone.streams() == []
+    with (
+        alone.control(timeout=0.05) as control,
+        pytest.raises(belvedere.StreamTimeoutError, match=r"0\.05 s"),
+    ):
+        control.pause()
 
 
 def test_a_simulation_is_paused_stepped_and_begun_again(still: belvedere.Node) -> None:
@@ -122,8 +124,8 @@ def test_models_are_spawned_moved_and_deleted(still: belvedere.Node) -> None:
             control.delete("x" * 64)
 
 
-def test_control_goes_on_with_the_next_simulator(simulator: Simulator, node: belvedere.Node) -> None:
-    with node.control(timeout=30) as control:
+def test_control_goes_on_with_the_next_simulator(simulator: Simulator) -> None:
+    with belvedere.Node(domain=simulator.domain) as node, node.control(timeout=30) as control:
         control.pause()
         with ThreadPoolExecutor() as threads:
             answer = threads.submit(control.step, 10**9)

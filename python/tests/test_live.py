@@ -148,8 +148,8 @@ def test_a_command_moves_the_robot(node: belvedere.Node) -> None:
         assert frame.array[0]["linear"][0] == pytest.approx(0.3, abs=0.05)
 
 
-def test_a_killed_simulator_is_followed_to_its_next_life(simulator: Simulator, node: belvedere.Node) -> None:
-    with node.subscribe("image_raw") as subscriber:
+def test_a_killed_simulator_is_followed_to_its_next_life(simulator: Simulator) -> None:
+    with belvedere.Node(domain=simulator.domain) as node, node.subscribe("image_raw") as subscriber:
         frames = subscriber.frames(timeout=30)
         session = next(frames).session
         simulator.stop(signal.SIGKILL)
@@ -161,25 +161,26 @@ def test_a_killed_simulator_is_followed_to_its_next_life(simulator: Simulator, n
         assert next(frames).session != session
 
 
-def test_nothing_there_is_a_timeout(node: belvedere.Node) -> None:
-    with node.subscribe("nothing/of/this") as subscriber:
+def test_nothing_there_is_a_timeout(alone: belvedere.Node) -> None:
+    with alone.subscribe("nothing/of/this") as subscriber:
         assert not subscriber.wait(0.1)
         assert subscriber.take() is None
         with pytest.raises(belvedere.StreamTimeoutError, match=r"nothing/of/this for 0.1 s; publishers: 0"):
             next(subscriber.frames(timeout=0.1))
 
 
-def test_a_closed_node_says_so(simulator: Simulator) -> None:
-    node = belvedere.Node(domain=simulator.domain)
-    node.close()
+def test_a_closed_node_says_so(alone: belvedere.Node) -> None:
+    alone.close()
     with pytest.raises(belvedere.BridgeError, match="closed"):
-        node.subscribe("image_raw")
+        alone.subscribe("image_raw")
 
 
 @pytest.mark.parametrize("name", ["", "a b", "a//b", "a/", "//a", "ä"])
-def test_names_that_cannot_be(node: belvedere.Node, name: str) -> None:
+def test_names_that_cannot_be(alone: belvedere.Node, name: str) -> None:
     with pytest.raises(belvedere.InvalidNameError):
-        node.subscribe(name)
+        alone.subscribe(name)
+    with pytest.raises(belvedere.InvalidNameError):
+        alone.velocity_publisher(name)
     with pytest.raises(belvedere.InvalidNameError):
         belvedere.Node(domain=name)
 

@@ -42,8 +42,8 @@ def test_all_are_short() -> None:
         assert program.count("\n") < 40
 
 
-def test_the_first_program(simulator: Simulator) -> None:
-    assert "(480, 640, 3)" in run(the_program_with('Node("first")'), simulator.domain)
+def test_the_first_program(shared: Simulator) -> None:
+    assert "(480, 640, 3)" in run(the_program_with('Node("first")'), shared.domain)
 
 
 def test_sets_of_frames(kinect: belvedere.Node) -> None:
@@ -53,20 +53,20 @@ def test_sets_of_frames(kinect: belvedere.Node) -> None:
         assert line.startswith("True (480, 640, 3) (480, 640)")
 
 
-def test_commands(simulator: Simulator) -> None:
-    drove, rests, steps = run(the_program_with("motor_power"), simulator.domain).splitlines()
+def test_commands(shared: Simulator) -> None:
+    drove, rests, steps = run(the_program_with("motor_power"), shared.domain).splitlines()
     assert 0.1 < float(drove.split()[1]) < 0.4
     assert rests == "and is at 0.00 m again, at rest"
     assert float(steps.split()[3]) > 0
 
 
 @pytest.mark.parametrize(("topic", "shape"), [("image_raw", "(480, 640, 3)"), ("scan", "(1, 360)")])
-def test_async_for(simulator: Simulator, topic: str, shape: str) -> None:
-    lines = run(the_program_with("asyncio"), simulator.domain).splitlines()
+def test_async_for(shared: Simulator, topic: str, shape: str) -> None:
+    lines = run(the_program_with("asyncio"), shared.domain).splitlines()
     assert len([line for line in lines if line.startswith(topic) and line.endswith(shape)]) == 10
 
 
-def test_the_plain_wheel_reads_a_stream_too(simulator: Simulator) -> None:
+def test_the_plain_wheel_reads_a_stream_too(shared: Simulator) -> None:
     program = the_program_with("iox2.NodeBuilder")
     assert "import belvedere" not in program
-    assert "640 x 480" in run(program, simulator.domain)
+    assert "640 x 480" in run(program, shared.domain)

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
     from conftest import Simulator
 
 
-def test_a_descriptor_rings_through_a_restart(simulator: Simulator, node: belvedere.Node) -> None:
-    with node.subscribe("image_raw") as camera:
+def test_a_descriptor_rings_through_a_restart(simulator: Simulator) -> None:
+    with belvedere.Node(domain=simulator.domain) as node, node.subscribe("image_raw") as camera:
         poll = select.poll()
         poll.register(camera.fileno(), select.POLLIN)
         sessions: dict[int, int] = {}
@@ -126,16 +127,29 @@ def test_streams_of_different_rates(node: belvedere.Node) -> None:
         assert sets.skipped + sets.missed_total > 30
 
 
-def test_what_has_no_set_is_a_timeout(node: belvedere.Node) -> None:
-    with node.synchronize(["image_raw", "nothing/of/this"]) as sets:
+def test_what_has_no_set_is_a_timeout(alone: belvedere.Node) -> None:
+    with alone.synchronize(["image_raw", "nothing/of/this"]) as sets:
         assert not sets.wait(0.2)
         assert sets.take() is None
         with pytest.raises(belvedere.StreamTimeoutError, match=r"image_raw, nothing/of/this for 0.1 s"):
             next(sets.sets(timeout=0.1))
     with pytest.raises(ValueError, match="two streams"):
-        node.synchronize(["image_raw"])
+        alone.synchronize(["image_raw"])
     with pytest.raises(ValueError, match="tolerance is -1"):
-        node.synchronize(["image_raw", "scan"], tolerance=-1)
+        alone.synchronize(["image_raw", "scan"], tolerance=-1)
+
+
+def test_a_close_ends_the_wait_of_another_thread(alone: belvedere.Node) -> None:
+    subscriber = alone.subscribe("nothing/of/this")
+    with ThreadPoolExecutor() as threads:
+        waiting = threads.submit(subscriber.wait)
+        # What it knows can be asked for meanwhile.
+        assert (subscriber.take(), subscriber.publishers, subscriber.missed_total) == (None, 0, 0)
+        assert not waiting.done()
+        subscriber.close()
+        assert not waiting.result(timeout=30)
+    assert subscriber.take() is None
+    assert subscriber.silence > 0
 
 
 PROGRAM = """
@@ -145,18 +159,26 @@ camera = node.subscribe("image_raw")
 frame = next(camera.frames(timeout=30))
 if sys.argv[2] == "polled":
     camera.fileno()
+if sys.argv[2] == "from the life before":
+    print("first", flush=True)
+    array = frame.array
+    later = next(later for later in camera.frames(timeout=30) if later.session != frame.session)
 print("ready", flush=True)
 sys.stdin.read()
 """
 
 
-@pytest.mark.parametrize("how", ["held", "polled"])
+@pytest.mark.parametrize("how", ["held", "polled", "from the life before"])
 def test_the_last_one_leaves_nothing_behind(simulator: Simulator, how: str) -> None:
     """Not even when everything is still in global variables at the end of the program."""
     command = [sys.executable, "-c", PROGRAM, simulator.domain, how]
     program = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert program.stdin is not None
     assert program.stdout is not None
+    if how == "from the life before":
+        assert program.stdout.readline() == "first\n"
+        simulator.stop(signal.SIGKILL)
+        simulator.start()
     assert program.stdout.readline() == "ready\n"
     simulator.stop(signal.SIGINT)
     program.stdin.close()

@@ -13,7 +13,7 @@ from belvedere._sender import Sender
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from belvedere import _transport
+    from belvedere import _native
 
 
 class CommandPublisher(Closing):
@@ -21,8 +21,8 @@ class CommandPublisher(Closing):
 
     _kind: ClassVar[wire.Kind]
 
-    def __init__(self, membership: _transport.Membership, topic: str) -> None:
-        self._sender = Sender(membership, topic, self._kind)
+    def __init__(self, node: _native.Node, topic: str) -> None:
+        self._sender = Sender(node, topic, self._kind)
 
     @property
     def topic(self) -> str:

@@ -18,7 +18,7 @@ from belvedere.wire import Operation
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from belvedere import _transport
+    from belvedere import _native
 
 _COMMAND = wire.STRUCTS[wire.Kind.SIMULATION_COMMAND]
 _ORIGIN = (0.0, 0.0, 0.0)
@@ -37,11 +37,11 @@ class SimulationControl(Closing):
 
     """
 
-    def __init__(self, membership: _transport.Membership, timeout: float) -> None:
+    def __init__(self, node: _native.Node, timeout: float) -> None:
         self.timeout = timeout
-        self._membership = membership
-        self._results = Subscriber(membership, "simulation/result")
-        self._sender = Sender(membership, "simulation/command", wire.Kind.SIMULATION_COMMAND)
+        self._node = node
+        self._results = Subscriber(node, "simulation/result")
+        self._sender = Sender(node, "simulation/command", wire.Kind.SIMULATION_COMMAND)
 
     def pause(self) -> int:
         """Let simulated time stand."""
@@ -140,7 +140,7 @@ class SimulationControl(Closing):
             command[field] = _name(value) if isinstance(value, str) else value
         deadline = time.monotonic() + self.timeout
         # What a simulator that was killed has left would take the command, and not answer.
-        self._membership.node.try_cleanup_dead_nodes()
+        self._node.clean_up_dead()
         # The way back before the way there. Old results are cleared away.
         while self._take() is not None or self._results.publishers == 0 or not self._sender.send(command, tail):
             self._sleep_until(deadline)

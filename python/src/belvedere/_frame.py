@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import time
 import weakref
 from typing import TYPE_CHECKING, Any
@@ -10,30 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from belvedere import wire
-from belvedere._errors import BadFrameError, FrameInUseError, ReleasedError
+from belvedere._errors import FrameInUseError, ReleasedError
 
 if TYPE_CHECKING:
     from types import TracebackType
 
     from typing_extensions import Self
 
-
-class _Sample:
-    """Owns a sample of iceoryx2. Arrays made from it keep it alive, so none is ever left without its memory."""
-
-    def __init__(self, sample: Any, connection: Any, length: int) -> None:
-        self._sample = sample
-        self._connection = connection
-        self.__array_interface__ = {
-            "version": 3,
-            "typestr": "|u1",
-            "shape": (length,),
-            # True: read-only, as the mapping is.
-            "data": (sample.payload_ptr if length else 0, True),
-        }
-
-    def __del__(self) -> None:
-        self._sample.delete()
+    from belvedere import _native
 
 
 class Frame:
@@ -47,23 +30,17 @@ class Frame:
     and an array that still points into it raises ``FrameInUseError`` at the end of the block.
     """
 
-    def __init__(self, sample: Any, connection: Any, *, missed: int, restarted: bool, from_history: bool) -> None:
-        # A copy: what is checked here is what is believed later.
-        raw = ctypes.string_at(sample.user_header_ptr, wire.HEADER_LEN)
-        self._header: np.void = np.frombuffer(raw, wire.HEADER)[0]
-        length = sample.payload().len()
-        try:
-            wire.check(self._header, length)
-        except BadFrameError:
-            sample.delete()
-            raise
-        self._owner: _Sample | None = _Sample(sample, connection, int(self._header["payload_len"]))
+    def __init__(self, taken: _native.Frame) -> None:
+        #: What arrays are made of, and keep alive; None after the release.
+        self._owner: _native.Frame | None = taken
+        # A copy: what was checked is what is believed later.
+        self._header: np.void = np.frombuffer(taken.header, wire.HEADER)[0]
         #: Frames that were sent between the last one taken and this one.
-        self.missed = missed
+        self.missed = taken.missed
         #: Whether the publisher was started again since the frame before.
-        self.restarted = restarted
+        self.restarted = taken.restarted
         #: Whether it was sent before this subscriber was connected: its age says nothing then.
-        self.from_history = from_history
+        self.from_history = taken.is_from_history
 
     @property
     def header(self) -> np.void:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, NamedTuple
 
-import iceoryx2 as iox2
-
-from belvedere import _transport
+from belvedere import _native
 from belvedere._closing import Closing
 from belvedere._commands import MotorPowerPublisher, ResetOdometryPublisher, VelocityPublisher
 from belvedere._control import SimulationControl
@@ -40,7 +38,7 @@ class Node(Closing):
 
     def __init__(self, name: str = "python", domain: str | None = None) -> None:
         self._domain = domain if domain is not None else os.environ.get("BELVEDERE_DOMAIN") or "default"
-        self._membership: _transport.Membership | None = _transport.Membership(self._domain, name)
+        self._native: _native.Node | None = _native.Node(self._domain, name)
 
     @property
     def domain(self) -> str:
@@ -49,7 +47,7 @@ class Node(Closing):
 
     def subscribe(self, topic: str) -> Subscriber:
         """Follow a stream, whether it exists already or not. A leading slash is ignored."""
-        return Subscriber(self._joined(), _transport.topic_of(topic))
+        return Subscriber(self._joined(), topic)
 
     def synchronize(self, topics: Sequence[str], tolerance: float = 0.0) -> Synchronizer:
         """Give the frames of several streams that were taken at the same time.
@@ -61,17 +59,17 @@ class Node(Closing):
 
     def velocity_publisher(self, topic: str = "cmd_vel") -> VelocityPublisher:
         """Open a velocity command stream for sending; several processes may."""
-        return VelocityPublisher(self._joined(), _transport.topic_of(topic))
+        return VelocityPublisher(self._joined(), topic)
 
     def motor_power_publisher(self, topic: str = "mobile_base/commands/motor_power") -> MotorPowerPublisher:
         """Open the stream that turns the robot's motors on and off."""
-        return MotorPowerPublisher(self._joined(), _transport.topic_of(topic))
+        return MotorPowerPublisher(self._joined(), topic)
 
     def reset_odometry_publisher(
         self, topic: str = "mobile_base/commands/reset_odometry"
     ) -> ResetOdometryPublisher:
         """Open the stream that lets the robot's odometry begin at zero."""
-        return ResetOdometryPublisher(self._joined(), _transport.topic_of(topic))
+        return ResetOdometryPublisher(self._joined(), topic)
 
     def control(self, timeout: float = 5.0) -> SimulationControl:
         """Control the simulation of the domain, whether it runs already or not, waiting so long for each answer."""
@@ -79,30 +77,13 @@ class Node(Closing):
 
     def streams(self) -> list[StreamInfo]:
         """List what is there in the domain, by topic."""
-        found = {}
-        for service in iox2.Service.list(self._joined().node.config, iox2.ServiceType.Ipc):
-            topic = _transport.topic_of_service(service.name().to_string())
-            if topic is None or service.messaging_pattern() != iox2.MessagingPattern.PublishSubscribe:
-                continue
-            said = {
-                attribute.key.to_string(): attribute.value.to_string() for attribute in service.attributes().values
-            }
-            rate, layers = said.get("rate_hz"), said.get("layers")
-            found[topic] = StreamInfo(
-                topic,
-                said.get("kind"),
-                said.get("encoding"),
-                float(rate) if rate else None,
-                said.get("frame_id"),
-                int(layers) if layers else None,
-            )
-        return [found[topic] for topic in sorted(found)]
+        return [StreamInfo(*stream) for stream in self._joined().streams()]
 
     def close(self) -> None:
         """Leave the domain, as far as subscribers and publishers made from it are closed."""
-        self._membership = None
+        self._native = None
 
-    def _joined(self) -> _transport.Membership:
-        if self._membership is None:
+    def _joined(self) -> _native.Node:
+        if self._native is None:
             raise BridgeError("the node was closed: open another")
-        return self._membership
+        return self._native

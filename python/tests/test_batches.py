@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import threading
@@ -69,7 +70,7 @@ def test_frames_go_into_the_callers_memory(world: bv.World) -> None:
 
 
 class Foreign:
-    """Somebody else's array: no ndarray, but with DLPack."""
+    """Somebody else's array, as PyTorch's: no ndarray, but with DLPack, and with a view for numpy."""
 
     def __init__(self, array: np.ndarray) -> None:
         self.array = array
@@ -80,6 +81,16 @@ class Foreign:
     def __dlpack_device__(self) -> tuple[int, int]:
         return self.array.__dlpack_device__()
 
+    def __array__(self, *_: object, **__: object) -> np.ndarray:
+        return self.array
+
+
+class Copied(Foreign):
+    """One that gives numpy a copy."""
+
+    def __array__(self, *_: object, **__: object) -> np.ndarray:
+        return self.array.copy()
+
 
 def test_others_arrays_by_dlpack(world: bv.World) -> None:
     camera = bv.DepthCamera(32, 24, fov=1.0)
@@ -88,6 +99,15 @@ def test_others_arrays_by_dlpack(world: bv.World) -> None:
     np.testing.assert_array_equal(frames["depth"], memory)
     np.testing.assert_array_equal(camera.render(world, poses)["depth"], memory)
     np.testing.assert_array_equal(np.from_dlpack(frames["depth"]), memory)
+    # What is written comes to the memory that was given, or is refused: numpy before 2.2 lets nothing write by DLPack.
+    is_refused = np.lib.NumpyVersion(np.__version__) < "2.2.0"
+    memory[:] = 0
+    with pytest.raises(ValueError, match="it is read-only") if is_refused else contextlib.nullcontext():
+        camera.render(world, poses, out={"depth": Copied(memory)})
+    assert memory.any() != is_refused
+    memory.flags.writeable = False
+    with pytest.raises(ValueError, match=r"out\['depth'\]: .*read-?only"):
+        camera.render(world, poses, out={"depth": Foreign(memory)})
 
 
 def test_threads_share_a_world(world: bv.World) -> None:

@@ -234,14 +234,15 @@ def threads(value: int | None) -> int:
 
 def output(argument: str, value: ArrayLike, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
     """Return the caller's memory as an array to be written in place."""
-    if not isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray):
+        given: NDArray[Any] = value
+    else:
         try:
-            value = np.from_dlpack(value)
+            given = _foreign_output(value)
         except (TypeError, AttributeError, ValueError, BufferError, RuntimeError) as error:
             raise ValueError(
                 f"{argument}: an array of numpy, or another's in main memory that has __dlpack__, is expected: {error}"
             ) from error
-    given: NDArray[Any] = value
     if given.shape != shape or given.dtype != dtype:
         raise ValueError(f"{argument}: shape {given.shape} of {given.dtype}; {shape} of {dtype} is expected")
     if not given.flags.writeable:
@@ -250,4 +251,18 @@ def output(argument: str, value: ArrayLike, shape: tuple[int, ...], dtype: np.dt
         raise ValueError(f"{argument}: strides {given.strides}; rows without gaps (C-contiguous) are expected")
     if not given.flags.aligned:
         raise ValueError(f"{argument}: it is not aligned to its elements")
+    return given
+
+
+def _foreign_output(value: ArrayLike) -> NDArray[Any]:
+    """Return another library's memory as an array, writeable if that library lets numpy write to it.
+
+    Before 2.2, numpy took all memory that comes by DLPack for read-only. A library's own view of the same memory for
+    numpy says whether it is; a copy, which some give, would not bring back what is written.
+    """
+    given: NDArray[Any] = np.from_dlpack(value)
+    if not given.flags.writeable and hasattr(value, "__array__"):
+        view = np.asarray(value)
+        if view.__array_interface__["data"][0] == given.__array_interface__["data"][0]:
+            return view
     return given

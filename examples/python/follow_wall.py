@@ -1,7 +1,7 @@
 """Learns to drive along a wall by pictures of depth, on the CPU, in about a minute.
 
-    pip install 'belvedere[gym]' cma
-    python follow_wall.py
+    pip install './python[gym]' cma
+    python examples/python/follow_wall.py
 
 A linear policy of 33 numbers is found by CMA-ES. Each candidate drives in eight corridors, all candidates at once in one
 vector environment.

@@ -1,4 +1,4 @@
-"""A gymnasium environment with pictures: follow a wall by depth. Needs the package ``gymnasium``: ``belvedere[gym]``.
+"""A gymnasium environment with pictures: follow a wall by depth. The extra ``gym`` brings the package ``gymnasium``.
 
 ``gymnasium.make("belvedere/Wall-v0")`` after ``import belvedere.gym``. ``WallVectorEnv`` steps many corridors at once,
 each of its own shape, on one batch; ``WallEnv`` is one of them.

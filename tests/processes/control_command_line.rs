@@ -3,12 +3,13 @@
 use crate::live;
 
 use crate::live::control::{BOX, ROBOT, done_with, named, state};
-use crate::live::{Simulator, output};
+use crate::live::{Simulator, next_frame, output};
 use belvedere_bridge::{Operation, StreamSpec};
 
 #[test]
 fn the_command_line_says_what_was_done_and_why_not() {
     let simulator = Simulator::start(&["--drive", "still"]);
+    next_frame(&mut simulator.subscribe("clock"));
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("box.sdf");
     std::fs::write(&file, BOX).unwrap();

@@ -73,7 +73,7 @@ fn a_device_is_a_preset_and_what_is_written_besides() {
         );
     }
     for (inside, expected) in [
-        ("<preset>webcan</preset>", "did you mean webcam?"),
+        ("<preset>webcan</preset>", "did you mean 'webcam'?"),
         (
             "<read_noise_e>-1</read_noise_e>",
             "<read_noise_e> of sensor 'c' is -1; write a number from 0 to 1000000",

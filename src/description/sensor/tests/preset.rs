@@ -62,7 +62,7 @@ fn what_is_wrong_with_a_preset_is_said() {
     let unknown = problem("<preset>kinect_1</preset>");
     assert!(unknown.contains("<preset> of sensor 's' is 'kinect_1', which is none"), "{unknown}");
     assert!(
-        unknown.contains("did you mean kinect_v1? there are kinect_v1, xtion, redwood, d415"),
+        unknown.contains("did you mean 'kinect_v1'? there are kinect_v1, xtion, redwood, d415"),
         "{unknown}"
     );
     let none = problem("");

@@ -28,10 +28,10 @@ use crate::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Domain, Lossless, Node};
 use clap::builder::{OsStringValueParser, TypedValueParser as _};
 use std::collections::BTreeMap;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsString;
 use std::io::Write as _;
 use std::net::SocketAddr;
-use std::os::unix::ffi::OsStrExt as _;
+use std::os::unix::ffi::OsStringExt as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -137,11 +137,11 @@ pub struct RunArgs {
 
 /// A lidar and a file, whose name may be any.
 fn feed(text: OsString) -> Result<Feed<PathBuf>, String> {
-    let bytes = text.as_bytes();
+    let bytes = text.into_vec();
     match bytes.iter().position(|byte| *byte == b'=').map(|equals| (&bytes[..equals], &bytes[equals + 1..])) {
         Some((sensor, file)) if !sensor.is_empty() && !file.is_empty() => {
             let sensor = String::from_utf8_lossy(sensor).into_owned();
-            Ok(Feed { sensor, to: OsStr::from_bytes(file).into() })
+            Ok(Feed { sensor, to: OsString::from_vec(file.to_vec()).into() })
         }
         _ => Err("SENSOR=FILE is wanted, with the name of a lidar or a topic that it sends".into()),
     }

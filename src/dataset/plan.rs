@@ -118,7 +118,7 @@ impl Plan {
         let (mut worlds, mut world_names) = (Vec::new(), Vec::new());
         for name in file.worlds.get_ref() {
             let rules = Rules::default();
-            let Some(world) = load_world(&beside(name.get_ref()), packages, rules, diagnostics) else {
+            let Some(world) = load_world(beside(name.get_ref()), packages, rules, diagnostics) else {
                 continue;
             };
             worlds.push(world);
@@ -130,7 +130,7 @@ impl Plan {
         }
         let options =
             LoadOptions { packages: packages.clone(), rules: Rules::default(), xacro_args: Vec::new() };
-        let robot = load_robot(&beside(file.robot.get_ref()), &options, diagnostics);
+        let robot = load_robot(beside(file.robot.get_ref()), &options, diagnostics);
         let mut files = diagnostics.files().clone();
         files.extend(identity::pictures(&worlds, robot.as_ref()).cloned());
         let randomization = file

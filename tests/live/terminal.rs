@@ -211,9 +211,9 @@ impl Screen {
     /// Rows that are too long are wrapped, as most terminals do.
     fn resize(&mut self, columns: usize, rows: usize) {
         (self.columns, self.rows) = (columns, rows);
-        let wrap = |line: &Vec<char>| match line.is_empty() {
-            true => vec![Vec::new()],
-            false => line.chunks(columns).map(<[char]>::to_vec).collect(),
+        let wrap = |line: &Vec<char>| {
+            let pieces = line.chunks(columns).map(<[char]>::to_vec);
+            if line.is_empty() { vec![Vec::new()] } else { pieces.collect() }
         };
         let below = self.lines.len() - 1 - self.row;
         self.lines = self.lines.iter().flat_map(wrap).collect();

@@ -4,6 +4,7 @@ use crate::cli::error::CliError;
 use crate::description::package::PackagePath;
 use crate::description::robot::robot_names;
 use crate::description::xml::Element;
+use std::ffi::OsStr;
 use std::io;
 use std::path::Path;
 
@@ -22,7 +23,7 @@ pub(super) fn read(file: &Path) -> Result<String, CliError> {
         remedy,
     };
     let shown = file.display();
-    let ends_in = file.extension().map(|extension| extension.to_ascii_lowercase()).unwrap_or_default();
+    let ends_in = file.extension().map(OsStr::to_ascii_lowercase).unwrap_or_default();
     if MESHES.iter().any(|mesh| ends_in == *mesh) && file.is_file() {
         let remedy = format!(
             "spawn an SDF file with a model whose <visual> and <collision> have <mesh><uri>{shown}</uri></mesh>"

@@ -1,5 +1,7 @@
 //! The table of streams, in as many columns and rows as there are.
 
+use std::fmt::Write as _;
+
 /// A stream's line.
 pub(super) struct Row {
     pub(super) topic: String,
@@ -28,7 +30,8 @@ pub(super) fn table(rows: &[Row], total: &str, columns: usize, height: usize) ->
     let line = |topic: &str, values: &mut dyn Iterator<Item = &str>| {
         let mut line = format!("{:topic_width$}", shortened(topic, topic_width));
         for (value, (_, width)) in values.zip(&HEADINGS[..cells]) {
-            line += &format!(" {value:>width$}");
+            // Writing to a string cannot fail.
+            let _ = write!(line, " {value:>width$}");
         }
         line
     };

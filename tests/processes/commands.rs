@@ -100,7 +100,8 @@ fn a_stream_is_measured() {
         assert_eq!((&measured["topic"], &measured["frames"]), (&json!("/camera/image_raw"), &json!(50)));
         // Its frames are 10 ms apart, or more where the machine is busy.
         let number = |name: &str| measured[name].as_f64().unwrap();
-        assert!((0.0..101.0).contains(&number("rate_hz")) && number("rate_hz") > 0.0, "{measured}");
+        // The first may have waited in the buffer.
+        assert!((0.0..120.0).contains(&number("rate_hz")) && number("rate_hz") > 0.0, "{measured}");
         assert!(0.0 < number("latency_us_p50") && number("latency_us_p50") <= number("latency_us_p99"));
         assert!(number("jitter_ms") >= 0.0 && number("gaps") >= 0.0, "{measured}");
         let table = words("hz camera/image_raw --count 5", domain);

@@ -399,12 +399,13 @@ fn a_recorder_that_is_killed_leaves_a_file_that_opens() {
         record.arg("record").arg("-o").arg(&file).args(["--domain", simulator.domain()]);
         let record = Process::start(&mut record);
         let active = folder.path().join(format!("{kill}.mcap.active"));
-        // Every other one has written what it had in a second.
-        let least = if kill % 2 == 0 { 0 } else { 100_000 };
+        // Every other one has written frames.
+        let is_begun =
+            || std::fs::read(&active).is_ok_and(|bytes| kill % 2 == 0 || !frames(&read(&bytes).0).is_empty());
         let started = Instant::now();
-        while !std::fs::metadata(&active).is_ok_and(|active| active.len() >= least) {
+        while !is_begun() {
             assert!(started.elapsed() < PATIENCE);
-            std::thread::sleep(Duration::from_millis(1));
+            std::thread::sleep(Duration::from_millis(10));
         }
         std::thread::sleep(Duration::from_millis(173 * kill % 500));
         kill_process(Pid::from_child(&record.0), Signal::KILL).unwrap();

@@ -16,7 +16,10 @@ use crate::view::{DEFAULT_PORT, ViewOptions, ViewServer, token};
 use belvedere_bridge::Node;
 use clap::builder::{OsStringValueParser, TypedValueParser as _};
 use std::ffi::OsString;
+use std::fs::File;
+use std::io::{self, Read as _};
 use std::net::{IpAddr, Ipv4Addr};
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -32,8 +35,14 @@ pub struct PageArgs {
     #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
     listen: IpAddr,
     /// What a page has to know, 8 or more letters and digits [default: made up at each start]
+    ///
+    /// Other users of this machine can read a program's arguments: they cannot read the variable, nor the file of
+    /// --token-file.
     #[arg(long, value_name = "TEXT", env = "BELVEDERE_VIEW_TOKEN", value_parser = token, hide_env_values = true)]
     token: Option<String>,
+    /// A file with the token, which other users may not read
+    #[arg(long, value_name = "FILE", value_parser = token_in, conflicts_with = "token")]
+    token_file: Option<String>,
     /// Another page that may connect, such as `https://app.foxglove.dev`; may be repeated
     #[arg(long, value_name = "ORIGIN")]
     allow_origin: Vec<String>,
@@ -203,12 +212,24 @@ fn load(args: &ViewArgs) -> Result<Shown, CliError> {
     }
 }
 
+/// The token in a file.
+fn token_in(path: &str) -> Result<String, String> {
+    let failed = |error: io::Error| format!("it cannot be read: {error}");
+    let mut file = File::open(path).map_err(failed)?;
+    if file.metadata().map_err(failed)?.mode() & 0o004 != 0 {
+        return Err(format!("other users can read it; chmod 600 {path}"));
+    }
+    let mut text = String::new();
+    file.read_to_string(&mut text).map_err(failed)?;
+    token(text.trim())
+}
+
 /// Serves the page, says where, and opens it.
 pub(super) fn open_page(node: &Node, args: &PageArgs, shown: Shown) -> Result<ViewServer, CliError> {
     let options = ViewOptions {
         address: args.listen,
         port: args.port,
-        token: args.token.clone(),
+        token: args.token_file.clone().or_else(|| args.token.clone()),
         origins: args.allow_origin.clone(),
     };
     let page = ViewServer::start(node.clone(), options)?;
@@ -218,7 +239,7 @@ pub(super) fn open_page(node: &Node, args: &PageArgs, shown: Shown) -> Result<Vi
     }
     print_line(&format!("page: {}", page.url()))?;
     if !args.no_browser {
-        open_browser(page.url());
+        open_browser(page.opening_url());
     }
     Ok(page)
 }

@@ -1,34 +1,43 @@
 //! Who may look: whoever knows the token, and no page of somebody else's.
 
 use super::http::Request;
-use std::fs::File;
+use super::peer;
+use rustix::process::getuid;
+use std::fs::{self, File};
 use std::io::{self, Read as _};
-use std::net::{IpAddr, SocketAddr};
+use std::net::{IpAddr, SocketAddr, TcpStream};
+use std::sync::{Mutex, PoisonError};
 
 /// What a request must have.
 #[derive(Debug)]
 pub(super) struct Access {
     token: String,
+    /// What the user's own browser is given in place of the token, which other users could read among its arguments. Good
+    /// for one request.
+    code: Mutex<Option<String>>,
     address: SocketAddr,
     /// Origins of pages besides our own.
     origins: Vec<String>,
+    /// This machine's name, if it has one.
+    host_name: Option<String>,
 }
 
 impl Access {
-    pub(super) fn new(token: String, address: SocketAddr, origins: Vec<String>) -> Self {
-        Self { token, address, origins }
+    pub(super) fn new(token: String, code: String, address: SocketAddr, origins: Vec<String>) -> Self {
+        let host_name = fs::read_to_string("/proc/sys/kernel/hostname").ok();
+        let host_name = host_name.map(|name| name.trim().to_owned()).filter(|name| !name.is_empty());
+        Self { token, code: Mutex::new(Some(code)), address, origins, host_name }
     }
 
+    /// Checks host, origin and token of a request.
+    ///
     /// # Errors
     /// In a sentence, why the request is refused.
     pub(super) fn check(&self, request: &Request) -> Result<(), String> {
-        // A page of somebody else's may lead its own name to this address; its browser still says the name.
-        let host = request.header("host").unwrap_or_default();
-        if !self.is_ours(host) {
-            return Err(format!("'{host}' is not the name of this server; it is {}", self.address));
-        }
+        let host = self.check_host(request)?;
         if let Some(origin) = request.header("origin") {
-            let is_ours = origin.strip_prefix("http://").is_some_and(|host| self.is_ours(host));
+            let authority = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
+            let is_ours = authority.is_some_and(|authority| authority.eq_ignore_ascii_case(host));
             if !is_ours && !self.origins.iter().any(|known| known == origin) {
                 return Err(format!(
                     "pages of '{origin}' may not look; start belvedere with --allow-origin {origin}"
@@ -42,17 +51,56 @@ impl Access {
         Ok(())
     }
 
-    fn is_ours(&self, host: &str) -> bool {
-        let port = self.address.port();
-        let (name, given) = host.rsplit_once(':').unwrap_or((host, "80"));
-        if given.parse() != Ok(port) {
-            return false;
+    /// Gives the token for the code that the user's browser was started with.
+    ///
+    /// # Errors
+    /// In a sentence: it is not the code, it was used before, or another user's process has sent it.
+    pub(super) fn exchange(&self, request: &Request, code: &str, stream: &TcpStream) -> Result<&str, String> {
+        self.check_host(request)?;
+        if peer::user(stream) != Some(getuid().as_raw()) {
+            return Err("this address is for the browser of the user who started belvedere; open the one that it printed".to_owned());
         }
-        let is_local = ["127.0.0.1", "localhost", "[::1]"].contains(&name);
-        // For all addresses: under any of them as a number, which no page of somebody else's can be.
-        let bare = name.trim_start_matches('[').trim_end_matches(']');
-        let numeric = bare.parse::<IpAddr>().ok();
-        is_local || numeric.is_some_and(|ip| self.address.ip().is_unspecified() || ip == self.address.ip())
+        let mut known = self.code.lock().unwrap_or_else(PoisonError::into_inner);
+        if !known.as_ref().is_some_and(|known| is_same(known.as_bytes(), code.as_bytes())) {
+            return Err("this address was good for one time; open the one that belvedere printed".to_owned());
+        }
+        *known = None;
+        Ok(&self.token)
+    }
+
+    /// Gives the host that a request names, if it is this machine's.
+    ///
+    /// A page of somebody else's can have its own name lead to this address, and is then of the same origin for the browser,
+    /// which still says the name. So the name counts, and not the port, which a tunnel changes.
+    fn check_host<'a>(&self, request: &'a Request) -> Result<&'a str, String> {
+        let host = request.header("host").unwrap_or_default();
+        if self.is_ours(name_of(host)) {
+            return Ok(host);
+        }
+        Err(format!(
+            "'{host}' is not the name of this server; open http://{}, or start belvedere with --allow-origin http://{host}",
+            self.address
+        ))
+    }
+
+    /// Whether a name is this machine's: a number, which nobody can have lead elsewhere; its own name; or one that the user
+    /// allows.
+    fn is_ours(&self, name: &str) -> bool {
+        let is = |known: &str| known.eq_ignore_ascii_case(name);
+        let is_allowed =
+            |origin: &String| origin.split_once("://").is_some_and(|(_, host)| is(name_of(host)));
+        name.parse::<IpAddr>().is_ok()
+            || is("localhost")
+            || self.host_name.as_deref().is_some_and(|own| is(own) || is(&format!("{own}.local")))
+            || self.origins.iter().any(is_allowed)
+    }
+}
+
+/// What stands before the port, without an IPv6 address's brackets.
+fn name_of(host: &str) -> &str {
+    match host.strip_prefix('[') {
+        Some(rest) => rest.split(']').next().unwrap_or_default(),
+        None => host.rsplit_once(':').map_or(host, |(name, _)| name),
     }
 }
 
@@ -81,5 +129,48 @@ pub fn token(text: &str) -> Result<String, String> {
         Ok(text.to_owned())
     } else {
         Err("write 8 or more letters, digits, - and _".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_count_and_ports_do_not() {
+        let origins = vec!["http://robot.lab.example:8765".to_owned()];
+        let access = Access {
+            token: "token-of-the-test".into(),
+            code: Mutex::default(),
+            address: "0.0.0.0:8765".parse().unwrap(),
+            origins,
+            host_name: Some("Robot".into()),
+        };
+        let check = |host: &str, origin: Option<&str>| {
+            let origin = origin.map(|origin| format!("Origin: {origin}\r\n")).unwrap_or_default();
+            let head = format!("GET /?token=token-of-the-test HTTP/1.1\r\nHost: {host}\r\n{origin}\r\n");
+            access.check(&Request::parse(head.as_bytes()).unwrap().unwrap())
+        };
+        for host in [
+            "127.0.0.1:8765",
+            "localhost:9000",
+            "LOCALHOST",
+            "[::1]:8765",
+            "192.168.7.3:80",
+            "robot:8765",
+            "robot.local",
+            "robot.lab.example",
+        ] {
+            assert_eq!(check(host, None), Ok(()), "{host}");
+            assert_eq!(check(host, Some(&format!("http://{host}"))), Ok(()), "{host}");
+            assert_eq!(check(host, Some(&format!("https://{host}"))), Ok(()), "{host}");
+            assert_eq!(check(host, Some("http://robot.lab.example:8765")), Ok(()), "{host}");
+            for other in ["http://6.6.6.6:8765", "http://evil.example", "http://localhost:3000", "null"] {
+                assert!(check(host, Some(other)).unwrap_err().contains("--allow-origin"), "{host} {other}");
+            }
+        }
+        for host in ["", "evil.example:8765", "127.0.0.1.evil.example", "robot.evil.example", "[evil]:8765"] {
+            assert!(check(host, None).unwrap_err().contains("not the name"), "{host}");
+        }
     }
 }

@@ -3,7 +3,10 @@
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{Node, Operation, SimulationControl, Text};
 use serde_json::{Value, json};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, SyncSender};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// Commands that may wait.
@@ -27,10 +30,15 @@ pub(super) struct Order {
     orientation: [f64; 4],
 }
 
-/// The thread that sends commands, while this is kept.
+/// The thread that sends commands. It ends before this is gone, since it keeps a node of the domain, whose files would
+/// otherwise outlive the process.
 pub(super) struct Commander {
-    orders: SyncSender<Order>,
+    /// None once this is being dropped, which ends the thread.
+    orders: Option<SyncSender<Order>>,
     answers: Receiver<Value>,
+    /// Whether commands that still wait are left out.
+    is_ending: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Commander {
@@ -38,9 +46,14 @@ impl Commander {
         let (orders, given) = mpsc::sync_channel::<Order>(MOST_WAITING);
         let (answer, answers) = mpsc::channel();
         let node = node.clone();
-        std::thread::Builder::new().name("view commands".into()).spawn(move || {
+        let is_ending = Arc::new(AtomicBool::new(false));
+        let ends = is_ending.clone();
+        let thread = std::thread::Builder::new().name("view commands".into()).spawn(move || {
             let mut control = None;
             for order in given {
+                if ends.load(Ordering::Relaxed) {
+                    break;
+                }
                 let (done, reason) = match carry_out(&node, &mut control, &order) {
                     Ok(()) => (true, String::new()),
                     Err(reason) => (false, reason),
@@ -51,7 +64,7 @@ impl Commander {
                 }
             }
         })?;
-        Ok(Self { orders, answers })
+        Ok(Self { orders: Some(orders), answers, is_ending, thread: Some(thread) })
     }
 
     /// Hands a command over.
@@ -59,14 +72,24 @@ impl Commander {
     /// # Errors
     /// In words, if too many wait.
     pub(super) fn send(&self, order: Order) -> Result<(), String> {
-        self.orders
-            .try_send(order)
-            .map_err(|_| "too many commands at once; wait for their answers".to_owned())
+        let sent = self.orders.as_ref().is_some_and(|orders| orders.try_send(order).is_ok());
+        if sent { Ok(()) } else { Err("too many commands at once; wait for their answers".to_owned()) }
     }
 
     /// The next answer.
     pub(super) fn answer(&self) -> Option<Value> {
         self.answers.try_recv().ok()
+    }
+}
+
+impl Drop for Commander {
+    fn drop(&mut self) {
+        self.is_ending.store(true, Ordering::Relaxed);
+        self.orders = None;
+        if let Some(thread) = self.thread.take() {
+            // One that panicked has said so.
+            let _ = thread.join();
+        }
     }
 }
 

@@ -1,27 +1,30 @@
 //! Foxglove's WebSocket protocol, for Foxglove, Lichtblick and whatever else speaks it: the streams as ROS 1's messages.
 //!
 //! A client that reads slowly gets fewer messages and slows nobody: while something waits for room on its way, frames stay
-//! where they are, and the oldest of each stream give way. It is told so by a status. There is no latching in the protocol;
-//! a stream that keeps its last message, as static transforms do, gives it at each subscription.
+//! where they are, and the oldest of each stream give way; nor is it answered, as nothing is read of it. It is told of
+//! messages that were left out by a status. There is no latching in the protocol; a stream that keeps its last message, as
+//! static transforms do, gives it at each subscription. A channel has one subscription of a client at a time, so that no
+//! client takes the places of others among a stream's subscribers.
 
 use super::Shared;
 use super::advertisement::Advertiser;
 use super::assets;
+use super::channels::{Channel, Channels};
 use super::drivers::Drivers;
 use super::socket::{Said, Socket};
 use super::twist::Twist;
 use super::waiting::wait;
 use crate::recording::ros1::RosStream;
-use belvedere_bridge::{Frame, Kind, StreamInfo, StreamSpec, Subscriber};
+use belvedere_bridge::{Frame, Node, Subscriber};
 use serde::Deserialize;
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use tungstenite::{Error, Message};
 
 const NAP: Duration = Duration::from_millis(50);
-/// Subscriptions of a client at a time.
-const MAX_SUBSCRIPTIONS: usize = 256;
+/// Streams that a client may follow at a time.
+const MAX_FOLLOWED: usize = 256;
 /// Channels that a client may publish on.
 const MAX_ADVERTISED: usize = 64;
 /// Time between two statuses about lost messages.
@@ -60,22 +63,33 @@ struct ClientChannel {
     encoding: String,
 }
 
-/// A topic of ROS: of one stream, or of several, as /tf of several robots.
-struct Channel {
+/// A subscription of the client's.
+struct Subscription {
+    /// The client's number.
     id: u32,
-    /// Of streams, without a leading slash.
-    topics: BTreeSet<String>,
+    /// The number of its channel.
+    channel: u32,
     ros: RosStream,
+    /// Of each stream of the channel.
+    subscribers: Vec<Subscriber>,
 }
 
-/// A stream that is followed for a subscription.
-struct Source {
-    /// The client's number.
-    subscription: u32,
-    subscriber: Subscriber,
-    ros: RosStream,
-    /// Only the newest counts: pictures and clouds, as opposed to messages of which each does.
-    is_large: bool,
+impl Subscription {
+    /// Whether only the newest counts: of pictures and clouds, as opposed to messages of which each does.
+    fn is_large(&self) -> bool {
+        matches!(self.ros.message_type.name, "sensor_msgs/Image" | "sensor_msgs/PointCloud2")
+    }
+
+    /// Follows the streams that its channel has now, and no others.
+    fn follow(&mut self, node: &Node, channel: &Channel) -> Result<(), String> {
+        self.subscribers.retain(|subscriber| channel.topics.contains(subscriber.topic()));
+        for topic in &channel.topics {
+            if self.subscribers.iter().all(|subscriber| subscriber.topic() != topic) {
+                self.subscribers.push(node.subscriber(topic).map_err(|error| error.to_string())?);
+            }
+        }
+        Ok(())
+    }
 }
 
 /// A client that is connected.
@@ -83,10 +97,9 @@ pub(super) struct Foxglove<'a> {
     shared: &'a Shared,
     socket: Socket,
     advertiser: Advertiser,
-    channels: BTreeMap<String, Channel>,
-    next_id: u32,
+    channels: Channels,
     listed: Option<u64>,
-    sources: Vec<Source>,
+    subscriptions: Vec<Subscription>,
     /// Of the simulation; the client's time is what it says.
     clock: Option<Subscriber>,
     told_ns: Option<u64>,
@@ -105,10 +118,9 @@ impl<'a> Foxglove<'a> {
             clock: shared.node.subscriber("clock").ok(),
             shared,
             socket,
-            channels: BTreeMap::new(),
-            next_id: 1,
+            channels: Channels::default(),
             listed: None,
-            sources: Vec::new(),
+            subscriptions: Vec::new(),
             told_ns: None,
             published: BTreeMap::new(),
             drivers: Drivers::default(),
@@ -132,56 +144,50 @@ impl<'a> Foxglove<'a> {
             "sessionId": self.shared.session,
         }))?;
         while !self.shared.is_stopping() {
-            self.advertise()?;
-            let followed = self.sources.iter_mut().map(|source| &mut source.subscriber);
+            self.socket.keep_alive(Instant::now())?;
+            if !self.socket.has_unsent() {
+                self.tell_of_channels()?;
+            }
+            let followed = self.subscriptions.iter_mut().flat_map(|known| &mut known.subscribers);
             wait(&self.socket, None, followed.chain(self.clock.as_mut()), NAP);
             self.socket.flush()?;
             while let Some(said) = self.socket.read()? {
                 self.take(&said)?;
             }
-            self.send_time()?;
-            self.send_frames()?;
-            self.tell_of_losses()?;
+            if !self.socket.has_unsent() {
+                self.send_time()?;
+                self.send_frames()?;
+            }
+            if !self.socket.has_unsent() {
+                self.tell_of_losses()?;
+            }
         }
         Ok(())
     }
 
-    /// Tells of channels that came and went.
-    fn advertise(&mut self) -> Result<(), Error> {
+    /// Tells of channels that came and went, and follows the streams that those have now that the client has subscribed to.
+    fn tell_of_channels(&mut self) -> Result<(), Error> {
         let (edition, streams) = self.shared.listing.now();
         if self.listed == Some(edition) {
             return Ok(());
         }
         self.listed = Some(edition);
-        let mut came = Vec::new();
-        let mut there = BTreeSet::new();
-        for stream in streams.iter() {
-            let Some(ros) = ros_stream(stream) else { continue };
-            there.insert(ros.topic.clone());
-            let channel = self.channels.entry(ros.topic.clone()).or_insert_with(|| {
-                let id = self.next_id;
-                self.next_id += 1;
-                came.push((id, ros.clone()));
-                Channel { id, topics: BTreeSet::new(), ros }
-            });
-            channel.topics.insert(stream.topic.clone());
+        let changes = self.channels.update(&streams);
+        if !changes.gone.is_empty() {
+            self.subscriptions.retain(|known| !changes.gone.contains(&known.channel));
+            self.say(&json!({ "op": "unadvertise", "channelIds": changes.gone }))?;
         }
-        let mut gone = Vec::new();
-        self.channels.retain(|topic, channel| {
-            let stays = there.contains(topic);
-            if !stays {
-                gone.push(channel.id);
-            }
-            stays
-        });
-        if !gone.is_empty() {
-            self.say(&json!({ "op": "unadvertise", "channelIds": gone }))?;
-        }
-        if !came.is_empty() {
-            let advertisement = self.advertiser.advertise(came.iter().map(|(id, ros)| (*id, ros)));
+        if !changes.came.is_empty() {
+            let advertisement = self.advertiser.advertise(changes.came.iter().map(|(id, ros)| (*id, ros)));
             self.say(&advertisement)?;
         }
-        Ok(())
+        let mut refused = None;
+        for known in &mut self.subscriptions {
+            if let Some(channel) = self.channels.get(known.channel) {
+                refused = known.follow(&self.shared.node, channel).err().or(refused);
+            }
+        }
+        refused.map_or(Ok(()), |reason| self.status(1, &reason))
     }
 
     fn take(&mut self, said: &Said) -> Result<(), Error> {
@@ -206,7 +212,7 @@ impl<'a> Foxglove<'a> {
                 }
             }
             Request::Unsubscribe { subscription_ids } => {
-                self.sources.retain(|source| !subscription_ids.contains(&source.subscription));
+                self.subscriptions.retain(|known| !subscription_ids.contains(&known.id));
             }
             Request::Advertise { channels } => {
                 for channel in channels {
@@ -241,26 +247,24 @@ impl<'a> Foxglove<'a> {
     }
 
     fn subscribe(&mut self, wanted: &Wanted) -> Result<(), String> {
-        let Some(channel) = self.channels.values().find(|channel| channel.id == wanted.channel_id) else {
+        let Some(channel) = self.channels.get(wanted.channel_id) else {
             return Err(format!("there is no channel {}", wanted.channel_id));
         };
-        if self.sources.len() + channel.topics.len() > MAX_SUBSCRIPTIONS {
-            return Err(format!("at most {MAX_SUBSCRIPTIONS} subscriptions are held"));
-        }
-        if self.sources.iter().any(|source| source.subscription == wanted.id) {
+        if self.subscriptions.iter().any(|known| known.id == wanted.id) {
             return Err(format!("there is a subscription {} already", wanted.id));
         }
-        for topic in &channel.topics {
-            let subscriber = self.shared.node.subscriber(topic).map_err(|error| error.to_string())?;
-            let name = channel.ros.message_type.name;
-            let is_large = matches!(name, "sensor_msgs/Image" | "sensor_msgs/PointCloud2");
-            self.sources.push(Source {
-                subscription: wanted.id,
-                subscriber,
-                ros: channel.ros.clone(),
-                is_large,
-            });
+        if let Some(known) = self.subscriptions.iter().find(|known| known.channel == wanted.channel_id) {
+            return Err(format!("{} is subscribed to already, as {}", channel.ros.topic, known.id));
         }
+        let followed: usize = self.subscriptions.iter().map(|known| known.subscribers.len()).sum();
+        if followed + channel.topics.len() > MAX_FOLLOWED {
+            return Err(format!("at most {MAX_FOLLOWED} streams are followed for a client"));
+        }
+        let ros = channel.ros.clone();
+        let mut subscription =
+            Subscription { id: wanted.id, channel: channel.id, ros, subscribers: Vec::new() };
+        subscription.follow(&self.shared.node, channel)?;
+        self.subscriptions.push(subscription);
         Ok(())
     }
 
@@ -297,32 +301,30 @@ impl<'a> Foxglove<'a> {
 
     fn send_frames(&mut self) -> Result<(), Error> {
         let mut failed = None;
-        let mut sources = std::mem::take(&mut self.sources);
-        for source in &mut sources {
-            loop {
-                if self.socket.has_unsent() {
-                    break;
-                }
-                let taken =
-                    if source.is_large { source.subscriber.take_newest() } else { source.subscriber.take() };
-                match taken {
-                    Ok(Some(frame)) => self.send_frame(source, &frame)?,
-                    Ok(None) => break,
-                    Err(error) => {
-                        failed = Some(error.to_string());
-                        break;
+        let mut subscriptions = std::mem::take(&mut self.subscriptions);
+        for known in &mut subscriptions {
+            let is_large = known.is_large();
+            for subscriber in &mut known.subscribers {
+                while !self.socket.has_unsent() {
+                    match if is_large { subscriber.take_newest() } else { subscriber.take() } {
+                        Ok(Some(frame)) => self.send_frame(known.id, &known.ros, &frame)?,
+                        Ok(None) => break,
+                        Err(error) => {
+                            failed = Some(error.to_string());
+                            break;
+                        }
                     }
                 }
             }
         }
-        self.sources = sources;
+        self.subscriptions = subscriptions;
         failed.map_or(Ok(()), |reason| self.status(1, &reason))
     }
 
-    fn send_frame(&mut self, source: &Source, frame: &Frame) -> Result<(), Error> {
+    fn send_frame(&mut self, subscription: u32, ros: &RosStream, frame: &Frame) -> Result<(), Error> {
         self.lost += frame.missed();
         // What has no message of ROS's is left out, as by the node for ROS.
-        if source.ros.write(&frame.view(), &mut self.message).is_none() {
+        if ros.write(&frame.view(), &mut self.message).is_none() {
             return Ok(());
         }
         let stamp_ns = frame.header().stamp_ns;
@@ -332,7 +334,7 @@ impl<'a> Foxglove<'a> {
         }
         let mut message = Vec::with_capacity(13 + self.message.len());
         message.push(MESSAGE);
-        message.extend_from_slice(&source.subscription.to_le_bytes());
+        message.extend_from_slice(&subscription.to_le_bytes());
         message.extend_from_slice(&stamp_ns.to_le_bytes());
         message.extend_from_slice(&self.message);
         self.socket.send(Message::binary(message))
@@ -356,12 +358,4 @@ impl<'a> Foxglove<'a> {
     fn say(&mut self, message: &Value) -> Result<(), Error> {
         self.socket.send(Message::text(message.to_string()))
     }
-}
-
-/// What a stream is for ROS; none for those that lead to the robot.
-fn ros_stream(stream: &StreamInfo) -> Option<RosStream> {
-    let kind = stream.kind?;
-    let is_command = matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
-    let is_ours = stream.topic == StreamSpec::SIMULATION_COMMAND;
-    (!is_command && !is_ours).then(|| RosStream::new(kind, &stream.topic, stream.layers)).flatten()
 }

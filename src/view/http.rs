@@ -62,16 +62,23 @@ impl Request {
                 Err(error) if stop.load(Ordering::Relaxed) => return Err(error),
                 Err(_) => continue,
             }
-            let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
-            let mut request = httparse::Request::new(&mut headers);
-            match request.parse(&head) {
-                Ok(httparse::Status::Complete(_)) => return Ok(Self::of(&request)),
-                Ok(httparse::Status::Partial) if head.len() < MAX_HEAD_BYTES => {}
-                Ok(httparse::Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
-                    return Ok(Err(Status::TooLarge));
-                }
-                Err(_) => return Ok(Err(Status::Bad)),
+            match Self::parse(&head) {
+                Some(request) => return Ok(request),
+                None if head.len() < MAX_HEAD_BYTES => {}
+                None => return Ok(Err(Status::TooLarge)),
             }
+        }
+    }
+
+    /// Takes a head apart; none if it is not whole yet.
+    pub(super) fn parse(head: &[u8]) -> Option<Result<Self, Status>> {
+        let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
+        let mut request = httparse::Request::new(&mut headers);
+        match request.parse(head) {
+            Ok(httparse::Status::Complete(_)) => Some(Self::of(&request)),
+            Ok(httparse::Status::Partial) => None,
+            Err(httparse::Error::TooManyHeaders) => Some(Err(Status::TooLarge)),
+            Err(_) => Some(Err(Status::Bad)),
         }
     }
 
@@ -96,6 +103,7 @@ impl Request {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Status {
     Ok,
+    Elsewhere,
     Bad,
     Forbidden,
     NotFound,
@@ -109,6 +117,7 @@ impl Status {
     fn line(self) -> &'static str {
         match self {
             Self::Ok => "200 OK",
+            Self::Elsewhere => "303 See Other",
             Self::Bad => "400 Bad Request",
             Self::Forbidden => "403 Forbidden",
             Self::NotFound => "404 Not Found",
@@ -122,8 +131,17 @@ impl Status {
 
 /// Answers, and ends the connection.
 pub(super) fn respond(stream: &mut TcpStream, status: Status, kind: &str, body: &[u8]) -> io::Result<()> {
+    answer(stream, status, &format!("Content-Type: {kind}\r\n"), body)
+}
+
+/// Sends a browser elsewhere on this server.
+pub(super) fn redirect(stream: &mut TcpStream, target: &str) -> io::Result<()> {
+    answer(stream, Status::Elsewhere, &format!("Location: {target}\r\n"), b"")
+}
+
+fn answer(stream: &mut TcpStream, status: Status, header: &str, body: &[u8]) -> io::Result<()> {
     let head = format!(
-        "HTTP/1.1 {}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-store\r\n\
+        "HTTP/1.1 {}\r\n{header}Content-Length: {}\r\nConnection: close\r\nCache-Control: no-store\r\n\
          X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
          Content-Security-Policy: default-src 'self'; img-src 'self' blob: data:; connect-src 'self' blob:; \
          style-src 'self' 'unsafe-inline'; frame-ancestors 'none'\r\n\r\n",

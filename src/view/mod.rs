@@ -2,13 +2,15 @@
 //!
 //! | file | is |
 //! |---|---|
+//! | `serving` | connections, from their request to who answers them |
+//! | `connections` | how many there may be, and which one gives way |
 //! | `http` | requests and answers |
-//! | `access` | who may look |
+//! | `access`, `peer` | who may look |
 //! | `bundle` | the page's files |
 //! | `socket` | a WebSocket that keeps no thread waiting |
 //! | `waiting` | how a client's thread sleeps |
 //! | `foxglove`, `twist` | Foxglove's protocol, for whoever speaks it |
-//! | `advertisement` | how its versions make streams known |
+//! | `channels`, `advertisement` | the topics of its clients, and how its versions make them known |
 //! | `assets` | files that robots name, for its clients |
 //! | `page` | what a page of ours says and is told |
 //! | `payload`, `pipe` | frames as that page takes them, and the way that they go |
@@ -23,15 +25,19 @@ mod access;
 mod advertisement;
 mod assets;
 mod bundle;
+mod channels;
 mod commander;
+mod connections;
 mod drivers;
 mod foxglove;
 mod http;
 mod listing;
 mod page;
 mod payload;
+mod peer;
 mod pipe;
 mod scene;
+mod serving;
 mod socket;
 mod twist;
 mod waiting;
@@ -40,36 +46,25 @@ pub use access::token;
 
 use crate::recording::Timeline;
 use access::{Access, random_token};
-use advertisement::{SUBPROTOCOLS, common_protocol};
 use assets::{Assets, is_collada};
 use belvedere_bridge::Node;
-use foxglove::Foxglove;
-use http::{Request, Status, refuse, respond};
+use connections::Connections;
 use listing::Listing;
-use page::Page;
-use pipe::{Pipe, Pipes};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use pipe::Pipes;
 use scene::Scene;
 use serde_json::{Value, json};
-use socket::{Socket, is_complete};
 use std::collections::BTreeMap;
 use std::io;
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// The port that Foxglove looks at.
 pub const DEFAULT_PORT: u16 = 8765;
-/// Clients at a time: a stream has room for eight followers, who may be others.
-const MAX_CLIENTS: usize = 6;
-/// Connections at a time, of any kind.
-const MAX_CONNECTIONS: usize = 32;
 /// Time between two looks for streams.
 const LOOK: Duration = Duration::from_millis(500);
-/// Longest sleep before it is looked whether this is to end.
-const NAP_NS: i64 = 50_000_000;
 
 /// Where is served, and to whom.
 #[derive(Debug, Clone)]
@@ -122,8 +117,7 @@ struct Shared {
     /// Another one for each server.
     session: String,
     stop: AtomicBool,
-    connections: AtomicUsize,
-    clients: AtomicUsize,
+    connections: Arc<Connections>,
 }
 
 impl Shared {
@@ -153,6 +147,7 @@ impl Shared {
 pub struct ViewServer {
     shared: Arc<Shared>,
     url: String,
+    opening_url: String,
     threads: Vec<JoinHandle<()>>,
 }
 
@@ -172,13 +167,15 @@ impl ViewServer {
         let address = listener.local_addr().map_err(failed)?;
         let token = options.token.map_or_else(random_token, Ok).map_err(failed)?;
         let shown = if address.ip().is_unspecified() { Ipv4Addr::LOCALHOST.into() } else { address.ip() };
-        let url = format!("http://{}/?token={token}", SocketAddr::new(shown, address.port()));
+        let base = format!("http://{}/", SocketAddr::new(shown, address.port()));
+        let code = random_token().map_err(failed)?;
+        let (url, opening_url) = (format!("{base}?token={token}"), format!("{base}?code={code}"));
         let parameters = BTreeMap::from([("/use_sim_time".to_owned(), Value::Bool(true))]);
         let session = random_token().map_err(failed)?;
         let shared = Arc::new(Shared {
             listing: Listing::new(node.clone()),
             node,
-            access: Access::new(token, address, options.origins),
+            access: Access::new(token, code, address, options.origins),
             scene: Scene::default(),
             parameters: Mutex::new(parameters),
             assets: Mutex::default(),
@@ -186,12 +183,11 @@ impl ViewServer {
             timeline: OnceLock::new(),
             session,
             stop: AtomicBool::new(false),
-            connections: AtomicUsize::new(0),
-            clients: AtomicUsize::new(0),
+            connections: Arc::default(),
         });
         shared.listing.look();
-        let mut server = Self { shared, url, threads: Vec::new() };
-        server.spawn("view", move |shared| accept(&listener, shared)).map_err(failed)?;
+        let mut server = Self { shared, url, opening_url, threads: Vec::new() };
+        server.spawn("view", move |shared| serving::accept(&listener, shared)).map_err(failed)?;
         server.spawn("view streams", |shared| look(shared)).map_err(failed)?;
         Ok(server)
     }
@@ -206,6 +202,12 @@ impl ViewServer {
     /// The address of the page, with the token.
     pub fn url(&self) -> &str {
         &self.url
+    }
+
+    /// An address that opens the page once, for a browser of this user's: among its arguments, which other users of the
+    /// machine can read, the token would let them in.
+    pub fn opening_url(&self) -> &str {
+        &self.opening_url
     }
 
     /// Shows these models from now on: a binary glTF file.
@@ -255,107 +257,4 @@ fn look(shared: &Shared) {
         std::thread::sleep(nap);
         waited += nap;
     }
-}
-
-fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
-    let mut threads: Vec<JoinHandle<()>> = Vec::new();
-    while !shared.is_stopping() {
-        let mut fds = [PollFd::new(listener, PollFlags::IN)];
-        if !poll(&mut fds, Some(&Timespec { tv_sec: 0, tv_nsec: NAP_NS })).is_ok_and(|ready| ready > 0) {
-            continue;
-        }
-        threads.retain(|thread| !thread.is_finished());
-        // Who has gone meanwhile leaves nothing to be accepted.
-        let Ok((mut stream, _)) = listener.accept() else { continue };
-        if shared.connections.fetch_add(1, Ordering::Relaxed) >= MAX_CONNECTIONS {
-            let _ = refuse(&mut stream, Status::Full, "too many connections; close some pages");
-            shared.connections.fetch_sub(1, Ordering::Relaxed);
-            continue;
-        }
-        let own = shared.clone();
-        let thread = std::thread::Builder::new().name("view client".into()).spawn(move || {
-            if let Err(error) = serve(stream, &own) {
-                tracing::debug!(%error, "a client of the view went");
-            }
-            own.connections.fetch_sub(1, Ordering::Relaxed);
-        });
-        match thread {
-            Ok(thread) => threads.push(thread),
-            Err(error) => {
-                shared.connections.fetch_sub(1, Ordering::Relaxed);
-                tracing::warn!(%error, "no thread for a client of the view");
-            }
-        }
-    }
-    for thread in threads {
-        let _ = thread.join();
-    }
-}
-
-/// Answers a connection's request.
-fn serve(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
-    stream.set_nonblocking(false)?;
-    let request = match Request::read(&mut stream, &shared.stop)? {
-        Ok(request) => request,
-        Err(status) => return refuse(&mut stream, status, "this is not a request that is understood"),
-    };
-    if request.method != "GET" {
-        return refuse(&mut stream, Status::OtherMethod, "only GET is answered");
-    }
-    // What is in every copy of the program is no secret; the page itself leads to what is.
-    let is_plain = request.path != "/" && bundle::file(&request.path).is_some() && !request.is_upgrade();
-    if !is_plain && let Err(sentence) = shared.access.check(&request) {
-        return refuse(&mut stream, Status::Forbidden, &sentence);
-    }
-    if request.is_upgrade() {
-        return serve_socket(stream, &request, shared);
-    }
-    if request.path == "/frames" {
-        return serve_frames(stream, &request, shared);
-    }
-    match bundle::file(&request.path) {
-        Some((kind, bytes)) => respond(&mut stream, Status::Ok, kind, bytes),
-        None if request.path == "/scene.glb" => {
-            respond(&mut stream, Status::Ok, "model/gltf-binary", &shared.scene.bytes())
-        }
-        None => refuse(&mut stream, Status::NotFound, "there is no such file; the page is at /"),
-    }
-}
-
-/// Hands a connection to the thread of the page that it is for.
-fn serve_frames(mut stream: TcpStream, request: &Request, shared: &Shared) -> io::Result<()> {
-    let page = request.parameter("page").unwrap_or_default();
-    if !shared.pipes.is_expected(page) {
-        return refuse(&mut stream, Status::NotFound, "there is no such page; its WebSocket comes first");
-    }
-    shared.pipes.bring(page, Pipe::open(stream)?);
-    Ok(())
-}
-
-fn serve_socket(mut stream: TcpStream, request: &Request, shared: &Shared) -> io::Result<()> {
-    if !is_complete(request) {
-        return refuse(&mut stream, Status::Bad, "this is not a WebSocket of version 13");
-    }
-    let offered = request.header("sec-websocket-protocol");
-    let protocol = offered.map(common_protocol);
-    if protocol == Some(None) {
-        let sentence = format!("of subprotocols {} are spoken", SUBPROTOCOLS.join(" and "));
-        return refuse(&mut stream, Status::Bad, &sentence);
-    }
-    let protocol = protocol.flatten();
-    if shared.clients.fetch_add(1, Ordering::Relaxed) >= MAX_CLIENTS {
-        shared.clients.fetch_sub(1, Ordering::Relaxed);
-        let sentence = format!("{MAX_CLIENTS} clients look already; close one");
-        return refuse(&mut stream, Status::Full, &sentence);
-    }
-    let served =
-        http::upgrade(&mut stream, request, protocol).and_then(|()| Socket::new(stream)).and_then(|socket| {
-            let served = match protocol {
-                Some(protocol) => Foxglove::new(shared, socket, protocol).serve(),
-                None => Page::new(shared, random_token()?, socket).serve(),
-            };
-            served.map_err(io::Error::other)
-        });
-    shared.clients.fetch_sub(1, Ordering::Relaxed);
-    served
 }

@@ -135,7 +135,10 @@ impl<'a> Page<'a> {
         self.shared.pipes.expect(&self.name);
         self.say(&json!({ "op": "page", "name": self.name }))?;
         while !self.shared.is_stopping() {
-            self.tell_of_changes()?;
+            self.socket.keep_alive(Instant::now())?;
+            if !self.socket.has_unsent() {
+                self.tell_of_changes()?;
+            }
             self.wait();
             self.socket.flush()?;
             if let Some(pipe) = self.shared.pipes.take(&self.name) {
@@ -228,7 +231,9 @@ impl<'a> Page<'a> {
     }
 
     fn send_answers(&mut self) -> Result<(), Error> {
-        while let Some(answer) = self.commander.as_ref().and_then(Commander::answer) {
+        while !self.socket.has_unsent()
+            && let Some(answer) = self.commander.as_ref().and_then(Commander::answer)
+        {
             self.awaited = self.awaited.saturating_sub(1);
             self.say(&answer)?;
         }

@@ -6,14 +6,15 @@ use belvedere_bridge::Subscriber;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::time::Duration;
 
-/// Sleeps until the client says something, or one of these streams has something for it. `pipe` is what else is sent on.
+/// Sleeps until the client says something, or one of these streams has something for it. While it does not take what was
+/// sent, by its socket or by `pipe`, the connection for frames, it is waited for that instead.
 pub(super) fn wait<'a>(
     socket: &Socket,
     pipe: Option<&Pipe>,
     followed: impl Iterator<Item = &'a mut Subscriber>,
     at_most: Duration,
 ) {
-    let flags = if socket.has_unsent() { PollFlags::IN | PollFlags::OUT } else { PollFlags::IN };
+    let flags = if socket.has_unsent() { PollFlags::OUT } else { PollFlags::IN };
     let mut fds = vec![PollFd::from_borrowed_fd(socket.descriptor(), flags)];
     let full = pipe.filter(|pipe| pipe.has_unsent());
     if let Some(pipe) = full {

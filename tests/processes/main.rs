@@ -21,6 +21,7 @@ mod control_models;
 mod control_time;
 mod dataset;
 mod dataset_looks;
+mod foxglove;
 mod housings;
 mod interest;
 mod kobuki;

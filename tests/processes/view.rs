@@ -4,9 +4,10 @@
 use crate::live;
 
 use crate::live::control::{BOX, ROBOT, done_with, named};
-use crate::live::{PATIENCE, belvedere, own_domain};
+use crate::live::{PATIENCE, belvedere, files_of, own_domain};
 use crate::page::{Server, Shown, position};
 use belvedere_bridge::{Domain, Node, Operation, SimulationControl};
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::json;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
@@ -58,6 +59,9 @@ fn only_who_knows_the_token_is_let_in_and_no_path_leaves_the_page() {
         let answer = upgrade(host, origin, token);
         assert!(answer.starts_with("HTTP/1.1 403 ") && answer.contains(reason), "{host} {origin}: {answer}");
     }
+    // By a tunnel, as of ssh -L 9000:127.0.0.1:8765.
+    let tunnelled = server.ask(&format!("GET /?token={token} HTTP/1.1\r\nHost: localhost:9000\r\n\r\n"));
+    assert!(tunnelled.starts_with("HTTP/1.1 200 "), "{tunnelled}");
     let long = format!("GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nX: {}\r\n\r\n", "x".repeat(1 << 20));
     let mut stream = TcpStream::connect(host).unwrap();
     // It is closed before all is read.
@@ -102,6 +106,22 @@ fn pictures_come_time_stands_and_the_robot_is_driven() {
     }
     let step_ns = (stepped - stood.stamp()) / 10;
     assert!([1_000_000, 10_000_000].contains(&step_ns), "{} and then {stepped}", stood.stamp());
+}
+
+/// Whatever a page has done, the simulator that serves it leaves no file behind.
+#[test]
+fn ctrl_c_leaves_nothing_of_a_run_that_a_page_commanded() {
+    for round in 0..5 {
+        let domain = own_domain();
+        let mut server = Server::run(&domain, &["--drive", "still"]);
+        let mut page = server.page();
+        for operation in ["pause", "step", "resume", "reset_simulation"] {
+            assert_eq!(page.control(operation)["done"], true, "{operation}");
+        }
+        kill_process(Pid::from_child(&server.child), Signal::INT).unwrap();
+        assert!(server.child.wait().unwrap().success());
+        assert_eq!(files_of(&domain), Vec::<String>::new(), "round {round}");
+    }
 }
 
 #[test]
@@ -316,68 +336,4 @@ fn a_camera_is_seen_in_a_terminal() {
     assert!(!output.status.success() && !output.stderr.is_empty());
     let output = show(&["--terminal", "/camera/rgb/imageraw"]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("did you mean '/camera/rgb/image_raw'?"));
-}
-
-#[test]
-fn foxglove_is_spoken_on_the_same_port() {
-    let server = Server::run(&own_domain(), &KINECT);
-    let latest = "foxglove.sdk.v1, foxglove.sdk.v1.1";
-    for protocol in ["foxglove.websocket.v1", "foxglove.sdk.v1, foxglove.websocket.v1", latest] {
-        let mut client = server.connect(&format!("Sec-WebSocket-Protocol: {protocol}\r\n"));
-        assert_eq!(client.told("serverInfo")["metadata"]["ROS_DISTRO"], "noetic");
-        let advertised = client.told("advertise");
-        let channel = |topic: &str| {
-            let channels = advertised["channels"].as_array().unwrap().iter();
-            channels.clone().find(|channel| channel["topic"] == topic).cloned()
-        };
-        assert!(channel("/cmd_vel").is_none() && channel("/simulation/command").is_none());
-        let fixed = channel("/tf_static").unwrap();
-        let schema = match fixed["schemaId"].as_u64() {
-            Some(id) => &advertised["schemas"][id as usize - 1]["name"],
-            None => &fixed["schemaName"],
-        };
-        assert_eq!((schema, &fixed["encoding"]), (&json!("tf2_msgs/TFMessage"), &json!("ros1")));
-        assert_eq!(fixed["schemaId"].is_u64(), protocol == latest);
-        // What was said once comes at each subscription.
-        for id in [7_u32, 8] {
-            client.say(
-                &json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": fixed["id"] }] }),
-            );
-            let message = client.binary(1);
-            assert_eq!(message[1..5], id.to_le_bytes());
-            // A count of transforms, and the first one's header.
-            assert!(u32::from_le_bytes(message[13..17].try_into().unwrap()) > 5);
-        }
-        let picture = channel("/camera/rgb/image_raw").unwrap();
-        client.say(&json!({ "op": "subscribe", "subscriptions": [{ "id": 9, "channelId": picture["id"] }] }));
-        let image = loop {
-            let message = client.binary(1);
-            if message[1..5] == 9_u32.to_le_bytes() {
-                break message;
-            }
-        };
-        assert!(image.len() > 640 * 480 * 3);
-        // Time is told before.
-        let stamp_ns = u64::from_le_bytes(image[5..13].try_into().unwrap());
-        let now_ns = u64::from_le_bytes(client.binary(2)[1..9].try_into().unwrap());
-        assert!(now_ns.abs_diff(stamp_ns) < 10_000_000_000, "{now_ns} and {stamp_ns}");
-        client.say(&json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
-        let values = client.told("parameterValues");
-        assert_eq!(values["id"], "a");
-        assert!(values["parameters"][0]["value"].as_str().unwrap().contains("<robot"));
-        for wrong in [
-            json!({ "op": "subscribe", "subscriptions": [{ "id": 1, "channelId": 4711 }] }),
-            json!({ "op": 1 }),
-        ] {
-            client.say(&wrong);
-            assert_eq!(client.told("status")["level"], 1);
-        }
-    }
-    let (host, token) = (&server.host, &server.token);
-    let answer = server.ask(&format!(
-        "GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
-         Sec-WebSocket-Protocol: mqtt\r\nSec-WebSocket-Version: 13\r\n\
-         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
-    ));
-    assert!(answer.starts_with("HTTP/1.1 400 ") && answer.contains("foxglove.sdk.v1"), "{answer}");
 }

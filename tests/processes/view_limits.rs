@@ -2,7 +2,7 @@
 #![cfg(feature = "view")]
 
 use crate::live::{PATIENCE, belvedere, own_domain};
-use crate::page::Server;
+use crate::page::{Page, Server};
 use serde_json::json;
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -11,6 +11,8 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
+use tungstenite::protocol::Role;
+use tungstenite::{Message, WebSocket};
 
 /// What a WebSocket is asked for with.
 fn upgrade(server: &Server) -> String {
@@ -26,7 +28,10 @@ fn clients_and_connections_are_limited_and_places_come_free() {
     let server = Server::run(&own_domain(), &["--drive", "still"]);
     let mut pages: Vec<_> = (0..6).map(|_| server.page()).collect();
     let answer = server.ask(&upgrade(&server));
-    assert!(answer.starts_with("HTTP/1.1 503 ") && answer.contains("6 clients look already"), "{answer}");
+    assert!(
+        answer.starts_with("HTTP/1.1 503 ") && answer.contains("6 clients are connected already"),
+        "{answer}"
+    );
     // Those who look already see what they saw before.
     for page in &mut pages {
         page.next("clock");
@@ -37,20 +42,114 @@ fn clients_and_connections_are_limited_and_places_come_free() {
         assert!(Instant::now() < deadline, "the place that came free is not given");
         std::thread::sleep(Duration::from_millis(20));
     }
+}
 
-    // Whoever connects and says nothing.
-    let silent: Vec<_> = (0..40).map(|_| TcpStream::connect(&server.host).unwrap()).collect();
-    // It is told so before it has said anything.
-    let answer = server.ask("");
-    assert!(answer.starts_with("HTTP/1.1 503 ") && answer.contains("too many connections"), "{answer}");
-    pages[0].next("clock");
-    // He has some seconds for his words.
-    let began = Instant::now();
-    while !is_let_in(&server) {
-        assert!(began.elapsed() < PATIENCE, "silent ones keep their places");
-        std::thread::sleep(Duration::from_millis(50));
+/// Any user of the machine can connect, and has no token: the oldest of these connections give way, and who has the token is
+/// let in.
+#[test]
+fn who_has_no_token_locks_nobody_out() {
+    let server = Server::run(&own_domain(), &["--drive", "still"]);
+    let mut halves: Vec<_> = (0..40)
+        .map(|_| {
+            let mut stream = TcpStream::connect(&server.host).unwrap();
+            stream.set_read_timeout(Some(PATIENCE)).unwrap();
+            stream.write_all(b"GET / HTTP/1.1\r\nHost: ").unwrap();
+            stream
+        })
+        .collect();
+    for _ in 0..20 {
+        let page = server.get(&format!("/?token={}", server.token));
+        assert!(page.starts_with("HTTP/1.1 200 "), "{page}");
     }
-    drop(silent);
+    server.page().next("clock");
+    // The first of them was closed without a word.
+    let mut answer = Vec::new();
+    let _ = halves[0].read_to_end(&mut answer);
+    assert_eq!(answer, b"");
+    // The last one has some seconds for the rest.
+    halves.pop().unwrap().read_to_end(&mut answer).unwrap();
+    assert!(answer.starts_with(b"HTTP/1.1 408 "), "{}", String::from_utf8_lossy(&answer));
+}
+
+/// The most memory that a process has had, KiB.
+fn peak_kib(process: u32) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmHWM:")).unwrap();
+    line.split_whitespace().nth(1).unwrap().parse().unwrap()
+}
+
+/// A binary STL file of so many triangles, 50 bytes each.
+fn write_stl(path: &Path, triangles: u32) {
+    let mut bytes = vec![0; 80];
+    bytes.extend_from_slice(&triangles.to_le_bytes());
+    for index in 0..triangles {
+        let (x, y) = ((index % 200) as f32 * 0.01, (index / 200) as f32 * 0.01);
+        let numbers = [0.0, 0.0, 1.0, x, y, 0.1, x + 0.01, y, 0.1, x, y + 0.01, 0.1];
+        bytes.extend(numbers.iter().flat_map(|number: &f32| number.to_le_bytes()));
+        bytes.extend_from_slice(&[0; 2]);
+    }
+    fs::write(path, bytes).unwrap();
+}
+
+/// Who asks and does not take the answers waits, and costs the simulator no memory.
+#[test]
+fn answers_that_are_not_taken_do_not_pile_up() {
+    let folder = tempfile::tempdir().unwrap();
+    write_stl(&folder.path().join("part.stl"), 40_000);
+    let robot = folder.path().join("robot.urdf");
+    fs::write(
+        &robot,
+        format!(
+            "<robot name='r'><link name='base'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' \
+             ixy='0' ixz='0' iyz='0'/></inertial><visual name='{}'><geometry><mesh filename='file://{}/part.stl'/>\
+             </geometry></visual></link></robot>",
+            "x".repeat(20_000),
+            folder.path().display()
+        ),
+    )
+    .unwrap();
+    let server = Server::run(
+        &own_domain(),
+        &["--robot", robot.to_str().unwrap(), "--world", "empty", "--drive", "still"],
+    );
+    let mut client = server.connect("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n");
+    client.say(&json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
+    let parameters = client.told("parameterValues");
+    let urdf = parameters["parameters"][0]["value"].as_str().unwrap();
+    let mesh = urdf.split('"').find(|word| word.starts_with("package://")).unwrap();
+    let parameters = json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "b" });
+    let asset = json!({ "op": "fetchAsset", "uri": mesh, "requestId": 1 });
+    // Some 80 MB each.
+    for (question, times, least) in [(parameters, 4000, 20_000), (asset, 40, 2_000_000)] {
+        client.say(&question);
+        assert!(next_of(&mut client, least) < 8_000_000);
+        let before = peak_kib(server.child.id());
+        let sending = client.socket.get_ref().try_clone().unwrap();
+        let asking = std::thread::spawn(move || {
+            let mut sending = WebSocket::from_raw_socket(sending, Role::Client, None);
+            for _ in 0..times {
+                sending.send(Message::text(question.to_string())).unwrap();
+            }
+        });
+        // Time for them to pile up in.
+        std::thread::sleep(Duration::from_secs(1));
+        for _ in 0..times {
+            next_of(&mut client, least);
+        }
+        asking.join().unwrap();
+        let grown = peak_kib(server.child.id()) - before;
+        assert!(grown < 20 << 10, "{grown} KiB more");
+    }
+}
+
+/// The length of the next message that has as many bytes.
+fn next_of(client: &mut Page, least: usize) -> usize {
+    loop {
+        let len = client.socket.read().unwrap().len();
+        if len >= least {
+            return len;
+        }
+    }
 }
 
 /// Whether one more WebSocket is served.
@@ -83,6 +182,64 @@ fn without_a_browser_the_address_is_printed_and_served() {
         let page = server.get(&format!("/?token={}", server.token));
         assert!(page.contains("<title>Belvedere"), "{page}");
     }
+}
+
+/// Other users of the machine can read the arguments of programs: a browser is given an address without the token, which opens
+/// the page once.
+#[test]
+fn the_browser_is_not_given_the_token_among_its_arguments() {
+    let folder = tempfile::tempdir().unwrap();
+    let (program, given) = (folder.path().join("xdg-open"), folder.path().join("given"));
+    fs::write(&program, format!("#!/bin/sh\necho \"$@\" >{0}.new && mv {0}.new {0}\n", given.display()))
+        .unwrap();
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+    let path = format!("{}:{}", folder.path().display(), std::env::var("PATH").unwrap());
+    let mut command = belvedere();
+    command.args(["view", "--wait", "--port", "0", "--domain", &own_domain()]).env("PATH", path);
+    let server = Server::start(command);
+    let began = Instant::now();
+    let given = loop {
+        if let Ok(given) = fs::read_to_string(&given) {
+            break given;
+        }
+        assert!(began.elapsed() < PATIENCE, "no browser was asked for");
+        std::thread::sleep(Duration::from_millis(10));
+    };
+    assert!(!given.contains(&server.token), "{given}");
+    let target = given.trim().strip_prefix(&format!("http://{}", server.host)).unwrap();
+    let wrong = server.get(&format!("{target}0"));
+    assert!(wrong.starts_with("HTTP/1.1 403 ") && !wrong.contains(&server.token), "{wrong}");
+    let first = server.get(target);
+    let elsewhere = format!("Location: /?token={}\r\n", server.token);
+    assert!(first.starts_with("HTTP/1.1 303 ") && first.contains(&elsewhere), "{first}");
+    let second = server.get(target);
+    assert!(second.starts_with("HTTP/1.1 403 ") && second.contains("one time"), "{second}");
+}
+
+#[test]
+fn a_token_may_be_in_a_file_that_others_cannot_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("token");
+    fs::write(&file, "a-token-of-ours\n").unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
+    let mut command = belvedere();
+    command.args(["view", "--wait", "--no-browser", "--port", "0", "--domain", &own_domain()]);
+    let server = Server::start({
+        command.arg("--token-file").arg(&file);
+        command
+    });
+    assert_eq!(server.token, "a-token-of-ours");
+    let fails = |file: &Path, words: &str| {
+        let output = belvedere().args(["view", "--token-file"]).arg(file).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && said.contains("--token-file") && said.contains(words), "{said}");
+    };
+    fails(&folder.path().join("none"), "cannot be read");
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o644)).unwrap();
+    fails(&file, "chmod 600");
+    fs::write(&file, "short").unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
+    fails(&file, "8 or more");
 }
 
 /// A mesh of one triangle whose file names pictures: beside it, in `materials/textures` as of another machine, one that is

@@ -1,0 +1,152 @@
+//! Foxglove's protocol on the page's port: channels, subscriptions, and what a client may not do.
+#![cfg(feature = "view")]
+
+use crate::live::control::{ROBOT, done_with, named};
+use crate::live::{PATIENCE, belvedere, own_domain};
+use crate::page::{Page, Server};
+use belvedere_bridge::payload::SimulationCommand;
+use belvedere_bridge::{Domain, Node, Operation, SimulationControl, Text};
+use serde_json::{Value, json};
+use std::time::{Duration, Instant};
+
+const KINECT: [&str; 6] = ["--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "still"];
+const PROTOCOL: &str = "Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n";
+
+/// The number of a topic's channel.
+fn channel(client: &mut Page, topic: &str) -> Value {
+    loop {
+        let advertised = client.told("advertise");
+        let channels = advertised["channels"].as_array().unwrap();
+        if let Some(channel) = channels.iter().find(|channel| channel["topic"] == topic) {
+            return channel["id"].clone();
+        }
+    }
+}
+
+fn subscribe(client: &mut Page, id: u32, channel: &Value) {
+    client.say(&json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": channel }] }));
+}
+
+fn node(domain: &str) -> Node {
+    Node::open(&Domain::new(domain).unwrap(), "control").unwrap()
+}
+
+/// A stream has eight places for subscribers, and a client takes one of them, however often it asks.
+#[test]
+fn a_channel_is_subscribed_to_once() {
+    const PICTURE: &str = "camera/rgb/image_raw";
+    let domain = own_domain();
+    let server = Server::run(&domain, &KINECT);
+    let mut client = server.connect(PROTOCOL);
+    let picture = channel(&mut client, &format!("/{PICTURE}"));
+    for id in 1..20 {
+        subscribe(&mut client, id, &picture);
+    }
+    for _ in 2..20 {
+        while !client.told("status")["message"].as_str().unwrap().contains("subscribed to already, as 1") {}
+    }
+    let streams = node(&domain).streams().unwrap();
+    let stream = streams.iter().find(|stream| stream.topic == PICTURE).unwrap();
+    assert_eq!(stream.subscribers, 1);
+    // It may be given up, and taken again.
+    client.say(&json!({ "op": "unsubscribe", "subscriptionIds": [1] }));
+    subscribe(&mut client, 20, &picture);
+    while client.binary(1)[1..5] != 20_u32.to_le_bytes() {}
+}
+
+/// `/tf` is of all robots: who has subscribed to it is sent those of one that comes later, and lets go of one that goes.
+#[test]
+fn the_transforms_of_a_robot_that_comes_later_are_sent() {
+    let domain = own_domain();
+    let server = Server::run(&domain, &["--robot", "kobuki_hexagons_kinect", "--world", "empty"]);
+    let mut client = server.connect(PROTOCOL);
+    let transforms = channel(&mut client, "/tf");
+    subscribe(&mut client, 1, &transforms);
+    client.binary(1);
+    let urdf = belvedere().args(["urdf", ROBOT]).output().unwrap();
+    let urdf = String::from_utf8(urdf.stdout).unwrap();
+    let node = node(&domain);
+    let mut control = SimulationControl::open(&node).unwrap();
+    let spawn = SimulationCommand {
+        robot_namespace: Text::new("guest").unwrap(),
+        position: [2.0, 0.0, 0.0],
+        ..named(Operation::Spawn, "guest")
+    };
+    done_with(&mut control, &spawn, &urdf);
+    let began = Instant::now();
+    while !client.binary(1).windows(6).any(|bytes| bytes == b"guest/") {
+        assert!(began.elapsed() < PATIENCE, "nothing of the guest comes");
+    }
+    done_with(&mut control, &named(Operation::Delete, "guest"), "");
+    while node.streams().unwrap().iter().any(|stream| stream.topic == "guest/tf") {
+        assert!(began.elapsed() < 2 * PATIENCE, "the stream of the guest is kept");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    // Those of the robot that stays still come.
+    client.binary(1);
+}
+
+#[test]
+fn foxglove_is_spoken_on_the_same_port() {
+    let server = Server::run(&own_domain(), &KINECT);
+    let latest = "foxglove.sdk.v1, foxglove.sdk.v1.1";
+    for protocol in ["foxglove.websocket.v1", "foxglove.sdk.v1, foxglove.websocket.v1", latest] {
+        let mut client = server.connect(&format!("Sec-WebSocket-Protocol: {protocol}\r\n"));
+        assert_eq!(client.told("serverInfo")["metadata"]["ROS_DISTRO"], "noetic");
+        let advertised = client.told("advertise");
+        let channel = |topic: &str| {
+            let channels = advertised["channels"].as_array().unwrap().iter();
+            channels.clone().find(|channel| channel["topic"] == topic).cloned()
+        };
+        assert!(channel("/cmd_vel").is_none() && channel("/simulation/command").is_none());
+        let fixed = channel("/tf_static").unwrap();
+        let schema = match fixed["schemaId"].as_u64() {
+            Some(id) => &advertised["schemas"][id as usize - 1]["name"],
+            None => &fixed["schemaName"],
+        };
+        assert_eq!((schema, &fixed["encoding"]), (&json!("tf2_msgs/TFMessage"), &json!("ros1")));
+        assert_eq!(fixed["schemaId"].is_u64(), protocol == latest);
+        // What was said once comes at each subscription.
+        for id in [7_u32, 8] {
+            client.say(
+                &json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": fixed["id"] }] }),
+            );
+            let message = client.binary(1);
+            assert_eq!(message[1..5], id.to_le_bytes());
+            // A count of transforms, and the first one's header.
+            assert!(u32::from_le_bytes(message[13..17].try_into().unwrap()) > 5);
+            client.say(&json!({ "op": "unsubscribe", "subscriptionIds": [id] }));
+        }
+        let picture = channel("/camera/rgb/image_raw").unwrap();
+        client.say(&json!({ "op": "subscribe", "subscriptions": [{ "id": 9, "channelId": picture["id"] }] }));
+        let image = loop {
+            let message = client.binary(1);
+            if message[1..5] == 9_u32.to_le_bytes() {
+                break message;
+            }
+        };
+        assert!(image.len() > 640 * 480 * 3);
+        // Time is told before.
+        let stamp_ns = u64::from_le_bytes(image[5..13].try_into().unwrap());
+        let now_ns = u64::from_le_bytes(client.binary(2)[1..9].try_into().unwrap());
+        assert!(now_ns.abs_diff(stamp_ns) < 10_000_000_000, "{now_ns} and {stamp_ns}");
+        client.say(&json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
+        let values = client.told("parameterValues");
+        assert_eq!(values["id"], "a");
+        assert!(values["parameters"][0]["value"].as_str().unwrap().contains("<robot"));
+        for wrong in [
+            json!({ "op": "subscribe", "subscriptions": [{ "id": 1, "channelId": 4711 }] }),
+            json!({ "op": 1 }),
+        ] {
+            client.say(&wrong);
+            assert_eq!(client.told("status")["level"], 1);
+        }
+    }
+    let (host, token) = (&server.host, &server.token);
+    let answer = server.ask(&format!(
+        "GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+         Sec-WebSocket-Protocol: mqtt\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    ));
+    assert!(answer.starts_with("HTTP/1.1 400 ") && answer.contains("foxglove.sdk.v1"), "{answer}");
+}

@@ -2,6 +2,7 @@
 //!
 //! | module | is |
 //! |---|---|
+//! | `colours` | the colours of distances (feature `dataset`) |
 //! | [`description`] | robot and world files (xacro, URDF, SDF) as one typed model, every problem with file and line |
 //! | [`gltf`] | models as a file that other programs show |
 //! | [`world`] | the running world: physics, and the scene that the sensors see |
@@ -24,6 +25,8 @@
 
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "dataset")]
+mod colours;
 #[cfg(feature = "dataset")]
 pub mod dataset;
 pub mod description;

@@ -1,9 +1,10 @@
 //! Frames as pictures that a person can look at.
 //!
-//! Images stay as they are. Depth is coloured from near (yellow) to far (violet) along a perceptually even map; what
+//! Images stay as they are. Depth is coloured from near (red) to far (blue), as on the page; what
 //! has no depth is black, beyond the range dark grey. Scans and unorganised clouds are drawn as a plan seen from
 //! above: x (forward) up, y (left) left, the sensor in the middle, a ring every metre or as fits.
 
+use crate::colours::of_nearness;
 use belvedere_bridge::{Encoding, FrameView, Kind};
 use image::{Rgb, RgbImage};
 
@@ -56,15 +57,7 @@ pub fn draw(frame: &FrameView<'_>) -> Result<RgbImage, PictureError> {
         (_, Some(Encoding::BayerBggr16)) => Ok(mosaic(&words(frame), [2, 1, 1, 0])),
         (_, Some(Encoding::BayerGbrg16)) => Ok(mosaic(&words(frame), [1, 2, 0, 1])),
         (_, Some(Encoding::BayerGrbg16)) => Ok(mosaic(&words(frame), [1, 0, 2, 1])),
-        (_, Some(Encoding::F32C1)) => {
-            let depths: Vec<f32> = frame.numbers(frame.rows()).collect();
-            Ok(depth(frame, &depths))
-        }
-        (_, Some(Encoding::U16C1)) => {
-            let metres = |mm: u16| if mm == 0 { f32::NAN } else { f32::from(mm) / 1e3 };
-            let depths: Vec<f32> = frame.numbers(frame.rows()).map(metres).collect();
-            Ok(depth(frame, &depths))
-        }
+        (_, Some(Encoding::F32C1 | Encoding::U16C1)) => Ok(depth(frame, &depths(frame).unwrap_or_default())),
         (_, Some(Encoding::F32C2)) => Ok(flow(frame)),
         (_, Some(Encoding::F32C3)) => Ok(pixels(frame, |normal: [f32; 3]| {
             Rgb(normal.map(|part| if normal == [0.0; 3] { 0 } else { ((part + 1.0) * 127.5) as u8 }))
@@ -72,8 +65,7 @@ pub fn draw(frame: &FrameView<'_>) -> Result<RgbImage, PictureError> {
         (_, Some(Encoding::I32C1)) => Ok(pixels(frame, |number: i32| number_colour(number))),
         (_, Some(Encoding::RangesF32)) => Ok(scan(frame)),
         (_, Some(Encoding::XyzRgbF32)) if header.height > 1 => {
-            let depths: Vec<f32> = frame.numbers(frame.rows()).map(|[_, _, z]: [f32; 3]| z).collect();
-            Ok(depth(frame, &depths))
+            Ok(depth(frame, &depths(frame).unwrap_or_default()))
         }
         (
             _,
@@ -149,24 +141,47 @@ fn mosaic(seen: &RgbImage, square: [usize; 4]) -> RgbImage {
     picture
 }
 
-/// Depths in metres as colours between the nearest and the farthest that the frame's header allows, or that occur
-/// when it says nothing.
-fn depth(frame: &FrameView<'_>, depths: &[f32]) -> RgbImage {
+/// The metres that are drawn as near and as far in the picture of a frame of depths; none for other frames.
+#[must_use]
+pub fn depth_range(frame: &FrameView<'_>) -> Option<[f32; 2]> {
+    let is_depth = frame.header().kind() == Some(Kind::DepthImage);
+    let range = depths(frame).filter(|_| is_depth).map(|depths| range(frame, &depths));
+    range.filter(|[near, far]| near.is_finite() && far > near)
+}
+
+/// Depths in metres, of a frame that has them.
+fn depths(frame: &FrameView<'_>) -> Option<Vec<f32>> {
+    match frame.header().encoding()? {
+        Encoding::F32C1 => Some(frame.numbers(frame.rows()).collect()),
+        Encoding::U16C1 => {
+            let metres = |mm: u16| if mm == 0 { f32::NAN } else { f32::from(mm) / 1e3 };
+            Some(frame.numbers(frame.rows()).map(metres).collect())
+        }
+        Encoding::XyzRgbF32 => Some(frame.numbers(frame.rows()).map(|[_, _, z]: [f32; 3]| z).collect()),
+        _ => None,
+    }
+}
+
+/// The nearest and the farthest that the frame's header allows, or that occur when it says nothing.
+fn range(frame: &FrameView<'_>, depths: &[f32]) -> [f32; 2] {
     let header = frame.header();
     let finite = || depths.iter().copied().filter(|depth| depth.is_finite());
     let (nearest, farthest) = (finite().fold(f32::INFINITY, f32::min), finite().fold(0.0, f32::max));
-    let (near, far) = header
-        .intrinsics()
-        .map(|intrinsics| (intrinsics.near, intrinsics.far.min(farthest)))
-        .filter(|(near, far)| near.is_finite() && *near > 0.0 && far > near)
-        .unwrap_or((nearest, farthest));
+    let allowed = header.intrinsics().map(|intrinsics| [intrinsics.near, intrinsics.far.min(farthest)]);
+    let is_range = |[near, far]: &[f32; 2]| near.is_finite() && *near > 0.0 && far > near;
+    allowed.filter(is_range).unwrap_or([nearest, farthest])
+}
+
+/// Depths in metres as colours from near to far.
+fn depth(frame: &FrameView<'_>, depths: &[f32]) -> RgbImage {
+    let [near, far] = range(frame, depths);
     let span = (far - near).max(f32::MIN_POSITIVE);
-    let mut picture = RgbImage::new(header.width, header.height);
+    let mut picture = RgbImage::new(frame.header().width, frame.header().height);
     for (pixel, &depth) in picture.pixels_mut().zip(depths) {
         *pixel = if depth == f32::INFINITY {
             BEYOND
         } else if depth.is_finite() {
-            map_colour(1.0 - (depth - near) / span)
+            Rgb(of_nearness(f64::from(1.0 - (depth - near) / span)))
         } else {
             NO_DATA
         };
@@ -219,8 +234,7 @@ fn plan(points: impl Iterator<Item = [f32; 2]>, min_reach_m: f32) -> RgbImage {
     };
     for [forward, left] in &points {
         let nearness = 1.0 - forward.hypot(*left) / farthest_m;
-        // The brightest quarter of the map would vanish on white.
-        dot(middle - left * scale, middle - forward * scale, 1, map_colour(nearness * 0.75));
+        dot(middle - left * scale, middle - forward * scale, 1, on_paper(of_nearness(f64::from(nearness))));
     }
     dot(middle, middle, 3, SENSOR);
     // Which way is forward.
@@ -244,9 +258,9 @@ fn ring_distance(farthest_m: f32) -> f32 {
     }
 }
 
-fn map_colour(share: f32) -> Rgb<u8> {
-    let colour = colorous::VIRIDIS.eval_continuous(f64::from(share.clamp(0.0, 1.0)));
-    Rgb([colour.r, colour.g, colour.b])
+/// A darker colour: the map's bright middle would vanish on white.
+fn on_paper(colour: [u8; 3]) -> Rgb<u8> {
+    Rgb(colour.map(|part| (f32::from(part) * 0.75) as u8))
 }
 
 #[cfg(test)]
@@ -302,13 +316,15 @@ mod tests {
     }
 
     #[test]
-    fn near_is_brighter_than_far_and_nothing_is_black() {
+    fn near_is_red_far_is_blue_and_nothing_is_black() {
         let depths = [1.0, 2.0, 4.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
         let mut header = FrameHeader::new(Kind::DepthImage, Encoding::F32C1);
         header.set_intrinsics(&Intrinsics { near: 0.4, far: 5.0, ..Intrinsics::default() });
-        let picture = draw(&view(&mut header, 6, 1, bytemuck::cast_slice(&depths))).unwrap();
-        let brightness = |x| picture[(x, 0)].0.iter().map(|&value| u32::from(value)).sum::<u32>();
-        assert!(brightness(0) > brightness(1) && brightness(1) > brightness(2));
+        let frame = view(&mut header, 6, 1, bytemuck::cast_slice(&depths));
+        assert_eq!(depth_range(&frame), Some([0.4, 4.0]));
+        let picture = draw(&frame).unwrap();
+        let warmth = |x| i32::from(picture[(x, 0)][0]) - i32::from(picture[(x, 0)][2]);
+        assert!(warmth(0) > 150 && warmth(1) > warmth(2) && warmth(2) <= 0);
         assert_eq!((picture[(3, 0)], picture[(4, 0)], picture[(5, 0)]), (NO_DATA, BEYOND, NO_DATA));
 
         let millimetres: [u16; 3] = [1000, 4000, 0];

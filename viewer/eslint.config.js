@@ -11,7 +11,7 @@ export default ts.config(
     rules: { "@typescript-eslint/no-unnecessary-type-parameters": "off", "@typescript-eslint/restrict-template-expressions": ["error", { allowNumber: true }] },
   },
   {
-    files: ["*.js", "test/**/*.js"],
+    files: ["*.js", "measure/**/*.js", "test/**/*.js"],
     languageOptions: { globals: { process: "readonly", console: "readonly", URL: "readonly", setTimeout: "readonly", performance: "readonly", fetch: "readonly", window: "readonly", document: "readonly", TextEncoder: "readonly" } },
   },
 );

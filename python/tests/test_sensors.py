@@ -243,6 +243,10 @@ def test_frames_show_themselves(wall: bv.World) -> None:
     width, height = int.from_bytes(file[16:20], "big"), int.from_bytes(file[20:24], "big")
     assert (width, height) == (3 * 64, 48)
     assert frames.picture("depth", 1).shape == (48, 64, 3)
+    # The ball is near, red; the wall beside it is far, blue.
+    near, far = frames.picture("depth")[24, 32].astype(int), frames.picture("depth")[4, 32].astype(int)
+    assert near[0] > near[2]
+    assert far[2] > far[0]
     assert "depth: float32[3, 48, 64]" in repr(frames)
     assert bv.Lidar(90).render(wall, HERE).picture().shape == (16, 90, 3)
     assert bv.Camera(8, 6, 1.0).render(wall, np.empty((0, 7)))._repr_png_() is None

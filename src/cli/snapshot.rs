@@ -16,7 +16,7 @@ use crate::picture;
 
 /// Save the next frame of a topic as a picture.
 ///
-/// Images are saved as they are, depth in colours from near to far, scans as a plan seen from above with a ring
+/// Images are saved as they are, depth in colours from near (red) to far (blue), scans as a plan seen from above with a ring
 /// every metre and the sensor in the middle, clouds as the depth or the plan that they show.
 #[derive(Clone, Debug, clap::Args)]
 #[command(
@@ -61,8 +61,10 @@ pub fn run(args: &SnapshotArgs) -> Result<(), CliError> {
         let picture = picture::draw(&frame.view())
             .map_err(|source| CliError::Picture { topic: topic.clone(), source })?;
         output.save(&picture)?;
+        let colours = picture::depth_range(&frame.view())
+            .map_or_else(String::new, |[near, far]| format!(", red {near:.2} m to blue {far:.2} m"));
         return print_line(&format!(
-            "{topic} at {:.3} s: {} ({} x {})",
+            "{topic} at {:.3} s: {} ({} x {}{colours})",
             frame.header().stamp_ns as f64 / 1e9,
             args.output.display(),
             picture.width(),

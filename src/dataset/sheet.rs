@@ -3,6 +3,7 @@
 use super::folder::CONTACT_SHEET;
 use super::shard::{read_shard, write_whole};
 use super::{DatasetError, Folder, Plan};
+use crate::colours::of_nearness;
 use image::imageops::{self, FilterType};
 use image::{ImageFormat, Rgb, RgbImage};
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,8 +19,8 @@ const WIDTH: u32 = 200;
 /// Pixels between two.
 const GAP: u32 = 4;
 
-/// Draws samples that are spread evenly over a data set into `contact_sheet.png`: their pictures, depths from near (bright) to
-/// far, instances and classes in colours. Gives the file; none if nothing of a sample has a look, as of lidars.
+/// Draws samples that are spread evenly over a data set into `contact_sheet.png`: their pictures, depths from near (red) to far
+/// (blue), instances and classes in colours. Gives the file; none if nothing of a sample has a look, as of lidars.
 ///
 /// # Errors
 /// When a shard cannot be read or the file not be written.
@@ -92,8 +93,10 @@ fn array(npy: &[u8]) -> Option<RgbImage> {
     // A single line is a scan.
     let count = (height > 1).then_some(height as usize * width as usize)?;
     let colours: Vec<[u8; 3]> = match descr {
-        "<f4" => greys(bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes))),
-        "<u2" => greys(bytes.as_chunks::<2>().0.iter().map(|bytes| f32::from(u16::from_le_bytes(*bytes)))),
+        "<f4" => distances(bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes))),
+        "<u2" => {
+            distances(bytes.as_chunks::<2>().0.iter().map(|bytes| f32::from(u16::from_le_bytes(*bytes))))
+        }
         "<i4" => bytes.as_chunks::<4>().0.iter().map(|bytes| hue(i32::from_le_bytes(*bytes))).collect(),
         _ => return None,
     };
@@ -101,14 +104,14 @@ fn array(npy: &[u8]) -> Option<RgbImage> {
     RgbImage::from_raw(width, height, pixels)
 }
 
-/// From near, bright, to far; black where there is nothing.
-fn greys(numbers: impl Iterator<Item = f32> + Clone) -> Vec<[u8; 3]> {
+/// From near to far; black where there is nothing.
+fn distances(numbers: impl Iterator<Item = f32> + Clone) -> Vec<[u8; 3]> {
     let there = numbers.clone().filter(|number| number.is_finite() && *number > 0.0);
     let (near, far) = there.fold((f32::INFINITY, 0.0_f32), |(near, far), at| (near.min(at), far.max(at)));
     // By the inverse of the distance, what is near does not all look alike beside a horizon.
     let share = |at: f32| (1.0 / at - 1.0 / far) / (1.0 / near - 1.0 / far).max(f32::MIN_POSITIVE);
-    let grey = |at: f32| if at.is_finite() && at > 0.0 { 40 + (215.0 * share(at)) as u8 } else { 0 };
-    numbers.map(|at| [grey(at); 3]).collect()
+    let is_there = |at: f32| at.is_finite() && at > 0.0;
+    numbers.map(|at| if is_there(at) { of_nearness(f64::from(share(at))) } else { [0; 3] }).collect()
 }
 
 /// The colour of a number: black for none, far apart for numbers that follow each other.

@@ -7,7 +7,7 @@
 //! | the rest | the payload as in shared memory, but for depths in metres and points |
 //!
 //! Depths in metres become 16-bit millimetres, 0 for none and 65535 for beyond the range: a quarter of what the page needs to
-//! receive, in steps that no sensor's noise shows. Points become 16 bytes each, x, y, z as f32 and either red, green, blue,
+//! receive, in steps that no sensor's noise shows; `streamEncoding` is then the stream's own. Points become 16 bytes each, x, y, z as f32 and either red, green, blue,
 //! 255 or the intensity as f32; those that are none are left out.
 
 use belvedere_bridge::{Encoding, FrameHeader, FrameView, Kind, clock};
@@ -24,7 +24,9 @@ pub(super) fn encode(topic: &str, frame: &FrameView<'_>, restarted: bool) -> Vec
     let mut out = Vec::new();
     match (header.kind(), header.encoding()) {
         (Some(Kind::DepthImage), Some(Encoding::F32C1)) => {
-            object.insert("encoding".into(), "16uc1".into());
+            if let Some(encoding) = object.insert("encoding".into(), "16uc1".into()) {
+                object.insert("streamEncoding".into(), encoding);
+            }
             object.insert("elemStride".into(), 2.into());
             object.insert("rowStride".into(), (2 * header.width).into());
             begin(&object, &mut out, 2 * header.width as usize * header.height as usize);
@@ -164,6 +166,7 @@ mod tests {
             encode("depth", &FrameView::new(&header, bytemuck::cast_slice(&depths)).unwrap(), false);
         let (object, payload) = parts(&message);
         assert_eq!((object["encoding"].as_str(), object["rowStride"].as_u64()), (Some("16uc1"), Some(10)));
+        assert_eq!(object["streamEncoding"], "32fc1");
         assert_eq!(bytemuck::pod_collect_to_vec::<u8, u16>(payload), [1235, 0, 0, 65535, 65535]);
     }
 

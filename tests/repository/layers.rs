@@ -6,6 +6,7 @@ use std::path::Path;
 
 /// Of the simulator, bottom up.
 const SIMULATOR: &[&str] = &[
+    "colours",
     "description",
     "gltf",
     "world",

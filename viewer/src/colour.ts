@@ -1,10 +1,13 @@
 // Colours of numbers, and pixels of pictures.
 
-import type { Frame } from "./frame";
+import type { Frame, FrameHeader } from "./frame";
+
+/** Where the map begins: before it, far would be nearly as black as what is not there. */
+const FARTHEST = 0.08;
 
 /** Google's map Turbo by its published polynomial: near is red, far is blue. */
 function turbo(share: number): [number, number, number] {
-  const x = Math.min(1, Math.max(0, 1 - share));
+  const x = 1 - (1 - FARTHEST) * Math.min(1, Math.max(0, share));
   const at = (a: number, b: number, c: number, d: number, e: number, f: number) =>
     255 * Math.min(1, Math.max(0, a + x * (b + x * (c + x * (d + x * (e + x * f))))));
   return [
@@ -18,6 +21,24 @@ const SHADES = Array.from({ length: 256 }, (_, index) => {
   const [red, green, blue] = turbo(index / 255);
   return (255 << 24) | (Math.round(blue) << 16) | (Math.round(green) << 8) | Math.round(red);
 });
+
+/** The same map for a shader, of a share from 0, near, to 1, far. */
+export const SHADE_GLSL = `
+vec3 shade(float share) {
+  float x = 1.0 - ${1 - FARTHEST} * clamp(share, 0.0, 1.0);
+  vec4 low = vec4(1.0, x, x * x, x * x * x);
+  vec2 high = low.zw * low.z;
+  return clamp(vec3(
+    dot(low, vec4(0.13572138, 4.6153926, -42.66032258, 132.13108234)) + dot(high, vec2(-152.94239396, 59.28637943)),
+    dot(low, vec4(0.09140261, 2.19418839, 4.84296658, -14.18503333)) + dot(high, vec2(4.27729857, 2.82956604)),
+    dot(low, vec4(0.1066733, 12.64194608, -60.58204836, 110.36276771)) + dot(high, vec2(-89.90310912, 27.34824973))
+  ), 0.0, 1.0);
+}`;
+
+/** Metres that the ends of the scale stand for in a picture of depths. */
+export function depthRange({ intrinsics }: FrameHeader): [near: number, far: number] {
+  return [intrinsics?.near ?? 0, Math.min(intrinsics?.far ?? 10, 10)];
+}
 
 /** The colour 0xAABBGGRR of a share from 0, near, to 1, far. */
 export function shade(share: number): number {
@@ -68,8 +89,8 @@ function draw({ header, payload }: Frame, pixels: Uint32Array): boolean {
     return true;
   };
   const byte = (at: number) => bytes[at] ?? 0;
-  const [near, far] = [header.intrinsics?.near ?? 0, header.intrinsics?.far ?? 10];
-  const depth = (metres: number) => shade((metres - near) / (Math.min(far, 10) - near));
+  const [near, far] = depthRange(header);
+  const depth = (metres: number) => shade((metres - near) / (far - near));
   switch (encoding) {
     case "rgb8":
       // Most pictures are so: without a call for each pixel.

@@ -1,7 +1,7 @@
 // A depth picture as points in space, unprojected on the graphics card.
 
 import * as THREE from "three";
-import { rgba } from "./colour";
+import { depthRange, rgba, SHADE_GLSL } from "./colour";
 import type { Frame } from "./frame";
 import { place } from "./points";
 
@@ -17,9 +17,7 @@ uniform vec4 colourLens;
 uniform vec2 colourSize;
 varying vec3 colour;
 
-vec3 shade(float share) {
-  return clamp(vec3(1.5 - abs(4.0 * share - 1.0), 1.5 - abs(4.0 * share - 2.0), 1.5 - abs(4.0 * share - 3.0)), 0.0, 1.0);
-}
+${SHADE_GLSL}
 
 void main() {
   ivec2 extent = textureSize(depths, 0);
@@ -86,7 +84,7 @@ export class DepthCloud {
     }
     this.depths.needsUpdate = true;
     this.uniform<THREE.Vector4>("lens").value.set(intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy);
-    this.uniform<THREE.Vector2>("range").value.set(intrinsics.near, Math.min(intrinsics.far ?? 10, 10));
+    this.uniform<THREE.Vector2>("range").value.set(...depthRange(header));
     place(this.object, header.position, header.orientation, true);
   }
 

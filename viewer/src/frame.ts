@@ -23,6 +23,8 @@ export interface FrameHeader {
   topic: string;
   kind: string;
   encoding: string;
+  /** The encoding that the stream has, if the server has changed it for the page. */
+  streamEncoding?: string;
   /** Simulated time in nanoseconds. */
   stamp: number;
   /** When it was sent: milliseconds since 1970 by the server's clock. */

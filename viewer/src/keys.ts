@@ -1,10 +1,10 @@
-// Driving by keys: a velocity ten times a second while one is held, and a stop after.
+// Keys: driving, a velocity ten times a second while one is held and a stop after; and others that do one thing each.
 
 const SPEED = 0.3;
 const TURN = 1;
 const PERIOD_MS = 100;
 
-const KEYS: Record<string, [number, number]> = {
+const DRIVING: Record<string, [number, number]> = {
   ArrowUp: [1, 0],
   KeyW: [1, 0],
   ArrowDown: [-1, 0],
@@ -15,14 +15,28 @@ const KEYS: Record<string, [number, number]> = {
   KeyD: [0, -1],
 };
 
-export function driveByKeys(drive: (forward: number, turn: number) => void, onSpace: () => void) {
+/** Whether an element takes letters, or arrows, itself. */
+function takesKeys(target: EventTarget | null): boolean {
+  if (target instanceof HTMLSelectElement) return true;
+  return target instanceof HTMLInputElement && target.type !== "checkbox";
+}
+
+/** Whether space is for an element: a field with text, or a control that was reached by the keyboard. */
+function takesSpace(target: EventTarget | null): boolean {
+  if (target instanceof HTMLInputElement && target.type === "range") return false;
+  if (takesKeys(target)) return true;
+  return target instanceof HTMLElement && target.matches("button:focus-visible, input:focus-visible");
+}
+
+/** Has keys do what they are for; what is in `others` is by the names of keys, as `KeyH`. */
+export function useKeys(drive: (forward: number, turn: number) => void, onSpace: () => void, others: Record<string, () => void>) {
   const held = new Set<string>();
   let timer: ReturnType<typeof setInterval> | undefined;
   const send = () => {
     let [forward, turn] = [0, 0];
     for (const key of held) {
-      forward += KEYS[key]?.[0] ?? 0;
-      turn += KEYS[key]?.[1] ?? 0;
+      forward += DRIVING[key]?.[0] ?? 0;
+      turn += DRIVING[key]?.[1] ?? 0;
     }
     drive(SPEED * Math.sign(forward), TURN * Math.sign(turn));
   };
@@ -33,19 +47,19 @@ export function driveByKeys(drive: (forward: number, turn: number) => void, onSp
     held.clear();
     drive(0, 0);
   };
-  const isBox = (target: EventTarget | null) => target instanceof HTMLInputElement && target.type === "checkbox";
-  const isText = (target: EventTarget | null) =>
-    (target instanceof HTMLInputElement && !isBox(target)) || target instanceof HTMLSelectElement;
   // Before the 3D view's own keys, which would move the camera.
   window.addEventListener(
     "keydown",
     (event) => {
-      if (event.ctrlKey || event.altKey || event.metaKey || isText(event.target)) return;
-      if (event.code === "Space" && !(event.target instanceof HTMLButtonElement || isBox(event.target))) {
+      if (event.ctrlKey || event.altKey || event.metaKey) return;
+      if (event.code === "Space" && !takesSpace(event.target)) {
         event.preventDefault();
         if (!event.repeat) onSpace();
       }
-      if (!(event.code in KEYS)) return;
+      if (takesKeys(event.target)) return;
+      const other = others[event.code];
+      if (other !== undefined && !event.repeat) other();
+      if (!(event.code in DRIVING)) return;
       event.preventDefault();
       if (held.has(event.code)) return;
       held.add(event.code);
@@ -60,4 +74,14 @@ export function driveByKeys(drive: (forward: number, turn: number) => void, onSp
     else send();
   });
   window.addEventListener("blur", end);
+  // What was clicked gives the keys back: space after a click on a button would press it again.
+  window.addEventListener("click", () => {
+    const { activeElement } = document;
+    // One that was reached by the keyboard keeps them.
+    if (activeElement?.matches("button, input[type=checkbox], input[type=range]") !== true) return;
+    if (activeElement instanceof HTMLElement && !activeElement.matches(":focus-visible")) activeElement.blur();
+  });
+  window.addEventListener("change", ({ target }) => {
+    if (target instanceof HTMLSelectElement) target.blur();
+  });
 }

@@ -24,13 +24,16 @@ export interface Tally {
   place: [number, number, number] | null;
 }
 
+/** What the key of depths in 3D ends with. */
+const SPATIAL = "#space";
 const OF_SENSORS = ["image", "depth_image", "laser_scan", "point_cloud"];
 
-/** A way to show a stream: what the list calls it, and under which name it is kept. */
+/** A way to show a stream, and under which name it is kept. */
 export interface Choice {
   key: string;
   topic: string;
-  label: string;
+  /** Whether its depths are shown as points in 3D rather than as a picture. */
+  isSpatial: boolean;
   /** Shown before anybody chose. */
   isDefault: boolean;
 }
@@ -60,18 +63,23 @@ export class Layers {
   choices(): Choice[] {
     let pictures = 0;
     return this.streams.flatMap(({ topic, kind }) => {
-      const choice = (label: string, isDefault: boolean, key = topic) => ({ key, topic, label, isDefault });
+      const choice = (isDefault: boolean, isSpatial = false) => ({
+        key: isSpatial ? `${topic}${SPATIAL}` : topic,
+        topic,
+        isDefault,
+        isSpatial,
+      });
       const isTruth = topic.includes("/truth/");
       switch (kind) {
         case "image":
-          return [choice(topic, !isTruth && pictures++ < 2)];
+          return [choice(!isTruth && pictures++ < 2)];
         case "depth_image":
-          return [choice(topic, false), choice(`${topic} in 3D`, !isTruth && pictures++ < 2, `${topic}#space`)];
+          return [choice(false), choice(!isTruth && pictures++ < 2, true)];
         case "laser_scan":
-          return [choice(topic, !isTruth)];
+          return [choice(!isTruth)];
         case "point_cloud":
           // A depth camera's points are those of its depths, in more bytes.
-          return [choice(topic, !topic.includes("depth"))];
+          return [choice(!topic.includes("depth"))];
         default:
           return [];
       }
@@ -83,7 +91,7 @@ export class Layers {
   }
 
   /** Shows a stream, or no more. */
-  toggle({ key, topic }: Choice, shown: boolean) {
+  toggle({ key, topic, isSpatial }: Choice, shown: boolean) {
     if (shown === this.isShown(key)) return;
     if (!shown) {
       this.layers.get(key)?.();
@@ -91,7 +99,7 @@ export class Layers {
       return;
     }
     const kind = this.streams.find((stream) => stream.topic === topic)?.kind ?? "";
-    const end = key.endsWith("#space") ? this.depthCloud(topic) : this.layerOf(topic, kind);
+    const end = isSpatial ? this.depthCloud(topic) : this.layerOf(topic, kind);
     this.layers.set(key, end);
   }
 

@@ -1,5 +1,7 @@
 // Numbers over the last seconds, as curves: rates, latencies, velocities.
 
+import { shortened } from "./name";
+
 /** How much is shown, and how often it is drawn. */
 const SPAN_MS = 20000;
 const PERIOD_MS = 200;
@@ -19,6 +21,12 @@ export function roundUp(value: number): number {
   return power * (share <= 1 ? 1 : share <= 2 ? 2 : share <= 5 ? 5 : 10);
 }
 
+/** Lets go of what is too old. */
+function trim({ points }: Curve, now: number) {
+  const kept = points.findIndex(([time]) => time > now - SPAN_MS);
+  points.splice(0, kept < 0 ? points.length : kept);
+}
+
 class Plot {
   readonly element = document.createElement("figure");
   private readonly canvas = document.createElement("canvas");
@@ -27,16 +35,19 @@ class Plot {
 
   constructor(
     title: string,
-    private readonly unit: string,
+    unit: string,
   ) {
     const caption = document.createElement("figcaption");
     caption.textContent = `${title}, ${unit}`;
     this.element.append(caption, this.canvas, this.legend);
   }
 
+  /** Adds a value; what is older than the plot shows goes, also while it is not shown. */
   add(name: string, value: number) {
+    const now = performance.now();
     const curve = this.curves.get(name) ?? { colour: COLOURS[this.curves.size % COLOURS.length] ?? "", points: [] };
-    curve.points.push([performance.now(), value]);
+    curve.points.push([now, value]);
+    trim(curve, now);
     this.curves.set(name, curve);
   }
 
@@ -45,10 +56,15 @@ class Plot {
     return Object.fromEntries([...this.curves].map(([name, { points }]) => [name, points.at(-1)?.[1] ?? NaN]));
   }
 
+  /** How many values are kept. */
+  get size(): number {
+    return [...this.curves.values()].reduce((sum, { points }) => sum + points.length, 0);
+  }
+
   draw(now: number) {
-    for (const [name, { points }] of this.curves) {
-      points.splice(0, points.findIndex(([time]) => time > now - SPAN_MS));
-      if ((points[0]?.[0] ?? 0) <= now - SPAN_MS) this.curves.delete(name);
+    for (const [name, curve] of this.curves) {
+      trim(curve, now);
+      if (curve.points.length === 0) this.curves.delete(name);
     }
     const curves = [...this.curves.values()];
     const values = curves.flatMap(({ points }) => points.map(([, value]) => value));
@@ -83,8 +99,7 @@ class Plot {
       ...[...this.curves].map(([name, { colour, points }]) => {
         const item = document.createElement("li");
         item.style.color = colour;
-        item.textContent = `${name}  ${(points.at(-1)?.[1] ?? NaN).toFixed(2)}`;
-        item.title = `${name}, ${this.unit}`;
+        item.append(shortened(name), `\u00a0 ${(points.at(-1)?.[1] ?? NaN).toFixed(2)}`);
         return item;
       }),
     );
@@ -122,6 +137,7 @@ export class Plots {
       rates: this.rates.values(),
       latencies: this.latencies.values(),
       velocities: this.velocities.values(),
+      size: this.rates.size + this.latencies.size + this.velocities.size,
     };
   }
 }

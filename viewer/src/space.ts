@@ -7,6 +7,16 @@ import type { LinkState } from "./frame";
 import { Resolution } from "./resolution";
 import { IS_SOFTWARE } from "./software";
 
+/** Where the camera is at first, from what it looks at, metres; and how high it is for the view from above. */
+const HOME: [number, number, number] = [-2.2, -1.2, 1.4];
+const ABOVE = 8;
+/** The camera stays above the floor, by this angle, and comes no nearer than this, metres. */
+const LEAST_ANGLE = 0.03;
+const NEAREST = 0.1;
+/** It goes as far away as this, metres, or so many times as far as the world reaches. */
+const FARTHEST = 20;
+const FARTHEST_SHARE = 1.5;
+
 /** A frame that is drawn in so much time, milliseconds, is drawn by a graphics card. */
 const FAST_MS = 34;
 
@@ -18,7 +28,7 @@ function cheap({ name, color, map, side, transparent, opacity, vertexColors }: T
 export class Space {
   readonly scene = new THREE.Scene();
   private readonly renderer: THREE.WebGLRenderer;
-  private readonly camera = new THREE.PerspectiveCamera(55, 1, 0.02, 200);
+  private readonly camera = new THREE.PerspectiveCamera(55, 1, 0.02, 500);
   private readonly controls: OrbitControls;
   private readonly links = new Map<string, THREE.Object3D>();
   private readonly axes: THREE.AxesHelper[] = [];
@@ -26,6 +36,8 @@ export class Space {
   private world: THREE.Object3D | undefined;
   private robot: THREE.Object3D | undefined;
   private readonly robotWas = new THREE.Vector3();
+  /** Where the world is lowest. */
+  private floor = 0;
   private changed = true;
   private isDrawn = false;
   private axesShown = false;
@@ -44,13 +56,20 @@ export class Space {
     sun.position.set(2, -3, 6);
     this.scene.add(sun);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(-2.2, -1.2, 1.6);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
-    this.controls.target.set(0, 0, 0.2);
+    this.controls.maxPolarAngle = Math.PI / 2 - LEAST_ANGLE;
+    this.controls.minDistance = NEAREST;
+    this.controls.maxDistance = FARTHEST;
     this.controls.addEventListener("change", () => {
+      // What is shifted takes along what it looks at, which must not go under the floor either.
+      const below = this.floor - this.controls.target.z;
+      if (below > 0) {
+        this.controls.target.z += below;
+        this.camera.position.z += below;
+      }
       this.touch();
     });
-    this.controls.update();
+    this.home();
     new ResizeObserver(() => {
       this.resize();
     }).observe(place);
@@ -94,8 +113,10 @@ export class Space {
 
   private resize() {
     const { clientWidth, clientHeight } = this.place;
+    // Not laid out: there is nothing to draw on.
+    if (clientWidth === 0 || clientHeight === 0) return;
     this.renderer.setSize(clientWidth, clientHeight);
-    this.camera.aspect = clientWidth / Math.max(1, clientHeight);
+    this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
     this.touch();
   }
@@ -117,9 +138,10 @@ export class Space {
     this.touch();
   }
 
-  /** Shows the models of a binary glTF file instead of those before. */
-  async load(glb: ArrayBuffer) {
+  /** Shows the models of a binary glTF file instead of those before, if it is still wanted once it is read. */
+  async load(glb: ArrayBuffer, isWanted: () => boolean) {
     const { scene } = await new GLTFLoader().parseAsync(glb, "");
+    if (!isWanted()) return;
     this.clear();
     const world = scene.getObjectByName("world") ?? scene;
     // The file turns z up into y up; here z is up.
@@ -148,6 +170,9 @@ export class Space {
     }
     const box = new THREE.Box3().setFromObject(world);
     this.height = Math.max(0.5, box.max.z);
+    this.floor = Math.min(0, box.min.z);
+    const reach = box.getSize(new THREE.Vector3()).length() / 2;
+    this.controls.maxDistance = Math.max(FARTHEST, FARTHEST_SHARE * reach);
     this.lookAtRobot();
     this.touch();
   }
@@ -174,6 +199,30 @@ export class Space {
     this.controls.target.add(at).sub(this.robotWas);
     this.robotWas.copy(at);
     this.controls.update();
+  }
+
+  /** Looks as at first: at the robot, from behind. */
+  home() {
+    this.aim();
+    this.look(HOME);
+  }
+
+  /** Looks from above, with the world's x up. */
+  top() {
+    this.aim();
+    // Not from the very zenith, where the camera would not know which way is up.
+    this.look([-1e-3, 0, ABOVE]);
+  }
+
+  /** Has the robot, or the middle of the world, in the middle. */
+  private aim() {
+    const [x, y, z] = this.robotPosition() ?? [0, 0, 0];
+    this.controls.target.set(x, y, z + 0.2);
+  }
+
+  /** Where the camera is. */
+  get eye(): [number, number, number] {
+    return this.camera.position.toArray();
   }
 
   /** Looks at the robot from a place beside it. */

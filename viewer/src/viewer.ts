@@ -3,8 +3,9 @@
 import { Connection, type Stream } from "./connection";
 import { dragModels } from "./drag";
 import { linkStates, velocity, type LinkState } from "./frame";
-import { driveByKeys } from "./keys";
+import { useKeys } from "./keys";
 import { Layers, type Choice } from "./layers";
+import { parts, shortened } from "./name";
 import { Plots } from "./plots";
 import { onClick, sensorAt } from "./sensor_pick";
 import { sensors, settingsPanel, type Sensor } from "./settings";
@@ -34,6 +35,7 @@ let stamp = 0;
 let repeated = 0;
 let isConnected = false;
 let scene = 0;
+let isCut = false;
 let firstPictureMs: number | null = null;
 
 function complain(text: string | null) {
@@ -41,7 +43,8 @@ function complain(text: string | null) {
 }
 
 const query = `token=${encodeURIComponent(token)}`;
-const connection = new Connection(`ws://${location.host}/?${query}`, (page) => `/frames?${query}&page=${page}`, {
+const socket = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/?${query}`;
+const connection = new Connection(socket, (page) => `/frames?${query}&page=${page}`, {
   onOpen: () => {
     isConnected = true;
     complain(null);
@@ -79,18 +82,21 @@ const plots = new Plots(element("plots"));
 let plotted: (() => void)[] = [];
 
 async function loadScene(edition: number) {
-  const isFirst = scene === 0;
   scene = edition;
   const answer = await fetch(`/scene.glb?${query}`);
   if (!answer.ok) {
     complain(`the models cannot be loaded: ${answer.statusText}`);
     return;
   }
-  await space.load(await answer.arrayBuffer());
+  // An older answer may come after a newer one.
+  const isNewest = () => scene === edition;
+  await space.load(await answer.arrayBuffer(), isNewest);
+  if (!isNewest()) return;
   // Rooms have ceilings; one looks in from above.
   cut.max = String(Math.max(1, Math.ceil(space.height)));
   // What the user chose stays when models come and go.
-  if (!isFirst) return;
+  if (isCut) return;
+  isCut = true;
   setCut(space.height > 1.5 && space.height < 10 ? space.height * 0.75 : Number(cut.max));
 }
 
@@ -110,13 +116,16 @@ function chosen(): Record<string, boolean> {
 }
 
 function showStreams(streams: Stream[]) {
-  const list = element("streams");
   const before = chosen();
-  const rows = layers.choices().map((choice) => {
+  const groups = new Map<string, HTMLElement[]>();
+  for (const choice of layers.choices()) {
     layers.toggle(choice, before[choice.key] ?? choice.isDefault);
-    return row(choice);
-  });
-  list.replaceChildren(...rows);
+    const [folder] = parts(choice.topic);
+    groups.set(folder, [...(groups.get(folder) ?? []), row(choice)]);
+  }
+  // Topics without a folder have no heading.
+  const rows = [...groups].map(([folder, items]) => (folder === "" ? items : [heading(folder), ...items]));
+  element("streams").replaceChildren(...rows.flat());
   plotOdometry();
   const robots = streams.filter((stream) => stream.kind === "velocity_command");
   const was = driven.value;
@@ -142,6 +151,14 @@ element<HTMLInputElement>("plotted").addEventListener("change", (event) => {
   plotOdometry();
 });
 
+/** The name of what a sensor's topics have in common. */
+function heading(folder: string): HTMLElement {
+  const item = document.createElement("li");
+  item.className = "folder";
+  item.append(shortened(`/${folder}`));
+  return item;
+}
+
 function row(choice: Choice): HTMLElement {
   const [item, label, box, rate] = [
     document.createElement("li"),
@@ -156,8 +173,16 @@ function row(choice: Choice): HTMLElement {
     layers.toggle(choice, box.checked);
     localStorage.setItem("shown", JSON.stringify({ ...chosen(), [choice.key]: box.checked }));
   });
-  label.append(box, ` /${choice.label}`);
-  label.title = `/${choice.label}`;
+  const [folder, last] = parts(choice.topic);
+  label.append(box, folder === "" ? `/${last}` : last);
+  label.title = `/${choice.topic}`;
+  if (choice.isSpatial) {
+    const mark = document.createElement("span");
+    mark.className = "spatial";
+    mark.textContent = "3D";
+    mark.title = "as points in 3D";
+    label.append(mark);
+  }
   label.addEventListener("dblclick", (event) => {
     event.preventDefault();
     showSettings(choice.topic);
@@ -265,9 +290,23 @@ element<HTMLInputElement>("frames").addEventListener("change", (event) => {
 cut.addEventListener("input", () => {
   setCut(Number(cut.value));
 });
-driveByKeys((forward, turn) => {
-  if (driven.value !== "") connection.drive(driven.value, forward, turn);
-}, togglePause);
+const views: Record<string, () => void> = {
+  KeyH: () => {
+    space.home();
+  },
+  KeyT: () => {
+    space.top();
+  },
+};
+element("home").addEventListener("click", () => views.KeyH?.());
+element("top").addEventListener("click", () => views.KeyT?.());
+useKeys(
+  (forward, turn) => {
+    if (driven.value !== "") connection.drive(driven.value, forward, turn);
+  },
+  togglePause,
+  views,
+);
 
 function showState() {
   const [is, text] = !isConnected
@@ -275,7 +314,7 @@ function showState() {
     : layers.streams.length === 0
       ? ["gone", "waiting for a simulator …"]
       : stands()
-        ? ["paused", "time stands"]
+        ? ["paused", "paused"]
         : ["running", "running"];
   state.dataset.is = is;
   state.textContent = text;
@@ -320,6 +359,7 @@ window.viewer = () => ({
   timeline: timeline.playhead,
   firstPictureMs,
   robot: space.robotPosition(),
+  eye: space.eye,
   settings: known,
   shownSensor,
   sensors: Object.fromEntries(sensorPlaces()),

@@ -60,6 +60,59 @@ try {
   await until("running", async () => (await viewer(page)).stamp > stepped);
   console.log("pause stops it, a step is ten steps of physics");
 
+  // Space pauses and resumes, whatever was clicked before.
+  await page.click("#reset");
+  await until("reset", async () => (await viewer(page)).stamp < stood[0]);
+  const reset = (await viewer(page)).stamp;
+  await page.keyboard.press("Space");
+  await until("paused by space", async () => (await viewer(page)).state === "paused");
+  assert.ok((await viewer(page)).stamp >= reset, "space has reset it again");
+  assert.equal(await page.textContent("#state"), "paused");
+  await page.click("#step");
+  await until("a step", async () => (await viewer(page)).stamp > reset);
+  await page.check("#frames");
+  await page.uncheck("#frames");
+  await page.keyboard.press("Space");
+  await until("running by space", async () => (await viewer(page)).state === "running");
+  assert.equal(await page.isChecked("#frames"), false);
+  console.log("space pauses and resumes after clicks on buttons");
+
+  // The camera stays above the floor and near the world, and there is a way back.
+  const home = (await viewer(page)).eye;
+  const view = await page.locator("#space canvas").boundingBox();
+  const middle = [view.x + view.width / 2, view.y + view.height / 2];
+  await page.mouse.move(...middle);
+  await page.mouse.down();
+  await page.mouse.move(middle[0], view.y + 5, { steps: 5 });
+  await page.mouse.up();
+  await page.mouse.down({ button: "right" });
+  await page.mouse.move(middle[0], view.y - 300, { steps: 5 });
+  await page.mouse.up({ button: "right" });
+  assert.ok((await viewer(page)).eye[2] > 0, `the camera is at ${(await viewer(page)).eye}`);
+  for (let turn = 0; turn < 60; turn++) await page.mouse.wheel(0, 1000);
+  await sleep(300);
+  const away = Math.hypot(...(await viewer(page)).eye);
+  assert.ok(away < 300, `the camera is ${away} m away`);
+  await page.keyboard.press("t");
+  const top = (await viewer(page)).eye;
+  assert.ok(top[2] > 5 && Math.hypot(top[0] - home[0], top[1] - home[1]) < 4, `from above: ${top}`);
+  await page.click("#home");
+  const back = (await viewer(page)).eye;
+  assert.ok(Math.hypot(...back.map((axis, index) => axis - home[index])) < 0.3, `${back} instead of ${home}`);
+  console.log("the camera stays above the floor; home and top");
+
+  // A picture of depths says what its colours are, and what the stream is.
+  const DEPTH = "camera/depth/image_raw";
+  await page.check(`[data-key="${DEPTH}"]`);
+  const panel = page.locator(`figure[data-topic="${DEPTH}"]`);
+  await until("its encoding", async () => (await panel.innerText()).includes("32fc1"));
+  assert.match(await panel.locator(".scale").innerText(), /^0\.\d+ m\s+\d+ m$/);
+  await page.uncheck(`[data-key="${DEPTH}"]`);
+  const named = await page.locator("#streams li").allInnerTexts();
+  assert.equal(new Set(named.map((text) => text.replace(/[\d.]+$/, ""))).size >= 4, true, named.join(", "));
+  assert.ok(named.some((text) => text.includes("3D")), named.join(", "));
+  console.log("depths have a scale and the stream's own encoding");
+
   const [before, seen] = [(await viewer(page)).robot, await pixels(page, PICTURE)];
   await page.keyboard.down("ArrowUp");
   await until("driven", async () => {
@@ -155,7 +208,28 @@ try {
     await sleep(1500);
     await page.screenshot({ path: `${pictures}/viewer.png` });
   }
+  // While plots are hidden their old values go, too.
+  const kept = await until("some values", async () => ((await viewer(page)).plots.size > 12 ? (await viewer(page)).plots.size : 0));
+  await page.evaluate(() => {
+    const now = performance.now.bind(performance);
+    performance.now = () => now() + 60000;
+  });
+  await until("fewer values", async () => (await viewer(page)).plots.size < kept);
   await page.close();
+
+  // A phone, and half a window: all is within its width, and the world is seen.
+  for (const size of [{ width: 480, height: 800 }, { width: 800, height: 600 }]) {
+    const small = await open(simulator.url, size);
+    await until("a picture", async () => (await viewer(small)).firstPictureMs);
+    const [wide, canvas] = await small.evaluate(() => {
+      const { clientWidth, clientHeight } = document.querySelector("#space canvas");
+      return [document.documentElement.scrollWidth, [clientWidth, clientHeight]];
+    });
+    assert.ok(wide <= size.width && canvas[0] >= 400 && canvas[1] >= 250, `${wide}, ${canvas}`);
+    assert.ok(await small.locator("#pause").isVisible());
+    await small.close();
+  }
+  console.log("small windows show all of it");
   await end(simulator);
 
   // The robot stands in its scan: seen from above, the scan's points lie on the walls and things of the world.

@@ -81,6 +81,12 @@ try {
   });
   console.log(`it is seen as it was wherever it is dragged to, ${Math.max(late.took, early.took).toFixed(0)} ms after`);
 
+  // What was clicked leaves space to what it is for.
+  await dragTo(0.1);
+  await page.keyboard.press("Space");
+  await until("that it plays by space", async () => !(await head()).paused);
+  await page.keyboard.press("Space");
+  await until("that it stands by space", async () => (await head()).paused);
   await dragTo(0.1);
   await page.locator('#timeline [data-is="rate"]').selectOption("4");
   const [from, began] = [(await head()).position, performance.now()];

@@ -19,6 +19,10 @@ _TURBO = np.array(
         [0.10667330, 12.64194608, -60.58204836, 110.36276771, -89.90310912, 27.34824973],
     ]
 )
+#: Channels of metres from the sensor.
+_DISTANCES = ("depth", "range", "distance", "true_depth", "true_range")
+#: Where the map begins for them.
+_FARTHEST = 0.08
 #: The golden section scatters numbers that follow each other.
 _GOLDEN = 0.618033988749895
 
@@ -60,6 +64,9 @@ def picture(channel: str, values: NDArray[Any]) -> NDArray[np.uint8]:
     valid = np.isfinite(shown)
     least, most = (shown[valid].min(), shown[valid].max()) if valid.any() else (0.0, 1.0)
     share = np.where(valid, shown - least, 0.0) / (most - least if most > least else 1.0)
+    if channel in _DISTANCES:
+        # As on the page and by `belvedere snapshot`: near is red, and far is not as black as what is not there.
+        share = 1.0 - (1.0 - _FARTHEST) * share
     colours = turbo(share)
     colours[~valid] = 0
     return colours

@@ -187,7 +187,8 @@ fn crc_64_xz(bytes: &[u8]) -> u64 {
     !bytes.iter().fold(u64::MAX, |sum, byte| (0..8).fold(sum ^ u64::from(*byte), |sum, _| bit(sum)))
 }
 
-/// A gigabyte a second at 4 GHz, on one core.
+/// A gigabyte a second at 4 GHz, on one core, in a release build, which `BELVEDERE_FULL=1 .ci/run` tests. The dev profile
+/// hardly optimises this crate: there a tenth of that is asked for.
 #[test]
 fn packets_are_encoded_at_a_byte_in_four_cycles() {
     let velodynes =
@@ -206,6 +207,7 @@ fn packets_are_encoded_at_a_byte_in_four_cycles() {
             })
         });
         println!("{name} {returns}: {gigabytes_s:.2} GB/s, {ratio:.2} times FNV-1a");
-        assert!(ratio > 1.0, "{name} {returns}: {gigabytes_s:.2} GB/s, {ratio:.2} times FNV-1a");
+        let least = if cfg!(debug_assertions) { 0.1 } else { 1.0 };
+        assert!(ratio > least, "{name} {returns}: {gigabytes_s:.2} GB/s, {ratio:.2} times FNV-1a");
     }
 }

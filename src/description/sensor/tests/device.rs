@@ -52,7 +52,7 @@ fn a_device_is_a_preset_and_what_is_written_besides() {
         }
     }
     for (name, inside, expected) in [
-        ("webcan", "", "<preset> of sensor 'c' is 'webcan', which is none; did you mean webcam?"),
+        ("webcan", "", "<preset> of sensor 'c' is 'webcan', which is none; did you mean 'webcam'?"),
         ("webcam", "<device><preset>webcam</preset></device>", "the camera of sensor 'c' has two presets"),
     ] {
         let (sensor, problems) = parse(&own(name, inside));

@@ -82,10 +82,10 @@ fn what_is_wrong_with_a_preset_is_said() {
             && dark.contains("choose one of d415, d435, d455"),
         "{dark}"
     );
-    // Sensors of other kinds are no devices of this list.
+    // A camera has presets of its own.
     let (_, problems) =
         parse(&format!("<sensor name='c' type='camera'>{}</sensor>", ours("<preset>kinect_v1</preset>")));
-    assert!(problems[0].contains("the plugin 'belvedere' of sensor 'c' is not simulated"), "{problems:?}");
+    assert!(problems[0].contains("is 'kinect_v1', which is none; there are webcam, "), "{problems:?}");
 }
 
 #[test]

@@ -97,7 +97,9 @@ fn streams_are_listed() {
 fn a_stream_is_measured() {
     with_publisher("hz", |domain| {
         let [measured] = &objects("hz /camera/image_raw --count 50", domain)[..] else { panic!("one line") };
-        assert_eq!((&measured["topic"], &measured["frames"]), (&json!("/camera/image_raw"), &json!(50)));
+        assert_eq!(measured["topic"], "/camera/image_raw");
+        // A frame that was sent before `hz` subscribed is counted and not measured.
+        assert!((49..=50).contains(&measured["frames"].as_u64().unwrap()), "{measured}");
         // Its frames are 10 ms apart, or more where the machine is busy.
         let number = |name: &str| measured[name].as_f64().unwrap();
         // The first may have waited in the buffer.

@@ -82,7 +82,7 @@ fn dual_returns_are_pairs_of_blocks() {
             &[0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF],
         ),
     ] {
-        let file = folder.path().join("a.pcap");
+        let file = folder.path().join(format!("{per_s}.pcap"));
         let (succeeded, said) = run_with(own, &["--pcap", &format!("points={}", file.display())]);
         assert!(succeeded, "{said}");
         let bytes = fs::read(&file).unwrap();

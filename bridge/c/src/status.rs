@@ -178,3 +178,19 @@ pub extern "C" fn bv_version() -> *const c_char {
 pub extern "C" fn bv_mono_ns() -> u64 {
     belvedere_bridge::clock::mono_ns()
 }
+
+#[cfg(test)]
+mod tests {
+    use belvedere_bridge::Consumer;
+
+    use super::*;
+
+    #[test]
+    fn one_sender_too_many_is_no_other_simulator() {
+        let (topic, domain) = ("cmd_vel".to_owned(), "default".to_owned());
+        let holder = Consumer { name: "driver".to_owned(), pid: 1 };
+        let too_many = Error::TooManyPublishers { topic: topic.clone(), max: 8, holder: holder.clone() };
+        assert_eq!(Failure::from(too_many).0, Status::Limit);
+        assert_eq!(Failure::from(Error::DomainInUse { topic, domain, holder }).0, Status::DomainInUse);
+    }
+}

@@ -8,7 +8,7 @@ use pyo3::types::{PyBytes, PyDict};
 /// long as the array is there.
 #[pyclass(frozen, weakref, module = "belvedere._native")]
 pub(crate) struct Frame {
-    frame: Own<belvedere_bridge::Frame>,
+    held: Own<belvedere_bridge::Frame>,
     /// The bytes of its header, which was checked.
     #[pyo3(get)]
     header: Py<PyBytes>,
@@ -31,7 +31,7 @@ impl Frame {
             missed: frame.missed(),
             restarted: frame.restarted(),
             is_from_history: frame.is_from_history(),
-            frame: Own::new(frame),
+            held: Own::new(frame),
         }
     }
 }
@@ -41,7 +41,7 @@ impl Frame {
     /// What numpy asks an object for whose memory it is to look at: here, without writing.
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.frame.check()?;
+        self.held.check()?;
         let (address, len) = self.payload;
         let is_read_only = true;
         let interface = PyDict::new(py);

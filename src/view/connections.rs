@@ -9,9 +9,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Connections at a time that have not shown the token.
 const MAX_UNKNOWN: usize = 32;
-/// Connections at a time that have, besides WebSockets.
+/// Connections at a time that have shown it, apart from those that became clients.
 const MAX_KNOWN: usize = 32;
-/// WebSockets at a time: a stream has room for eight subscribers, which may be others.
+/// Clients (open `WebSocket` connections) at a time: a stream has room for eight subscribers, some of them other programs.
 pub(super) const MAX_CLIENTS: usize = 6;
 
 /// What a connection is counted as.
@@ -21,7 +21,7 @@ pub(super) enum Standing {
     Unknown,
     /// It has.
     Known,
-    /// It is a WebSocket.
+    /// It is a `WebSocket`.
     Client,
 }
 

@@ -93,7 +93,9 @@ impl LinkReceiver {
                 }
                 return;
             }
-            match Announcement::read(&message.to_bytes()) {
+            let read =
+                Announcement::check_len(message.len()).and_then(|()| Announcement::read(&message.to_bytes()));
+            match read {
                 Ok(announcement) => heard.streams = Some(announcement.streams),
                 Err(refusal) => heard.refused = Some(refusal.to_string()),
             }

@@ -11,6 +11,8 @@ use zenoh::{Config, Session, Wait as _};
 
 /// Largest message that is taken from the network, bytes: eight frames of four million RGB pixels.
 pub(super) const MAX_MESSAGE: usize = 128 << 20;
+/// Longest key that a message is sent with, bytes.
+const MAX_KEY: usize = 1024;
 
 /// Settings of Zenoh that are not its defaults, as its configuration file names them.
 const SETTINGS: &[(&str, &str)] = &[
@@ -23,6 +25,9 @@ const SETTINGS: &[(&str, &str)] = &[
     ("connect/exit_on_failure", "false"),
     ("connect/retry", "{ period_init_ms: 250, period_max_ms: 500, period_increase_factor: 2 }"),
     ("transport/unicast/open_timeout", "2500"),
+    // Each session may hold one unfinished message of `MAX_MESSAGE`. A robot and the machines that watch it are a handful;
+    // further ones are refused.
+    ("transport/unicast/max_sessions", "16"),
     // A peer that says nothing for two seconds is gone; it says something every half second.
     ("transport/link/tx/lease", "2000"),
     // Whoever sends waits for room, half a second for each piece of a message and two for all: it is the link that waits,
@@ -170,7 +175,9 @@ impl Transport {
         self.session
             .declare_subscriber(key)
             .callback(move |sample| {
-                let key = sample.attachment().map(ZBytes::to_bytes).unwrap_or_default();
+                // A message in several pieces is copied to be read as one, so a key that is none is not read at all.
+                let attachment = sample.attachment().filter(|bytes| bytes.len() <= MAX_KEY);
+                let key = attachment.map(ZBytes::to_bytes).unwrap_or_default();
                 taken(std::str::from_utf8(&key).unwrap_or_default(), sample.payload());
             })
             .wait()

@@ -98,15 +98,18 @@ impl Announcement {
         serde_json::to_vec(self).unwrap_or_default()
     }
 
+    /// Refuses a message that is too long for an announcement, before its pieces are copied into one.
+    pub(super) fn check_len(len: usize) -> Result<(), Refusal> {
+        if len > MAX_ANNOUNCEMENT { Err(Refusal::Large(MAX_ANNOUNCEMENT)) } else { Ok(()) }
+    }
+
     pub(super) fn read(bytes: &[u8]) -> Result<Self, Refusal> {
         #[derive(Deserialize)]
         struct Versioned {
             version: u32,
         }
         let refused = |what: String| Err(Refusal::Announcement(what));
-        if bytes.len() > MAX_ANNOUNCEMENT {
-            return Err(Refusal::Large(MAX_ANNOUNCEMENT));
-        }
+        Self::check_len(bytes.len())?;
         match serde_json::from_slice(bytes) {
             Ok(Versioned { version: VERSION }) => {}
             Ok(Versioned { version }) => {

@@ -2,7 +2,7 @@
 //!
 //! Each stream costs its publisher some 6 descriptors, so that several robots need more than the usual soft limit of
 //! 1,024. iceoryx2's errors do not say that a limit was reached, and some of its steps take it for a stream that is not
-//! there; so a few descriptors are asked for before each step ([`limit_reached`]).
+//! there; so a few descriptors are asked for before each step.
 
 use std::io;
 

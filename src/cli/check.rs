@@ -13,8 +13,9 @@ use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::robot::{LoadOptions, default_robot_name, xacro_argument};
-use crate::description::{Diagnostics, Rules, Severity};
-use crate::simulation::{Simulation, SpawnOptions};
+use crate::description::{Diagnostics, Problem, Rules, Severity, Source};
+use crate::rig::RigError;
+use crate::simulation::{Simulation, SimulationError, SpawnOptions};
 use std::path::PathBuf;
 use streams::Streams;
 
@@ -130,8 +131,23 @@ fn rehearse(
         Ok(rig) => Streams::of(rig),
         Err(error) => {
             let source = robot.map_or(&world.source, |robot| &robot.source);
-            diagnostics.add(error.into_problem(source));
+            diagnostics.add(problem(error, source));
             Streams::unknown()
         }
+    }
+}
+
+/// Converts an error to a problem of the file: at its own line if it has one, else at `source`.
+fn problem(error: SimulationError, source: &Source) -> Problem {
+    match error {
+        SimulationError::Description(problem) | SimulationError::Rig(RigError::Description(problem)) => {
+            problem
+        }
+        other => Problem {
+            severity: Severity::Error,
+            source: source.clone(),
+            what: other.to_string(),
+            remedy: String::new(),
+        },
     }
 }

@@ -1,6 +1,6 @@
 //! Why a simulation does not do what is asked.
 
-use crate::description::{Problem, Severity, Source};
+use crate::description::Problem;
 use crate::rig::RigError;
 
 /// Why a simulation does not do what is asked.
@@ -43,19 +43,4 @@ pub enum SimulationError {
         /// As asked for.
         topic: String,
     },
-}
-
-impl SimulationError {
-    /// The same as a problem of a description; one without a line of its own is at `source`.
-    pub(crate) fn into_problem(self, source: &Source) -> Problem {
-        match self {
-            Self::Description(problem) | Self::Rig(RigError::Description(problem)) => problem,
-            other => Problem {
-                severity: Severity::Error,
-                source: source.clone(),
-                what: other.to_string(),
-                remedy: String::new(),
-            },
-        }
-    }
 }

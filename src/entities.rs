@@ -86,7 +86,7 @@ pub struct Entity {
     pub start: Pose,
     /// How it came.
     pub origin: Origin,
-    /// What the noise of its sensors differs by from others'; [`Entities::noise_name`] chooses it.
+    /// What the noise of its sensors differs by from others'; `Entities::noise_name` chooses it.
     pub noise_name: String,
     /// What of it drives and tells of itself, if it is a robot.
     pub robot: Option<Robot>,

@@ -16,8 +16,8 @@ mod tests {
 
     #[test]
     fn near_is_red_and_far_is_blue() {
-        let [red, _, blue] = of_nearness(0.9);
-        assert!(red > 200 && blue < 50);
+        let [red, green, blue] = of_nearness(0.9);
+        assert!(red > 150 && green < 60 && blue < 50);
         let [red, _, blue] = of_nearness(0.0);
         assert!(blue > 130 && red < 80);
     }

@@ -120,7 +120,7 @@ try {
   await page.goto(driven.url);
   await page.uncheck("#follow");
   await until("the robot", () => page.evaluate(() => window.viewer().robot));
-  const panel = `figure[data-topic="${PICTURE}"] canvas`;
+  const panel = `figure[data-topic="${PICTURE}"] > canvas`;
   await until("pictures", () => page.evaluate((topic) => window.viewer().frames[topic] > 2, PICTURE));
 
   const depths = follow(driven.url, DEPTHS);

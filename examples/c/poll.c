@@ -6,13 +6,11 @@ int main(void) {
     const char *topics[] = {"image_raw", "scan"};
     bv_node *node;
     bv_subscriber *subscribers[2];
-    struct pollfd fds[2];
+    struct pollfd fds[2] = {{.events = POLLIN}, {.events = POLLIN}};
     if (bv_node_open(NULL, "poll-c", &node) != BV_STATUS_OK) return 1;
-    for (int i = 0; i < 2; ++i) {
-        fds[i].events = POLLIN;
+    for (int i = 0; i < 2; ++i)
         if (bv_subscribe(node, topics[i], &subscribers[i]) != BV_STATUS_OK ||
             bv_subscriber_fd(subscribers[i], &fds[i].fd) != BV_STATUS_OK) return 1;
-    }
     int count = 0;
     while (count < 20 && poll(fds, 2, 5000) > 0)
         for (int i = 0; i < 2; ++i) {

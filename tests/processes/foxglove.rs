@@ -1,7 +1,7 @@
 //! Foxglove's protocol on the page's port: channels, subscriptions, and what a client may not do.
 #![cfg(feature = "view")]
 
-use crate::live::control::{ROBOT, done_with, named};
+use crate::live::control::{done_with, named};
 use crate::live::{PATIENCE, belvedere, own_domain};
 use crate::page::{Page, Server};
 use belvedere_bridge::payload::SimulationCommand;
@@ -63,7 +63,7 @@ fn the_transforms_of_a_robot_that_comes_later_are_sent() {
     let transforms = channel(&mut client, "/tf");
     subscribe(&mut client, 1, &transforms);
     client.binary(1);
-    let urdf = belvedere().args(["urdf", ROBOT]).output().unwrap();
+    let urdf = belvedere().args(["urdf", "kobuki_nostack_rplidar"]).output().unwrap();
     let urdf = String::from_utf8(urdf.stdout).unwrap();
     let node = node(&domain);
     let mut control = SimulationControl::open(&node).unwrap();

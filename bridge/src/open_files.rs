@@ -67,7 +67,7 @@ fn remedy(soft: u64, hard: Option<u64>) -> String {
             "that is also the hard limit, which an administrator raises: LimitNOFILE={PROPOSED} in a systemd unit, docker run --ulimit nofile={PROPOSED}, or a line in /etc/security/limits.conf"
         ),
         hard => {
-            let proposed = hard.unwrap_or(PROPOSED).min(PROPOSED).max(soft + 1);
+            let proposed = hard.unwrap_or(PROPOSED).min(PROPOSED).max(soft.saturating_add(1));
             format!("raise it in the shell that starts this program: ulimit -n {proposed}")
         }
     }
@@ -83,6 +83,7 @@ mod tests {
         assert!(remedy(1024, Some(1 << 20)).ends_with("ulimit -n 65536"));
         assert!(remedy(1024, None).ends_with("ulimit -n 65536"));
         assert!(remedy(100_000, Some(200_000)).ends_with("ulimit -n 100001"));
+        assert!(remedy(u64::MAX, None).contains("ulimit -n"));
         let hard = remedy(64, Some(64));
         assert!(hard.contains("hard limit") && hard.contains("--ulimit nofile="), "{hard}");
     }

@@ -1,6 +1,10 @@
 //! What a domain refuses for want of a place, and in which words.
 
-use std::{fs::File, process::Command, time::Duration};
+use std::{
+    fs::File,
+    process::Command,
+    time::{Duration, Instant},
+};
 
 use belvedere_bridge::{
     Domain, Encoding, Error, FrameHeader, Kind, Lossless, Node, StreamSpec, open_files,
@@ -87,7 +91,11 @@ fn a_consumer_that_keeps_a_stream_open_otherwise_than_asked_is_named() {
     ] {
         let simulator = Node::open(&domain, "simulator").unwrap();
         let publisher = simulator.publisher(first).unwrap();
-        assert!(!images.wait(Duration::ZERO).unwrap());
+        // A subscriber looks for a stream that is not there every 20 ms, however often it is asked.
+        let deadline = Instant::now() + Duration::from_secs(10);
+        while images.publishers() == 0 && Instant::now() < deadline {
+            assert!(!images.wait(Duration::from_millis(5)).unwrap());
+        }
         assert_eq!(images.publishers(), 1);
         // While it is published, that is the reason.
         let error = Node::open(&domain, "second").unwrap().publisher(second).unwrap_err();

@@ -96,6 +96,8 @@ mod node;
 #[cfg(feature = "shared-memory")]
 pub mod open_files;
 #[cfg(feature = "shared-memory")]
+mod own;
+#[cfg(feature = "shared-memory")]
 mod publisher;
 mod session;
 mod spec;

@@ -7,12 +7,16 @@ use iceoryx2::{node::Node as IoxNode, prelude::LogLevel};
 use crate::{
     Domain, Error,
     domain::{Ipc, Keeper, room},
+    own::Own,
 };
 
 /// This process's membership of a domain; publishers and subscribers are made from it. Clones are the same node.
 ///
 /// Opening one removes what killed processes of the domain have left. When the last node of the domain closes,
 /// nothing of it is left in `/dev/shm` and in [its directory](Domain::directory).
+///
+/// A child made by `fork` must open a node of its own. It may drop, or exit with, its copies of this node and of what was
+/// made from it: they are leaked there, and the parent goes on undisturbed.
 #[derive(Clone, Debug)]
 pub struct Node {
     shared: Arc<Shared>,
@@ -20,7 +24,7 @@ pub struct Node {
 
 #[derive(Debug)]
 struct Shared {
-    keeper: Keeper,
+    keeper: Own<Keeper>,
     /// Bytes that are promised to this node's pools and not taken yet.
     promised_bytes: AtomicU64,
 }
@@ -40,7 +44,7 @@ impl Node {
         // Its messages repeat what the errors say, in other words and on standard error.
         iceoryx2::prelude::set_log_level_from_env_or(LogLevel::Fatal);
         let keeper = Keeper::join(domain.clone().or_shared_as_env_says()?, name)?;
-        Ok(Self { shared: Arc::new(Shared { keeper, promised_bytes: AtomicU64::new(0) }) })
+        Ok(Self { shared: Arc::new(Shared { keeper: Own::new(keeper), promised_bytes: AtomicU64::new(0) }) })
     }
 
     /// The domain that was joined.

@@ -28,6 +28,7 @@ use iceoryx2::{
 use crate::{
     Consumer, Error, FrameHeader, Node, StreamSpec, clock,
     domain::{Ipc, room},
+    own::Own,
     payload::Message,
     session,
     stream::{self, Events, Frames, ports},
@@ -41,7 +42,7 @@ use queue::Queue;
 /// [`loan`](Self::loan) gives a frame whose payload *is* the shared memory that subscribers will read;
 /// [`send`](LoanedFrame::send) passes them its address. Neither copies or, unless the stream is lossless, waits;
 /// nor allocates, but for the record of 104 bytes that iceoryx2 keeps of each loan.
-pub struct Publisher(Arc<Ports>);
+pub struct Publisher(Arc<Own<Ports>>);
 
 /// A publisher's end of its stream; frames on loan keep it open.
 struct Ports {
@@ -151,7 +152,7 @@ impl Publisher {
             .create()
             .map_err(|error| node.keeper().failed(format!("opening the events of {topic}"), error))?;
         node.keeper().settle();
-        let publisher = Self(Arc::new(Ports {
+        let publisher = Self(Arc::new(Own::new(Ports {
             port,
             notifier,
             frames,
@@ -166,7 +167,7 @@ impl Publisher {
             known_subscribers: AtomicUsize::new(0),
             last_present: AtomicU64::new(0),
             queue,
-        }));
+        })));
         publisher.check_alignment()?;
         Ok(publisher)
     }
@@ -213,7 +214,7 @@ impl Publisher {
     /// # Errors
     /// [`Error::Transport`] when a subscriber cannot be connected; the others are.
     pub fn update(&self) -> Result<(), Error> {
-        let ports = &*self.0;
+        let ports = &self.0;
         ports.known_subscribers.store(ports.subscribers(), Ordering::Relaxed);
         // Even if their number is the same: one may have gone and another come, or one have come while a frame was being
         // sent.
@@ -250,7 +251,7 @@ impl Publisher {
             error => Error::transport(format!("loaning a frame of {}", ports.topic), error),
         })?;
         *sample.user_header_mut() = FrameHeader { payload_len: len as u64, ..ports.template };
-        Ok(LoanedFrame { sample, ports: ports.clone() })
+        Ok(LoanedFrame { sample: Own::new(sample), ports: ports.clone() })
     }
 
     /// Sends structs, one per row: for the streams of small fixed messages.
@@ -302,8 +303,8 @@ impl fmt::Debug for Publisher {
 
 /// A frame in shared memory that nobody else sees yet.
 pub struct LoanedFrame {
-    sample: SampleMut<Ipc, [u8], FrameHeader>,
-    ports: Arc<Ports>,
+    sample: Own<SampleMut<Ipc, [u8], FrameHeader>>,
+    ports: Arc<Own<Ports>>,
 }
 
 impl LoanedFrame {
@@ -348,7 +349,8 @@ impl LoanedFrame {
     /// # Errors
     /// As [`send`](Self::send).
     pub fn relay(self, session: u64, seq: u64) -> Result<usize, Error> {
-        let Self { mut sample, ports } = self;
+        let Self { sample, ports } = self;
+        let mut sample = sample.into_inner();
         let header = sample.user_header_mut();
         (header.session, header.seq) = (session, seq);
         header.publish_mono_ns = clock::mono_ns();

@@ -15,7 +15,7 @@ use std::{
 
 use iceoryx2::{port::ReceiveError, service::port_factory::PortFactory as _};
 
-use crate::{Error, FrameHeader, Node, StreamSpec, clock, topic::canonical_topic};
+use crate::{Error, FrameHeader, Node, StreamSpec, clock, own::Own, topic::canonical_topic};
 use busy_poll::BusyPoll;
 use connection::Connection;
 use frame::{Sample, checked_header};
@@ -42,7 +42,7 @@ const LEAST_SUSPICION: Duration = Duration::from_secs(16);
 /// A reader that is slower than the publisher loses the oldest of its own waiting frames and slows nobody;
 /// [`Frame::missed`] tells how many.
 pub struct Subscriber {
-    connection: Option<Connection>,
+    connection: Option<Own<Connection>>,
     node: Node,
     topic: String,
     /// What the stream is made with when this end makes it.
@@ -115,7 +115,7 @@ impl Subscriber {
     /// Publishers now: 0 before the first, and after the last has ended or was found dead.
     #[must_use]
     pub fn publishers(&self) -> usize {
-        self.connection.as_ref().map_or(0, Connection::publishers)
+        self.connection.as_ref().map_or(0, |connection| connection.publishers())
     }
 
     /// Frames that were sent and never taken, over this subscriber's life.
@@ -381,7 +381,7 @@ impl Subscriber {
         if let Some(readiness) = &self.readiness {
             readiness.follow(&connection.listener).map_err(|error| self.broken(error))?;
         }
-        self.connection = Some(connection);
+        self.connection = Some(Own::new(connection));
         Ok(())
     }
 

@@ -11,13 +11,14 @@ use super::frame::FramePort;
 use crate::{
     Error, Node, StreamSpec, clock,
     domain::{Ipc, room},
+    own::Own,
     stream::{self, Events, Frames, Opened, ports},
 };
 
 /// Ports before their services: fields are dropped in this order.
 pub(crate) struct Connection {
     /// Shared with the frames that came through it, see [`Frame`](crate::Frame).
-    pub(crate) port: Arc<FramePort>,
+    pub(crate) port: Arc<Own<FramePort>>,
     pub(crate) listener: Listener<Ipc>,
     pub(crate) frames: Frames,
     _events: Events,
@@ -77,7 +78,7 @@ impl Connection {
             error => node.keeper().failed(format!("subscribing to {topic}"), error),
         })?;
         Ok(Some(Self {
-            port: Arc::new(port),
+            port: Arc::new(Own::new(port)),
             listener,
             frames,
             _events: events,

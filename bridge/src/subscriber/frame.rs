@@ -2,7 +2,7 @@
 
 use std::{fmt, sync::Arc};
 
-use crate::{FrameError, FrameHeader, FrameView, Node, clock, domain::Ipc, payload::Message};
+use crate::{FrameError, FrameHeader, FrameView, Node, clock, domain::Ipc, own::Own, payload::Message};
 
 /// The end of a stream that samples come through.
 pub(crate) type FramePort = iceoryx2::port::subscriber::Subscriber<Ipc, [u8], FrameHeader>;
@@ -24,10 +24,10 @@ pub struct Frame {
     /// A copy, since what was checked must not change: the original is the publisher's to write.
     header: FrameHeader,
     // Before port and node: fields are dropped in this order.
-    sample: Sample,
+    sample: Own<Sample>,
     /// When a port closes, iceoryx2's publisher takes back all that went through it and writes into it again, held or
     /// not. So a port stays open as long as any of its frames.
-    _port: Arc<FramePort>,
+    _port: Arc<Own<FramePort>>,
     missed: u64,
     restarted: bool,
     from_history: bool,
@@ -39,14 +39,22 @@ impl Frame {
     pub(crate) fn new(
         sample: Sample,
         header: &FrameHeader,
-        port: Arc<FramePort>,
+        port: Arc<Own<FramePort>>,
         missed: u64,
         restarted: bool,
         connected_mono_ns: u64,
         node: Node,
     ) -> Self {
         let from_history = header.publish_mono_ns < connected_mono_ns;
-        Self { header: *header, sample, _port: port, missed, restarted, from_history, _node: node }
+        Self {
+            header: *header,
+            sample: Own::new(sample),
+            _port: port,
+            missed,
+            restarted,
+            from_history,
+            _node: node,
+        }
     }
 
     /// What the payload is.

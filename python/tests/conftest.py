@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 
+# A shell without job control starts what it runs in the background with SIGINT ignored, which Python then leaves so: the
+# tests of Ctrl-C would wait for an exception that never comes.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 class Simulator:
     """``belvedere run``, which can be killed and started again."""

@@ -19,9 +19,15 @@
 //! | `picture` | frames as pictures for people (feature `cli`) |
 //! | `cli` | the `belvedere` command (feature `cli`) |
 //!
-//! Each uses only those above it. The sensors themselves are the crate [`belvedere_sensors`], the shared memory is
-//! [`belvedere_bridge`].
+//! Each uses only those above it. The sensors themselves are the crate [`sensors`], the messages of streams and the shared
+//! memory are the crate [`bridge`].
 #![forbid(unsafe_code)]
+
+/// The crate `belvedere-bridge`: headers and payloads of frames, as [`bridge::payload::Odometry`], and, with the feature
+/// `server`, publishers and subscribers.
+pub use belvedere_bridge as bridge;
+/// The crate `belvedere-sensors`: cameras, depth cameras and lidars without a simulator.
+pub use belvedere_sensors as sensors;
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -57,6 +57,8 @@ pub struct DepthFrame<'a> {
     pub colour: Option<&'a mut [u8]>,
     /// Points in the optical frame, [`POINT_STEP`] bytes per pixel, with the colours of the moment of their depths.
     pub points: Option<&'a mut [u8]>,
+    /// Coordinates of the same points without their colours, one per pixel, in metres: NaN where there is no depth.
+    pub xyz: Option<&'a mut [[f32; 3]]>,
     /// What is true of each pixel.
     pub truth: Option<Truth<'a>>,
 }
@@ -71,6 +73,8 @@ impl<'a> DepthFrame<'a> {
         colour: &'a mut [u8],
         /// Sets where the cloud goes.
         points: &'a mut [u8],
+        /// Sets where coordinates of points go.
+        xyz: &'a mut [[f32; 3]],
         /// Sets where truth goes.
         truth: Truth<'a>,
     }
@@ -190,12 +194,13 @@ impl Sensor for DepthCamera<'_> {
         workspace: &mut Workspace<'_>,
         output: DepthFrame<'_>,
     ) -> Result<(), SenseError> {
-        let DepthFrame { mut depth_32fc1, mut depth_16uc1, mut colour, mut points, truth } = output;
+        let DepthFrame { mut depth_32fc1, mut depth_16uc1, mut colour, mut points, mut xyz, truth } = output;
         let pixels = self.pixels();
         check_output("depth_32fc1", depth_32fc1.as_ref().map(|depth| depth.len()), pixels)?;
         check_output("depth_16uc1", depth_16uc1.as_ref().map(|depth| depth.len()), pixels)?;
         check_output("colour", colour.as_ref().map(|colour| colour.len()), self.camera.frame_len())?;
         check_output("points", points.as_ref().map(|points| points.len()), pixels * POINT_STEP)?;
+        check_output("xyz", xyz.as_ref().map(|xyz| xyz.len()), pixels)?;
         check_truth(truth.as_ref(), scene, &self.config.camera.optics, capture)?;
 
         let execution = workspace.execution;
@@ -203,7 +208,7 @@ impl Sensor for DepthCamera<'_> {
         let (optics, shutter) = (&self.config.camera.optics, &capture.shutter);
         let frame = Frame::new(scene, optics, shutter, visibility::VISUAL, execution, &mut memory)?;
         let sight = self.camera.sight();
-        let wants_depth = depth_32fc1.is_some() || depth_16uc1.is_some() || points.is_some();
+        let wants_depth = depth_32fc1.is_some() || depth_16uc1.is_some() || points.is_some() || xyz.is_some();
         let blocks = self.config.too_near == TooNear::Blocks;
         let within = sight.range[0] * optics.longest_direction();
         let blocked: &mut [u16] = if wants_depth && blocks && frame.may_be_within(within) {
@@ -227,6 +232,7 @@ impl Sensor for DepthCamera<'_> {
             depth_32fc1: depth_32fc1.as_deref_mut(),
             depth_16uc1: depth_16uc1.as_deref_mut(),
             points: points.as_deref_mut(),
+            xyz: xyz.as_deref_mut(),
             seen: seen.as_mut().map(Seen::reborrow),
             brightness: brightness.as_mut().map(|Brightness(all)| Brightness(all)),
             truth,
@@ -249,7 +255,7 @@ impl Sensor for DepthCamera<'_> {
                 size: self.camera.size(),
             });
             let (points, width) = (points.as_deref_mut(), self.camera.size()[0]);
-            let output = Measured { depth_32fc1, depth_16uc1, points, width };
+            let output = Measured { depth_32fc1, depth_16uc1, points, xyz, width };
             Developer { camera: self, device, looker, pattern, contrast }.develop(execution, output);
         }
         if let Some(smoothing) = Smoothing::new(&frame, optics, sight, marks) {
@@ -308,7 +314,7 @@ impl Measurer<'_> {
             let depths = self.camera.limited(simd, truth, noisy);
             output.write_depths(simd, self.camera, depths, &place);
             place.step();
-            if output.points.is_some() {
+            if output.points.is_some() || output.xyz.is_some() {
                 let depths: [f32; WIDTH] = depths.into();
                 for lane in 0..WIDTH {
                     of_tile[lane_in_tile(tiling, part, lane)] = depths[lane];
@@ -360,8 +366,10 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                     if wants_points {
                         let light = brush.colours;
                         brush.expose(simd, tile);
-                        output.write_points(&depths, &brush.colours, band, tile);
+                        output.write_points(simd, &depths, &brush.colours, band, tile);
                         brush.colours = light;
+                    } else if is_measured && output.xyz.is_some() {
+                        output.write_points(simd, &depths, &brush.colours, band, tile);
                     }
                 }
                 if output.wants_colour && brush.take_mean(band, tile, &mut output.colour) {

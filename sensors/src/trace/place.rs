@@ -230,7 +230,7 @@ impl Place {
 
 /// Four lanes at a time.
 #[inline(always)]
-fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
+pub(crate) fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
     let (upper, lower) = simd.split_f32x16(values);
     let ((a, b), (c, d)) = (simd.split_f32x8(upper), simd.split_f32x8(lower));
     [a, b, c, d]

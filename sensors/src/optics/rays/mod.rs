@@ -23,7 +23,7 @@ pub(crate) use table::TableFan;
 pub use table::{RayTable, TableError};
 
 use crate::simd::WIDTH;
-use fearless_simd::{Simd, SimdBase, f32x16};
+use fearless_simd::{Simd, SimdBase, SimdNarrow, f32x16, f64x8};
 use glam::DVec3;
 
 /// The rule by which the rays of a frame get their directions, in the axes of the sensor: x forward, y left, z up.
@@ -72,6 +72,17 @@ impl Rays<'_> {
     #[inline(always)]
     pub(crate) fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
         each!(self, rule => rule.exact_block(column, row))
+    }
+
+    /// How far right and down the rays of sixteen pixels lead in a metre of depth: side by side in a row, from a column on
+    /// that is a multiple of sixteen. Lanes beyond the end of the row have any value.
+    #[inline(always)]
+    pub(crate) fn slopes<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 2] {
+        match self {
+            Self::Pinhole(rule) => rule.slopes(simd, column, row),
+            Self::Spherical(rule) => slopes_of(simd, rule.exact_line(simd, column, row)),
+            Self::Table(rule) => slopes_of(simd, rule.exact_line(simd, column, row)),
+        }
     }
 
     /// Directions of the rays of a block, in units of t.
@@ -136,4 +147,11 @@ impl Rays<'_> {
             Self::Table(rule) => rule.missing(column, row),
         }
     }
+}
+
+/// Of directions to the last bit, eight lanes at a time.
+#[inline(always)]
+fn slopes_of<S: Simd>(simd: S, [x, y, z]: [[f64x8<S>; 2]; 3]) -> [f32x16<S>; 2] {
+    let zero = f64x8::splat(simd, 0.0);
+    [((zero - y[0]) / x[0]).narrow((zero - y[1]) / x[1]), ((zero - z[0]) / x[0]).narrow((zero - z[1]) / x[1])]
 }

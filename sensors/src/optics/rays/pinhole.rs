@@ -5,7 +5,9 @@ use super::fan::Fan;
 use super::projection::{Planes, Points, Projection, Rectangles, TINY, bounds_of, max, min, of_rows, whole};
 use crate::optics::{Intrinsics, LensError, Pinhole};
 use crate::simd::WIDTH;
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, i32x16, mask32x16};
+use fearless_simd::{
+    Select, Simd, SimdBase, SimdFloat, SimdMask, SimdNarrow, f32x16, f64x8, i32x16, mask32x16,
+};
 use glam::DVec3;
 
 /// The rays of a pinhole camera: a rule, where other lenses need a table.
@@ -76,6 +78,10 @@ const ACROSS: [[f32; WIDTH]; 2] = [
 ];
 const DOWN: [[f32; WIDTH]; 2] =
     [[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0], [0.0; 16]];
+
+/// The second of [`ACROSS`] in double precision.
+const IN_LINE: [f64; WIDTH] =
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
 /// A pinhole camera.
 #[derive(Debug, Clone, Copy)]
@@ -158,6 +164,18 @@ impl PinholeFan {
     ) -> f32x16<S> {
         let [y, z] = self.block(simd, column, row);
         ((y * y + z * z) + 1.0).sqrt() / inverse
+    }
+
+    /// What [`Rays::slopes`](super::Rays::slopes) gives: to the right it depends on the column alone, down on the row.
+    #[inline(always)]
+    pub(super) fn slopes<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 2] {
+        let ([per_fx, per_fy], zero) = (self.per_focal, f64x8::splat(simd, 0.0));
+        let half = |first: usize| {
+            let columns = f64x8::from_slice(simd, &IN_LINE[first..][..WIDTH / 2]) + column as f64;
+            zero - (f64x8::splat(simd, self.lens.cx) - columns) * per_fx
+        };
+        let down = 0.0 - (self.lens.cy - row as f64) * per_fy;
+        [half(0).narrow(half(WIDTH / 2)), f32x16::splat(simd, down as f32)]
     }
 
     /// From the projected interval of columns and rows to whole rays.

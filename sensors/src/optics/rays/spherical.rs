@@ -79,6 +79,25 @@ impl SphericalFan<'_> {
     }
 }
 
+impl SphericalFan<'_> {
+    /// Directions of sixteen rays side by side in a row to the last bit, eight lanes at a time; beyond its end the last one.
+    #[inline(always)]
+    pub(super) fn exact_line<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
+        let [level, up] = self.elevations[row];
+        let (mut cos, mut sin) = ([0.0; WIDTH], [0.0; WIDTH]);
+        for lane in 0..WIDTH {
+            [cos[lane], sin[lane]] = self.azimuths[(column + lane).min(self.fan.width as usize - 1)];
+        }
+        let half =
+            |values: &[f64; WIDTH], first: usize| f64x8::from_slice(simd, &values[first..][..WIDTH / 2]);
+        [
+            [half(&cos, 0) * level, half(&cos, 8) * level],
+            [half(&sin, 0) * level, half(&sin, 8) * level],
+            [f64x8::splat(simd, up); 2],
+        ]
+    }
+}
+
 impl Projection for SphericalFan<'_> {
     of_rows!();
     of_length_one!();

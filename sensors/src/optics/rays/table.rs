@@ -23,7 +23,9 @@ use super::projection::{
 };
 use crate::simd::{WIDTH, sqrt_f32};
 use chart::{Kind, Windows};
-use fearless_simd::{Select, Simd, SimdBase, SimdWiden, f32x16, f64x8, i32x16, mask32x16};
+use fearless_simd::{
+    Select, Simd, SimdBase, SimdCombine, SimdWiden, f32x4, f32x16, f64x8, i32x16, mask32x16,
+};
 use glam::DVec3;
 
 /// A table of rays, and the rows of it to draw.
@@ -58,6 +60,29 @@ impl<'a> TableFan<'a> {
         let [x, y, z] = self.block(simd, column, row);
         let (x, y, z) = (x.widen(), y.widen(), z.widen());
         [[x.0, x.1], [y.0, y.1], [z.0, z.1]]
+    }
+
+    /// Directions of sixteen rays side by side in a row, from a column on that is a multiple of sixteen, to the last bit,
+    /// eight lanes at a time; beyond the last block its own once more.
+    #[inline(always)]
+    pub(super) fn exact_line<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
+        let (shift_x, shift_y) = (self.fan.shift_x, self.fan.shift_y);
+        if shift_y == 0 {
+            return self.exact(simd, column >> shift_x, row);
+        }
+        let (across, from) = (self.fan.blocks_across(), (row & 3) * 4);
+        let blocks = &self.table.directions[(row >> shift_y) * across..][..across];
+        let first = column >> shift_x;
+        let mut line = [[f64x8::splat(simd, 0.0); 2]; 3];
+        for axis in 0..3 {
+            let four = |part: usize| {
+                f32x4::from_slice(simd, &blocks[(first + part).min(across - 1)][axis][from..][..4])
+            };
+            let (left, right) = (four(0).combine(four(1)), four(2).combine(four(3)));
+            let (left, right) = left.combine(right).widen();
+            line[axis] = [left, right];
+        }
+        line
     }
 
     /// Index of a ray's block, and its lane. Lanes that are done stand past the end; any ray will do for them.

@@ -4,7 +4,7 @@ use super::contrast::Contrast;
 use super::ends::{Ends, MOST_ROWS};
 use super::look::{CHUNK, LINES, Looker, load};
 use super::pattern::Pattern;
-use super::rows::{millimetres, write_xyz};
+use super::rows::{Places, millimetres};
 use super::{DepthCamera, POINT_STEP};
 use crate::device::depth::{DepthDevice, Sampling};
 use crate::execution::{Execution, SplitRows, for_each_row, split_at};
@@ -19,6 +19,7 @@ pub(super) struct Measured<'a> {
     pub(super) depth_16uc1: Option<&'a mut [u16]>,
     /// Points, of which coordinates are written and nothing else.
     pub(super) points: Option<&'a mut [u8]>,
+    pub(super) xyz: Option<&'a mut [[f32; 3]]>,
     /// Pixels across.
     pub(super) width: usize,
 }
@@ -30,9 +31,16 @@ impl SplitRows for Measured<'_> {
         let (depth_32fc1, lower_32fc1) = split_at(self.depth_32fc1, pixels);
         let (depth_16uc1, lower_16uc1) = split_at(self.depth_16uc1, pixels);
         let (points, lower_points) = split_at(self.points, pixels * POINT_STEP);
+        let (xyz, lower_xyz) = split_at(self.xyz, pixels);
         (
-            Self { depth_32fc1, depth_16uc1, points, width },
-            Self { depth_32fc1: lower_32fc1, depth_16uc1: lower_16uc1, points: lower_points, width },
+            Self { depth_32fc1, depth_16uc1, points, xyz, width },
+            Self {
+                depth_32fc1: lower_32fc1,
+                depth_16uc1: lower_16uc1,
+                points: lower_points,
+                xyz: lower_xyz,
+                width,
+            },
         )
     }
 }
@@ -125,16 +133,18 @@ impl Developer<'_> {
             let shown: [f32; WIDTH] = self.camera.shown(simd, depths).into();
             output[first..first + count].copy_from_slice(&shown[..count]);
         }
-        let depths: [f32; WIDTH] = depths.into();
         if let Some(output) = &mut output.depth_16uc1 {
-            output[first..first + count].copy_from_slice(&millimetres(&depths)[..count]);
+            output[first..first + count].copy_from_slice(&millimetres(simd, depths)[..count]);
         }
+        if output.points.is_none() && output.xyz.is_none() {
+            return;
+        }
+        let places = Places::new(simd, &self.looker.rays, [column, row], depths);
         if let Some(points) = &mut output.points {
-            let points = points[first * POINT_STEP..][..count * POINT_STEP].chunks_exact_mut(POINT_STEP);
-            for (lane, point) in points.enumerate() {
-                let ray = self.looker.rays.direction((column + lane) as i32, row as i32);
-                write_xyz(point, ray, depths[lane]);
-            }
+            places.write_places(&mut points[first * POINT_STEP..][..count * POINT_STEP]);
+        }
+        if let Some(xyz) = &mut output.xyz {
+            places.write(&mut xyz[first..][..count]);
         }
     }
 }

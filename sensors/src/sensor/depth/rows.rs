@@ -5,19 +5,19 @@ use super::seen::Seen;
 use super::{DepthCamera, POINT_STEP};
 use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
+use crate::optics::rays::Rays;
 use crate::scene::ColourSpace;
 use crate::sensor::camera::Camera;
 use crate::sensor::camera::brush::ColourRows;
 use crate::sensor::edges::{Canvas, TILE_HEIGHT, TILE_WIDTH};
 use crate::sensor::pixel::{self, to_byte};
 use crate::shade::Colours;
-use crate::simd::{LANES, Lanes, WIDTH};
+use crate::simd::{LANES, Lanes, WIDTH, load_row};
 use crate::trace::Truth;
 use crate::trace::grid::Band;
-use crate::trace::place::Place;
+use crate::trace::place::{Place, quarters};
 use crate::trace::tiling::{BLOCKS, Tiling};
-use fearless_simd::{Simd, f32x16};
-use glam::DVec3;
+use fearless_simd::{Bytes, Select, Simd, SimdBase, f32x4, f32x16};
 
 /// From where on a point has its colour.
 const POINT_RGB: usize = 16;
@@ -29,41 +29,82 @@ fn rgb(colour: [f32; 3]) -> [u8; 4] {
     [blue, green, red, 0]
 }
 
-/// Writes a whole point.
-#[inline(always)]
-fn write_point(point: &mut [u8], ray: DVec3, depth: f32, colour: [f32; 3]) {
-    let [x, y, z] = xyz(ray, depth);
-    let words = [x, y, z, 0, u32::from_le_bytes(rgb(colour)), 0, 0, 0];
-    for (bytes, word) in point.as_chunks_mut::<4>().0.iter_mut().zip(words) {
-        *bytes = word.to_le_bytes();
+/// Coordinates of sixteen points side by side in a row: right, down and ahead, and 0; NaN where there is no depth.
+pub(super) struct Places([[f32; 4]; WIDTH]);
+
+impl Places {
+    /// Of pixels of that row from that column on, which is a multiple of sixteen.
+    #[inline(always)]
+    pub(super) fn new<S: Simd>(
+        simd: S,
+        rays: &Rays<'_>,
+        [column, row]: [usize; 2],
+        depths: f32x16<S>,
+    ) -> Self {
+        let [right, down] = rays.slopes(simd, column, row);
+        let is_finite = depths.abs().simd_lt(f32x16::splat(simd, f32::INFINITY));
+        let nowhere = f32x16::splat(simd, f32::NAN);
+        let x = quarters(simd, is_finite.select(right * depths, nowhere));
+        let y = quarters(simd, is_finite.select(down * depths, nowhere));
+        let z = quarters(simd, is_finite.select(depths, nowhere));
+        let zero = f32x4::splat(simd, 0.0);
+        let mut places = [[0.0; 4]; WIDTH];
+        for (four, places) in places.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+            let (x, y, z) = (x[four], y[four], z[four]);
+            let (xz, yw) = (simd.zip_low_f32x4(x, z), simd.zip_low_f32x4(y, zero));
+            simd.zip_low_f32x4(xz, yw).store_array(&mut places[0]);
+            simd.zip_high_f32x4(xz, yw).store_array(&mut places[1]);
+            let (xz, yw) = (simd.zip_high_f32x4(x, z), simd.zip_high_f32x4(y, zero));
+            simd.zip_low_f32x4(xz, yw).store_array(&mut places[2]);
+            simd.zip_high_f32x4(xz, yw).store_array(&mut places[3]);
+        }
+        Self(places)
+    }
+
+    /// Writes as many as there is room for.
+    #[inline(always)]
+    pub(super) fn write(&self, output: &mut [[f32; 3]]) {
+        for (output, &[x, y, z, _]) in output.iter_mut().zip(&self.0) {
+            *output = [x, y, z];
+        }
+    }
+
+    /// Writes as many as there is room for into points whose colours stay.
+    #[inline(always)]
+    pub(super) fn write_places(&self, points: &mut [u8]) {
+        for (point, place) in points.as_chunks_mut::<POINT_STEP>().0.iter_mut().zip(&self.0) {
+            write_words(&place.map(f32::to_bits), &mut point[..POINT_RGB]);
+        }
+    }
+
+    /// Writes whole points, as many as there is room for.
+    #[inline(always)]
+    fn write_points(&self, colours: &[u32; WIDTH], points: &mut [u8]) {
+        let points = points.as_chunks_mut::<POINT_STEP>().0.iter_mut();
+        for ((point, place), &colour) in points.zip(&self.0).zip(colours) {
+            write_words(&place.map(f32::to_bits), &mut point[..POINT_RGB]);
+            write_words(&[colour, 0, 0, 0], &mut point[POINT_RGB..]);
+        }
     }
 }
 
-/// Writes the coordinates of a point, and nothing else.
+/// Words as bytes, the lowest first.
 #[inline(always)]
-pub(super) fn write_xyz(point: &mut [u8], ray: DVec3, depth: f32) {
-    for (bytes, word) in point.as_chunks_mut::<4>().0.iter_mut().zip(xyz(ray, depth)) {
+fn write_words(words: &[u32; 4], bytes: &mut [u8]) {
+    for (bytes, word) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(words) {
         *bytes = word.to_le_bytes();
     }
-}
-
-/// The bits of a point's coordinates, from its ray in the axes of the sensor; NaN where there is no depth.
-#[inline(always)]
-fn xyz(ray: DVec3, depth: f32) -> [u32; 3] {
-    let [right, down] = [((0.0 - ray.y) / ray.x) as f32, ((0.0 - ray.z) / ray.x) as f32];
-    let xyz = if depth.is_finite() { [right * depth, down * depth, depth] } else { [f32::NAN; 3] };
-    xyz.map(f32::to_bits)
 }
 
 /// Depths in millimetres; 0 where there is none that 16 bits hold.
 #[inline(always)]
-pub(super) fn millimetres(depths: &[f32; WIDTH]) -> [u16; WIDTH] {
-    let mut pixels = [0; WIDTH];
-    for lane in 0..WIDTH {
-        let millimetres = depths[lane] * 1000.0 + 0.5;
-        pixels[lane] = if (1.0..65536.0).contains(&millimetres) { millimetres as u16 } else { 0 };
-    }
-    pixels
+pub(super) fn millimetres<S: Simd>(simd: S, depths: f32x16<S>) -> [u16; WIDTH] {
+    let millimetres = depths * 1000.0 + 0.5;
+    let (least, end) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, 65536.0));
+    let fits = millimetres.simd_ge(least) & millimetres.simd_lt(end);
+    let whole = simd.cvt_i32_f32x16(fits.select(millimetres, f32x16::splat(simd, 0.0)));
+    let (first, second) = simd.split_u32x16(whole.bitcast());
+    simd.narrow_u32x8(first, second).into()
 }
 
 /// The parts of a frame, cut between rows of tiles.
@@ -71,6 +112,7 @@ pub(super) struct Rows<'a> {
     pub(super) depth_32fc1: Option<&'a mut [f32]>,
     pub(super) depth_16uc1: Option<&'a mut [u16]>,
     pub(super) points: Option<&'a mut [u8]>,
+    pub(super) xyz: Option<&'a mut [[f32; 3]]>,
     /// What the device is to read; without one, depths are measured as they are traced.
     pub(super) seen: Option<Seen<'a>>,
     /// What it finds pixels by.
@@ -91,6 +133,7 @@ impl SplitRows for Rows<'_> {
         let (depth_32fc1, lower_32fc1) = split_at(self.depth_32fc1, pixels);
         let (depth_16uc1, lower_16uc1) = split_at(self.depth_16uc1, pixels);
         let (points, lower_points) = split_at(self.points, pixels * POINT_STEP);
+        let (xyz, lower_xyz) = split_at(self.xyz, pixels);
         let (seen, lower_seen) = self.seen.map(|seen| seen.split_at(pixels)).unzip();
         let (brightness, lower_brightness) = split_at(self.brightness.map(|Brightness(all)| all), pixels);
         let [brightness, lower_brightness] = [brightness, lower_brightness].map(|all| all.map(Brightness));
@@ -101,6 +144,7 @@ impl SplitRows for Rows<'_> {
                 depth_32fc1,
                 depth_16uc1,
                 points,
+                xyz,
                 seen,
                 brightness,
                 truth,
@@ -113,6 +157,7 @@ impl SplitRows for Rows<'_> {
                 depth_32fc1: lower_32fc1,
                 depth_16uc1: lower_16uc1,
                 points: lower_points,
+                xyz: lower_xyz,
                 seen: lower_seen,
                 brightness: lower_brightness,
                 truth: lower_truth,
@@ -126,20 +171,22 @@ impl SplitRows for Rows<'_> {
 }
 
 impl Rows<'_> {
-    /// The lines of a tile that lie in the picture: number, first pixel in the output, and how many pixels there are.
+    /// The lines of a tile that lie in the picture: number, column and row, first pixel in the output, and how many pixels
+    /// there are.
     #[inline(always)]
     fn lines_of(
         &self,
         band: &Band<'_>,
         [column, row]: [usize; 2],
-    ) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+    ) -> impl Iterator<Item = (usize, [usize; 2], usize, usize)> + use<> {
         let tiling = Tiling::of(band.rays.fan());
         let ([across, down], width) = (tiling.size(), self.width);
         let [first_row, last_row] = [band.first_row, band.rows[1]].map(|row| row as usize);
         (0..BLOCKS).filter_map(move |line| {
             let [x, y] = tiling.line(line);
             let (x, y) = (column * across + x, row * down + y);
-            (x < width && y <= last_row).then(|| (line, (y - first_row) * width + x, WIDTH.min(width - x)))
+            (x < width && y <= last_row)
+                .then(|| (line, [x, y], (y - first_row) * width + x, WIDTH.min(width - x)))
         })
     }
 
@@ -156,7 +203,7 @@ impl Rows<'_> {
             place.write_f32(simd, camera.shown(simd, depths), output);
         }
         if let Some(output) = &mut self.depth_16uc1 {
-            place.write(&millimetres(&depths.into()), output);
+            place.write(&millimetres(simd, depths), output);
         }
     }
 
@@ -165,28 +212,32 @@ impl Rows<'_> {
     pub(super) fn write_brightness(&mut self, colours: &Colours, band: &Band<'_>, tile: [usize; 2]) {
         let lines = self.lines_of(band, tile);
         let Some(brightness) = &mut self.brightness else { return };
-        for (line, first, count) in lines {
+        for (line, _, first, count) in lines {
             brightness.write(colours, line * WIDTH, (first, count));
         }
     }
 
+    /// Writes what is asked for of the points of a tile. Without [`Rows::points`], colours do not matter.
     #[inline(always)]
-    pub(super) fn write_points(
+    pub(super) fn write_points<S: Simd>(
         &mut self,
+        simd: S,
         depths: &Lanes<f32>,
         colours: &Colours,
         band: &Band<'_>,
         tile: [usize; 2],
     ) {
-        let lines = self.lines_of(band, tile);
-        let Some(points) = &mut self.points else { return };
-        for (line, first, count) in lines {
-            let (column, row) = (first % self.width, first / self.width + band.first_row as usize);
-            let output = points[first * POINT_STEP..][..count * POINT_STEP].chunks_exact_mut(POINT_STEP);
-            for (x, point) in output.enumerate() {
-                let lane = line * WIDTH + x;
-                let ray = band.rays.direction((column + x) as i32, row as i32);
-                write_point(point, ray, depths[lane], [0, 1, 2].map(|channel| colours[channel][lane]));
+        for (line, pixel, first, count) in self.lines_of(band, tile) {
+            let places = Places::new(simd, &band.rays, pixel, load_row(simd, depths, line));
+            if let Some(xyz) = &mut self.xyz {
+                places.write(&mut xyz[first..][..count]);
+            }
+            if let Some(points) = &mut self.points {
+                let [red, green, blue] = colours;
+                let [red, green, blue] =
+                    [load_row(simd, red, line), load_row(simd, green, line), load_row(simd, blue, line)];
+                let colours = pixel::to_bytes(simd, [blue, green, red]).into();
+                places.write_points(&colours, &mut points[first * POINT_STEP..][..count * POINT_STEP]);
             }
         }
     }

@@ -314,7 +314,7 @@ impl Measurer<'_> {
             let depths = self.camera.limited(simd, truth, noisy);
             output.write_depths(simd, self.camera, depths, &place);
             place.step();
-            if output.points.is_some() || output.xyz.is_some() {
+            if output.wants_places() {
                 let depths: [f32; WIDTH] = depths.into();
                 for lane in 0..WIDTH {
                     of_tile[lane_in_tile(tiling, part, lane)] = depths[lane];
@@ -337,7 +337,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
         if let Some(truth) = &mut output.truth {
             truth.write(simd, band, &camera.camera.sight(), capture);
         }
-        let is_measured = output.seen.is_none();
+        let is_measured = output.wants_measured();
         if let (Some(seen), Some(device)) = (&mut output.seen, &camera.device) {
             seen.write(simd, band, device, &camera.camera.sight(), self.obstacles);
         }

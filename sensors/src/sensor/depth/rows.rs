@@ -171,6 +171,19 @@ impl SplitRows for Rows<'_> {
 }
 
 impl Rows<'_> {
+    /// Whether points are asked for, with colours or without.
+    #[inline(always)]
+    pub(super) fn wants_places(&self) -> bool {
+        self.points.is_some() || self.xyz.is_some()
+    }
+
+    /// Whether depths are to be measured as they are traced: they are asked for, and no device is to read them.
+    #[inline(always)]
+    pub(super) fn wants_measured(&self) -> bool {
+        let wants_depth = self.depth_32fc1.is_some() || self.depth_16uc1.is_some() || self.wants_places();
+        wants_depth && self.seen.is_none()
+    }
+
     /// The lines of a tile that lie in the picture: number, column and row, first pixel in the output, and how many pixels
     /// there are.
     #[inline(always)]

@@ -357,6 +357,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 if wants_brightness {
                     output.write_brightness(&brush.colours, band, tile);
                 }
+                let mut is_exposed = false;
                 if is_first {
                     let mut depths = [f32::NAN; LANES];
                     if is_measured {
@@ -364,16 +365,20 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                         depths = self.measure(simd, band, tools, tile, output);
                     }
                     if wants_points {
-                        let light = brush.colours;
+                        // Of a mean, the points have the colours of its first moment.
+                        let light = (output.wants_colour && output.colour.sums()).then_some(brush.colours);
                         brush.expose(simd, tile);
                         output.write_points(simd, &depths, &brush.colours, band, tile);
-                        brush.colours = light;
+                        is_exposed = light.is_none();
+                        brush.colours = light.unwrap_or(brush.colours);
                     } else if is_measured && output.xyz.is_some() {
                         output.write_points(simd, &depths, &brush.colours, band, tile);
                     }
                 }
                 if output.wants_colour && brush.take_mean(band, tile, &mut output.colour) {
-                    brush.expose(simd, tile);
+                    if !is_exposed {
+                        brush.expose(simd, tile);
+                    }
                     brush.write(simd, band, tile, &mut output.colour);
                 }
             }

@@ -64,6 +64,14 @@ impl<'a> ColourRows<'a> {
     }
 }
 
+impl ColourRows<'_> {
+    /// Whether light is summed over moments.
+    #[inline(always)]
+    pub(in crate::sensor) fn sums(&self) -> bool {
+        !self.sums.is_empty()
+    }
+}
+
 impl SplitRows for ColourRows<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let Self { bytes, tiles, .. } = self;

@@ -10,19 +10,18 @@ use crate::noise::{Stream, normals64};
 use crate::optics::Optics;
 use crate::optics::SphericalGrid;
 use crate::scene::Scene;
-use crate::simd::{LANES, WIDTH};
+use crate::simd::LANES;
 pub use crate::trace::TooNear;
 use crate::trace::beyond::Glazing;
 use crate::trace::error::check_output;
 use crate::trace::grid::{Band, BandWork, Frame, Sight, check_shutter};
-use crate::trace::image::NO_HIT;
 use crate::trace::measure::Measure;
 use crate::trace::place::for_each_block;
-use crate::trace::resolve::Resolver;
+use crate::trace::resolve::{Resolver, hit_lanes};
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 pub use config::{Beams, LidarConfig, LidarError, MAX_BEAMS, MAX_SAMPLES, Sweep};
-use fearless_simd::Simd;
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x16};
 
 /// A checked lidar.
 #[derive(Debug, Clone, Copy)]
@@ -255,14 +254,10 @@ impl BandWork<Lines<'_>> for Scanner<'_> {
                     place.write_f32(simd, truth, ranges);
                 }
                 if let Some(intensities) = intensities.as_deref_mut() {
-                    let truth: [f32; WIDTH] = truth.into();
-                    let mut retro = [0.0; WIDTH];
-                    for (lane, &slot) in slots.iter().enumerate() {
-                        if slot != NO_HIT && min < truth[lane] && truth[lane] < max {
-                            retro[lane] = resolver.laser_retro(slot);
-                        }
-                    }
-                    place.write(&retro, intensities);
+                    let in_range =
+                        truth.simd_gt(f32x16::splat(simd, min)) & truth.simd_lt(f32x16::splat(simd, max));
+                    let lanes = hit_lanes(simd, slots) & in_range.to_bitmask() as u16;
+                    place.write_f32(simd, resolver.laser_retros(simd, slots, lanes), intensities);
                 }
             },
         );

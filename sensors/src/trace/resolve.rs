@@ -5,7 +5,7 @@ use super::view::{Placed, View};
 use crate::scene::tree::Facet;
 use crate::scene::{Kind, Triangles};
 use crate::simd::{WIDTH, sqrt_f32};
-use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DVec3;
 
 /// How many instances a [`Resolver`] remembers beside the last.
@@ -165,7 +165,30 @@ impl<'a> Resolver<'a> {
     #[inline(always)]
     pub(crate) fn laser_retro(&mut self, slot: u32) -> f32 {
         let hit = self.hit(slot);
+        self.laser_retro_of(&hit)
+    }
+
+    #[inline(always)]
+    fn laser_retro_of(&self, hit: &Hit<'_>) -> f32 {
         self.view.scene.instances[hit.instance.instance as usize].laser_retro
+    }
+
+    /// The intensities that a lidar reports for the instances that some lanes have hit, a bit each; 0 in the others.
+    #[inline(always)]
+    pub(crate) fn laser_retros<S: Simd>(
+        &mut self,
+        simd: S,
+        slots: &[u32; WIDTH],
+        mut lanes: u16,
+    ) -> f32x16<S> {
+        let mut retros = f32x16::splat(simd, 0.0);
+        while lanes != 0 {
+            let (hit, own) = self.first_of(simd, slots, lanes);
+            let here = simd.from_bitmask_mask32x16(u64::from(own & lanes));
+            retros = here.select(f32x16::splat(simd, self.laser_retro_of(&hit)), retros);
+            lanes &= !own;
+        }
+        retros
     }
 
     /// Which triangle of its mesh or height field was hit, in the order of its maker; 0 for other shapes.

@@ -4,7 +4,7 @@
 //! The bias is drawn once per run from N(bias mean, bias stddev), and its sign is flipped with probability ½.
 
 use super::{Stream, standard_normal};
-use fearless_simd::{Simd, SimdBase, f32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
 /// Additive Gaussian noise with a constant bias and an optional rounding, in the unit of the measured value.
 ///
@@ -162,12 +162,12 @@ impl GaussianNoise {
         bias: f32,
         normals: f32x16<S>,
     ) -> f32x16<S> {
+        let noisy = values + (normals * self.stddev + (bias + self.mean));
         if self.precision == 0.0 {
-            return values + (normals * self.stddev + (bias + self.mean));
+            noisy
+        } else {
+            round_vector(simd, noisy / self.precision) * self.precision
         }
-        let mut noisy = values.into();
-        self.apply_all(&mut noisy, bias, &normals.into());
-        f32x16::load_array(simd, noisy)
     }
 
     /// [`GaussianNoise::apply`] to many values, each with the normal of its place.
@@ -192,16 +192,63 @@ impl Default for GaussianNoise {
     }
 }
 
+/// From here on every f32 is an integer.
+const ALL_INTEGERS: f32 = 8_388_608.0;
+
 /// To the nearest integer, halves away from zero, as C's `round`. Written out because `core` has no rounding,
 /// and in a form that vectorises.
 #[allow(clippy::inline_always, reason = "called per sample inside vectorised kernels")]
 #[inline(always)]
 fn round(x: f32) -> f32 {
-    /// From here on every f32 is an integer.
-    const ALL_INTEGERS: f32 = 8_388_608.0;
     let magnitude = x.abs();
     let whole = magnitude as i32 as f32;
     let rounded = if magnitude - whole >= 0.5 { whole + 1.0 } else { whole };
     // NaN and infinities fail the comparison too.
     if magnitude < ALL_INTEGERS { rounded.copysign(x) } else { x }
+}
+
+/// [`round`] of sixteen values.
+#[inline(always)]
+fn round_vector<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+    let magnitude = x.abs();
+    let has_fraction = magnitude.simd_lt(f32x16::splat(simd, ALL_INTEGERS));
+    // What is no less is an integer already, or not a number, and 32 bits need not hold it.
+    let magnitude = has_fraction.select(magnitude, f32x16::splat(simd, 0.0));
+    let whole = simd.cvt_f32_i32x16(simd.cvt_i32_f32x16(magnitude));
+    let is_half = (magnitude - whole).simd_ge(f32x16::splat(simd, 0.5));
+    let rounded = is_half.select(whole + 1.0, whole);
+    has_fraction.select(rounded.copysign(x), x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sixteen_values_are_rounded_as_each_alone() {
+        let places = [0.0, 0.5, 1.0, 1.5, 2.5, 12.5, 4_194_303.5, 4_194_304.0, 8_388_607.0, 8_388_607.5];
+        let far =
+            [8_388_608.0, 16_777_217.0, 2_147_483_520.0, 2_147_483_648.0, 1e20, f32::INFINITY, f32::NAN];
+        let mut values: Vec<f32> = places.into_iter().chain(far).flat_map(|x| [x, -x]).collect();
+        // The numbers beside them, and some of any size.
+        values.extend(values.clone().iter().flat_map(|x| [x.next_up(), x.next_down()]));
+        values.extend((0..40_000_u32).map(|index| f32::from_bits(index.wrapping_mul(107_374))));
+        values.resize(values.len().next_multiple_of(16), 0.0);
+        for precision in [0.0, 1.0, 0.001, 0.3, 1e30] {
+            let noise = GaussianNoise::new(0.01, 0.02, 0.0, 0.0, precision).unwrap();
+            for sixteen in values.as_chunks::<16>().0 {
+                let together: [f32; 16] = crate::simd::dispatch!(crate::simd::best_level(), simd => {
+                    let z = f32x16::splat(simd, -0.75);
+                    noise.apply_vector(simd, f32x16::load_array(simd, *sixteen), 0.25, z).into()
+                });
+                for (&value, together) in sixteen.iter().zip(together) {
+                    let alone = noise.apply(value, 0.25, -0.75);
+                    assert!(
+                        together.to_bits() == alone.to_bits() || together.is_nan() && alone.is_nan(),
+                        "{value} to {precision}: {together} instead of {alone}"
+                    );
+                }
+            }
+        }
+    }
 }

@@ -145,8 +145,11 @@ fn shine(view: &View<'_>, material: &Material, hit: &Hit<'_>, face: u32) -> [f32
         }
         Kind::Triangles(triangles) => triangle_normal(view, (hit.instance, triangles), hit.local),
     };
-    let [ambient, diffuse, emissive] =
-        [material.ambient, material.diffuse, material.emissive].map(|colour| light_of(colour, space));
+    let (ambient, diffuse, emissive) = (
+        light_of(material.ambient, space),
+        light_of(material.diffuse, space),
+        light_of(material.emissive, space),
+    );
     let mut colour = [0.0; 3];
     for channel in 0..3 {
         colour[channel] = ambient[channel] * scene.environment.ambient[channel] + emissive[channel];

@@ -42,8 +42,11 @@ impl View<'_> {
 fn any_triangle_within(block: &TriangleBlock, point: DVec3, radius: f64) -> bool {
     let margin = margin(point, radius);
     (0..WIDTH).any(|lane| {
-        let [a, b, c] =
-            block.corners.map(|corner| DVec3::from_array(corner.map(|axis| f64::from(axis[lane]))) - point);
+        let corner = |[x, y, z]: &[[f32; WIDTH]; 3]| {
+            DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()) - point
+        };
+        let [a, b, c] = &block.corners;
+        let (a, b, c) = (corner(a), corner(b), corner(c));
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let outside = low.max(-high).max(DVec3::ZERO);
         // Corners of large triangles are rounded by more.

@@ -268,7 +268,9 @@ impl<'a> View<'a> {
 
     /// Rows of the matrix from the sensor's axes to those of an instance.
     pub(crate) fn rows_from_sensor(&self, placed: &Placed) -> [[f64; 3]; 3] {
-        placed.inverse.map(|row| (self.sensor_from_world * DVec3::from_array(row)).to_array())
+        let [x, y, z] = placed.inverse;
+        let row = |row: [f64; 3]| (self.sensor_from_world * DVec3::from_array(row)).to_array();
+        [row(x), row(y), row(z)]
     }
 
     /// The tree of a height field.
@@ -290,6 +292,7 @@ impl<'a> View<'a> {
     }
 
     /// The corners of a triangle of an instance, in its frame, by its slot from the instance's first.
+    #[inline(always)]
     pub(crate) fn corners(&self, placed: &Placed, local: u32) -> [DVec3; 3] {
         let (block, lane) = (local / WIDTH as u32, local as usize % WIDTH);
         if placed.kind() == Kind::Triangles(Triangles::HeightField) {
@@ -298,8 +301,9 @@ impl<'a> View<'a> {
             return [wide(a), wide(b), wide(c)];
         }
         let corners = &self.scene.blocks[(placed.first_block + block) as usize].corners;
-        // By reference: `map` of an array of arrays copies it first.
-        corners.each_ref().map(|[x, y, z]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()))
+        let corner =
+            |[x, y, z]: &[[f32; WIDTH]; 3]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into());
+        [corner(&corners[0]), corner(&corners[1]), corner(&corners[2])]
     }
 
     /// A point of the world in the frame.

@@ -51,7 +51,6 @@ impl PlaneArrays {
 
 impl Source<'_> {
     /// Makes the planes of the triangles in `lanes` again.
-    #[cold]
     #[inline(never)]
     pub(super) fn sharpen(&self, mut lanes: u64, planes: &mut PlaneArrays) {
         let sensor_from_instance = self.view.sensor_from_world * DMat3::from_cols_array_2d(&self.placed.axes);
@@ -60,8 +59,12 @@ impl Source<'_> {
             let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
             let bit = 1 << lane;
             lanes &= lanes - 1;
-            let corners = self.view.corners(self.placed, self.leaf * WIDTH as u32 + lane as u32);
-            let [a, b, c] = corners.map(|corner| sensor_from_instance * (corner - origin));
+            let [a, b, c] = self.view.corners(self.placed, self.leaf * WIDTH as u32 + lane as u32);
+            let (a, b, c) = (
+                sensor_from_instance * (a - origin),
+                sensor_from_instance * (b - origin),
+                sensor_from_instance * (c - origin),
+            );
             let normal = (b - a).cross(c - a);
             let volume = normal.dot(a);
             let sides = [volume > 0.0, volume < 0.0];

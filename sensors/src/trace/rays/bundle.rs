@@ -96,7 +96,8 @@ impl Bundle {
     /// Ray `index` by itself.
     pub(super) fn ray(&self, index: usize) -> Ray {
         let of = |high: &[PerRay<f32>; 3], low: &[PerRay<f32>; 3]| {
-            [0, 1, 2].map(|axis| f64::from(high[axis][index]) + f64::from(low[axis][index]))
+            let along = |axis: usize| f64::from(high[axis][index]) + f64::from(low[axis][index]);
+            [along(0), along(1), along(2)]
         };
         let mut ray = Ray::new(
             of(&self.origin, &self.origin_low),

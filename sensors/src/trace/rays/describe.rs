@@ -55,8 +55,9 @@ fn in_frame(placed: &Placed, normal: DVec3) -> [f32; 3] {
 
 /// Normal, triangle, and weights of the second and third corner at a point.
 pub(super) fn on_triangle(block: &TriangleBlock, lane: usize, point: DVec3) -> (DVec3, u32, [f32; 2]) {
-    let corners = [0, 1, 2]
-        .map(|corner| DVec3::from_array([0, 1, 2].map(|axis| f64::from(block.corners[corner][axis][lane]))));
+    let corner = |[x, y, z]: &[[f32; WIDTH]; 3]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into());
+    let [a, b, c] = &block.corners;
+    let corners = [corner(a), corner(b), corner(c)];
     let normal = DVec3::from_array(block::normal(block, lane));
     (normal, block.triangle[lane], triangle_weights(corners, point))
 }

@@ -129,5 +129,9 @@ pub(super) fn greater(a: f64, b: f64) -> f64 {
 /// Multiplies a matrix by another from the left, both given by rows.
 pub(super) fn turn(rows: &mut [[f64; 3]; 3], by: [[f64; 3]; 3]) {
     let [x, y, z] = *rows;
-    *rows = by.map(|[a, b, c]| core::array::from_fn(|axis| (a * x[axis] + b * y[axis]) + c * z[axis]));
+    for (row, [a, b, c]) in rows.iter_mut().zip(by) {
+        for axis in 0..3 {
+            row[axis] = (a * x[axis] + b * y[axis]) + c * z[axis];
+        }
+    }
 }

@@ -125,7 +125,7 @@ impl SphericalFan<'_> {
                         indices([middle + from, middle + to], self.first_azimuth, self.columns_per_radian);
                     let across = over_turns(across, self.column_margin, self.turn, columns);
                     let all = [f32x16::splat(simd, 0.0), f32x16::splat(simd, columns[1] as f32)];
-                    let across = [0, 1].map(|end| all_round.select(all[end], across[end]));
+                    let across = [all_round.select(all[0], across[0]), all_round.select(all[1], across[1])];
                     let down = indices(elevation, self.first_elevation, self.rows_per_radian);
                     let down = over_turns(down, self.row_margin, self.row_turn, self.rows);
                     let some = across[0].simd_le(across[1]) & down[0].simd_le(down[1]) & candidates;
@@ -137,19 +137,19 @@ impl SphericalFan<'_> {
                 let both = |own: f32x16<S>, other: f32x16<S>, joined: f32x16<S>| {
                     ahead.select(over.select(joined, own), other)
                 };
-                let first = [0, 1].map(|axis| {
+                let least = |axis: usize| {
                     let value = both(first[axis], first_over[axis], min(first[axis], first_over[axis]));
                     simd.cvt_i32_f32x16(value)
-                });
-                let last = [0, 1].map(|axis| {
+                };
+                let most = |axis: usize| {
                     let value = both(last[axis], last_over[axis], max(last[axis], last_over[axis]));
                     simd.cvt_i32_f32x16(value)
-                });
+                };
                 Rectangles {
-                    first_column: first[0],
-                    last_column: last[0],
-                    first_row: first[1],
-                    last_row: last[1],
+                    first_column: least(0),
+                    last_column: most(0),
+                    first_row: least(1),
+                    last_row: most(1),
                     some: ahead | over,
                 }
             },
@@ -176,7 +176,7 @@ fn over_turns<S: Simd>(
     let simd = first.simd;
     let (first, last) = (first - margin, last + margin);
     let length = last - first;
-    let [least, most] = [least, most].map(|end| f32x16::splat(simd, end as f32));
+    let (least, most) = (f32x16::splat(simd, least as f32), f32x16::splat(simd, most as f32));
     // The earliest that ends within, and the latest that begins within.
     let after = last - least;
     let earliest = (after - simd.floor_f32x16(after / turn) * turn) + least - length;

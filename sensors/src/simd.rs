@@ -5,7 +5,7 @@
 //! is chosen once a frame. As no operation is fused or approximated, every level gives the same bits.
 
 pub use fearless_simd::Level;
-use fearless_simd::{Simd, SimdBase, f32x16};
+use fearless_simd::{Simd, SimdBase, f32x4, f32x16};
 
 /// Runs an expression compiled for the instruction set of a [`Level`], with its token.
 ///
@@ -94,6 +94,14 @@ pub(crate) fn load_row<S: Simd>(simd: S, lanes: &Lanes<f32>, row: usize) -> f32x
 #[inline(always)]
 pub(crate) fn store_row<S: Simd>(values: f32x16<S>, lanes: &mut Lanes<f32>, row: usize) {
     values.store_array(&mut lanes.as_chunks_mut().0[row]);
+}
+
+/// Four lanes at a time.
+#[inline(always)]
+pub(crate) fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
+    let (upper, lower) = simd.split_f32x16(values);
+    let ((a, b), (c, d)) = (simd.split_f32x8(upper), simd.split_f32x8(lower));
+    [a, b, c, d]
 }
 
 /// The least of a power of two of values, by halves: a chain of dependent compares would take longer.

@@ -29,7 +29,6 @@ use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normal_columns, normal_lines};
 use crate::scene::{Scene, visibility};
-use crate::simd::{LANES, Lanes, WIDTH};
 pub use crate::trace::TooNear;
 use crate::trace::beyond::Glazing;
 use crate::trace::error::check_output;
@@ -37,7 +36,7 @@ use crate::trace::grid::{Band, BandWork, Frame, Sight, rays_of};
 use crate::trace::measure::Measure;
 use crate::trace::place::Place;
 use crate::trace::resolve::Resolver;
-use crate::trace::tiling::{BLOCKS, Tiling, lane_in_tile};
+use crate::trace::tiling::{BLOCKS, Tiling, lines_of};
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
@@ -275,8 +274,7 @@ struct Measurer<'a> {
 }
 
 impl Measurer<'_> {
-    /// Measures the depths of a tile and writes them, block by block; in the order of the tile's lanes where they are
-    /// wanted for its points.
+    /// Measures the depths of a tile and writes them, block by block.
     #[inline(always)]
     fn measure<S: Simd>(
         &self,
@@ -285,7 +283,7 @@ impl Measurer<'_> {
         (measure, resolver, glazing): (&Measure, &mut Resolver<'_>, Option<Glazing>),
         [column, row]: [usize; 2],
         output: &mut Rows<'_>,
-    ) -> Lanes<f32> {
+    ) -> [f32x16<S>; BLOCKS] {
         let fan = band.rays.fan();
         let (tiling, across, first) = (Tiling::of(fan), fan.blocks_across(), column * BLOCKS);
         let samples = tiling.samples(fan.width as usize, [column, row]);
@@ -296,7 +294,7 @@ impl Measurer<'_> {
             normals = self.camera.normals(simd, tiling, self.capture.frame, samples);
         }
         let mut place = Place::new(fan, band, first, row);
-        let mut of_tile = [f32::INFINITY; LANES];
+        let mut blocks = [f32x16::splat(simd, f32::INFINITY); BLOCKS];
         for part in 0..BLOCKS.min(across - first) {
             let block = [first + part, row];
             let mut truth = measure.block::<S, true>(simd, band, resolver, block);
@@ -314,14 +312,9 @@ impl Measurer<'_> {
             let depths = self.camera.limited(simd, truth, noisy);
             output.write_depths(simd, self.camera, depths, &place);
             place.step();
-            if output.wants_places() {
-                let depths: [f32; WIDTH] = depths.into();
-                for lane in 0..WIDTH {
-                    of_tile[lane_in_tile(tiling, part, lane)] = depths[lane];
-                }
-            }
+            blocks[part] = depths;
         }
-        of_tile
+        blocks
     }
 }
 
@@ -359,10 +352,13 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 }
                 let mut is_exposed = false;
                 if is_first {
-                    let mut depths = [f32::NAN; LANES];
+                    let mut depths = [f32x16::splat(simd, f32::NAN); BLOCKS];
                     if is_measured {
                         let tools = (&measure, &mut resolver, glazing);
                         depths = self.measure(simd, band, tools, tile, output);
+                    }
+                    if output.wants_places() {
+                        depths = lines_of(simd, tiling, depths);
                     }
                     if wants_points {
                         // Of a mean, the points have the colours of its first moment.

@@ -2,7 +2,7 @@
 
 use super::grid::Band;
 use crate::optics::rays::Fan;
-use crate::simd::WIDTH;
+use crate::simd::{WIDTH, quarters};
 use fearless_simd::{Bytes, Simd, SimdBase, f32x4, f32x16, u32x16};
 
 /// Calls `work` for each block of a band that no slice before had, with its column and row among the blocks of the grid.
@@ -226,12 +226,4 @@ impl Place {
             |_, output| output.fill(value),
         );
     }
-}
-
-/// Four lanes at a time.
-#[inline(always)]
-pub(crate) fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
-    let (upper, lower) = simd.split_f32x16(values);
-    let ((a, b), (c, d)) = (simd.split_f32x8(upper), simd.split_f32x8(lower));
-    [a, b, c, d]
 }

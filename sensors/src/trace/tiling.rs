@@ -1,7 +1,7 @@
 //! How a picture is cut into tiles of sixty-four rays.
 
 use crate::optics::rays::Fan;
-use crate::simd::{LANES, WIDTH};
+use crate::simd::{LANES, WIDTH, quarters};
 use fearless_simd::{Simd, SimdBase, SimdCombine, f32x4, f32x16, u32x4, u32x16};
 
 /// Blocks in a tile.
@@ -122,4 +122,19 @@ pub(crate) fn line_f32<S: Simd>(
     let left = f32x4::from_slice(simd, &a[part.clone()]).combine(f32x4::from_slice(simd, &b[part.clone()]));
     let right = f32x4::from_slice(simd, &c[part.clone()]).combine(f32x4::from_slice(simd, &d[part]));
     left.combine(right)
+}
+
+/// The lines of the tile that four blocks make.
+#[inline(always)]
+pub(crate) fn lines_of<S: Simd>(simd: S, tiling: Tiling, blocks: [f32x16<S>; BLOCKS]) -> [f32x16<S>; BLOCKS] {
+    if tiling == Tiling::Rows {
+        return blocks;
+    }
+    let [a, b, c, d] = blocks;
+    let (a, b, c, d) = (quarters(simd, a), quarters(simd, b), quarters(simd, c), quarters(simd, d));
+    let mut lines = blocks;
+    for line in 0..BLOCKS {
+        lines[line] = a[line].combine(b[line]).combine(c[line].combine(d[line]));
+    }
+    lines
 }

@@ -79,9 +79,9 @@ const ACROSS: [[f32; WIDTH]; 2] = [
 const DOWN: [[f32; WIDTH]; 2] =
     [[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0], [0.0; 16]];
 
-/// The second of [`ACROSS`] in double precision.
-const IN_LINE: [f64; WIDTH] =
-    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+/// The second of [`ACROSS`] in double precision, in halves.
+const IN_LINE: [[f64; WIDTH / 2]; 2] =
+    [[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], [8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0]];
 
 /// A pinhole camera.
 #[derive(Debug, Clone, Copy)]
@@ -170,12 +170,12 @@ impl PinholeFan {
     #[inline(always)]
     pub(super) fn slopes<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 2] {
         let ([per_fx, per_fy], zero) = (self.per_focal, f64x8::splat(simd, 0.0));
-        let half = |first: usize| {
-            let columns = f64x8::from_slice(simd, &IN_LINE[first..][..WIDTH / 2]) + column as f64;
-            zero - (f64x8::splat(simd, self.lens.cx) - columns) * per_fx
-        };
+        let (cx, column) = (f64x8::splat(simd, self.lens.cx), column as f64);
+        let [first, second] = &IN_LINE;
+        let first = zero - (cx - (f64x8::load_array_ref(simd, first) + column)) * per_fx;
+        let second = zero - (cx - (f64x8::load_array_ref(simd, second) + column)) * per_fx;
         let down = 0.0 - (self.lens.cy - row as f64) * per_fy;
-        [half(0).narrow(half(WIDTH / 2)), f32x16::splat(simd, down as f32)]
+        [first.narrow(second), f32x16::splat(simd, down as f32)]
     }
 
     /// From the projected interval of columns and rows to whole rays.

@@ -84,17 +84,18 @@ impl SphericalFan<'_> {
     #[inline(always)]
     pub(super) fn exact_line<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
         let [level, up] = self.elevations[row];
-        let (mut cos, mut sin) = ([0.0; WIDTH], [0.0; WIDTH]);
-        for lane in 0..WIDTH {
-            [cos[lane], sin[lane]] = self.azimuths[(column + lane).min(self.fan.width as usize - 1)];
+        let up = f64x8::splat(simd, up);
+        let mut line = [[up; 2]; 3];
+        for half in 0..2 {
+            let (mut cos, mut sin) = ([0.0; WIDTH / 2], [0.0; WIDTH / 2]);
+            for lane in 0..WIDTH / 2 {
+                let column = (column + half * WIDTH / 2 + lane).min(self.fan.width as usize - 1);
+                [cos[lane], sin[lane]] = self.azimuths[column];
+            }
+            line[0][half] = f64x8::load_array(simd, cos) * level;
+            line[1][half] = f64x8::load_array(simd, sin) * level;
         }
-        let half =
-            |values: &[f64; WIDTH], first: usize| f64x8::from_slice(simd, &values[first..][..WIDTH / 2]);
-        [
-            [half(&cos, 0) * level, half(&cos, 8) * level],
-            [half(&sin, 0) * level, half(&sin, 8) * level],
-            [f64x8::splat(simd, up); 2],
-        ]
+        line
     }
 }
 

@@ -73,12 +73,12 @@ impl<'a> TableFan<'a> {
         let (across, from) = (self.fan.blocks_across(), (row & 3) * 4);
         let blocks = &self.table.directions[(row >> shift_y) * across..][..across];
         let first = column >> shift_x;
+        let (a, b) = (&blocks[first], &blocks[(first + 1).min(across - 1)]);
+        let (c, d) = (&blocks[(first + 2).min(across - 1)], &blocks[(first + 3).min(across - 1)]);
         let mut line = [[f64x8::splat(simd, 0.0); 2]; 3];
         for axis in 0..3 {
-            let four = |part: usize| {
-                f32x4::from_slice(simd, &blocks[(first + part).min(across - 1)][axis][from..][..4])
-            };
-            let (left, right) = (four(0).combine(four(1)), four(2).combine(four(3)));
+            let left = four(simd, &a[axis], from).combine(four(simd, &b[axis], from));
+            let right = four(simd, &c[axis], from).combine(four(simd, &d[axis], from));
             let (left, right) = left.combine(right).widen();
             line[axis] = [left, right];
         }
@@ -111,6 +111,11 @@ impl<'a> TableFan<'a> {
         let some = windows.some & first_column.simd_le(last_column) & first_row.simd_le(last_row);
         Rectangles { first_column, last_column, first_row, last_row, some }
     }
+}
+
+#[inline(always)]
+fn four<S: Simd>(simd: S, values: &[f32; WIDTH], first: usize) -> f32x4<S> {
+    f32x4::from_slice(simd, &values[first..][..4])
 }
 
 #[inline(always)]

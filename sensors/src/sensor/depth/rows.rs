@@ -12,10 +12,10 @@ use crate::sensor::camera::brush::ColourRows;
 use crate::sensor::edges::{Canvas, TILE_HEIGHT, TILE_WIDTH};
 use crate::sensor::pixel::{self, to_byte};
 use crate::shade::Colours;
-use crate::simd::{LANES, Lanes, WIDTH, load_row};
+use crate::simd::{LANES, WIDTH, load_row, quarters};
 use crate::trace::Truth;
 use crate::trace::grid::Band;
-use crate::trace::place::{Place, quarters};
+use crate::trace::place::Place;
 use crate::trace::tiling::{BLOCKS, Tiling};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, f32x4, f32x16};
 
@@ -230,18 +230,18 @@ impl Rows<'_> {
         }
     }
 
-    /// Writes what is asked for of the points of a tile. Without [`Rows::points`], colours do not matter.
+    /// Writes what is asked for of the points of a tile, from the depths of its lines. Without [`Rows::points`], colours do not matter.
     #[inline(always)]
     pub(super) fn write_points<S: Simd>(
         &mut self,
         simd: S,
-        depths: &Lanes<f32>,
+        depths: &[f32x16<S>; BLOCKS],
         colours: &Colours,
         band: &Band<'_>,
         tile: [usize; 2],
     ) {
         for (line, pixel, first, count) in self.lines_of(band, tile) {
-            let places = Places::new(simd, &band.rays, pixel, load_row(simd, depths, line));
+            let places = Places::new(simd, &band.rays, pixel, depths[line]);
             if let Some(xyz) = &mut self.xyz {
                 places.write(&mut xyz[first..][..count]);
             }

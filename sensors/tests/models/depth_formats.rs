@@ -3,10 +3,13 @@
 use crate::common;
 
 use crate::common::{LIDAR, add, add_grey, depth_camera, glowing, look_at, scan};
-use belvedere_sensors::camera::PixelFormat;
+use belvedere_sensors::camera::{CameraConfig, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, OutOfRange, POINT_STEP, TooNear};
+use belvedere_sensors::device::depth::presets;
 use belvedere_sensors::noise::GaussianNoise;
-use belvedere_sensors::optics::Lens;
+use belvedere_sensors::optics::{
+    Intrinsics, KannalaBrandt, Lens, Optics, PinholeGrid, RayTableBuf, SphericalGrid,
+};
 use belvedere_sensors::scene::{InstanceConfig, SceneBuilder, Shape, visibility};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Pose, Sensor};
@@ -118,6 +121,78 @@ fn the_colour_is_that_of_the_camera_alone() {
     let alone =
         common::picture_with(&builder, config.camera, pose, 3, belvedere_sensors::Execution::default());
     assert!(frame.colour == alone);
+}
+
+/// The parts of a frame that are asked for, as bytes; none of the others.
+fn parts_of(builder: &SceneBuilder, camera: &DepthCamera, pose: Pose, wanted: [bool; 5]) -> [Vec<u8>; 5] {
+    let pixels = camera.pixels();
+    let (mut metres, mut millimetres) = (vec![0.0_f32; pixels], vec![0_u16; pixels]);
+    let (mut colour, mut points) = (vec![0; camera.camera().frame_len()], vec![0xAA; pixels * POINT_STEP]);
+    let mut xyz = vec![[0.0_f32; 3]; pixels];
+    let mut output = DepthFrame::new();
+    output.depth_32fc1 = wanted[0].then_some(&mut metres);
+    output.depth_16uc1 = wanted[1].then_some(&mut millimetres);
+    output.colour = wanted[2].then_some(&mut colour);
+    output.points = wanted[3].then_some(&mut points);
+    output.xyz = wanted[4].then_some(&mut xyz);
+    let (scene, capture) = (builder.scene(), Capture::new(3, builder.moment(pose)));
+    let mut workspace = WorkspaceBuf::default();
+    let lent = &mut workspace.lend(camera.workspace_len(&scene, &capture));
+    camera.sense(&scene, &capture, lent, output).expect("outputs of the right size");
+    [
+        bytemuck::cast_slice(&metres).to_vec(),
+        bytemuck::cast_slice(&millimetres).to_vec(),
+        colour,
+        points,
+        bytemuck::cast_slice(&xyz).to_vec(),
+    ]
+}
+
+#[test]
+fn a_part_alone_is_what_it_is_among_all() {
+    let mut builder = SceneBuilder::new();
+    ramp(&mut builder);
+    add_grey(&mut builder, Shape::Sphere { radius: 0.5 }, Pose::from_translation(DVec3::X * 4.0));
+    let pose = look_at(DVec3::Z, DVec3::X * 5.0, 0.2);
+    let noise = GaussianNoise::new(0.001, 0.01, 0.002, 0.001, 0.003).unwrap();
+    let lens = Intrinsics::from_fov(99, 70, 1.8).unwrap();
+    let table = RayTableBuf::from_lens(99, 70, &KannalaBrandt::new(lens, [0.01, 0.0, 0.0, 0.0]).unwrap());
+    let table = table.unwrap();
+    let sphere = SphericalGrid {
+        columns: 99,
+        rows: 70,
+        first_azimuth_rad: 0.6,
+        azimuth_step_rad: -0.012,
+        first_elevation_rad: 0.4,
+        elevation_step_rad: -0.012,
+    };
+    let optics: [Optics; 4] = [
+        PinholeGrid::from_fov(99, 70, 1.2).unwrap().into(),
+        PinholeGrid::from_fov(99, 20, 1.2).unwrap().into(),
+        (&table).into(),
+        sphere.into(),
+    ];
+    let kinect = presets::named("kinect_v1").unwrap().model(80.0);
+    for (optics, model) in optics.into_iter().flat_map(|optics| [(optics, noise.into()), (optics, kinect)]) {
+        let mut config = depth_camera().max_depth_m(20.0).model(model);
+        config.camera = CameraConfig::new(optics).noise(noise);
+        let camera = DepthCamera::new(config).unwrap();
+        let all = parts_of(&builder, &camera, pose, [true; 5]);
+        for part in 0..5 {
+            let mut wanted = [false; 5];
+            wanted[part] = true;
+            assert!(
+                parts_of(&builder, &camera, pose, wanted)[part] == all[part],
+                "part {part} of {optics:?}"
+            );
+        }
+        let mut valid = 0;
+        for (xyz, point) in all[4].as_chunks::<12>().0.iter().zip(all[3].as_chunks::<POINT_STEP>().0) {
+            assert_eq!(xyz, &point[..12], "{optics:?}");
+            valid += usize::from(!f32::from_le_bytes([xyz[8], xyz[9], xyz[10], xyz[11]]).is_nan());
+        }
+        assert!(valid > 500, "{valid} points of {optics:?}");
+    }
 }
 
 #[test]

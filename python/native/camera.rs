@@ -147,7 +147,7 @@ impl Camera {
                     camera::Camera::new(self.0.config(shots.seed(index))).map_err(|why| why.to_string())?;
                 let mut picture = Picture::new().truth(truth);
                 picture.colour = colour;
-                shots.take(index, memory, |scene, capture, workspace, _| {
+                shots.take(index, memory, |scene, capture, workspace| {
                     let workspace = &mut workspace.lend(camera.workspace_len(scene, capture));
                     camera.sense(scene, capture, workspace, picture).map_err(|why| why.to_string())
                 })

@@ -7,7 +7,7 @@ use crate::pool::Threads;
 use crate::shots::{GivenEach, Shots};
 use crate::world::World;
 use belvedere_sensors::Sensor;
-use belvedere_sensors::depth::{self, DepthCameraConfig, DepthFrame, POINT_STEP};
+use belvedere_sensors::depth::{self, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::device::depth::{DepthModel, presets};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -123,19 +123,12 @@ impl DepthCamera {
                 }
                 let camera =
                     depth::DepthCamera::new(self.config(shots.seed(index))).map_err(|why| why.to_string())?;
-                shots.take(index, memory, |scene, capture, workspace, bytes| {
+                shots.take(index, memory, |scene, capture, workspace| {
                     let mut frame = DepthFrame::new().truth(truth);
                     (frame.colour, frame.depth_32fc1, frame.depth_16uc1) = (colour, depth, millimetres);
-                    if points.is_some() {
-                        bytes.resize(pixels * POINT_STEP, 0);
-                        frame.points = Some(bytes);
-                    }
+                    frame.xyz = points;
                     let workspace = &mut workspace.lend(camera.workspace_len(scene, capture));
-                    camera.sense(scene, capture, workspace, frame).map_err(|why| why.to_string())?;
-                    for (point, from) in points.into_iter().flatten().zip(bytes.chunks_exact(POINT_STEP)) {
-                        *point = bytemuck::pod_read_unaligned(&from[..12]);
-                    }
-                    Ok(())
+                    camera.sense(scene, capture, workspace, frame).map_err(|why| why.to_string())
                 })
             })
         })

@@ -70,7 +70,7 @@ impl Lidar {
                     lidar::Lidar::new(self.0.seed(shots.seed(index))).map_err(|why| why.to_string())?;
                 let mut scan = Scan::new().truth(truth);
                 (scan.ranges, scan.intensities) = (ranges, intensities);
-                shots.take(index, memory, |scene, capture, workspace, _| {
+                shots.take(index, memory, |scene, capture, workspace| {
                     let workspace = &mut workspace.lend(lidar.workspace_len(scene, capture));
                     lidar.sense(scene, capture, workspace, scan).map_err(|why| why.to_string())
                 })

@@ -59,8 +59,6 @@ pub(crate) struct Memory {
     pub(crate) workspace: WorkspaceBuf,
     /// Where instances are now, then, and before.
     pub(crate) poses: [Vec<Pose>; 3],
-    /// Other scratch, of bytes.
-    pub(crate) bytes: Vec<u8>,
     /// How things look in a frame, and its lamps.
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,

@@ -155,7 +155,7 @@ impl Scanner {
                 }
                 let scanner = scanner::Scanner::new(self.config.seed(shots.seed(index)));
                 let scanner = scanner.map_err(|why| why.to_string())?;
-                shots.take(index, memory, |scene, capture, workspace, _| {
+                shots.take(index, memory, |scene, capture, workspace| {
                     let mut capture = *capture;
                     let frame_time_s = self.config.frame_time_ns as f64 * 1e-9;
                     // Where it goes to during the frame, if that is said.

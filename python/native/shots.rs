@@ -221,9 +221,9 @@ impl Shots {
         &self,
         frame: usize,
         memory: &mut Memory,
-        take: impl FnOnce(&Scene<'_>, &Capture<'_>, &mut WorkspaceBuf, &mut Vec<u8>) -> Result<(), String>,
+        take: impl FnOnce(&Scene<'_>, &Capture<'_>, &mut WorkspaceBuf) -> Result<(), String>,
     ) -> Result<(), String> {
-        let Memory { workspace, poses: [now, after, before], bytes, materials, lights } = memory;
+        let Memory { workspace, poses: [now, after, before], materials, lights } = memory;
         let world = &*self.world;
         let mut capture = Capture::new(self.each.numbers[frame], self.now.moment(world, frame, now));
         if let Some(places) = &self.after {
@@ -236,6 +236,6 @@ impl Shots {
         if let Some(looks) = &self.each.looks {
             scene = looks.of_frame(world, frame, materials, lights).map_err(|why| why.to_string())?;
         }
-        take(&scene, &capture, workspace, bytes)
+        take(&scene, &capture, workspace)
     }
 }

@@ -366,7 +366,9 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                         brush.expose(simd, tile);
                         output.write_points(simd, &depths, &brush.colours, band, tile);
                         is_exposed = light.is_none();
-                        brush.colours = light.unwrap_or(brush.colours);
+                        if let Some(light) = light {
+                            brush.colours = light;
+                        }
                     } else if is_measured && output.xyz.is_some() {
                         output.write_points(simd, &depths, &brush.colours, band, tile);
                     }

@@ -5,14 +5,15 @@
 //!
 //! | input | bits 0–15 | bits 16–31 |
 //! |---|---|---|
-//! | counter 0 | which four words, in the order below | |
+//! | counter 0 | which four words, 0–30, in the order below; bit 31 is 1 for uniform words and 0 for normals | |
 //! | counter 1 | frame 0–31 | |
 //! | counter 2 | channel | seed 32–47 |
 //! | counter 3 | frame 32–47 | seed 48–63 |
 //! | key 0 | seed 0–31 | |
 //! | key 1 | sensor | |
 //!
-//! Uniform words: sample 16·b + 4·w + c is word w of counter 4·b + c, so that a block of 16 samples takes four counters.
+//! Uniform words: sample 16·b + 4·w + c is word w of counter 2³¹ + 4·b + c, so that a block of 16 samples takes four
+//! counters. Bit 31 tells them from normals, so that uniform numbers and normals of one stream have no word in common.
 //!
 //! Normals, of which a word makes two, z⁰ and z¹: a block of 16 takes the two counters 2·b and 2·b + 1, whose words 1 and
 //! 0 are lanes 0 and 1, 2 and 3, of one vector, and whose words 3 and 2 those of another. Sample 16·b + c is z⁰ of lane c
@@ -22,10 +23,14 @@
 use super::philox::{philox4x32, philox4x32_of_eight};
 use fearless_simd::{Simd, SimdBase, u32x16, u64x8};
 
+/// The bit of counter 0 that uniform words have and normals have not.
+const UNIFORM: u32 = 1 << 31;
+
 /// Rounds of Philox behind every sample: the fewest that pass `BigCrush`, and a third less work than ten.
 const ROUNDS: usize = 7;
 
-/// The random numbers of one channel of one frame of one sensor.
+/// The random numbers of one channel of one frame of one sensor: uniform ones, and normals
+/// ([`standard_normal`](super::standard_normal)), which are independent of them and of each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Stream {
     /// The seed of the simulation.
@@ -86,7 +91,7 @@ impl Stream {
     #[inline]
     pub fn word(&self, index: u32) -> u32 {
         let (block, word, lane) = (index / 16, index / 4 % 4, index % 4);
-        philox4x32::<ROUNDS>(self.counter(4 * block + lane), self.key())[word as usize]
+        philox4x32::<ROUNDS>(self.counter(UNIFORM | (4 * block + lane)), self.key())[word as usize]
     }
 
     /// Sample `index` as a uniform number in (0, 1): the centre of one of 2²³ equal cells, so that neither end
@@ -97,12 +102,12 @@ impl Stream {
         ((self.word(index) >> 9) as f32 + 0.5) * (1.0 / (1_u32 << 23) as f32)
     }
 
-    /// The words of the normals of four blocks: lane 4·b + c is lane c of `blocks[b]`. Block 2³¹ is block 0 again.
+    /// The words of the normals of four blocks: lane 4·b + c is lane c of `blocks[b]`. Block 2³⁰ is block 0 again.
     #[inline(always)]
     pub(super) fn words_of_blocks<S: Simd>(&self, simd: S, blocks: [u32; 4]) -> [u32x16<S>; 2] {
         let mut counters = [0; 8];
         for (b, block) in blocks.into_iter().enumerate() {
-            let first = block << 1;
+            let first = (block << 1) & !UNIFORM;
             counters[2 * b] = u64::from(first);
             counters[2 * b + 1] = u64::from(first | 1);
         }
@@ -116,7 +121,7 @@ impl Stream {
         for (half, blocks) in blocks.as_chunks::<2>().0.iter().enumerate() {
             let mut counters = [0; 8];
             for (i, counter) in counters.iter_mut().enumerate() {
-                *counter = u64::from((blocks[i / 4] << 2) + i as u32 % 4);
+                *counter = u64::from(UNIFORM | ((blocks[i / 4] << 2) + i as u32 % 4));
             }
             let [first, second] = self.words_at(simd, counters);
             let words: [[u32; 16]; 2] = [first.into(), second.into()];

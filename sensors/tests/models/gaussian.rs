@@ -138,3 +138,53 @@ fn a_run_goes_on_where_indices_end() {
     assert_eq!(run[..8], last);
     assert_ne!(run[8..], normals(STREAM, 32), "blocks that no index names");
 }
+
+#[test]
+fn uniform_numbers_and_normals_of_a_stream_are_independent() {
+    // Of every pair of a uniform number and a normal near the beginning of a stream, over many frames: correlations with
+    // the normal itself and with its size. When both were made of the same words, that of uniform number 0 and the size
+    // of normal 5 was −0.67.
+    const FRAMES: u32 = 40_000;
+    let sample = |frame: u32| {
+        let stream = Stream { frame: frame.into(), ..STREAM };
+        let uniforms: Vec<f64> =
+            (0..16).map(|index| (f64::from(stream.uniform(index)) - 0.5) * 12_f64.sqrt()).collect();
+        let normals: Vec<f64> = normals(stream, 32).into_iter().map(f64::from).collect();
+        (uniforms, normals)
+    };
+    // The size of a normal has the mean √(2/π) and the variance 1 − 2/π.
+    let (mean, spread) = ((2.0 / PI).sqrt(), (1.0 - 2.0 / PI).sqrt());
+    let mut sums = [[[0.0; 2]; 32]; 16];
+    for (uniforms, normals) in (0..FRAMES).map(sample) {
+        for (uniform, sums) in uniforms.iter().zip(&mut sums) {
+            for (normal, [itself, size]) in normals.iter().zip(sums) {
+                *itself += uniform * normal;
+                *size += uniform * (normal.abs() - mean) / spread;
+            }
+        }
+    }
+    let sigma = f64::from(FRAMES).sqrt();
+    let [_, named] = sums[0][5].map(|sum| sum / sigma);
+    assert!(named.abs() < 4.0, "uniform 0 and the size of normal 5: {named} sigma");
+    for (uniform, sums) in sums.iter().enumerate() {
+        for (normal, pair) in sums.iter().enumerate() {
+            // 1024 figures: one is beyond 5 sigma once in 1700 right samplers.
+            let [itself, size] = pair.map(|sum| sum / sigma);
+            assert!(
+                itself.abs() < 5.0 && size.abs() < 5.0,
+                "uniform {uniform} and normal {normal}: {itself} and {size} sigma"
+            );
+        }
+    }
+}
+
+#[test]
+fn uniform_words_are_where_the_table_says() {
+    let Stream { seed, sensor, frame, channel } = STREAM;
+    for index in [0, 1, 4, 15, 16, 255, 70_000, u32::MAX] {
+        let (block, word, lane) = (index / 16, index / 4 % 4, index % 4);
+        let counter = [1 << 31 | (4 * block + lane), frame as u32, u32::from(channel), 0];
+        let words = philox4x32::<7>(counter, [seed as u32, sensor]);
+        assert_eq!(STREAM.word(index), words[word as usize], "word {index}");
+    }
+}

@@ -14,7 +14,7 @@
 //! that sees the brightness. The fixed patterns of PRNU and DSNU are those of the seed and the number of the sensor, the
 //! same in every frame.
 //!
-//! Numbers of electrons are Poisson's. Below a mean of eight they are sampled exactly; from there on a normal number is
+//! Numbers of electrons are Poisson's. Below a mean of sixteen they are sampled exactly; from there on a normal number is
 //! bent into one with their mean, variance and third moment.
 
 mod auto_exposure;

@@ -67,7 +67,7 @@ fn covariance(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn electrons_are_poisson_s() {
-    for electrons in [0.05, 0.7, 3.0, 7.9, 8.1, 12.0, 40.0, 900.0, 30_000.0] {
+    for electrons in [0.05, 0.7, 3.0, 7.9, 8.1, 12.0, 15.9, 16.1, 40.0, 900.0, 30_000.0] {
         let counts: Vec<f64> = (0..2).flat_map(|frame| white(exposed(counter(), electrons), frame)).collect();
         let n = counts.len() as f64;
         let moment = |power| counts.iter().map(|count| (count - electrons).powi(power)).sum::<f64>() / n;
@@ -95,8 +95,9 @@ fn giles(m: f64, k: u32) -> f64 {
 
 #[test]
 fn counts_have_the_probabilities_of_poisson_s() {
-    // Sampled by inversion below a mean of eight, by Giles's second order above: total variation 8e-4 at most.
-    for (electrons, error) in [(0.4, 0.0), (3.0, 0.0), (7.5, 0.0), (8.0, 8e-4), (15.0, 3e-4)] {
+    // Sampled by inversion below a mean of sixteen, by Giles's second order above: total variation 3e-4 at most.
+    let means = [(0.4, 0.0), (3.0, 0.0), (7.5, 0.0), (8.1, 0.0), (12.0, 0.0), (15.9, 0.0), (16.1, 3e-4)];
+    for (electrons, error) in means {
         let counts: Vec<f64> = (0..4).flat_map(|frame| white(exposed(counter(), electrons), frame)).collect();
         let n = counts.len() as f64;
         let (mut chi_squared, mut cells, mut variation) = (0.0, 0.0, 0.0);
@@ -117,6 +118,27 @@ fn counts_have_the_probabilities_of_poisson_s() {
             chi_squared < cells + 4.5 * (2.0_f64 * cells).sqrt(),
             "{chi_squared} of {cells} at {electrons}"
         );
+    }
+}
+
+#[test]
+fn no_pixel_counts_less_than_no_electron() {
+    const BLACK: f64 = 100.0;
+    for electrons in [8.1, 9.0, 10.0, 12.0, 16.1] {
+        let device = exposed(counter().black_level_dn(BLACK), electrons);
+        let counts: Vec<f64> = (0..12).flat_map(|frame| white(device, frame)).collect();
+        let least = counts.iter().fold(f64::INFINITY, |least, level| least.min(*level));
+        assert!(least >= BLACK, "{least} DN of {electrons} electrons above a black level of {BLACK}");
+        // None, one and two electrons are as frequent as they are by Poisson.
+        let n = counts.len() as f64;
+        let mut p = libm::exp(-electrons);
+        for k in 0..3 {
+            let found = counts.iter().filter(|level| **level == BLACK + f64::from(k)).count() as f64;
+            let expected = n * p;
+            let off = (found - expected).abs();
+            assert!(off < 4.0 * expected.sqrt() + 1.0, "{found} of {k} at {electrons}, not {expected}");
+            p *= electrons / f64::from(k + 1);
+        }
     }
 }
 

@@ -74,7 +74,7 @@ pub struct Spinning<'a> {
     pub lasers: &'a [Laser],
     /// When their columns are.
     pub columns: Columns,
-    /// Where the head looks when a frame begins, in radians, counter-clockwise from +x.
+    /// Where the head looks when a frame begins, in radians, counter-clockwise from +x: -2π to 2π.
     pub first_azimuth_rad: f64,
     /// Whether it turns clockwise, seen from above.
     pub clockwise: bool,
@@ -86,8 +86,8 @@ impl Spinning<'_> {
         if !(1..=MAX_LASERS).contains(&self.lasers.len()) {
             return wrong("lasers", self.lasers.len() as f64, "1 to 4096 of them");
         }
-        if !self.first_azimuth_rad.is_finite() {
-            return wrong("first_azimuth_rad", self.first_azimuth_rad, "finite");
+        if !(-TAU..=TAU).contains(&self.first_azimuth_rad) {
+            return wrong("first_azimuth_rad", self.first_azimuth_rad, "-2π to 2π");
         }
         match self.columns {
             Columns::Turn { per_turn: 0, .. } => return wrong("per_turn", 0.0, "1 or more"),

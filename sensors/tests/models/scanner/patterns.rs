@@ -239,6 +239,13 @@ fn what_cannot_be_is_refused() {
             .starts_with("a scanner's first + count is 10")
     );
     assert!(of(head(&many, Columns::Every { time_ns: 0 })).starts_with("a scanner's time_ns is 0"));
+    for first_azimuth_rad in [f64::NAN, f64::NEG_INFINITY, 6.3, -6.3, 1e15] {
+        let turned = Spinning { first_azimuth_rad, ..head(&many, columns(8)) };
+        assert_eq!(
+            of(turned),
+            format!("a scanner's first_azimuth_rad is {first_azimuth_rad}; it must be -2π to 2π")
+        );
+    }
     let ahead = Firing { time_s: 0.0, origin: DVec3::ZERO, direction: DVec3::X, laser: 0 };
     let table = |firings: &[Firing]| said(ScannerConfig::new(Pattern::Table(firings)));
     assert!(table(&[]).starts_with("a scanner's firings of a frame is 0"));

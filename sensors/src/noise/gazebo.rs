@@ -1,6 +1,7 @@
 //! SDF's Gaussian noise, as Gazebo's `GaussianNoiseModel` applies it.
 //!
-//! out = in + bias + N(mean, stddev); with a precision other than 0, out = round(out / precision) · precision.
+//! out = in + bias + N(mean, stddev); with a precision other than 0, out = round(out / precision) · precision. Where that
+//! is no finite number, since the precision is too small or too large for it, out stays as it was.
 //! The bias is drawn once per run from N(bias mean, bias stddev), and its sign is flipped with probability ½.
 
 use super::{Stream, standard_normal};
@@ -125,13 +126,19 @@ impl GaussianNoise {
     }
 
     /// The noisy value of a true one, from the sensor's [`bias`](GaussianNoise::bias) and a standard normal `z`
-    /// ([`standard_normal`]). Infinities and NaN stay what they are.
+    /// ([`standard_normal`]). Infinities and NaN stay what they are, and no other value becomes infinite by its rounding.
     #[must_use]
     #[allow(clippy::inline_always, reason = "called per sample inside vectorised kernels")]
     #[inline(always)]
     pub fn apply(&self, value: f32, bias: f32, z: f32) -> f32 {
         let noisy = value + ((bias + self.mean) + self.stddev * z);
-        if self.precision == 0.0 { noisy } else { round(noisy / self.precision) * self.precision }
+        if self.precision == 0.0 {
+            return noisy;
+        }
+        // Of steps that are much finer than the value's own last bit, more than f32 can count may go into the value, which
+        // then lies on a step as well as it can; so no precision has to be refused.
+        let stepped = round(noisy / self.precision) * self.precision;
+        if stepped.abs() < f32::INFINITY { stepped } else { noisy }
     }
 
     /// What is measured of a true range, from `min` to `max`: −∞ if that is too near, +∞ if it is too far (REP-117).

@@ -45,7 +45,8 @@ pub struct InstrumentConfig<const N: usize> {
     pub drift: [f64; N],
     /// Correlation time of that bias in s; infinite for a random walk.
     pub drift_time_s: [f64; N],
-    /// Steps of the output; 0 for none.
+    /// Steps of the output; 0 for none. A value stays as it is where its nearest step is no finite number, since the steps are
+    /// too small to be counted or too large.
     pub precision: [f64; N],
     /// Outputs stay within ± this.
     pub limit: f64,
@@ -221,7 +222,7 @@ impl<const N: usize> Instrument<N> {
 
     /// What it reads of `truth` in a frame that comes `period_s` after the one before; `stream` names seed, sensor, frame
     /// and its own channel. Frames have to be measured one after the other, since a bias that drifts goes on from the
-    /// last.
+    /// last. In a period that is not above 0, or over which the bias would not stay a finite number, it stays what it was.
     pub fn measure(
         &self,
         truth: [f64; N],
@@ -244,7 +245,8 @@ impl<const N: usize> Instrument<N> {
             value += white[axis] * f64::from(normals[0][axis]);
             let precision = config.precision[axis];
             if precision > 0.0 {
-                value = libm::round(value / precision) * precision;
+                let stepped = libm::round(value / precision) * precision;
+                value = if stepped.is_finite() { stepped } else { value };
             }
             read[axis] = value.clamp(-config.limit, config.limit);
         }
@@ -254,16 +256,66 @@ impl<const N: usize> Instrument<N> {
     /// The bias of an axis `period_s` after it was `bias`.
     fn drifted(&self, axis: usize, bias: f64, period_s: f64, normal: f32) -> f64 {
         let (drift, time_s) = (self.config.drift[axis], self.config.drift_time_s[axis]);
-        if drift == 0.0 || period_s <= 0.0 {
+        if drift == 0.0 || period_s.is_nan() || period_s <= 0.0 {
             return bias;
         }
         let kept = libm::exp(-period_s / time_s);
         let variance =
             if time_s.is_finite() { -0.5 * time_s * libm::expm1(-2.0 * period_s / time_s) } else { period_s };
-        kept * bias + drift * libm::sqrt(variance) * f64::from(normal)
+        let drifted = kept * bias + drift * libm::sqrt(variance) * f64::from(normal);
+        if drifted.is_finite() { drifted } else { bias }
     }
 }
 
 /// First sample of the biases of a run, and of their signs, of frame 0.
 const RUN: u32 = 1 << 16;
 const RUN_SIGN: u32 = 1 << 17;
+
+#[cfg(test)]
+mod tests {
+    use super::{Instrument, InstrumentConfig, InstrumentState};
+    use crate::noise::Stream;
+
+    const STREAM: Stream = Stream { seed: 1, sensor: 0, frame: 0, channel: 100 };
+
+    #[test]
+    fn steps_that_cannot_be_counted_leave_values_as_they_are() {
+        for (precision, value) in [(1e-310, 1.0), (5e-324, -3.0), (1e-3, 1e306), (1.5e308, 1.6e308)] {
+            let config = InstrumentConfig::default().precision([precision]);
+            let instrument = Instrument::new(config).unwrap();
+            let mut state = instrument.start(&STREAM);
+            let [read] = instrument.measure([value], 0.01, &STREAM, &mut state);
+            assert!(
+                read.is_finite() && (read / value - 1.0).abs() < 0.07,
+                "{read} of {value} by {precision}"
+            );
+        }
+        let config = InstrumentConfig::default().precision([0.25]);
+        let instrument = Instrument::new(config).unwrap();
+        let mut state = instrument.start(&STREAM);
+        assert_eq!(instrument.measure([1.1], 0.01, &STREAM, &mut state), [1.0]);
+    }
+
+    #[test]
+    fn no_period_spoils_the_drift() {
+        for drift_time_s in [10.0, f64::INFINITY] {
+            let config = InstrumentConfig::default().drift([0.1]).drift_time_s([drift_time_s]);
+            let instrument = Instrument::new(config).unwrap();
+            let mut state = InstrumentState { bias: [0.0], drift: [0.5] };
+            for period_s in [f64::NAN, -1.0, 0.0, f64::NEG_INFINITY] {
+                let read = instrument.measure([2.0], period_s, &STREAM, &mut state);
+                assert_eq!((read, state.drift), ([2.5], [0.5]), "a period of {period_s}");
+            }
+            let of_period = |period_s, mut state| {
+                instrument.measure([2.0], period_s, &STREAM, &mut state);
+                state.drift[0]
+            };
+            for period_s in [f64::INFINITY, f64::MAX, 5e-324] {
+                let drift = of_period(period_s, state);
+                assert!(drift.is_finite(), "{drift} after a period of {period_s}");
+            }
+            let drift = of_period(0.1, state);
+            assert!(drift.is_finite() && drift != 0.5, "it goes on, to {drift}");
+        }
+    }
+}

@@ -210,3 +210,20 @@ fn sensors_draw_from_the_channels_that_are_taken() {
     let numbered = (0..20).chain([64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 0xFFF0, 0xFFF1]);
     assert!(Stream::TAKEN.into_iter().eq(numbered), "{:?}", Stream::TAKEN);
 }
+
+#[test]
+fn no_precision_makes_a_finite_value_infinite() {
+    for (precision, value) in [(1.2e-38, 10.0), (1e-30, -3e9), (0.001, 3e38), (2e38, 3.3e38), (3.0, f32::MAX)]
+    {
+        let noise = GaussianNoise::new(0.0, 0.0, 0.0, 0.0, precision).unwrap();
+        let stepped = noise.apply(value, 0.0, 0.0);
+        assert!((stepped / value - 1.0).abs() < 1e-6, "{stepped} of {value} by {precision}");
+        assert_eq!(noise.apply(f32::NEG_INFINITY, 0.0, 0.0), f32::NEG_INFINITY);
+        assert!(noise.apply(f32::NAN, 0.0, 0.0).is_nan());
+    }
+    // In a frame as well.
+    let fine = GaussianNoise::new(0.0, 0.0, 0.0, 0.0, 1.2e-38).unwrap();
+    let camera = depth_camera().camera(common::camera_of([16, 4], 1.2)).model(fine);
+    let depths = depth_frame(&wall(0.5), camera, Pose::IDENTITY, 0);
+    assert!(depths.iter().all(|depth| (depth - 2.0).abs() < 1e-5), "{depths:?}");
+}

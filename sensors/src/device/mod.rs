@@ -4,7 +4,7 @@
 //! colour, linear ─► vignetting ─► photons ─► electrons ─► full well ─► DN ─► picture
 //!                     lens         time        shot noise              K, black   as it is, or
 //!                                  aperture    dark current            level,     on sRGB's curve
-//!                                  efficiency  PRNU, DSNU, reading     bits
+//!                                  efficiency  PRNU, DSNU   reading     bits
 //! ```
 //!
 //! A [`DeviceConfig`] is a data sheet in the terms of EMVA 1288, and [`presets`] are some. It is set by

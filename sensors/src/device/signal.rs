@@ -1,18 +1,25 @@
 //! From light to the numbers of the converter: the camera model of EMVA 1288, a tile at a time.
 //!
 //! ```text
-//! electrons = min(Poisson(light · response · PRNU + dark current · time) + DSNU + N(0, read noise²), full well)
-//! DN        = min(round(K · electrons + black level), 2^bits − 1), and 0 at least
+//! charge = min(Poisson(light · response · PRNU + dark current · time) + DSNU, full well)
+//! DN     = min(round(K · (charge + N(0, read noise²)) + black level), 2^bits − 1), and 0 at least
 //! ```
+//!
+//! The well holds charge, and reading adds its noise to what the well holds: a pixel whose well is full still shows the
+//! noise of reading. Shot noise and the noise of reading are one normal only where the well cannot be full.
 
 use super::poisson::{MANY, few, many, many_with_reading, round};
 use crate::noise::{Stream, normals64};
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, sqrt_f32};
 use crate::trace::tiling::BLOCKS;
 use fearless_simd::Simd;
 
 /// Below this variance of the noise of reading, half an electron squared, whole electrons show.
 const WHOLE_ELECTRONS: f32 = 0.25;
+
+/// No normal is larger, and no normal bends a count by more than this many electrons besides its deviation.
+const LARGEST_NORMAL: f32 = 6.6;
+const LARGEST_BEND: f32 = 8.0;
 
 /// What of a device the pixels need, in single precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,9 +68,13 @@ impl Signal {
                 offset[lane] = dsnu_e * dark[lane];
             }
         }
-        let (mut any_none, mut any_few, mut any_many) = (0, 0, 0);
+        let variance = read_e * read_e;
+        // Below this no count reaches the full well, whatever its noise is.
+        let brim_e = full_well_e - LARGEST_NORMAL * sqrt_f32(full_well_e + variance) - LARGEST_BEND;
+        let (mut any_none, mut any_few, mut any_many, mut any_full) = (0, 0, 0, 0);
         for lane in 0..LANES {
             electrons[lane] += dark_e;
+            any_full |= u32::from(electrons[lane] >= brim_e || electrons[lane] + offset[lane] >= brim_e);
             let is_many = u32::from(electrons[lane] >= MANY);
             let is_some = u32::from(electrons[lane] > 0.0);
             any_none |= is_some ^ 1;
@@ -71,39 +82,53 @@ impl Signal {
             any_many |= is_many;
         }
 
-        // Step 2: what is counted, and the noise of reading it.
-        let variance = read_e * read_e;
+        // Step 2: the charge that is counted, and the noise of reading it. Where the well cannot be full, both noises are
+        // in the charge.
         let is_one = variance >= WHOLE_ELECTRONS;
         let mut shot = [0.0; LANES];
         if is_one || any_many != 0 {
             shot = normals64(simd, &of(Stream::SHOT), samples);
         }
+        let mut apart = shot;
+        if (!is_one && read_e != 0.0) || (is_one && any_full & any_many != 0) {
+            apart = normals64(simd, &of(Stream::READ), samples);
+        }
         let mut counts = [0.0; LANES];
         let mut reading = [0.0; LANES];
         if is_one {
-            reading = shot;
             if any_many != 0 {
                 for lane in 0..LANES {
                     counts[lane] = many_with_reading(electrons[lane], variance, shot[lane]);
                 }
             }
+            if any_full & any_many != 0 {
+                for lane in 0..LANES {
+                    let is_full = electrons[lane] >= brim_e || electrons[lane] + offset[lane] >= brim_e;
+                    let count = many(electrons[lane], shot[lane]);
+                    counts[lane] = if is_full { count } else { counts[lane] };
+                    reading[lane] = if is_full { apart[lane] } else { 0.0 };
+                }
+            }
         } else {
             if read_e != 0.0 {
-                reading = normals64(simd, &of(Stream::READ), samples);
+                reading = apart;
             }
             for lane in 0..LANES {
-                counts[lane] = many(electrons[lane], shot[lane]) + read_e * reading[lane];
+                counts[lane] = many(electrons[lane], shot[lane]);
             }
         }
         if any_few | any_none != 0 {
-            // Of no electrons none is counted.
+            // Of no electrons none is counted. A count that took no normal leaves that of shot noise to reading.
             let mut small = [0.0; LANES];
             if any_few != 0 {
                 small = few(simd, electrons, &of(Stream::COUNT).words64(simd, samples));
             }
             for lane in 0..LANES {
-                let few = small[lane] + read_e * reading[lane];
-                counts[lane] = if electrons[lane] >= MANY { counts[lane] } else { few };
+                let is_many = electrons[lane] >= MANY;
+                counts[lane] = if is_many { counts[lane] } else { small[lane] };
+                if is_one {
+                    reading[lane] = if is_many { reading[lane] } else { shot[lane] };
+                }
             }
         }
 
@@ -111,7 +136,7 @@ impl Signal {
         for lane in 0..LANES {
             let collected = counts[lane] + offset[lane];
             let held = if collected < full_well_e { collected } else { full_well_e };
-            let level = held * dn_per_electron + black_level_dn;
+            let level = (held + read_e * reading[lane]) * dn_per_electron + black_level_dn;
             let level = if level > 0.0 { level } else { 0.0 };
             electrons[lane] = round(if level < top_dn { level } else { top_dn });
         }

@@ -74,7 +74,8 @@ def load(path):
 def saturation(times, photons):
     """What the standard calls the saturation capacity, by quadrature: the signal of light at the peak of the variance.
 
-    A full well cuts off the upper end of the counts, so that their variance falls before their mean does.
+    A full well cuts off the upper end of the counts, so that their variance falls before their mean does. The noise of
+    reading comes after the well and is not cut off.
     """
     response = np.linspace(-4.5, 4.5, 91)
     weight = norm.pdf(response) / norm.pdf(response).sum()
@@ -84,12 +85,12 @@ def saturation(times, photons):
         total = 0.0
         for z, share in zip(response, weight):
             mean = count * SET["quantum_efficiency"] * (1 + SET["prnu"] * z) + dark
-            spread = np.sqrt(mean + SET["read_noise_e"] ** 2)
+            spread = np.sqrt(mean)
             x = (mean + spread * np.linspace(-7, 7, 1401)) if mean > 0 else np.zeros(1401)
             p = norm.pdf(np.linspace(-7, 7, 1401))
             p /= p.sum()
             held = np.minimum(x, SET["full_well_e"])
-            total += share * ((p * held**2).sum() - (p * held).sum() ** 2)
+            total += share * ((p * held**2).sum() - (p * held).sum() ** 2 + SET["read_noise_e"] ** 2)
         variances.append(total)
     return photons[int(np.argmax(variances))] * SET["quantum_efficiency"]
 

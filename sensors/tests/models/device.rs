@@ -199,6 +199,28 @@ fn wells_and_converters_are_full() {
 }
 
 #[test]
+fn reading_adds_its_noise_to_what_the_well_holds() {
+    const WELL: f64 = 4000.0;
+    const BLACK: f64 = 100.0;
+    // Noise of reading that is drawn with that of light, and apart.
+    for (read, k) in [(4.0, 2.0), (0.3, 10.0)] {
+        let device = counter().dn_per_electron(k).full_well_e(WELL).black_level_dn(BLACK).read_noise_e(read);
+        let of_reading = (k * read).powi(2) + 1.0 / 12.0;
+        let frames = |electrons| [0, 1].map(|frame| white(exposed(device, electrons), frame));
+        // Far above the well every pixel holds as much as it can, and shows the noise of reading alone.
+        let [a, b] = frames(1e5);
+        let (found, n) = (temporal_variance(&a, &b), a.len() as f64);
+        assert!((found / of_reading - 1.0).abs() < 0.03, "a variance of {found} DN² of {read} electrons");
+        assert!((mean(&a) - (k * WELL + BLACK)).abs() < 4.5 * (of_reading / n).sqrt());
+        // Where half of the pixels are full, the variance of charge is ½ − 1/(2π) of Poisson's.
+        let [a, b] = frames(WELL);
+        let found = temporal_variance(&a, &b);
+        let expected = of_reading + k * k * WELL * (0.5 - 0.5 / core::f64::consts::PI);
+        assert!((found / expected - 1.0).abs() < 0.05, "a variance of {found} DN², not {expected}");
+    }
+}
+
+#[test]
 fn patterns_belong_to_the_sensor() {
     let device = DeviceConfig::default().dsnu_e(20.0).dn_per_electron(1.0).black_level_dn(1000.0);
     let dark = device.exposure(Exposure { time_s: 0.0, gain: 1.0 });

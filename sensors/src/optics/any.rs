@@ -60,6 +60,15 @@ impl Optics<'_> {
         [fan.width as usize, fan.height as usize]
     }
 
+    /// Rays across and down as they were asked for, also where there are more than [`MAX_GRID_SIZE`], which are never traced.
+    pub(crate) fn asked_size(&self) -> [u32; 2] {
+        match self {
+            Self::Pinhole(grid) => grid.size(),
+            Self::Spherical(grid) => [grid.columns, grid.rows],
+            Self::Table(table) => table.size(),
+        }
+    }
+
     /// That sizes are 1 to [`MAX_GRID_SIZE`], and angles finite.
     pub(crate) fn check(&self) -> Result<(), GridError> {
         let size = |parameter, value| match value {

@@ -62,7 +62,7 @@ impl<'a> Camera<'a> {
     /// # Errors
     /// A [`CameraError`] that names the value out of range.
     pub fn new(config: CameraConfig<'a>) -> Result<Self, CameraError> {
-        let size = config.optics.size().map(|size| size as u32);
+        let size = config.optics.asked_size();
         if !size.iter().all(|size| (1..=MAX_IMAGE_SIZE).contains(size)) {
             return Err(CameraError::ImageSize { size });
         }

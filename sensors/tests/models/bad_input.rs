@@ -359,3 +359,13 @@ fn grids_that_cannot_be_cast_are_refused() {
     };
     assert_eq!(cast(&Optics::Spherical(many), range, &Pose::IDENTITY, MAX_GRID_SIZE as usize), Ok(()));
 }
+
+#[test]
+fn a_picture_that_is_too_large_is_told_as_it_was_asked_for() {
+    for [width, height] in [[40_000, 8], [8, 16_385], [u32::MAX, u32::MAX]] {
+        let config = CameraConfig::new(PinholeGrid::from_fov(width, height, 1.0).unwrap());
+        let expected = format!("a picture of {width} × {height}: width and height must be 1 to 16384 pixels");
+        assert_eq!(Camera::new(config).unwrap_err().to_string(), expected);
+        assert_eq!(DepthCamera::new(depth_camera().camera(config)).unwrap_err().to_string(), expected);
+    }
+}

@@ -1,5 +1,6 @@
 //! How often a property is tried, and with what.
 
+use belvedere_sensors::noise::philox4x32;
 use proptest::test_runner::{Config, RngSeed};
 use std::io::Write as _;
 use std::sync::OnceLock;
@@ -23,6 +24,13 @@ fn seed() -> u64 {
         }
         text.parse().unwrap_or_else(|_| panic!("BELVEDERE_SEED is a number or \"new\", not \"{text}\""))
     })
+}
+
+/// Number `index` of a fixed seed, uniform on a range: those of a test's cases, whatever the sensors draw.
+pub(crate) fn case(seed: u32, index: u32, [least, most]: [f64; 2]) -> f64 {
+    let words = philox4x32::<7>([4 * (index / 16) + index % 4, 0, 1000, 0], [seed, 7]);
+    let uniform = (f64::from(words[(index / 4 % 4) as usize] >> 9) + 0.5) / f64::from(1_u32 << 23);
+    least + uniform * (most - least)
 }
 
 /// Tries a property with `count` inputs, or 100 times as many with `BELVEDERE_FULL=1` in the environment. They are the

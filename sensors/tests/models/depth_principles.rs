@@ -4,13 +4,13 @@
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
 use crate::common::planes::{assert_near, narrow, plane, rms, take};
+use crate::common::random::case;
 use crate::common::{add, add_grey, camera_of, depth_camera, depth_frame};
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::device::depth::{
     AxialNoise, DepthModel, DisparityNoise, Matching, TimeOfFlight, published,
 };
-use belvedere_sensors::noise::Stream;
 use belvedere_sensors::scene::{Environment, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Pose, Sensor};
@@ -20,9 +20,8 @@ use glam::DVec3;
 const LIGHT: f64 = 299_792_458.0;
 
 /// Numbers of a fixed seed, uniform on a range.
-fn random(index: u32, [least, most]: [f64; 2]) -> f64 {
-    let stream = Stream { seed: 20, sensor: 7, frame: 0, channel: 1000 };
-    least + f64::from(stream.uniform(index)) * (most - least)
+fn random(index: u32, range: [f64; 2]) -> f64 {
+    case(20, index, range)
 }
 
 #[test]

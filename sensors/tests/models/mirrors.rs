@@ -2,10 +2,10 @@
 
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
+use crate::common::random::case;
 use crate::common::{LIDAR, add, add_grey, camera_of, depth_camera, depth_frame, scan};
 use belvedere_sensors::Pose;
 use belvedere_sensors::device::depth::{DepthModel, SecondEye};
-use belvedere_sensors::noise::Stream;
 use belvedere_sensors::scanner::{
     Echoes, Firing, Intensity, Pattern, Receiver, Returns, Scanner, ScannerConfig,
 };
@@ -16,9 +16,8 @@ use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
 
 /// Numbers of a fixed seed, uniform on a range.
-fn random(index: u32, [least, most]: [f64; 2]) -> f64 {
-    let stream = Stream { seed: 21, sensor: 7, frame: 0, channel: 1000 };
-    least + f64::from(stream.uniform(index)) * (most - least)
+fn random(index: u32, range: [f64; 2]) -> f64 {
+    case(21, index, range)
 }
 
 /// A random direction not far off another: by its slopes.

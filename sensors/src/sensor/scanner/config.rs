@@ -193,6 +193,9 @@ impl<'a> ScannerConfig<'a> {
         if let Some(receiver) = &self.receiver {
             receiver.check()?;
         }
+        if let Some(receiver) = self.effective_receiver() {
+            self.weather.check_drops(&self.beam, receiver.least())?;
+        }
         self.pattern.check(self.frame_time_ns)
     }
 

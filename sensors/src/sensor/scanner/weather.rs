@@ -16,7 +16,8 @@ const LN_20: f64 = 2.995_732_273_553_991;
 /// arXiv:2108.05249, have it: a pulse of 20 ns, β = 0.046/visibility, β₀ = 10⁻⁶/π, an optical crossover from 0.9 to
 /// 1 m. Drops and flakes send pulses back one by one, as V. Kilic et al. (LISA, 2021, arXiv:2107.07004) have it: as many
 /// as there are in the beam, each by the share of the beam that it covers; what is weaker than what the
-/// [receiver](super::Receiver) notices is left out. All of that are returns among those of surfaces.
+/// [receiver](super::Receiver) notices is left out. All of that are returns among those of surfaces. A scanner whose firings
+/// would notice more than 12 drops of a kind on average is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weather {
     /// Meteorological optical range in fog, metres: 1 or more, ∞ without any. α = ln 20/visibility.
@@ -58,6 +59,20 @@ impl Weather {
         }
         if !(0.0..=50.0).contains(&self.snow_mm_per_h) {
             return wrong("snow_mm_per_h of the weather", self.snow_mm_per_h, "0 to 50");
+        }
+        Ok(())
+    }
+
+    /// Whether hardly any firing meets more drops than there is room for, of a beam and of the least that a receiver notices.
+    pub(super) fn check_drops(&self, beam: &Beam, least: f64) -> Result<(), ScannerError> {
+        const RAIN: &str = "number of raindrops that a firing notices on average";
+        const SNOW: &str = "number of snowflakes that a firing notices on average";
+        for (parameter, drops) in [RAIN, SNOW].into_iter().zip(Air::new(self, beam, least).drops) {
+            let Some(Noticed { expected: value, .. }) = drops else { continue };
+            if value.is_nan() || value > MOST_EXPECTED {
+                let rule = "12 at most: by less of it, a narrower beam or a shorter reach of the receiver";
+                return Err(ScannerError { parameter, index: None, value, rule });
+            }
         }
         Ok(())
     }
@@ -111,7 +126,15 @@ fn of_index(n: f64) -> f64 {
 }
 
 /// Most drops of a kind that one firing notices.
-const MOST_DROPS: usize = 4;
+const MOST_DROPS: usize = 32;
+/// Most drops of a kind that a firing may notice on average. Of so many, less than one firing in a million has more than
+/// [`MOST_DROPS`].
+const MOST_EXPECTED: f64 = 12.0;
+/// Uniform numbers and normals that there are for the drops of a kind: one for their count and one for the size of each, and
+/// three for the place of each.
+const UNIFORMS: u32 = 64;
+const NORMALS: u32 = 128;
+const _: () = assert!(1 + MOST_DROPS <= UNIFORMS as usize && 3 * MOST_DROPS <= NORMALS as usize);
 /// Most echoes of the air to one firing: fog, and drops of two kinds.
 pub(super) const MOST_IN_AIR: usize = 1 + 2 * MOST_DROPS;
 /// Divergence of LISA's beam, which those without a width of their own have to drops.
@@ -163,7 +186,7 @@ impl Air {
             let Some(drops) = drops else { continue };
             let number = 2 * firing + kind as u32;
             let chance = Stream { channel: Stream::DROPS, ..*noise };
-            let uniform = |index| f64::from(chance.uniform(8 * number + index));
+            let uniform = |index| f64::from(chance.uniform(UNIFORMS * number + index));
             // Poisson's, by inversion: most often none.
             let (mut left, mut term, mut count) = (uniform(0), drops.none, 0);
             while left >= term && count < MOST_DROPS {
@@ -176,8 +199,9 @@ impl Air {
             }
             let mut normals = [0.0; 3 * MOST_DROPS];
             let places = Stream { channel: Stream::DROPS + 1, ..*noise };
-            fill_standard_normal(level, &places, 16 * number, &mut normals);
-            for (drop, normals) in normals.as_chunks::<3>().0[..count].iter().enumerate() {
+            let normals = &mut normals[..3 * count];
+            fill_standard_normal(level, &places, NORMALS * number, normals);
+            for (drop, normals) in normals.as_chunks::<3>().0.iter().enumerate() {
                 let [x, y, z] = normals.map(f64::from);
                 let range = drops.scale_m * sqrt(x * x + y * y + z * z);
                 if range >= nearest && range < farthest {
@@ -276,4 +300,70 @@ fn soft(alpha: f64, range: f64) -> f64 {
     let begin = range - PULSE_M;
     let metres = between(from.max(begin), to.min(range), 8) + between(to.max(begin), range, 64);
     metres * (2.0 / LIGHT_M_PER_S)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Air, Beam, MOST_DROPS, MOST_EXPECTED, Stream, Weather};
+    use crate::simd::best_level;
+
+    /// The least that a receiver of a reach in metres notices.
+    fn least(reach_m: f64) -> f64 {
+        0.9 / (reach_m * reach_m)
+    }
+
+    #[test]
+    fn hardly_any_firing_has_more_drops_than_are_taken() {
+        let (mut term, mut beyond) = (libm::exp(-MOST_EXPECTED), 0.0);
+        for k in 1..200 {
+            term *= MOST_EXPECTED / f64::from(k);
+            beyond += if k as usize > MOST_DROPS { term } else { 0.0 };
+        }
+        assert!(beyond < 1e-6, "{beyond} of firings");
+    }
+
+    #[test]
+    fn as_many_drops_as_are_expected() {
+        const FIRINGS: u32 = 40_000;
+        // The last one has 11.9 drops a firing, and its beam is the widest.
+        for (rain_mm_per_h, reach_m, width) in
+            [(50.0, 1000.0, 3e-3), (500.0, 1000.0, 3e-3), (500.0, 362.0, 0.2)]
+        {
+            let weather = Weather { rain_mm_per_h, ..Weather::CLEAR };
+            let beam = Beam { divergence_rad: [width; 2], ..Beam::RAY };
+            weather.check_drops(&beam, least(reach_m)).unwrap();
+            let air = Air::new(&weather, &beam, least(reach_m));
+            let expected = air.drops[0].unwrap().expected;
+            let noise = Stream { seed: 1, sensor: 0, frame: 0, channel: 0 };
+            let (mut sum, mut squares) = (0.0, 0.0);
+            for firing in 0..FIRINGS {
+                let mut count = 0.0;
+                air.for_each_drop(best_level(), &noise, firing, [0.0, f64::INFINITY], |_| count += 1.0);
+                sum += count;
+                squares += count * count;
+            }
+            let n = f64::from(FIRINGS);
+            let mean = sum / n;
+            let variance = squares / n - mean * mean;
+            assert!((mean - expected).abs() < 4.0 * libm::sqrt(expected / n), "{mean}, not {expected}");
+            let spread = libm::sqrt((expected + 2.0 * expected * expected) / n);
+            assert!((variance - expected).abs() < 4.0 * spread, "{variance}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn more_drops_than_there_is_room_for_are_refused() {
+        let refused = |weather: Weather, reach_m| {
+            let beam = Beam { divergence_rad: [0.2; 2], ..Beam::RAY };
+            weather.check_drops(&beam, least(reach_m)).unwrap_err().to_string()
+        };
+        let rain = Weather { rain_mm_per_h: 500.0, ..Weather::CLEAR };
+        assert!(
+            refused(rain, 1000.0)
+                .starts_with("a scanner's number of raindrops that a firing notices on average is 5")
+        );
+        assert!(refused(rain, 1e300).contains(" is inf; it must be 12 at most"));
+        let snow = Weather { snow_mm_per_h: 50.0, ..Weather::CLEAR };
+        assert!(refused(snow, 1e6).starts_with("a scanner's number of snowflakes"));
+    }
 }

@@ -11,7 +11,7 @@ use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scanner::{Beam, Echoes, Returns, Scanner, ScannerConfig, presets};
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::trace::{Faces, WorkspaceBuf};
 use belvedere_sensors::{Capture, Keyframe, Moment, Pose, Sensor};
 use std::hint::black_box;
 
@@ -43,7 +43,8 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
         // Its shadow takes a second ray a pixel, which is another thing to measure.
         kinect.second_eye = None;
         let camera = CameraConfig::new(PinholeGrid::from_fov(640, 480, 1.0).expect("in range"));
-        let sides = [kinect, gaussian].map(|model| DepthCameraConfig::new(camera).model(model));
+        let sides =
+            [kinect, gaussian].map(|model| DepthCameraConfig::new(camera).model(model).faces(Faces::Front));
         let [mut kinect, mut gaussian] = sides.map(|config| depths(&stage, &config, level));
         gate.run(entry("depth_kinect", "Gaussian noise"), (&mut kinect, 1.0), (&mut gaussian, 1.0));
     }

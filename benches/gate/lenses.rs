@@ -11,7 +11,7 @@ use belvedere_sensors::optics::{
     BrownConrady, Intrinsics, KannalaBrandt, Lens, Optics, PinholeGrid, RayTableBuf,
 };
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::trace::{Faces, WorkspaceBuf};
 use belvedere_sensors::{Capture, Sensor};
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::hint::black_box;
@@ -45,7 +45,8 @@ fn compare(gate: &mut Gate<'_>, level: Level, name: &str, lens: &impl Lens) {
 
 /// Takes a depth frame at each call.
 fn frames<'a>(built: &'a WorldScene, optics: &Optics<'a>, level: Level) -> impl FnMut() + use<'a> {
-    let camera = DepthCamera::new(DepthCameraConfig::new(CameraConfig::new(*optics))).expect("in range");
+    let camera = DepthCamera::new(DepthCameraConfig::new(CameraConfig::new(*optics)).faces(Faces::Front))
+        .expect("in range");
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = ours::execution(level);
     let mut depths = vec![0.0; camera.pixels()];

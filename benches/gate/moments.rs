@@ -8,7 +8,7 @@ use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::{Truth, WorkspaceBuf};
+use belvedere_sensors::trace::{Faces, Truth, WorkspaceBuf};
 use belvedere_sensors::{Capture, Moment, Pose, Sensor, Slice};
 use glam::DVec3;
 use std::hint::black_box;
@@ -33,7 +33,8 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
     if gate.options.wants(GROUP, "depth_64x64") {
         let stage = stage(40);
         // As many rays in one picture as in 75 small ones: what a small one costs beyond its rays.
-        let sides = [[64, 64], [640, 480]].map(|size| DepthCameraConfig::new(camera(size)));
+        let sides =
+            [[64, 64], [640, 480]].map(|size| DepthCameraConfig::new(camera(size)).faces(Faces::Front));
         let [mut small, mut large] = sides.map(|config| depths(&stage, &config, level));
         let mut many = || (0..75).for_each(|_| small());
         gate.run(entry("depth_64x64", "as many rays in one"), (&mut many, 1.0), (&mut large, 1.0));

@@ -9,7 +9,7 @@ use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::trace::{Faces, WorkspaceBuf};
 use belvedere_sensors::{Capture, Sensor};
 use glam::DVec3;
 
@@ -58,7 +58,8 @@ impl FineMeshes {
         let lamp = LightConfig { kind, diffuse: [0.7; 3], cast_shadows: false, ..Default::default() };
         builder.add_light(&lamp).expect("our own lamp");
         let lens = PinholeGrid::from_fov(PIXELS, PIXELS, 1.2).expect("in range");
-        let camera = DepthCamera::new(DepthCameraConfig::new(CameraConfig::new(lens))).expect("in range");
+        let camera = DepthCamera::new(DepthCameraConfig::new(CameraConfig::new(lens)).faces(Faces::Front))
+            .expect("in range");
         let mut workspace = WorkspaceBuf::default();
         workspace.execution = ours::execution(level);
         let (pixels, bytes) = (camera.pixels(), camera.camera().frame_len());

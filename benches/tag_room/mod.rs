@@ -15,6 +15,7 @@ use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::Intrinsics;
 use belvedere_sensors::optics::{Optics, PinholeGrid};
+use belvedere_sensors::trace::Faces;
 use glam::DVec3;
 use parry3d::math::Pose as ParryPose;
 use parry3d::query::{Ray, RayCast as _};
@@ -58,7 +59,8 @@ pub fn across() -> Pose {
 
 /// Its depth camera.
 pub fn depth_camera() -> DepthCamera<'static> {
-    let config = DepthCameraConfig::new(camera_config(0.0)).min_depth_m(0.1).max_depth_m(20.0);
+    let config =
+        DepthCameraConfig::new(camera_config(0.0)).faces(Faces::Front).min_depth_m(0.1).max_depth_m(20.0);
     DepthCamera::new(config).expect("in range")
 }
 

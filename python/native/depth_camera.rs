@@ -9,6 +9,7 @@ use crate::world::World;
 use belvedere_sensors::Sensor;
 use belvedere_sensors::depth::{self, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::device::depth::{DepthModel, presets};
+use belvedere_sensors::trace::Faces;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::ops::RangeInclusive;
@@ -21,19 +22,21 @@ pub(crate) struct DepthCamera {
     eye: Eye,
     range: [f64; 2],
     model: DepthModel,
+    faces: Faces,
 }
 
 impl DepthCamera {
     fn config(&self, seed: u64) -> DepthCameraConfig<'_> {
         let [min_m, max_m] = self.range;
-        DepthCameraConfig::new(self.eye.config(seed)).min_depth_m(min_m).max_depth_m(max_m).model(self.model)
+        let config = DepthCameraConfig::new(self.eye.config(seed)).min_depth_m(min_m).max_depth_m(max_m);
+        config.model(self.model).faces(self.faces)
     }
 }
 
 #[pymethods]
 impl DepthCamera {
     #[new]
-    #[pyo3(signature = (size, lens, clip, exposure, grey, smooth, noise, device, range, depth_noise, model, projector))]
+    #[pyo3(signature = (size, lens, clip, exposure, grey, smooth, noise, device, range, depth_noise, model, projector, both_faces))]
     fn new(
         size: [u32; 2],
         lens: (Option<(String, Vec<f64>)>, Option<f64>),
@@ -47,6 +50,7 @@ impl DepthCamera {
         depth_noise: [f32; 2],
         model: Option<&str>,
         projector: bool,
+        both_faces: bool,
     ) -> PyResult<Self> {
         let argument = if lens.0.is_some() { "lens" } else { "fov" };
         let eye = Eye::new(size, lens, clip, exposure, (grey, smooth), noise, device)?;
@@ -78,7 +82,8 @@ impl DepthCamera {
             }
         }
         let range = [range[0].unwrap_or(limits[0]), range[1].unwrap_or(limits[1])];
-        let camera = Self { eye, range, model: depth_model };
+        let faces = if both_faces { Faces::Both } else { Faces::Front };
+        let camera = Self { eye, range, model: depth_model, faces };
         depth::DepthCamera::new(camera.config(0)).map_err(value_error)?;
         Ok(camera)
     }

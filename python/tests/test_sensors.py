@@ -307,3 +307,29 @@ def test_sensors_are_pickled_and_copied(wall: bv.World, sensor: bv.Sensor) -> No
         again = other.render(wall, HERE, seeds=3)
         for channel, values in expected.items():
             np.testing.assert_array_equal(again[channel], values)
+
+
+def test_a_depth_camera_sees_meshes_whichever_way_their_triangles_run() -> None:
+    corners = [[2, 3, 3], [2, -3, 3], [2, -3, -3], [2, 3, -3]]
+    counter_clockwise = [[0, 2, 1], [0, 3, 2]]
+    clockwise = [triangle[::-1] for triangle in counter_clockwise]
+    for faces, seen in (("both", [2.0, 2.0]), ("front", [2.0, np.inf])):
+        camera = bv.DepthCamera(17, 13, fov=1.0, faces=faces)
+        found = []
+        for triangles in (counter_clockwise, clockwise):
+            world = bv.World()
+            world.add_mesh(corners, triangles, color=(1, 0, 0))
+            frames = camera.render(world, HERE, channels=("depth", "true_depth", "points", "rgb", "instance"))
+            depth = frames["depth"].reshape(13, 17)
+            assert np.array_equal(depth, frames["true_depth"].reshape(13, 17))
+            is_seen = np.isfinite(depth)
+            assert np.array_equal(is_seen, np.isfinite(frames["points"][..., 2].reshape(13, 17)))
+            assert np.array_equal(is_seen, frames["instance"].reshape(13, 17) == 0)
+            # The colour is that of the surface whose depth is measured.
+            red, green, _ = np.moveaxis(frames["rgb"].reshape(13, 17, 3).astype(int), -1, 0)
+            assert np.array_equal(is_seen, red > green)
+            found.append(float(depth[6, 8]))
+        assert found == pytest.approx(seen, rel=1e-6)
+    assert bv.DepthCamera(8, 6, fov=1.0).render(world, HERE)["depth"].max() < 3  # Both is the default.
+    with pytest.raises(ValueError, match="faces"):
+        bv.DepthCamera(8, 6, fov=1.0, faces="back")

@@ -14,7 +14,7 @@ use belvedere_sensors::scanner::{
 };
 use belvedere_sensors::scene::{ColourSpace, LightConfig, MaterialConfig, SceneBuilder, Shape, TextureAlpha};
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::trace::{Faces, WorkspaceBuf};
 use belvedere_sensors::{Capture, Execution, Keyframe, Moment, Pose, Sensor};
 use common::casts::levels;
 use common::{LIDAR, add, camera, camera_of, depth_camera, picture_with, scenery, spot};
@@ -33,13 +33,21 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     workspace.execution = execution;
     let capture = Capture::new(7, builder.moment(pose));
 
-    let depth_camera = DepthCamera::new(depth_camera().camera(camera).max_depth_m(6.0).model(noise)).unwrap();
+    let depth_camera = depth_camera().camera(camera).faces(Faces::Front).max_depth_m(6.0).model(noise);
+    let depth_camera = DepthCamera::new(depth_camera).unwrap();
     let pixels = depth_camera.pixels();
     let (mut metres, mut millimetres) = (vec![0.0_f32; pixels], vec![0_u16; pixels]);
     let mut points = vec![0; pixels * POINT_STEP];
     let output = DepthFrame::new().depth_32fc1(&mut metres).depth_16uc1(&mut millimetres).points(&mut points);
     depth_camera
         .sense(&scene, &capture, &mut workspace.lend(depth_camera.workspace_len(&scene, &capture)), output)
+        .expect("outputs of the right size");
+
+    // Both sides of surfaces.
+    let both = DepthCamera::new(depth_camera.config().faces(Faces::Both)).unwrap();
+    let (mut metres_of_both, mut points_of_both) = (metres.clone(), points.clone());
+    let output = DepthFrame::new().depth_32fc1(&mut metres_of_both).points(&mut points_of_both);
+    both.sense(&scene, &capture, &mut workspace.lend(both.workspace_len(&scene, &capture)), output)
         .expect("outputs of the right size");
 
     // Second passes over the frame: shadows and noise beside the ray, dots, and light.
@@ -131,6 +139,8 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ("32fc1", bytes(&metres)),
         ("16uc1", millimetres.iter().flat_map(|x| x.to_le_bytes()).collect()),
         ("points", points),
+        ("32fc1 of both sides", bytes(&metres_of_both)),
+        ("points of both sides", points_of_both),
         ("ranges", bytes(&ranges)),
         ("firings", bytes(&firings[0])),
         ("returns", bytes(&returns.concat())),
@@ -261,12 +271,14 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 20] = [
+    let expected: [(&str, u64); 22] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
         ("16uc1", 0xbc3f_3d55_accd_1eab),
         ("points", 0x24cd_1139_23b9_13ef),
+        ("32fc1 of both sides", 0),
+        ("points of both sides", 0),
         ("ranges", 0x9814_84f6_b4ad_3848),
         ("firings", 0x3932_041a_7598_5374),
         ("returns", 0xc01c_05d5_c720_4582),

@@ -20,6 +20,7 @@ use belvedere_sensors::Shutter;
 use belvedere_sensors::camera::CameraError;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
 use belvedere_sensors::device::depth::{DepthModel, DepthNoise};
+use belvedere_sensors::trace::Faces;
 use std::time::Instant;
 
 impl Behaviour for model::DepthCamera {
@@ -300,10 +301,10 @@ fn focal_px(camera: &CameraSensor, lens: &Lens) -> f64 {
     }
 }
 
-/// SDF's `<noise>` is the colour picture's; Gazebo classic knows none for depth.
+/// SDF's `<noise>` is the colour picture's; Gazebo classic knows none for depth. Back faces are not seen, as in Gazebo.
 fn depth_camera<'a>(eye: &'a Eye, limits: &Limits) -> Result<DepthCamera<'a>, CameraError> {
     let [min_m, max_m] = limits.range_m;
     let config = DepthCameraConfig::new(eye.config()).min_depth_m(min_m).max_depth_m(max_m);
-    let config = config.model(limits.model);
+    let config = config.model(limits.model).faces(Faces::Front);
     DepthCamera::new(config.out_of_range(limits.out_of_range).too_near(limits.too_near))
 }

@@ -9,7 +9,7 @@ use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{InstanceConfig, InstanceId, MaterialConfig, SceneBuilder, Shape, visibility};
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::trace::{Faces, WorkspaceBuf};
 use belvedere_sensors::{Capture, Execution, Pose, Sensor};
 
 /// A depth camera with the rays of R1.
@@ -102,7 +102,7 @@ impl Moving {
 fn depth_camera(horizontal_fov_rad: f64, noise: GaussianNoise) -> DepthCamera<'static> {
     let lens = PinholeGrid::from_fov(640, 480, horizontal_fov_rad).expect("in range");
     let camera = CameraConfig::new(lens).near_m(1e-3).far_m(1e6).seed(1);
-    DepthCamera::new(DepthCameraConfig::new(camera).model(noise)).expect("in range")
+    DepthCamera::new(DepthCameraConfig::new(camera).model(noise).faces(Faces::Front)).expect("in range")
 }
 
 /// A lidar that sees without end.

@@ -191,7 +191,7 @@ class Sensor:
 
 
 class Camera(Sensor):
-    """A colour camera.
+    """A colour camera. It sees the outside of surfaces, from where their triangles run counter-clockwise.
 
     Channels: ``rgb`` uint8 (height, width, 3), or ``(height, width)`` if it is grey; and what is true of each pixel:
     ``depth`` float32, metres along the optical axis, ∞ where nothing is; ``range``, metres along the ray; ``normal``
@@ -276,6 +276,8 @@ class DepthCamera(Sensor):
         exposure: of the colour picture.
         color_noise: of the colour picture.
         device: of the colour picture.
+        faces: ``both`` sides of surfaces, or ``front``: the outside alone, from where triangles run counter-clockwise, so
+            that a camera in its own housing sees out. All channels are of the same surfaces.
 
     Raises:
         ValueError: an argument is out of its range, or there is no such model.
@@ -303,6 +305,7 @@ class DepthCamera(Sensor):
         exposure: float = 1.0,
         color_noise: float = 0.0,
         device: str | None = None,
+        faces: str = "both",
     ) -> None:
         self._arguments = _given(locals())
         if model is not None:
@@ -337,6 +340,7 @@ class DepthCamera(Sensor):
             [0.0, _arrays.number("noise", noise)],
             model,
             bool(projector),
+            _arrays.choice("faces", faces, {"front": 0, "both": 1}) == 1,
         )
         self._frame = (size[1], size[0])
         self._channels = {

@@ -19,14 +19,14 @@ use crate::shade::Colours;
 use crate::simd::LANES;
 use crate::trace::error::check_output;
 use crate::trace::grid::{Band, BandWork, Frame, Sight};
-use crate::trace::packet::Faces;
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 use brush::{Brush, ColourRows, sums_len};
 pub use config::{CameraConfig, CameraError, MAX_IMAGE_SIZE};
 use fearless_simd::Simd;
 
-/// A checked colour camera. It looks along +x of its frame, its picture's right is −y and down is −z.
+/// A checked colour camera. It looks along +x of its frame, its picture's right is −y and down is −z. Of surfaces it sees the
+/// outside, unless [`CameraConfig::faces`](CameraConfig#structfield.faces) says otherwise.
 ///
 /// ```
 /// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
@@ -126,9 +126,13 @@ impl<'a> Camera<'a> {
         self.row_stride() * self.size()[1]
     }
 
-    /// Only front faces count. Seen from within, a housing has none: a camera in its own housing sees out.
+    /// Where only front faces count, a housing seen from within has none: a camera in its own housing sees out.
     pub(crate) fn sight(&self) -> Sight {
-        Sight { faces: Faces::Front, range: [self.config.near_m, self.config.far_m], within: f64::INFINITY }
+        Sight {
+            faces: self.config.faces,
+            range: [self.config.near_m, self.config.far_m],
+            within: f64::INFINITY,
+        }
     }
 
     /// Marks of a picture.

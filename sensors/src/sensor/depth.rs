@@ -79,7 +79,8 @@ impl<'a> DepthFrame<'a> {
     }
 }
 
-/// A checked depth camera; it looks along +x of its frame like a [`Camera`].
+/// A checked depth camera; it looks along +x of its frame like a [`Camera`]. It sees both sides of surfaces, unless
+/// [`DepthCameraConfig::faces`](DepthCameraConfig#structfield.faces) says otherwise.
 #[derive(Debug, Clone, Copy)]
 pub struct DepthCamera<'a> {
     config: DepthCameraConfig<'a>,
@@ -103,7 +104,7 @@ impl<'a> DepthCamera<'a> {
         if !(min_m >= 0.0 && min_m < max_m) {
             return Err(CameraError::Cutoff { min_m, max_m });
         }
-        let camera = Camera::new(config.camera)?;
+        let camera = Camera::new(config.camera.faces(config.faces))?;
         let noise = match config.model.noise {
             DepthNoise::Gaussian(noise) => noise,
             DepthNoise::Axial(_) | DepthNoise::Disparity(_) => GaussianNoise::NONE,
@@ -118,7 +119,7 @@ impl<'a> DepthCamera<'a> {
         &self.config
     }
 
-    /// The colour camera in the same place, pixel for pixel.
+    /// The colour camera in the same place, pixel for pixel, which sees the same sides of surfaces.
     pub fn camera(&self) -> &Camera<'a> {
         &self.camera
     }

@@ -19,7 +19,7 @@ use crate::shade::tile::{CameraRays, Tile};
 use crate::shade::{Colours, Shader};
 use crate::simd::{LANES, WIDTH, dispatch};
 use crate::trace::grid::{Frame, Sight};
-use crate::trace::packet::{MISS, Packet};
+use crate::trace::packet::{Faces, MISS, Packet};
 use crate::trace::packet_hits::first_hits;
 use crate::trace::resolve::Resolver;
 use crate::trace::shapes::LocalRays;
@@ -150,7 +150,7 @@ impl<'a> Smoothing<'a> {
         across: usize,
         canvas: &mut impl Canvas,
     ) {
-        let mut bench = Bench::new(self.view);
+        let mut bench = Bench::new(self.view, self.sight.faces);
         let mut pixels = [Pixel { tile: [0; 2], lane: 0, colour: [0.0; 3] }; QUEUE];
         let (mut waiting, mut sampled) = (0, 0);
         for row in rows.clone() {
@@ -345,12 +345,12 @@ struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    fn new(view: &'a View<'a>) -> Self {
+    fn new(view: &'a View<'a>, faces: Faces) -> Self {
         Self {
             packet: Packet::new(),
             local: LocalRays::new(),
             tile: Tile::new(),
-            shader: Shader::new(),
+            shader: Shader::new(faces),
             through: Through::new(),
             resolver: Resolver::new(view),
             colours: [[0.0; LANES]; 3],

@@ -16,7 +16,7 @@ pub(super) struct Bumps {
     /// A bit each.
     pub(super) lanes: u64,
     /// The map's normals; once they have [taken their places](Bumps::swap), those of the surface itself.
-    normal: [Lanes<f32>; 3],
+    pub(super) normal: [Lanes<f32>; 3],
     sampler: Sampler,
 }
 

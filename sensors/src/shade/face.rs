@@ -8,7 +8,7 @@ use super::surface::Footprint;
 use super::tile::{Steps, Tile};
 use crate::scene::{Instance, Solid};
 use crate::simd::{LANES, Lanes, WIDTH, floor, load_row};
-use crate::trace::packet::MISS;
+use crate::trace::packet::{Faces, MISS};
 use crate::trace::shapes::solid_surface;
 use crate::trace::view::Placed;
 use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
@@ -47,7 +47,7 @@ impl KnownFaces {
     /// A face of an instance, which is made if it is not among those kept.
     #[inline(always)]
     pub(super) fn find(&mut self, of: (u32, u32), make: impl FnOnce() -> Face) -> &Face {
-        // Three of a box show at most, on three axes.
+        // From outside a box shows three at most, on three axes.
         let place = of.0.wrapping_mul(3).wrapping_add(of.1 / 2) as usize % KNOWN;
         if self.of[place] != of {
             (self.of[place], self.known[place]) = (of, make());
@@ -75,12 +75,7 @@ impl Face {
         repeat: [f32; 2],
         steps: &Steps,
     ) -> Self {
-        // Any point of the face will do.
-        let mut point = DVec3::ZERO;
-        if solid == Solid::Box {
-            let axis = (face / 2) as usize % 3;
-            point[axis] = if face.is_multiple_of(2) { instance.size[axis] } else { -instance.size[axis] };
-        }
+        let point = Self::point((instance, solid), face);
         let surface = solid_surface(solid, instance.size, point);
         let inverse = placed.inverse.map(DVec3::from_array);
         // Normals and gradients go by the inverse transpose.
@@ -105,6 +100,17 @@ impl Face {
             }
         }
         face
+    }
+
+    /// A point of face `face` of an instance of a solid, in its axes.
+    #[inline(always)]
+    pub(super) fn point((instance, solid): (&Instance, Solid), face: u32) -> DVec3 {
+        let mut point = DVec3::ZERO;
+        if solid == Solid::Box {
+            let axis = (face / 2) as usize % 3;
+            point[axis] = if face.is_multiple_of(2) { instance.size[axis] } else { -instance.size[axis] };
+        }
+        point
     }
 
     /// What the pixels of a row cover of the texture: how far the hit moves on the face from one to the next
@@ -149,10 +155,10 @@ fn along<S: Simd>(simd: S, vector: &[f32; 3], with: &[Lanes<f32>; 3], row: usize
         + load_row(simd, &with[2], row) * z
 }
 
-/// The faces of a box that a sensor outside may see: one of each axis, and of walls just the one. Of shapes with one face,
-/// that one. A face's number is twice its axis, and 1 more if it looks to the axis's negative end.
+/// The faces of a box that a sensor may see: from outside one of each axis, and of walls just the one; all, if insides are
+/// seen. Of shapes with one face, that one. A face's number is twice its axis, and 1 more if it looks to the axis's negative end.
 pub(super) struct VisibleFaces {
-    faces: [VisibleFace; 3],
+    faces: [VisibleFace; 6],
     count: usize,
 }
 
@@ -168,16 +174,18 @@ struct VisibleFace {
 
 impl VisibleFaces {
     #[inline(always)]
-    pub(super) fn new((instance, solid): (&Instance, Solid), placed: &Placed) -> Self {
+    pub(super) fn new((instance, solid): (&Instance, Solid), placed: &Placed, faces: Faces) -> Self {
         let mut seen =
-            Self { faces: [VisibleFace { number: 0, axis: [0.0; 3], distance: 0.0 }; 3], count: 0 };
+            Self { faces: [VisibleFace { number: 0, axis: [0.0; 3], distance: 0.0 }; 6], count: 0 };
         if solid != Solid::Box {
             return seen;
         }
         for axis in 0..3 {
             let (half, origin) = (instance.size[axis], placed.origin_in_instance[axis]);
-            let negative = origin < 0.0;
-            if origin.abs() > half {
+            for negative in [false, true] {
+                if faces == Faces::Front && (origin.abs() <= half || negative != (origin < 0.0)) {
+                    continue;
+                }
                 let number = 2 * axis as u32 + u32::from(negative);
                 // The distance from the sensor is rounded after the subtraction: however large the box, what is near the
                 // sensor is told apart.

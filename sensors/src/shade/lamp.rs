@@ -19,7 +19,7 @@ impl Shader {
         tile: &Tile,
         colours: &mut Colours,
     ) {
-        let Self { surfaces, albedo, gloss, bumps, shadows, seen, .. } = self;
+        let Self { surfaces, albedo, gloss, bumps, shadows, seen, back, .. } = self;
         let parallel = light.form() == Form::Directional;
         let position = view.point_in_frame(light.position);
         let mut brightness = [0.0; LANES];
@@ -50,8 +50,11 @@ impl Shader {
         }
         let dark = match (light.cast_shadows != 0, parallel) {
             (false, _) => 0,
-            (true, false) => shadows.of_lamp(simd, view, tile, (number, position), lit),
-            (true, true) => shadows.of_parallel(simd, view, tile, -DVec3::from_array(light.direction), lit),
+            (true, false) => shadows.of_lamp(simd, view, tile, (number, position), (lit, *back)),
+            (true, true) => {
+                let towards = -DVec3::from_array(light.direction);
+                shadows.of_parallel(simd, view, tile, towards, (lit, *back))
+            }
         };
         let lit = lit & !dark;
         simd.vectorize(

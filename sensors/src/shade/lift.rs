@@ -3,7 +3,7 @@
 //! A point of a tile is where its ray has hit, in single precision: it lies above its triangle or below it by some
 //! millionths of its distance. Low light that comes to it from beyond would pass through the triangle or its neighbours.
 //! So points on meshes and height fields are put onto the planes of their triangles in double precision, and then above
-//! them by as much as the neighbours' corners may be off.
+//! them by as much as the neighbours' corners may be off; below them, where it is their back that is seen.
 
 use super::tile::Tile;
 use crate::simd::{LANES, Lanes};
@@ -15,13 +15,14 @@ use glam::DVec3;
 /// precision.
 const LIFT: f64 = 2.5e-7;
 
-/// Moves those of the `lanes` that lie on triangles above them, and tells which they are.
+/// Moves those of the `lanes` that lie on triangles above them, those that see the `back` of one below it, and tells which
+/// they are.
 #[inline(always)]
 pub(super) fn lift<S: Simd>(
     simd: S,
     view: &View<'_>,
     tile: &Tile,
-    lanes: u64,
+    (lanes, back): (u64, u64),
     points: &mut [Lanes<f64>; 3],
 ) -> u64 {
     if !view.has_concave {
@@ -33,7 +34,7 @@ pub(super) fn lift<S: Simd>(
         let own = tile.lanes_of(simd, index) & rest;
         rest &= !own;
         if !view.instance(index).kind().is_solid() {
-            lift_own(view, tile, index, own, points);
+            lift_own(view, tile, index, (own, back), points);
             lifted |= own;
         }
     }
@@ -41,21 +42,28 @@ pub(super) fn lift<S: Simd>(
 }
 
 #[inline(never)]
-fn lift_own(view: &View<'_>, tile: &Tile, index: u32, lanes: u64, points: &mut [Lanes<f64>; 3]) {
+fn lift_own(
+    view: &View<'_>,
+    tile: &Tile,
+    index: u32,
+    (lanes, back): (u64, u64),
+    points: &mut [Lanes<f64>; 3],
+) {
     let placed = &view.placed[index as usize];
     let mut rest = lanes;
     while rest != 0 {
         let lane = rest.trailing_zeros() as usize % LANES;
         rest &= rest - 1;
         let point = DVec3::from_array([0, 1, 2].map(|axis| points[axis][lane]));
-        let lifted = above(view, placed, tile.local[lane], point);
+        let side = if back >> lane & 1 != 0 { -1.0 } else { 1.0 };
+        let lifted = above(view, placed, tile.local[lane], point, side);
         for axis in 0..3 {
             points[axis][lane] = lifted[axis];
         }
     }
 }
 
-fn above(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> DVec3 {
+fn above(view: &View<'_>, placed: &Placed, local: u32, point: DVec3, side: f64) -> DVec3 {
     let [a, b, c] = view.corners(placed, local);
     let normal = (b - a).cross(c - a);
     let squared = normal.length_squared();
@@ -71,5 +79,5 @@ fn above(view: &View<'_>, placed: &Placed, local: u32, point: DVec3) -> DVec3 {
     let normal = inverse[0] * normal.x + inverse[1] * normal.y + inverse[2] * normal.z;
     let coordinates = a.abs().max(b.abs()).max(c.abs());
     let size = axes[0].abs() * coordinates.x + axes[1].abs() * coordinates.y + axes[2].abs() * coordinates.z;
-    on_plane + normal.normalize_or_zero() * (LIFT * (size.max_element() + point.abs().max_element()))
+    on_plane + normal.normalize_or_zero() * (side * LIFT * (size.max_element() + point.abs().max_element()))
 }

@@ -23,6 +23,7 @@ pub(crate) mod uniform;
 use crate::scene::{ALPHA_CUT_OUT, ColourSpace, Kind, Material, NO_TEXTURE, Scene};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
+use crate::trace::packet::Faces;
 use crate::trace::view::View;
 use bumps::Bumps;
 use face::{Face, KnownFaces, VisibleFaces};
@@ -52,6 +53,10 @@ pub(crate) struct Shader {
     /// Those through which something may be seen, a bit each.
     clear: u64,
     shadows: Shadows,
+    /// Which sides of surfaces are seen.
+    faces: Faces,
+    /// The lanes that see the inside of a surface, a bit each: their normals are turned to the sensor.
+    back: u64,
     /// What is seen by each lane, if that is kept: [`Shader::seen`].
     seen: Option<Lanes<u32>>,
 }
@@ -65,7 +70,7 @@ struct Gloss {
 }
 
 impl Shader {
-    pub(crate) const fn new() -> Self {
+    pub(crate) const fn new(faces: Faces) -> Self {
         Self {
             surfaces: Surfaces::new(),
             known_faces: KnownFaces::new(),
@@ -76,13 +81,15 @@ impl Shader {
             coverage: [1.0; LANES],
             clear: 0,
             shadows: Shadows::new(),
+            faces,
+            back: 0,
             seen: None,
         }
     }
 
     /// A shader that also tells what is [seen](Shader::seen).
-    pub(crate) fn telling() -> Self {
-        Self { seen: Some([0; LANES]), ..Self::new() }
+    pub(crate) fn telling(faces: Faces) -> Self {
+        Self { seen: Some([0; LANES]), ..Self::new(faces) }
     }
 
     /// Of the tile shaded last, a number of seven bits for what each lane shows. It is another on each instance, face and
@@ -126,6 +133,9 @@ impl Shader {
                     rest &= !lanes;
                     self.add_instance(simd, view, tile, steps, (placed, lanes), colours);
                 }
+                if self.faces == Faces::Both {
+                    self.turn_to_sensor(simd, tile);
+                }
                 if let Some(seen) = &mut self.seen {
                     tell_surfaces(simd, tile, &self.surfaces, seen);
                 }
@@ -139,6 +149,28 @@ impl Shader {
                 self.add_lamp(simd, view, (number, light), tile, colours);
             }
         }
+    }
+
+    /// Turns normals that look away from the sensor to it, those of maps as the surfaces' own.
+    #[inline(always)]
+    fn turn_to_sensor<S: Simd>(&mut self, simd: S, tile: &Tile) {
+        let mut back = 0;
+        for row in 0..ROWS {
+            let mut along = f32x16::splat(simd, 0.0);
+            for axis in 0..3 {
+                let normal = load_row(simd, &self.surfaces.normal[axis], row);
+                along += normal * load_row(simd, &tile.direction[axis], row);
+            }
+            let away = along.simd_gt(f32x16::splat(simd, 0.0));
+            back |= away.to_bitmask() << (row * WIDTH);
+            for axis in 0..3 {
+                for normal in [&mut self.surfaces.normal[axis], &mut self.bumps.normal[axis]] {
+                    let turned = load_row(simd, normal, row) * -1.0;
+                    store_where(simd, away, turned, normal, row);
+                }
+            }
+        }
+        self.back = back & tile.hits;
     }
 
     /// Normals and albedo of the lanes that have hit an instance, and the part of their colours that needs no lamp.
@@ -170,7 +202,7 @@ impl Shader {
             && solid.has_flat_faces()
         {
             let on = &view.placed[placed as usize];
-            let visible = VisibleFaces::new((instance, solid), on);
+            let visible = VisibleFaces::new((instance, solid), on, self.faces);
             let numbers =
                 if visible.only().is_some() { None } else { Some(visible.of_tile(simd, tile, lanes)) };
             let mut rest = lanes;

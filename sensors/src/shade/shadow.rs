@@ -4,8 +4,8 @@
 //! for the neighbourhood of the last tile, so that the tree over the instances is seldom walked. Boxes, of which rooms
 //! are built, are tested in single precision; the rest in double.
 //!
-//! A convex instance never stands in its own light. Points on meshes and height fields, which may, are [lifted](lift)
-//! above their triangles first.
+//! The outside of a convex instance never stands in its own light; its inside does, but for a lamp that is inside as well.
+//! Points on meshes and height fields, which may, are [lifted](lift) above their triangles first, to the side that is seen.
 
 use super::lift::lift;
 use super::occluders::Occluders;
@@ -45,7 +45,7 @@ impl Shadows {
         }
     }
 
-    /// Which of the lanes that are `lit` a lamp does not reach. Its outside casts shadows: the bulb around a lamp does
+    /// Which of the lanes that are `lit` a lamp does not reach, of which some see the `back` of a surface. Its outside casts shadows: the bulb around a lamp does
     /// not keep its light in.
     #[inline(always)]
     pub(crate) fn of_lamp<S: Simd>(
@@ -54,7 +54,7 @@ impl Shadows {
         view: &View<'_>,
         tile: &Tile,
         (lamp, position): (usize, DVec3),
-        lit: u64,
+        (lit, back): (u64, u64),
     ) -> u64 {
         simd.vectorize(
             #[inline(always)]
@@ -68,6 +68,7 @@ impl Shadows {
                     local,
                     position,
                     lit,
+                    back,
                     dark: 0,
                     is_aimed: false,
                     lifted: 0,
@@ -107,7 +108,7 @@ impl Shadows {
         view: &View<'_>,
         tile: &Tile,
         towards: DVec3,
-        lit: u64,
+        (lit, back): (u64, u64),
     ) -> u64 {
         let Self { packet, local, .. } = self;
         simd.vectorize(
@@ -124,7 +125,7 @@ impl Shadows {
                 }
                 packet.shared_origin = false;
                 packet.t_min = PARALLEL_BIAS * (1.0 + farthest);
-                let lifted = lift(simd, view, tile, lit, &mut packet.origin);
+                let lifted = lift(simd, view, tile, (lit, back), &mut packet.origin);
                 if lifted != 0 {
                     // These begin where they are.
                     for axis in 0..3 {
@@ -149,7 +150,7 @@ impl Shadows {
                         if !view.placed[index as usize].casts_shadows() {
                             return true;
                         }
-                        let active = lit & !dark & !own_lanes(simd, view, tile, index);
+                        let active = lit & !dark & !own_lanes(simd, view, tile, (index, back));
                         if active != 0 {
                             activate(packet, active, f64::INFINITY);
                             let search = (Faces::Both, Search::Any(f32::INFINITY));
@@ -165,10 +166,15 @@ impl Shadows {
     }
 }
 
-/// The lanes that lie on an instance, if it cannot stand in its own light.
+/// The lanes that lie on an instance, if it cannot stand in their light: those on the outside of something convex, and
+/// those on either side of what has no inside.
 #[inline(always)]
-fn own_lanes<S: Simd>(simd: S, view: &View<'_>, tile: &Tile, index: u32) -> u64 {
-    if view.instance(index).kind().is_solid() { tile.lanes_of(simd, index) } else { 0 }
+fn own_lanes<S: Simd>(simd: S, view: &View<'_>, tile: &Tile, (index, back): (u32, u64)) -> u64 {
+    match view.instance(index).kind() {
+        Kind::Solid(Solid::Rectangle | Solid::Plane) => tile.lanes_of(simd, index),
+        Kind::Solid(_) => tile.lanes_of(simd, index) & !back,
+        Kind::Triangles(_) => 0,
+    }
 }
 
 /// Rays from a lamp to the points of a tile.
@@ -179,6 +185,8 @@ struct ShadowRays<'a> {
     local: &'a mut LocalRays,
     position: DVec3,
     lit: u64,
+    /// Those that see the back of a surface.
+    back: u64,
     /// Those that do not arrive.
     dark: u64,
     /// Whether the packet holds these rays.
@@ -191,7 +199,8 @@ impl ShadowRays<'_> {
     /// Stops those rays that an instance is in the way of; whether any is left.
     #[inline(always)]
     fn meet<S: Simd>(&mut self, simd: S, index: u32) -> bool {
-        let active = self.lit & !self.dark & !own_lanes(simd, self.view, self.tile, index);
+        let own = own_lanes(simd, self.view, self.tile, (index, self.back));
+        let active = self.lit & !self.dark & !own;
         if active != 0 {
             let instance = self.view.instance(index);
             self.dark |= match instance.kind() {
@@ -297,7 +306,7 @@ impl ShadowRays<'_> {
     }
 
     fn meet_other<S: Simd>(&mut self, simd: S, index: u32, active: u64) -> u64 {
-        let Self { view, tile, position, lit, .. } = *self;
+        let Self { view, tile, position, lit, back, .. } = *self;
         let aim = !core::mem::replace(&mut self.is_aimed, true);
         let (packet, local, lifted) = (&mut *self.packet, &mut *self.local, &mut self.lifted);
         simd.vectorize(
@@ -309,7 +318,7 @@ impl ShadowRays<'_> {
                             packet.direction[axis][lane] = f64::from(tile.point[axis][lane]);
                         }
                     }
-                    *lifted = lift(simd, view, tile, lit, &mut packet.direction);
+                    *lifted = lift(simd, view, tile, (lit, back), &mut packet.direction);
                     for axis in 0..3 {
                         packet.origin[axis] = [position[axis]; LANES];
                         for lane in 0..LANES {

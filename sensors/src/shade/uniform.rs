@@ -11,6 +11,7 @@ use super::tile::CameraRays;
 use crate::scene::{Form, Kind, Material, NO_TEXTURE, Scene};
 use crate::trace::grid::Band;
 use crate::trace::image::{GRAZING, NO_HIT};
+use crate::trace::packet::Faces;
 use crate::trace::resolve::{Hit, Resolver};
 use crate::trace::tiling::{BLOCKS, Tiling, place_in_blocks};
 use crate::trace::view::View;
@@ -28,15 +29,19 @@ pub(crate) struct UniformTiles {
     /// Slot and face of the colours that are kept, each in the place that these give: [`ONLY_FACE`] of what has no others.
     of: [(u32, u32); KEPT],
     colours: [[f32; 3]; KEPT],
+    /// Which sides of surfaces are seen.
+    faces: Faces,
 }
 
 impl UniformTiles {
     /// None if the lamps of a scene shine otherwise on every point.
-    pub(crate) fn new(scene: &Scene<'_>) -> Option<Self> {
+    pub(crate) fn new(scene: &Scene<'_>, faces: Faces) -> Option<Self> {
         let mut lights = scene.lights.iter();
-        lights
-            .all(|light| light.form() == Form::Directional && light.cast_shadows == 0)
-            .then_some(Self { of: [(NO_HIT, 0); KEPT], colours: [[0.0; 3]; KEPT] })
+        lights.all(|light| light.form() == Form::Directional && light.cast_shadows == 0).then_some(Self {
+            of: [(NO_HIT, 0); KEPT],
+            colours: [[0.0; 3]; KEPT],
+            faces,
+        })
     }
 
     /// The colour of all rays of a tile, if it is known to be one.
@@ -76,7 +81,8 @@ impl UniformTiles {
             if !solid.has_flat_faces() {
                 return None;
             }
-            let visible = VisibleFaces::new((band.view.instance(hit.placed), solid), hit.instance);
+            let visible =
+                VisibleFaces::new((band.view.instance(hit.placed), solid), hit.instance, self.faces);
             if visible.only().is_none() {
                 face = common_face(&visible, band, rays, (tile, first))?;
             }
@@ -85,7 +91,7 @@ impl UniformTiles {
             return Some(colour);
         }
         let material = &scene.materials[band.view.instance(hit.placed).material as usize];
-        let colour = is_plain(material).then(|| shine(band.view, material, &hit, face))?;
+        let colour = is_plain(material).then(|| shine(band.view, material, &hit, (face, self.faces)))?;
         let place = place((slot, face));
         (self.of[place], self.colours[place]) = ((slot, face), colour);
         Some(colour)
@@ -99,7 +105,7 @@ impl UniformTiles {
     }
 }
 
-/// Where the colour of a face is kept. Of a box three show at most, on three axes.
+/// Where the colour of a face is kept. From outside a box shows three at most, on three axes.
 #[inline(always)]
 fn place((slot, face): (u32, u32)) -> usize {
     slot.wrapping_mul(3).wrapping_add(face / 2) as usize % KEPT
@@ -135,16 +141,30 @@ fn is_plain(material: &Material) -> bool {
 
 /// The colour of a face of something plain.
 #[inline(never)]
-fn shine(view: &View<'_>, material: &Material, hit: &Hit<'_>, face: u32) -> [f32; 3] {
+fn shine(view: &View<'_>, material: &Material, hit: &Hit<'_>, (face, faces): (u32, Faces)) -> [f32; 3] {
     let (scene, space) = (&view.scene, view.scene.colour_space);
-    let normal = match hit.instance.kind() {
+    let (mut normal, point) = match hit.instance.kind() {
         Kind::Solid(solid) => {
-            let visible = VisibleFaces::new((view.instance(hit.placed), solid), hit.instance);
+            let instance = view.instance(hit.placed);
+            let visible = VisibleFaces::new((instance, solid), hit.instance, faces);
             let face = visible.only().unwrap_or(face);
-            Face::new((view.instance(hit.placed), solid), hit.instance, face, [1.0; 2], &None).normal
+            let normal = Face::new((instance, solid), hit.instance, face, [1.0; 2], &None).normal;
+            (normal, Face::point((instance, solid), face))
         }
-        Kind::Triangles(triangles) => triangle_normal(view, (hit.instance, triangles), hit.local),
+        Kind::Triangles(triangles) => {
+            let normal = triangle_normal(view, (hit.instance, triangles), hit.local);
+            (normal, view.corners(hit.instance, hit.local)[0])
+        }
     };
+    if faces == Faces::Both {
+        // The face is turned to the sensor.
+        let axes = hit.instance.axes.map(DVec3::from_array);
+        let place = DVec3::from_array(hit.instance.translation)
+            + (axes[0] * point.x + axes[1] * point.y + axes[2] * point.z);
+        if place.dot(DVec3::from_array(normal.map(f64::from))) > 0.0 {
+            normal = normal.map(|part| -part);
+        }
+    }
     let (ambient, diffuse, emissive) = (
         light_of(material.ambient, space),
         light_of(material.diffuse, space),

@@ -183,7 +183,7 @@ impl NormalFinder {
     }
 
     /// Cosines of the angles between the rays of a block, backwards, and the normals of what they hit, in single precision;
-    /// 1 elsewhere. `axes` are the sensor's in the world, as columns.
+    /// 1 elsewhere. Where insides are seen, their normals count as turned to the sensor. `axes` are the sensor's in the world, as columns.
     #[inline(always)]
     pub(crate) fn cosines<S: Simd>(
         &mut self,
@@ -206,7 +206,8 @@ impl NormalFinder {
         };
         let [x, y, z] = band.rays.unit_directions(simd, block[0], block[1]);
         let against = (x * forward + y * left) + z * up;
-        simd.from_bitmask_mask32x16(u64::from(hits)).select(-against, one)
+        let cosines = if self.faces == Faces::Both { against.abs() } else { -against };
+        simd.from_bitmask_mask32x16(u64::from(hits)).select(cosines, one)
     }
 
     /// Angles between the rays of a block, backwards, and the normals of what they hit; NaN elsewhere.

@@ -11,7 +11,7 @@ use belvedere_sensors::optics::{
     Intrinsics, KannalaBrandt, Lens, Optics, PinholeGrid, RayTableBuf, SphericalGrid,
 };
 use belvedere_sensors::scene::{InstanceConfig, SceneBuilder, Shape, visibility};
-use belvedere_sensors::trace::WorkspaceBuf;
+use belvedere_sensors::trace::{Faces, WorkspaceBuf};
 use belvedere_sensors::{Capture, Pose, Sensor};
 use glam::DVec3;
 
@@ -313,12 +313,13 @@ fn what_is_too_near_is_in_the_way_or_seen_through() {
         let orange = glowing(builder, [1.0, 0.5, 0.25]);
         add(builder, Shape::Rectangle { size: [10.0; 2] }, upright(DVec3::X * wall_m), orange);
     }
-    // A plate at 0.3 m, of which the upper left quarter of the picture is full, and the camera's own housing.
+    // A plate at 0.3 m, of which the upper left quarter of the picture is full, and the camera's own housing, out of which it
+    // sees.
     let white = glowing(&mut builder, [1.0; 3]);
     let plate = DVec3::new(0.3, 0.5, 0.5);
     add(&mut builder, Shape::Rectangle { size: [1.0; 2] }, upright(plate), white);
     add(&mut builder, Shape::Box { size: [0.1; 3] }, Pose::IDENTITY, white);
-    let mut config = depth_camera().max_depth_m(10.0);
+    let mut config = depth_camera().max_depth_m(10.0).faces(Faces::Front);
     config.camera.near_m = 0.5;
     for (noise, stddev) in [(false, 0.0), (true, 0.01)] {
         config.model = GaussianNoise::new(0.0, stddev, 0.0, 0.0, 0.0).unwrap().into();

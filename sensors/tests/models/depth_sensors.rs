@@ -145,7 +145,7 @@ fn shadows_of_all_shapes_are_what_single_rays_find() {
         eye.translation(),
         &Rays { origins: &[from.as_vec3().to_array()], directions: &directions, ranges: None },
         visibility::VISUAL,
-        Faces::Front,
+        Faces::Both,
         &mut WorkspaceBuf::default().lend(workspace_len(&scene)),
         Hits { distance: Some(&mut distances), ..Hits::default() },
     )
@@ -442,4 +442,72 @@ fn noise_of_disparities_ends_at_infinity() {
     // 1.06 px with a σ of 2 px: beyond 100 m, at 0.212 px, is Φ(−0.424).
     assert!((far - 0.3358).abs() < 0.025, "{far}");
     assert!(depth.iter().all(|depth| *depth > 0.0));
+}
+
+/// A square of 3 m of triangles, 2 m ahead, that run clockwise or counter-clockwise as the camera sees them, before a wall.
+fn square(clockwise: bool) -> SceneBuilder {
+    let mut builder = SceneBuilder::new();
+    let red = common::glowing(&mut builder, [1.0, 0.0, 0.0]);
+    let corners = [[2.0, 1.5, 1.5], [2.0, -1.5, 1.5], [2.2, -1.5, -1.5], [2.2, 1.5, -1.5]];
+    let triangles = if clockwise { [[0, 1, 2], [0, 2, 3]] } else { [[0, 2, 1], [0, 3, 2]] };
+    let square = builder.add_mesh(&corners, &[], &triangles).unwrap();
+    common::add(&mut builder, Shape::Mesh(square), Pose::IDENTITY, red);
+    let blue = common::glowing(&mut builder, [0.0, 0.0, 1.0]);
+    let wall = Pose::from_translation(DVec3::X * 5.5);
+    common::add(&mut builder, Shape::Box { size: [1.0, 30.0, 30.0] }, wall, blue);
+    builder
+}
+
+#[test]
+fn both_sides_of_surfaces_are_measured() {
+    use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
+    use belvedere_sensors::trace::Truth;
+    use belvedere_sensors::{Capture, Sensor};
+    let config = depth_camera().camera(camera_of([160, 120], 1.2));
+    let take = |builder: &SceneBuilder, faces| {
+        let camera = DepthCamera::new(config.faces(faces)).unwrap();
+        let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(Pose::IDENTITY)));
+        let pixels = camera.pixels();
+        let (mut depth, mut true_depth) = (vec![0.0_f32; pixels], vec![0.0_f32; pixels]);
+        let (mut colour, mut points) = (vec![0; 3 * pixels], vec![0; POINT_STEP * pixels]);
+        let output = DepthFrame::new().depth_32fc1(&mut depth).colour(&mut colour).points(&mut points);
+        let output = output.truth(Truth::new().depth(&mut true_depth));
+        let mut memory = WorkspaceBuf::default();
+        camera
+            .sense(&scene, &capture, &mut memory.lend(camera.workspace_len(&scene, &capture)), output)
+            .unwrap();
+        assert_eq!(depth, true_depth);
+        for (index, depth) in depth.iter().enumerate() {
+            let z = f32::from_le_bytes(*points[POINT_STEP * index + 8..].first_chunk().unwrap());
+            assert_eq!(z.to_bits(), depth.to_bits(), "the cloud is of the same surfaces");
+            let rgb = &colour[3 * index..3 * index + 3];
+            assert_eq!(*rgb, if *depth < 3.0 { [255, 0, 0] } else { [0, 0, 255] }, "and so is the picture");
+        }
+        depth
+    };
+    let expected = take(&square(false), Faces::Front);
+    assert!(expected.iter().filter(|depth| **depth < 3.0).count() > 8000);
+    let near = |found: &[f32]| found.iter().zip(&expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-6);
+    assert_eq!(DepthCameraConfig::new(config.camera).faces, Faces::Both, "the default");
+    for clockwise in [false, true] {
+        assert!(near(&take(&square(clockwise), Faces::Both)), "clockwise: {clockwise}");
+    }
+    assert!(take(&square(true), Faces::Front).iter().all(|depth| (depth - 5.0).abs() < 1e-5), "the wall");
+}
+
+#[test]
+fn devices_measure_back_faces_as_they_do_front_faces() {
+    let config = depth_camera().camera(camera_of([160, 120], 1.2));
+    for model in [published::nguyen(), published::fankhauser(), published::redwood()] {
+        let frame = |clockwise| {
+            depth_frame(&square(clockwise), config.model(model).faces(Faces::Both), Pose::IDENTITY, 3)
+        };
+        let (front, back) = (frame(false), frame(true));
+        let off = front
+            .iter()
+            .zip(&back)
+            .filter(|(a, b)| !(**a == **b || (*a - *b).abs() < 1e-4 || a.is_nan() && b.is_nan()));
+        let off = off.count();
+        assert!(off < 20, "{off} depths differ");
+    }
 }

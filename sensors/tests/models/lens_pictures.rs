@@ -254,7 +254,8 @@ fn pixels_without_a_ray_are_black() {
         for noise in [GaussianNoise::NONE, noise] {
             let config = CameraConfig::new(&table).noise(noise);
             let colours = picture(stage, config, pose);
-            let depth_camera = DepthCamera::new(DepthCameraConfig::new(config).model(noise)).unwrap();
+            let depth_camera = DepthCameraConfig::new(config).model(noise).faces(Faces::Front);
+            let depth_camera = DepthCamera::new(depth_camera).unwrap();
             let count = depth_camera.pixels();
             let (mut metres, mut millimetres) = (vec![0.0; count], vec![1; count]);
             let (mut same_colours, mut points) = (vec![0; 3 * count], vec![0; POINT_STEP * count]);

@@ -9,6 +9,7 @@ use belvedere_sensors::scene::{
     ColourSpace, Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape,
     TextureAlpha,
 };
+use belvedere_sensors::trace::Faces;
 use glam::DVec3;
 
 const FLOOR: Shape = Shape::Rectangle { size: [20.0, 20.0] };
@@ -366,5 +367,113 @@ fn normal_maps() {
             Some([0.5 * normal.dot(to_lamp) + 0.5 * highlight; 3])
         });
         assert!(compared > 60_000, "{compared}");
+    }
+}
+
+/// A cube of 0.8 m of triangles, outside or inside out, above a floor in the light of one lamp.
+fn floor_and_cube(light: &LightConfig, inside_out: bool) -> SceneBuilder {
+    let mut builder = SceneBuilder::new();
+    builder.set_environment(Environment { ambient: [0.2; 3], background: [0.0; 3] });
+    let material = builder.add_material(&MaterialConfig::default()).unwrap();
+    let side = |bit: u32, index: u32| if index >> bit & 1 == 0 { -0.4 } else { 0.4 };
+    let corners: Vec<[f32; 3]> =
+        (0..8).map(|index| [side(0, index), side(1, index), side(2, index)]).collect();
+    let squares = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles: Vec<[u32; 3]> = squares
+        .into_iter()
+        .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
+        .map(|[a, b, c]| if inside_out { [a, c, b] } else { [a, b, c] })
+        .collect();
+    let cube = builder.add_mesh(&corners, &[], &triangles).unwrap();
+    add(&mut builder, FLOOR, Pose::IDENTITY, material);
+    add(&mut builder, Shape::Mesh(cube), Pose::from_translation(BALL_AT), material);
+    builder.add_light(light).unwrap();
+    builder
+}
+
+#[test]
+fn a_mesh_inside_out_looks_as_its_right_side_does() {
+    let sun = LightKind::Directional { direction: [0.3, -0.2, -1.0] };
+    for (kind, cast_shadows) in
+        [(sun, false), (sun, true), (LightKind::Point { position: LAMP_AT.to_array() }, false)]
+    {
+        let light = LightConfig { kind, cast_shadows, ..LightConfig::default() };
+        for edges in [Edges::Sharp, Edges::Smooth] {
+            let right = picture(&floor_and_cube(&light, false), camera().edges(edges), view());
+            let both = camera().edges(edges).faces(Faces::Both);
+            let same = picture(&floor_and_cube(&light, false), both, view());
+            assert!(right == same, "of a closed mesh both sides are the outside: {kind:?}");
+            let turned = picture(&floor_and_cube(&light, true), both, view());
+            let off = right.iter().zip(&turned).filter(|(a, b)| a.abs_diff(**b) > 1).count();
+            assert!(off < 40, "{off} values differ by more than a step: {kind:?}, {edges:?}");
+            let seen_through = picture(&floor_and_cube(&light, true), camera().edges(edges), view());
+            let off = right.iter().zip(&seen_through).filter(|(a, b)| a.abs_diff(**b) > 1).count();
+            assert!(off > 1000, "front faces alone show its far inside");
+        }
+    }
+}
+
+#[test]
+fn insides_are_lit_by_what_is_inside() {
+    let pose = Pose::from_xyz_rpy(DVec3::new(0.2, -0.1, 0.3), DVec3::new(0.1, 0.2, 0.3));
+    let lamp = pose.transform_point(DVec3::new(0.4, 0.5, -0.3));
+    let half = DVec3::new(2.0, 1.5, 1.2);
+    let shapes = [Shape::Box { size: (half * 2.0).to_array() }, Shape::Sphere { radius: 1.5 }];
+    let sun = LightKind::Directional { direction: [0.3, -0.2, -1.0] };
+    let outside = LightKind::Point { position: [0.5, 9.0, 7.0] };
+    for shape in shapes {
+        for (kind, is_inside) in
+            [(LightKind::Point { position: lamp.to_array() }, true), (outside, false), (sun, false)]
+        {
+            let mut builder = SceneBuilder::new();
+            builder.set_environment(Environment { ambient: [0.2; 3], background: [0.0; 3] });
+            let material = builder.add_material(&MaterialConfig::default()).unwrap();
+            let MaterialConfig { ambient, diffuse, .. } = MaterialConfig::default();
+            add(&mut builder, shape, pose, material);
+            let light = LightConfig {
+                kind,
+                diffuse: [0.7; 3],
+                attenuation: [1.0, 0.0, 0.0],
+                range_m: f32::INFINITY,
+                cast_shadows: true,
+                ..LightConfig::default()
+            };
+            builder.add_light(&light).unwrap();
+            let view = pose * Pose::from_xyz_rpy(DVec3::new(-0.5, 0.1, 0.2), DVec3::new(0.3, 0.5, 1.0));
+            let pixels = picture(&builder, camera().faces(Faces::Both), view);
+            let mut compared = 0;
+            for (index, pixel) in pixels.as_chunks::<3>().0.iter().enumerate() {
+                let ray = pixel_ray(&camera(), &view, index as u32 % SIZE[0], index as u32 / SIZE[0]);
+                let t = first_hit(&shape, &pose, &ray, 0.0, true).expect("all around");
+                let point = ray.origin + ray.direction * t;
+                let local = pose.inverse().transform_point(point);
+                let normal = if matches!(shape, Shape::Sphere { .. }) {
+                    -local.normalize()
+                } else {
+                    let share = (local / half).abs();
+                    let axis = share.max_position();
+                    let mut others = share.to_array();
+                    others[axis] = 0.0;
+                    if others.into_iter().fold(0.0, f64::max) > 0.999 {
+                        continue;
+                    }
+                    DVec3::AXES[axis] * -local[axis].signum()
+                };
+                let normal = pose.rotation() * normal;
+                let gain = if is_inside { normal.dot((lamp - point).normalize()).max(0.0) } else { 0.0 };
+                for channel in 0..3 {
+                    let expected =
+                        f64::from(ambient[channel]) * 0.2 + f64::from(diffuse[channel]) * 0.7 * gain;
+                    let error = (f64::from(pixel[channel]) - 255.0 * expected.min(1.0)).abs();
+                    assert!(
+                        error < 0.52,
+                        "pixel {index} is {pixel:?}, should be {}: {shape:?}, {kind:?}",
+                        expected * 255.0
+                    );
+                }
+                compared += 1;
+            }
+            assert!(compared > 70_000, "{compared}");
+        }
     }
 }

@@ -117,12 +117,14 @@ impl<'a> Brush<'a> {
             resolver: Resolver::new(band.view),
             seen: Tile::new(),
             shader: match camera.config().edges {
-                Edges::Sharp => Shader::new(),
-                Edges::Smooth => Shader::telling(),
+                Edges::Sharp => Shader::new(camera.sight().faces),
+                Edges::Smooth => Shader::telling(camera.sight().faces),
             },
             through: Through::new(),
             uniform: match camera.config() {
-                CameraConfig { edges: Edges::Sharp, device: None, .. } => UniformTiles::new(&band.view.scene),
+                CameraConfig { edges: Edges::Sharp, device: None, faces, .. } => {
+                    UniformTiles::new(&band.view.scene, *faces)
+                }
                 _ => None,
             },
             sight: camera.sight(),

@@ -4,6 +4,7 @@ use crate::device::{DeviceConfig, DeviceError, PixelFormat};
 use crate::noise::GaussianNoise;
 use crate::optics::{GridError, Optics};
 use crate::sensor::edges::Edges;
+use crate::trace::Faces;
 
 /// Largest width and height of a picture in pixels.
 pub const MAX_IMAGE_SIZE: u32 = 16384;
@@ -29,6 +30,10 @@ pub struct CameraConfig<'a> {
     pub near_m: f64,
     /// What is farther is not seen, measured as `near_m`, more than it.
     pub far_m: f64,
+    /// Which sides of surfaces it sees. With [`Faces::Front`], as renderers cull back faces and Gazebo does, a camera inside its
+    /// own housing sees out, and a mesh whose triangles run clockwise, seen from outside, shows its far inside or nothing.
+    /// With [`Faces::Both`] nothing is seen through; the inside of a surface is shaded with its normal turned to the camera.
+    pub faces: Faces,
     /// Factor of the light that reaches the sensor, finite, 0 or more: 1 as the scene is lit. Colours are proportional to
     /// it until they saturate at 1, as the electrons of a sensor are to its time of exposure (the linear model of EMVA
     /// 1288); shading computes in such proportional colours, without gamma.
@@ -47,13 +52,14 @@ pub struct CameraConfig<'a> {
 }
 
 impl<'a> CameraConfig<'a> {
-    /// An RGB camera that sees from 0.02 to 300 m, without noise, of seed and number 0.
+    /// An RGB camera that sees the outside of surfaces from 0.02 to 300 m, without noise, of seed and number 0.
     pub fn new(optics: impl Into<Optics<'a>>) -> Self {
         Self {
             optics: optics.into(),
             format: PixelFormat::Rgb8,
             near_m: 0.02,
             far_m: 300.0,
+            faces: Faces::Front,
             exposure: 1.0,
             edges: Edges::Sharp,
             noise: GaussianNoise::NONE,
@@ -70,6 +76,8 @@ impl<'a> CameraConfig<'a> {
         near_m: f64,
         /// Sets the farthest that is seen, in metres.
         far_m: f64,
+        /// Sets which sides of surfaces it sees.
+        faces: Faces,
         /// Sets the exposure.
         exposure: f32,
         /// Sets what becomes of edges.

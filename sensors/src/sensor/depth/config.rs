@@ -4,14 +4,18 @@ use crate::device::depth::DepthModel;
 use crate::device::depth::presets::DepthPreset;
 use crate::optics::{LensError, PinholeGrid};
 use crate::sensor::camera::CameraConfig;
-use crate::trace::TooNear;
+use crate::trace::{Faces, TooNear};
 
 /// What a depth camera is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct DepthCameraConfig<'a> {
-    /// Geometry, clip distances, and the colour picture.
+    /// Geometry, clip distances, and the colour picture. Its `faces` do not count.
     pub camera: CameraConfig<'a>,
+    /// Which sides of surfaces it sees, in depths, colours, cloud and truth alike, so that these are of the same surfaces.
+    /// With [`Faces::Both`] nothing is seen through: a mesh whose triangles run clockwise is measured as well, and so is the
+    /// inside of a housing around the camera. With [`Faces::Front`], as in Gazebo, only outsides are seen.
+    pub faces: Faces,
     /// Depth at or below is too near, in metres.
     pub min_depth_m: f64,
     /// Depth at or above is too far, in metres; may be infinite.
@@ -26,10 +30,12 @@ pub struct DepthCameraConfig<'a> {
 }
 
 impl<'a> DepthCameraConfig<'a> {
-    /// A depth camera without noise, whose depths are limited by the clip distances alone.
+    /// A depth camera without noise, whose depths are limited by the clip distances alone, and which sees both sides of
+    /// surfaces.
     pub fn new(camera: CameraConfig<'a>) -> Self {
         Self {
             camera,
+            faces: Faces::Both,
             min_depth_m: 0.0,
             max_depth_m: f64::INFINITY,
             out_of_range: OutOfRange::Infinite,
@@ -63,6 +69,8 @@ impl<'a> DepthCameraConfig<'a> {
     setters! {
         /// Sets the camera.
         camera: CameraConfig<'a>,
+        /// Sets which sides of surfaces it sees: [`Faces::Front`] for what Gazebo renders.
+        faces: Faces,
         /// Sets the depth at and below which is too near, in metres.
         min_depth_m: f64,
         /// Sets the depth at and above which is too far, in metres.

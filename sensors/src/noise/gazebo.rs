@@ -135,8 +135,8 @@ impl GaussianNoise {
         if self.precision == 0.0 {
             return noisy;
         }
-        // Of steps that are much finer than the value's own last bit, more than f32 can count may go into the value, which
-        // then lies on a step as well as it can; so no precision has to be refused.
+        // More steps than f32 can count may go into a value. They are finer than its last bit, and it stays as it is; so no
+        // precision has to be refused. Nor does a value leave f32 because its nearest step does.
         let stepped = round(noisy / self.precision) * self.precision;
         if stepped.abs() < f32::INFINITY { stepped } else { noisy }
     }

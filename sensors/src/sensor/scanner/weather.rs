@@ -134,7 +134,7 @@ const MOST_EXPECTED: f64 = 12.0;
 /// three for the place of each.
 const UNIFORMS: u32 = 64;
 const NORMALS: u32 = 128;
-const _: () = assert!(1 + MOST_DROPS <= UNIFORMS as usize && 3 * MOST_DROPS <= NORMALS as usize);
+const _: () = assert!(MOST_DROPS < UNIFORMS as usize && 3 * MOST_DROPS <= NORMALS as usize);
 /// Most echoes of the air to one firing: fog, and drops of two kinds.
 pub(super) const MOST_IN_AIR: usize = 1 + 2 * MOST_DROPS;
 /// Divergence of LISA's beam, which those without a width of their own have to drops.

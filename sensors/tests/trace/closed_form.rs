@@ -5,6 +5,7 @@ use crate::common::{LIDAR, SIZE, add_grey, camera, depth_camera, depth_image, lo
 use belvedere_sensors::Pose;
 use belvedere_sensors::lidar::{Beams, TooNear};
 use belvedere_sensors::scene::{SceneBuilder, Shape};
+use belvedere_sensors::trace::Faces;
 use core::f64::consts::PI;
 use glam::DVec3;
 
@@ -43,14 +44,15 @@ fn views() -> [Pose; 6] {
     ]
 }
 
-/// Compares a depth image of one shape with the formula and returns how many pixels it covers.
-fn check_depths(depths: &[f32], shape: &Shape, shape_pose: &Pose, view: &Pose) -> usize {
+/// Compares a depth image of one shape, of these sides, with the formula and returns how many pixels it covers.
+fn check_depths(depths: &[f32], shape: &Shape, shape_pose: &Pose, view: &Pose, faces: Faces) -> usize {
+    let both = faces == Faces::Both;
     let mut covered = 0;
     for (index, &depth) in depths.iter().enumerate() {
         let (column, row) = (index as u32 % SIZE[0], index as u32 / SIZE[0]);
         let ray = pixel_ray(&camera(), view, column, row);
         let hit = |shape: &Shape| {
-            first_hit(shape, shape_pose, &ray, camera().near_m, false).filter(|t| *t < camera().far_m)
+            first_hit(shape, shape_pose, &ray, camera().near_m, both).filter(|t| *t < camera().far_m)
         };
         let at_edge =
             || hit(&scaled(shape, 1.0 + EDGE)).is_some() != hit(&scaled(shape, 1.0 - EDGE)).is_some();
@@ -77,8 +79,12 @@ fn depth_of_every_shape() {
         add_grey(&mut builder, shape, shape_pose());
         let mut covered = 0;
         for view in views() {
-            let depths = depth_image(&builder, depth_camera(), view);
-            covered += check_depths(&depths, &shape, &shape_pose(), &view);
+            let [front, both] = [Faces::Front, Faces::Both].map(|faces| {
+                let depths = depth_image(&builder, depth_camera().faces(faces), view);
+                check_depths(&depths, &shape, &shape_pose(), &view, faces)
+            });
+            assert!(both >= front, "{shape:?} covers {both} pixels of both sides and {front} of its outside");
+            covered += front;
         }
         assert!(covered > 50_000, "{shape:?} covers only {covered} pixels of all views");
     }
@@ -116,7 +122,7 @@ fn depth_of_a_mesh() {
     add_grey(&mut builder, Shape::Mesh(mesh), shape_pose());
     for view in views() {
         let depths = depth_image(&builder, depth_camera(), view);
-        check_depths(&depths, &shape, &shape_pose(), &view);
+        check_depths(&depths, &shape, &shape_pose(), &view, Faces::Both);
     }
 }
 
@@ -128,7 +134,7 @@ fn a_hundred_kilometres_away_all_looks_the_same() {
         add_grey(&mut builder, shape, far * shape_pose());
         let view = far * views()[0];
         let depths = depth_image(&builder, depth_camera(), view);
-        check_depths(&depths, &shape, &(far * shape_pose()), &view);
+        check_depths(&depths, &shape, &(far * shape_pose()), &view, Faces::Both);
     }
 }
 
@@ -153,7 +159,7 @@ fn the_nearest_of_many_shapes() {
         let ray = pixel_ray(&camera(), &view, index as u32 % SIZE[0], index as u32 / SIZE[0]);
         let truth = placed
             .iter()
-            .filter_map(|(shape, pose)| first_hit(shape, pose, &ray, camera().near_m, false))
+            .filter_map(|(shape, pose)| first_hit(shape, pose, &ray, camera().near_m, true))
             .fold(f64::INFINITY, f64::min);
         let agrees = f64::from(depth) == truth || (f64::from(depth) - truth).abs() < RELATIVE_ERROR * truth;
         edges += usize::from(!agrees);
@@ -177,8 +183,11 @@ fn a_camera_sees_out_of_its_housing() {
     }
     let wall = Shape::Box { size: [0.1, 20.0, 20.0] };
     add_grey(&mut builder, wall, Pose::from_translation(DVec3::X * 2.05));
-    let depths = depth_image(&builder, depth_camera(), Pose::IDENTITY);
+    let depths = depth_image(&builder, depth_camera().faces(Faces::Front), Pose::IDENTITY);
     assert!(depths.iter().all(|depth| (depth - 2.0).abs() < 2e-5));
+    // The nearest inside is that of a side of the box, half of its edge away.
+    let depths = depth_image(&builder, depth_camera(), Pose::IDENTITY);
+    assert!(depths.iter().all(|depth| *depth <= 0.15 + 1e-6));
 }
 
 /// A wall across the view at that depth.
@@ -191,7 +200,7 @@ fn wall_at(depth: f64) -> SceneBuilder {
 
 #[test]
 fn clip_distances_and_cutoffs() {
-    let mut config = depth_camera().min_depth_m(0.4).max_depth_m(5.0);
+    let mut config = depth_camera().faces(Faces::Front).min_depth_m(0.4).max_depth_m(5.0);
     (config.camera.near_m, config.camera.far_m) = (0.25, 8.0);
     for (depth, infinite) in [
         (0.2, f32::NEG_INFINITY), // Before the near clip.

@@ -13,6 +13,7 @@ use belvedere_sensors::scene::{
     HeightField, HeightGrid, InstanceConfig, MaterialConfig, SceneBuilder, SceneError, Shape,
 };
 use belvedere_sensors::simd::WIDTH;
+use belvedere_sensors::trace::Faces;
 use glam::DVec3;
 
 /// A pixel may disagree about hit and miss where a change of the shape's size by this part changes the answer.
@@ -56,6 +57,7 @@ fn check_within(
     builder.add_instance(&config).unwrap();
     let camera =
         depth_camera().camera(camera_of(size, 1.2).near_m(near).far_m(far)).too_near(TooNear::SeenThrough);
+    let camera = camera.faces(Faces::Front);
     let depths = depth_image(&builder, camera, view);
     let mut covered = 0;
     for (index, &depth) in depths.iter().enumerate() {

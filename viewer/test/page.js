@@ -68,8 +68,12 @@ try {
   await until("paused by space", async () => (await viewer(page)).state === "paused");
   assert.ok((await viewer(page)).stamp >= reset, "space has reset it again");
   assert.equal(await page.textContent("#state"), "paused");
+  const standing = (await viewer(page)).stamp;
   await page.click("#step");
-  await until("a step", async () => (await viewer(page)).stamp > reset);
+  await until("a step", async () => (await viewer(page)).stamp > standing);
+  // While the stamp changes, the page says that time runs, and space would pause.
+  await sleep(1000);
+  await until("paused after the step", async () => (await viewer(page)).state === "paused");
   await page.check("#frames");
   await page.uncheck("#frames");
   await page.keyboard.press("Space");

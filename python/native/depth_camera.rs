@@ -36,7 +36,7 @@ impl DepthCamera {
 #[pymethods]
 impl DepthCamera {
     #[new]
-    #[pyo3(signature = (size, lens, clip, exposure, grey, smooth, noise, device, range, depth_noise, model, projector, both_faces))]
+    #[pyo3(signature = (size, lens, clip, exposure, grey, smooth, noise, device, range, depth_noise, model, projector, faces))]
     fn new(
         size: [u32; 2],
         lens: (Option<(String, Vec<f64>)>, Option<f64>),
@@ -50,7 +50,7 @@ impl DepthCamera {
         depth_noise: [f32; 2],
         model: Option<&str>,
         projector: bool,
-        both_faces: bool,
+        faces: u8,
     ) -> PyResult<Self> {
         let argument = if lens.0.is_some() { "lens" } else { "fov" };
         let eye = Eye::new(size, lens, clip, exposure, (grey, smooth), noise, device)?;
@@ -82,7 +82,8 @@ impl DepthCamera {
             }
         }
         let range = [range[0].unwrap_or(limits[0]), range[1].unwrap_or(limits[1])];
-        let faces = if both_faces { Faces::Both } else { Faces::Front };
+        // As the Python face numbers them.
+        let faces = if faces == 1 { Faces::Both } else { Faces::Front };
         let camera = Self { eye, range, model: depth_model, faces };
         depth::DepthCamera::new(camera.config(0)).map_err(value_error)?;
         Ok(camera)

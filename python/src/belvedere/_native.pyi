@@ -149,7 +149,7 @@ class DepthCamera:
         depth_noise: Sequence[float],
         model: str | None,
         projector: bool,
-        both_faces: bool,
+        faces: int,
     ) -> DepthCamera: ...
     @staticmethod
     def presets() -> list[tuple[str, tuple[int, int], float, tuple[float, float]]]: ...

@@ -340,7 +340,7 @@ class DepthCamera(Sensor):
             [0.0, _arrays.number("noise", noise)],
             model,
             bool(projector),
-            _arrays.choice("faces", faces, {"front": 0, "both": 1}) == 1,
+            _arrays.choice("faces", faces, {"front": 0, "both": 1}),
         )
         self._frame = (size[1], size[0])
         self._channels = {

@@ -29,6 +29,7 @@ const BRIDGE: &[&str] = &[
     "clock",
     "session",
     "open_files",
+    "own",
     "wire",
     "consumer",
     "error",

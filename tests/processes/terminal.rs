@@ -178,7 +178,8 @@ fn robots_come_and_go_without_a_terminal() {
         .spawn()
         .unwrap();
     let started = Instant::now();
-    while !output(&["list", "--domain", &domain]).status.success() {
+    // The streams of commands are there first, before anything is published.
+    while !String::from_utf8_lossy(&output(&["list", "--domain", &domain]).stdout).contains("/odom") {
         assert!(started.elapsed() < PATIENCE);
         std::thread::sleep(Duration::from_millis(50));
     }

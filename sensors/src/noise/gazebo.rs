@@ -171,10 +171,10 @@ impl GaussianNoise {
     ) -> f32x16<S> {
         let noisy = values + (normals * self.stddev + (bias + self.mean));
         if self.precision == 0.0 {
-            noisy
-        } else {
-            round_vector(simd, noisy / self.precision) * self.precision
+            return noisy;
         }
+        let stepped = round_vector(simd, noisy / self.precision) * self.precision;
+        stepped.abs().simd_lt(f32x16::splat(simd, f32::INFINITY)).select(stepped, noisy)
     }
 
     /// [`GaussianNoise::apply`] to many values, each with the normal of its place.

@@ -1,5 +1,6 @@
 #include "namespace.hpp"
 
+#include <ros/connection_manager.h>
 #include <ros/console.h>
 
 #include <utility>
@@ -16,7 +17,7 @@ constexpr std::chrono::milliseconds kSettled{400};
 }  // namespace
 
 Namespace::Namespace(const ros::NodeHandle& nh, const std::string& name, Domain& domain)
-    : nh_(nh, name), is_wanted_(!name.empty()), domain_(domain) {}
+    : nh_(nh, name), is_wanted_(!name.empty()), port_(ros::ConnectionManager::instance()->getTCPPort()), domain_(domain) {}
 
 Namespace::~Namespace() = default;
 
@@ -27,7 +28,7 @@ void Namespace::look() {
         if (Services::are_at(nh_)) return leave();
         services_ = std::make_unique<Services>(nh_, domain_);
         claimed_ = now;
-    } else if (!services_->are_ours()) {
+    } else if (!services_->are_ours(port_)) {
         leave();
     } else if (!is_ours_ && now - claimed_ >= kSettled) {
         services_->serve_all();

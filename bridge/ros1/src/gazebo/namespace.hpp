@@ -4,6 +4,7 @@
 #include <ros/node_handle.h>
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -33,6 +34,9 @@ private:
 
     const ros::NodeHandle nh_;
     const bool is_wanted_;
+    /// Where this process serves. Once roscpp shuts down, which another thread may have it do at any time, asking for it
+    /// aborts the process.
+    const std::uint32_t port_;
     Domain& domain_;
     std::unique_ptr<Services> services_;
     std::chrono::steady_clock::time_point claimed_;

@@ -1,7 +1,6 @@
 #include "services.hpp"
 
 #include <boost/make_shared.hpp>
-#include <ros/connection_manager.h>
 #include <ros/network.h>
 #include <ros/service_manager.h>
 
@@ -73,13 +72,13 @@ void Services::serve_all() {
     states_ = nh_.subscribe<gazebo_msgs::ModelState>(kStates, kQueue, receive);
 }
 
-bool Services::are_ours() const {
+bool Services::are_ours(std::uint32_t own_port) const {
     if (!servers_.front()) return false;  // another nodelet of this process was the first
     std::string host;
     std::uint32_t port = 0;
     // A master that does not answer has given it to nobody else.
     return !ros::ServiceManager::instance()->lookupService(servers_.front().getService(), host, port) ||
-           (host == ros::network::getHost() && port == ros::ConnectionManager::instance()->getTCPPort());
+           (host == ros::network::getHost() && port == own_port);
 }
 
 bool Services::are_at(const ros::NodeHandle& nh) {

@@ -11,6 +11,7 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,8 @@ public:
     /// Serves the others too. To be called once.
     void serve_all();
 
-    /// Whether the master has the first of them here: false when another node has registered it since.
-    bool are_ours() const;
+    /// Whether the master has the first of them here, at this process's port: false when another node has registered it since.
+    bool are_ours(std::uint32_t own_port) const;
 
     /// Whether some node serves them there already.
     static bool are_at(const ros::NodeHandle& nh);

@@ -16,6 +16,9 @@ pub struct Budgets {
     /// What the ratios of each SIMD level were measured on.
     #[serde(default)]
     pub processors: BTreeMap<String, String>,
+    /// Ratios of other processors, by processor and SIMD level, where an entry differs by more than the tolerance.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub elsewhere: BTreeMap<String, BTreeMap<String, Ratios>>,
     /// By SIMD level.
     #[serde(flatten)]
     pub levels: BTreeMap<String, Ratios>,
@@ -26,6 +29,7 @@ const HEAD: &str = "\
 # Ratios, more of which is better, by SIMD level: written by `cargo bench --bench gate -- --record`.
 # Those of frames that were new on another or a busy machine are, by hand, an eighth lower than measured there.
 # Those of rings (R2) at avx512 are, by hand, the lowest that were seen on two machines.
+# Those of other processors (elsewhere), by hand, are the lowest that were measured there.
 # Instructions, by hand from what `cargo bench --bench counts` prints.
 
 ";
@@ -53,7 +57,7 @@ impl Budgets {
     /// A text that names line and fault.
     pub fn parse(text: &str) -> Result<Self, String> {
         let budgets: Self = toml::from_str(text).map_err(|error| error.to_string())?;
-        for (level, groups) in &budgets.levels {
+        for (level, groups) in budgets.elsewhere.values().chain([&budgets.levels]).flatten() {
             for (group, entries) in groups {
                 if let Some((entry, ratio)) =
                     entries.iter().find(|(_, ratio)| !(ratio.is_finite() && **ratio > 0.0))
@@ -82,6 +86,11 @@ impl Budgets {
     /// The recorded ratio.
     pub fn ratio(&self, level: &str, group: &str, entry: &str) -> Option<f64> {
         self.levels.get(level)?.get(group)?.get(entry).copied()
+    }
+
+    /// The ratio that was recorded on a processor that is not that of the other records.
+    pub fn ratio_elsewhere(&self, processor: &str, level: &str, group: &str, entry: &str) -> Option<f64> {
+        self.elsewhere.get(processor)?.get(level)?.get(group)?.get(entry).copied()
     }
 
     /// Records a ratio, to three digits.

@@ -3,7 +3,7 @@
 use super::clock::Clock;
 use super::measure::{Measured, Side, measure};
 use super::options::Options;
-use super::verdict::{Verdict, judge};
+use super::verdict::{TOLERANCE, Verdict, judge};
 use crate::budgets::Budgets;
 
 /// An entry that seems to have fallen is measured so many times, and the best counts: noise passes. What is
@@ -38,6 +38,7 @@ pub struct Entry<'a> {
 pub struct Gate<'a> {
     pub options: &'a Options,
     pub level: &'static str,
+    pub processor: String,
     pub budgets: Budgets,
     /// How far ratios may fall.
     pub tolerance: f64,
@@ -50,8 +51,13 @@ pub struct Gate<'a> {
 }
 
 impl<'a> Gate<'a> {
-    pub fn new(options: &'a Options, level: &'static str, budgets: Budgets, tolerance: f64) -> Self {
-        Self { options, level, budgets, tolerance, fallen: Vec::new(), measured: 0, left_out: 0 }
+    pub fn new(
+        options: &'a Options,
+        (level, processor): (&'static str, String),
+        budgets: Budgets,
+        tolerance: f64,
+    ) -> Self {
+        Self { options, level, processor, budgets, tolerance, fallen: Vec::new(), measured: 0, left_out: 0 }
     }
 
     /// The head of the table.
@@ -75,13 +81,15 @@ impl<'a> Gate<'a> {
         (ours, ours_work): (&mut dyn FnMut(), f64),
         (theirs, theirs_work): (&mut dyn FnMut(), f64),
     ) {
-        let recorded = self.budgets.ratio(self.level, entry.group, entry.name);
+        let elsewhere = self.budgets.ratio_elsewhere(&self.processor, self.level, entry.group, entry.name);
+        let tolerance = elsewhere.map_or(self.tolerance, |_| TOLERANCE);
+        let recorded = elsewhere.or_else(|| self.budgets.ratio(self.level, entry.group, entry.name));
         let mut kept: Option<(Measured, Verdict)> = None;
         for _ in 0..TRIES {
             let ours = Side { call: &mut *ours, work: ours_work };
             let theirs = Side { call: &mut *theirs, work: theirs_work };
             let measured = measure(entry.clock, self.options.rounds(), ours, theirs);
-            let verdict = judge(measured.ratio, recorded, self.tolerance);
+            let verdict = judge(measured.ratio, recorded, tolerance);
             let keep = |(kept, _): (Measured, Verdict)| {
                 if self.options.record { measured.ratio < kept.ratio } else { measured.ratio > kept.ratio }
             };

@@ -60,7 +60,7 @@ fn run(options: &Options) -> Result<(), String> {
     if options.record && !options.filter.is_empty() && budgets.processors.get(name) != Some(&processor) {
         return Err(format!("the records of {name} are not of this processor: record all, without --filter"));
     }
-    let mut gate = Gate::new(options, name, budgets, tolerance);
+    let mut gate = Gate::new(options, (name, processor.clone()), budgets, tolerance);
     gate.print_head();
     for name in SCENES {
         casts::run(&mut gate, name, simd)?;

@@ -40,11 +40,23 @@ fn a_record_is_kept_for_its_level_alone() {
     assert_eq!(budgets.ratio("avx2", "S1", "R1"), Some(12.3));
     assert_eq!(budgets.ratio("avx2", "S3", "R2"), Some(0.0123));
     assert_eq!(budgets.ratio("avx512", "S1", "R1"), None);
+    let text = "[elsewhere.\"some processor\".avx2.S1]\nR1 = 4.0\n[avx2.S1]\nR1 = 7.0";
+    let budgets = Budgets::parse(text).expect("TOML");
+    assert_eq!(budgets.ratio("avx2", "S1", "R1"), Some(7.0));
+    let found = |processor: &str, level: &str| budgets.ratio_elsewhere(processor, level, "S1", "R1");
+    assert_eq!(found("some processor", "avx2"), Some(4.0));
+    assert_eq!((found("some processor", "avx512"), found("another", "avx2")), (None, None));
 }
 
 #[test]
 fn a_record_that_nothing_could_fall_below_is_an_error() {
-    for bad in ["[avx2.S1]\nR1 = nan", "[avx2.S1]\nR1 = 0.0", "[avx2.S1]\nR1 = -3.0", "[avx2]\nR1 = 3.0"] {
+    for bad in [
+        "[avx2.S1]\nR1 = nan",
+        "[avx2.S1]\nR1 = 0.0",
+        "[avx2.S1]\nR1 = -3.0",
+        "[avx2]\nR1 = 3.0",
+        "[elsewhere.p.avx2.S1]\nR1 = 0.0",
+    ] {
         assert!(Budgets::parse(bad).is_err(), "{bad}");
     }
 }
